@@ -1,0 +1,50 @@
+/* file.h - files read at offsets, and outputs that appear under their name only when complete.
+ *
+ * Reading: any number of threads may read one `file` at once. Writing: one thread per `out_file`.
+ */
+#ifndef FORMATS_BASE_FILE_H
+#define FORMATS_BASE_FILE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+
+typedef struct file file;
+
+/* file_open() - a regular file for reading; ST_IO with the system's reason otherwise. The path is copied. */
+CHECKED status file_open(mem *m, const char *path, file **out);
+void file_close(file *f); /* NULL is fine */
+
+const char *file_path(const file *f);
+uint64_t file_size(const file *f);
+int file_descriptor(const file *f);
+
+/* file_read_at() - exactly size bytes; ST_CORRUPT ("ends at byte N, expected ...") past the end, ST_IO on an error. */
+CHECKED status file_read_at(file *f, uint64_t offset, void *buffer, size_t size);
+
+typedef struct out_file out_file;
+
+/* out_file_create() - open a temporary file beside path. ST_EXISTS when path exists and force is false. Data that is
+ * also read back (a spill, a header written last) goes through out_file_read_at(). */
+CHECKED status out_file_create(mem *m, const char *path, bool force, out_file **out);
+
+/* out_file_scratch() - a temporary file beside path that has no name and vanishes on close. */
+CHECKED status out_file_scratch(mem *m, const char *path, out_file **out);
+
+CHECKED status out_file_write_at(out_file *f, uint64_t offset, const void *data, size_t size);
+CHECKED status out_file_append(out_file *f, const void *data, size_t size); /* at the end of what was appended */
+CHECKED status out_file_read_at(out_file *f, uint64_t offset, void *buffer, size_t size);
+uint64_t out_file_end(const out_file *f); /* bytes appended so far */
+const char *out_file_path(const out_file *f);
+
+/* out_file_commit() - fsync, rename to the final name (refusing to overwrite without force), fsync the folder, close.
+ * On an error the temporary file is removed. Consumes f in any case. */
+CHECKED status out_file_commit(out_file *f);
+
+/* out_file_discard() - remove the temporary file and close. NULL is fine. */
+void out_file_discard(out_file *f);
+
+#endif

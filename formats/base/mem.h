@@ -1,0 +1,38 @@
+/* mem.h - the one allocator: counted, budgeted, with a high-water mark.
+ *
+ * A `mem` is a budget that a job (a conversion, an open volume) hands to everything it creates. Blocks are aligned to
+ * 64 bytes, as SIMD kernels and cache lines want. All functions are thread-safe.
+ */
+#ifndef FORMATS_BASE_MEM_H
+#define FORMATS_BASE_MEM_H
+
+#include <stdatomic.h>
+#include <stddef.h>
+
+typedef struct mem {
+    atomic_size_t used; /* bytes in blocks not yet freed, book-keeping included */
+    atomic_size_t peak; /* the most that `used` ever was */
+    size_t limit;       /* 0: no limit */
+} mem;
+
+void mem_init(mem *m, size_t limit);
+
+/* mem_alloc(), mem_zalloc() - size bytes (at least 1), the second zeroed.
+ * NULL when the budget or the system has no room; the description says what was asked for, and the caller returns ST_NOMEM. */
+void *mem_alloc(mem *m, size_t size);
+void *mem_zalloc(mem *m, size_t size);
+
+/* mem_array() - count elements of size bytes each, zeroed; NULL on overflow too. */
+void *mem_array(mem *m, size_t count, size_t size);
+
+/* mem_copy_text() - a copy of a string in the budget. */
+char *mem_copy_text(mem *m, const char *text);
+
+/* mem_free() - NULL is fine. */
+void mem_free(mem *m, void *block);
+
+/* mem_used(), mem_peak() - bytes now, and at most. */
+size_t mem_used(const mem *m);
+size_t mem_peak(const mem *m);
+
+#endif
