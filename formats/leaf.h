@@ -1,0 +1,98 @@
+/* leaf.h - the treelet file, byte for byte; FORMAT.md says the same in words.
+ *
+ *   0                  header page, LEAF_HEADER_BYTES
+ *   LEAF_HEADER_BYTES  section table: header.sections entries of 32 bytes
+ *   ...                directory sections, each at a multiple of 64
+ *   ...                payload runs, each at a multiple of 2^run_align_log2: the payloads of one family of siblings, each at a
+ *                      multiple of 64 inside the run
+ *
+ * All little endian. Everything not named is zero, and checked to be.
+ *
+ * A treelet is a block of up to B^3 cells (B = 2^cells_log2) of one level of detail with the samples at their nodes, h more
+ * samples on every side, and the codes of the min/max kd-tree over it (M08 4.3, 4.4). Levels count from 0 = full resolution.
+ */
+#ifndef FORMATS_LEAF_H
+#define FORMATS_LEAF_H
+
+#include <stdint.h>
+
+enum {
+    LEAF_VERSION = 1,
+    LEAF_HEADER_BYTES = 4096,
+    LEAF_ALIGN = 64,        /* of sections, and of payloads inside a run */
+    LEAF_BLOCK_LOG2 = 2,    /* the trees end at blocks of 4^3 cells */
+    LEAF_CELLS_LOG2_MIN = 4,
+    LEAF_CELLS_LOG2_MAX = 6,
+    LEAF_LEVELS_MAX = 24,
+    LEAF_SECTIONS_MAX = 64
+};
+
+#define LEAF_MAGIC "\x89LEAF\r\n\x1a"
+
+typedef enum leaf_kind { LEAF_KIND_GRID = 1 } leaf_kind;             /* tetrahedra, hexahedra: later kinds */
+typedef enum leaf_codec { LEAF_CODEC_RAW = 0, LEAF_CODEC_ZSTD = 1 } leaf_codec;
+
+/* What a treelet's directory flags say. */
+enum { LEAF_FLAG_NON_FINITE = 1u << 0 }; /* a NaN or inf among its own cells' samples: use the NaN-aware kernel */
+
+/* clang-format off */
+typedef struct leaf_header {   /* offset size */
+    char magic[8];             /*    0    8  LEAF_MAGIC, without its NUL */
+    uint32_t version;          /*    8    4  LEAF_VERSION */
+    uint32_t kind;             /*   12    4  leaf_kind */
+    uint32_t sample_type;      /*   16    4  sample_type, one that sample_stored() yields */
+    uint32_t source_type;      /*   20    4  sample_type of the input */
+    uint32_t dims[3];          /*   24   12  nodes per axis of level 0 */
+    uint32_t levels;           /*   36    4  the coarsest fits one treelet */
+    uint32_t cells_log2;       /*   40    4  B = 2^cells_log2 */
+    uint32_t halo;             /*   44    4  h: 0 or 1 */
+    uint32_t block_log2;       /*   48    4  LEAF_BLOCK_LOG2 */
+    uint32_t run_align_log2;   /*   52    4  12: 4096 */
+    uint32_t codec;            /*   56    4  leaf_codec */
+    uint32_t rectilinear;      /*   60    4  1: section AXES is there */
+    uint32_t fields;           /*   64    4  1 for now */
+    uint32_t steps;            /*   68    4  1 for now */
+    uint32_t sections;         /*   72    4  entries of the section table */
+    uint32_t reserved0;        /*   76    4 */
+    uint64_t treelets;         /*   80    8  of all levels; implied by dims and B */
+    uint64_t payload_bytes;    /*   88    8  sum of the treelets' stored sizes */
+    uint64_t file_bytes;       /*   96    8  length of the whole file */
+    uint64_t non_finite;       /*  104    8  NaN and inf samples of level 0 */
+    double value_min;          /*  112    8  over the finite samples of level 0; */
+    double value_max;          /*  120    8    min > max when there are none */
+    double rounding_error;     /*  128    8  largest |stored - input| of level 0 */
+    double to_world[12];       /*  136   96  3x4 row-major, grid space to world space */
+    uint64_t id[2];            /*  232   16  XXH3-128 over the header page (id and checksum zero), section table, directory */
+    uint64_t checksum;         /*  248    8  XXH3-64 of the header page with this field zero */
+    char name[64];             /*  256   64  of the data set, NUL-padded UTF-8 */
+    char provenance[1024];     /*  320 1024  how it was made; no paths, no times */
+    uint8_t reserved[2752];    /* 1344 2752 */
+} leaf_header;
+
+typedef struct leaf_section {  /* offset size */
+    uint32_t kind;             /*    0    4  leaf_section_kind */
+    uint32_t version;          /*    4    4  1 */
+    uint64_t offset;           /*    8    8  from the file's start, a multiple of LEAF_ALIGN */
+    uint64_t bytes;            /*   16    8 */
+    uint64_t checksum;         /*   24    8  XXH3-64 of those bytes */
+} leaf_section;
+/* clang-format on */
+
+_Static_assert(sizeof(leaf_header) == LEAF_HEADER_BYTES, "leaf_header is a page");
+_Static_assert(sizeof(leaf_section) == 32, "leaf_section is 32 bytes");
+
+/* Directory sections: one array each, an element a treelet, in treelet order: coarsest level first; within a level by the
+ * parent's index, then by octant x + 2y + 4z. So siblings are neighbours, and the root is treelet 0. Which children exist, and
+ * every treelet's place, follows from dims and B alone. */
+typedef enum leaf_section_kind {
+    LEAF_SECTION_RANGES = 1,    /* float[2]: lo, hi over the treelet's finite samples and all its descendants' */
+    LEAF_SECTION_OWN = 2,       /* float[2]: lo, hi over the treelet's own finite samples, halo apart; codes relate to it */
+    LEAF_SECTION_FLAGS = 3,     /* uint8_t: LEAF_FLAG_* */
+    LEAF_SECTION_OFFSETS = 4,   /* uint64_t: payload's offset in the file */
+    LEAF_SECTION_SIZES = 5,     /* uint64_t: payload's stored bytes */
+    LEAF_SECTION_CHECKSUMS = 6, /* uint64_t: XXH3-64 of the stored bytes */
+    LEAF_SECTION_AXES = 7       /* double[dims[0] + dims[1] + dims[2]]: node coordinates in grid space, level 0 */
+} leaf_section_kind;
+/* A treelet without a finite sample has lo = +inf, hi = -inf. */
+
+#endif

@@ -1,0 +1,74 @@
+/* leaf_layout.h - the geometry of a treelet file: all that follows from dims, B, h and the sample type alone.
+ *
+ * Nothing of this is stored in the file; writer, reader and renderer derive it here.
+ */
+#ifndef FORMATS_LEAF_LAYOUT_H
+#define FORMATS_LEAF_LAYOUT_H
+
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+#include "formats/leaf.h"
+#include "formats/sample.h"
+
+enum { LEAF_NO_TREELET = 0xFFFFFFFFu };
+
+typedef struct leaf_level {
+    uint32_t dims[3];     /* nodes */
+    uint32_t cells[3];    /* dims - 1 */
+    uint32_t treelets[3]; /* per axis */
+    uint32_t first;       /* index of its first treelet */
+    uint32_t count;
+} leaf_level;
+
+typedef struct leaf_layout {
+    uint32_t cells_log2, halo, levels;
+    sample_type type;
+    uint32_t treelets; /* of all levels */
+    leaf_level level[LEAF_LEVELS_MAX];
+    /* Per treelet: */
+    uint32_t *first_child;     /* LEAF_NO_TREELET at level 0 */
+    uint32_t (*place)[3];      /* position in its level's treelet grid */
+    uint8_t *level_of;
+    mem *m;
+} leaf_layout;
+
+/* leaf_layout_levels() - number of levels of a grid; fills level[].dims/cells/treelets/first/count and totals without
+ * allocating; ST_UNSUPPORTED when more than 2^32 - 2 treelets or LEAF_LEVELS_MAX levels were needed. */
+CHECKED status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32_t cells_log2, uint32_t halo, sample_type type);
+
+/* leaf_layout_init() - the above and the per-treelet arrays. */
+CHECKED status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t cells_log2, uint32_t halo,
+                                sample_type type);
+void leaf_layout_release(leaf_layout *l);
+
+/* leaf_layout_find() - the treelet at a place of a level: descends from the root, so O(levels). */
+uint32_t leaf_layout_find(const leaf_layout *l, uint32_t level, const uint32_t place[3]);
+
+/* leaf_layout_children() - which octants of a treelet exist, as a bit mask (bit x + 2y + 4z); 0 at level 0. The child in octant o is
+ * first_child[t] + number of existing octants below o. */
+uint8_t leaf_layout_children(const leaf_layout *l, uint32_t treelet);
+
+/* Of one treelet's payload, before compression. */
+typedef struct leaf_payload {
+    uint32_t cells[3];    /* real cells, 1 .. B */
+    uint32_t samples[3];  /* cells + 1 + 2 halo: the sample array, x fastest */
+    uint32_t node_levels; /* K = cells_log2 - LEAF_BLOCK_LOG2: tree levels of 8, 64, .. 8^K nodes */
+    uint32_t samples_at;  /* byte offset of the sample array */
+    uint32_t bytes;       /* whole payload, a multiple of LEAF_ALIGN */
+} leaf_payload;
+
+leaf_payload leaf_layout_payload(const leaf_layout *l, uint32_t treelet);
+
+/* leaf_payload_bytes_max() - of a full treelet. */
+uint32_t leaf_layout_payload_max(const leaf_layout *l);
+
+/* Where the codes of tree level k (1 .. K) lie in the payload: lo[8^k] there, hi[8^k] behind it. */
+static inline uint32_t leaf_codes_at(uint32_t k)
+{
+    /* 2 * (8 + 64 + ... + 8^(k-1)) */
+    return 2u * (((1u << (3 * k)) - 8u) / 7u);
+}
+
+#endif
