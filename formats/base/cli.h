@@ -1,7 +1,9 @@
 /* cli.h - what all verbs share: common flags, exit codes, messages, the progress bar, Ctrl-C.
  *
- * Argument tables are glibc argp; a verb's table takes cli_common_argp as a child and a cli_common as that child's input.
- * Only main programs (*_main.c) include this; the library never does.
+ * Argument tables are glibc argp; a verb's table takes cli_common_argp as a child and a cli_common
+ * as that child's input (its parser sets state->child_inputs[0] on ARGP_KEY_INIT). An option's
+ * value may start with a minus: --iso -500. Only main programs (*_main.c) include this; the library
+ * never does.
  */
 #ifndef FORMATS_BASE_CLI_H
 #define FORMATS_BASE_CLI_H
@@ -14,30 +16,36 @@
 #include "formats/base/status.h"
 
 typedef struct cli_common {
-    const char *verb;     /* set by the verb before parsing */
-    const char *output;   /* -o FILE; NULL when absent */
-    int threads;          /* --threads N; default: the CPUs this process may use */
-    uint64_t memory;      /* --memory SIZE in bytes; 0 when absent */
-    int verbosity;        /* 0 quiet, 1 normal, 2+ verbose */
-    bool json;            /* --json */
-    bool force;           /* --force: overwrite outputs */
+    const char *verb;   /* set by the verb before parsing */
+    const char *output; /* -o FILE; NULL when absent */
+    int threads;        /* --threads N; default: the CPUs this process may use */
+    uint64_t memory;    /* --memory SIZE in bytes; 0 when absent */
+    int verbosity;      /* 0 quiet, 1 normal, 2+ verbose */
+    bool json;          /* --json */
+    bool force;         /* --force: overwrite outputs */
 } cli_common;
 
 extern const struct argp cli_common_argp;
 
-/* cli_parse() - parse argv with a verb's argp table. --help, --usage and --version print on stdout and exit 0; a usage error
- * prints one line on stderr and exits 2 (this is a main program's function, it may). Installs the handlers for SIGINT,
- * SIGTERM and SIGHUP that make the progress of cli_progress() stop the job. */
+/* cli_parse() - parse argv with a verb's argp table. --help, --usage and --version print on stdout
+ * and exit 0; a usage error prints a line on stderr, and one that says where help is, and exits 2
+ * (this is a main program's function, it may). Sets the defaults of common but for its verb; the
+ * verb's own parser calls argp_error() for usage errors. Installs the handlers for SIGINT, SIGTERM
+ * and SIGHUP that make the progress of cli_progress() stop the job; a second signal kills. Ignores
+ * SIGPIPE and SIGXFSZ, so that they come back as errors of the write. */
 void cli_parse(const struct argp *table, cli_common *common, int argc, char **argv, void *input);
 
-/* cli_progress() - bar on a terminal, otherwise a line every few seconds, nothing with -q. Valid for the process's life. */
+/* cli_progress() - bar on a terminal, otherwise a line every few seconds, nothing with -q. Valid
+ * for the process's life. */
 const progress *cli_progress(cli_common *common);
 
 /* cli_note() - a message on stderr at this verbosity: "leafcast VERB: ..." */
-void cli_note(const cli_common *common, int verbosity, const char *fmt, ...) __attribute__((format(printf, 3, 4)));
+void cli_note(const cli_common *common, int verbosity, const char *fmt, ...)
+    __attribute__((format(printf, 3, 4)));
 
-/* cli_finish() - end the progress bar; say the error, if any, on stderr; return the exit code: 0 ok, 1 failure, 2 usage,
- * 3 malformed or unsupported input, 4 out of memory or disk, 128+n when signal n stopped the job. */
+/* cli_finish() - end the progress bar; say the error, if any, on stderr; return the exit code: 0
+ * ok, 1 failure, 2 usage, 3 malformed or unsupported input, 4 out of memory or disk, 128+n when
+ * signal n stopped the job. */
 int cli_finish(const cli_common *common, status st);
 
 #endif

@@ -14,7 +14,8 @@
 
 typedef struct file file;
 
-/* file_open() - a regular file for reading; ST_IO with the system's reason otherwise. The path is copied. */
+/* file_open() - a regular file for reading; ST_IO with the system's reason otherwise. The path is
+ * copied. */
 CHECKED status file_open(mem *m, const char *path, file **out);
 void file_close(file *f); /* NULL is fine */
 
@@ -22,29 +23,43 @@ const char *file_path(const file *f);
 uint64_t file_size(const file *f);
 int file_descriptor(const file *f);
 
-/* file_read_at() - exactly size bytes; ST_CORRUPT ("ends at byte N, expected ...") past the end, ST_IO on an error. */
+/* file_read_at() - exactly size bytes; ST_CORRUPT ("ends at byte N, expected ...") past the end,
+ * ST_IO on an error. */
 CHECKED status file_read_at(file *f, uint64_t offset, void *buffer, size_t size);
 
 typedef struct out_file out_file;
 
-/* out_file_create() - open a temporary file beside path. ST_EXISTS when path exists and force is false. Data that is
- * also read back (a spill, a header written last) goes through out_file_read_at(). */
+/* out_file_create() - open a temporary file beside path (path.partial-PID-N). ST_EXISTS when path
+ * exists and force is false, or when it is no regular file. Data that is also read back (a spill, a
+ * header written last) goes through out_file_read_at(). */
 CHECKED status out_file_create(mem *m, const char *path, bool force, out_file **out);
 
 /* out_file_scratch() - a temporary file beside path that has no name and vanishes on close. */
 CHECKED status out_file_scratch(mem *m, const char *path, out_file **out);
 
+/* Writing: ST_NOSPACE when the disk is full or the file may not grow further (quota, RLIMIT_FSIZE
+ * with SIGXFSZ ignored). */
 CHECKED status out_file_write_at(out_file *f, uint64_t offset, const void *data, size_t size);
-CHECKED status out_file_append(out_file *f, const void *data, size_t size); /* at the end of what was appended */
+CHECKED status out_file_append(out_file *f, const void *data,
+                               size_t size); /* at the end of what was appended */
 CHECKED status out_file_read_at(out_file *f, uint64_t offset, void *buffer, size_t size);
 uint64_t out_file_end(const out_file *f); /* bytes appended so far */
 const char *out_file_path(const out_file *f);
 
-/* out_file_commit() - fsync, rename to the final name (refusing to overwrite without force), fsync the folder, close.
- * On an error the temporary file is removed. Consumes f in any case. */
+/* out_file_commit() - fsync, rename to the final name (refusing to overwrite without force), fsync
+ * the folder, close. On an error the temporary file is removed. Consumes f in any case. */
 CHECKED status out_file_commit(out_file *f);
 
 /* out_file_discard() - remove the temporary file and close. NULL is fine. */
 void out_file_discard(out_file *f);
+
+/* file_write_all() - for streams such as standard output: size bytes to a descriptor, at *offset
+ * or, when that is NULL, where it stands; `path` names it in the description. */
+CHECKED status file_write_all(int fd, const char *path, const uint64_t *offset, const void *data,
+                              size_t size);
+
+/* file_failed() - describe a failed system call: "path: doing: reason". ST_NOSPACE, ST_NOMEM or
+ * ST_IO, by the error number. */
+status file_failed(int error, const char *path, const char *doing);
 
 #endif

@@ -1,0 +1,325 @@
+#include "formats/base/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "formats/base/fault.h"
+
+struct file {
+    mem *m;
+    int fd;
+    uint64_t size;
+    char *path;
+};
+
+struct out_file {
+    mem *m;
+    int fd;
+    bool force;
+    uint64_t end;
+    char *path;
+    char *temporary; /* NULL: a scratch file, which has no name */
+};
+
+/* One read or write call moves at most this much, so that sizes fit every system's ssize_t. */
+static const size_t CHUNK = (size_t)1 << 30;
+
+status file_failed(int error, const char *path, const char *doing) {
+    bool full = error == ENOSPC || error == EFBIG || error == EDQUOT;
+    status st = error == ENOMEM ? ST_NOMEM : full ? ST_NOSPACE : ST_IO;
+    return status_describe(st, "%s: %s: %s", path, doing, strerror(error));
+}
+
+/* ---- reading ---- */
+
+static status open_regular(file *f, const char *path) {
+    f->fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (f->fd < 0)
+        return file_failed(errno, path, "cannot open");
+    struct stat info;
+    if (fstat(f->fd, &info) != 0)
+        return file_failed(errno, path, "cannot look at");
+    if (!S_ISREG(info.st_mode))
+        return status_describe(ST_IO, "%s: not a regular file", path);
+    f->size = (uint64_t)info.st_size;
+    return ST_OK;
+}
+
+status file_open(mem *m, const char *path, file **out) {
+    file *f = mem_zalloc(m, sizeof *f);
+    if (!f)
+        return ST_NOMEM;
+    f->m = m;
+    f->fd = -1;
+    status st = ST_NOMEM;
+    f->path = mem_copy_text(m, path);
+    if (f->path)
+        st = open_regular(f, path);
+    if (st != ST_OK) {
+        file_close(f);
+        return st;
+    }
+    *out = f;
+    return ST_OK;
+}
+
+void file_close(file *f) {
+    if (!f)
+        return;
+    if (f->fd >= 0)
+        close(f->fd);
+    mem_free(f->m, f->path);
+    mem_free(f->m, f);
+}
+
+const char *file_path(const file *f) {
+    return f->path;
+}
+
+uint64_t file_size(const file *f) {
+    return f->size;
+}
+
+int file_descriptor(const file *f) {
+    return f->fd;
+}
+
+static status read_at(int fd, const char *path, uint64_t offset, void *buffer, size_t size) {
+    if (fault_hit(FAULT_READ))
+        return file_failed(EIO, path, "cannot read");
+    for (size_t done = 0; done < size;) {
+        size_t step = size - done < CHUNK ? size - done : CHUNK;
+        ssize_t got = pread(fd, (char *)buffer + done, step, (off_t)(offset + done));
+        if (got == 0)
+            return status_describe(
+                ST_CORRUPT, "%s: ends at byte %llu, expected %zu bytes from %llu", path,
+                (unsigned long long)(offset + done), size, (unsigned long long)offset);
+        if (got < 0 && errno != EINTR)
+            return file_failed(errno, path, "cannot read");
+        done += got > 0 ? (size_t)got : 0;
+    }
+    return ST_OK;
+}
+
+status file_read_at(file *f, uint64_t offset, void *buffer, size_t size) {
+    /* Past the end is said with the file's true size, before an offset can overflow. */
+    if (offset > f->size || size > f->size - offset)
+        return status_describe(ST_CORRUPT, "%s: ends at byte %llu, expected %zu bytes from %llu",
+                               f->path, (unsigned long long)f->size, size,
+                               (unsigned long long)offset);
+    return read_at(f->fd, f->path, offset, buffer, size);
+}
+
+/* ---- writing ---- */
+
+enum { SUFFIX_ROOM = 48, NAME_TRIES = 100 };
+
+/* Open path.partial-PID-N, N counting over the process, so that no two writers ever share one. */
+static status open_temporary(out_file *f) {
+    static atomic_uint counter;
+    size_t room = strlen(f->path) + SUFFIX_ROOM;
+    f->temporary = mem_alloc(f->m, room);
+    if (!f->temporary)
+        return ST_NOMEM;
+    for (int i = 0; i < NAME_TRIES; i++) {
+        snprintf(f->temporary, room, "%s.partial-%ld-%u", f->path, (long)getpid(),
+                 atomic_fetch_add(&counter, 1));
+        f->fd = open(f->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (f->fd >= 0)
+            return ST_OK;
+        if (errno != EEXIST)
+            break;
+    }
+    return file_failed(errno, f->path, "cannot create");
+}
+
+static void close_out(out_file *f) {
+    if (f->fd >= 0)
+        close(f->fd);
+    mem_free(f->m, f->temporary);
+    mem_free(f->m, f->path);
+    mem_free(f->m, f);
+}
+
+void out_file_discard(out_file *f) {
+    if (!f)
+        return;
+    if (f->fd >= 0 && f->temporary)
+        unlink(f->temporary);
+    close_out(f);
+}
+
+static status exists(const char *path) {
+    return status_describe(ST_EXISTS, "%s: exists already (--force overwrites it)", path);
+}
+
+/* What stands under the final name may be replaced only if it is a file, and only with force. */
+static status check_target(const char *path, bool force) {
+    struct stat info;
+    if (stat(path, &info) != 0)
+        return errno == ENOENT ? ST_OK : file_failed(errno, path, "cannot create");
+    if (!S_ISREG(info.st_mode))
+        return status_describe(ST_EXISTS, "%s: exists already and is not a regular file", path);
+    return force ? ST_OK : exists(path);
+}
+
+static status make_out(mem *m, const char *path, bool force, out_file **out) {
+    out_file *f = mem_zalloc(m, sizeof *f);
+    if (!f)
+        return ST_NOMEM;
+    f->m = m;
+    f->fd = -1;
+    f->force = force;
+    f->path = mem_copy_text(m, path);
+    if (!f->path) {
+        close_out(f);
+        return ST_NOMEM;
+    }
+    *out = f;
+    return ST_OK;
+}
+
+status out_file_create(mem *m, const char *path, bool force, out_file **out) {
+    status st = check_target(path, force);
+    out_file *f = NULL;
+    if (st == ST_OK)
+        st = make_out(m, path, force, &f);
+    if (st != ST_OK)
+        return st;
+    st = open_temporary(f);
+    if (st != ST_OK) {
+        out_file_discard(f);
+        return st;
+    }
+    *out = f;
+    return ST_OK;
+}
+
+/* The folder a path lies in, opened; -1 and errno on failure. */
+static int open_folder(mem *m, const char *path, int flags) {
+    const char *slash = strrchr(path, '/');
+    char *folder = mem_copy_text(m, slash ? path : ".");
+    if (!folder) {
+        errno = ENOMEM;
+        return -1;
+    }
+    if (slash)
+        folder[slash == path ? 1 : slash - path] = 0;
+    int fd = open(folder, flags | O_CLOEXEC, 0600);
+    int error = errno;
+    mem_free(m, folder);
+    errno = error;
+    return fd;
+}
+
+status out_file_scratch(mem *m, const char *path, out_file **out) {
+    out_file *f = NULL;
+    status st = make_out(m, path, false, &f);
+    if (st != ST_OK)
+        return st;
+    f->fd = open_folder(m, path, O_TMPFILE | O_RDWR | O_EXCL);
+    if (f->fd < 0 && (errno == EOPNOTSUPP || errno == EISDIR)) {
+        /* A file system without nameless files: take the name away again. */
+        st = open_temporary(f);
+        if (st == ST_OK)
+            unlink(f->temporary);
+        mem_free(m, f->temporary);
+        f->temporary = NULL;
+    } else if (f->fd < 0) {
+        st = file_failed(errno, path, "cannot create a temporary file beside");
+    }
+    if (st != ST_OK) {
+        close_out(f);
+        return st;
+    }
+    *out = f;
+    return ST_OK;
+}
+
+status file_write_all(int fd, const char *path, const uint64_t *offset, const void *data,
+                      size_t size) {
+    if (fault_hit(FAULT_WRITE))
+        return file_failed(ENOSPC, path, "cannot write");
+    for (size_t done = 0; done < size;) {
+        size_t step = size - done < CHUNK ? size - done : CHUNK;
+        const char *from = (const char *)data + done;
+        ssize_t put =
+            offset ? pwrite(fd, from, step, (off_t)(*offset + done)) : write(fd, from, step);
+        if (put < 0 && errno != EINTR)
+            return file_failed(errno, path, "cannot write");
+        done += put > 0 ? (size_t)put : 0;
+    }
+    return ST_OK;
+}
+
+status out_file_write_at(out_file *f, uint64_t offset, const void *data, size_t size) {
+    return file_write_all(f->fd, f->path, &offset, data, size);
+}
+
+status out_file_append(out_file *f, const void *data, size_t size) {
+    status st = out_file_write_at(f, f->end, data, size);
+    if (st == ST_OK)
+        f->end += size;
+    return st;
+}
+
+status out_file_read_at(out_file *f, uint64_t offset, void *buffer, size_t size) {
+    return read_at(f->fd, f->path, offset, buffer, size);
+}
+
+uint64_t out_file_end(const out_file *f) {
+    return f->end;
+}
+
+const char *out_file_path(const out_file *f) {
+    return f->path;
+}
+
+/* Give the file its final name without ever replacing another that came up meanwhile. */
+static status rename_new(const out_file *f) {
+    if (renameat2(AT_FDCWD, f->temporary, AT_FDCWD, f->path, RENAME_NOREPLACE) == 0)
+        return ST_OK;
+    if (errno == EINVAL || errno == ENOSYS) {
+        /* A file system without RENAME_NOREPLACE: a hard link refuses an existing name as well. */
+        if (link(f->temporary, f->path) == 0) {
+            unlink(f->temporary);
+            return ST_OK;
+        }
+    }
+    return errno == EEXIST ? exists(f->path) : file_failed(errno, f->path, "cannot rename to");
+}
+
+static status publish(out_file *f) {
+    if (fault_hit(FAULT_WRITE))
+        return file_failed(ENOSPC, f->path, "cannot write");
+    if (fsync(f->fd) != 0)
+        return file_failed(errno, f->path, "cannot write");
+    if (!f->force)
+        return rename_new(f);
+    status st = check_target(f->path, true);
+    if (st == ST_OK && rename(f->temporary, f->path) != 0)
+        st = file_failed(errno, f->path, "cannot rename to");
+    return st;
+}
+
+status out_file_commit(out_file *f) {
+    status st = publish(f);
+    if (st != ST_OK) {
+        out_file_discard(f);
+        return st;
+    }
+    /* The name itself reaches the disk with its folder; some file systems cannot sync one, which is
+     * no fault of the file. */
+    int folder = open_folder(f->m, f->path, O_RDONLY | O_DIRECTORY);
+    if (folder >= 0) {
+        (void)fsync(folder);
+        close(folder);
+    }
+    close_out(f);
+    return ST_OK;
+}
