@@ -1,0 +1,241 @@
+#include "render/cell_kernel.h"
+
+#include <float.h>
+#include <math.h>
+
+enum { START = -1, END = 3 }; /* "axes" of the events at t0 and t1: before and behind all plane crossings of equal t */
+
+static double clamp01(double x)
+{
+    return x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
+}
+
+/* Cell coordinates at an event: exact on the axis that is crossed, from the event's own t on the others. */
+static void coordinates_at(const ray *r, const cell_box *box, double t, int axis, double on_axis, double at[3])
+{
+    for (int a = 0; a < 3; a++)
+        at[a] = a == axis ? on_axis : clamp01((r->o[a] + t * r->d[a] - box->lo[a]) * box->inv[a]);
+}
+
+bool cell_visit_of(const ray *r, const cell_box *box, cell_visit *visit)
+{
+    double t_in = r->t0, t_out = r->t1;
+    int axis_in = START, axis_out = END;
+    for (int a = 0; a < 3; a++) {
+        double o = r->o[a], d = r->d[a];
+        if (d == 0.0) {
+            /* [lo, hi) is owned; nothing is ever crossed on this axis. */
+            if (o < box->lo[a] || o > box->hi[a] || (o == box->hi[a] && !box->last[a]))
+                return false;
+            continue;
+        }
+        double near = ((d > 0.0 ? box->lo[a] : box->hi[a]) - o) / d;
+        double far = ((d > 0.0 ? box->hi[a] : box->lo[a]) - o) / d;
+        /* A start on the upper plane is in the next cell already when the ray goes up. */
+        if (d > 0.0 ? far <= r->t0 : far < r->t0)
+            return false;
+        /* Last entry in (t, axis) order: a later axis wins a tie. */
+        if (near >= t_in) {
+            t_in = near;
+            axis_in = a;
+        }
+        /* First exit in (t, axis) order: an earlier axis wins a tie. */
+        if (far < t_out || (far == t_out && axis_out == END)) {
+            t_out = far;
+            axis_out = a;
+        }
+    }
+    if (t_in > t_out || (t_in == t_out && axis_in >= axis_out))
+        return false;
+    visit->t_in = t_in;
+    visit->t_out = t_out;
+    double enter_at = axis_in != START && r->d[axis_in] < 0.0 ? 1.0 : 0.0;
+    double leave_at = axis_out != END && r->d[axis_out] < 0.0 ? 0.0 : 1.0;
+    coordinates_at(r, box, t_in, axis_in, enter_at, visit->in);
+    coordinates_at(r, box, t_out, axis_out, leave_at, visit->out);
+    return true;
+}
+
+/* (1 - s) a + s b: exactly a at 0, b at 1, and never beyond both. */
+static inline double mix(double a, double b, double s)
+{
+    return (1.0 - s) * a + s * b;
+}
+
+bool cell_cubic(const cell_visit *visit, const float samples[8], double iso, double b[4])
+{
+    /* Subtract the isovalue first: what follows keeps its relative precision. */
+    double f[8];
+    int inside = 0;
+    for (int i = 0; i < 8; i++) {
+        f[i] = (double)samples[i] - iso;
+        inside += f[i] >= 0.0;
+    }
+    if (inside == 0 || inside == 8)
+        return false;
+
+    /* The trilinear form at all corners of the box that entry and exit span; bit a of the index = exit on axis a. Always x, then y,
+     * then z: with an exact 0 or 1 on the crossed axis what remains is the face's bilinear form, alike from both cells. */
+    double x[2][4], xy[4][2], m[8];
+    for (int i = 0; i < 4; i++) {
+        x[0][i] = mix(f[2 * i], f[2 * i + 1], visit->in[0]);
+        x[1][i] = mix(f[2 * i], f[2 * i + 1], visit->out[0]);
+    }
+    for (int i = 0; i < 2; i++) {
+        for (int k = 0; k < 2; k++) {
+            xy[i][k] = mix(x[i][2 * k], x[i][2 * k + 1], visit->in[1]);
+            xy[i + 2][k] = mix(x[i][2 * k], x[i][2 * k + 1], visit->out[1]);
+        }
+    }
+    for (int i = 0; i < 4; i++) {
+        m[i] = mix(xy[i][0], xy[i][1], visit->in[2]);
+        m[i + 4] = mix(xy[i][0], xy[i][1], visit->out[2]);
+    }
+    /* The blossom of the cubic: control values are means of the mixed corners. */
+    b[0] = m[0];
+    b[1] = (m[1] + m[2] + m[4]) / 3.0;
+    b[2] = (m[3] + m[5] + m[6]) / 3.0;
+    b[3] = m[7];
+    return true;
+}
+
+/* The cubic in power form about the entry, for fast evaluation between brackets. */
+typedef struct cubic {
+    double c[4];
+} cubic;
+
+static cubic cubic_of(const double b[4])
+{
+    return (cubic){{b[0], 3.0 * (b[1] - b[0]), 3.0 * ((b[2] - b[1]) - (b[1] - b[0])),
+                    (b[3] - b[0]) - 3.0 * (b[2] - b[1])}};
+}
+
+static double cubic_at(const cubic *p, double s)
+{
+    return p->c[0] + s * (p->c[1] + s * (p->c[2] + s * p->c[3]));
+}
+
+/* The root in (lo, hi], where f(lo) and f(hi) lie on different sides: Illinois steps, a bisection whenever three of them did not halve the
+ * bracket, until the bracket or the step is down to its last bits. */
+static double refine(const cubic *p, double lo, double hi, double f_lo, double f_hi)
+{
+    enum { STEPS_MAX = 200 };
+    const bool side_lo = f_lo >= 0.0;
+    double previous = lo, width = hi - lo;
+    int retained = 0;
+    for (int step = 0; step < STEPS_MAX && hi - lo > DBL_EPSILON * hi; step++) {
+        double s = (lo * f_hi - hi * f_lo) / (f_hi - f_lo);
+        if (step % 3 == 2) {
+            if (hi - lo > 0.5 * width)
+                s = 0.5 * (lo + hi);
+            width = hi - lo;
+        }
+        if (!(s > lo && s < hi))
+            s = 0.5 * (lo + hi);
+        if (!(s > lo && s < hi))
+            break;
+        double f = cubic_at(p, s);
+        if ((f >= 0.0) == side_lo) {
+            lo = s;
+            f_lo = f;
+            if (retained == 1)
+                f_hi *= 0.5;
+            retained = 1;
+        } else {
+            hi = s;
+            f_hi = f;
+            if (retained == -1)
+                f_lo *= 0.5;
+            retained = -1;
+        }
+        if (fabs(s - previous) <= DBL_EPSILON * s)
+            break;
+        previous = s;
+    }
+    return hi;
+}
+
+/* The extrema of the cubic strictly inside (0, 1), ascending. */
+static int extrema(const double b[4], double at[2])
+{
+    /* f' / 3 = q0 (1-s)^2 + 2 q1 s (1-s) + q2 s^2 */
+    double q0 = b[1] - b[0], q1 = b[2] - b[1], q2 = b[3] - b[2];
+    double half_b = q1 - q0, a = (q2 - q1) - half_b;
+    double discriminant = q1 * q1 - q0 * q2;
+    if (!(discriminant >= 0.0))
+        return 0;
+    /* The stable quadratic formula: no subtraction of nearly equal terms. */
+    double w = -(half_b + (half_b >= 0.0 ? sqrt(discriminant) : -sqrt(discriminant)));
+    double s0 = a != 0.0 ? w / a : -1.0;
+    double s1 = w != 0.0 ? q0 / w : -1.0;
+    if (s1 < s0) {
+        double swap = s0;
+        s0 = s1;
+        s1 = swap;
+    }
+    int n = 0;
+    if (s0 > 0.0 && s0 < 1.0)
+        at[n++] = s0;
+    if (s1 > 0.0 && s1 < 1.0 && (n == 0 || s1 > s0))
+        at[n++] = s1;
+    return n;
+}
+
+/* Scale by a power of two to max |b| in [1, 2): squares neither vanish nor overflow, and no digit changes. */
+static void normalise(const double b[4], double scaled[4])
+{
+    double largest = fmax(fmax(fabs(b[0]), fabs(b[1])), fmax(fabs(b[2]), fabs(b[3])));
+    int exponent = ilogb(largest);
+    for (int i = 0; i < 4; i++)
+        scaled[i] = scalbn(b[i], -exponent);
+}
+
+int cell_roots(const double control[4], double roots[3])
+{
+    const bool s0 = control[0] >= 0.0, s1 = control[1] >= 0.0, s2 = control[2] >= 0.0, s3 = control[3] >= 0.0;
+    const int changes = (s0 != s1) + (s1 != s2) + (s2 != s3);
+    /* Variation diminishing: no more roots than changes of side in the control polygon. */
+    if (changes == 0)
+        return 0;
+    double b[4];
+    normalise(control, b);
+    const cubic p = cubic_of(b);
+    if (changes == 1) {
+        roots[0] = refine(&p, 0.0, 1.0, b[0], b[3]);
+        return 1;
+    }
+
+    /* Isolate: between neighbouring extrema the cubic is monotone. */
+    double at[2];
+    const int splits = extrema(b, at);
+    double from = 0.0, f_from = b[0];
+    int n = 0;
+    for (int i = 0; i <= splits; i++) {
+        double to = i < splits ? at[i] : 1.0;
+        double f_to = i < splits ? cubic_at(&p, at[i]) : b[3];
+        if ((f_from >= 0.0) != (f_to >= 0.0))
+            roots[n++] = refine(&p, from, to, f_from, f_to);
+        from = to;
+        f_from = f_to;
+    }
+    return n;
+}
+
+bool cell_next_hit(const ray *r, const cell_visit *visit, const float samples[8], double iso, int32_t iso_index,
+                   uint64_t cell, const hit *after, hit *found)
+{
+    (void)r;
+    double b[4], roots[3];
+    if (!cell_cubic(visit, samples, iso, b))
+        return false;
+    const int n = cell_roots(b, roots);
+    bool inside = b[0] >= 0.0;
+    for (int i = 0; i < n; i++, inside = !inside) {
+        hit h = {cell_root_t(visit, roots[i]), cell, iso_index, !inside};
+        if (hit_less(after, &h)) {
+            *found = h;
+            return true;
+        }
+    }
+    return false;
+}
