@@ -1,0 +1,59 @@
+# tap.sh - what the script tests in tests/cli share. Sourced:  . tests/support/tap.sh
+#
+# Gives $leafcast (the front door under test), $data (the data folder; empty when there is none) and $tmp (a
+# folder of the test's own, removed at the end). run-tests starts scripts at the checkout's root.
+# shellcheck shell=sh
+set -u
+# shellcheck disable=SC2034 # for those that source this
+leafcast=${LEAFCAST:-$PWD/build/leafcast}
+data=${LEAFCAST_DATA:-$PWD/../shared/data}
+[ -d "$data" ] || data=
+tmp=$(mktemp -d)
+trap 'rm -rf "$tmp"' EXIT
+trap 'exit 130' INT TERM HUP
+tap_count=0
+tap_failed=0
+
+# run COMMAND... - run it; its standard output, error output and exit status are in $tmp/out, $tmp/err and $rc.
+run() {
+    rc=0
+    "$@" >"$tmp/out" 2>"$tmp/err" </dev/null || rc=$?
+}
+
+# ok NAME COMMAND... - a test that passes when the command succeeds; a failure shows the last run's words.
+ok() {
+    tap_count=$((tap_count + 1))
+    tap_name=$1
+    shift
+    if "$@"; then
+        echo "ok $tap_count - $tap_name"
+    else
+        tap_failed=1
+        echo "not ok $tap_count - $tap_name"
+        echo "# not so: $*"
+        for f in out err; do
+            [ ! -s "$tmp/$f" ] || tail -n 20 "$tmp/$f" | sed "s/^/# $f: /"
+        done
+    fi
+}
+
+# exits NAME STATUS COMMAND... - a test that passes when the command exits with this status.
+exits() {
+    tap_title=$1
+    tap_want=$2
+    shift 2
+    run "$@"
+    ok "$tap_title: exit $tap_want (got $rc)" [ "$rc" = "$tap_want" ]
+}
+
+# skip NAME WHY - a test that cannot be made here.
+skip() {
+    tap_count=$((tap_count + 1))
+    echo "ok $tap_count - $1 # SKIP $2"
+}
+
+# finish - the last line of every script.
+finish() {
+    echo "1..$tap_count"
+    exit "$tap_failed"
+}
