@@ -1,7 +1,7 @@
 # leafcast - out-of-core volume ray tracing. `make list` says what can be made.
 #
-# Sources are found by wildcard: every .c file of the four layers goes into libleafcast.a, except X_main.c, which is the
-# verb X (build/release/libexec/leafcast-X). A new source file needs no line here.
+# Sources are found by wildcard: every .c file of the four layers goes into libleafcast.a, except
+# X_main.c, which is the verb X (build/release/libexec/leafcast-X). A new source needs no line here.
 
 VERSION := 0.1.0
 CONFIG  ?= release
@@ -10,7 +10,7 @@ DESTDIR ?=
 WERROR  ?= 0
 TIMEOUT ?= 300
 
-# ---- compilers -----------------------------------------------------------------------------------------------------
+# ---- compilers and flags -------------------------------------------------------------------------
 ifeq ($(CONFIG)-$(origin CC),fuzz-default)
 CC := clang
 endif
@@ -20,89 +20,99 @@ CXX := $(if $(CLANG),clang++,g++)
 endif
 B := build/$(CONFIG)$(if $(CLANG),$(if $(filter fuzz,$(CONFIG)),,-clang))
 
+SAFE           := -g -fno-omit-frame-pointer -fno-sanitize-recover=all
 FLAGS_release  := -O3 -DNDEBUG
 FLAGS_debug    := -Og -g3 -fno-omit-frame-pointer
-FLAGS_sanitize := -O2 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
-FLAGS_thread   := -O2 -g -fno-omit-frame-pointer -fsanitize=thread
+FLAGS_sanitize := -O2 $(SAFE) -fsanitize=address,undefined
+FLAGS_thread   := -O2 $(SAFE) -fsanitize=thread
 FLAGS_coverage := -O0 -g --coverage
-FLAGS_fuzz     := -O1 -g -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all
+FLAGS_fuzz     := -O1 $(SAFE) -fsanitize=fuzzer-no-link,address,undefined
 CONFIGS        := release debug sanitize thread coverage fuzz
 ifeq ($(filter $(CONFIG),$(CONFIGS)),)
 $(error CONFIG=$(CONFIG) is not one of: $(CONFIGS))
 endif
 
-# Results must not depend on the compiler's mood: no contraction to FMA, never -ffast-math, no -march.
-COMMON   := $(FLAGS_$(CONFIG)) -ffp-contract=off -fno-math-errno -pthread -I. -DLEAFCAST_VERSION='"$(VERSION)"'
-WARN     := -Wall -Wextra -Wshadow -Wvla -Wpointer-arith -Wwrite-strings -Wcast-qual -Wundef \
-            $(if $(filter 1,$(WERROR)),-Werror)
-WARN_C   := -Wstrict-prototypes -Wmissing-prototypes -Wold-style-definition
-LIBS_PC  := zlib libzstd jansson libxxhash
-ALL_C     = -std=c17 -D_GNU_SOURCE $(COMMON) $(WARN) $(WARN_C) $(DEPS_CFLAGS) $(CPPFLAGS) $(CFLAGS)
-ALL_CXX   = -std=c++17 -D_GNU_SOURCE $(filter-out -fsanitize=%,$(COMMON)) $(WARN) $(CPPFLAGS) $(CXXFLAGS)
-ALL_LIBS  = $(DEPS_LIBS) -lm
+# Results must not depend on the compiler: no contraction to FMA, never -ffast-math, no -march.
+COMMON := $(FLAGS_$(CONFIG)) -ffp-contract=off -fno-math-errno -pthread -I. \
+          -DLEAFCAST_VERSION='"$(VERSION)"'
+WARN   := -Wall -Wextra -Wshadow -Wvla -Wpointer-arith -Wwrite-strings -Wundef \
+          $(if $(filter 1,$(WERROR)),-Werror)
+WARN_C := -Wconversion -Wno-sign-conversion -Wstrict-prototypes -Wmissing-prototypes -Wold-style-definition
+ALL_C   = -std=c17 -D_GNU_SOURCE $(COMMON) $(WARN) $(WARN_C) $(DEPS_CFLAGS) $(CPPFLAGS) $(CFLAGS)
+# The picture helper goes without sanitizers: OpenImageIO is not built for them.
+ALL_CXX = -std=c++17 -D_GNU_SOURCE $(filter-out -fsanitize=%,$(COMMON)) $(WARN) \
+          $(CPPFLAGS) $(CXXFLAGS)
+ALL_LIBS = $(DEPS_LIBS) -lm
 
-# ---- what there is -------------------------------------------------------------------------------------------------
+# ---- what there is -------------------------------------------------------------------------------
 X86      := $(filter x86_64% i%86%,$(shell $(CC) -dumpmachine 2>/dev/null))
 SOURCES  := $(sort $(wildcard $(foreach d,formats prep stream render,$d/*.c $d/*/*.c)))
 SOURCES  := $(if $(X86),$(SOURCES),$(filter-out %_sse42.c %_avx2.c %_avx512.c,$(SOURCES)))
 MAINS    := $(filter %_main.c,$(SOURCES))
 LIB_OBJS := $(patsubst %.c,$B/obj/%.o,$(filter-out $(MAINS),$(SOURCES)))
+LIB      := $B/lib/libleafcast.a
 verb      = $B/libexec/leafcast-$(subst _,-,$(patsubst %_main.c,%,$(notdir $1)))
 VERBS    := $(foreach m,$(MAINS),$(call verb,$m))
-SUPPORT  := $(patsubst %.c,$B/obj/%.o,$(sort $(wildcard tests/*/*.c)))
-tests_of  = $(patsubst %.c,$B/%,$(sort $(wildcard tests/$1_*.c)))
-TESTS    := $(call tests_of,test)
-TOOLS    := $(call tests_of,tool)
-FUZZERS  := $(if $(filter fuzz,$(CONFIG)),$(call tests_of,fuzz))
-CLI      := $(sort $(wildcard tests/cli/*.sh))
-LIB      := $B/lib/libleafcast.a
 FRONT    := $B/bin/leafcast
+SUPPORT  := $(patsubst %.c,$B/obj/%.o,$(sort $(wildcard tests/*/*.c)))
+programs  = $(patsubst %.c,$B/%,$(sort $(wildcard tests/$1_*.c)))
+TESTS    := $(call programs,test)
+TOOLS    := $(call programs,tool)
+FUZZERS  := $(if $(filter fuzz,$(CONFIG)),$(call programs,fuzz))
+CLI      := $(sort $(wildcard tests/cli/*.sh))
 
-# The tests that start threads: those that are worth running under CONFIG=thread.
+# The tests that start threads: those worth running under CONFIG=thread.
 TSAN_TESTS := test_pool
 
-# T=name... runs only the tests of those names, e.g. `make test T="test_pool grid"`.
-T        ?= $(if $(filter thread,$(CONFIG)),$(TSAN_TESTS))
-RUN      := $(if $(T),$(filter $(patsubst %,$B/tests/%,$T) $(patsubst %,tests/cli/%.sh,$T),$(TESTS) $(CLI)),$(TESTS) $(CLI))
+# T="NAME..." runs only the tests of those names: make test T="test_pool front_door"
+T   ?= $(if $(filter thread,$(CONFIG)),$(TSAN_TESTS))
+RUN := $(TESTS) $(CLI)
+ifneq ($(strip $(T)),)
+RUN := $(filter $(foreach t,$T,$B/tests/$t tests/cli/$t.sh),$(RUN))
+endif
 
-# ---- libraries -----------------------------------------------------------------------------------------------------
-NO_LIBS := list help clean setup test demo
-ifneq ($(filter-out $(NO_LIBS),$(or $(MAKECMDGOALS),all)),)
-MISSING := $(if $(shell command -v pkg-config),$(foreach p,$(LIBS_PC),$(shell pkg-config --exists $p || echo $p)),pkg-config)
+# ---- libraries -----------------------------------------------------------------------------------
+LIBS_PC := zlib libzstd jansson libxxhash
+ifneq ($(filter-out list help clean setup test demo,$(or $(MAKECMDGOALS),all)),)
+MISSING := $(if $(shell command -v pkg-config),,pkg-config) \
+           $(foreach p,$(LIBS_PC),$(shell pkg-config --exists $p 2>/dev/null || echo $p))
 ifneq ($(strip $(MISSING)),)
-$(info leafcast needs what this machine lacks: $(MISSING))
-$(info $(shell scripts/setup-debian --list))
-$(error on Debian run scripts/setup-debian once, or `make demo`, which does it)
+$(info leafcast needs what is not here: $(strip $(MISSING)))
+$(shell scripts/setup-debian --list >&2)
+$(error run scripts/setup-debian, which installs it on Debian; `make demo` and `make test` do so)
 endif
 DEPS_CFLAGS := $(shell pkg-config --cflags $(LIBS_PC))
 DEPS_LIBS   := $(shell pkg-config --libs $(LIBS_PC))
-OIIO        := $(shell command -v $(firstword $(CXX)) >/dev/null && pkg-config --exists OpenImageIO && echo yes)
-ifneq ($(wildcard render/write_image_main.cpp),)
 IMAGE       := $B/libexec/leafcast-write-image
-endif
+OIIO        := $(shell command -v $(firstword $(CXX)) && pkg-config --exists OpenImageIO && echo y)
 endif
 
-Q  := $(if $(V),,@)
-say = $(if $(V),,@echo "  $1  $(2:$(CURDIR)/%=%)")
-
-# ---- building ------------------------------------------------------------------------------------------------------
+# ---- building ------------------------------------------------------------------------------------
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all tests run-tests test demo bench check install list help clean setup FORCE
+.PHONY: all tests run-tests test demo setup bench check install list help clean FORCE
+
+Q   := $(if $(V),,@)
+say  = $(if $(V),,@echo "  $1  $2")
+link = $(Q)$(CC) $(ALL_C) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(ALL_LIBS)
 
 all: $(LIB) $(VERBS) $(IMAGE) $(FRONT) $(if $(filter build/release,$B),build/leafcast) $(FUZZERS)
 
-# What make cannot see (the flags, the list of objects) lies in files that change only when their content does.
-remember = @mkdir -p $(@D); printf '%s\n' '$(subst ','\'',$1)' | cmp -s - $@ || printf '%s\n' '$(subst ','\'',$1)' >$@
+# What make cannot see (the flags, the list of objects) lies in files that change only when their
+# content does.
+quoted   = '$(subst ','\'',$1)'
+remember = @mkdir -p $(@D); printf '%s\n' $(call quoted,$1) | cmp -s - $@ || \
+               printf '%s\n' $(call quoted,$1) >$@
 $B/flags: FORCE
 	$(call remember,$(CC) $(ALL_C) $(CXX) $(ALL_CXX))
 $B/objects: FORCE
 	$(call remember,$(LIB_OBJS) $(SUPPORT))
 
-# One translation unit per ISA: only these files may hold its instructions (scripts/check_isa).
+# One translation unit per ISA: only these may hold its instructions (scripts/check_isa).
+BITS := -mbmi -mbmi2 -mlzcnt -mpopcnt
 $B/obj/%_sse42.o:  ISA := -msse4.2 -mpopcnt
-$B/obj/%_avx2.o:   ISA := -mavx2 -mbmi -mbmi2 -mlzcnt -mpopcnt
-$B/obj/%_avx512.o: ISA := -mavx512f -mavx512dq -mavx512bw -mavx512vl -mavx512cd -mbmi -mbmi2 -mlzcnt -mpopcnt
+$B/obj/%_avx2.o:   ISA := -mavx2 $(BITS)
+$B/obj/%_avx512.o: ISA := -mavx512f -mavx512dq -mavx512bw -mavx512vl -mavx512cd $(BITS)
 
 $B/obj/%.o: %.c $B/flags
 	@mkdir -p $(@D)
@@ -110,12 +120,10 @@ $B/obj/%.o: %.c $B/flags
 	$(Q)$(CC) $(ALL_C) $(ISA) -MMD -MP -c -o $@ $<
 
 $(LIB): $(LIB_OBJS) $B/objects
-	@mkdir -p $(@D)
-	@rm -f $@
+	@mkdir -p $(@D) && rm -f $@
 	$(call say,AR  ,$@)
 	$(Q)$(AR) rcsD $@ $(LIB_OBJS)
 
-link = $(Q)$(CC) $(ALL_C) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(ALL_LIBS)
 define verb_rule
 $(call verb,$1): $B/obj/$(1:.c=.o) $(LIB)
 	@mkdir -p $$(@D)
@@ -124,17 +132,18 @@ $(call verb,$1): $B/obj/$(1:.c=.o) $(LIB)
 endef
 $(foreach m,$(MAINS),$(eval $(call verb_rule,$m)))
 
-# Shared objects by the hundred: OpenImageIO lives in a process of its own.
-ifeq ($(OIIO),yes)
+# Shared objects by the hundred: OpenImageIO is linked into a process of its own.
+ifneq ($(OIIO),)
 $B/libexec/leafcast-write-image: render/write_image_main.cpp $B/flags
-	@mkdir -p $(@D)
+	@mkdir -p $(@D) $B/obj
 	$(call say,C++ ,$<)
-	$(Q)$(CXX) $(ALL_CXX) $(shell pkg-config --cflags OpenImageIO) -MMD -MP -MF $B/obj/write_image.d -o $@ $< \
-	    $(LDFLAGS) $(shell pkg-config --libs OpenImageIO)
+	$(Q)$(CXX) $(ALL_CXX) $(shell pkg-config --cflags OpenImageIO) -MMD -MP -MF $B/obj/image.d \
+	    -o $@ $< $(LDFLAGS) $(shell pkg-config --libs OpenImageIO)
 else
 .PHONY: $B/libexec/leafcast-write-image
 $B/libexec/leafcast-write-image:
-	@echo "make: no OpenImageIO (libopenimageio-dev, g++): leafcast-write-image is left out, render cannot write PNG or EXR"
+	@echo "no OpenImageIO here (libopenimageio-dev and $(CXX)): leafcast-write-image is left out," \
+	      "so render cannot write PNG or EXR"
 endif
 
 $(FRONT): scripts/leafcast Makefile
@@ -143,26 +152,25 @@ $(FRONT): scripts/leafcast Makefile
 build/leafcast: $(FRONT)
 	@ln -sfn release/bin/leafcast $@
 
-# ---- tests ---------------------------------------------------------------------------------------------------------
-$(TESTS) $(TOOLS): $B/tests/%: $B/obj/tests/%.o $(SUPPORT) $(LIB)
+# ---- tests ---------------------------------------------------------------------------------------
+$(TESTS) $(TOOLS): LINK_TESTS := -lcmocka
+$(FUZZERS): LINK_TESTS := -fsanitize=fuzzer
+$(TESTS) $(TOOLS) $(FUZZERS): $B/tests/%: $B/obj/tests/%.o $(SUPPORT) $(LIB)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
-	$(link) -lcmocka
-$(FUZZERS): $B/tests/%: $B/obj/tests/%.o $(SUPPORT) $(LIB)
-	@mkdir -p $(@D)
-	$(call say,LINK,$@)
-	$(link) -fsanitize=fuzzer
+	$(link) $(LINK_TESTS)
 
 tests: all $(TESTS) $(TOOLS)
 run-tests: tests
-	@LEAFCAST_BUILD=$(CURDIR)/$B LEAFCAST=$(CURDIR)/$(FRONT) scripts/run-tests --timeout $(TIMEOUT) $(RUN)
+	@LEAFCAST_BUILD=$(CURDIR)/$B LEAFCAST=$(CURDIR)/$(FRONT) \
+	    scripts/run-tests --timeout $(TIMEOUT) $(RUN)
 
-# These two work on a machine that has nothing but make and a compiler: the libraries are looked for after the set-up.
+# These two need nothing but make and a compiler: libraries are looked for after the set-up.
 test: setup
 	@$(MAKE) --no-print-directory run-tests
 demo: setup
 	@$(MAKE) --no-print-directory all
-	@scripts/demo
+	@LEAFCAST=$(FRONT) scripts/demo
 setup:
 	@scripts/setup-debian
 bench: all
@@ -175,7 +183,7 @@ check: all
 	scripts/check_size
 	scripts/check_format
 
-# ---- installing ----------------------------------------------------------------------------------------------------
+# ---- installing ----------------------------------------------------------------------------------
 D := $(DESTDIR)$(PREFIX)
 install: all
 	install -d $D/bin $D/libexec/leafcast $D/lib/pkgconfig $D/include/leafcast $D/share/man/man1
@@ -184,22 +192,26 @@ install: all
 	install -m 644 $(LIB) $D/lib
 	install -m 644 $(wildcard render/leafcast.h prep/leafcast_prep.h) $D/include/leafcast
 	install -m 644 $(wildcard scripts/man/*.1) $D/share/man/man1
-	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|; s|@REQUIRES@|$(LIBS_PC)|' scripts/leafcast.pc.in \
-	    >$D/lib/pkgconfig/leafcast.pc
+	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|; s|@REQUIRES@|$(LIBS_PC)|' \
+	    scripts/leafcast.pc.in >$D/lib/pkgconfig/leafcast.pc
 
 list help:
-	@echo "make              build everything into $B (and build/leafcast)"
-	@echo "make test         install what is missing, build, run all tests; T=\"test_x ...\" for some"
-	@echo "make demo         install what is missing, build, generate, convert and render: demo.png"
-	@echo "make bench        the benchmark tables; SUITE=name for one"
-	@echo "make check        the rules of the house: layers, headers, ISA, sizes, format"
-	@echo "make install      into DESTDIR=$(DESTDIR) PREFIX=$(PREFIX)"
-	@echo "make setup        install what is missing (Debian)"
-	@echo "make clean        remove build/ and demo.png"
-	@echo "CONFIG=$(CONFIG)    one of: $(CONFIGS); each in a folder of its own"
-	@echo "CC=$(CC) CXX=$(CXX) CFLAGS= LDFLAGS= WERROR=1 (warnings are errors) TIMEOUT=$(TIMEOUT) (seconds a test) V=1"
+	@echo "make            build everything into $B (and build/leafcast)"
+	@echo "make test       install what is missing, build, run all tests; T=\"NAME...\" for some"
+	@echo "make demo       install what is missing, build, generate, convert, render: demo.png"
+	@echo "make bench      the benchmark tables; SUITE=NAME for one"
+	@echo "make check      the rules of the house: layers, headers, ISA, sizes, format"
+	@echo "make install    PREFIX=$(PREFIX) DESTDIR=$(DESTDIR)"
+	@echo "make setup      install what is missing (Debian)"
+	@echo "make clean      remove build/ and demo.png"
+	@echo
+	@echo "CONFIG=$(CONFIG)  one of $(CONFIGS); each has its own folder in build/"
+	@echo "CC=$(CC) CXX=$(CXX) CPPFLAGS= CFLAGS= CXXFLAGS= LDFLAGS="
+	@echo "WERROR=1        warnings are errors"
+	@echo "TIMEOUT=$(TIMEOUT)     seconds a test program may take"
+	@echo "V=1             show the commands"
 
 clean:
 	rm -rf build demo.png
 
--include $(wildcard $(foreach d,$(sort $(dir $(LIB_OBJS) $(SUPPORT) $B/obj/tests/x $B/obj/x $(MAINS:%.c=$B/obj/%.o))),$d*.d))
+-include $(shell find $B/obj -name '*.d' 2>/dev/null)

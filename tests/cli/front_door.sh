@@ -5,8 +5,12 @@
 mkdir "$tmp/bin" "$tmp/libexec" "$tmp/user"
 cp "$leafcast" "$tmp/bin/leafcast"
 verb() { # verb FILE TEXT: a verb that says TEXT and its arguments
-    printf '#!/bin/sh\n[ "${1-}" != --help ] || { echo "Usage: x [OPTION]"; echo "Does %s."; exit; }\n' "$2" >"$1"
-    printf 'echo %s "$#" "$@"; exit 5\n' "$2" >>"$1"
+    cat >"$1" <<SCRIPT
+#!/bin/sh
+[ "\${1-}" != --help ] || { echo "Usage: x [OPTION]"; echo "Does $2."; exit; }
+echo $2 "\$#" "\$@"
+exit 5
+SCRIPT
     chmod +x "$1"
 }
 verb "$tmp/libexec/leafcast-convert" own

@@ -1,7 +1,7 @@
 # tap.sh - what the script tests in tests/cli share. Sourced:  . tests/support/tap.sh
 #
-# Gives $leafcast (the front door under test), $data (the data folder; empty when there is none) and $tmp (a
-# folder of the test's own, removed at the end). run-tests starts scripts at the checkout's root.
+# Gives $leafcast (the front door under test), $data (the data folder; empty when there is none) and
+# $tmp (a folder of the test's own, removed at the end). Scripts start at the checkout's root.
 # shellcheck shell=sh
 set -u
 # shellcheck disable=SC2034 # for those that source this
@@ -14,13 +14,13 @@ trap 'exit 130' INT TERM HUP
 tap_count=0
 tap_failed=0
 
-# run COMMAND... - run it; its standard output, error output and exit status are in $tmp/out, $tmp/err and $rc.
+# run COMMAND... - run it; what it says is in $tmp/out and $tmp/err, its exit status in $rc.
 run() {
     rc=0
     "$@" >"$tmp/out" 2>"$tmp/err" </dev/null || rc=$?
 }
 
-# ok NAME COMMAND... - a test that passes when the command succeeds; a failure shows the last run's words.
+# ok NAME COMMAND... - passes when the command succeeds; a failure shows what the last run said.
 ok() {
     tap_count=$((tap_count + 1))
     tap_name=$1
@@ -37,7 +37,7 @@ ok() {
     fi
 }
 
-# exits NAME STATUS COMMAND... - a test that passes when the command exits with this status.
+# exits NAME STATUS COMMAND... - run it; passes when it exits with this status.
 exits() {
     tap_title=$1
     tap_want=$2
