@@ -1,0 +1,443 @@
+#include "stream/loader.h"
+
+#include <pthread.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "formats/base/fault.h"
+
+typedef enum residence { ABSENT, QUEUED, LOADING, READY, FAILED } residence;
+
+typedef struct reader {
+    loader *owner;
+    source_scratch scratch;
+    pthread_t thread;
+} reader;
+
+struct loader_private {
+    source *source;
+    pthread_mutex_t lock;
+    pthread_cond_t work, done;
+    /* Guarded by lock: */
+    uint8_t *state;        /* residence, a treelet */
+    loader_request *queue; /* binary heap, smallest urgency first */
+    size_t queued;
+    treelet **places; /* READY ones, oldest first */
+    uint32_t filled, loading, capacity;
+    bool quit;
+    status_note failure;
+    loader_stats stats;
+    /* The selected isovalues. */
+    double isovalues[ACTIVE_ISOS_MAX];
+    active_set set;
+    reader *readers;
+    int started;
+};
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* ---- The queue: a binary heap by (urgency, treelet) ---- */
+
+static bool more_urgent(loader_request a, loader_request b)
+{
+    return a.urgency != b.urgency ? a.urgency < b.urgency : a.t < b.t;
+}
+
+static void queue_push(struct loader_private *h, loader_request r)
+{
+    size_t i = h->queued++;
+    while (i > 0 && more_urgent(r, h->queue[(i - 1) / 2])) {
+        h->queue[i] = h->queue[(i - 1) / 2];
+        i = (i - 1) / 2;
+    }
+    h->queue[i] = r;
+}
+
+static loader_request queue_pop(struct loader_private *h)
+{
+    loader_request top = h->queue[0], last = h->queue[--h->queued];
+    size_t i = 0;
+    for (;;) {
+        size_t child = 2 * i + 1;
+        if (child >= h->queued)
+            break;
+        if (child + 1 < h->queued && more_urgent(h->queue[child + 1], h->queue[child]))
+            child++;
+        if (!more_urgent(h->queue[child], last))
+            break;
+        h->queue[i] = h->queue[child];
+        i = child;
+    }
+    h->queue[i] = last;
+    return top;
+}
+
+/* ---- One treelet in and out ---- */
+
+static void treelet_free(loader *l, treelet *tr)
+{
+    if (!tr)
+        return;
+    if (tr->payload)
+        source_evict(l->hidden->source, tr->id, tr->payload);
+    mem_free(l->m, tr);
+}
+
+/* The treelet and its masks share one block. */
+static status treelet_load(loader *l, uint32_t t, source_scratch *scratch, treelet **out)
+{
+    const leaf_layout *layout = &l->file->layout;
+    leaf_payload shape = leaf_layout_payload(layout, t);
+    const size_t head = (sizeof(treelet) + 63) / 64 * 64;
+    treelet *tr = mem_zalloc(l->m, head + active_bytes(shape.node_levels));
+    if (!tr)
+        return ST_NOMEM;
+    tr->id = t;
+    tr->level = layout->level_of[t];
+    for (int a = 0; a < 3; a++)
+        tr->first_cell[a] = layout->place[t][a] << layout->cells_log2;
+    tr->shape = shape;
+    tr->masks = active_init((char *)tr + head, shape.node_levels);
+    status st = source_load(l->hidden->source, t, scratch, &tr->payload);
+    if (st != ST_OK) {
+        treelet_free(l, tr);
+        return st;
+    }
+    tr->samples = (const char *)tr->payload + shape.samples_at;
+    (void)active_compute(tr->masks, l->file, t, tr->payload, &l->hidden->set);
+    *out = tr;
+    return ST_OK;
+}
+
+static void publish(loader *l, treelet *tr)
+{
+    struct loader_private *h = l->hidden;
+    h->state[tr->id] = READY;
+    h->places[h->filled++] = tr;
+    atomic_store_explicit(&l->resident[tr->id], tr, memory_order_release);
+}
+
+/* Evict the place at index i; the order of the others stays. */
+static void evict(loader *l, uint32_t i)
+{
+    struct loader_private *h = l->hidden;
+    treelet *tr = h->places[i];
+    atomic_store_explicit(&l->resident[tr->id], NULL, memory_order_relaxed);
+    h->state[tr->id] = ABSENT;
+    h->filled--;
+    memmove(&h->places[i], &h->places[i + 1], (h->filled - i) * sizeof *h->places);
+    treelet_free(l, tr);
+}
+
+static void *read_treelets(void *arg)
+{
+    reader *self = arg;
+    loader *l = self->owner;
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    for (;;) {
+        while (!h->quit && (h->queued == 0 || h->filled + h->loading >= h->capacity))
+            pthread_cond_wait(&h->work, &h->lock);
+        if (h->quit)
+            break;
+        uint32_t t = queue_pop(h).t;
+        h->state[t] = LOADING;
+        h->loading++;
+        pthread_mutex_unlock(&h->lock);
+
+        double start = now();
+        treelet *tr = NULL;
+        status st = treelet_load(l, t, &self->scratch, &tr);
+        double seconds = now() - start;
+
+        pthread_mutex_lock(&h->lock);
+        h->loading--;
+        h->stats.load_s += seconds;
+        if (st == ST_OK) {
+            h->stats.loads++;
+            h->stats.bytes_read += l->file->sizes[t];
+            publish(l, tr);
+        } else {
+            h->state[t] = FAILED;
+            if (h->failure.st == ST_OK)
+                status_note_take(&h->failure, st);
+        }
+        pthread_cond_broadcast(&h->done);
+    }
+    pthread_mutex_unlock(&h->lock);
+    return NULL;
+}
+
+/* ---- Making and ending ---- */
+
+status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, loader **out)
+{
+    const size_t n = f->layout.treelets;
+    status st = ST_NOMEM;
+    loader *l = mem_zalloc(m, sizeof *l);
+    if (!l)
+        return ST_NOMEM;
+    l->m = m;
+    l->file = f;
+    struct loader_private *h = l->hidden = mem_zalloc(m, sizeof *h);
+    if (!h)
+        goto fail;
+    pthread_mutex_init(&h->lock, NULL);
+    pthread_cond_init(&h->work, NULL);
+    pthread_cond_init(&h->done, NULL);
+    h->capacity = 1;
+    l->own = mem_array(m, n, 1);
+    l->children = mem_array(m, n, 1);
+    l->resident = mem_array(m, n, sizeof *l->resident);
+    h->state = mem_array(m, n, 1);
+    h->queue = mem_array(m, n, sizeof *h->queue);
+    h->places = mem_array(m, n, sizeof *h->places);
+    h->readers = mem_array(m, (size_t)workers, sizeof *h->readers);
+    if (!l->own || !l->children || !l->resident || !h->state || !h->queue || !h->places || !h->readers)
+        goto fail;
+    st = source_open(m, f, kind, &h->source);
+    if (st != ST_OK)
+        goto fail;
+    for (; h->started < workers; h->started++) {
+        reader *r = &h->readers[h->started];
+        r->owner = l;
+        st = source_scratch_init(h->source, &r->scratch);
+        if (st != ST_OK)
+            goto fail;
+        if (fault_hit(FAULT_THREAD) || pthread_create(&r->thread, NULL, read_treelets, r) != 0) {
+            source_scratch_release(h->source, &r->scratch);
+            st = status_describe(ST_FAILED, "loader thread %d of %d could not be created", h->started + 1, workers);
+            goto fail;
+        }
+    }
+    *out = l;
+    return ST_OK;
+fail:
+    loader_destroy(l);
+    return st;
+}
+
+void loader_destroy(loader *l)
+{
+    if (!l)
+        return;
+    struct loader_private *h = l->hidden;
+    if (h) {
+        pthread_mutex_lock(&h->lock);
+        h->quit = true;
+        pthread_cond_broadcast(&h->work);
+        pthread_mutex_unlock(&h->lock);
+        for (int i = 0; i < h->started; i++) {
+            pthread_join(h->readers[i].thread, NULL);
+            source_scratch_release(h->source, &h->readers[i].scratch);
+        }
+        while (h->filled > 0)
+            evict(l, h->filled - 1);
+        pthread_cond_destroy(&h->done);
+        pthread_cond_destroy(&h->work);
+        pthread_mutex_destroy(&h->lock);
+        source_close(h->source);
+        mem_free(l->m, h->readers);
+        mem_free(l->m, h->places);
+        mem_free(l->m, h->queue);
+        mem_free(l->m, h->state);
+        mem_free(l->m, h);
+    }
+    mem_free(l->m, l->resident);
+    mem_free(l->m, l->children);
+    mem_free(l->m, l->own);
+    mem_free(l->m, l);
+}
+
+/* ---- Selecting ---- */
+
+/* Forget everything queued, and wait for the reads under way. With the lock held. */
+static void quiesce(struct loader_private *h)
+{
+    while (h->queued > 0)
+        h->state[h->queue[--h->queued].t] = ABSENT;
+    while (h->loading > 0)
+        pthread_cond_wait(&h->done, &h->lock);
+}
+
+static bool holds(const float range[2], const active_set *set)
+{
+    for (int i = 0; i < set->count; i++)
+        if ((double)range[0] < set->isovalues[i] && set->isovalues[i] <= (double)range[1])
+            return true;
+    return false;
+}
+
+/* The isovalue sweep: which treelets hold a surface themselves, and which children's subtrees do. */
+static void sweep_ranges(loader *l)
+{
+    const leaf_file *f = l->file;
+    const active_set *set = &l->hidden->set;
+    l->bytes_active = 0;
+    l->treelets_active = 0;
+    for (uint32_t t = 0; t < f->layout.treelets; t++) {
+        l->own[t] = holds(f->own[t], set);
+        l->bytes_active += l->own[t] ? f->sizes[t] : 0;
+        l->treelets_active += l->own[t];
+        unsigned existing = leaf_layout_children(&f->layout, t), mask = 0;
+        uint32_t child = f->layout.first_child[t];
+        for (unsigned octant = 0; octant < 8; octant++)
+            if (existing >> octant & 1u)
+                mask |= (unsigned)holds(f->ranges[child++], set) << octant;
+        l->children[t] = (uint8_t)mask;
+    }
+}
+
+static status remask(void *ctx, size_t index, int worker)
+{
+    (void)worker;
+    loader *l = ctx;
+    treelet *tr = l->hidden->places[index];
+    (void)active_compute(tr->masks, l->file, tr->id, tr->payload, &l->hidden->set);
+    return ST_OK;
+}
+
+status loader_select(loader *l, const double *isovalues, int count, pool *p)
+{
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    quiesce(h);
+    memcpy(h->isovalues, isovalues, (size_t)count * sizeof *isovalues);
+    h->set = (active_set){count, h->isovalues};
+    sweep_ranges(l);
+    for (uint32_t i = h->filled; i-- > 0;)
+        if (!l->own[h->places[i]->id])
+            evict(l, i);
+    pthread_mutex_unlock(&h->lock);
+    /* Nothing is queued, so the readers stay off the places. */
+    return pool_run(p, h->filled, remask, l);
+}
+
+size_t loader_place_bytes(const loader *l)
+{
+    const uint32_t node_levels = l->file->layout.cells_log2 - LEAF_BLOCK_LOG2;
+    return source_resident_bytes(l->hidden->source) + active_bytes(node_levels) + sizeof(treelet) + 256;
+}
+
+void loader_set_capacity(loader *l, uint32_t places)
+{
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    h->capacity = places > 0 ? places : 1;
+    quiesce(h);
+    while (h->filled > h->capacity)
+        evict(l, 0);
+    pthread_mutex_unlock(&h->lock);
+}
+
+uint32_t loader_capacity(const loader *l)
+{
+    return l->hidden->capacity;
+}
+
+/* ---- Wanting ---- */
+
+static void want_locked(loader *l, uint32_t t, uint64_t urgency)
+{
+    struct loader_private *h = l->hidden;
+    if (h->state[t] != ABSENT)
+        return;
+    h->state[t] = QUEUED;
+    queue_push(h, (loader_request){t, urgency});
+}
+
+void loader_want(loader *l, uint32_t t, uint64_t urgency)
+{
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    want_locked(l, t, urgency);
+    if (h->filled + h->loading < h->capacity)
+        pthread_cond_signal(&h->work);
+    pthread_mutex_unlock(&h->lock);
+}
+
+void loader_sweep(loader *l)
+{
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    for (uint32_t t = 0; t < l->file->layout.treelets; t++)
+        if (l->own[t])
+            want_locked(l, t, UINT64_MAX);
+    pthread_cond_broadcast(&h->work);
+    pthread_mutex_unlock(&h->lock);
+}
+
+static int by_urgency(const void *a, const void *b)
+{
+    return more_urgent(*(const loader_request *)a, *(const loader_request *)b) ? -1 : 1;
+}
+
+status loader_admit(loader *l, loader_request *requests, size_t count)
+{
+    struct loader_private *h = l->hidden;
+    qsort(requests, count, sizeof *requests, by_urgency);
+    pthread_mutex_lock(&h->lock);
+    quiesce(h);
+    bool ready = false;
+    for (size_t i = 0; i < count; i++)
+        ready = ready || h->state[requests[i].t] == READY;
+    if (!ready) {
+        /* Oldest first: front to back, those are the ones that rays have left behind. */
+        uint32_t room = count < h->capacity ? (uint32_t)count : h->capacity;
+        while (h->filled > 0 && h->filled + room > h->capacity)
+            evict(l, 0);
+        for (size_t i = 0; i < room; i++)
+            want_locked(l, requests[i].t, requests[i].urgency);
+        pthread_cond_broadcast(&h->work);
+        const uint64_t before = h->stats.loads;
+        while (h->stats.loads == before && h->failure.st == ST_OK)
+            pthread_cond_wait(&h->done, &h->lock);
+    }
+    status st = h->failure.st == ST_OK ? ST_OK : status_note_raise(&h->failure);
+    pthread_mutex_unlock(&h->lock);
+    return st;
+}
+
+status loader_settle(loader *l)
+{
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    while (h->failure.st == ST_OK && (h->loading > 0 || (h->queued > 0 && h->filled < h->capacity)))
+        pthread_cond_wait(&h->done, &h->lock);
+    status st = h->failure.st == ST_OK ? ST_OK : status_note_raise(&h->failure);
+    pthread_mutex_unlock(&h->lock);
+    return st;
+}
+
+status loader_failure(loader *l)
+{
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    status st = h->failure.st == ST_OK ? ST_OK : status_note_raise(&h->failure);
+    pthread_mutex_unlock(&h->lock);
+    return st;
+}
+
+loader_stats loader_statistics(loader *l)
+{
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    loader_stats s = h->stats;
+    pthread_mutex_unlock(&h->lock);
+    return s;
+}
+
+void loader_reset_statistics(loader *l)
+{
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    h->stats = (loader_stats){0};
+    pthread_mutex_unlock(&h->lock);
+}

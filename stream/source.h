@@ -1,0 +1,39 @@
+/* source.h - where treelet payloads come from: two backends that give the same bytes.
+ *
+ *   mapped  the file is mapped once; a load populates the treelet's pages with MADV_POPULATE_READ (which reports an error instead of raising
+ *           SIGBUS) and checks them; an eviction gives them back with MADV_DONTNEED. Raw payloads only.
+ *   arena   a load reads (and decompresses) into a buffer of our own.
+ *
+ * Thread-safe: any number of loads at once, each with a scratch of its own.
+ */
+#ifndef STREAM_SOURCE_H
+#define STREAM_SOURCE_H
+
+#include "formats/leaf_file.h"
+
+typedef enum source_kind { SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA } source_kind;
+
+typedef struct source source;
+
+/* source_open() - AUTO is the arena (see README.md); ST_UNSUPPORTED when mapped is asked for compressed payloads. The file stays the caller's and
+ * must outlive the source. */
+CHECKED status source_open(mem *m, leaf_file *f, source_kind kind, source **out);
+void source_close(source *s); /* NULL is fine */
+
+/* What a worker owns while it loads: room for compressed bytes. */
+typedef struct source_scratch {
+    void *stored;
+} source_scratch;
+CHECKED status source_scratch_init(source *s, source_scratch *scratch);
+void source_scratch_release(source *s, source_scratch *scratch);
+
+/* source_load() - make treelet t's payload resident and checked: *payload points at its bytes until source_evict(). ST_CORRUPT names the treelet. */
+CHECKED status source_load(source *s, uint32_t t, source_scratch *scratch, const void **payload);
+void source_evict(source *s, uint32_t t, const void *payload);
+
+/* source_resident_bytes() - what a loaded treelet costs at most. */
+size_t source_resident_bytes(const source *s);
+
+source_kind source_kind_of(const source *s);
+
+#endif
