@@ -1,0 +1,39 @@
+/* camera.h - pixels to rays in world space.
+ *
+ * Right-handed; `fov` is vertical; pixel (i, j) has its centre at (i + 0.5, j + 0.5), y down from
+ * the top left corner. Everything is double, and nothing but + - * / sqrt is used (the tangent too
+ * is our own), so that a pixel has the same ray on every CPU.
+ */
+#ifndef RENDER_CAMERA_H
+#define RENDER_CAMERA_H
+
+#include "formats/base/status.h"
+#include "render/leafcast.h"
+
+/* A leafcast_camera made ready: d(x, y) = forward + ((2x - width) / height) right + ((height - 2y)
+ * / height) up. */
+typedef struct camera {
+    double eye[3];
+    double forward[3];      /* unit length */
+    double right[3], up[3]; /* as long as half the height of the picture at distance 1 */
+    double width, height;   /* pixels */
+} camera;
+
+/* camera_init() - ST_USAGE when there is no such camera: numbers that are not finite, no pixels,
+ * fov outside (0, 180), nothing between eye and look_at, `up` along the view. */
+CHECKED status camera_init(camera *c, const leafcast_camera *from);
+
+/* camera_ray() - the ray through (x, y), in pixels: from the eye, unit direction; no component is
+ * -0. */
+void camera_ray(const camera *c, double x, double y, double origin[3], double direction[3]);
+
+/* camera_pixel() - the width of a pixel at distance 1 from the eye, in the middle of the picture:
+ * what --lod pixel goes by. */
+double camera_pixel(const camera *c);
+
+/* camera_standard() - fov 45, up +z, from `distance` times the longest edge of the box in the
+ * direction (1, 0.6, 0.8) of its centre. bounds: minimum and maximum in world space. */
+leafcast_camera camera_standard(const double bounds[2][3], double distance, uint32_t width,
+                                uint32_t height);
+
+#endif
