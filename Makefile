@@ -3,7 +3,7 @@
 # Sources are found by wildcard: every .c file of the four layers goes into libleafcast.a, except
 # X_main.c, which is the verb X (build/release/libexec/leafcast-X). A new source needs no line here.
 
-VERSION := 0.1.0
+VERSION := $(shell sed -n 's/^.define LEAFCAST_VERSION "\(.*\)"/\1/p' render/leafcast.h)
 CONFIG  ?= release
 PREFIX  ?= /usr/local
 DESTDIR ?=
@@ -146,7 +146,7 @@ $B/libexec/leafcast-write-image:
 	      "so render cannot write PNG or EXR"
 endif
 
-$(FRONT): scripts/leafcast Makefile
+$(FRONT): scripts/leafcast render/leafcast.h Makefile
 	@mkdir -p $(@D)
 	@sed 's/@VERSION@/$(VERSION)/' $< >$@ && chmod 755 $@
 build/leafcast: $(FRONT)
