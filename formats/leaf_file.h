@@ -1,7 +1,8 @@
 /* leaf_file.h - open a treelet file: everything but the payloads, checked and in memory.
  *
- * After leaf_file_open() the header, the directory and every offset and size have been validated against the file's length, so
- * users need no checks of their own. Immutable afterwards: any thread may read it. Payload bytes are checked by leaf_file_load().
+ * After leaf_file_open() the header, the directory and every offset and size have been validated
+ * against the file's length, so users need no checks of their own. Immutable afterwards: any thread
+ * may read it. Payload bytes are checked by leaf_file_load().
  */
 #ifndef FORMATS_LEAF_FILE_H
 #define FORMATS_LEAF_FILE_H
@@ -35,12 +36,15 @@ typedef struct leaf_file {
 CHECKED status leaf_file_open(mem *m, const char *path, leaf_file **out);
 void leaf_file_close(leaf_file *f); /* NULL is fine */
 
-/* leaf_file_load() - read treelet t's stored bytes into `stored` (sizes[t] bytes), check them, and decode into payload
- * (leaf_layout_payload(t).bytes). For the raw codec stored may be NULL, and bytes are read straight into payload. */
+/* leaf_file_load() - read treelet t's stored bytes into `stored` (sizes[t] bytes), check them, and
+ * decode into payload (leaf_layout_payload(t).bytes). For the raw codec stored may be NULL, and
+ * bytes are read straight into payload. */
 CHECKED status leaf_file_load(leaf_file *f, uint32_t t, void *stored, void *payload);
 
-/* leaf_file_decode() - the same from bytes that are in memory already (a mapping): check, and for a compressed codec decode into
- * payload; *view becomes the payload (stored itself for the raw codec). */
-CHECKED status leaf_file_decode(const leaf_file *f, uint32_t t, const void *stored, void *payload, const void **view);
+/* leaf_file_decode() - the same from bytes that are in memory already (a mapping): check, and for a
+ * compressed codec decode into payload; *view becomes the payload (stored itself for the raw
+ * codec). */
+CHECKED status leaf_file_decode(const leaf_file *f, uint32_t t, const void *stored, void *payload,
+                                const void **view);
 
 #endif

@@ -1,4 +1,5 @@
-/* leaf_layout.h - the geometry of a treelet file: all that follows from dims, B, h and the sample type alone.
+/* leaf_layout.h - the geometry of a treelet file: all that follows from dims, B, h and the sample
+ * type alone.
  *
  * Nothing of this is stored in the file; writer, reader and renderer derive it here.
  */
@@ -28,26 +29,29 @@ typedef struct leaf_layout {
     uint32_t treelets; /* of all levels */
     leaf_level level[LEAF_LEVELS_MAX];
     /* Per treelet: */
-    uint32_t *first_child;     /* LEAF_NO_TREELET at level 0 */
-    uint32_t (*place)[3];      /* position in its level's treelet grid */
+    uint32_t *first_child; /* LEAF_NO_TREELET at level 0 */
+    uint32_t (*place)[3];  /* position in its level's treelet grid */
     uint8_t *level_of;
     mem *m;
 } leaf_layout;
 
-/* leaf_layout_levels() - number of levels of a grid; fills level[].dims/cells/treelets/first/count and totals without
- * allocating; ST_UNSUPPORTED when more than 2^32 - 2 treelets or LEAF_LEVELS_MAX levels were needed. */
-CHECKED status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32_t cells_log2, uint32_t halo, sample_type type);
+/* leaf_layout_levels() - number of levels of a grid; fills level[].dims/cells/treelets/first/count
+ * and totals without allocating. cells_log2 and halo must be possible ones (a caller's bug
+ * otherwise); dims are checked: ST_UNSUPPORTED for less than 2 or more than GRID_DIM_MAX samples on
+ * an axis, and when more than 2^32 - 2 treelets or LEAF_LEVELS_MAX levels were needed. */
+CHECKED status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32_t cells_log2,
+                                  uint32_t halo, sample_type type);
 
 /* leaf_layout_init() - the above and the per-treelet arrays. */
-CHECKED status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t cells_log2, uint32_t halo,
-                                sample_type type);
+CHECKED status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t cells_log2,
+                                uint32_t halo, sample_type type);
 void leaf_layout_release(leaf_layout *l);
 
 /* leaf_layout_find() - the treelet at a place of a level: descends from the root, so O(levels). */
 uint32_t leaf_layout_find(const leaf_layout *l, uint32_t level, const uint32_t place[3]);
 
-/* leaf_layout_children() - which octants of a treelet exist, as a bit mask (bit x + 2y + 4z); 0 at level 0. The child in octant o is
- * first_child[t] + number of existing octants below o. */
+/* leaf_layout_children() - which octants of a treelet exist, as a bit mask (bit x + 2y + 4z); 0 at
+ * level 0. The child in octant o is first_child[t] + number of existing octants below o. */
 uint8_t leaf_layout_children(const leaf_layout *l, uint32_t treelet);
 
 /* Of one treelet's payload, before compression. */
@@ -61,12 +65,11 @@ typedef struct leaf_payload {
 
 leaf_payload leaf_layout_payload(const leaf_layout *l, uint32_t treelet);
 
-/* leaf_payload_bytes_max() - of a full treelet. */
+/* leaf_layout_payload_max() - bytes of a full treelet's payload; no other's is larger. */
 uint32_t leaf_layout_payload_max(const leaf_layout *l);
 
 /* Where the codes of tree level k (1 .. K) lie in the payload: lo[8^k] there, hi[8^k] behind it. */
-static inline uint32_t leaf_codes_at(uint32_t k)
-{
+static inline uint32_t leaf_codes_at(uint32_t k) {
     /* 2 * (8 + 64 + ... + 8^(k-1)) */
     return 2u * (((1u << (3 * k)) - 8u) / 7u);
 }
