@@ -1,8 +1,13 @@
 /* volume.h - any known input as a stream of z slices.
  *
- * volume_open() recognises the format (NRRD, MHD/MHA, raw with a JSON beside it or dimensions in its name), reads its header
- * and checks it. volume_read() then hands out slices front to back. No reader holds more than it was asked for, plus a fixed
- * buffer, gzip included.
+ * volume_open() recognises the format (NRRD, MHD/MHA, raw with a JSON beside it or dimensions in
+ * its name), reads its header and checks it against the file's length before anything is allocated
+ * for samples. volume_read() then hands out slices front to back. No reader holds more than it was
+ * asked for, plus fixed buffers, gzip included. One thread per volume.
+ *
+ * Where the nodes lie: regular grids have everything in to_world. An axis with coordinates of its
+ * own makes the grid rectilinear; its column of to_world is then a unit vector (coordinates replace
+ * that axis' spacing), negated, like the coordinates, when they decrease (see grid_set_axis()).
  */
 #ifndef FORMATS_VOLUME_H
 #define FORMATS_VOLUME_H
@@ -15,26 +20,33 @@ typedef struct volume volume;
 
 /* What the command line says about inputs that do not say it themselves. Zero/NULL = not given. */
 typedef struct volume_hints {
-    uint32_t dims[3];         /* raw: samples per axis */
-    sample_type type;         /* raw: sample type */
-    bool big_endian;          /* raw */
-    uint64_t skip;            /* raw: header bytes to skip */
-    double spacing[3];        /* overrides the input's spacing; may be negative */
-    double origin[3];         /* world position of node (0, 0, 0) */
+    uint32_t dims[3];  /* raw: samples per axis */
+    sample_type type;  /* raw: sample type */
+    bool big_endian;   /* raw */
+    uint64_t skip;     /* raw: header bytes to skip */
+    double spacing[3]; /* overrides the input's spacing; may be negative */
+    double origin[3];  /* world position of node (0, 0, 0) */
     bool has_origin;
-    const char *axis_file[3]; /* rectilinear: a text file with one coordinate a line (or split by white space), per axis */
+    const char *axis_file[3]; /* rectilinear: a text file with one coordinate a line (or split by
+                                 white space), per axis */
 } volume_hints;
 
-/* volume_open() - path, or "-" for NRRD on standard input. hints may be NULL. */
+/* volume_open() - path, or "-" for NRRD on standard input. hints may be NULL. ST_CORRUPT,
+ * ST_UNSUPPORTED (also for a file of no known format) or ST_IO, naming file and line. */
 CHECKED status volume_open(mem *m, const char *path, const volume_hints *hints, volume **out);
 void volume_close(volume *v); /* NULL is fine */
 
 const grid *volume_grid(const volume *v);
 
-/* volume_read() - the next `count` z slices, native byte order, type volume_grid()->type, into buffer
- * (count * grid_slice_bytes()). ST_CORRUPT when the data ends early, naming slice and byte. After the last slice,
- * volume_finish() checks that nothing is wrong behind it (gzip checksum; trailing bytes are allowed and counted). */
+/* volume_read() - the next `count` z slices, native byte order, type volume_grid()->type, into
+ * buffer (count * grid_slice_bytes()). ST_CORRUPT when the data ends early, naming slice and byte.
+ * The caller does not ask for more slices than are left. */
 CHECKED status volume_read(volume *v, uint32_t count, void *buffer);
-CHECKED status volume_finish(volume *v, uint64_t *trailing_bytes);
+
+/* volume_finish() - after the last slice: check what is behind it (a gzip checksum) and count the
+ * bytes that follow, which are allowed up to VOLUME_TRAILING_MAX where they must be read to be
+ * counted. trailing may be NULL. */
+enum { VOLUME_TRAILING_MAX = 1 << 26 };
+CHECKED status volume_finish(volume *v, uint64_t *trailing);
 
 #endif

@@ -1,0 +1,241 @@
+#include "formats/volume.h"
+
+#include <endian.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/byte_stream.h"
+#include "formats/inflate_stream.h"
+#include "formats/metaimage.h"
+#include "formats/nrrd.h"
+#include "formats/rawfile.h"
+#include "formats/text_stream.h"
+#include "formats/volume_layout.h"
+
+struct volume {
+    mem *m;
+    volume_layout layout;
+    inflate_stream *inflate; /* VOLUME_DEFLATE */
+    uint32_t slice;          /* the next one */
+};
+
+/* ---- opening ---- */
+
+static status open_header(volume_layout *l, const char *path, const volume_hints *hints) {
+    const uint8_t *start;
+    size_t size;
+    status st = byte_stream_peek(l->data, 16, &start, &size);
+    if (st != ST_OK)
+        return st;
+    if (nrrd_known(start, size))
+        return nrrd_open(l);
+    if (strcmp(path, "-") == 0)
+        return status_describe(ST_UNSUPPORTED, "standard input: expected NRRD");
+    if (metaimage_known(path, start, size))
+        return metaimage_open(l);
+    return rawfile_open(l, path, hints);
+}
+
+static void apply_spacing(grid *g, int a, double spacing) {
+    double x = g->to_world[0][a], y = g->to_world[1][a], z = g->to_world[2][a];
+    double length = sqrt(x * x + y * y + z * z);
+    for (int row = 0; row < 3; row++)
+        g->to_world[row][a] = g->to_world[row][a] / length * spacing;
+}
+
+/* The whole of a text file, NUL-terminated. */
+static status read_text(mem *m, const char *path, char **out) {
+    byte_stream *s;
+    status st = byte_stream_open(m, path, &s);
+    if (st != ST_OK)
+        return st;
+    uint64_t size = byte_stream_left(s);
+    size_t got = 0;
+    char *text = NULL;
+    if (size > TEXT_LINE_MAX)
+        st = status_describe(ST_UNSUPPORTED, "%s: expected a text file of coordinates", path);
+    else if (!(text = mem_alloc(m, (size_t)size + 1)))
+        st = ST_NOMEM;
+    if (st == ST_OK)
+        st = byte_stream_read(s, text, (size_t)size, &got);
+    byte_stream_close(s);
+    if (st != ST_OK) {
+        mem_free(m, text);
+        return st;
+    }
+    text[got] = 0;
+    *out = text;
+    return ST_OK;
+}
+
+static status apply_axis_file(volume_layout *l, int a, const char *path) {
+    char *text = NULL;
+    status st = read_text(l->m, path, &text);
+    if (st == ST_OK)
+        st = volume_layout_axis(l, path, a, text);
+    mem_free(l->m, text);
+    return st;
+}
+
+static status apply_hints(volume_layout *l, const volume_hints *hints) {
+    for (int a = 0; a < 3; a++) {
+        if (hints->spacing[a] != 0)
+            apply_spacing(&l->g, a, hints->spacing[a]);
+        if (hints->has_origin)
+            l->g.to_world[a][3] = hints->origin[a];
+    }
+    for (int a = 0; a < 3; a++) {
+        status st = hints->axis_file[a] ? apply_axis_file(l, a, hints->axis_file[a]) : ST_OK;
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+/* A grid that has no name gets that of its file. */
+static void name_grid(grid *g, const char *path) {
+    if (g->name[0] || strcmp(path, "-") == 0)
+        return;
+    const char *slash = strrchr(path, '/');
+    const char *name = slash ? slash + 1 : path;
+    const char *dot = strrchr(name, '.');
+    size_t length = dot ? (size_t)(dot - name) : strlen(name);
+    snprintf(g->name, sizeof g->name, "%.*s",
+             (int)(length < GRID_NAME_MAX ? length : GRID_NAME_MAX), name);
+}
+
+/* Decompressed bytes in front of the samples go. */
+static status skip_decoded(volume *v) {
+    uint8_t waste[4096];
+    for (uint64_t left = v->layout.skip_decoded; left > 0;) {
+        size_t got = 0, want = left < sizeof waste ? (size_t)left : sizeof waste;
+        status st = inflate_stream_read(v->inflate, waste, want, &got);
+        if (st != ST_OK)
+            return st;
+        if (got < want)
+            return status_describe(ST_CORRUPT, "%s: the data ends %llu bytes before the samples",
+                                   byte_stream_name(v->layout.data),
+                                   (unsigned long long)(left - got));
+        left -= got;
+    }
+    return ST_OK;
+}
+
+static status open_volume(volume *v, const char *path, const volume_hints *hints) {
+    volume_layout *l = &v->layout;
+    status st = byte_stream_open(v->m, path, &l->data);
+    if (st == ST_OK)
+        st = open_header(l, path, hints);
+    if (st == ST_OK)
+        st = volume_layout_check(l);
+    if (st == ST_OK)
+        st = apply_hints(l, hints);
+    if (st == ST_OK)
+        st = grid_check(&l->g, byte_stream_name(l->data));
+    if (st != ST_OK)
+        return st;
+    name_grid(&l->g, path);
+    if (l->encoding != VOLUME_DEFLATE)
+        return ST_OK;
+    st = inflate_stream_open(v->m, l->data, &v->inflate);
+    return st == ST_OK ? skip_decoded(v) : st;
+}
+
+status volume_open(mem *m, const char *path, const volume_hints *hints, volume **out) {
+    static const volume_hints none;
+    volume *v = mem_zalloc(m, sizeof *v);
+    if (!v)
+        return ST_NOMEM;
+    v->m = m;
+    v->layout.m = m;
+    status st = open_volume(v, path, hints ? hints : &none);
+    if (st != ST_OK) {
+        volume_close(v);
+        return st;
+    }
+    *out = v;
+    return ST_OK;
+}
+
+void volume_close(volume *v) {
+    if (!v)
+        return;
+    inflate_stream_close(v->inflate);
+    volume_layout_release(&v->layout);
+    mem_free(v->m, v);
+}
+
+const grid *volume_grid(const volume *v) {
+    return &v->layout.g;
+}
+
+/* ---- reading ---- */
+
+/* Samples of the file's byte order, native for VOLUME_TEXT; *got counts bytes. */
+static status read_encoded(volume *v, void *buffer, size_t size, size_t *got) {
+    const volume_layout *l = &v->layout;
+    size_t width = sample_size(l->g.type);
+    status st = ST_OK;
+    switch (l->encoding) {
+    case VOLUME_RAW: return byte_stream_read(l->data, buffer, size, got);
+    case VOLUME_DEFLATE: return inflate_stream_read(v->inflate, buffer, size, got);
+    case VOLUME_TEXT:
+        st = text_stream_read(l->data, l->g.type, buffer, size / width, got);
+        *got *= width;
+        break;
+    }
+    return st;
+}
+
+static bool is_foreign(const volume_layout *l) {
+    bool big_here = __BYTE_ORDER == __BIG_ENDIAN;
+    return l->encoding != VOLUME_TEXT && l->big_endian != big_here;
+}
+
+status volume_read(volume *v, uint32_t count, void *buffer) {
+    const grid *g = &v->layout.g;
+    uint64_t slice_bytes = grid_slice_bytes(g);
+    size_t size = (size_t)(count * slice_bytes), got = 0;
+    status st = read_encoded(v, buffer, size, &got);
+    if (st != ST_OK)
+        return st;
+    if (got < size)
+        return status_describe(ST_CORRUPT,
+                               "%s: ends at byte %llu, inside slice %u of %u (counted from 0)",
+                               byte_stream_name(v->layout.data),
+                               (unsigned long long)byte_stream_position(v->layout.data),
+                               v->slice + (uint32_t)(got / slice_bytes), g->dims[2]);
+    if (is_foreign(&v->layout))
+        sample_swap(g->type, buffer, size / sample_size(g->type));
+    v->slice += count;
+    return ST_OK;
+}
+
+/* Bytes that are left, taken and counted. */
+static status drain(volume *v, uint64_t *count) {
+    uint8_t waste[4096];
+    bool deflate = v->layout.encoding == VOLUME_DEFLATE;
+    for (size_t got = 1; got > 0; *count += got) {
+        status st = deflate ? inflate_stream_read(v->inflate, waste, sizeof waste, &got)
+                            : byte_stream_read(v->layout.data, waste, sizeof waste, &got);
+        if (st != ST_OK)
+            return st;
+        if (*count > VOLUME_TRAILING_MAX)
+            return status_describe(ST_CORRUPT, "%s: more than %d bytes behind the last sample",
+                                   byte_stream_name(v->layout.data), VOLUME_TRAILING_MAX);
+    }
+    return ST_OK;
+}
+
+status volume_finish(volume *v, uint64_t *trailing) {
+    uint64_t count = 0, left = byte_stream_left(v->layout.data);
+    status st = ST_OK;
+    if (v->layout.encoding == VOLUME_DEFLATE || left == UINT64_MAX)
+        st = drain(v, &count);
+    else
+        count = left;
+    if (st == ST_OK && trailing)
+        *trailing = count;
+    return st;
+}
