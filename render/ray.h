@@ -15,6 +15,8 @@ typedef struct ray {
     double o[3];
     double d[3]; /* finite, not all zero; a zero component is +0 */
     double t0, t1;
+    double held[3]; /* o, pulled just below the volume's upper end, which the last cell owns: where traversal keeps a ray
+                       that has d = 0; the cell kernel does not look at it */
 } ray;
 
 typedef struct hit {

@@ -124,16 +124,21 @@ static void publish(loader *l, treelet *tr)
     atomic_store_explicit(&l->resident[tr->id], tr, memory_order_release);
 }
 
-/* Evict the place at index i; the order of the others stays. */
-static void evict(loader *l, uint32_t i)
+/* Give a treelet back; its place is the caller's to close. */
+static void evict(loader *l, treelet *tr)
+{
+    atomic_store_explicit(&l->resident[tr->id], NULL, memory_order_relaxed);
+    l->hidden->state[tr->id] = ABSENT;
+    treelet_free(l, tr);
+}
+
+static void evict_oldest(loader *l, uint32_t count)
 {
     struct loader_private *h = l->hidden;
-    treelet *tr = h->places[i];
-    atomic_store_explicit(&l->resident[tr->id], NULL, memory_order_relaxed);
-    h->state[tr->id] = ABSENT;
-    h->filled--;
-    memmove(&h->places[i], &h->places[i + 1], (h->filled - i) * sizeof *h->places);
-    treelet_free(l, tr);
+    for (uint32_t i = 0; i < count; i++)
+        evict(l, h->places[i]);
+    h->filled -= count;
+    memmove(h->places, h->places + count, h->filled * sizeof *h->places);
 }
 
 static void *read_treelets(void *arg)
@@ -238,8 +243,8 @@ void loader_destroy(loader *l)
             pthread_join(h->readers[i].thread, NULL);
             source_scratch_release(h->source, &h->readers[i].scratch);
         }
-        while (h->filled > 0)
-            evict(l, h->filled - 1);
+        if (h->places)
+            evict_oldest(l, h->filled);
         pthread_cond_destroy(&h->done);
         pthread_cond_destroy(&h->work);
         pthread_mutex_destroy(&h->lock);
@@ -312,9 +317,14 @@ status loader_select(loader *l, const double *isovalues, int count, pool *p)
     memcpy(h->isovalues, isovalues, (size_t)count * sizeof *isovalues);
     h->set = (active_set){count, h->isovalues};
     sweep_ranges(l);
-    for (uint32_t i = h->filled; i-- > 0;)
-        if (!l->own[h->places[i]->id])
-            evict(l, i);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < h->filled; i++) {
+        if (l->own[h->places[i]->id])
+            h->places[kept++] = h->places[i];
+        else
+            evict(l, h->places[i]);
+    }
+    h->filled = kept;
     pthread_mutex_unlock(&h->lock);
     /* Nothing is queued, so the readers stay off the places. */
     return pool_run(p, h->filled, remask, l);
@@ -332,8 +342,7 @@ void loader_set_capacity(loader *l, uint32_t places)
     pthread_mutex_lock(&h->lock);
     h->capacity = places > 0 ? places : 1;
     quiesce(h);
-    while (h->filled > h->capacity)
-        evict(l, 0);
+    evict_oldest(l, h->filled > h->capacity ? h->filled - h->capacity : 0);
     pthread_mutex_unlock(&h->lock);
 }
 
@@ -390,16 +399,16 @@ status loader_admit(loader *l, loader_request *requests, size_t count)
         ready = ready || h->state[requests[i].t] == READY;
     if (!ready) {
         /* Oldest first: front to back, those are the ones that rays have left behind. */
-        uint32_t room = count < h->capacity ? (uint32_t)count : h->capacity;
-        while (h->filled > 0 && h->filled + room > h->capacity)
-            evict(l, 0);
-        for (size_t i = 0; i < room; i++)
-            want_locked(l, requests[i].t, requests[i].urgency);
-        pthread_cond_broadcast(&h->work);
-        const uint64_t before = h->stats.loads;
-        while (h->stats.loads == before && h->failure.st == ST_OK)
-            pthread_cond_wait(&h->done, &h->lock);
+        const uint32_t room = count < h->capacity ? (uint32_t)count : h->capacity;
+        const uint32_t fit = h->capacity - h->filled;
+        evict_oldest(l, room > fit ? room - fit : 0);
     }
+    for (size_t i = 0; i < count; i++)
+        want_locked(l, requests[i].t, requests[i].urgency);
+    pthread_cond_broadcast(&h->work);
+    const uint64_t before = h->stats.loads;
+    while (!ready && h->stats.loads == before && h->failure.st == ST_OK)
+        pthread_cond_wait(&h->done, &h->lock);
     status st = h->failure.st == ST_OK ? ST_OK : status_note_raise(&h->failure);
     pthread_mutex_unlock(&h->lock);
     return st;
