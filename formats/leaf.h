@@ -3,13 +3,14 @@
  *   0                  header page, LEAF_HEADER_BYTES
  *   LEAF_HEADER_BYTES  section table: header.sections entries of 32 bytes
  *   ...                directory sections, each at a multiple of 64
- *   ...                payload runs, each at a multiple of 2^run_align_log2: the payloads of one family of siblings, each at a
- *                      multiple of 64 inside the run
+ *   ...                payload runs, each at a multiple of 2^run_align_log2: the payloads of one
+ * family of siblings, each at a multiple of 64 inside the run
  *
  * All little endian. Everything not named is zero, and checked to be.
  *
- * A treelet is a block of up to B^3 cells (B = 2^cells_log2) of one level of detail with the samples at their nodes, h more
- * samples on every side, and the codes of the min/max kd-tree over it (M08 4.3, 4.4). Levels count from 0 = full resolution.
+ * A treelet is a block of up to B^3 cells (B = 2^cells_log2) of one level of detail with the
+ * samples at their nodes, h more samples on every side, and the codes of the min/max kd-tree over
+ * it (M08 4.3, 4.4). Levels count from 0 = full resolution.
  */
 #ifndef FORMATS_LEAF_H
 #define FORMATS_LEAF_H
@@ -19,21 +20,27 @@
 enum {
     LEAF_VERSION = 1,
     LEAF_HEADER_BYTES = 4096,
-    LEAF_ALIGN = 64,        /* of sections, and of payloads inside a run */
-    LEAF_BLOCK_LOG2 = 2,    /* the trees end at blocks of 4^3 cells */
+    LEAF_ALIGN_LOG2 = 6,
+    LEAF_ALIGN = 1 << LEAF_ALIGN_LOG2, /* of sections, and of payloads inside a run */
+    LEAF_BLOCK_LOG2 = 2,               /* the trees end at blocks of 4^3 cells */
     LEAF_CELLS_LOG2_MIN = 4,
     LEAF_CELLS_LOG2_MAX = 6,
+    LEAF_RUN_ALIGN_LOG2_MAX = 21,
     LEAF_LEVELS_MAX = 24,
     LEAF_SECTIONS_MAX = 64
 };
 
 #define LEAF_MAGIC "\x89LEAF\r\n\x1a"
 
-typedef enum leaf_kind { LEAF_KIND_GRID = 1 } leaf_kind;             /* tetrahedra, hexahedra: later kinds */
+typedef enum leaf_kind { LEAF_KIND_GRID = 1 } leaf_kind; /* tetrahedra, hexahedra: later kinds */
+/* With a compressed codec, a payload that would not get smaller is stored raw; its stored size
+ * tells. */
 typedef enum leaf_codec { LEAF_CODEC_RAW = 0, LEAF_CODEC_ZSTD = 1 } leaf_codec;
 
 /* What a treelet's directory flags say. */
-enum { LEAF_FLAG_NON_FINITE = 1u << 0 }; /* a NaN or inf among its own cells' samples: use the NaN-aware kernel */
+enum {
+    LEAF_FLAG_NON_FINITE = 1u << 0
+}; /* a NaN or inf among its own cells' samples: use the NaN-aware kernel */
 
 /* clang-format off */
 typedef struct leaf_header {   /* offset size */
@@ -60,9 +67,9 @@ typedef struct leaf_header {   /* offset size */
     uint64_t non_finite;       /*  104    8  NaN and inf samples of level 0 */
     double value_min;          /*  112    8  over the finite samples of level 0; */
     double value_max;          /*  120    8    min > max when there are none */
-    double rounding_error;     /*  128    8  largest |stored - input| of level 0 */
+    double rounding_error;     /*  128    8  largest |stored - input| of level 0; 0 or more, may be inf */
     double to_world[12];       /*  136   96  3x4 row-major, grid space to world space */
-    uint64_t id[2];            /*  232   16  XXH3-128 over the header page (id and checksum zero), section table, directory */
+    uint64_t id[2];            /*  232   16  lo, hi of XXH3-128 over header page (id, checksum zero) and section table */
     uint64_t checksum;         /*  248    8  XXH3-64 of the header page with this field zero */
     char name[64];             /*  256   64  of the data set, NUL-padded UTF-8 */
     char provenance[1024];     /*  320 1024  how it was made; no paths, no times */
@@ -81,17 +88,27 @@ typedef struct leaf_section {  /* offset size */
 _Static_assert(sizeof(leaf_header) == LEAF_HEADER_BYTES, "leaf_header is a page");
 _Static_assert(sizeof(leaf_section) == 32, "leaf_section is 32 bytes");
 
-/* Directory sections: one array each, an element a treelet, in treelet order: coarsest level first; within a level by the
- * parent's index, then by octant x + 2y + 4z. So siblings are neighbours, and the root is treelet 0. Which children exist, and
- * every treelet's place, follows from dims and B alone. */
+/* Sections follow the table in its order, each at the first multiple of LEAF_ALIGN behind the one
+ * before; payloads follow the sections in treelet order (leaf_layout_payload_at()). So sizes alone
+ * fix every offset, and no byte is unaccounted for.
+ *
+ * Directory sections: one array each, an element a treelet, in treelet order: coarsest level first;
+ * within a level by the parent's index, then by octant x + 2y + 4z. So siblings are neighbours, and
+ * the root is treelet 0. Which children exist, and every treelet's place, follows from dims and B
+ * alone. */
 typedef enum leaf_section_kind {
-    LEAF_SECTION_RANGES = 1,    /* float[2]: lo, hi over the treelet's finite samples and all its descendants' */
-    LEAF_SECTION_OWN = 2,       /* float[2]: lo, hi over the treelet's own finite samples, halo apart; codes relate to it */
-    LEAF_SECTION_FLAGS = 3,     /* uint8_t: LEAF_FLAG_* */
-    LEAF_SECTION_OFFSETS = 4,   /* uint64_t: payload's offset in the file */
-    LEAF_SECTION_SIZES = 5,     /* uint64_t: payload's stored bytes */
+    LEAF_SECTION_RANGES =
+        1, /* float[2]: lo, hi over the treelet's finite samples and all its descendants' */
+    LEAF_SECTION_OWN = 2,     /* float[2]: lo, hi over the treelet's own finite samples, halo apart;
+                                 codes relate to it */
+    LEAF_SECTION_FLAGS = 3,   /* uint8_t: LEAF_FLAG_* */
+    LEAF_SECTION_OFFSETS = 4, /* uint64_t: payload's offset in the file */
+    LEAF_SECTION_SIZES = 5,   /* uint64_t: payload's stored bytes */
     LEAF_SECTION_CHECKSUMS = 6, /* uint64_t: XXH3-64 of the stored bytes */
-    LEAF_SECTION_AXES = 7       /* double[dims[0] + dims[1] + dims[2]]: node coordinates in grid space, level 0 */
+    LEAF_SECTION_AXES =
+        7, /* double[dims[0] + dims[1] + dims[2]]: node coordinates in grid space, level 0 */
+    LEAF_SECTION_ANCILLARY =
+        1 << 30 /* set in kinds that a reader may pass over; others it must know */
 } leaf_section_kind;
 /* A treelet without a finite sample has lo = +inf, hi = -inf. */
 

@@ -36,14 +36,19 @@ typedef struct leaf_file {
 CHECKED status leaf_file_open(mem *m, const char *path, leaf_file **out);
 void leaf_file_close(leaf_file *f); /* NULL is fine */
 
-/* leaf_file_load() - read treelet t's stored bytes into `stored` (sizes[t] bytes), check them, and
- * decode into payload (leaf_layout_payload(t).bytes). For the raw codec stored may be NULL, and
- * bytes are read straight into payload. */
+/* leaf_file_is_raw() - whether treelet t's stored bytes are its payload as they are: always with
+ * the raw codec, and with a compressed one for payloads that would not have got smaller. */
+bool leaf_file_is_raw(const leaf_file *f, uint32_t t);
+
+/* leaf_file_load() - read treelet t's stored bytes, check them, and decode into payload
+ * (leaf_layout_payload(t).bytes; 64-byte aligned). stored: room for sizes[t] bytes; may be NULL
+ * when leaf_file_is_raw(), bytes are then read straight into payload. ST_CORRUPT names file, byte
+ * and treelet. Thread-safe. */
 CHECKED status leaf_file_load(leaf_file *f, uint32_t t, void *stored, void *payload);
 
-/* leaf_file_decode() - the same from bytes that are in memory already (a mapping): check, and for a
- * compressed codec decode into payload; *view becomes the payload (stored itself for the raw
- * codec). */
+/* leaf_file_decode() - the same from bytes that are in memory already (a mapping): check, and
+ * unless leaf_file_is_raw() decode into payload; *view becomes the payload (stored itself when
+ * raw). Thread-safe. */
 CHECKED status leaf_file_decode(const leaf_file *f, uint32_t t, const void *stored, void *payload,
                                 const void **view);
 

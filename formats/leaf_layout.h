@@ -6,6 +6,7 @@
 #ifndef FORMATS_LEAF_LAYOUT_H
 #define FORMATS_LEAF_LAYOUT_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "formats/base/mem.h"
@@ -67,6 +68,22 @@ leaf_payload leaf_layout_payload(const leaf_layout *l, uint32_t treelet);
 
 /* leaf_layout_payload_max() - bytes of a full treelet's payload; no other's is larger. */
 uint32_t leaf_layout_payload_max(const leaf_layout *l);
+
+/* leaf_layout_aligned() - the first multiple of 2^log2 at or behind `at`. */
+static inline uint64_t leaf_layout_aligned(uint64_t at, uint32_t log2) {
+    uint64_t mask = ((uint64_t)1 << log2) - 1;
+    return (at + mask) & ~mask;
+}
+
+/* leaf_layout_payload_at() - where treelet t's payload lies when the one before it (for t = 0: the
+ * last section) ends at `end`: at the next multiple of LEAF_ALIGN, or of 2^run_align_log2 for the
+ * first of a family. That is the child in octant 0, which every parent has. */
+static inline uint64_t leaf_layout_payload_at(const leaf_layout *l, uint32_t t, uint64_t end,
+                                              uint32_t run_align_log2) {
+    const uint32_t *place = l->place[t];
+    bool first = !((place[0] | place[1] | place[2]) & 1);
+    return leaf_layout_aligned(end, first ? run_align_log2 : LEAF_ALIGN_LOG2);
+}
 
 /* Where the codes of tree level k (1 .. K) lie in the payload: lo[8^k] there, hi[8^k] behind it. */
 static inline uint32_t leaf_codes_at(uint32_t k) {

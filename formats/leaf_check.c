@@ -1,0 +1,383 @@
+#include "formats/leaf_check.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/sample.h"
+
+__attribute__((format(printf, 3, 4))) static status corrupt(const char *path, uint64_t at,
+                                                            const char *fmt, ...) {
+    char text[STATUS_TEXT_MAX / 2];
+    va_list args;
+    va_start(args, fmt);
+    vsnprintf(text, sizeof text, fmt, args);
+    va_end(args);
+    return status_describe(ST_CORRUPT, "%s: byte %llu: %s", path, (unsigned long long)at, text);
+}
+
+/* ---- header ---- */
+
+uint64_t leaf_header_checksum(const leaf_header *h) {
+    leaf_header copy = *h;
+    copy.checksum = 0;
+    return hash_bytes(&copy, sizeof copy);
+}
+
+hash_id leaf_header_id(const leaf_header *h, const leaf_section *table) {
+    struct {
+        leaf_header header;
+        leaf_section table[LEAF_SECTIONS_MAX];
+    } all;
+    uint32_t sections = h->sections < LEAF_SECTIONS_MAX ? h->sections : LEAF_SECTIONS_MAX;
+    all.header = *h;
+    all.header.id[0] = all.header.id[1] = 0;
+    all.header.checksum = 0;
+    memcpy(all.table, table, sections * sizeof *table);
+    return hash_identity(&all, sizeof all.header + sections * sizeof *table);
+}
+
+static status check_frame(const char *path, const leaf_header *h, uint64_t file_bytes) {
+    if (memcmp(h->magic, LEAF_MAGIC, sizeof h->magic) != 0)
+        return corrupt(path, 0, "expected the mark of a treelet file; this is none");
+    if (h->version != LEAF_VERSION)
+        return status_describe(
+            ST_UNSUPPORTED, "%s: a treelet file of version %u, where this program reads version %d",
+            path, h->version, LEAF_VERSION);
+    if (h->checksum != leaf_header_checksum(h))
+        return corrupt(path, offsetof(leaf_header, checksum),
+                       "expected the header's checksum %016llx, found %016llx",
+                       (unsigned long long)leaf_header_checksum(h),
+                       (unsigned long long)h->checksum);
+    if (h->file_bytes != file_bytes)
+        return corrupt(path, offsetof(leaf_header, file_bytes),
+                       "expected the file to have %llu bytes, found %llu",
+                       (unsigned long long)h->file_bytes, (unsigned long long)file_bytes);
+    return ST_OK;
+}
+
+/* A field that must lie in [lo, hi]; outside, it may be a later version's, hence ST_UNSUPPORTED. */
+static status check_field(const char *path, size_t at, const char *name, uint32_t value,
+                          uint32_t lo, uint32_t hi) {
+    if (value >= lo && value <= hi)
+        return ST_OK;
+    return status_describe(ST_UNSUPPORTED, "%s: byte %zu: expected %s from %u to %u, found %u",
+                           path, at, name, lo, hi, value);
+}
+
+static status check_parameters(const char *path, const leaf_header *h) {
+#define FIELD(name, lo, hi) \
+    { offsetof(leaf_header, name), #name, h->name, lo, hi }
+    const struct {
+        size_t at;
+        const char *name;
+        uint32_t value, lo, hi;
+    } fields[] = {
+        FIELD(kind, LEAF_KIND_GRID, LEAF_KIND_GRID),
+        FIELD(sample_type, SAMPLE_U8, SAMPLE_F32),
+        FIELD(source_type, SAMPLE_U8, SAMPLE_F64),
+        FIELD(cells_log2, LEAF_CELLS_LOG2_MIN, LEAF_CELLS_LOG2_MAX),
+        FIELD(halo, 0, 1),
+        FIELD(block_log2, LEAF_BLOCK_LOG2, LEAF_BLOCK_LOG2),
+        FIELD(run_align_log2, 6, LEAF_RUN_ALIGN_LOG2_MAX),
+        FIELD(codec, LEAF_CODEC_RAW, LEAF_CODEC_ZSTD),
+        FIELD(rectilinear, 0, 1),
+        FIELD(fields, 1, 1),
+        FIELD(steps, 1, 1),
+        FIELD(sections, 1, LEAF_SECTIONS_MAX),
+    };
+#undef FIELD
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
+        status st = check_field(path, fields[i].at, fields[i].name, fields[i].value, fields[i].lo,
+                                fields[i].hi);
+        if (st != ST_OK)
+            return st;
+    }
+    if (sample_stored((sample_type)h->source_type) != (sample_type)h->sample_type)
+        return corrupt(path, offsetof(leaf_header, source_type),
+                       "expected a type that is stored as %s, found %s",
+                       sample_name((sample_type)h->sample_type),
+                       sample_name((sample_type)h->source_type));
+    return ST_OK;
+}
+
+/* True when a range is ordered and finite, or the empty range. */
+static bool well_formed(double lo, double hi) {
+    return (isfinite(lo) && isfinite(hi) && lo <= hi) ||
+           (lo == (double)INFINITY && hi == -(double)INFINITY);
+}
+
+static status check_values(const char *path, const leaf_header *h) {
+    if (!well_formed(h->value_min, h->value_max))
+        return corrupt(path, offsetof(leaf_header, value_min),
+                       "expected an ordered range, found %g .. %g", h->value_min, h->value_max);
+    if (!(h->rounding_error >= 0))
+        return corrupt(path, offsetof(leaf_header, rounding_error), "expected 0 or more, found %g",
+                       h->rounding_error);
+    uint64_t samples = (uint64_t)h->dims[0] * h->dims[1] * h->dims[2];
+    if (h->non_finite > samples || (h->non_finite && h->sample_type != SAMPLE_F32))
+        return corrupt(path, offsetof(leaf_header, non_finite),
+                       "%llu samples cannot be NaN or infinite", (unsigned long long)h->non_finite);
+    const double *w = h->to_world;
+    for (int i = 0; i < 12; i++)
+        if (!isfinite(w[i]))
+            return corrupt(path, offsetof(leaf_header, to_world) + sizeof *w * (size_t)i,
+                           "expected a finite number");
+    double det = w[0] * (w[5] * w[10] - w[6] * w[9]) - w[1] * (w[4] * w[10] - w[6] * w[8]) +
+                 w[2] * (w[4] * w[9] - w[5] * w[8]);
+    if (!(fabs(det) > 0))
+        return corrupt(path, offsetof(leaf_header, to_world), "expected an invertible matrix");
+    return ST_OK;
+}
+
+static status check_zero(const char *path, const void *bytes, size_t size, uint64_t at) {
+    const unsigned char *b = bytes;
+    for (size_t i = 0; i < size; i++)
+        if (b[i])
+            return corrupt(path, at + i, "expected 0 in a reserved place, found %u", b[i]);
+    return ST_OK;
+}
+
+/* Text ends with a NUL, and nothing hides behind it. */
+static status check_text(const char *path, const char *text, size_t size, uint64_t at) {
+    size_t length = strnlen(text, size);
+    if (length == size)
+        return corrupt(path, at, "expected a text that ends within %zu bytes", size);
+    return check_zero(path, text + length, size - length, at + length);
+}
+
+status leaf_check_header(const char *path, const leaf_header *h, uint64_t file_bytes) {
+    status st = check_frame(path, h, file_bytes);
+    if (st == ST_OK)
+        st = check_parameters(path, h);
+    if (st == ST_OK)
+        st = check_values(path, h);
+    if (st == ST_OK)
+        st = check_text(path, h->name, sizeof h->name, offsetof(leaf_header, name));
+    if (st == ST_OK)
+        st = check_text(path, h->provenance, sizeof h->provenance,
+                        offsetof(leaf_header, provenance));
+    if (st == ST_OK)
+        st = check_zero(path, &h->reserved0, sizeof h->reserved0, offsetof(leaf_header, reserved0));
+    if (st == ST_OK)
+        st = check_zero(path, h->reserved, sizeof h->reserved, offsetof(leaf_header, reserved));
+    return st;
+}
+
+status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l) {
+    status st = leaf_layout_levels(l, h->dims, h->cells_log2, h->halo, (sample_type)h->sample_type);
+    if (st != ST_OK)
+        return status_describe(st, "%s: byte %zu: %s", path, offsetof(leaf_header, dims),
+                               status_text());
+    if (h->levels != l->levels)
+        return corrupt(path, offsetof(leaf_header, levels), "expected %u levels, found %u",
+                       l->levels, h->levels);
+    if (h->treelets != l->treelets)
+        return corrupt(path, offsetof(leaf_header, treelets), "expected %u treelets, found %llu",
+                       l->treelets, (unsigned long long)h->treelets);
+    uint64_t directory = 0;
+    for (uint32_t kind = 1; kind <= LEAF_SECTION_AXES; kind++)
+        directory += leaf_section_bytes(h, kind);
+    if (directory > h->file_bytes)
+        return corrupt(path, offsetof(leaf_header, dims),
+                       "a grid of %u x %u x %u has a directory of %llu bytes, "
+                       "which a file of %llu cannot hold",
+                       h->dims[0], h->dims[1], h->dims[2], (unsigned long long)directory,
+                       (unsigned long long)h->file_bytes);
+    return ST_OK;
+}
+
+/* ---- sections ---- */
+
+uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
+    switch (kind) {
+    case LEAF_SECTION_RANGES:
+    case LEAF_SECTION_OWN: return h->treelets * sizeof(float[2]);
+    case LEAF_SECTION_FLAGS: return h->treelets;
+    case LEAF_SECTION_OFFSETS:
+    case LEAF_SECTION_SIZES:
+    case LEAF_SECTION_CHECKSUMS: return h->treelets * sizeof(uint64_t);
+    case LEAF_SECTION_AXES:
+        return h->rectilinear ? ((uint64_t)h->dims[0] + h->dims[1] + h->dims[2]) * sizeof(double)
+                              : 0;
+    default: return 0;
+    }
+}
+
+static uint64_t aligned(uint64_t at) {
+    return (at + LEAF_ALIGN - 1) / LEAF_ALIGN * LEAF_ALIGN;
+}
+
+/* One entry: its kind, and that it lies right behind `end`. */
+static status check_section(const char *path, const leaf_header *h, const leaf_section *s,
+                            uint64_t entry, uint64_t *end) {
+    bool known = s->kind >= 1 && s->kind <= LEAF_SECTION_AXES;
+    if (!known && !(s->kind & LEAF_SECTION_ANCILLARY))
+        return status_describe(
+            ST_UNSUPPORTED, "%s: byte %llu: a section of kind %u, which this program does not know",
+            path, (unsigned long long)entry, s->kind);
+    if (known && s->version != 1)
+        return status_describe(
+            ST_UNSUPPORTED,
+            "%s: byte %llu: section %u of version %u, where this program reads version 1", path,
+            (unsigned long long)entry + offsetof(leaf_section, version), s->kind, s->version);
+    if (s->offset != aligned(*end))
+        return corrupt(path, entry + offsetof(leaf_section, offset),
+                       "expected section %u at byte %llu, found %llu", s->kind,
+                       (unsigned long long)aligned(*end), (unsigned long long)s->offset);
+    uint64_t expected = known ? leaf_section_bytes(h, s->kind) : s->bytes;
+    if (s->bytes != expected || !s->bytes)
+        return corrupt(path, entry + offsetof(leaf_section, bytes),
+                       "expected section %u to have %llu bytes, found %llu", s->kind,
+                       (unsigned long long)expected, (unsigned long long)s->bytes);
+    if (s->offset > h->file_bytes || s->bytes > h->file_bytes - s->offset)
+        return corrupt(path, entry + offsetof(leaf_section, bytes),
+                       "section %u ends behind the file's end", s->kind);
+    *end = s->offset + s->bytes;
+    return ST_OK;
+}
+
+status leaf_check_sections(const char *path, const leaf_header *h, const leaf_section *table,
+                           uint64_t *end) {
+    hash_id id = leaf_header_id(h, table);
+    if (id.lo != h->id[0] || id.hi != h->id[1])
+        return corrupt(path, offsetof(leaf_header, id),
+                       "expected the id %016llx%016llx, found %016llx%016llx",
+                       (unsigned long long)id.hi, (unsigned long long)id.lo,
+                       (unsigned long long)h->id[1], (unsigned long long)h->id[0]);
+    *end = LEAF_HEADER_BYTES + (uint64_t)h->sections * sizeof *table;
+    for (uint32_t i = 0; i < h->sections; i++) {
+        uint64_t entry = LEAF_HEADER_BYTES + (uint64_t)i * sizeof *table;
+        status st = check_section(path, h, &table[i], entry, end);
+        if (st != ST_OK)
+            return st;
+        for (uint32_t j = 0; j < i; j++)
+            if (table[j].kind == table[i].kind)
+                return corrupt(path, entry, "a second section of kind %u", table[i].kind);
+    }
+    for (uint32_t kind = 1; kind <= LEAF_SECTION_AXES; kind++) {
+        bool found = false;
+        for (uint32_t i = 0; i < h->sections; i++)
+            found |= table[i].kind == kind;
+        if (!found && leaf_section_bytes(h, kind))
+            return corrupt(path, LEAF_HEADER_BYTES, "expected a section of kind %u, found none",
+                           kind);
+    }
+    return ST_OK;
+}
+
+/* ---- directory ---- */
+
+static status check_payloads(const char *path, const leaf_header *h, const leaf_layout *l,
+                             const leaf_directory *d) {
+    uint64_t end = d->end, sum = 0;
+    for (uint32_t t = 0; t < l->treelets; t++) {
+        uint64_t at = leaf_layout_payload_at(l, t, end, h->run_align_log2);
+        uint64_t entry = (uint64_t)t * sizeof(uint64_t);
+        if (d->offsets[t] != at)
+            return corrupt(path, d->at[LEAF_SECTION_OFFSETS - 1] + entry,
+                           "expected treelet %u's payload at byte %llu, found %llu", t,
+                           (unsigned long long)at, (unsigned long long)d->offsets[t]);
+        uint64_t bytes = leaf_layout_payload(l, t).bytes;
+        if (!d->sizes[t] || d->sizes[t] > bytes ||
+            (h->codec == LEAF_CODEC_RAW && d->sizes[t] != bytes))
+            return corrupt(path, d->at[LEAF_SECTION_SIZES - 1] + entry,
+                           "expected treelet %u's payload to have %s%llu bytes, found %llu", t,
+                           h->codec == LEAF_CODEC_RAW ? "" : "at most ", (unsigned long long)bytes,
+                           (unsigned long long)d->sizes[t]);
+        if (at > h->file_bytes || d->sizes[t] > h->file_bytes - at)
+            return corrupt(path, d->at[LEAF_SECTION_SIZES - 1] + entry,
+                           "treelet %u's payload ends behind the file's end", t);
+        end = at + d->sizes[t];
+        sum += d->sizes[t];
+    }
+    if (leaf_layout_aligned(end, h->run_align_log2) != h->file_bytes)
+        return corrupt(path, offsetof(leaf_header, file_bytes),
+                       "expected a file of %llu bytes after its last payload, found %llu",
+                       (unsigned long long)leaf_layout_aligned(end, h->run_align_log2),
+                       (unsigned long long)h->file_bytes);
+    if (sum != h->payload_bytes)
+        return corrupt(path, offsetof(leaf_header, payload_bytes),
+                       "expected %llu bytes of payloads, found %llu", (unsigned long long)sum,
+                       (unsigned long long)h->payload_bytes);
+    return ST_OK;
+}
+
+/* What integer samples can have as their range. */
+static bool of_type(sample_type type, const float range[2]) {
+    static const float limits[][2] = {[SAMPLE_U8] = {0, 255},
+                                      [SAMPLE_I8] = {-128, 127},
+                                      [SAMPLE_U16] = {0, 65535},
+                                      [SAMPLE_I16] = {-32768, 32767}};
+    if (type == SAMPLE_F32 || range[0] > range[1])
+        return true;
+    return range[0] >= limits[type][0] && range[1] <= limits[type][1] &&
+           range[0] == floorf(range[0]) && range[1] == floorf(range[1]);
+}
+
+/* One treelet's own and merged range. A merged range is compared by value, so that -0 and 0 are the
+ * same. */
+static status check_ranges(const char *path, const leaf_layout *l, const leaf_directory *d,
+                           uint32_t t) {
+    const float *own = d->own[t], *merged = d->ranges[t];
+    uint64_t entry = (uint64_t)t * sizeof(float[2]);
+    if (!well_formed((double)own[0], (double)own[1]) || !of_type(l->type, own))
+        return corrupt(path, d->at[LEAF_SECTION_OWN - 1] + entry,
+                       "treelet %u's own range %g .. %g is none of %s samples", t, (double)own[0],
+                       (double)own[1], sample_name(l->type));
+    float lo = own[0], hi = own[1];
+    uint32_t child = l->first_child[t];
+    for (unsigned n = (unsigned)__builtin_popcount(leaf_layout_children(l, t)); n > 0;
+         n--, child++) {
+        lo = fminf(lo, d->ranges[child][0]);
+        hi = fmaxf(hi, d->ranges[child][1]);
+    }
+    if (merged[0] != lo || merged[1] != hi)
+        return corrupt(path, d->at[LEAF_SECTION_RANGES - 1] + entry,
+                       "expected treelet %u's merged range to be its own and its children's %g .. "
+                       "%g, found %g .. %g",
+                       t, (double)lo, (double)hi, (double)merged[0], (double)merged[1]);
+    return ST_OK;
+}
+
+status leaf_check_directory(const char *path, const leaf_header *h, const leaf_layout *l,
+                            const leaf_directory *d) {
+    status st = check_payloads(path, h, l, d);
+    if (st != ST_OK)
+        return st;
+    double lo = (double)INFINITY, hi = -(double)INFINITY;
+    unsigned level0_flags = 0;
+    for (uint32_t t = l->treelets; t-- > 0;) {
+        st = check_ranges(path, l, d, t);
+        if (st != ST_OK)
+            return st;
+        if (d->flags[t] & ~(unsigned)LEAF_FLAG_NON_FINITE || (d->flags[t] && !h->non_finite))
+            return corrupt(path, d->at[LEAF_SECTION_FLAGS - 1] + t,
+                           "treelet %u cannot have the flags 0x%02x", t, d->flags[t]);
+        if (l->level_of[t] == 0) {
+            lo = fmin(lo, (double)d->own[t][0]);
+            hi = fmax(hi, (double)d->own[t][1]);
+            level0_flags |= d->flags[t];
+        }
+    }
+    if (h->value_min != lo || h->value_max != hi)
+        return corrupt(path, offsetof(leaf_header, value_min),
+                       "expected the treelets' value range %g .. %g, found %g .. %g", lo, hi,
+                       h->value_min, h->value_max);
+    if (h->non_finite && !level0_flags)
+        return corrupt(path, offsetof(leaf_header, non_finite),
+                       "%llu samples are NaN or infinite, but no treelet says so",
+                       (unsigned long long)h->non_finite);
+    return ST_OK;
+}
+
+status leaf_check_axis(const char *path, const double *axis, uint32_t count, uint64_t at) {
+    for (uint32_t i = 0; i < count; i++)
+        if (!isfinite(axis[i]) || (i > 0 && axis[i] <= axis[i - 1]))
+            return corrupt(path, at + i * sizeof *axis,
+                           "expected strictly increasing coordinates, found %g", axis[i]);
+    return ST_OK;
+}

@@ -1,0 +1,253 @@
+#include "formats/leaf_file.h"
+
+#include <assert.h>
+#include <stddef.h>
+#include <string.h>
+#include <zstd.h>
+
+#include "formats/base/hash.h"
+#include "formats/leaf_check.h"
+
+_Static_assert(
+    __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+    "treelet files are little endian and read as they are; swap here for other machines");
+
+/* What only opening needs. */
+typedef struct opening {
+    leaf_file *f;
+    leaf_section table[LEAF_SECTIONS_MAX];
+    uint64_t end;                   /* of the sections */
+    uint64_t at[LEAF_SECTION_AXES]; /* of known section k: at[k - 1] */
+} opening;
+
+static status check_gap(leaf_file *f, uint64_t from, uint64_t to) {
+    unsigned char bytes[512];
+    while (from < to) {
+        size_t size = to - from < sizeof bytes ? (size_t)(to - from) : sizeof bytes;
+        status st = file_read_at(f->source, from, bytes, size);
+        if (st != ST_OK)
+            return st;
+        for (size_t i = 0; i < size; i++)
+            if (bytes[i])
+                return status_describe(
+                    ST_CORRUPT, "%s: byte %llu: expected 0 between sections, found %u",
+                    file_path(f->source), (unsigned long long)(from + i), bytes[i]);
+        from += size;
+    }
+    return ST_OK;
+}
+
+static status read_head(opening *o) {
+    leaf_file *f = o->f;
+    const char *path = file_path(f->source);
+    status st = file_read_at(f->source, 0, &f->header, sizeof f->header);
+    if (st == ST_OK)
+        st = leaf_check_header(path, &f->header, file_size(f->source));
+    if (st == ST_OK)
+        st = leaf_check_layout(path, &f->header, &f->layout);
+    if (st == ST_OK)
+        st = file_read_at(f->source, LEAF_HEADER_BYTES, o->table,
+                          f->header.sections * sizeof *o->table);
+    if (st == ST_OK)
+        st = leaf_check_sections(path, &f->header, o->table, &o->end);
+    return st;
+}
+
+static status check_sum(const leaf_file *f, const leaf_section *s, uint64_t sum) {
+    if (sum == s->checksum)
+        return ST_OK;
+    return status_describe(ST_CORRUPT,
+                           "%s: byte %llu: section %u has the checksum %016llx, expected %016llx",
+                           file_path(f->source), (unsigned long long)s->offset, s->kind,
+                           (unsigned long long)sum, (unsigned long long)s->checksum);
+}
+
+static status read_section(leaf_file *f, const leaf_section *s, void *into) {
+    status st = file_read_at(f->source, s->offset, into, (size_t)s->bytes);
+    return st == ST_OK ? check_sum(f, s, hash_bytes(into, (size_t)s->bytes)) : st;
+}
+
+/* The coordinates lie in one section and one block; axis[0] owns it. */
+static status read_axes(leaf_file *f, const leaf_section *s) {
+    const uint32_t *dims = f->header.dims;
+    size_t count = (size_t)dims[0] + dims[1] + dims[2];
+    f->axis[0] = mem_array(f->m, count, sizeof *f->axis[0]);
+    if (!f->axis[0])
+        return ST_NOMEM;
+    f->axis[1] = f->axis[0] + dims[0];
+    f->axis[2] = f->axis[1] + dims[1];
+    if (!s) {
+        for (int a = 0; a < 3; a++)
+            for (uint32_t i = 0; i < dims[a]; i++)
+                f->axis[a][i] = i;
+        return ST_OK;
+    }
+    status st = read_section(f, s, f->axis[0]);
+    for (int a = 0; a < 3 && st == ST_OK; a++)
+        st = leaf_check_axis(file_path(f->source), f->axis[a], dims[a],
+                             s->offset + (uint64_t)(f->axis[a] - f->axis[0]) * sizeof(double));
+    return st;
+}
+
+/* A kind from the future that may be passed over: sound all the same, or the file is not. */
+static status check_ancillary(leaf_file *f, const leaf_section *s) {
+    void *bytes = mem_alloc(f->m, (size_t)s->bytes);
+    if (!bytes)
+        return ST_NOMEM;
+    status st = read_section(f, s, bytes);
+    mem_free(f->m, bytes);
+    return st;
+}
+
+static status allocate_directory(leaf_file *f) {
+    size_t count = f->layout.treelets;
+    f->ranges = mem_array(f->m, count, sizeof *f->ranges);
+    f->own = mem_array(f->m, count, sizeof *f->own);
+    f->flags = mem_array(f->m, count, sizeof *f->flags);
+    f->offsets = mem_array(f->m, count, sizeof *f->offsets);
+    f->sizes = mem_array(f->m, count, sizeof *f->sizes);
+    f->checksums = mem_array(f->m, count, sizeof *f->checksums);
+    return f->ranges && f->own && f->flags && f->offsets && f->sizes && f->checksums ? ST_OK
+                                                                                     : ST_NOMEM;
+}
+
+static status read_sections(opening *o) {
+    leaf_file *f = o->f;
+    void *arrays[LEAF_SECTION_AXES + 1] = {
+        [LEAF_SECTION_RANGES] = f->ranges, [LEAF_SECTION_OWN] = f->own,
+        [LEAF_SECTION_FLAGS] = f->flags,   [LEAF_SECTION_OFFSETS] = f->offsets,
+        [LEAF_SECTION_SIZES] = f->sizes,   [LEAF_SECTION_CHECKSUMS] = f->checksums,
+    };
+    uint64_t end = LEAF_HEADER_BYTES + f->header.sections * sizeof *o->table;
+    const leaf_section *axes = NULL;
+    for (uint32_t i = 0; i < f->header.sections; i++) {
+        const leaf_section *s = &o->table[i];
+        status st = check_gap(f, end, s->offset);
+        if (st != ST_OK)
+            return st;
+        end = s->offset + s->bytes;
+        if (s->kind <= LEAF_SECTION_AXES)
+            o->at[s->kind - 1] = s->offset;
+        if (s->kind > LEAF_SECTION_AXES)
+            st = check_ancillary(f, s);
+        else if (s->kind == LEAF_SECTION_AXES)
+            axes = s;
+        else
+            st = read_section(f, s, arrays[s->kind]);
+        if (st != ST_OK)
+            return st;
+    }
+    return read_axes(f, axes);
+}
+
+static status check_directory(const opening *o) {
+    const leaf_file *f = o->f;
+    leaf_directory d = {
+        .ranges = (const float(*)[2])f->ranges,
+        .own = (const float(*)[2])f->own,
+        .flags = f->flags,
+        .offsets = f->offsets,
+        .sizes = f->sizes,
+        .end = o->end,
+    };
+    memcpy(d.at, o->at, sizeof d.at);
+    return leaf_check_directory(file_path(f->source), &f->header, &f->layout, &d);
+}
+
+status leaf_file_open(mem *m, const char *path, leaf_file **out) {
+    leaf_file *f = mem_zalloc(m, sizeof *f);
+    if (!f)
+        return ST_NOMEM;
+    f->m = m;
+    opening o = {.f = f};
+    status st = file_open(m, path, &f->source);
+    if (st == ST_OK)
+        st = read_head(&o);
+    if (st == ST_OK)
+        st = allocate_directory(f);
+    if (st == ST_OK)
+        st = read_sections(&o);
+    if (st == ST_OK)
+        st = leaf_layout_init(&f->layout, m, f->header.dims, f->header.cells_log2, f->header.halo,
+                              (sample_type)f->header.sample_type);
+    if (st == ST_OK)
+        st = check_directory(&o);
+    if (st == ST_OK)
+        st = check_gap(f, o.end, f->offsets[0]);
+    if (st != ST_OK) {
+        leaf_file_close(f);
+        return st;
+    }
+    f->directory_bytes = o.end;
+    *out = f;
+    return ST_OK;
+}
+
+void leaf_file_close(leaf_file *f) {
+    if (!f)
+        return;
+    leaf_layout_release(&f->layout);
+    mem_free(f->m, f->ranges);
+    mem_free(f->m, f->own);
+    mem_free(f->m, f->flags);
+    mem_free(f->m, f->offsets);
+    mem_free(f->m, f->sizes);
+    mem_free(f->m, f->checksums);
+    mem_free(f->m, f->axis[0]);
+    file_close(f->source);
+    mem_free(f->m, f);
+}
+
+bool leaf_file_is_raw(const leaf_file *f, uint32_t t) {
+    return f->sizes[t] == leaf_layout_payload(&f->layout, t).bytes;
+}
+
+static status check_stored(const leaf_file *f, uint32_t t, const void *stored) {
+    uint64_t sum = hash_bytes(stored, (size_t)f->sizes[t]);
+    if (sum == f->checksums[t])
+        return ST_OK;
+    return status_describe(ST_CORRUPT,
+                           "%s: byte %llu: treelet %u's payload of %llu bytes has the checksum "
+                           "%016llx, expected %016llx",
+                           file_path(f->source), (unsigned long long)f->offsets[t], t,
+                           (unsigned long long)f->sizes[t], (unsigned long long)sum,
+                           (unsigned long long)f->checksums[t]);
+}
+
+static status decompress(const leaf_file *f, uint32_t t, const void *stored, void *payload) {
+    size_t bytes = leaf_layout_payload(&f->layout, t).bytes;
+    size_t got = ZSTD_decompress(payload, bytes, stored, (size_t)f->sizes[t]);
+    if (got == bytes)
+        return ST_OK;
+    return status_describe(
+        ST_CORRUPT, "%s: byte %llu: treelet %u's payload does not decompress to %zu bytes: %s",
+        file_path(f->source), (unsigned long long)f->offsets[t], t, bytes,
+        ZSTD_isError(got) ? ZSTD_getErrorName(got) : "it is shorter");
+}
+
+status leaf_file_load(leaf_file *f, uint32_t t, void *stored, void *payload) {
+    bool raw = leaf_file_is_raw(f, t);
+    assert(raw || stored);
+    void *into = raw ? payload : stored;
+    status st = file_read_at(f->source, f->offsets[t], into, (size_t)f->sizes[t]);
+    if (st == ST_OK)
+        st = check_stored(f, t, into);
+    if (st == ST_OK && !raw)
+        st = decompress(f, t, stored, payload);
+    return st;
+}
+
+status leaf_file_decode(const leaf_file *f, uint32_t t, const void *stored, void *payload,
+                        const void **view) {
+    status st = check_stored(f, t, stored);
+    if (st != ST_OK)
+        return st;
+    if (leaf_file_is_raw(f, t)) {
+        *view = stored;
+        return ST_OK;
+    }
+    st = decompress(f, t, stored, payload);
+    if (st == ST_OK)
+        *view = payload;
+    return st;
+}
