@@ -116,24 +116,26 @@ static double cubic_at(const cubic *p, double s)
 }
 
 /* The root in (lo, hi], where f(lo) and f(hi) lie on different sides: Illinois steps, a bisection whenever three of them did not halve the
- * bracket, until the bracket or the step is down to its last bits. */
+ * bracket, until the bracket is down to the last bits of [0, 1]. A step goes at least that far: once one end sits on the root, the
+ * next step closes the bracket from the other side, so that what is returned is never an end that was not moved. */
 static double refine(const cubic *p, double lo, double hi, double f_lo, double f_hi)
 {
     enum { STEPS_MAX = 200 };
+    static const double STEP_MIN = 0.5 * DBL_EPSILON;
     const bool side_lo = f_lo >= 0.0;
-    double previous = lo, width = hi - lo;
+    double width = hi - lo;
     int retained = 0;
-    for (int step = 0; step < STEPS_MAX && hi - lo > DBL_EPSILON * hi; step++) {
+    for (int step = 0; step < STEPS_MAX && hi - lo > 2.0 * STEP_MIN; step++) {
         double s = (lo * f_hi - hi * f_lo) / (f_hi - f_lo);
         if (step % 3 == 2) {
             if (hi - lo > 0.5 * width)
                 s = 0.5 * (lo + hi);
             width = hi - lo;
         }
-        if (!(s > lo && s < hi))
-            s = 0.5 * (lo + hi);
-        if (!(s > lo && s < hi))
-            break;
+        if (!(s >= lo + STEP_MIN))
+            s = lo + STEP_MIN;
+        if (s > hi - STEP_MIN)
+            s = hi - STEP_MIN;
         double f = cubic_at(p, s);
         if ((f >= 0.0) == side_lo) {
             lo = s;
@@ -148,9 +150,6 @@ static double refine(const cubic *p, double lo, double hi, double f_lo, double f
                 f_lo *= 0.5;
             retained = -1;
         }
-        if (fabs(s - previous) <= DBL_EPSILON * s)
-            break;
-        previous = s;
     }
     return hi;
 }
