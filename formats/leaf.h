@@ -67,9 +67,9 @@ typedef struct leaf_header {   /* offset size */
     uint64_t non_finite;       /*  104    8  NaN and inf samples of level 0 */
     double value_min;          /*  112    8  over the finite samples of level 0; */
     double value_max;          /*  120    8    min > max when there are none */
-    double rounding_error;     /*  128    8  largest |stored - input| of level 0; 0 or more, may be inf */
+    double rounding_error;     /*  128    8  largest |stored - input| of level 0; may be inf */
     double to_world[12];       /*  136   96  3x4 row-major, grid space to world space */
-    uint64_t id[2];            /*  232   16  lo, hi of XXH3-128 over header page (id, checksum zero) and section table */
+    uint64_t id[2];            /*  232   16  XXH3-128: header (id, checksum zero), section table */
     uint64_t checksum;         /*  248    8  XXH3-64 of the header page with this field zero */
     char name[64];             /*  256   64  of the data set, NUL-padded UTF-8 */
     char provenance[1024];     /*  320 1024  how it was made; no paths, no times */
