@@ -20,11 +20,6 @@
 #include "render/leafcast.h"
 #include "render/ray.h"
 
-/* The first hit in this cell strictly after `after`, as cell_next_hit() has it. */
-typedef bool (*intersect_fn)(const ray *r, const cell_visit *visit, const float samples[8],
-                             double iso, int32_t iso_index, uint64_t cell, const hit *after,
-                             hit *found);
-
 typedef struct intersector {
     leafcast_intersector id;
     const char *name;

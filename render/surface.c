@@ -53,7 +53,7 @@ static void central_gradient(const walk_scene *scene, const treelet *tr, const u
     for (int a = 0; a < 3; a++) {
         double d[8];
         for (int i = 0; i < 8; i++) {
-            const int64_t node[3] = {cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2)};
+            const int64_t node[3] = {(int64_t)cell[0] + (i & 1), (int64_t)cell[1] + (i >> 1 & 1), (int64_t)cell[2] + (i >> 2 & 1)};
             d[i] = difference(scene, planes, tr, node, a);
         }
         gradient[a] = mix(mix(mix(d[0], d[1], at[0]), mix(d[2], d[3], at[0]), at[1]),
@@ -99,6 +99,12 @@ surface_point surface_at(const walk_scene *scene, const affine *space, const tre
         magnitude = fmax(magnitude, fabs((double)samples[i] - scene->isovalues[h->iso]));
 
     surface_point point;
+    point.span = INFINITY;
+    for (int a = 0; a < 3; a++) {
+        const double(*m)[4] = (const double(*)[4])space->to_world;
+        const double edge = sqrt(m[0][a] * m[0][a] + m[1][a] * m[1][a] + m[2][a] * m[2][a]);
+        point.span = fmin(point.span, edge * (box.hi[a] - box.lo[a]));
+    }
     /* The kernel's sums err by a few ulps of the largest difference; its position by a few ulps of where it lies. */
     point.error = 32.0 * DBL_EPSILON * magnitude;
     for (int a = 0; a < 3; a++)

@@ -13,6 +13,7 @@
 typedef struct surface_point {
     double gradient[3]; /* of the cell's own trilinear form, world space: decides sides and bounds, not shading */
     double error;       /* bound of |f - iso| at the computed point: arithmetic and position, in units of the samples */
+    double span;        /* shortest edge of the cell, world units */
     float normal[3];    /* unit, towards lower values; from central differences (M08 eq. 4.14) or from gradient */
 } surface_point;
 

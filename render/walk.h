@@ -19,10 +19,6 @@ typedef struct level_planes {
     uint32_t cells[3];
 } level_planes;
 
-/* A cell intersector: the first hit in the cell strictly after `after`; cell_next_hit() is the exact one. */
-typedef bool (*intersect_fn)(const ray *r, const cell_visit *visit, const float samples[8], double iso, int32_t iso_index,
-                             uint64_t cell, const hit *after, hit *found);
-
 typedef struct walk_counters {
     uint64_t nodes, cells, roots;
 } walk_counters;

@@ -1,0 +1,317 @@
+#include "render/frame.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+#include "render/pixel_ray.h"
+
+enum {
+    TILE = 16, /* pixels on a side */
+    TILE_RAYS = TILE * TILE,
+    BATCH = 256,     /* resumed rays a work item */
+    CHUNK = 4096     /* records allocated at once */
+};
+static const uint32_t no_record = UINT32_MAX;
+
+/* A thread's counters, apart from the others' cache lines. */
+typedef struct tally {
+    _Alignas(64) frame_counters counters;
+} tally;
+
+typedef struct drawing {
+    const frame *f;
+    uint32_t tiles_x, tiles;
+    tally *tallies;
+    /* Records of suspended rays, in chunks that come as they are needed; guarded by lock. */
+    pthread_mutex_t lock;
+    pixel_ray **chunks;
+    uint32_t records_made, records_free, free_head, reserved;
+    /* Buckets: per treelet the list of rays that wait for it, and which treelets have one; guarded by lock. */
+    uint32_t *bucket;
+    uint32_t *waiting;
+    uint32_t waiting_count;
+    /* This pass: rays to resume, then tiles to start. */
+    uint32_t *runnable;
+    uint32_t runnable_count;
+    size_t batches;
+    uint32_t *tiles_now, *tiles_later; /* not drawn yet: of this pass; put off to the next */
+    uint32_t tiles_left, tiles_off;
+    loader_request *requests;
+} drawing;
+
+uint32_t frame_records_min(int threads)
+{
+    return (uint32_t)threads * TILE_RAYS;
+}
+
+size_t frame_record_bytes(void)
+{
+    return sizeof(pixel_ray) + sizeof(uint32_t);
+}
+
+static uint32_t tiles_of(uint32_t pixels)
+{
+    return (pixels + TILE - 1) / TILE;
+}
+
+size_t frame_bytes(uint32_t treelets, uint32_t records_max, uint32_t width, uint32_t height)
+{
+    const size_t tiles = (size_t)tiles_of(width) * tiles_of(height);
+    const size_t chunks = records_max / CHUNK + 1;
+    return treelets * (2 * sizeof(uint32_t) + sizeof(loader_request)) + 2 * tiles * sizeof(uint32_t) +
+           chunks * (sizeof(void *) + 192) + CHUNK * sizeof(pixel_ray) + 64 * sizeof(tally);
+}
+
+static pixel_ray *record(const drawing *d, uint32_t i)
+{
+    return &d->chunks[i / CHUNK][i % CHUNK];
+}
+
+/* ---- Records and buckets; with the lock held ---- */
+
+static status make_chunk(drawing *d)
+{
+    const frame *f = d->f;
+    const uint32_t left = f->records_max - d->records_made, count = left < CHUNK ? left : CHUNK;
+    pixel_ray *chunk = mem_array(f->m, count, sizeof *chunk);
+    if (!chunk)
+        return ST_NOMEM;
+    d->chunks[d->records_made / CHUNK] = chunk;
+    for (uint32_t i = count; i-- > 0;) {
+        chunk[i].next = d->free_head;
+        d->free_head = d->records_made + i;
+    }
+    d->records_made += count;
+    return ST_OK;
+}
+
+static void suspend(drawing *d, uint32_t i)
+{
+    pixel_ray *p = record(d, i);
+    const uint32_t t = p->search.blocked;
+    if (d->bucket[t] == no_record) {
+        d->waiting[d->waiting_count++] = t;
+        loader_want(d->f->treelets, t, pixel_ray_urgency(d->f, p));
+    }
+    p->next = d->bucket[t];
+    d->bucket[t] = i;
+}
+
+static void release(drawing *d, uint32_t i)
+{
+    record(d, i)->next = d->free_head;
+    d->free_head = i;
+}
+
+/* ---- Work items ---- */
+
+static bool reserve(drawing *d, uint32_t count)
+{
+    pthread_mutex_lock(&d->lock);
+    const bool fits = d->reserved + count <= d->f->records_max;
+    if (fits)
+        d->reserved += count;
+    pthread_mutex_unlock(&d->lock);
+    return fits;
+}
+
+/* Trace a tile's rays; those that suspend move into records, which the reservation has made sure of. */
+static status draw_tile(drawing *d, uint32_t tile, frame_counters *counters)
+{
+    const frame *f = d->f;
+    pixel_ray suspended[TILE_RAYS];
+    uint32_t count = 0;
+    const uint32_t x0 = tile % d->tiles_x * TILE, y0 = tile / d->tiles_x * TILE;
+    for (uint32_t y = y0; y < y0 + TILE && y < f->height; y++) {
+        for (uint32_t x = x0; x < x0 + TILE && x < f->width; x++) {
+            counters->primary_rays++;
+            suspended[count] = pixel_ray_start(y * f->width + x);
+            count += !pixel_ray_advance(f, &suspended[count], counters);
+        }
+    }
+    status st = ST_OK;
+    pthread_mutex_lock(&d->lock);
+    for (uint32_t i = 0; i < count && st == ST_OK; i++) {
+        if (d->free_head == no_record)
+            st = make_chunk(d);
+        if (st != ST_OK)
+            break;
+        const uint32_t r = d->free_head;
+        d->free_head = record(d, r)->next;
+        *record(d, r) = suspended[i];
+        suspend(d, r);
+    }
+    d->reserved -= TILE_RAYS - count;
+    pthread_mutex_unlock(&d->lock);
+    return st;
+}
+
+static void resume_batch(drawing *d, size_t batch, frame_counters *counters)
+{
+    const size_t from = batch * BATCH;
+    const size_t to = from + BATCH < d->runnable_count ? from + BATCH : d->runnable_count;
+    bool done[BATCH];
+    for (size_t i = from; i < to; i++)
+        done[i - from] = pixel_ray_advance(d->f, record(d, d->runnable[i]), counters);
+    pthread_mutex_lock(&d->lock);
+    for (size_t i = from; i < to; i++) {
+        if (done[i - from]) {
+            release(d, d->runnable[i]);
+            d->reserved--;
+        } else {
+            suspend(d, d->runnable[i]);
+        }
+    }
+    pthread_mutex_unlock(&d->lock);
+}
+
+static void put_off(drawing *d, uint32_t tile)
+{
+    pthread_mutex_lock(&d->lock);
+    d->tiles_later[d->tiles_off++] = tile;
+    pthread_mutex_unlock(&d->lock);
+}
+
+static status run_item(void *ctx, size_t index, int worker)
+{
+    drawing *d = ctx;
+    const frame *f = d->f;
+    frame_counters *counters = &d->tallies[worker].counters;
+    if (f->stop && f->stop(f->stop_ctx))
+        return status_describe(ST_STOPPED, "stopped");
+    if (index < d->batches) {
+        resume_batch(d, index, counters);
+        return ST_OK;
+    }
+    const uint32_t tile = d->tiles_now[index - d->batches];
+    if (!reserve(d, TILE_RAYS)) {
+        put_off(d, tile);
+        return ST_OK;
+    }
+    return draw_tile(d, tile, counters);
+}
+
+/* ---- Passes ---- */
+
+/* Empty the buckets whose treelets have come. */
+static void collect_runnable(drawing *d)
+{
+    uint32_t kept = 0;
+    d->runnable_count = 0;
+    for (uint32_t i = 0; i < d->waiting_count; i++) {
+        const uint32_t t = d->waiting[i];
+        if (!loader_lookup(d->f->treelets, t)) {
+            d->waiting[kept++] = t;
+            continue;
+        }
+        for (uint32_t r = d->bucket[t]; r != no_record; r = record(d, r)->next)
+            d->runnable[d->runnable_count++] = r;
+        d->bucket[t] = no_record;
+    }
+    d->waiting_count = kept;
+    d->batches = (d->runnable_count + BATCH - 1) / BATCH;
+}
+
+static status admit(drawing *d)
+{
+    for (uint32_t i = 0; i < d->waiting_count; i++) {
+        const uint32_t t = d->waiting[i];
+        d->requests[i] = (loader_request){t, pixel_ray_urgency(d->f, record(d, d->bucket[t]))};
+    }
+    return loader_admit(d->f->treelets, d->requests, d->waiting_count);
+}
+
+static status draw_passes(drawing *d, frame_counters *total)
+{
+    const frame *f = d->f;
+    for (;;) {
+        collect_runnable(d);
+        const bool room = d->tiles_left > 0 && d->reserved + TILE_RAYS <= f->records_max;
+        if (d->runnable_count == 0 && !room) {
+            if (d->waiting_count == 0)
+                return ST_OK;
+            status st = admit(d);
+            if (st != ST_OK)
+                return st;
+            continue;
+        }
+        const uint32_t tiles = room ? d->tiles_left : 0;
+        if (room)
+            d->tiles_off = 0;
+        total->passes++;
+        status st = pool_run(f->threads, d->batches + tiles, run_item, d);
+        if (st == ST_OK)
+            st = loader_failure(f->treelets);
+        if (st != ST_OK)
+            return st;
+        if (room) {
+            uint32_t *later = d->tiles_later;
+            d->tiles_later = d->tiles_now;
+            d->tiles_now = later;
+            d->tiles_left = d->tiles_off;
+        }
+    }
+}
+
+static void add_counters(frame_counters *total, const frame_counters *c)
+{
+    total->walk.nodes += c->walk.nodes;
+    total->walk.cells += c->walk.cells;
+    total->walk.roots += c->walk.roots;
+    total->primary_rays += c->primary_rays;
+    total->shadow_rays += c->shadow_rays;
+    total->provisional_pixels += c->provisional_pixels;
+    total->ill_conditioned += c->ill_conditioned;
+}
+
+static void drawing_release(drawing *d)
+{
+    mem *m = d->f->m;
+    for (uint32_t i = 0; i * CHUNK < d->records_made; i++)
+        mem_free(m, d->chunks[i]);
+    mem_free(m, d->requests);
+    mem_free(m, d->runnable);
+    mem_free(m, d->waiting);
+    mem_free(m, d->bucket);
+    mem_free(m, d->tiles_later);
+    mem_free(m, d->tiles_now);
+    mem_free(m, d->chunks);
+    mem_free(m, d->tallies);
+    pthread_mutex_destroy(&d->lock);
+}
+
+static status drawing_init(drawing *d, const frame *f)
+{
+    const uint32_t treelets = f->tracer->layout->treelets;
+    const int threads = pool_threads(f->threads);
+    *d = (drawing){.f = f, .tiles_x = tiles_of(f->width), .free_head = no_record};
+    pthread_mutex_init(&d->lock, NULL);
+    d->tiles = d->tiles_left = d->tiles_x * tiles_of(f->height);
+    d->tallies = mem_array(f->m, (size_t)threads, sizeof *d->tallies);
+    d->chunks = mem_array(f->m, f->records_max / CHUNK + 1, sizeof *d->chunks);
+    d->tiles_now = mem_array(f->m, d->tiles, sizeof *d->tiles_now);
+    d->tiles_later = mem_array(f->m, d->tiles, sizeof *d->tiles_later);
+    d->bucket = mem_array(f->m, treelets, sizeof *d->bucket);
+    d->waiting = mem_array(f->m, treelets, sizeof *d->waiting);
+    d->runnable = mem_array(f->m, f->records_max, sizeof *d->runnable);
+    d->requests = mem_array(f->m, treelets, sizeof *d->requests);
+    if (!d->tallies || !d->chunks || !d->tiles_now || !d->tiles_later || !d->bucket || !d->waiting || !d->runnable || !d->requests)
+        return ST_NOMEM;
+    for (uint32_t i = 0; i < d->tiles; i++)
+        d->tiles_now[i] = i;
+    for (uint32_t t = 0; t < treelets; t++)
+        d->bucket[t] = no_record;
+    return ST_OK;
+}
+
+status frame_render(const frame *f, frame_counters *counters)
+{
+    drawing d;
+    status st = drawing_init(&d, f);
+    if (st == ST_OK)
+        st = draw_passes(&d, counters);
+    for (int i = 0; d.tallies && i < pool_threads(f->threads); i++)
+        add_counters(counters, &d.tallies[i].counters);
+    drawing_release(&d);
+    return st;
+}

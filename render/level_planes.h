@@ -1,0 +1,20 @@
+/* level_planes.h - the planes between cells, level by level, in grid space.
+ *
+ * Node i of level l lies on node i << l of level 0; past the volume's end the last spacing goes on, so that every treelet has all its planes.
+ */
+#ifndef RENDER_LEVEL_PLANES_H
+#define RENDER_LEVEL_PLANES_H
+
+#include "formats/leaf_file.h"
+#include "render/walk.h"
+
+typedef struct plane_table {
+    level_planes levels[LEAF_LEVELS_MAX];
+    double *block; /* all coordinates and inverse widths */
+    mem *m;
+} plane_table;
+
+CHECKED status plane_table_init(plane_table *table, mem *m, const leaf_file *f);
+void plane_table_release(plane_table *table);
+
+#endif

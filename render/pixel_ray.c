@@ -1,0 +1,241 @@
+#include "render/pixel_ray.h"
+
+#include <math.h>
+
+#include "render/shade.h"
+
+/* What is left of the light behind surfaces that hide this much no longer counts: a twelfth bit. */
+static const float opaque_enough = 1.0f - 1.0f / 4096.0f;
+
+enum { NO_LIGHT = -1 };
+
+pixel_ray pixel_ray_start(uint32_t pixel)
+{
+    const hit before = hit_before_all();
+    return (pixel_ray){.pixel = pixel, .light = NO_LIGHT, .search = trace_begin(&before)};
+}
+
+/* ---- Rays from states ---- */
+
+static bool primary_ray(const frame *f, uint32_t pixel, double direction[3], ray *r)
+{
+    double origin[3];
+    camera_ray(&f->camera, pixel % f->width + 0.5, pixel / f->width + 0.5, origin, direction);
+    return tracer_ray(f->tracer, origin, direction, 0.0, INFINITY, r);
+}
+
+/* The unit direction from the current hit to a light; returns its distance. */
+static double towards_light(const frame *f, const pixel_ray *p, const leafcast_light *light, double at[3], double to[3])
+{
+    double direction[3], origin[3];
+    camera_ray(&f->camera, p->pixel % f->width + 0.5, p->pixel / f->width + 0.5, origin, direction);
+    double length = 0.0;
+    for (int a = 0; a < 3; a++) {
+        at[a] = origin[a] + p->current.t * direction[a];
+        to[a] = light->point ? light->vector[a] - at[a] : light->vector[a];
+        length += to[a] * to[a];
+    }
+    length = sqrt(length);
+    for (int a = 0; a < 3; a++)
+        to[a] = length > 0.0 ? to[a] / length : 0.0;
+    return light->point ? length : INFINITY;
+}
+
+static shade_point shading_of(const frame *f, const pixel_ray *p)
+{
+    double origin[3], direction[3];
+    camera_ray(&f->camera, p->pixel % f->width + 0.5, p->pixel / f->width + 0.5, origin, direction);
+    const float eye[3] = {(float)-direction[0], (float)-direction[1], (float)-direction[2]};
+    return shade_point_of(f->scene, f->surfaces[p->current.iso].rgb, p->point.normal, eye);
+}
+
+/* ---- Steps ---- */
+
+static void write_first_hit(const frame *f, const pixel_ray *p)
+{
+    const leafcast_image *image = &f->image;
+    const bool any = hit_exists(&p->current);
+    if (image->z)
+        image->z[p->pixel] = any ? p->current.t : INFINITY;
+    if (image->id)
+        image->id[p->pixel] = any ? p->current.iso : -1;
+    for (int a = 0; a < 3; a++)
+        if (image->normal[a])
+            image->normal[a][p->pixel] = any ? p->point.normal[a] : 0.0f;
+}
+
+static void write_colour(const frame *f, pixel_ray *p, frame_counters *counters)
+{
+    const leafcast_image *image = &f->image;
+    float *const planes[4] = {image->r, image->g, image->b, image->a};
+    shade_background(p->rgba, f->scene->background);
+    for (int c = 0; c < 4; c++)
+        if (planes[c])
+            planes[c][p->pixel] = p->rgba[c];
+    if (image->provisional)
+        image->provisional[p->pixel] = p->provisional;
+    counters->provisional_pixels += p->provisional;
+}
+
+/* Look for what hides the light from the current hit. False: no ray is needed, visibility is known. */
+static bool begin_shadow(const frame *f, pixel_ray *p, const leafcast_light *light, frame_counters *counters)
+{
+    double at[3], to[3];
+    towards_light(f, p, light, at, to);
+    const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};
+    const shade_point shading = shading_of(f, p);
+    p->visibility = shade_reaches(&shading, to_light) ? 1.0f : 0.0f;
+    if (p->visibility == 0.0f || !f->scene->shadows)
+        return false;
+    /* The shadow ray starts on the side the primary ray came from: a light on the other one is behind the surface itself. */
+    const double *g = p->point.gradient;
+    const double slope = g[0] * to[0] + g[1] * to[1] + g[2] * to[2];
+    if (p->current.entering ? slope > 0.0 : slope < 0.0) {
+        p->visibility = 0.0f;
+        return false;
+    }
+    /* Roots within the solver's own error of the start are the surface itself. */
+    double bound = p->point.error / fabs(slope);
+    if (!(bound <= p->point.span)) {
+        counters->ill_conditioned++;
+        bound = p->point.span;
+    }
+    const hit start = hit_behind(bound);
+    p->search = trace_begin(&start);
+    counters->shadow_rays++;
+    return true;
+}
+
+/* Returns false when suspended; true when the light's visibility is known. */
+static bool trace_shadow(const frame *f, pixel_ray *p, const leafcast_light *light, frame_counters *counters)
+{
+    double at[3], to[3];
+    ray r;
+    const double distance = towards_light(f, p, light, at, to);
+    if (!tracer_ray(f->tracer, at, to, 0.0, distance, &r))
+        return true;
+    for (;;) {
+        const trace_result result = tracer_next(f->tracer, &r, &p->search, &counters->walk);
+        if (result == TRACE_BLOCKED)
+            return false;
+        p->provisional |= p->search.provisional;
+        if (result == TRACE_MISS)
+            return true;
+        p->visibility *= 1.0f - f->surfaces[p->search.best.iso].opacity;
+        if (!(p->visibility > 1.0f - opaque_enough)) {
+            p->visibility = 0.0f;
+            return true;
+        }
+        const hit behind = p->search.best;
+        p->search = trace_begin(&behind);
+    }
+}
+
+/* All lights from p->light on. Returns false when suspended. */
+static bool light_hit(const frame *f, pixel_ray *p, bool resumed, frame_counters *counters)
+{
+    for (; p->light < f->scene->light_count; p->light++, resumed = false) {
+        const leafcast_light *light = &f->scene->lights[p->light];
+        if ((resumed || begin_shadow(f, p, light, counters)) && !trace_shadow(f, p, light, counters))
+            return false;
+        double at[3], to[3];
+        towards_light(f, p, light, at, to);
+        const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};
+        const shade_point shading = shading_of(f, p);
+        shade_light(&shading, to_light, light->rgb, p->visibility, p->rgb);
+    }
+    p->light = NO_LIGHT;
+    return true;
+}
+
+static void begin_lighting(const frame *f, pixel_ray *p)
+{
+    const shade_point shading = shading_of(f, p);
+    shade_ambient(&shading, p->rgb);
+    if (f->scene->light_count == 0) {
+        static const float white[3] = {1.0f, 1.0f, 1.0f};
+        shade_light(&shading, shading.eye, white, 1.0f, p->rgb);
+    }
+    p->light = 0;
+}
+
+bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters)
+{
+    bool resumed = p->light != NO_LIGHT;
+    for (;; resumed = false) {
+        if (!resumed) {
+            double direction[3];
+            ray r;
+            trace_result result = TRACE_MISS; /* also when the clip planes leave nothing of the ray */
+            if (primary_ray(f, p->pixel, direction, &r))
+                result = tracer_next(f->tracer, &r, &p->search, &counters->walk);
+            if (result == TRACE_BLOCKED)
+                return false;
+            p->provisional |= p->search.provisional;
+            p->current = p->search.best;
+            p->point = p->search.point;
+            if (p->layers == 0)
+                write_first_hit(f, p);
+            if (result == TRACE_MISS)
+                break;
+            begin_lighting(f, p);
+        }
+        if (!light_hit(f, p, resumed, counters))
+            return false;
+        const float opacity = f->surfaces[p->current.iso].opacity;
+        shade_composite(p->rgba, p->rgb, opacity);
+        p->layers++;
+        if (p->rgba[3] >= opaque_enough || opacity >= 1.0f || p->layers == f->scene->layers_max)
+            break;
+        p->search = trace_begin(&p->current);
+    }
+    write_colour(f, p, counters);
+    return true;
+}
+
+/* ---- Urgency ---- */
+
+/* The treelet of its level-0 grid that a coordinate falls into; outside, as if the grid went on. */
+static int64_t treelet_of(const tracer *tr, int a, double x)
+{
+    const level_planes *planes = &tr->scene.levels[0];
+    uint32_t lo = 0, hi = planes->cells[a];
+    if (!(x > planes->at[a][0]))
+        return -1;
+    if (!(x < planes->at[a][hi]))
+        return (int64_t)1 << 30;
+    while (hi - lo > 1) {
+        const uint32_t middle = lo + (hi - lo) / 2;
+        if (planes->at[a][middle] <= x)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    return lo >> tr->layout->cells_log2;
+}
+
+uint64_t pixel_ray_urgency(const frame *f, const pixel_ray *p)
+{
+    const tracer *tr = f->tracer;
+    const uint32_t t = p->search.blocked, level = tr->layout->level_of[t];
+    const leafcast_light *light = p->light == NO_LIGHT ? NULL : &f->scene->lights[p->light];
+    const int64_t far = (int64_t)1 << 24;
+    double from[3], towards[3] = {0.0, 0.0, 0.0};
+    affine_point_to_grid(&tr->space, light && light->point ? light->vector : f->camera.eye, from);
+    if (light && !light->point)
+        affine_vector_to_grid(&tr->space, light->vector, towards);
+    int64_t rank = 0;
+    for (int a = 0; a < 3; a++) {
+        const int64_t place = (int64_t)tr->layout->place[t][a] << level;
+        if (light && !light->point) {
+            /* Along the light's direction. */
+            rank += towards[a] > 0.0 ? place : far / 4 - place;
+            continue;
+        }
+        /* A ray only moves away from the eye's treelet on every axis (and towards a light's), so the Manhattan distance rises. */
+        const int64_t centre = treelet_of(tr, a, from[a]);
+        const int64_t distance = centre >> 30 ? far / 4 - place : place > centre ? place - centre : centre - place;
+        rank += light ? far / 4 - distance : distance;
+    }
+    return (uint64_t)(p->light + 1) << 32 | (uint64_t)rank;
+}
