@@ -12,7 +12,7 @@ typedef struct kernels {
     walk_fn walk; /* one ray through one treelet */
 } kernels;
 
-/* kernels_for() - isa: "auto" or "scalar"; NULL where this build or this CPU has no such kernels. */
+/* kernels_for() - isa: NULL or "auto" for the best there is, or a name; NULL where this build or this CPU has no such kernels. */
 const kernels *kernels_for(const char *isa);
 
 #endif

@@ -70,7 +70,9 @@ static status open_parts(leafcast *v, const char *path)
 {
     static const source_kind kinds[] = {SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA};
     mem *m = &v->budget;
-    v->kernels = kernels_for("auto");
+    v->kernels = kernels_for(v->options.isa);
+    if (!v->kernels)
+        return status_describe(ST_USAGE, "this CPU or this build has no kernels called %s", v->options.isa);
     status st = leaf_file_open(m, path, &v->file);
     if (st == ST_OK)
         st = plane_table_init(&v->planes, m, v->file);

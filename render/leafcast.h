@@ -51,6 +51,7 @@ typedef struct leafcast_options {
     uint32_t treelet_limit;   /* at most so many treelets at a time, 0: what memory allows; for tests and experiments */
     int threads;              /* render threads; 0: the CPUs this process may use */
     leafcast_backend backend;
+    const char *isa;          /* kernels by name ("scalar"); NULL or "auto": the best this CPU has */
 } leafcast_options;
 
 /* leafcast_open() - options may be NULL for the defaults. */

@@ -107,8 +107,12 @@ typedef struct pending {
     uint32_t size;
 } pending;
 
+/* How far down the masks are looked at; below, cells are found by their samples. Only FINEST_CELL is used for pictures; the others are what
+ * experiment E1 compares it with. */
+typedef enum finest { FINEST_CELL, FINEST_GROUP, FINEST_BLOCK } finest;
+
 /* The child mask of a node: of the root, of an inner node, of a block (its 2^3 groups with active cells), of such a group (its cells). */
-static unsigned children_of(const treelet *tr, const pending *node)
+static inline unsigned children_of(const treelet *tr, const pending *node, finest known)
 {
     const active_masks *masks = tr->masks;
     const uint32_t levels = tr->shape.node_levels;
@@ -116,6 +120,8 @@ static unsigned children_of(const treelet *tr, const pending *node)
         const uint32_t k = levels + LEAF_BLOCK_LOG2 - node->size;
         return k == 0 ? masks->root : masks->nodes[active_nodes_at(k) + node->morton];
     }
+    if (node->size <= (uint32_t)known)
+        return 255u;
     const uint64_t cells = masks->cells[node->size == LEAF_BLOCK_LOG2 ? node->morton : node->morton >> 3];
     if (node->size < LEAF_BLOCK_LOG2)
         return (unsigned)(cells >> (8 * (node->morton & 7u))) & 255u;
@@ -125,10 +131,28 @@ static unsigned children_of(const treelet *tr, const pending *node)
     return groups;
 }
 
+/* Whether a cell exists and is active, from its samples. */
+static bool cell_is_active(const walk_scene *scene, const treelet *tr, const uint32_t cell[3])
+{
+    for (int a = 0; a < 3; a++)
+        if (cell[a] - tr->first_cell[a] >= tr->shape.cells[a])
+            return false;
+    float s[8];
+    walk_cell_samples(scene, tr, cell, s);
+    for (int i = 0; i < scene->count; i++) {
+        int inside = 0;
+        for (int c = 0; c < 8; c++)
+            inside += (double)s[c] >= scene->isovalues[i];
+        if (inside != 0 && inside != 8)
+            return true;
+    }
+    return false;
+}
+
 enum { STACK_MAX = 4 * (LEAF_CELLS_LOG2_MAX + 1) };
 
-bool walk_treelet(const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out, unsigned octants,
-                  const hit *after, hit *best, walk_counters *counters)
+static inline bool walk_to(finest known, const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out,
+                           unsigned octants, const hit *after, hit *best, walk_counters *counters)
 {
     const level_planes *planes = &scene->levels[tr->level];
     pending stack[STACK_MAX];
@@ -146,11 +170,12 @@ bool walk_treelet(const walk_scene *scene, const treelet *tr, const ray *r, doub
         if (node.t_in > best->t)
             break;
         if (node.size == 0) {
-            changed |= intersect_cell(scene, tr, r, node.cell, after, best, counters);
+            if (known == FINEST_CELL || cell_is_active(scene, tr, node.cell))
+                changed |= intersect_cell(scene, tr, r, node.cell, after, best, counters);
             continue;
         }
         counters->nodes++;
-        const unsigned mask = children_of(tr, &node) & wanted;
+        const unsigned mask = children_of(tr, &node, known) & wanted;
         wanted = 255u;
         if (!mask)
             continue;
@@ -171,4 +196,22 @@ bool walk_treelet(const walk_scene *scene, const treelet *tr, const ray *r, doub
         }
     }
     return changed;
+}
+
+bool walk_treelet(const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out, unsigned octants,
+                  const hit *after, hit *best, walk_counters *counters)
+{
+    return walk_to(FINEST_CELL, scene, tr, r, t_in, t_out, octants, after, best, counters);
+}
+
+bool walk_treelet_groups(const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out,
+                         unsigned octants, const hit *after, hit *best, walk_counters *counters)
+{
+    return walk_to(FINEST_GROUP, scene, tr, r, t_in, t_out, octants, after, best, counters);
+}
+
+bool walk_treelet_corners(const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out,
+                          unsigned octants, const hit *after, hit *best, walk_counters *counters)
+{
+    return walk_to(FINEST_BLOCK, scene, tr, r, t_in, t_out, octants, after, best, counters);
 }

@@ -41,6 +41,13 @@ typedef bool (*walk_fn)(const walk_scene *scene, const treelet *tr, const ray *r
 bool walk_treelet(const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out, unsigned octants,
                   const hit *after, hit *best, walk_counters *counters);
 
+/* The same result without the cells' masks, for experiment E1: down to 2^3 groups by masks (as if the tree went on to 2^3), or to blocks, then cell
+ * by cell by the samples. */
+bool walk_treelet_groups(const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out,
+                         unsigned octants, const hit *after, hit *best, walk_counters *counters);
+bool walk_treelet_corners(const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out,
+                          unsigned octants, const hit *after, hit *best, walk_counters *counters);
+
 /* walk_cell_box() - the planes of a cell of a level. */
 cell_box walk_cell_box(const level_planes *planes, const uint32_t cell[3]);
 
