@@ -4,6 +4,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "render/experiment.h"
 #include "render/frame.h"
 #include "render/intersect.h"
 #include "render/kernels.h"
@@ -33,6 +34,7 @@ struct leafcast {
     atomic_uchar *touched;
     uint8_t *stop;     /* per treelet, for --lod pixel; NULL until needed */
     size_t base_bytes; /* of the budget, before any treelet */
+    intersect_fn intersect; /* instead of the scene's, see experiment.h */
     double opened_at, open_s, first_image_s;
 };
 
@@ -274,7 +276,7 @@ static status tracer_of(leafcast *v, const leafcast_scene *scene, const camera *
                              .count = v->surface_count,
                              .type = layout->type,
                              .halo = layout->halo,
-                             .intersect = how->next_hit},
+                             .intersect = v->intersect ? v->intersect : how->next_hit},
                    .walk = v->kernels->walk,
                    .treelets = v->treelets,
                    .layout = layout,
@@ -404,6 +406,11 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene, const l
     if (stats)
         fill_stats(v, &counters, end - start, stats);
     return public_status(st);
+}
+
+void experiment_intersect(leafcast *v, intersect_fn intersect)
+{
+    v->intersect = intersect;
 }
 
 /* ---- Probing ---- */
