@@ -189,6 +189,37 @@ static void normalise(const double b[4], double scaled[4])
         scaled[i] = scalbn(b[i], -exponent);
 }
 
+/* An end this near to the isovalue (of a cubic scaled to [1, 2)) may hide an extremum behind it; see cell_roots(). */
+static const double NEAR_END = 1e-6;
+
+/* An extremum this near is a touch as far as rounding can tell: a pair of roots. A ray that misses such a pair grazes it: f has no
+ * extremum in space inside a cell, so that the surface is there for a ray moved sideways. */
+static const double TOUCH = 8.0 * DBL_EPSILON;
+
+/* Roots between neighbouring extrema, where the cubic is monotone. */
+static int isolate(const cubic *p, const double b[4], double roots[3])
+{
+    double at[4] = {0.0}, f[4] = {b[0]};
+    const int last = 1 + extrema(b, at + 1);
+    int changes = 0;
+    for (int i = 1; i <= last; i++) {
+        at[i] = i < last ? at[i] : 1.0;
+        f[i] = i < last ? cubic_at(p, at[i]) : b[3];
+        changes += (f[i - 1] >= 0.0) != (f[i] >= 0.0);
+    }
+    int n = 0;
+    for (int i = 1; i <= last; i++) {
+        if ((f[i - 1] >= 0.0) != (f[i] >= 0.0)) {
+            roots[n++] = refine(p, at[i - 1], at[i], f[i - 1], f[i]);
+        } else if (i < last && changes < 2 && fabs(f[i]) <= TOUCH && (f[i + 1] >= 0.0) == (f[i] >= 0.0)) {
+            roots[n++] = at[i];
+            roots[n++] = at[i];
+            changes += 2;
+        }
+    }
+    return n;
+}
+
 int cell_roots(const double control[4], double roots[3])
 {
     const bool s0 = control[0] >= 0.0, s1 = control[1] >= 0.0, s2 = control[2] >= 0.0, s3 = control[3] >= 0.0;
@@ -199,25 +230,13 @@ int cell_roots(const double control[4], double roots[3])
     double b[4];
     normalise(control, b);
     const cubic p = cubic_of(b);
-    if (changes == 1) {
+    /* One root, and f has the sign of its end right up to there, unless that end is all but zero: then rounding hides the sign beside it, and
+     * the iteration would take the end for the root. */
+    if (changes == 1 && fabs(b[0]) > NEAR_END && fabs(b[3]) > NEAR_END) {
         roots[0] = refine(&p, 0.0, 1.0, b[0], b[3]);
         return 1;
     }
-
-    /* Isolate: between neighbouring extrema the cubic is monotone. */
-    double at[2];
-    const int splits = extrema(b, at);
-    double from = 0.0, f_from = b[0];
-    int n = 0;
-    for (int i = 0; i <= splits; i++) {
-        double to = i < splits ? at[i] : 1.0;
-        double f_to = i < splits ? cubic_at(&p, at[i]) : b[3];
-        if ((f_from >= 0.0) != (f_to >= 0.0))
-            roots[n++] = refine(&p, from, to, f_from, f_to);
-        from = to;
-        f_from = f_to;
-    }
-    return n;
+    return isolate(&p, b, roots);
 }
 
 bool cell_next_hit(const ray *r, const cell_visit *visit, const float samples[8], double iso, int32_t iso_index,
