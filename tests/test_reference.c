@@ -33,35 +33,6 @@ static size_t trace_field(const field *f, ref_ray ray, ref_hit *hits) {
     return ref_trace(&v, &ray, &f->iso, 1, NULL, hits, HITS_MAX);
 }
 
-/* A ray from one random point to another, in a box larger than the field by `margin` on all sides;
- * world space. */
-static ref_ray random_ray(const ref_volume *v, field_random *r, double margin) {
-    ref_ray ray;
-    for (int a = 0; a < 3; a++) {
-        long nodes = v->dims[a];
-        double first = v->axis[a] ? v->axis[a][0] : 0;
-        double last = v->axis[a] ? v->axis[a][nodes - 1] : (double)(nodes - 1);
-        double from = field_random_in(r, first - margin, last + margin);
-        double to = field_random_in(r, first, last);
-        ray.o[a] = v->to_world[a][a] * from + v->to_world[a][3];
-        ray.d[a] = v->to_world[a][a] * (to - from);
-    }
-    return ray;
-}
-
-/* From one whole or half grid point to another: in grid planes, along edges and diagonals, through
- * vertices. */
-static ref_ray exact_ray(const ref_volume *v, field_random *r) {
-    ref_ray ray = {{0}, {0}};
-    while (ray.d[0] == 0 && ray.d[1] == 0 && ray.d[2] == 0)
-        for (int a = 0; a < 3; a++) {
-            long span = 2 * (v->dims[a] - 1);
-            ray.d[a] = field_random_below(r, 3) ? (double)(field_random_below(r, 5) - 2) : 0;
-            ray.o[a] = 0.5 * (double)field_random_below(r, span + 1) - 64 * ray.d[a];
-        }
-    return ray;
-}
-
 /* ---- formulas ---- */
 
 static void linear_field_is_a_plane(void **state) {
@@ -72,7 +43,7 @@ static void linear_field_is_a_plane(void **state) {
     field_random r = {7};
     int hits_seen = 0;
     for (int n = 0; n < 2000; n++) {
-        ref_ray ray = random_ray(&v, &r, 20);
+        ref_ray ray = field_random_ray(&v, &r, 20);
         double slope = 2 * ray.d[0] + 3 * ray.d[1] - ray.d[2];
         double t = (11 - (2 * ray.o[0] + 3 * ray.o[1] - ray.o[2])) / slope;
         bool inside = t >= 0;
@@ -185,7 +156,7 @@ static void constant_cells_hold_no_surface(void **state) {
     const double isos[3] = {f.iso - 1, f.iso, f.iso + 1};
     for (int n = 0; n < 500; n++) {
         ref_hit hits[HITS_MAX];
-        ref_ray ray = n % 2 ? exact_ray(&v, &r) : random_ray(&v, &r, 3);
+        ref_ray ray = n % 2 ? field_exact_ray(&v, &r) : field_random_ray(&v, &r, 3);
         assert_int_equal(ref_trace(&v, &ray, isos, 3, NULL, hits, HITS_MAX), 0);
     }
     field_release(&f);
@@ -399,7 +370,7 @@ static void spacing_and_axes_only_scale(void **state) {
         u.axis[a] = coordinates[a];
     field_random r = {5};
     for (int n = 0; n < 500; n++) {
-        ref_ray ray = exact_ray(&v, &r), there = ray, apart = ray;
+        ref_ray ray = field_exact_ray(&v, &r), there = ray, apart = ray;
         for (int a = 0; a < 3; a++) {
             there.o[a] = 1024 * (a + 1) + scale[a] * ray.o[a];
             there.d[a] = scale[a] * ray.d[a];
@@ -468,9 +439,9 @@ static void closed_surfaces_are_watertight(void **state) {
         }
         field_random r = {FIELD_SEED};
         for (int n = 0; n < 2000; n++) {
-            check_parity(&f, &v, random_ray(&v, &r, 9), "random", n);
-            check_parity(&f, &v, random_ray(&v, &r, -0.2), "inner", n);
-            ref_ray exact = exact_ray(&unit, &r);
+            check_parity(&f, &v, field_random_ray(&v, &r, 9), "random", n);
+            check_parity(&f, &v, field_random_ray(&v, &r, -0.2), "inner", n);
+            ref_ray exact = field_exact_ray(&unit, &r);
             check_parity(&f, &unit, exact, "exact", n);
             for (int a = 0; a < 3;
                  a++) /* the same line from its middle: a whole or half grid point */
@@ -492,7 +463,7 @@ static void dense_sampling_agrees(void **state) {
         ref_volume v = field_volume(&f);
         field_random r = {FIELD_SEED + i};
         for (int n = 0; n < 200; n++) {
-            ref_ray ray = random_ray(&v, &r, -0.01);
+            ref_ray ray = field_random_ray(&v, &r, -0.01);
             ref_hit hits[HITS_MAX];
             ref_clip clip = {.t0 = 0, .t1 = 1};
             size_t count = ref_trace(&v, &ray, &f.iso, 1, &clip, hits, HITS_MAX), next = 0;

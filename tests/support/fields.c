@@ -233,6 +233,31 @@ ref_volume field_volume(const field *f) {
     return v;
 }
 
+ref_ray field_random_ray(const ref_volume *v, field_random *r, double margin) {
+    ref_ray ray;
+    for (int a = 0; a < 3; a++) {
+        long nodes = v->dims[a];
+        double first = v->axis[a] ? v->axis[a][0] : 0;
+        double last = v->axis[a] ? v->axis[a][nodes - 1] : (double)(nodes - 1);
+        double from = field_random_in(r, first - margin, last + margin);
+        double to = field_random_in(r, first, last);
+        ray.o[a] = v->to_world[a][a] * from + v->to_world[a][3];
+        ray.d[a] = v->to_world[a][a] * (to - from);
+    }
+    return ray;
+}
+
+ref_ray field_exact_ray(const ref_volume *v, field_random *r) {
+    ref_ray ray = {{0}, {0}};
+    while (ray.d[0] == 0 && ray.d[1] == 0 && ray.d[2] == 0)
+        for (int a = 0; a < 3; a++) {
+            long span = 2 * (v->dims[a] - 1);
+            ray.d[a] = field_random_below(r, 3) ? (double)(field_random_below(r, 5) - 2) : 0;
+            ray.o[a] = 0.5 * (double)field_random_below(r, span + 1) - 64 * ray.d[a];
+        }
+    return ray;
+}
+
 /* ---- files ---- */
 
 static void put_sample(FILE *out, const char *type, float value) {

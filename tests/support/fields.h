@@ -46,6 +46,15 @@ void field_release(field *f);
 /* field_volume() - for the reference; points into f. */
 ref_volume field_volume(const field *f);
 
+/* field_random_ray() - from a random point in a box larger than the volume by `margin` node
+ * coordinates on all sides, towards one in the volume; t = 1 is there. World space; to_world
+ * diagonal. */
+ref_ray field_random_ray(const ref_volume *v, field_random *r, double margin);
+
+/* field_exact_ray() - a line through whole or half grid points of a unit grid: in grid planes,
+ * along edges and diagonals, through vertices. t = 64 is such a point inside. */
+ref_ray field_exact_ray(const ref_volume *v, field_random *r);
+
 /* field_write_raw() - the samples, little endian, in the field's type; false when the file cannot
  * be written. */
 bool field_write_raw(const field *f, const char *path);

@@ -28,24 +28,6 @@ static void cell_widths(const ref_volume *v, const ref_hit *hit, long double wid
     }
 }
 
-/* Two unit vectors perpendicular to d and to each other. */
-static void perpendicular(const long double d[3], long double u[3], long double w[3]) {
-    int least = 0;
-    for (int a = 1; a < 3; a++)
-        least = fabsl(d[a]) < fabsl(d[least]) ? a : least;
-    long double dd = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], length = 0;
-    for (int a = 0; a < 3; a++) {
-        u[a] = (a == least ? 1 : 0) - d[least] * d[a] / dd;
-        length += u[a] * u[a];
-    }
-    for (int a = 0; a < 3; a++)
-        u[a] /= sqrtl(length);
-    for (int a = 0; a < 3; a++) {
-        int b = (a + 1) % 3, c = (a + 2) % 3;
-        w[a] = (d[b] * u[c] - d[c] * u[b]) / sqrtl(dd);
-    }
-}
-
 static bool same_answer(const ref_hit *a, size_t a_count, const ref_hit *b, size_t b_count) {
     if (a_count != b_count)
         return false;
@@ -70,19 +52,15 @@ bool ref_grazing(const ref_volume *v, const ref_ray *ray, const double *isos, in
     size_t count = first_hits(v, ray, NULL, isos, iso_count, clip, truth, depth);
 
     /* Sideways means perpendicular where cells are cubes. */
-    long double o[3], d[3], width[3], u[3], w[3];
+    long double o[3], d[3], width[3], shift[3];
     ref_to_grid(v, ray, o, d);
     cell_widths(v, count ? truth : NULL, width);
     for (int a = 0; a < 3; a++)
         d[a] /= width[a];
-    perpendicular(d, u, w);
-    for (int n = 0; n < 9; n++) {
-        int along_u = n % 3 - 1, along_w = n / 3 - 1;
-        if (along_u == 0 && along_w == 0)
-            continue;
-        long double shift[3], size = REF_GRAZING_SHIFT / sqrtl(along_u && along_w ? 2 : 1);
+    for (int n = 0; n < REF_SIDEWAYS; n++) {
+        ref_sideways(d, n, shift);
         for (int a = 0; a < 3; a++)
-            shift[a] = size * (along_u * u[a] + along_w * w[a]) * width[a];
+            shift[a] *= REF_GRAZING_SHIFT * width[a];
         size_t moved_count = first_hits(v, ray, shift, isos, iso_count, clip, moved, depth);
         if (!same_answer(truth, count, moved, moved_count))
             return true;

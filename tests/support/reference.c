@@ -38,6 +38,7 @@ typedef struct query {
     ref_hit *hits; /* sorted, the first `capacity` of those found */
     size_t capacity, found;
     bool only_first;   /* stop when hits[0] can no longer change */
+    visit *last_visit; /* or NULL */
     ref_visit *visits; /* or NULL */
     size_t visit_capacity, visit_count;
 } query;
@@ -220,20 +221,12 @@ static bool is_active(const float f[8], double iso) {
     return below && above;
 }
 
-/* All changes of side between entry and exit of one active cell: t's in order, and the side each
- * comes from. */
-static int cell_crossings(const cell *c, const line *ray, const visit *w, double iso, real t[3],
-                          bool from_inside[3]) {
-    real g[8], p_in[3], p_out[3], m[3], k[4];
-    for (int n = 0; n < 8; n++)
-        g[n] = (real)c->f[n] - iso;
-    for (int a = 0; a < 3; a++)
-        m[a] = ray->d[a] / (c->hi[a] - c->lo[a]);
-    local_point(c, ray, w->t_in, w->in_axis, false, p_in);
-    local_point(c, ray, w->t_out, w->out_axis, true, p_out);
-
+/* All changes of side on the way from p_in at t_in to p_out at t_out, in the unit cube of an active
+ * cell: t's in order, and the side each comes from. */
+static int way_crossings(const real g[8], const real p_in[3], const real p_out[3], const real m[3],
+                         const visit *w, real t[3], bool from_inside[3]) {
     /* Cut the way at the extrema: no piece can change sides twice. */
-    real s[4] = {0}, length = w->t_out - w->t_in;
+    real s[4] = {0}, length = w->t_out - w->t_in, k[4];
     bool side[4] = {trilinear(g, p_in) >= 0};
     cubic_along(g, p_in, m, k);
     int last = 1 + extrema(k, length, s + 1);
@@ -250,6 +243,25 @@ static int cell_crossings(const cell *c, const line *ray, const visit *w, double
         t[count++] = w->t_in + bisect(g, p_in, m, s[i], s[i + 1], side[i]);
     }
     return count;
+}
+
+/* The same for a visit of the ray. shift: NULL, or a step in the unit cube by which the way is
+ * moved, as far as the cell reaches. */
+static int cell_crossings(const cell *c, const line *ray, const visit *w, double iso,
+                          const real shift[3], real t[3], bool from_inside[3]) {
+    real g[8], p_in[3], p_out[3], m[3];
+    for (int n = 0; n < 8; n++)
+        g[n] = (real)c->f[n] - iso;
+    local_point(c, ray, w->t_in, w->in_axis, false, p_in);
+    local_point(c, ray, w->t_out, w->out_axis, true, p_out);
+    for (int a = 0; a < 3; a++) {
+        m[a] = ray->d[a] / (c->hi[a] - c->lo[a]);
+        if (shift) {
+            p_in[a] = clamp01(p_in[a] + shift[a]);
+            p_out[a] = clamp01(p_out[a] + shift[a]);
+        }
+    }
+    return way_crossings(g, p_in, p_out, m, w, t, from_inside);
 }
 
 static double cells_per_t(const cell *c, const line *ray) {
@@ -288,6 +300,8 @@ static void keep(query *q, const ref_hit *hit) {
 static void visit_cell(query *q, const visit *w) {
     if (q->visit_count++ < q->visit_capacity)
         q->visits[q->visit_count - 1] = (ref_visit){cell_index(q->v, w->cell), w->t_in, w->t_out};
+    if (q->last_visit)
+        *q->last_visit = *w;
     cell c;
     cell_samples(q->v, w->cell, c.f);
     for (int a = 0; a < 3; a++) {
@@ -299,7 +313,7 @@ static void visit_cell(query *q, const visit *w) {
             continue;
         real t[3];
         bool from_inside[3];
-        int count = cell_crossings(&c, &q->ray, w, q->isos[i], t, from_inside);
+        int count = cell_crossings(&c, &q->ray, w, q->isos[i], NULL, t, from_inside);
         for (int n = 0; n < count; n++) {
             ref_hit hit = {
                 .t = (double)t[n], .t_exact = t[n], .iso = i, .from_inside = from_inside[n]};
@@ -315,8 +329,11 @@ static real crossing(const ref_volume *v, const line *ray, int a, long i) {
     return (plane_at(v, a, i) - ray->o[a]) / ray->d[a];
 }
 
-/* The t interval of the whole box and the axis entered last; false when the ray passes by. */
+/* The t interval of the whole box and the axis entered last; false when the ray passes by. Planes
+ * of equal t are crossed x first, so a ray that leaves before it enters only touches an edge from
+ * outside. */
 static bool box_interval(const ref_volume *v, const line *ray, real *t0, real *t1, int *in_axis) {
+    int out_axis = 3;
     *t0 = -INFINITY;
     *t1 = INFINITY;
     *in_axis = NONE;
@@ -333,9 +350,12 @@ static bool box_interval(const ref_volume *v, const line *ray, real *t0, real *t
             *t0 = in;
             *in_axis = a;
         }
-        *t1 = out < *t1 ? out : *t1;
+        if (out < *t1) {
+            *t1 = out;
+            out_axis = a;
+        }
     }
-    return *t0 <= *t1;
+    return *t0 < *t1 || (*t0 == *t1 && *in_axis < out_axis);
 }
 
 /* Whether the ray has crossed plane i of axis a (d[a] is not 0) once it has crossed a plane of
@@ -506,18 +526,80 @@ long double ref_value(const ref_volume *v, const long double p[3], double iso) {
     return trilinear(g, at);
 }
 
-int ref_cell_roots(const double o[3], const double d[3], const double lo[3], const double hi[3],
-                   const float samples[8], double iso, ref_hit hits[REF_CELL_ROOTS_MAX]) {
-    double axes[3][2];
-    long dims[3] = {2, 2, 2};
+/* A volume of one cell; axes and ray are the caller's to keep. */
+static ref_volume one_cell(const double o[3], const double d[3], const double lo[3],
+                           const double hi[3], const float samples[8], double axes[3][2],
+                           ref_ray *ray) {
+    const long dims[3] = {2, 2, 2};
     ref_volume v = ref_volume_regular(dims, samples, NULL, NULL);
-    ref_ray ray;
     for (int a = 0; a < 3; a++) {
         axes[a][0] = lo[a];
         axes[a][1] = hi[a];
         v.axis[a] = axes[a];
-        ray.o[a] = o[a];
-        ray.d[a] = d[a];
+        ray->o[a] = o[a];
+        ray->d[a] = d[a];
     }
+    return v;
+}
+
+int ref_cell_roots(const double o[3], const double d[3], const double lo[3], const double hi[3],
+                   const float samples[8], double iso, ref_hit hits[REF_CELL_ROOTS_MAX]) {
+    double axes[3][2];
+    ref_ray ray;
+    ref_volume v = one_cell(o, d, lo, hi, samples, axes, &ray);
     return (int)ref_trace(&v, &ray, &iso, 1, NULL, hits, REF_CELL_ROOTS_MAX);
+}
+
+void ref_sideways(const long double d[3], int direction, long double shift[3]) {
+    /* Two unit vectors perpendicular to d and to each other. */
+    real u[3], w[3], dd = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], length = 0;
+    int least = 0;
+    for (int a = 1; a < 3; a++)
+        least = fabsl(d[a]) < fabsl(d[least]) ? a : least;
+    for (int a = 0; a < 3; a++) {
+        u[a] = (a == least ? 1 : 0) - d[least] * d[a] / dd;
+        length += u[a] * u[a];
+    }
+    for (int a = 0; a < 3; a++)
+        u[a] /= sqrtl(length);
+    for (int a = 0; a < 3; a++) {
+        int b = (a + 1) % 3, c = (a + 2) % 3;
+        w[a] = (d[b] * u[c] - d[c] * u[b]) / sqrtl(dd);
+    }
+    static const int steps[REF_SIDEWAYS][2] = {{1, 0}, {-1, 0}, {0, 1},  {0, -1},
+                                               {1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
+    const int *step = steps[direction];
+    for (int a = 0; a < 3; a++)
+        shift[a] = (step[0] * u[a] + step[1] * w[a]) / (step[0] && step[1] ? sqrtl(2) : 1);
+}
+
+bool ref_cell_grazing(const double o[3], const double d[3], const double lo[3], const double hi[3],
+                      const float samples[8], double iso, double shift, double change) {
+    double axes[3][2];
+    ref_ray world;
+    ref_volume v = one_cell(o, d, lo, hi, samples, axes, &world);
+    visit w;
+    query q = {.v = &v, .last_visit = &w};
+    run(&q, &world, NULL, NULL);
+    cell c = {.lo = {lo[0], lo[1], lo[2]}, .hi = {hi[0], hi[1], hi[2]}};
+    cell_samples(&v, (const long[3]){0, 0, 0}, c.f);
+    if (q.visit_count == 0 || !is_active(c.f, iso))
+        return false;
+
+    real m[3], sideways[3], t[3], moved[3], limit = change / cells_per_t(&c, &q.ray);
+    bool from_inside[3];
+    int count = cell_crossings(&c, &q.ray, &w, iso, NULL, t, from_inside);
+    for (int a = 0; a < 3; a++)
+        m[a] = q.ray.d[a] / (c.hi[a] - c.lo[a]);
+    for (int n = 0; n < REF_SIDEWAYS; n++) {
+        ref_sideways(m, n, sideways);
+        for (int a = 0; a < 3; a++)
+            sideways[a] *= shift;
+        if (cell_crossings(&c, &q.ray, &w, iso, sideways, moved, from_inside) != count)
+            return true;
+        for (int i = 0; i < count; i++)
+            if (fabsl(moved[i] - t[i]) > limit)
+                return true;
+    }
+    return false;
 }

@@ -96,4 +96,13 @@ enum { REF_CELL_ROOTS_MAX = 3 };
 int ref_cell_roots(const double o[3], const double d[3], const double lo[3], const double hi[3],
                    const float samples[8], double iso, ref_hit hits[REF_CELL_ROOTS_MAX]);
 
+/* ref_cell_grazing() - whether a root appears, goes, or moves by more than `change` cells when the
+ * way through the cell is moved sideways by `shift` cells, no further than the cell reaches. */
+bool ref_cell_grazing(const double o[3], const double d[3], const double lo[3], const double hi[3],
+                      const float samples[8], double iso, double shift, double change);
+
+/* ref_sideways() - one of REF_SIDEWAYS unit vectors perpendicular to d, 45 degrees apart. */
+enum { REF_SIDEWAYS = 8 };
+void ref_sideways(const long double d[3], int direction, long double shift[3]);
+
 #endif
