@@ -197,7 +197,8 @@ void write_file(const picture &p, const layout &to, const std::string &file) {
     spec.channelnames = to.channels;
     bool linear = to.type == OIIO::TypeDesc::FLOAT || p.says("colour", "linear");
     spec.attribute("oiio:ColorSpace", linear ? "Linear" : "sRGB");
-    spec.attribute("oiio:UnassociatedAlpha", 1); /* as they come: nothing is divided */
+    if (to.type == OIIO::TypeDesc::UINT8)
+        spec.attribute("oiio:UnassociatedAlpha", 1); /* as they come: nothing is divided */
     spec.attribute("compression", "zip");
     spec.attribute("Software", "leafcast " LEAFCAST_VERSION);
     spec.attribute("DateTime", "1970:01:01 00:00:00"); /* EXR would take the clock's */

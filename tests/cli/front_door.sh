@@ -7,7 +7,7 @@ cp "$leafcast" "$tmp/bin/leafcast"
 verb() { # verb FILE TEXT: a verb that says TEXT and its arguments
     cat >"$1" <<SCRIPT
 #!/bin/sh
-[ "\${1-}" != --help ] || { echo "Usage: x [OPTION]"; echo "Does $2."; exit; }
+[ "\${1-}" != --help ] || { printf "Usage: x [OPTION]\\n           [MORE]\\nDoes\\n$2. More.\\n"; exit; }
 echo $2 "\$#" "\$@"
 exit 5
 SCRIPT
@@ -25,11 +25,11 @@ ok "its arguments are untouched, its own come first" says '^own 3 a b -o c$' out
 exits "a verb on PATH" 5 "$door" polish x
 ok "is run" says '^user 1 x$' out
 exits "help" 0 "$door" --help
-ok "lists own verbs with their line" says '^  convert *Does own\.$' out
+ok "lists own verbs with their line" says '^  convert *Does own$' out
 ok "lists the user's" says '^  polish .*user/leafcast-polish' out
 ok "lists a shadowed verb once" [ "$(grep -c '^  convert' "$tmp/out")" = 1 ]
 exits "help VERB" 0 "$door" help convert
-ok "is the verb's own" says 'Does own' out
+ok "is the verb's own" says 'own. More.' out
 exits "version" 0 "$door" --version
 ok "says it" says '^leafcast [0-9]*\.[0-9]*\.[0-9]*$' out
 exits "a slip" 2 "$door" covnert
