@@ -1,6 +1,7 @@
 /* file.h - files read at offsets, and outputs that appear under their name only when complete.
  *
- * Reading: any number of threads may read one `file` at once. Writing: one thread per `out_file`.
+ * Reading: any number of threads may read one `file` at once. Writing: one thread per
+ * `out_file`, but for out_file_write_at() and out_file_read_at() at places no other thread writes.
  */
 #ifndef FORMATS_BASE_FILE_H
 #define FORMATS_BASE_FILE_H
