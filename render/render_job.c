@@ -1,0 +1,224 @@
+#include "render/render_job.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "formats/base/num.h"
+#include "render/image_out.h"
+
+enum { META_TEXT_MAX = 1024 };
+
+status render_status(leafcast_status st) {
+    return (status)st;
+}
+
+status render_job_open(render_job *job, const char *path, const leafcast_options *options) {
+    mem_init(&job->m, 0);
+    job->source = path;
+    status st = render_status(leafcast_open(path, options, &job->volume));
+    if (st == ST_OK)
+        job->info = leafcast_describe(job->volume);
+    return st;
+}
+
+static void release_planes(render_job *job) {
+    leafcast_image *i = &job->image;
+    void *const planes[] = {i->r,         i->g,         i->b,         i->a, i->z,
+                            i->normal[0], i->normal[1], i->normal[2], i->id};
+    for (size_t p = 0; p < sizeof planes / sizeof *planes; p++)
+        mem_free(&job->m, planes[p]);
+    *i = (leafcast_image){0};
+}
+
+void render_job_close(render_job *job) {
+    release_planes(job);
+    leafcast_close(job->volume);
+    job->volume = NULL;
+}
+
+/* ---- before anything is drawn ---- */
+
+status render_job_check(const render_job *job, script_frame *frame) {
+    status st = view_options_check(&frame->view);
+    if (st == ST_OK && frame->output[0])
+        st = image_out_check(frame->output, job->force);
+    if (st == ST_OK && frame->depth[0] && !job->force && access(frame->depth, F_OK) == 0)
+        st = status_describe(ST_EXISTS, "%s exists (--force overwrites)", frame->depth);
+    return st;
+}
+
+status render_job_number(const char *pattern, int index, char out[SCRIPT_PATH_MAX]) {
+    const char *percent = strchr(pattern, '%'), *rest = percent;
+    char digits[16] = "";
+    int head = 0, n = 0;
+    if (percent) {
+        head = (int)(percent - pattern);
+        const char *at = percent + 1;
+        const bool zeros = *at == '0';
+        int width = 0;
+        for (; *at >= '0' && *at <= '9' && width < 10; at++)
+            width = width * 10 + (*at - '0');
+        if (*at != 'd' || width > 9 || strchr(at, '%'))
+            return status_describe(ST_USAGE, "%s: a sequence's name has one %%04d", pattern);
+        snprintf(digits, sizeof digits, zeros ? "%0*d" : "%*d", width, index);
+        rest = at + 1;
+    } else {
+        const char *slash = strrchr(pattern, '/'), *name = slash ? slash + 1 : pattern;
+        const char *dot = strrchr(name, '.');
+        rest = dot && dot > name ? dot : pattern + strlen(pattern);
+        head = (int)(rest - pattern);
+        snprintf(digits, sizeof digits, "_%04d", index);
+    }
+    n = snprintf(out, SCRIPT_PATH_MAX, "%.*s%s%s", head, pattern, digits, rest);
+    if (n < SCRIPT_PATH_MAX)
+        return ST_OK;
+    return status_describe(ST_USAGE, "the name of a file is longer than %d bytes", SCRIPT_PATH_MAX);
+}
+
+/* ---- drawing ---- */
+
+static bool is_exr(const char *path) {
+    const size_t n = strlen(path);
+    return n > 4 && strcmp(path + n - 4, ".exr") == 0;
+}
+
+/* A plane as it is wanted now: the one that is there, a new one, or NULL. *failed when there is no
+ * memory. */
+static void *plane(render_job *job, void *there, bool wanted, size_t size, bool *failed) {
+    if (there && wanted)
+        return there;
+    mem_free(&job->m, there);
+    void *made = wanted ? mem_array(&job->m, (size_t)job->width * job->height, size) : NULL;
+    *failed |= wanted && !made;
+    return made;
+}
+
+/* Only the planes that are written: they come out of the same memory as the treelets. */
+static status make_planes(render_job *job, const script_frame *frame) {
+    const leafcast_camera *c = &frame->view.camera;
+    const bool colour = frame->output[0] || !frame->depth[0], all = is_exr(frame->output);
+    leafcast_image *i = &job->image;
+    if (job->width != c->width || job->height != c->height)
+        release_planes(job);
+    job->width = c->width;
+    job->height = c->height;
+    bool failed = false;
+    i->r = plane(job, i->r, colour, sizeof *i->r, &failed);
+    i->g = plane(job, i->g, colour, sizeof *i->g, &failed);
+    i->b = plane(job, i->b, colour, sizeof *i->b, &failed);
+    i->a = plane(job, i->a, colour, sizeof *i->a, &failed);
+    i->z = plane(job, i->z, all || frame->depth[0], sizeof *i->z, &failed);
+    for (int a = 0; a < 3; a++)
+        i->normal[a] = plane(job, i->normal[a], all, sizeof *i->normal[a], &failed);
+    i->id = plane(job, i->id, all, sizeof *i->id, &failed);
+    return failed ? ST_NOMEM : ST_OK;
+}
+
+static bool same_surfaces(const render_job *job, const view_options *view) {
+    if (job->selected_count != view->isos)
+        return false;
+    for (int i = 0; i < view->isos; i++) {
+        const leafcast_surface *a = &job->selected[i], *b = &view->surfaces[i];
+        if (a->isovalue != b->isovalue || a->opacity != b->opacity ||
+            memcmp(a->rgb, b->rgb, sizeof a->rgb) != 0)
+            return false;
+    }
+    return true;
+}
+
+/* Sweep the directory, unless the last picture had the same surfaces. */
+static status select_surfaces(render_job *job, const view_options *view) {
+    if (same_surfaces(job, view))
+        return ST_OK;
+    job->selected_count = 0;
+    status st = render_status(leafcast_select(job->volume, view->surfaces, view->isos));
+    if (st == ST_OK) {
+        memcpy(job->selected, view->surfaces, sizeof job->selected);
+        job->selected_count = view->isos;
+    }
+    return st;
+}
+
+static status trace(render_job *job, const view_options *view, const leafcast_camera *camera,
+                    leafcast_stats *median) {
+    leafcast_stats *all = mem_array(&job->m, (size_t)job->repeat, sizeof *all);
+    if (!all)
+        return ST_NOMEM;
+    bool (*stop)(void *) = job->watch ? job->watch->stop : NULL;
+    void *ctx = job->watch ? job->watch->ctx : NULL;
+    status st = ST_OK;
+    for (int i = 0; i < job->repeat && st == ST_OK; i++)
+        st = render_status(
+            leafcast_trace(job->volume, &view->scene, camera, &job->image, &all[i], stop, ctx));
+    if (st == ST_OK)
+        *median = all[render_stats_median(all, job->repeat)];
+    mem_free(&job->m, all);
+    return st;
+}
+
+/* ---- files ---- */
+
+static size_t numbers_text(char *text, size_t n, const double *x, int count) {
+    for (int i = 0; i < count; i++) {
+        char number[NUM_TEXT_MAX];
+        num_print(x[i], number);
+        const size_t length = strlen(number);
+        if (n + length + 2 > META_TEXT_MAX)
+            break;
+        if (n)
+            text[n++] = ',';
+        memcpy(text + n, number, length + 1);
+        n += length;
+    }
+    return n;
+}
+
+/* What one needs to draw the picture again. */
+static status write_picture(render_job *job, const script_frame *frame,
+                            const leafcast_camera *camera) {
+    char isos[META_TEXT_MAX] = "", eye[META_TEXT_MAX] = "", look_at[META_TEXT_MAX] = "";
+    char up[META_TEXT_MAX] = "", fov[META_TEXT_MAX] = "";
+    size_t n = 0;
+    for (int i = 0; i < frame->view.isos; i++)
+        n = numbers_text(isos, n, &frame->view.surfaces[i].isovalue, 1);
+    numbers_text(eye, 0, camera->eye, 3);
+    numbers_text(look_at, 0, camera->look_at, 3);
+    numbers_text(up, 0, camera->up, 3);
+    numbers_text(fov, 0, &camera->fov, 1);
+    const char *slash = strrchr(job->source, '/');
+    const image_meta meta[] = {{"volume", slash ? slash + 1 : job->source},
+                               {"isovalues", isos},
+                               {"eye", eye},
+                               {"look_at", look_at},
+                               {"up", up},
+                               {"fov", fov}};
+    return image_out_write(&job->m, frame->output, job->force, job->width, job->height, &job->image,
+                           meta, sizeof meta / sizeof *meta);
+}
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+status render_job_draw(render_job *job, const script_frame *frame, render_stats *stats) {
+    const leafcast_camera camera = view_options_camera(&frame->view, job->volume);
+    *stats = (render_stats){.repeats = job->repeat};
+    status st = make_planes(job, frame);
+    if (st == ST_OK)
+        st = select_surfaces(job, &frame->view);
+    if (st == ST_OK)
+        st = trace(job, &frame->view, &camera, &stats->trace);
+    const double traced = now();
+    if (st == ST_OK && frame->depth[0])
+        st = image_out_depth(&job->m, frame->depth, job->force, job->image.z,
+                             (size_t)job->width * job->height);
+    if (st == ST_OK && frame->output[0])
+        st = write_picture(job, frame, &camera);
+    stats->write_s = now() - traced;
+    stats->peak_rss_bytes = render_stats_peak_rss();
+    return st;
+}

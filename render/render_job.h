@@ -1,0 +1,48 @@
+/* render_job.h - draw described pictures of one open file and write them: what render does between
+ * its flags and its messages. */
+#ifndef RENDER_RENDER_JOB_H
+#define RENDER_RENDER_JOB_H
+
+#include "formats/base/mem.h"
+#include "formats/base/progress.h"
+#include "formats/base/status.h"
+#include "render/render_script.h"
+#include "render/render_stats.h"
+
+typedef struct render_job {
+    mem m; /* of the planes; counted against the volume's budget by leafcast_trace() */
+    leafcast *volume;
+    leafcast_info info;
+    const char *source; /* the treelet file's path, for the pictures' metadata */
+    const progress *watch;
+    bool force;
+    int repeat;
+    /* Kept between pictures. */
+    leafcast_image image;
+    uint32_t width, height;
+    leafcast_surface selected[LEAFCAST_SURFACES_MAX];
+    int selected_count;
+} render_job;
+
+/* render_status() - a public status as an internal one; the description is the same. */
+status render_status(leafcast_status st);
+
+/* render_job_open() - *job is zeroed but for force, repeat and watch, which the caller has set.
+ * render_job_close() in any case. */
+CHECKED status render_job_open(render_job *job, const char *path, const leafcast_options *options);
+void render_job_close(render_job *job);
+
+/* render_job_check() - what can be known to fail before anything is drawn: output files that exist,
+ * names of no picture, flags that do not go together. Fills in defaults, see view_options_check().
+ */
+CHECKED status render_job_check(const render_job *job, script_frame *frame);
+
+/* render_job_draw() - draw a checked picture job->repeat times, write its files once. */
+CHECKED status render_job_draw(render_job *job, const script_frame *frame, render_stats *stats);
+
+/* render_job_number() - the name of picture `index` of a sequence: the pattern with its %d, %4d or
+ * %04d replaced, or with _0000 put before the extension where it has none. ST_USAGE when it is too
+ * long or has other %. */
+CHECKED status render_job_number(const char *pattern, int index, char out[SCRIPT_PATH_MAX]);
+
+#endif

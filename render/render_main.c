@@ -1,0 +1,416 @@
+/* render_main.c - leafcast render: pictures of isosurfaces. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "formats/base/cli.h"
+#include "formats/base/file.h"
+#include "formats/base/num.h"
+#include "render/render_job.h"
+
+typedef struct render_options {
+    cli_common common;
+    view_options view;
+    leafcast_options open;
+    const char *volume, *depth, *stats, *script, *iso_list, *camera_path;
+    int repeat;
+} render_options;
+
+/* ---- flags ---- */
+
+enum { DEPTH = 0x3000, STATS, REPEAT, ISO_LIST, CAMERA_PATH, SCRIPT, BACKEND, TREELET_LIMIT, ISA };
+
+static const struct argp_option OPTIONS[] = {
+    {NULL, 0, NULL, 0, "Outputs (-o takes .png or .exr):", 1},
+    {"depth-f64", DEPTH, "FILE", 0, "distances from the eye as raw doubles", 0},
+    {"stats", STATS, "FILE", 0, "times, rays, treelets and bytes as JSON", 0},
+    {"repeat", REPEAT, "N", 0, "draw N times; the statistics are the median picture's", 0},
+    {NULL, 0, NULL, 0, "Many pictures (-o out.png becomes out_0000.png ...):", 50},
+    {"iso-list", ISO_LIST, "V1,V2,...", 0, "a picture for each isovalue; V:V is a picture with two",
+     0},
+    {"camera-path", CAMERA_PATH, "FILE", 0,
+     "a picture for each entry of a JSON array: [{\"eye\": [1,2,3]}, ...]", 0},
+    {"script", SCRIPT, "FILE", 0,
+     "a picture for each line, as it comes (-: standard input): a JSON object whose keys are these "
+     "flags, with \"output\"; each is answered by a line of JSON",
+     0},
+    {NULL, 0, NULL, 0, "Machine:", 60},
+    {"backend", BACKEND, "NAME", 0, "how treelets come in: auto, mapped or arena", 0},
+    {"treelet-limit", TREELET_LIMIT, "N", 0,
+     "never hold more than N treelets (0: what memory allows); for experiments", 0},
+    {"isa", ISA, "NAME", 0, "instructions to use: auto or scalar", 0},
+    {NULL, 0, NULL, 0, NULL, 0}};
+
+static status set_backend(leafcast_options *open, const char *text) {
+    static const char *const names[] = {"auto", "mapped", "arena"};
+    for (int i = 0; i < 3; i++) {
+        if (strcmp(text, names[i]) == 0) {
+            open->backend = (leafcast_backend)i;
+            return ST_OK;
+        }
+    }
+    return status_describe(ST_USAGE, "--backend: \"%s\" is none of auto, mapped, arena", text);
+}
+
+static status set_isa(const char *text) {
+    if (strcmp(text, "auto") == 0 || strcmp(text, "scalar") == 0)
+        return ST_OK;
+    return status_describe(ST_USAGE, "--isa: \"%s\" is none of auto, scalar", text);
+}
+
+static status set_option(render_options *o, int key, const char *text) {
+    int64_t n = 0;
+    status st = ST_OK;
+    switch (key) {
+    case DEPTH: o->depth = text; return ST_OK;
+    case STATS: o->stats = text; return ST_OK;
+    case SCRIPT: o->script = text; return ST_OK;
+    case ISO_LIST: o->iso_list = text; return ST_OK;
+    case CAMERA_PATH: o->camera_path = text; return ST_OK;
+    case BACKEND: return set_backend(&o->open, text);
+    case ISA: return set_isa(text);
+    case REPEAT:
+        st = num_int(text, "--repeat", 1, 10000, &n);
+        o->repeat = (int)n;
+        return st;
+    case TREELET_LIMIT:
+        st = num_int(text, "--treelet-limit", 0, UINT32_MAX, &n);
+        o->open.treelet_limit = (uint32_t)n;
+        return st;
+    default: return ST_AGAIN;
+    }
+}
+
+/* What must hold over all flags. */
+static status check_options(const render_options *o) {
+    const bool sequence = o->iso_list || o->camera_path;
+    const bool output = o->common.output || o->depth || o->stats || o->common.json;
+    if (!o->volume)
+        return status_describe(ST_USAGE, "which treelet file?");
+    if (o->script && (sequence || o->common.output || o->depth || o->stats))
+        return status_describe(ST_USAGE,
+                               "--script takes its outputs from its lines and answers them on "
+                               "standard output");
+    if (!o->script && !output)
+        return status_describe(ST_USAGE, "nothing to write: -o FILE.png");
+    if (o->iso_list && o->view.isos > 0)
+        return status_describe(ST_USAGE, "either --iso or --iso-list");
+    if (!o->script && !sequence && o->view.isos == 0)
+        return status_describe(ST_USAGE, "which isosurface? --iso V");
+    return ST_OK;
+}
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+    render_options *o = state->input;
+    status st = ST_OK;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = &o->common; return 0;
+    case ARGP_KEY_ARG:
+        if (o->volume)
+            argp_error(state, "%s: one treelet file is enough", arg);
+        o->volume = arg;
+        return 0;
+    case ARGP_KEY_END: st = check_options(o); break;
+    default:
+        st = set_option(o, key, arg);
+        if (st == ST_AGAIN)
+            st = view_options_set(&o->view, key, arg);
+        if (st == ST_AGAIN)
+            return ARGP_ERR_UNKNOWN;
+    }
+    if (st)
+        argp_error(state, "%s", status_text());
+    return 0;
+}
+
+/* ---- one picture ---- */
+
+static void say_empty(const render_options *o, const render_job *job, const view_options *view) {
+    char value[NUM_TEXT_MAX], lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX];
+    for (int i = 0; i < view->isos; i++) {
+        const double iso = view->surfaces[i].isovalue;
+        /* A surface is where f >= iso begins: at the smallest value it is everywhere. */
+        if (iso > job->info.value_min && iso <= job->info.value_max)
+            continue;
+        cli_note(&o->common, 1, "no surface at isovalue %s: the values are %s to %s",
+                 num_print(iso, value), num_print(job->info.value_min, lo),
+                 num_print(job->info.value_max, hi));
+    }
+}
+
+static void say_done(const render_options *o, const script_frame *frame, const render_stats *s) {
+    const leafcast_stats *t = &s->trace;
+    const char *name = frame->output[0] ? frame->output : frame->depth[0] ? frame->depth : "drawn";
+    cli_note(&o->common, 1,
+             "%s: %u x %u, %.3g s, %.3g Mray/s; %llu of %llu active treelets, %.1f MB read", name,
+             frame->view.camera.width, frame->view.camera.height, t->render_s,
+             (double)t->rays / t->render_s * 1e-6, (unsigned long long)t->treelets_loaded,
+             (unsigned long long)t->treelets_active, (double)t->bytes_read * 1e-6);
+    if (t->provisional_pixels)
+        cli_note(&o->common, 1, "%llu pixels are provisional",
+                 (unsigned long long)t->provisional_pixels);
+    if (t->ill_conditioned)
+        cli_note(&o->common, 2, "%llu shadow rays are ill-conditioned",
+                 (unsigned long long)t->ill_conditioned);
+}
+
+static status draw(render_options *o, render_job *job, const script_frame *frame, json_t **stats) {
+    render_stats s;
+    say_empty(o, job, &frame->view);
+    status st = render_job_draw(job, frame, &s);
+    if (st)
+        return st;
+    say_done(o, frame, &s);
+    *stats = render_stats_json(&s, &frame->view, frame->output);
+    return ST_OK;
+}
+
+static status print_line(const json_t *object) {
+    char *text = json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(9));
+    if (!text)
+        return status_describe(ST_NOMEM, "no memory for the statistics");
+    puts(text);
+    fflush(stdout);
+    free(text);
+    return ST_OK;
+}
+
+static status write_stats(render_options *o, const json_t *stats) {
+    mem m;
+    out_file *f = NULL;
+    mem_init(&m, 0);
+    char *text = json_dumps(stats, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    if (!text)
+        return status_describe(ST_NOMEM, "no memory for the statistics");
+    status st = out_file_create(&m, o->stats, o->common.force, &f);
+    if (st == ST_OK) {
+        st = out_file_append(f, text, strlen(text));
+        if (st == ST_OK)
+            st = out_file_append(f, "\n", 1);
+        if (st == ST_OK)
+            st = out_file_commit(f);
+        else
+            out_file_discard(f);
+    }
+    free(text);
+    return st;
+}
+
+/* ---- sequences; a single picture is one of one ---- */
+
+typedef struct sequence {
+    json_t *path; /* NULL: no camera path */
+    int count;
+    const char *isos; /* the rest of --iso-list */
+} sequence;
+
+/* The isovalues of the next entry of --iso-list: V or V:V:... */
+static status next_isos(const char **list, view_options *view) {
+    bool repeats, flag;
+    const int key = view_options_key("iso", &repeats, &flag);
+    view_options_clear(view, key);
+    for (;;) {
+        char text[64];
+        const size_t n = strcspn(*list, ",:");
+        snprintf(text, sizeof text, "%.*s", (int)(n < 63 ? n : 63), *list);
+        status st = view_options_set(view, key, text);
+        if (st)
+            return st;
+        const char end = (*list)[n];
+        *list += n + (end != 0);
+        if (end != ':')
+            return ST_OK;
+    }
+}
+
+static status name_outputs(const render_options *o, bool many, int index, script_frame *frame) {
+    status st = ST_OK;
+    const char *const names[2] = {o->common.output, o->depth};
+    char *const outs[2] = {frame->output, frame->depth};
+    for (int i = 0; i < 2 && st == ST_OK; i++) {
+        outs[i][0] = 0;
+        if (names[i] && many)
+            st = render_job_number(names[i], index, outs[i]);
+        else if (names[i] &&
+                 (size_t)snprintf(outs[i], SCRIPT_PATH_MAX, "%s", names[i]) >= SCRIPT_PATH_MAX)
+            st = status_describe(ST_USAGE, "the name of a file is too long");
+    }
+    return st;
+}
+
+/* Picture `index` of the command line; in order, since the list of isovalues is eaten up. */
+static status describe_frame(const render_options *o, sequence *s, int index, script_frame *frame) {
+    const int views = s->path ? (int)json_array_size(s->path) : 1;
+    status st = ST_OK;
+    if (index == 0)
+        s->isos = o->iso_list;
+    view_options isos = index % views == 0 ? o->view : frame->view;
+    if (o->iso_list && index % views == 0)
+        st = next_isos(&s->isos, &isos);
+    /* Every entry of the path starts from the command line. */
+    frame->view = o->view;
+    memcpy(frame->view.surfaces, isos.surfaces, sizeof isos.surfaces);
+    frame->view.isos = isos.isos;
+    if (st == ST_OK && s->path) {
+        char what[64];
+        snprintf(what, sizeof what, "--camera-path: entry %d", index % views + 1);
+        st = script_apply(frame, json_array_get(s->path, (size_t)(index % views)), what);
+    }
+    if (st == ST_OK)
+        st = name_outputs(o, o->iso_list || s->path, index, frame);
+    return st;
+}
+
+static status count_frames(const render_options *o, sequence *s) {
+    s->count = 1;
+    for (const char *at = o->iso_list ? o->iso_list : ""; *at; at++)
+        s->count += *at == ',';
+    if (!o->camera_path)
+        return ST_OK;
+    status st = script_load_path(o->camera_path, &s->path);
+    if (st == ST_OK)
+        s->count *= (int)json_array_size(s->path);
+    return st;
+}
+
+static status check_sequence(const render_options *o, const render_job *job, sequence *s,
+                             script_frame *frame) {
+    status st = ST_OK;
+    for (int i = 0; i < s->count && st == ST_OK; i++) {
+        st = describe_frame(o, s, i, frame);
+        if (st == ST_OK)
+            st = render_job_check(job, frame);
+    }
+    if (st == ST_OK && o->stats && !o->common.force && access(o->stats, F_OK) == 0)
+        st = status_describe(ST_EXISTS, "%s exists (--force overwrites)", o->stats);
+    return st;
+}
+
+static status draw_sequence(render_options *o, render_job *job, sequence *s, script_frame *frame,
+                            json_t *all) {
+    status st = ST_OK;
+    for (int i = 0; i < s->count && st == ST_OK; i++) {
+        json_t *stats = NULL;
+        st = describe_frame(o, s, i, frame);
+        if (st == ST_OK)
+            st = render_job_check(job, frame);
+        if (st == ST_OK)
+            st = draw(o, job, frame, &stats);
+        if (st == ST_OK && o->common.json)
+            st = print_line(stats);
+        if (stats)
+            json_array_append_new(all, stats);
+        if (st == ST_OK)
+            st = progress_step(job->watch, "rendering", (double)(i + 1) / s->count);
+    }
+    if (st || !o->stats)
+        return st;
+    if (s->count == 1 && !o->iso_list && !s->path)
+        return write_stats(o, json_array_get(all, 0));
+    json_t *frames = json_pack("{s:O}", "frames", all);
+    st = write_stats(o, frames);
+    json_decref(frames);
+    return st;
+}
+
+static status run_sequence(render_options *o, render_job *job) {
+    static script_frame frame;
+    sequence s = {0};
+    json_t *all = json_array();
+    status st = count_frames(o, &s);
+    if (st == ST_OK)
+        st = check_sequence(o, job, &s, &frame);
+    if (st == ST_OK)
+        st = render_job_open(job, o->volume, &o->open);
+    if (st == ST_OK)
+        st = draw_sequence(o, job, &s, &frame, all);
+    json_decref(all);
+    json_decref(s.path);
+    return st;
+}
+
+/* ---- scripts ---- */
+
+static status answer_line(render_options *o, render_job *job, const char *text, size_t size,
+                          long number, bool *failed) {
+    static script_frame frame;
+    char what[32];
+    json_t *answer = NULL;
+    snprintf(what, sizeof what, "line %ld", number);
+    frame.view = o->view;
+    frame.output[0] = frame.depth[0] = 0;
+    status st = script_parse(&frame, text, size, what);
+    if (st == ST_OK)
+        st = render_job_check(job, &frame);
+    if (st == ST_OK)
+        st = draw(o, job, &frame, &answer);
+    if (st == ST_STOPPED)
+        return st;
+    if (st) {
+        /* One bad line does not end a session. */
+        *failed = true;
+        cli_note(&o->common, 0, "%s", status_text());
+        answer = json_pack("{s:s}", "error", status_text());
+    }
+    json_object_set_new(answer, "line", json_integer(number));
+    st = print_line(answer);
+    json_decref(answer);
+    return st;
+}
+
+static status run_script(render_options *o, render_job *job) {
+    mem m;
+    script_reader *script = NULL;
+    bool failed = false;
+    mem_init(&m, 0);
+    status st = render_job_open(job, o->volume, &o->open);
+    if (st == ST_OK)
+        st = script_open(&m, o->script, &script);
+    while (st == ST_OK) {
+        const char *line = NULL;
+        size_t size = 0;
+        long number = 0;
+        st = script_line(script, job->watch->stop, job->watch->ctx, &line, &size, &number);
+        if (st || !line)
+            break;
+        st = answer_line(o, job, line, size, number, &failed);
+    }
+    script_close(script);
+    if (st == ST_OK && failed)
+        st = status_describe(ST_FAILED, "not every line could be drawn");
+    return st;
+}
+
+int main(int argc, char **argv) {
+    static render_options o = {.common = {.verb = "render"}, .repeat = 1};
+    const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
+    struct argp_option options[64];
+    size_t n = 0;
+    for (const struct argp_option *from = OPTIONS; from->name || from->doc; from++)
+        options[n++] = *from;
+    for (const struct argp_option *from = view_options_table; from->name || from->doc; from++)
+        options[n++] = *from;
+    options[n] = (struct argp_option){0};
+    const struct argp table = {
+        .options = options,
+        .parser = parse,
+        .args_doc = "F.leaf",
+        .doc = "Draw isosurfaces of a treelet file into a PNG or EXR picture.\v"
+               "Without --eye the camera looks at the middle of the volume from the direction "
+               "(1, 0.6, 0.8), 2.2 (standard) or 1.1 (close) times its longest edge away. Vectors "
+               "are in world space. The picture is exact unless --lod, --preview or --intersector "
+               "say otherwise.",
+        .children = children};
+    view_options_init(&o.view);
+    cli_parse(&table, &o.common, argc, argv, &o);
+
+    o.open.memory = o.common.memory;
+    o.open.threads = o.common.threads;
+    render_job job = {
+        .force = o.common.force, .repeat = o.repeat, .watch = cli_progress(&o.common)};
+    status st = o.script ? run_script(&o, &job) : run_sequence(&o, &job);
+    render_job_close(&job);
+    return cli_finish(&o.common, st);
+}

@@ -1,0 +1,52 @@
+/* view_options.h - the flags that say what a picture shows: isosurfaces, camera, light, shading,
+ * clipping, level of detail.
+ *
+ * One table for all verbs that look at a volume, and for the JSON of render --script, whose keys
+ * are the flags' names.
+ */
+#ifndef RENDER_VIEW_OPTIONS_H
+#define RENDER_VIEW_OPTIONS_H
+
+#include <argp.h>
+#include <stdbool.h>
+
+#include "formats/base/status.h"
+#include "render/leafcast.h"
+
+typedef struct view_options {
+    leafcast_surface
+        surfaces[LEAFCAST_SURFACES_MAX]; /* view_options_check() has filled in what was not given */
+    int isos, colours, opacities;        /* how often each flag was given */
+    leafcast_scene scene;
+    leafcast_camera camera; /* width and height, and what the flags below say was given */
+    bool eye, look_at, up, fov;
+    double distance; /* of --view, in longest edges */
+} view_options;
+
+/* The table, for argp, without the terminating entry's group; names are what view_options_key()
+ * knows. */
+extern const struct argp_option view_options_table[];
+
+void view_options_init(view_options *v);
+
+/* view_options_set() - one flag, text NULL where it takes none. ST_USAGE with a description;
+ * ST_AGAIN when the key is not in the table. */
+CHECKED status view_options_set(view_options *v, int key, const char *text);
+
+/* view_options_clear() - forget what was given for a flag, as if it had not been on the command
+ * line. */
+void view_options_clear(view_options *v, int key);
+
+/* view_options_key() - a flag's key by its long name, '_' for '-' allowed; 0 when there is none
+ * such. *repeats: it may be given several times; *flag: it takes no value. */
+int view_options_key(const char *name, bool *repeats, bool *flag);
+
+/* view_options_check() - what must hold over all flags: at least one isovalue, no more colours or
+ * opacities than isovalues. */
+CHECKED status view_options_check(view_options *v);
+
+/* view_options_camera() - the camera for this volume: the standard or close view with whatever was
+ * given put in its place. */
+leafcast_camera view_options_camera(const view_options *v, const leafcast *volume);
+
+#endif
