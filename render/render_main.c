@@ -54,12 +54,6 @@ static status set_backend(leafcast_options *open, const char *text) {
     return status_describe(ST_USAGE, "--backend: \"%s\" is none of auto, mapped, arena", text);
 }
 
-static status set_isa(const char *text) {
-    if (strcmp(text, "auto") == 0 || strcmp(text, "scalar") == 0)
-        return ST_OK;
-    return status_describe(ST_USAGE, "--isa: \"%s\" is none of auto, scalar", text);
-}
-
 static status set_option(render_options *o, int key, const char *text) {
     int64_t n = 0;
     status st = ST_OK;
@@ -70,7 +64,7 @@ static status set_option(render_options *o, int key, const char *text) {
     case ISO_LIST: o->iso_list = text; return ST_OK;
     case CAMERA_PATH: o->camera_path = text; return ST_OK;
     case BACKEND: return set_backend(&o->open, text);
-    case ISA: return set_isa(text);
+    case ISA: o->open.isa = text; return ST_OK;
     case REPEAT:
         st = num_int(text, "--repeat", 1, 10000, &n);
         o->repeat = (int)n;
@@ -386,13 +380,8 @@ static status run_script(render_options *o, render_job *job) {
 int main(int argc, char **argv) {
     static render_options o = {.common = {.verb = "render"}, .repeat = 1};
     const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
-    struct argp_option options[64];
-    size_t n = 0;
-    for (const struct argp_option *from = OPTIONS; from->name || from->doc; from++)
-        options[n++] = *from;
-    for (const struct argp_option *from = view_options_table; from->name || from->doc; from++)
-        options[n++] = *from;
-    options[n] = (struct argp_option){0};
+    struct argp_option options[VIEW_OPTIONS_ROOM];
+    view_options_join(options, OPTIONS);
     const struct argp table = {
         .options = options,
         .parser = parse,

@@ -1,5 +1,6 @@
 #include "render/view_options.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -75,6 +76,17 @@ const struct argp_option view_options_table[] = {
     {"intersector", INTERSECTOR, "NAME", 0,
      "midpoint, linear, neubauer, schwarze, marmitt-3 or marmitt (the exact one)", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
+
+void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own) {
+    const struct argp_option *const parts[] = {own, view_options_table};
+    int n = 0;
+    for (int i = 0; i < 2; i++)
+        for (const struct argp_option *o = parts[i]; o->name || o->doc; o++) {
+            assert(n < VIEW_OPTIONS_ROOM - 1);
+            out[n++] = *o;
+        }
+    out[n] = (struct argp_option){0};
+}
 
 void view_options_init(view_options *v) {
     *v = (view_options){.scene = leafcast_scene_default(),

@@ -23,9 +23,12 @@ typedef struct view_options {
     double distance; /* of --view, in longest edges */
 } view_options;
 
-/* The table, for argp, without the terminating entry's group; names are what view_options_key()
- * knows. */
+/* The table, for argp. */
 extern const struct argp_option view_options_table[];
+
+/* view_options_join() - a verb's own options, then the table, for argp. */
+enum { VIEW_OPTIONS_ROOM = 64 };
+void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own);
 
 void view_options_init(view_options *v);
 
