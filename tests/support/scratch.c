@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { PATHS = 8, PATH_ROOM = 4096 };
+enum { PATHS = 200, PATH_ROOM = 300 };
 
 static char folder[64];
 static pid_t owner;
@@ -20,7 +20,7 @@ static size_t each_file(void (*visit)(const char *path)) {
     size_t count = 0;
     DIR *d = opendir(folder);
     for (struct dirent *e; d && (e = readdir(d)) != NULL;) {
-        char path[PATH_ROOM];
+        char path[PATH_ROOM + sizeof folder];
         if (strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0)
             continue;
         snprintf(path, sizeof path, "%s/%s", folder, e->d_name);
@@ -57,11 +57,16 @@ static void make_folder(void) {
 
 const char *scratch_path(const char *name) {
     static char paths[PATHS][PATH_ROOM];
-    static int next;
+    static int used;
+    char path[PATH_ROOM];
     make_folder();
-    char *path = paths[next++ % PATHS];
-    snprintf(path, PATH_ROOM, "%s/%s", folder, name);
-    return path;
+    snprintf(path, sizeof path, "%.60s/%.200s", folder, name);
+    for (int i = 0; i < used; i++)
+        if (strcmp(paths[i], path) == 0)
+            return paths[i];
+    if (used == PATHS)
+        fail_msg("more than %d names", PATHS);
+    return strcpy(paths[used++], path);
 }
 
 const char *scratch_write(const char *name, const void *data, size_t size) {
@@ -98,7 +103,7 @@ size_t scratch_count(void) {
 }
 
 const char *scratch_data(const char *name) {
-    static char path[PATH_ROOM];
+    static char path[4096];
     const char *base = getenv("LEAFCAST_DATA");
     snprintf(path, sizeof path, "%s/%s", base ? base : "../shared/data", name);
     return access(path, R_OK) == 0 ? path : NULL;

@@ -9,7 +9,7 @@
 
 #include <stddef.h>
 
-/* scratch_path() - the path of a name in the folder. Valid until eight calls later. */
+/* scratch_path() - the path of a name in the folder; stays valid. */
 const char *scratch_path(const char *name);
 
 /* scratch_write() - a file of these bytes; scratch_text() - of this text; each returns
