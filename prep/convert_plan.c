@@ -165,13 +165,15 @@ status convert_plan_make(mem *m, const grid *g, const convert_options *o, conver
         return st;
     plan_sizes(plan, g, o);
     uint64_t fixed = mem_used(m) + fixed_memory(g, o, &plan->layout, packer);
-    plan->memory_least = UINT64_MAX;
-    for (uint32_t k = 0; k <= plan->layout.levels; k++) {
+    /* Without spilling, the rule of may_hold() may ask for more. */
+    slab_plan held = {.spilled = false};
+    uint64_t rule = 4 * slab_memory(&plan->layout, 0, &held);
+    plan->memory_in_core = fixed + least_memory(g, o, plan, 0);
+    if (plan->memory_in_core < rule)
+        plan->memory_in_core = rule;
+    plan->memory_least = plan->memory_in_core;
+    for (uint32_t k = 1; k <= plan->layout.levels; k++) {
         uint64_t least = fixed + least_memory(g, o, plan, k);
-        /* Without spilling, the rule of may_hold() asks for more. */
-        slab_plan held = {.spilled = false};
-        if (k == 0 && least < 4 * slab_memory(&plan->layout, 0, &held))
-            least = 4 * slab_memory(&plan->layout, 0, &held);
         if (least < plan->memory_least)
             plan->memory_least = least;
     }
@@ -181,7 +183,7 @@ status convert_plan_make(mem *m, const grid *g, const convert_options *o, conver
             continue;
         plan->memory = fixed + slab_side_memory(g, o, plan);
         for (uint32_t level = 0; level < k; level++) {
-            slab_plan held = convert_plan_slab(plan, level, o->threads);
+            held = convert_plan_slab(plan, level, o->threads);
             plan->spill_bytes += slab_spill_bytes(&plan->layout, level, &held);
         }
         return ST_OK;

@@ -30,6 +30,7 @@ typedef struct convert_plan {
     uint32_t spilled_levels;  /* the finest ones, whose slabs go through a scratch file */
     uint32_t column_families; /* width of a spilled column */
     uint64_t memory;          /* bytes it will take, what is used already included */
+    uint64_t memory_in_core;  /* the smallest budget under which no slab is spilled */
     uint64_t memory_least;    /* the smallest budget that would do, with these threads */
     uint64_t spill_bytes;     /* size of the scratch files of slabs */
     uint64_t payload_bytes;   /* before compression */

@@ -1,0 +1,334 @@
+/* leafcast convert - a volume to a treelet file. */
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+
+#include "formats/base/cli.h"
+#include "formats/base/num.h"
+#include "formats/volume.h"
+#include "prep/convert.h"
+
+enum { MEMORY_DEFAULT_MIB = 2048, ZSTD_LEVEL_DEFAULT = 3, ZSTD_LEVEL_MAX = 22 };
+
+typedef struct arguments {
+    cli_common common;
+    const char *input;
+    volume_hints hints;
+    leaf_parameters file;
+    bool dry_run;
+} arguments;
+
+enum {
+    KEY_COMPRESS = 0x2000,
+    KEY_TREELET,
+    KEY_HALO,
+    KEY_DRY_RUN,
+    KEY_DIMS,
+    KEY_TYPE,
+    KEY_BIG_ENDIAN,
+    KEY_SKIP,
+    KEY_SPACING,
+    KEY_ORIGIN,
+    KEY_AXIS_X,
+    KEY_AXIS_Y,
+    KEY_AXIS_Z
+};
+
+static const struct argp_option options[] = {
+    {"compress", KEY_COMPRESS, "zstd:N|none", 0,
+     "payloads: zstd of level 1 to 22, or none (default)", 0},
+    {"treelet", KEY_TREELET, "CELLS", 0, "cells per axis of a treelet: 16, 32 (default) or 64", 0},
+    {"halo", KEY_HALO, "0|1", 0, "samples around a treelet, for normals (default 1)", 0},
+    {"dry-run", KEY_DRY_RUN, NULL, 0, "print sizes, memory, levels and treelets; write nothing", 0},
+    {NULL, 0, NULL, 0, "What a raw input does not say itself:", 1},
+    {"dims", KEY_DIMS, "X,Y,Z", 0, "samples per axis", 1},
+    {"type", KEY_TYPE, "TYPE", 0, "u8 i8 u16 i16 u32 i32 f32 f64", 1},
+    {"big-endian", KEY_BIG_ENDIAN, NULL, 0, "most significant byte first", 1},
+    {"skip", KEY_SKIP, "BYTES", 0, "header bytes to pass over", 1},
+    {NULL, 0, NULL, 0, "What any input may have wrong:", 2},
+    {"spacing", KEY_SPACING, "X,Y,Z", 0, "distance of samples; may be negative", 2},
+    {"origin", KEY_ORIGIN, "X,Y,Z", 0, "world position of the first sample", 2},
+    {"axis-x", KEY_AXIS_X, "FILE", 0,
+     "text file with one coordinate per sample: a rectilinear grid", 2},
+    {"axis-y", KEY_AXIS_Y, "FILE", 0, NULL, 2},
+    {"axis-z", KEY_AXIS_Z, "FILE", 0, NULL, 2},
+    {NULL, 0, NULL, 0, NULL, 0}};
+
+static void usage_unless(struct argp_state *state, status st) {
+    if (st != ST_OK)
+        argp_error(state, "%s", status_text());
+}
+
+static int64_t parse_int(struct argp_state *state, const char *text, const char *what, int64_t lo,
+                         int64_t hi) {
+    int64_t value = lo;
+    usage_unless(state, num_int(text, what, lo, hi, &value));
+    return value;
+}
+
+static void parse_dims(struct argp_state *state, arguments *a, const char *text) {
+    double sizes[3];
+    usage_unless(state, num_doubles(text, "--dims", ", x", 3, sizes));
+    for (int i = 0; i < 3; i++) {
+        if (!(sizes[i] >= 1 && sizes[i] <= GRID_DIM_MAX && sizes[i] == (uint32_t)sizes[i]))
+            argp_error(state, "--dims: \"%s\": expected whole numbers from 1 to %d", text,
+                       GRID_DIM_MAX);
+        a->hints.dims[i] = (uint32_t)sizes[i];
+    }
+}
+
+static void parse_spacing(struct argp_state *state, arguments *a, const char *text) {
+    usage_unless(state, num_doubles(text, "--spacing", ", ", 3, a->hints.spacing));
+    for (int i = 0; i < 3; i++)
+        if (!isfinite(a->hints.spacing[i]) || a->hints.spacing[i] == 0)
+            argp_error(state, "--spacing: \"%s\": expected three numbers other than 0", text);
+}
+
+static void parse_compress(struct argp_state *state, arguments *a, const char *text) {
+    if (strcmp(text, "none") == 0) {
+        a->file.codec = LEAF_CODEC_RAW;
+        return;
+    }
+    if (strncmp(text, "zstd", 4) != 0 || (text[4] != '\0' && text[4] != ':'))
+        argp_error(state, "--compress: \"%s\" is neither zstd:N nor none", text);
+    a->file.codec = LEAF_CODEC_ZSTD;
+    a->file.zstd_level = text[4]
+                             ? (int)parse_int(state, text + 5, "--compress zstd", 1, ZSTD_LEVEL_MAX)
+                             : ZSTD_LEVEL_DEFAULT;
+}
+
+static void parse_treelet(struct argp_state *state, arguments *a, const char *text) {
+    int64_t cells =
+        parse_int(state, text, "--treelet", 1 << LEAF_CELLS_LOG2_MIN, 1 << LEAF_CELLS_LOG2_MAX);
+    if (cells & (cells - 1))
+        argp_error(state, "--treelet: %s is none of 16, 32, 64", text);
+    a->file.cells_log2 = (uint32_t)__builtin_ctzll((unsigned long long)cells);
+}
+
+static void parse_input(struct argp_state *state, arguments *a, const char *path) {
+    if (a->input)
+        argp_error(state,
+                   "more than one INPUT (a time series) cannot be converted yet: \"%s\" and \"%s\"",
+                   a->input, path);
+    a->input = path;
+}
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+    arguments *a = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; break;
+    case KEY_COMPRESS: parse_compress(state, a, arg); break;
+    case KEY_TREELET: parse_treelet(state, a, arg); break;
+    case KEY_HALO: a->file.halo = (uint32_t)parse_int(state, arg, "--halo", 0, 1); break;
+    case KEY_DRY_RUN: a->dry_run = true; break;
+    case KEY_DIMS: parse_dims(state, a, arg); break;
+    case KEY_TYPE:
+        if (!sample_parse(arg, &a->hints.type))
+            argp_error(state, "--type: \"%s\" is none of u8 i8 u16 i16 u32 i32 f32 f64", arg);
+        break;
+    case KEY_BIG_ENDIAN: a->hints.big_endian = true; break;
+    case KEY_SKIP: usage_unless(state, num_size(arg, "--skip", &a->hints.skip)); break;
+    case KEY_SPACING: parse_spacing(state, a, arg); break;
+    case KEY_ORIGIN:
+        usage_unless(state, num_doubles(arg, "--origin", ", ", 3, a->hints.origin));
+        a->hints.has_origin = true;
+        break;
+    case KEY_AXIS_X:
+    case KEY_AXIS_Y:
+    case KEY_AXIS_Z: a->hints.axis_file[key - KEY_AXIS_X] = arg; break;
+    case ARGP_KEY_ARG: parse_input(state, a, arg); break;
+    case ARGP_KEY_END:
+        if (!a->input || (!a->common.output && !a->dry_run))
+            argp_error(state, "an INPUT and -o are needed");
+        break;
+    default: return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+static const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {NULL, 0, NULL, 0}};
+static const struct argp table = {
+    .options = options,
+    .parser = parse,
+    .args_doc = "INPUT -o F.leaf",
+    .doc = "Convert a volume to a treelet file. INPUT: NRRD, MHD/MHA, raw samples (dimensions in "
+           "the file's name, in a JSON "
+           "beside it, or given), or - for NRRD on standard input."
+           "\vThe input is read once. Memory stays below --memory (default 2G) whatever its size; "
+           "where that is too little to hold two "
+           "slabs in half of it, slabs go through a temporary file beside the output. The output's "
+           "bytes depend on neither "
+           "--memory nor --threads.",
+    .children = children,
+};
+
+/* ---- results ---- */
+
+static json_t *json_number(double value) {
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *plan_json(const convert_plan *plan, const grid *g) {
+    json_t *levels = json_array();
+    for (uint32_t i = 0; i < plan->layout.levels; i++) {
+        const leaf_level *v = &plan->layout.level[i];
+        json_array_append_new(levels, json_pack("{s:[i,i,i], s:I}", "dims", (int)v->dims[0],
+                                                (int)v->dims[1], (int)v->dims[2], "treelets",
+                                                (json_int_t)v->count));
+    }
+    return json_pack("{s:s, s:s, s:I, s:o, s:I, s:I, s:I, s:I, s:i}", "source_type",
+                     sample_name(g->type), "sample_type", sample_name(plan->layout.type),
+                     "input_bytes", (json_int_t)(grid_samples(g) * sample_size(g->type)), "levels",
+                     levels, "treelets", (json_int_t)plan->layout.treelets, "memory_planned",
+                     (json_int_t)plan->memory, "memory_least", (json_int_t)plan->memory_least,
+                     "spill_bytes", (json_int_t)plan->spill_bytes, "spilled_levels",
+                     (int)plan->spilled_levels);
+}
+
+static void print_plan(const convert_plan *plan, const grid *g, bool compressed) {
+    uint64_t raw = grid_samples(g) * sample_size(plan->layout.type);
+    printf("input       %u x %u x %u %s, %.1f MiB\n", g->dims[0], g->dims[1], g->dims[2],
+           sample_name(g->type), (double)(grid_samples(g) * sample_size(g->type)) / 0x1p20);
+    printf("levels      %u, %u treelets\n", plan->layout.levels, plan->layout.treelets);
+    printf("file        %s%.1f MiB, %.3f of raw\n", compressed ? "at most " : "",
+           (double)plan->file_bytes / 0x1p20, (double)plan->file_bytes / (double)raw);
+    printf("memory      %.1f MiB, at least %.1f MiB\n", (double)plan->memory / 0x1p20,
+           (double)plan->memory_least / 0x1p20);
+    if (plan->spilled_levels)
+        printf("spilled     %u levels through a temporary file of %.1f MiB\n", plan->spilled_levels,
+               (double)plan->spill_bytes / 0x1p20);
+    else
+        printf("spilled     nothing\n");
+}
+
+typedef struct outcome {
+    convert_result result;
+    double seconds;
+    uint64_t peak_rss;
+} outcome;
+
+static void print_outcome(const outcome *o, const convert_plan *plan, const grid *g) {
+    const leaf_header *h = &o->result.header;
+    double raw = (double)(grid_samples(g) * sample_size(plan->layout.type));
+    char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX], error[NUM_TEXT_MAX];
+    printf("file        %.1f MiB, %.3f of raw\n", (double)h->file_bytes / 0x1p20,
+           (double)h->file_bytes / raw);
+    printf("grid        %u x %u x %u %s, %u levels, %llu treelets\n", h->dims[0], h->dims[1],
+           h->dims[2], sample_name((sample_type)h->sample_type), h->levels,
+           (unsigned long long)h->treelets);
+    printf("values      %s .. %s\n", num_print(h->value_min, lo), num_print(h->value_max, hi));
+    if (h->non_finite)
+        printf("no data     %llu samples are NaN or infinite\n", (unsigned long long)h->non_finite);
+    if (h->source_type != h->sample_type)
+        printf("rounding    %s to %s, off by at most %s\n",
+               sample_name((sample_type)h->source_type), sample_name((sample_type)h->sample_type),
+               num_print(h->rounding_error, error));
+    printf("id          %016llx%016llx\n", (unsigned long long)h->id[1],
+           (unsigned long long)h->id[0]);
+    printf("time        %.2f s, %.0f MB/s\n", o->seconds, raw / 1e6 / o->seconds);
+    printf("memory      %.1f MiB at most, %u levels spilled\n", (double)o->peak_rss / 0x1p20,
+           plan->spilled_levels);
+}
+
+static void add_outcome(json_t *json, const outcome *o) {
+    const leaf_header *h = &o->result.header;
+    double raw = (double)h->dims[0] * h->dims[1] * h->dims[2] *
+                 (double)sample_size((sample_type)h->sample_type);
+    char id[33];
+    snprintf(id, sizeof id, "%016llx%016llx", (unsigned long long)h->id[1],
+             (unsigned long long)h->id[0]);
+    json_t *more =
+        json_pack("{s:I, s:I, s:f, s:o, s:o, s:I, s:o, s:I, s:s, s:f, s:f, s:I}", "file_bytes",
+                  (json_int_t)h->file_bytes, "payload_bytes", (json_int_t)h->payload_bytes, "ratio",
+                  (double)h->file_bytes / raw, "value_min", json_number(h->value_min), "value_max",
+                  json_number(h->value_max), "non_finite", (json_int_t)h->non_finite,
+                  "rounding_error", json_number(h->rounding_error), "trailing_bytes",
+                  (json_int_t)o->result.trailing_bytes, "id", id, "seconds", o->seconds, "mb_per_s",
+                  raw / 1e6 / o->seconds, "peak_rss_bytes", (json_int_t)o->peak_rss);
+    json_object_update(json, more);
+    json_decref(more);
+}
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
+}
+
+static uint64_t peak_rss(void) {
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return (uint64_t)usage.ru_maxrss * 1024;
+}
+
+/* o: NULL for a dry run. */
+static void report(const arguments *a, const convert_plan *plan, const grid *g, const outcome *o) {
+    if (!a->common.json) {
+        if (o)
+            print_outcome(o, plan, g);
+        else
+            print_plan(plan, g, a->file.codec != LEAF_CODEC_RAW);
+        return;
+    }
+    json_t *json = plan_json(plan, g);
+    if (o)
+        add_outcome(json, o);
+    else
+        json_object_set_new(json, "file_bytes", json_integer((json_int_t)plan->file_bytes));
+    json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+    putchar('\n');
+    json_decref(json);
+}
+
+static status convert_volume(arguments *a, mem *m, volume *v, double start) {
+    convert_options o = {.file = a->file,
+                         .memory = m->limit,
+                         .threads = a->common.threads,
+                         .force = a->common.force};
+    convert_plan plan;
+    status st = convert_plan_make(m, volume_grid(v), &o, &plan);
+    if (st != ST_OK)
+        return st;
+    if (a->dry_run) {
+        report(a, &plan, volume_grid(v), NULL);
+        return ST_OK;
+    }
+    if (plan.spilled_levels)
+        cli_note(&a->common, 1,
+                 "%u levels go through a temporary file of %.1f MiB; %.1f MiB of memory would "
+                 "avoid that",
+                 plan.spilled_levels, (double)plan.spill_bytes / 0x1p20,
+                 (double)plan.memory_in_core / 0x1p20);
+    outcome out;
+    st = convert_run(m, v, a->common.output, &o, &plan, cli_progress(&a->common), &out.result);
+    if (st != ST_OK)
+        return st;
+    out.seconds = now() - start;
+    out.peak_rss = peak_rss();
+    if (out.result.trailing_bytes)
+        cli_note(&a->common, 1, "%s: %llu bytes behind the samples are ignored", a->input,
+                 (unsigned long long)out.result.trailing_bytes);
+    report(a, &plan, volume_grid(v), &out);
+    return ST_OK;
+}
+
+static status run(arguments *a) {
+    mem m;
+    mem_init(&m, a->common.memory ? a->common.memory : (uint64_t)MEMORY_DEFAULT_MIB << 20);
+    volume *v = NULL;
+    double start = now();
+    status st = volume_open(&m, a->input, &a->hints, &v);
+    if (st == ST_OK)
+        st = convert_volume(a, &m, v, start);
+    volume_close(v);
+    return st;
+}
+
+int main(int argc, char **argv) {
+    arguments a = {.common = {.verb = "convert"}, .file = leaf_parameters_default()};
+    cli_parse(&table, &a.common, argc, argv, &a);
+    return cli_finish(&a.common, run(&a));
+}
