@@ -113,6 +113,9 @@ static void test_print(void **state) {
     char text[NUM_TEXT_MAX];
     assert_string_equal(num_print(0.1, text), "0.1");
     assert_string_equal(num_print(1, text), "1");
+    assert_string_equal(num_print(-80, text), "-80");
+    assert_string_equal(num_print(100000, text), "100000");
+    assert_string_equal(num_print(2.5e15, text), "2.5e+15");
     assert_string_equal(num_print(-2.5e-7, text), "-2.5e-07");
     assert_string_equal(num_print(5e-324, text), "5e-324");
     const double edges[] = {

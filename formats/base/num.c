@@ -139,6 +139,9 @@ const char *num_print(double value, char buffer[NUM_TEXT_MAX]) {
         if (strtod(buffer, NULL) == value || isnan(value))
             break;
     }
+    /* 80, not 8e+01: an exponent only where the digits would be many. */
+    if (fabs(value) < 1e15 && strstr(buffer, "e+"))
+        snprintf(buffer, NUM_TEXT_MAX, "%.0f", value);
     uselocale(before);
     return buffer;
 }
