@@ -192,9 +192,14 @@ static void normalise(const double b[4], double scaled[4])
 /* An end this near to the isovalue (of a cubic scaled to [1, 2)) may hide an extremum behind it; see cell_roots(). */
 static const double NEAR_END = 1e-6;
 
-/* An extremum this near is a touch as far as rounding can tell: a pair of roots. A ray that misses such a pair grazes it: f has no
- * extremum in space inside a cell, so that the surface is there for a ray moved sideways. */
-static const double TOUCH = 8.0 * DBL_EPSILON;
+/* Whether an extremum is a touch as far as rounding can tell: a pair of roots in one place. No harm when it is not: the trilinear form has no
+ * extremum in space, so that a ray moved a little sideways does meet the surface there. Only a true bend counts; a stretch that is nearly level, as
+ * beside a triple root, has its sign from elsewhere. */
+static bool touches(const cubic *p, double s, double f)
+{
+    static const double NEAR = 64.0 * DBL_EPSILON, BEND = 0.25; /* of a cubic scaled to [1, 2) */
+    return fabs(f) <= NEAR && fabs(2.0 * p->c[2] + 6.0 * p->c[3] * s) >= BEND;
+}
 
 /* Roots between neighbouring extrema, where the cubic is monotone. */
 static int isolate(const cubic *p, const double b[4], double roots[3])
@@ -211,7 +216,7 @@ static int isolate(const cubic *p, const double b[4], double roots[3])
     for (int i = 1; i <= last; i++) {
         if ((f[i - 1] >= 0.0) != (f[i] >= 0.0)) {
             roots[n++] = refine(p, at[i - 1], at[i], f[i - 1], f[i]);
-        } else if (i < last && changes < 2 && fabs(f[i]) <= TOUCH && (f[i + 1] >= 0.0) == (f[i] >= 0.0)) {
+        } else if (i < last && changes < 2 && (f[i + 1] >= 0.0) == (f[i] >= 0.0) && touches(p, at[i], f[i])) {
             roots[n++] = at[i];
             roots[n++] = at[i];
             changes += 2;
