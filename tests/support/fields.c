@@ -258,6 +258,13 @@ ref_ray field_exact_ray(const ref_volume *v, field_random *r) {
     return ray;
 }
 
+ref_ray field_aimed_ray(const ref_volume *v, field_random *r, double margin) {
+    ref_ray ray = field_random_ray(v, r, margin);
+    for (int a = 0; a < 3; a++)
+        ray.d[a] = 0.5 * (double)field_random_below(r, 2 * v->dims[a] - 1) - ray.o[a];
+    return ray;
+}
+
 /* ---- files ---- */
 
 static void put_sample(FILE *out, const char *type, float value) {

@@ -55,6 +55,10 @@ ref_ray field_random_ray(const ref_volume *v, field_random *r, double margin);
  * along edges and diagonals, through vertices. t = 64 is such a point inside. */
 ref_ray field_exact_ray(const ref_volume *v, field_random *r);
 
+/* field_aimed_ray() - from a random point through a whole or half grid point of a unit grid, as
+ * nearly as rounding allows; t = 1 is there. */
+ref_ray field_aimed_ray(const ref_volume *v, field_random *r, double margin);
+
 /* field_write_raw() - the samples, little endian, in the field's type; false when the file cannot
  * be written. */
 bool field_write_raw(const field *f, const char *path);

@@ -112,20 +112,34 @@ ref_verdict ref_judge(ref_tally *tally, const ref_volume *v, const ref_ray *ray,
     return verdict;
 }
 
+/* Whether each list has, for every root of the other, one as near as REF_GRAZING_CHANGE: beside a
+ * root, a pair that close makes no other picture. */
+static bool same_places(const ref_hit *hits, int hit_count, const double *t, int t_count) {
+    if ((hit_count - t_count) % 2 != 0)
+        return false;
+    uint64_t hit_near = 0, t_near = 0;
+    for (int i = 0; i < hit_count; i++)
+        for (int k = 0; k < t_count; k++)
+            if (fabs(hits[i].t - t[k]) * hits[i].cells_per_t <= REF_GRAZING_CHANGE) {
+                hit_near |= UINT64_C(1) << i;
+                t_near |= UINT64_C(1) << k;
+            }
+    return hit_near == (UINT64_C(1) << hit_count) - 1 && t_near == (UINT64_C(1) << t_count) - 1;
+}
+
 ref_verdict ref_judge_roots(ref_tally *tally, const ref_hit *hits, int hit_count, const double *t,
                             int t_count, bool grazing) {
     ref_verdict verdict = REF_SAME;
     double cells[DEPTH_MAX] = {0};
     int common = hit_count < t_count ? hit_count : t_count, far = 0;
-    assert(hit_count <= DEPTH_MAX);
-    for (int i = 0; i < common; i++)
+    assert(hit_count < DEPTH_MAX && t_count < DEPTH_MAX);
+    bool same_count = hit_count == t_count;
+    for (int i = 0; same_count && i < common; i++)
         far += too_far(&hits[i], t[i], &cells[i]);
-    if (hit_count > t_count)
-        verdict = REF_MISSED;
-    else if (hit_count < t_count)
-        verdict = REF_FALSE_HIT;
-    else if (far > 0)
+    if (far > 0)
         verdict = REF_TOO_FAR;
+    else if (!same_count && !same_places(hits, hit_count, t, t_count))
+        verdict = hit_count > t_count ? REF_MISSED : REF_FALSE_HIT;
 
     tally->rays++;
     if (grazing) {
@@ -134,10 +148,10 @@ ref_verdict ref_judge_roots(ref_tally *tally, const ref_hit *hits, int hit_count
         return REF_GRAZING;
     }
     for (int i = 0; i < hit_count; i++)
-        count_hit(tally, verdict == REF_MISSED || verdict == REF_FALSE_HIT ? 0 : cells[i]);
-    tally->missed += (uint64_t)(hit_count - common);
-    tally->false_hits += (uint64_t)(t_count - common);
-    tally->too_far += verdict == REF_TOO_FAR ? (uint64_t)far : 0;
+        count_hit(tally, cells[i]);
+    tally->missed += verdict == REF_MISSED ? (uint64_t)(hit_count - common) : 0;
+    tally->false_hits += verdict == REF_FALSE_HIT ? (uint64_t)(t_count - common) : 0;
+    tally->too_far += (uint64_t)far;
     return verdict;
 }
 

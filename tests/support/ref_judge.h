@@ -43,8 +43,9 @@ typedef enum ref_verdict {
 ref_verdict ref_judge(ref_tally *tally, const ref_volume *v, const ref_ray *ray, const double *isos,
                       int iso_count, const ref_clip *clip, double depth);
 
-/* ref_judge_roots() - compare the other's list of distances in one cell with the reference's;
- * `grazing` says whether the ray is excused. Counts every root. */
+/* ref_judge_roots() - compare the other's list of distances in one cell with the reference's (each
+ * fewer than 64); `grazing` says whether the ray is excused. Counts every root. A pair of roots
+ * within REF_GRAZING_CHANGE of a third one is no fault, seen or not. */
 ref_verdict ref_judge_roots(ref_tally *tally, const ref_hit *hits, int hit_count, const double *t,
                             int t_count, bool grazing);
 
