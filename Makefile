@@ -180,6 +180,7 @@ check: all
 	scripts/check_layers
 	scripts/check_headers
 	scripts/check_isa $B
+	scripts/check_man $B
 	scripts/check_size
 	scripts/check_format
 
@@ -200,7 +201,7 @@ list help:
 	@echo "make test       install what is missing, build, run all tests; T=\"NAME...\" for some"
 	@echo "make demo       install what is missing, build, generate, convert, render: demo.png"
 	@echo "make bench      the benchmark tables; SUITE=NAME for one"
-	@echo "make check      the rules of the house: layers, headers, ISA, sizes, format"
+	@echo "make check      the rules of the house: layers, headers, ISA, manual, sizes, format"
 	@echo "make install    PREFIX=$(PREFIX) DESTDIR=$(DESTDIR)"
 	@echo "make setup      install what is missing (Debian)"
 	@echo "make clean      remove build/ and demo.png"
