@@ -161,7 +161,7 @@ $(TESTS) $(TOOLS) $(FUZZERS): $B/tests/%: $B/obj/tests/%.o $(SUPPORT) $(LIB)
 	$(link) $(LINK_TESTS)
 
 tests: all $(TESTS) $(TOOLS)
-run-tests: tests
+run-tests: all $(TOOLS) $(filter $B/%,$(RUN))
 	@LEAFCAST_BUILD=$(CURDIR)/$B LEAFCAST=$(CURDIR)/$(FRONT) \
 	    scripts/run-tests --timeout $(TIMEOUT) $(RUN)
 
