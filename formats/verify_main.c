@@ -1,0 +1,77 @@
+/* leafcast verify - whether every byte of a treelet file is sound. */
+#include <jansson.h>
+#include <stdio.h>
+
+#include "formats/base/cli.h"
+#include "formats/leaf_file.h"
+#include "formats/leaf_verify.h"
+
+typedef struct arguments {
+    cli_common common;
+    const char *input;
+} arguments;
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+    arguments *a = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; break;
+    case ARGP_KEY_ARG:
+        if (a->input)
+            argp_error(state, "one file at a time, not also \"%s\"", arg);
+        a->input = arg;
+        break;
+    case ARGP_KEY_END:
+        if (!a->input)
+            argp_error(state, "a treelet file is needed");
+        break;
+    default: return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+static const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {NULL, 0, NULL, 0}};
+static const struct argp table = {
+    .parser = parse,
+    .args_doc = "F.leaf",
+    .doc = "Check every byte of a treelet file: checksums, padding, ranges, the codes of every "
+           "tree against its samples, samples that "
+           "neighbours share. Exit code 0 if it is sound, 3 if not.",
+    .children = children,
+};
+
+static void report(const arguments *a, const leaf_file *f) {
+    const leaf_header *h = &f->header;
+    char id[33];
+    snprintf(id, sizeof id, "%016llx%016llx", (unsigned long long)h->id[1],
+             (unsigned long long)h->id[0]);
+    if (!a->common.json) {
+        printf("%s: sound: %llu treelets, %llu bytes, id %s\n", a->input,
+               (unsigned long long)h->treelets, (unsigned long long)h->file_bytes, id);
+        return;
+    }
+    json_t *json =
+        json_pack("{s:b, s:I, s:I, s:s}", "sound", 1, "treelets", (json_int_t)h->treelets,
+                  "file_bytes", (json_int_t)h->file_bytes, "id", id);
+    json_dumpf(json, stdout, JSON_INDENT(2));
+    putchar('\n');
+    json_decref(json);
+}
+
+static status run(arguments *a) {
+    mem m;
+    mem_init(&m, a->common.memory);
+    leaf_file *f = NULL;
+    status st = leaf_file_open(&m, a->input, &f);
+    if (st == ST_OK)
+        st = leaf_verify(&m, f, a->common.threads, cli_progress(&a->common));
+    if (st == ST_OK)
+        report(a, f);
+    leaf_file_close(f);
+    return st;
+}
+
+int main(int argc, char **argv) {
+    arguments a = {.common = {.verb = "verify"}};
+    cli_parse(&table, &a.common, argc, argv, &a);
+    return cli_finish(&a.common, run(&a));
+}
