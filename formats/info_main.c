@@ -1,0 +1,280 @@
+/* leafcast info - what is in a treelet file. */
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+
+#include "formats/base/cli.h"
+#include "formats/base/num.h"
+#include "formats/leaf_file.h"
+#include "formats/leaf_stats.h"
+
+enum { ISOS_MAX = 64, HISTOGRAM_MAX = 32 };
+
+typedef struct arguments {
+    cli_common common;
+    const char *input;
+    double isos[ISOS_MAX];
+    int iso_count;
+} arguments;
+
+enum { KEY_ISO = 0x2000 };
+
+static const struct argp_option options[] = {
+    {"iso", KEY_ISO, "V", 0, "count what this isovalue needs; may be repeated", 0},
+    {NULL, 0, NULL, 0, NULL, 0}};
+
+static void parse_iso(struct argp_state *state, arguments *a, const char *text) {
+    if (a->iso_count == ISOS_MAX)
+        argp_error(state, "more than %d isovalues", ISOS_MAX);
+    if (num_double(text, "--iso", &a->isos[a->iso_count++]) != ST_OK)
+        argp_error(state, "%s", status_text());
+}
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+    arguments *a = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; break;
+    case KEY_ISO: parse_iso(state, a, arg); break;
+    case ARGP_KEY_ARG:
+        if (a->input)
+            argp_error(state, "one file at a time, not also \"%s\"", arg);
+        a->input = arg;
+        break;
+    case ARGP_KEY_END:
+        if (!a->input)
+            argp_error(state, "a treelet file is needed");
+        break;
+    default: return ARGP_ERR_UNKNOWN;
+    }
+    return 0;
+}
+
+static const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {NULL, 0, NULL, 0}};
+static const struct argp table = {
+    .options = options,
+    .parser = parse,
+    .args_doc = "F.leaf",
+    .doc = "Say what is in a treelet file. An active treelet or cell is one with min < V <= max "
+           "over its samples.",
+    .children = children,
+};
+
+/* What is printed, as text or as JSON. */
+typedef struct facts {
+    const leaf_file *f;
+    double raw_bytes; /* of level 0's samples */
+    uint64_t level_bytes[LEAF_LEVELS_MAX];
+    uint64_t histogram[HISTOGRAM_MAX]; /* payloads by log2 of their stored size */
+    leaf_activity (*activity)[LEAF_LEVELS_MAX];
+    char id[33];
+} facts;
+
+static int log2_of(uint64_t size) {
+    return 63 - __builtin_clzll(size);
+}
+
+static void collect(facts *x, const leaf_file *f) {
+    const leaf_header *h = &f->header;
+    x->f = f;
+    x->raw_bytes =
+        (double)h->dims[0] * h->dims[1] * h->dims[2] * (double)sample_size(f->layout.type);
+    snprintf(x->id, sizeof x->id, "%016llx%016llx", (unsigned long long)h->id[1],
+             (unsigned long long)h->id[0]);
+    for (uint32_t t = 0; t < f->layout.treelets; t++) {
+        x->level_bytes[f->layout.level_of[t]] += f->sizes[t];
+        x->histogram[log2_of(f->sizes[t]) % HISTOGRAM_MAX]++;
+    }
+}
+
+/* ---- text ---- */
+
+static void print_header(const facts *x) {
+    const leaf_header *h = &x->f->header;
+    char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
+    printf("name        %s\n", h->name);
+    printf("made by     %s\n", h->provenance);
+    printf("id          %s\n", x->id);
+    printf("grid        %u x %u x %u %s%s%s\n", h->dims[0], h->dims[1], h->dims[2],
+           sample_name(x->f->layout.type), h->source_type != h->sample_type ? " from " : "",
+           h->source_type != h->sample_type ? sample_name((sample_type)h->source_type) : "");
+    printf("values      %s .. %s\n", num_print(h->value_min, a), num_print(h->value_max, b));
+    if (h->non_finite)
+        printf("no data     %llu samples are NaN or infinite\n", (unsigned long long)h->non_finite);
+    if (h->source_type != h->sample_type)
+        printf("rounding    at most %s\n", num_print(h->rounding_error, a));
+    for (int r = 0; r < 3; r++) {
+        printf(r ? "            " : "to world    ");
+        for (int c = 0; c < 4; c++)
+            printf("%s%s", num_print(h->to_world[4 * r + c], a), c < 3 ? "  " : "\n");
+    }
+    printf("space       %s\n", h->rectilinear ? "rectilinear" : "regular");
+    printf("treelets    %u^3 cells, halo %u, blocks of %u^3, runs at %u, %s\n", 1u << h->cells_log2,
+           h->halo, 1u << h->block_log2, 1u << h->run_align_log2,
+           h->codec == LEAF_CODEC_RAW ? "raw" : "zstd");
+    printf("file        %llu bytes, %.3f of the samples\n", (unsigned long long)h->file_bytes,
+           (double)h->file_bytes / x->raw_bytes);
+    printf("directory   %llu bytes, %.1f a treelet\n", (unsigned long long)x->f->directory_bytes,
+           (double)x->f->directory_bytes / (double)h->treelets);
+    printf("payloads    %llu bytes\n", (unsigned long long)h->payload_bytes);
+}
+
+static void print_levels(const facts *x) {
+    const leaf_layout *l = &x->f->layout;
+    printf("\nlevel            samples   treelets          bytes\n");
+    for (uint32_t i = 0; i < l->levels; i++) {
+        char dims[40];
+        snprintf(dims, sizeof dims, "%ux%ux%u", l->level[i].dims[0], l->level[i].dims[1],
+                 l->level[i].dims[2]);
+        printf("%5u %18s %10u %14llu\n", i, dims, l->level[i].count,
+               (unsigned long long)x->level_bytes[i]);
+    }
+    printf("\nstored size        payloads\n");
+    for (int i = 0; i < HISTOGRAM_MAX; i++)
+        if (x->histogram[i])
+            printf("%8llu .. %-8llu %8llu\n", 1ULL << i, (2ULL << i) - 1,
+                   (unsigned long long)x->histogram[i]);
+}
+
+static leaf_activity total_of(const leaf_activity levels[LEAF_LEVELS_MAX]) {
+    leaf_activity sum = {0};
+    for (int i = 0; i < LEAF_LEVELS_MAX; i++) {
+        sum.treelets += levels[i].treelets;
+        sum.bytes += levels[i].bytes;
+    }
+    sum.cells = levels[0].cells;
+    return sum;
+}
+
+static void print_activity(const facts *x, double iso,
+                           const leaf_activity levels[LEAF_LEVELS_MAX]) {
+    char text[NUM_TEXT_MAX];
+    leaf_activity all = total_of(levels);
+    printf("\nisovalue %s: %llu active cells, %llu active treelets, %.3f of the payload bytes\n",
+           num_print(iso, text), (unsigned long long)all.cells, (unsigned long long)all.treelets,
+           (double)all.bytes / (double)x->f->header.payload_bytes);
+    printf("level   treelets          bytes          cells\n");
+    for (uint32_t i = 0; i < x->f->layout.levels; i++)
+        printf("%5u %10llu %14llu %14llu\n", i, (unsigned long long)levels[i].treelets,
+               (unsigned long long)levels[i].bytes, (unsigned long long)levels[i].cells);
+}
+
+/* ---- JSON ---- */
+
+static json_t *json_number(double value) {
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *header_json(const facts *x) {
+    const leaf_header *h = &x->f->header;
+    json_t *world = json_array();
+    for (int i = 0; i < 12; i++)
+        json_array_append_new(world, json_real(h->to_world[i]));
+    json_t *json = json_pack(
+        "{s:s, s:s, s:s, s:[I,I,I], s:s, s:s, s:b, s:o, s:o, s:o, s:I, s:o}", "name", h->name,
+        "provenance", h->provenance, "id", x->id, "dims", (json_int_t)h->dims[0],
+        (json_int_t)h->dims[1], (json_int_t)h->dims[2], "sample_type",
+        sample_name(x->f->layout.type), "source_type", sample_name((sample_type)h->source_type),
+        "rectilinear", (int)h->rectilinear, "to_world", world, "value_min",
+        json_number(h->value_min), "value_max", json_number(h->value_max), "non_finite",
+        (json_int_t)h->non_finite, "rounding_error", json_number(h->rounding_error));
+    json_t *sizes = json_pack(
+        "{s:i, s:i, s:i, s:i, s:s, s:I, s:I, s:I, s:I, s:f}", "treelet_cells", 1 << h->cells_log2,
+        "halo", (int)h->halo, "block_cells", 1 << h->block_log2, "run_align",
+        1 << h->run_align_log2, "codec", h->codec == LEAF_CODEC_RAW ? "raw" : "zstd", "treelets",
+        (json_int_t)h->treelets, "file_bytes", (json_int_t)h->file_bytes, "directory_bytes",
+        (json_int_t)x->f->directory_bytes, "payload_bytes", (json_int_t)h->payload_bytes, "ratio",
+        (double)h->file_bytes / x->raw_bytes);
+    json_object_update(json, sizes);
+    json_decref(sizes);
+    return json;
+}
+
+static json_t *levels_json(const facts *x) {
+    const leaf_layout *l = &x->f->layout;
+    json_t *levels = json_array();
+    for (uint32_t i = 0; i < l->levels; i++)
+        json_array_append_new(
+            levels,
+            json_pack("{s:[I,I,I], s:I, s:I}", "dims", (json_int_t)l->level[i].dims[0],
+                      (json_int_t)l->level[i].dims[1], (json_int_t)l->level[i].dims[2], "treelets",
+                      (json_int_t)l->level[i].count, "bytes", (json_int_t)x->level_bytes[i]));
+    return levels;
+}
+
+static json_t *histogram_json(const facts *x) {
+    json_t *rows = json_array();
+    for (int i = 0; i < HISTOGRAM_MAX; i++)
+        if (x->histogram[i])
+            json_array_append_new(rows,
+                                  json_pack("{s:I, s:I}", "at_least_bytes", (json_int_t)1 << i,
+                                            "payloads", (json_int_t)x->histogram[i]));
+    return rows;
+}
+
+static json_t *activity_json(const facts *x, double iso,
+                             const leaf_activity levels[LEAF_LEVELS_MAX]) {
+    leaf_activity all = total_of(levels);
+    json_t *rows = json_array();
+    for (uint32_t i = 0; i < x->f->layout.levels; i++)
+        json_array_append_new(
+            rows, json_pack("{s:I, s:I, s:I}", "treelets", (json_int_t)levels[i].treelets, "bytes",
+                            (json_int_t)levels[i].bytes, "cells", (json_int_t)levels[i].cells));
+    return json_pack("{s:o, s:I, s:I, s:I, s:f, s:o}", "iso", json_number(iso), "active_cells",
+                     (json_int_t)all.cells, "active_treelets", (json_int_t)all.treelets,
+                     "active_bytes", (json_int_t)all.bytes, "active_share",
+                     (double)all.bytes / (double)x->f->header.payload_bytes, "levels", rows);
+}
+
+static void print_json(const arguments *a, const facts *x) {
+    json_t *json = header_json(x);
+    json_object_set_new(json, "levels", levels_json(x));
+    json_object_set_new(json, "payload_sizes", histogram_json(x));
+    if (a->iso_count) {
+        json_t *isos = json_array();
+        for (int i = 0; i < a->iso_count; i++)
+            json_array_append_new(isos, activity_json(x, a->isos[i], x->activity[i]));
+        json_object_set_new(json, "isovalues", isos);
+    }
+    json_dumpf(json, stdout, JSON_INDENT(2));
+    putchar('\n');
+    json_decref(json);
+}
+
+static status report(arguments *a, mem *m, leaf_file *f) {
+    facts x = {0};
+    collect(&x, f);
+    x.activity = mem_array(m, (size_t)a->iso_count, sizeof *x.activity);
+    if (!x.activity)
+        return ST_NOMEM;
+    status st = ST_OK;
+    for (int i = 0; i < a->iso_count && st == ST_OK; i++)
+        st = leaf_stats_activity(m, f, a->isos[i], a->common.threads, cli_progress(&a->common),
+                                 x.activity[i]);
+    if (st == ST_OK && a->common.json)
+        print_json(a, &x);
+    if (st == ST_OK && !a->common.json) {
+        print_header(&x);
+        print_levels(&x);
+        for (int i = 0; i < a->iso_count; i++)
+            print_activity(&x, a->isos[i], x.activity[i]);
+    }
+    mem_free(m, x.activity);
+    return st;
+}
+
+static status run(arguments *a) {
+    mem m;
+    mem_init(&m, a->common.memory);
+    leaf_file *f = NULL;
+    status st = leaf_file_open(&m, a->input, &f);
+    if (st == ST_OK)
+        st = report(a, &m, f);
+    leaf_file_close(f);
+    return st;
+}
+
+int main(int argc, char **argv) {
+    arguments a = {.common = {.verb = "info"}};
+    cli_parse(&table, &a.common, argc, argv, &a);
+    return cli_finish(&a.common, run(&a));
+}
