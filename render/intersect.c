@@ -93,7 +93,7 @@ static bool neubauer(const ray *r, const cell_visit *v, const float samples[8], 
     return interpolated(STEPS, v, samples, iso, iso_index, cell, after, found);
 }
 
-/* The real roots of a s^2 + b s + c, a and b not both tiny. */
+/* The real roots of a s^2 + b s + c, a not tiny. */
 static int solve_quadratic(double a, double b, double c, double roots[3]) {
     const double discriminant = b * b - 4.0 * a * c;
     if (discriminant < 0.0)
@@ -162,20 +162,22 @@ static bool schwarze(const ray *r, const cell_visit *v, const float samples[8], 
     return false;
 }
 
-/* The ends of the at most three parts of [0, 1] between the extrema; how many parts. */
+/* The ends of the at most three parts of [0, 1] between the extrema; how many parts. The quadratic
+ * formula is the stable one: the printed one loses the extrema of flat cubics, and with them roots.
+ */
 static int monotone_parts(const polynomial *f, double ends[4]) {
-    double extrema[3];
-    int n = 0;
-    if (f->c[3] != 0.0)
-        n = solve_quadratic(3.0 * f->c[3], 2.0 * f->c[2], f->c[1], extrema);
-    else if (f->c[2] != 0.0)
-        extrema[n++] = -f->c[1] / (2.0 * f->c[2]);
-    sort(extrema, n);
+    const double a = 3.0 * f->c[3], half = f->c[2], c = f->c[1];
+    const double discriminant = half * half - a * c;
     int parts = 0;
     ends[0] = 0.0;
-    for (int i = 0; i < n; i++)
-        if (extrema[i] > 0.0 && extrema[i] < 1.0)
-            ends[++parts] = extrema[i];
+    if (discriminant > 0.0) {
+        const double w = -(half + (half >= 0.0 ? sqrt(discriminant) : -sqrt(discriminant)));
+        double extrema[2] = {a != 0.0 ? w / a : -1.0, c / w};
+        sort(extrema, 2);
+        for (int i = 0; i < 2; i++)
+            if (extrema[i] > 0.0 && extrema[i] < 1.0)
+                ends[++parts] = extrema[i];
+    }
     ends[++parts] = 1.0;
     return parts;
 }
