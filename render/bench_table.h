@@ -1,0 +1,33 @@
+/* bench_table.h - what benchmarks share: rows of text with headings, as a table or as CSV; medians
+ * with their spread. */
+#ifndef RENDER_BENCH_TABLE_H
+#define RENDER_BENCH_TABLE_H
+
+#include <stdio.h>
+
+enum { BENCH_COLUMNS = 20, BENCH_ROWS = 96, BENCH_TEXT = 40 };
+
+typedef struct bench_table {
+    const char *title;
+    int columns, rows, column; /* column: of the row under way */
+    char heading[BENCH_COLUMNS][BENCH_TEXT];
+    char cell[BENCH_ROWS][BENCH_COLUMNS][BENCH_TEXT];
+} bench_table;
+
+/* bench_table_init() - headings separated by '|'. The title is kept by reference. */
+void bench_table_init(bench_table *t, const char *title, const char *headings);
+
+/* bench_table_add() - the next cell of the row under way; a full row ends by itself. */
+void bench_table_add(bench_table *t, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
+
+void bench_table_print(const bench_table *t, FILE *out);
+void bench_table_csv(const bench_table *t, FILE *out);
+
+/* bench_now() - seconds on a clock that only goes forward. */
+double bench_now(void);
+
+/* bench_median() - of count >= 1 values, which are sorted; *spread, unless NULL: half the range of
+ * the middle half. */
+double bench_median(double *values, int count, double *spread);
+
+#endif
