@@ -88,7 +88,8 @@ static void count_hit(ref_tally *tally, double cells) {
 ref_verdict ref_judge(ref_tally *tally, const ref_volume *v, const ref_ray *ray, const double *isos,
                       int iso_count, const ref_clip *clip, double depth) {
     ref_hit hit;
-    bool is_hit = ref_trace(v, ray, isos, iso_count, clip, &hit, 1) > 0, sees = isfinite(depth);
+    bool is_hit = ref_trace(v, ray, isos, iso_count, clip, &hit, 1) > 0,
+         sees = depth != (double)INFINITY; /* NaN: seen, and wrong */
     double cells = 0;
     ref_verdict verdict = REF_SAME;
     if (is_hit && !sees)
