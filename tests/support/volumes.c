@@ -134,7 +134,9 @@ void volumes_check(const char *path, const volume_hints *hints, sample_type type
     assert_memory_equal(g.dims, dims, sizeof dims);
     assert_int_equal(g.type, type);
     assert_memory_equal(got, want, volumes_samples(type, false, want));
-    const double(*map)[4] = to_world ? to_world : plain.to_world;
+    const double(*map)[4] = plain.to_world;
+    if (to_world)
+        map = to_world;
     for (int row = 0; row < 3; row++)
         for (int c = 0; c < 4; c++)
             if (!(g.to_world[row][c] == map[row][c]))
