@@ -1,0 +1,91 @@
+#include "tests/support/leaf_files.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/support/fields.h"
+#include "tests/support/scratch.h"
+
+leaf_case leaf_files_case(uint32_t nx, uint32_t ny, uint32_t nz, sample_type type) {
+    leaf_case c = {.dims = {nx, ny, nz}, .type = type};
+    c.options.file = leaf_parameters_default();
+    c.options.file.cells_log2 = 4;
+    c.options.memory = 1 << 30;
+    c.options.threads = 2;
+    return c;
+}
+
+static void put_sample(sample_type type, void *samples, size_t i, double unit) {
+    switch (type) {
+    case SAMPLE_U8: ((uint8_t *)samples)[i] = (uint8_t)(unit * 255); break;
+    case SAMPLE_I8: ((int8_t *)samples)[i] = (int8_t)(unit * 255 - 128); break;
+    case SAMPLE_U16: ((uint16_t *)samples)[i] = (uint16_t)(unit * 65535); break;
+    case SAMPLE_I16: ((int16_t *)samples)[i] = (int16_t)(unit * 65535 - 32768); break;
+    case SAMPLE_U32: ((uint32_t *)samples)[i] = (uint32_t)(unit * 4e9); break;
+    case SAMPLE_I32: ((int32_t *)samples)[i] = (int32_t)(unit * 4e9 - 2e9); break;
+    case SAMPLE_F32: ((float *)samples)[i] = (float)(unit * 3 - 1); break;
+    case SAMPLE_F64: ((double *)samples)[i] = unit * 3 - 1; break;
+    }
+}
+
+void *leaf_files_random(const leaf_case *c, uint64_t seed, int non_finite) {
+    static const float strange[] = {NAN, INFINITY, -INFINITY};
+    size_t count = (size_t)c->dims[0] * c->dims[1] * c->dims[2];
+    void *samples = malloc(count * sample_size(c->type));
+    assert_non_null(samples);
+    field_random r = {seed};
+    size_t i = 0;
+    for (uint32_t z = 0; z < c->dims[2]; z++)
+        for (uint32_t y = 0; y < c->dims[1]; y++)
+            for (uint32_t x = 0; x < c->dims[0]; x++, i++) {
+                double wave = 0.5 + 0.25 * sin(0.11 * x) + 0.2 * sin(0.07 * y + 0.05 * z);
+                put_sample(c->type, samples, i, wave + 0.04 * field_random_unit(&r));
+                if (c->type == SAMPLE_F32 && non_finite && field_random_below(&r, non_finite) == 0)
+                    ((float *)samples)[i] = strange[field_random_below(&r, 3)];
+            }
+    return samples;
+}
+
+status leaf_files_try(mem *m, const leaf_case *c, const char *name, convert_plan *plan,
+                      convert_result *result) {
+    convert_plan own_plan;
+    convert_result own_result;
+    plan = plan ? plan : &own_plan;
+    result = result ? result : &own_result;
+    char input[64];
+    snprintf(input, sizeof input, "input-%ux%ux%u.bin", c->dims[0], c->dims[1], c->dims[2]);
+    size_t count = (size_t)c->dims[0] * c->dims[1] * c->dims[2];
+    const char *path = scratch_write(input, c->samples, count * sample_size(c->type));
+    volume_hints hints = {.dims = {c->dims[0], c->dims[1], c->dims[2]}, .type = c->type};
+    memcpy(hints.axis_file, c->axis_file, sizeof hints.axis_file);
+    volume *v = NULL;
+    m->limit = (size_t)c->options.memory;
+    status st = volume_open(m, path, &hints, &v);
+    if (st == ST_OK)
+        st = convert_plan_make(m, volume_grid(v), &c->options, plan);
+    if (st == ST_OK)
+        st = convert_run(m, v, scratch_path(name), &c->options, plan, NULL, result);
+    volume_close(v);
+    (void)remove(path);
+    return st;
+}
+
+const char *leaf_files_make(const leaf_case *c, const char *name) {
+    mem m;
+    mem_init(&m, 0);
+    leaf_case forced = *c;
+    forced.options.force = true;
+    status st = leaf_files_try(&m, &forced, name, NULL, NULL);
+    if (st != ST_OK)
+        fail_msg("%ux%ux%u %s: %s", c->dims[0], c->dims[1], c->dims[2], sample_name(c->type),
+                 status_text());
+    assert_int_equal(mem_used(&m), 0);
+    return scratch_path(name);
+}
