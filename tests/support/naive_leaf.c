@@ -1,0 +1,614 @@
+/* naive_leaf.c - section numbers are those of formats/FORMAT.md. */
+#include "tests/support/naive_leaf.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+#include <zstd.h>
+
+static bool wrong(naive_leaf *leaf, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static bool wrong(naive_leaf *leaf, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    vsnprintf(leaf->why, sizeof leaf->why, format, args);
+    va_end(args);
+    return false;
+}
+
+/* ---- numbers in bytes ---- */
+
+static uint64_t number(const unsigned char *at, int bytes) {
+    uint64_t value = 0;
+    for (int b = bytes - 1; b >= 0; b--)
+        value = value << 8 | at[b];
+    return value;
+}
+
+static double real64(const unsigned char *at) {
+    uint64_t bits = number(at, 8);
+    double value;
+    memcpy(&value, &bits, 8);
+    return value;
+}
+
+static float real32(const unsigned char *at) {
+    uint32_t bits = (uint32_t)number(at, 4);
+    float value;
+    memcpy(&value, &bits, 4);
+    return value;
+}
+
+static int sample_bytes(int type) {
+    return type <= 2 ? 1 : type <= 4 ? 2 : 4;
+}
+
+static float sample_at(const unsigned char *samples, int type, size_t index) {
+    const unsigned char *at = samples + index * (size_t)sample_bytes(type);
+    switch (type) {
+    case 1: return (float)at[0];
+    case 2: return (float)(at[0] < 128 ? at[0] : at[0] - 256);
+    case 3: return (float)number(at, 2);
+    case 4: return (float)((long)number(at, 2) - (at[1] < 128 ? 0 : 65536));
+    default: return real32(at);
+    }
+}
+
+static bool all_zero(const naive_leaf *leaf, uint64_t from, uint64_t to) {
+    for (uint64_t i = from; i < to; i++)
+        if (leaf->bytes[i] != 0)
+            return false;
+    return true;
+}
+
+static uint64_t up_to(uint64_t value, uint64_t multiple) {
+    return (value + multiple - 1) / multiple * multiple;
+}
+
+/* ---- 2. the header ---- */
+
+static bool read_text(naive_leaf *leaf, uint64_t offset, uint64_t size, char *out) {
+    memcpy(out, leaf->bytes + offset, size);
+    const void *end = memchr(out, 0, size);
+    if (!end)
+        return wrong(leaf, "text at %llu has no end", (unsigned long long)offset);
+    uint64_t length = (uint64_t)((const char *)end - out);
+    return all_zero(leaf, offset + length, offset + size) ||
+           wrong(leaf, "bytes behind a text's end");
+}
+
+static bool check_hashes(naive_leaf *leaf, uint64_t sections) {
+    size_t size = 4096 + 32 * sections;
+    unsigned char *copy = malloc(size);
+    if (!copy)
+        return wrong(leaf, "no memory");
+    memcpy(copy, leaf->bytes, size);
+    memset(copy + 248, 0, 8);
+    bool good = XXH3_64bits(copy, 4096) == number(leaf->bytes + 248, 8);
+    memset(copy + 232, 0, 16);
+    XXH128_hash_t id = XXH3_128bits(copy, size);
+    good = good && id.low64 == number(leaf->bytes + 232, 8) &&
+           id.high64 == number(leaf->bytes + 240, 8);
+    free(copy);
+    return good || wrong(leaf, "the header's checksum or id");
+}
+
+static bool read_header(naive_leaf *leaf) {
+    static const unsigned char magic[8] = {0x89, 0x4c, 0x45, 0x41, 0x46, 0x0d, 0x0a, 0x1a};
+    /* offset, lowest and highest value of what a version 1 file of a grid may say */
+    static const uint64_t ranges[][3] = {
+        {8, 1, 1},        {12, 1, 1},  {16, 1, 5}, {20, 1, 8}, {24, 2, 1 << 20}, {28, 2, 1 << 20},
+        {32, 2, 1 << 20}, {36, 1, 24}, {40, 4, 6}, {44, 0, 1}, {48, 2, 2},       {52, 6, 21},
+        {56, 0, 1},       {60, 0, 1},  {64, 1, 1}, {68, 1, 1}, {72, 1, 64},      {76, 0, 0},
+    };
+    const unsigned char *b = leaf->bytes;
+    if (leaf->size < 4096 || memcmp(b, magic, 8) != 0)
+        return wrong(leaf, "no magic");
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+        uint64_t value = number(b + ranges[i][0], 4);
+        if (value < ranges[i][1] || value > ranges[i][2])
+            return wrong(leaf, "header field at %d is %llu", (int)ranges[i][0],
+                         (unsigned long long)value);
+    }
+    leaf->sample_type = (int)number(b + 16, 4);
+    leaf->source_type = (int)number(b + 20, 4);
+    for (int a = 0; a < 3; a++)
+        leaf->dims[a] = (long)number(b + 24 + 4 * a, 4);
+    leaf->levels = (int)number(b + 36, 4);
+    leaf->cells_log2 = (int)number(b + 40, 4);
+    leaf->halo = (int)number(b + 44, 4);
+    leaf->run_align_log2 = (int)number(b + 52, 4);
+    leaf->codec = (int)number(b + 56, 4);
+    leaf->rectilinear = number(b + 60, 4) == 1;
+    leaf->non_finite = number(b + 104, 8);
+    leaf->value_min = real64(b + 112);
+    leaf->value_max = real64(b + 120);
+    leaf->rounding_error = real64(b + 128);
+    for (int i = 0; i < 12; i++)
+        leaf->to_world[i / 4][i % 4] = real64(b + 136 + 8 * i);
+    int stored = leaf->source_type <= 5 ? leaf->source_type : 5;
+    if (stored != leaf->sample_type)
+        return wrong(leaf, "stored type %d of source type %d", leaf->sample_type,
+                     leaf->source_type);
+    if (!(leaf->rounding_error >= 0) || (leaf->source_type <= 5 && leaf->rounding_error != 0))
+        return wrong(leaf, "rounding error %g", leaf->rounding_error);
+    if (number(b + 96, 8) != leaf->size)
+        return wrong(leaf, "file_bytes");
+    uint64_t sections = number(b + 72, 4);
+    if (leaf->size < 4096 + 32 * sections || !all_zero(leaf, 1344, 4096))
+        return wrong(leaf, "section table cut off, or reserved bytes");
+    return read_text(leaf, 256, 64, leaf->name) && read_text(leaf, 320, 1024, leaf->provenance) &&
+           check_hashes(leaf, sections);
+}
+
+static bool check_to_world(naive_leaf *leaf) {
+    double(*m)[4] = leaf->to_world;
+    double determinant = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+                         m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+                         m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    for (int i = 0; i < 12; i++)
+        if (!isfinite(m[i / 4][i % 4]))
+            return wrong(leaf, "to_world is not finite");
+    return determinant != 0 || wrong(leaf, "to_world is not invertible");
+}
+
+/* ---- 1. levels and treelets ---- */
+
+/* The levels that the dims imply, and their treelets in treelet order; memory for all samples. */
+static bool lay_out(naive_leaf *leaf) {
+    long side = 1L << leaf->cells_log2, total = 0;
+    int levels = 0;
+    for (bool fits = false; !fits; levels++) {
+        if (levels == NAIVE_LEVELS_MAX)
+            return wrong(leaf, "too many levels");
+        naive_level *l = &leaf->level[levels];
+        fits = true;
+        for (int a = 0; a < 3; a++) {
+            l->cells[a] =
+                levels == 0 ? leaf->dims[a] - 1 : (leaf->level[levels - 1].cells[a] + 1) / 2;
+            l->nodes[a] = l->cells[a] + 1;
+            l->treelets[a] = (l->cells[a] + side - 1) / side;
+            fits = fits && l->cells[a] <= side;
+        }
+        total += l->treelets[0] * l->treelets[1] * l->treelets[2];
+    }
+    if (levels != leaf->levels || (uint64_t)total != number(leaf->bytes + 80, 8))
+        return wrong(leaf, "%d levels, %ld treelets are implied", levels, total);
+    if ((uint64_t)total > leaf->size)
+        return wrong(leaf, "more treelets than bytes");
+    leaf->treelet_count = total;
+    leaf->treelets = calloc((size_t)total, sizeof leaf->treelets[0]);
+    for (int i = 0; i < levels; i++) {
+        naive_level *l = &leaf->level[i];
+        size_t count = (size_t)l->nodes[0] * (size_t)l->nodes[1] * (size_t)l->nodes[2];
+        l->samples = malloc(count * sizeof l->samples[0]);
+        l->known = calloc(count, 1);
+        if (!l->samples || !l->known)
+            return wrong(leaf, "no memory");
+    }
+    return leaf->treelets != NULL || wrong(leaf, "no memory");
+}
+
+static void add_treelet(naive_leaf *leaf, long *count, int level, const long at[3], long parent) {
+    naive_treelet *t = &leaf->treelets[(*count)++];
+    long side = 1L << leaf->cells_log2;
+    t->level = level;
+    t->parent = parent;
+    for (int a = 0; a < 3; a++) {
+        long left = leaf->level[level].cells[a] - side * at[a];
+        t->at[a] = at[a];
+        t->cells[a] = left < side ? left : side;
+    }
+}
+
+static bool order_treelets(naive_leaf *leaf) {
+    const long origin[3] = {0, 0, 0};
+    long count = 0, first = 0;
+    add_treelet(leaf, &count, leaf->levels - 1, origin, -1);
+    for (int level = leaf->levels - 2; level >= 0; level--) {
+        long end = count;
+        for (long p = first; p < end; p++)
+            for (int octant = 0; octant < 8; octant++) {
+                const long *at = leaf->treelets[p].at, *exist = leaf->level[level].treelets;
+                long child[3];
+                for (int a = 0; a < 3; a++)
+                    child[a] = 2 * at[a] + (octant >> a & 1);
+                if (child[0] < exist[0] && child[1] < exist[1] && child[2] < exist[2])
+                    add_treelet(leaf, &count, level, child, p);
+            }
+        first = end;
+    }
+    return count == leaf->treelet_count || wrong(leaf, "the treelets do not add up");
+}
+
+/* ---- 3. sections ---- */
+
+enum { RANGES = 1, OWN, FLAGS, OFFSETS, SIZES, CHECKSUMS, AXES, KINDS };
+
+static bool read_axes(naive_leaf *leaf, const unsigned char *at) {
+    for (int a = 0; a < 3; a++) {
+        leaf->axis[a] = malloc((size_t)leaf->dims[a] * sizeof leaf->axis[a][0]);
+        if (!leaf->axis[a])
+            return wrong(leaf, "no memory");
+        for (long i = 0; i < leaf->dims[a]; i++, at += 8) {
+            leaf->axis[a][i] = real64(at);
+            if (!isfinite(leaf->axis[a][i]) ||
+                (i > 0 && !(leaf->axis[a][i] > leaf->axis[a][i - 1])))
+                return wrong(leaf, "axis %d at %ld", a, i);
+        }
+    }
+    return true;
+}
+
+/* Where each section is; the end of the last one in *end. */
+static bool find_sections(naive_leaf *leaf, const unsigned char *where[KINDS], uint64_t *end) {
+    static const int element[KINDS] = {0, 8, 8, 1, 8, 8, 8, 0};
+    uint64_t sections = number(leaf->bytes + 72, 4);
+    *end = 4096 + 32 * sections;
+    for (uint64_t i = 0; i < sections; i++) {
+        const unsigned char *entry = leaf->bytes + 4096 + 32 * i;
+        uint64_t kind = number(entry, 4), offset = number(entry + 8, 8),
+                 bytes = number(entry + 16, 8);
+        if (number(entry + 4, 4) != 1 || offset != up_to(*end, 64) || offset > leaf->size ||
+            bytes > leaf->size - offset || !all_zero(leaf, *end, offset))
+            return wrong(leaf, "section %d is out of place", (int)i);
+        if (XXH3_64bits(leaf->bytes + offset, bytes) != number(entry + 24, 8))
+            return wrong(leaf, "checksum of section %d", (int)i);
+        *end = offset + bytes;
+        if (kind >> 30 & 1)
+            continue;
+        if (kind < 1 || kind >= KINDS || where[kind])
+            return wrong(leaf, "section kind %d", (int)kind);
+        uint64_t want = (uint64_t)element[kind] * (uint64_t)leaf->treelet_count;
+        if (kind == AXES)
+            want = 8 * (uint64_t)(leaf->dims[0] + leaf->dims[1] + leaf->dims[2]);
+        if (bytes != want)
+            return wrong(leaf, "size of section kind %d", (int)kind);
+        where[kind] = leaf->bytes + offset;
+    }
+    for (int kind = 1; kind < KINDS; kind++)
+        if ((where[kind] != NULL) != (kind != AXES || leaf->rectilinear))
+            return wrong(leaf, "section kind %d there or not there", kind);
+    return true;
+}
+
+/* ---- 4. payloads ---- */
+
+static bool is_positive_zero_or_other(float value) {
+    return value != 0 || !signbit(value);
+}
+
+/* Smallest and largest finite sample of a box of nodes, [from, to] on each axis; lo > hi if there
+ * is none. */
+typedef struct window {
+    const float *samples; /* of the treelet, halo included */
+    long size[3];
+} window;
+
+static bool finite_range(const window *w, const long from[3], const long to[3], float *lo,
+                         float *hi) {
+    bool all = true;
+    *lo = INFINITY;
+    *hi = -INFINITY;
+    for (long k = from[2]; k <= to[2]; k++)
+        for (long j = from[1]; j <= to[1]; j++)
+            for (long i = from[0]; i <= to[0]; i++) {
+                float value = w->samples[i + w->size[0] * (j + w->size[1] * k)];
+                if (!isfinite(value)) {
+                    all = false;
+                    continue;
+                }
+                *lo = value < *lo ? value : *lo;
+                *hi = value > *hi ? value : *hi;
+            }
+    return all;
+}
+
+static double code_of(const naive_leaf *leaf, const naive_treelet *t, double value) {
+    double lo = t->own[0], hi = t->own[1];
+    bool exact = leaf->sample_type != 5 && hi - lo <= 255;
+    double scale = hi <= lo ? 0 : exact ? 1 : 255 / (hi - lo);
+    double g = (value - lo) * scale;
+    return g < 0 ? 0 : g > 255 ? 255 : g;
+}
+
+/* The codes of one block of level K. */
+static void block_codes(const naive_leaf *leaf, const naive_treelet *t, const window *w,
+                        const long block[3], unsigned char *lo, unsigned char *hi) {
+    long from[3], to[3];
+    float least, most;
+    *lo = 255;
+    *hi = 0;
+    for (int a = 0; a < 3; a++) {
+        from[a] = 4 * block[a] + leaf->halo;
+        to[a] = (4 * block[a] + 4 < t->cells[a] ? 4 * block[a] + 4 : t->cells[a]) + leaf->halo;
+        if (4 * block[a] >= t->cells[a])
+            return;
+    }
+    finite_range(w, from, to, &least, &most);
+    if (least > most)
+        return;
+    *lo = (unsigned char)floor(code_of(leaf, t, (double)least));
+    *hi = (unsigned char)ceil(code_of(leaf, t, (double)most));
+}
+
+/* The codes of node m at level k, recomputed from the samples. */
+static void node_codes(const naive_leaf *leaf, const naive_treelet *t, const window *w, int k,
+                       long m, unsigned char *lo, unsigned char *hi) {
+    int last = leaf->cells_log2 - 2;
+    if (k == last) {
+        long block[3] = {0, 0, 0};
+        for (int bit = 0; bit < 3 * k; bit++)
+            block[bit % 3] |= (m >> bit & 1) << (bit / 3);
+        block_codes(leaf, t, w, block, lo, hi);
+        return;
+    }
+    *lo = 255;
+    *hi = 0;
+    for (int child = 0; child < 8; child++) {
+        unsigned char l, h;
+        node_codes(leaf, t, w, k + 1, 8 * m + child, &l, &h);
+        *lo = l < *lo ? l : *lo;
+        *hi = h > *hi ? h : *hi;
+    }
+}
+
+static bool check_codes(naive_leaf *leaf, const naive_treelet *t, const window *w,
+                        const unsigned char *at, uint64_t *used) {
+    *used = 0;
+    for (int k = 1; k <= leaf->cells_log2 - 2; k++) {
+        long nodes = 1L << (3 * k);
+        for (long m = 0; m < nodes; m++) {
+            unsigned char lo, hi;
+            node_codes(leaf, t, w, k, m, &lo, &hi);
+            if (at[*used + (uint64_t)m] != lo || at[*used + (uint64_t)(nodes + m)] != hi)
+                return wrong(leaf, "codes of node %ld of level %d: %d %d, not %d %d", m, k,
+                             at[*used + (uint64_t)m], at[*used + (uint64_t)(nodes + m)], lo, hi);
+        }
+        *used += 2 * (uint64_t)nodes;
+    }
+    return true;
+}
+
+/* The node of the level at (i, j, k) of the treelet's samples; whether it is one without clamping.
+ */
+static bool node_of(const naive_leaf *leaf, const naive_treelet *t, const long i[3], long node[3]) {
+    bool own = true;
+    for (int a = 0; a < 3; a++) {
+        long n = (t->at[a] << leaf->cells_log2) - leaf->halo + i[a],
+             end = leaf->level[t->level].nodes[a] - 1;
+        node[a] = n < 0 ? 0 : n > end ? end : n;
+        own = own && i[a] >= leaf->halo && i[a] <= leaf->halo + t->cells[a];
+    }
+    return own;
+}
+
+static size_t node_index(const naive_level *l, const long n[3]) {
+    return (size_t)n[0] + (size_t)l->nodes[0] * ((size_t)n[1] + (size_t)l->nodes[1] * (size_t)n[2]);
+}
+
+static bool same_bits(float a, float b) {
+    return memcmp(&a, &b, sizeof a) == 0;
+}
+
+/* Put the treelet's samples where they belong. own: those of its cells, which may be there already
+ * and then agree; not own: the halo, which must agree with what the others have put there. */
+static bool place_samples(naive_leaf *leaf, const naive_treelet *t, const window *w, bool own) {
+    naive_level *l = &leaf->level[t->level];
+    long i[3], node[3];
+    size_t n = 0;
+    for (i[2] = 0; i[2] < w->size[2]; i[2]++)
+        for (i[1] = 0; i[1] < w->size[1]; i[1]++)
+            for (i[0] = 0; i[0] < w->size[0]; i[0]++, n++) {
+                if (node_of(leaf, t, i, node) != own)
+                    continue;
+                size_t at = node_index(l, node);
+                if (own && !l->known[at]) {
+                    l->samples[at] = w->samples[n];
+                    l->known[at] = true;
+                } else if (!l->known[at] || !same_bits(l->samples[at], w->samples[n])) {
+                    return wrong(leaf, "level %d node %ld %ld %ld is %g here, %g there", t->level,
+                                 node[0], node[1], node[2], (double)w->samples[n],
+                                 (double)l->samples[at]);
+                }
+            }
+    return true;
+}
+
+static bool check_own_range(naive_leaf *leaf, const naive_treelet *t, const window *w) {
+    const long from[3] = {leaf->halo, leaf->halo, leaf->halo};
+    const long to[3] = {leaf->halo + t->cells[0], leaf->halo + t->cells[1],
+                        leaf->halo + t->cells[2]};
+    float lo, hi;
+    bool all_finite = finite_range(w, from, to, &lo, &hi);
+    if (lo != t->own[0] || hi != t->own[1])
+        return wrong(leaf, "own range %g %g, not %g %g", (double)t->own[0], (double)t->own[1],
+                     (double)lo, (double)hi);
+    return all_finite == !t->has_non_finite || wrong(leaf, "the flag of non-finite samples");
+}
+
+/* The payload as it is before compression; NULL when it cannot be had. Freed by the caller. */
+static unsigned char *payload_of(naive_leaf *leaf, const naive_treelet *t) {
+    unsigned char *payload = malloc(t->payload_size);
+    const unsigned char *stored = leaf->bytes + t->offset;
+    if (payload && t->size == t->payload_size) {
+        memcpy(payload, stored, t->size);
+        return payload;
+    }
+    if (payload && leaf->codec == 1 && t->size < t->payload_size &&
+        ZSTD_findFrameCompressedSize(stored, t->size) == t->size &&
+        ZSTD_decompress(payload, t->payload_size, stored, t->size) == t->payload_size)
+        return payload;
+    free(payload);
+    return NULL;
+}
+
+static uint64_t codes_size(const naive_leaf *leaf) {
+    return 2 * ((UINT64_C(1) << (3 * (leaf->cells_log2 - 1))) - 8) / 7;
+}
+
+/* One payload: in the first pass (own) all that it says of itself, in the second its halo. */
+static bool read_payload(naive_leaf *leaf, const naive_treelet *t, bool own) {
+    window w;
+    uint64_t count = 1, start = up_to(codes_size(leaf), 64), used;
+    for (int a = 0; a < 3; a++) {
+        w.size[a] = t->cells[a] + 1 + 2 * leaf->halo;
+        count *= (uint64_t)w.size[a];
+    }
+    unsigned char *payload = payload_of(leaf, t);
+    float *samples = malloc(count * sizeof samples[0]);
+    bool good = (payload && samples) || wrong(leaf, "a payload that cannot be decoded");
+    for (uint64_t i = 0; good && i < count; i++)
+        samples[i] = sample_at(payload + start, leaf->sample_type, i);
+    w.samples = samples;
+    if (good && own) {
+        good = check_own_range(leaf, t, &w) && check_codes(leaf, t, &w, payload, &used);
+        for (uint64_t i = codes_size(leaf); good && i < start; i++)
+            good = payload[i] == 0 || wrong(leaf, "bytes behind the codes");
+        for (uint64_t i = start + count * (uint64_t)sample_bytes(leaf->sample_type);
+             good && i < t->payload_size; i++)
+            good = payload[i] == 0 || wrong(leaf, "bytes behind the samples");
+    }
+    good = good && place_samples(leaf, t, &w, own);
+    free(samples);
+    free(payload);
+    return good;
+}
+
+/* ---- 3 and 4. the directory ---- */
+
+static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KINDS],
+                           uint64_t end) {
+    uint64_t stored = 0;
+    for (long i = 0; i < leaf->treelet_count; i++) {
+        naive_treelet *t = &leaf->treelets[i];
+        for (int n = 0; n < 2; n++) {
+            t->merged[n] = real32(where[RANGES] + 8 * i + 4 * n);
+            t->own[n] = real32(where[OWN] + 8 * i + 4 * n);
+            if (!is_positive_zero_or_other(t->merged[n]) || !is_positive_zero_or_other(t->own[n]))
+                return wrong(leaf, "treelet %ld: -0 in a range", i);
+        }
+        if (where[FLAGS][i] > 1)
+            return wrong(leaf, "treelet %ld: flags", i);
+        t->has_non_finite = where[FLAGS][i] == 1;
+        t->offset = number(where[OFFSETS] + 8 * i, 8);
+        t->size = number(where[SIZES] + 8 * i, 8);
+        t->payload_size = (uint64_t)sample_bytes(leaf->sample_type);
+        for (int a = 0; a < 3; a++)
+            t->payload_size *= (uint64_t)(t->cells[a] + 1 + 2 * leaf->halo);
+        t->payload_size = up_to(up_to(codes_size(leaf), 64) + t->payload_size, 64);
+
+        bool first = i == 0 || t->parent != leaf->treelets[i - 1].parent;
+        bool even = t->at[0] % 2 == 0 && t->at[1] % 2 == 0 && t->at[2] % 2 == 0;
+        if (first != even)
+            return wrong(leaf, "treelet %ld: first of its family or not", i);
+        if (t->offset != up_to(end, first ? UINT64_C(1) << leaf->run_align_log2 : 64))
+            return wrong(leaf, "treelet %ld: offset", i);
+        if (t->size > t->payload_size || (leaf->codec == 0 && t->size != t->payload_size))
+            return wrong(leaf, "treelet %ld: size", i);
+        if (t->offset > leaf->size || t->size > leaf->size - t->offset ||
+            !all_zero(leaf, end, t->offset))
+            return wrong(leaf, "treelet %ld: place or padding", i);
+        if (XXH3_64bits(leaf->bytes + t->offset, t->size) != number(where[CHECKSUMS] + 8 * i, 8))
+            return wrong(leaf, "treelet %ld: checksum", i);
+        end = t->offset + t->size;
+        stored += t->size;
+    }
+    if (stored != number(leaf->bytes + 88, 8))
+        return wrong(leaf, "payload_bytes");
+    if (leaf->size != up_to(end, UINT64_C(1) << leaf->run_align_log2) ||
+        !all_zero(leaf, end, leaf->size))
+        return wrong(leaf, "the end of the file");
+    return true;
+}
+
+/* Merged ranges from below: children come after their parent. */
+static bool check_merged(naive_leaf *leaf) {
+    float(*merged)[2] = malloc((size_t)leaf->treelet_count * sizeof merged[0]);
+    if (!merged)
+        return wrong(leaf, "no memory");
+    bool good = true;
+    for (long i = 0; i < leaf->treelet_count; i++)
+        memcpy(merged[i], leaf->treelets[i].own, sizeof merged[i]);
+    for (long i = leaf->treelet_count - 1; good && i >= 0; i--) {
+        const naive_treelet *t = &leaf->treelets[i];
+        good = (merged[i][0] == t->merged[0] && merged[i][1] == t->merged[1]) ||
+               wrong(leaf, "treelet %ld: merged range", i);
+        if (t->parent >= 0) {
+            float *p = merged[t->parent];
+            p[0] = merged[i][0] < p[0] ? merged[i][0] : p[0];
+            p[1] = merged[i][1] > p[1] ? merged[i][1] : p[1];
+        }
+    }
+    free(merged);
+    return good;
+}
+
+/* What the header says of level 0, from all its samples. */
+static bool check_values(naive_leaf *leaf) {
+    const naive_level *l = &leaf->level[0];
+    size_t count = (size_t)l->nodes[0] * (size_t)l->nodes[1] * (size_t)l->nodes[2];
+    double lo = INFINITY, hi = -INFINITY;
+    uint64_t non_finite = 0;
+    for (size_t i = 0; i < count; i++) {
+        double value = (double)l->samples[i];
+        if (!isfinite(value)) {
+            non_finite++;
+            continue;
+        }
+        lo = value < lo ? value : lo;
+        hi = value > hi ? value : hi;
+    }
+    if (lo != leaf->value_min || hi != leaf->value_max)
+        return wrong(leaf, "value_min, value_max");
+    return non_finite == leaf->non_finite || wrong(leaf, "non_finite");
+}
+
+/* ---- loading ---- */
+
+static bool read_file(naive_leaf *leaf, const char *path) {
+    FILE *in = fopen(path, "rb");
+    if (!in)
+        return wrong(leaf, "cannot be opened");
+    fseek(in, 0, SEEK_END);
+    long size = ftell(in);
+    rewind(in);
+    leaf->size = size > 0 ? (size_t)size : 0;
+    leaf->bytes = malloc(leaf->size + 1);
+    bool good = leaf->bytes && fread(leaf->bytes, 1, leaf->size, in) == leaf->size;
+    fclose(in);
+    return good || wrong(leaf, "cannot be read");
+}
+
+bool naive_leaf_load(naive_leaf *leaf, const char *path) {
+    const unsigned char *where[KINDS] = {NULL};
+    uint64_t end;
+    memset(leaf, 0, sizeof *leaf);
+    bool good = read_file(leaf, path) && read_header(leaf) && check_to_world(leaf) &&
+                lay_out(leaf) && order_treelets(leaf) && find_sections(leaf, where, &end) &&
+                (!leaf->rectilinear || read_axes(leaf, where[AXES])) &&
+                read_directory(leaf, where, end);
+    for (int own = 1; own >= 0; own--)
+        for (long i = 0; good && i < leaf->treelet_count; i++)
+            good = read_payload(leaf, &leaf->treelets[i], own);
+    return good && check_merged(leaf) && check_values(leaf);
+}
+
+void naive_leaf_release(naive_leaf *leaf) {
+    for (int i = 0; i < NAIVE_LEVELS_MAX; i++) {
+        free(leaf->level[i].samples);
+        free(leaf->level[i].known);
+    }
+    for (int a = 0; a < 3; a++)
+        free(leaf->axis[a]);
+    free(leaf->treelets);
+    free(leaf->bytes);
+    memset(leaf, 0, sizeof *leaf);
+}
+
+float naive_leaf_sample(const naive_leaf *leaf, int level, long i, long j, long k) {
+    const long node[3] = {i, j, k};
+    return leaf->level[level].samples[node_index(&leaf->level[level], node)];
+}

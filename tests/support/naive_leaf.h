@@ -1,0 +1,58 @@
+/* naive_leaf.h - a second reader of treelet files, written from formats/FORMAT.md alone: slow,
+ * whole, and strict.
+ *
+ * Holds the file and all levels in memory and recomputes whatever the format says about every byte:
+ * padding, offsets, checksums, ranges, codes, halos, overlaps.
+ */
+#ifndef TESTS_SUPPORT_NAIVE_LEAF_H
+#define TESTS_SUPPORT_NAIVE_LEAF_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { NAIVE_LEVELS_MAX = 24, NAIVE_WHY_MAX = 256 };
+
+typedef struct naive_level {
+    long cells[3], nodes[3];
+    long treelets[3]; /* per axis */
+    float *samples;   /* all nodes, x fastest */
+    bool *known;      /* nodes that some treelet holds: all, when loaded */
+} naive_level;
+
+typedef struct naive_treelet {
+    int level;
+    long at[3]; /* its position among its level's treelets */
+    long cells[3];
+    long parent; /* -1: the root */
+    float own[2], merged[2];
+    bool has_non_finite;
+    uint64_t offset, size, payload_size; /* size as stored */
+} naive_treelet;
+
+typedef struct naive_leaf {
+    int sample_type, source_type; /* 1 u8 2 i8 3 u16 4 i16 5 f32 6 u32 7 i32 8 f64 */
+    long dims[3];
+    int levels, cells_log2, halo, run_align_log2, codec;
+    bool rectilinear;
+    double value_min, value_max, rounding_error, to_world[3][4];
+    uint64_t non_finite;
+    char name[64], provenance[1024];
+    double *axis[3];
+    naive_level level[NAIVE_LEVELS_MAX];
+    naive_treelet *treelets;
+    long treelet_count;
+    unsigned char *bytes; /* the file */
+    size_t size;
+    char why[NAIVE_WHY_MAX]; /* what is wrong with it */
+} naive_leaf;
+
+/* naive_leaf_load() - read and check everything; false: leaf->why says what is wrong. Release it
+ * either way. */
+bool naive_leaf_load(naive_leaf *leaf, const char *path);
+void naive_leaf_release(naive_leaf *leaf);
+
+/* naive_leaf_sample() - of a node of a level. */
+float naive_leaf_sample(const naive_leaf *leaf, int level, long i, long j, long k);
+
+#endif
