@@ -178,7 +178,7 @@ static void print_text(json_t *object, int indent) {
             printf("%*shit %zu\n", indent, "", i + 1);
             print_text(json_array_get(value, i), indent + 2);
         }
-        if (list)
+        if (list || (json_is_array(value) && json_array_size(value) == 0))
             continue;
         printf("%*s", indent, "");
         for (const char *c = key; *c; c++)

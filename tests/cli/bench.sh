@@ -1,0 +1,48 @@
+#!/bin/sh
+# bench.sh - leafcast bench: that its tables hold what is true whatever the machine's speed.
+. tests/support/tap.sh
+
+leaf=$tmp/v.leaf
+says() { grep -q -- "$1" "$tmp/$2"; }
+csv() { # csv FILE EXPRESSION: python, with the rows as dictionaries in t
+    python3 -c 'import csv, sys
+t = list(csv.DictReader(open(sys.argv[1])))
+sys.exit(not eval(f"({sys.argv[2]})"))' "$@"
+}
+run "$leafcast" generate noise --dims 40 -o "$tmp/v.nrrd"
+run "$leafcast" convert "$tmp/v.nrrd" -o "$leaf" -q
+
+judge() { # judge FILE FIELDS
+    ok "six intersectors a field" csv "$1" "len(t) == 6 * $2"
+    ok "marmitt misses nothing, makes nothing up, is exact" csv "$1" \
+        'all(r["missed"] == r["false"] == "0" and float(r["worst cells"]) < 1e-9 for r in t if r["intersector"] == "marmitt")'
+    ok "marmitt-3 misses nothing, but is off" csv "$1" \
+        'all(r["missed"] == r["false"] == "0" and 1e-9 < float(r["worst cells"]) < 1 for r in t if r["intersector"] == "marmitt-3")'
+    ok "linear and neubauer miss the same, make nothing up" csv "$1" \
+        'len({(r["field"], r["missed"], r["false"]) for r in t if r["intersector"] in ("linear", "neubauer")}) == '"$2"' and all(r["false"] == "0" for r in t if r["intersector"] == "linear")'
+    ok "times are there, with their spread" csv "$1" 'all(float(r["ns/ray-cell"]) > 0 and float(r["+-"]) >= 0 for r in t)'
+}
+exits "built-in fields" 0 "$leafcast" bench intersectors --ray-cells 20000 --runs 3 -o "$tmp/i.csv"
+ok "a table on standard output" says '^marschner-lobb *neubauer' out
+judge "$tmp/i.csv" 2
+exits "an existing table" 1 "$leafcast" bench intersectors --ray-cells 100 -o "$tmp/i.csv"
+exits "a treelet file" 0 "$leafcast" bench intersectors "$leaf" --iso 128 --size 200x200 --ray-cells 20000 --runs 3 -o "$tmp/f.csv"
+judge "$tmp/f.csv" 1
+exits "E1" 0 "$leafcast" bench walk "$leaf" --iso 128 --size 64x64 --runs 3 -o "$tmp/w.csv"
+ok "three ways see the same" csv "$tmp/w.csv" 'len(t) == 3 and len({r["roots/ray"] for r in t}) == 1'
+exits "E2" 0 "$leafcast" bench kernel "$leaf" --iso 128 --size 64x64 -o "$tmp/k.csv"
+ok "the filter never disagrees" csv "$tmp/k.csv" 't[0]["disagreements"] == "0" and int(t[0]["ray-cells"]) > 1000'
+if [ -x "$(dirname "$leafcast")/../libexec/leafcast-write-image" ]; then
+    exits "figure 4.9" 0 "$leafcast" bench figure49 -o "$tmp/f.png" --size 100x100
+    ok "is a picture" [ -s "$tmp/f.png" ]
+    ok "with a hole on the left" awk '$1 == "neubauer" { exit !($4 > 0 && $3 > 0) }' "$tmp/out"
+else
+    skip "figure 4.9" "no OpenImageIO here"
+fi
+exits "no such suite" 2 "$leafcast" bench nonsense
+ok "lists those there are" says 'intersectors, figure49, walk, kernel' err
+exits "no such field" 2 "$leafcast" bench intersectors plaid
+exits "E1 without a file" 2 "$leafcast" bench walk --iso 1
+exits "a file without an isovalue" 2 "$leafcast" bench kernel "$leaf"
+exits "an isovalue that meets nothing" 2 "$leafcast" bench kernel "$leaf" --iso 1000
+finish

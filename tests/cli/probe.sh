@@ -1,0 +1,76 @@
+#!/bin/sh
+# probe.sh - leafcast probe: a pixel's ray, a ray, a point; text and JSON; that it sees what render draws.
+. tests/support/tap.sh
+
+leaf=$tmp/v.leaf
+says() { grep -q -- "$1" "$tmp/$2"; }
+json() { # json EXPRESSION: python, with what was printed as j
+    python3 -c 'import json, sys
+j = json.load(open(sys.argv[1]))
+sys.exit(not eval(f"({sys.argv[2]})"))' "$tmp/out" "$1"
+}
+
+# f = x + 2y + 4z - 1 on 5 x 4 x 3 samples, spacing 2, 1, -1
+python3 -c 'import sys
+sys.stdout.buffer.write(bytes(x + 2 * y + 4 * z for z in range(3) for y in range(4) for x in range(5)))' >"$tmp/v.raw"
+exits "a volume to probe" 0 "$leafcast" convert "$tmp/v.raw" --dims 5,4,3 --type u8 --spacing 2,1,-1 -o "$leaf" -q
+
+exits "a point" 0 "$leafcast" probe "$leaf" --point 3,1.5,-0.25 --json
+ok "has its value" json 'j["inside"] and abs(j["value"] - (1.5 + 3 + 1)) < 1e-12'
+ok "lies in its cell" json 'j["cell"] == [1, 1, 0] and j["position_in_cell"] == [0.5, 0.5, 0.25]'
+ok "between its samples" json 'j["samples"] == [3, 4, 5, 6, 7, 8, 9, 10]'
+ok "has its gradient, in world space" json 'j["gradient"] == [0.5, 2, -4]'
+exits "a point outside" 0 "$leafcast" probe "$leaf" --point 3,1.5,0.25 --json
+ok "is told" json 'not j["inside"] and "value" not in j'
+exits "a point and isovalues, as text" 0 "$leafcast" probe "$leaf" --point 3,1.5,-0.25 --iso 5.5 --iso 6
+ok "says on which side it is" says '^inside 5.5: yes$' out
+ok "of each" says '^inside 6: no$' out
+
+exits "a ray" 0 "$leafcast" probe "$leaf" --iso 2.5 --iso 6.5 --ray -1,1.5,-0.25,1,0,0 --json
+ok "has one hit" json 'j["count"] == 1 and len(j["hits"]) == 1'
+ok "where it should" json 'abs(j["hits"][0]["t"] - 6) < 1e-12 and j["hits"][0]["cell"][1:] == [1, 0]'
+ok "with the isovalue's index" json 'j["hits"][0]["id"] == 1 and j["hits"][0]["isovalue"] == 6.5'
+ok "from its side" json 'j["hits"][0]["side"] == "entering"'
+ok "with a bound of its error" json '0 < j["hits"][0]["error_bound"] < 1e-9'
+ok "with a unit normal towards lower values" json 'abs(sum(n * n for n in j["hits"][0]["normal"]) - 1) < 1e-6 and j["hits"][0]["normal"][0] < 0'
+exits "the other way" 0 "$leafcast" probe "$leaf" --iso 2.5 --iso 6.5 --ray 11,1.5,-0.25,-1,0,0 --json
+ok "leaves what it entered" json 'j["hits"][0]["side"] == "leaving" and abs(j["hits"][0]["t"] - 6) < 1e-12'
+exits "a ray beside the volume" 0 "$leafcast" probe "$leaf" --iso 3 --ray 0,9,0,1,0,0
+ok "hits nothing" says '^count: 0$' out
+exits "at most one hit" 0 "$leafcast" probe "$leaf" --iso 4 --iso 5 --ray -1,1.5,-0.25,1,0,0 --hits 1 --json
+ok "is the first" json 'j["count"] == 1 and j["hits"][0]["isovalue"] == 5'
+
+# The same pixels as a picture's.
+view="--iso 9.5 --size 16x12 --view close"
+run "$leafcast" render "$leaf" $view --depth-f64 "$tmp/z.f64"
+agree() {
+    python3 - "$tmp/z.f64" "$leafcast" "$leaf" <<'PY'
+import array, json, math, subprocess, sys
+z = array.array("d", open(sys.argv[1], "rb").read())
+hits = 0
+for pixel in range(0, 192, 7):
+    at = f"{pixel % 16},{pixel // 16}"
+    out = subprocess.check_output([sys.argv[2], "probe", sys.argv[3], *"--iso 9.5 --size 16x12 --view close --json --at".split(), at])
+    j = json.loads(out)
+    t = j["hits"][0]["t"] if j["count"] else math.inf
+    hits += j["count"] > 0
+    if t != z[pixel]:
+        sys.exit(f"# pixel {at}: {t} is not {z[pixel]}")
+sys.exit(hits < 3)
+PY
+}
+ok "a pixel's first hit is the picture's depth, bit by bit" agree
+exits "a pixel" 0 "$leafcast" probe "$leaf" $view --at 8,6
+ok "shows its hit" says '^  t: ' out
+ok "and the line that reruns it" says "^rerun: leafcast probe --iso 9.5 --size 16x12 --view close --at 8,6 $leaf\$" out
+rerun() { sed -n 's/^rerun: leafcast //p' "$tmp/out" | sed "s|^|'$leafcast' |" >"$tmp/again.sh" && sh "$tmp/again.sh" | cmp - "$tmp/out"; }
+ok "which does" rerun
+
+for wrong in "" "$leaf" "$leaf --at 1,1" "$leaf --iso 1" "$leaf --iso 1 --at 1,1 --point 1,1,1" "$leaf --iso 1 --at 1024,0" \
+    "$leaf --iso 1 --at 1.5,0" "$leaf --iso 1 --ray 0,0,0,0,0,0" "$leaf --point 1,2" "$leaf --iso nan --at 1,1" \
+    "$leaf --point 1,2,3 -o x"; do
+    exits "usage: $wrong" 2 "$leafcast" probe $wrong
+done
+exits "no such file" 1 "$leafcast" probe "$tmp/none" --point 1,2,3
+exits "no treelet file" 3 "$leafcast" probe "$tmp/v.raw" --point 1,2,3
+finish
