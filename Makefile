@@ -154,7 +154,7 @@ build/leafcast: $(FRONT)
 
 # ---- tests ---------------------------------------------------------------------------------------
 $(TESTS) $(TOOLS): LINK_TESTS := -lcmocka
-$(FUZZERS): LINK_TESTS := -fsanitize=fuzzer
+$(FUZZERS): LINK_TESTS := -fsanitize=fuzzer -lcmocka
 $(TESTS) $(TOOLS) $(FUZZERS): $B/tests/%: $B/obj/tests/%.o $(SUPPORT) $(LIB)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)

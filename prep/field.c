@@ -1,6 +1,7 @@
 #include "prep/field.h"
 
 #include <assert.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "prep/analytic.h"
@@ -93,7 +94,7 @@ void field_quantise(double lo, double hi, sample_type type, const double *values
         for (size_t n = 0; n < count; n++)
             ((float *)samples)[n] = (float)values[n];
         break;
-    default: assert(!"a type that fields have"); break;
+    default: assert(false); break; /* a caller's bug: no type that fields have */
     }
 }
 
