@@ -53,18 +53,23 @@ void *leaf_files_random(const leaf_case *c, uint64_t seed, int non_finite) {
     return samples;
 }
 
+static const char *write_input(const leaf_case *c, volume_hints *hints) {
+    char input[64];
+    snprintf(input, sizeof input, "input-%ux%ux%u.bin", c->dims[0], c->dims[1], c->dims[2]);
+    size_t count = (size_t)c->dims[0] * c->dims[1] * c->dims[2];
+    *hints = (volume_hints){.dims = {c->dims[0], c->dims[1], c->dims[2]}, .type = c->type};
+    memcpy(hints->axis_file, c->axis_file, sizeof hints->axis_file);
+    return scratch_write(input, c->samples, count * sample_size(c->type));
+}
+
 status leaf_files_try(mem *m, const leaf_case *c, const char *name, convert_plan *plan,
                       convert_result *result) {
     convert_plan own_plan;
     convert_result own_result;
     plan = plan ? plan : &own_plan;
     result = result ? result : &own_result;
-    char input[64];
-    snprintf(input, sizeof input, "input-%ux%ux%u.bin", c->dims[0], c->dims[1], c->dims[2]);
-    size_t count = (size_t)c->dims[0] * c->dims[1] * c->dims[2];
-    const char *path = scratch_write(input, c->samples, count * sample_size(c->type));
-    volume_hints hints = {.dims = {c->dims[0], c->dims[1], c->dims[2]}, .type = c->type};
-    memcpy(hints.axis_file, c->axis_file, sizeof hints.axis_file);
+    volume_hints hints;
+    const char *path = write_input(c, &hints);
     volume *v = NULL;
     m->limit = (size_t)c->options.memory;
     status st = volume_open(m, path, &hints, &v);
@@ -75,6 +80,22 @@ status leaf_files_try(mem *m, const leaf_case *c, const char *name, convert_plan
     volume_close(v);
     (void)remove(path);
     return st;
+}
+
+uint64_t leaf_files_least(const leaf_case *c) {
+    mem m;
+    mem_init(&m, 0);
+    volume_hints hints;
+    const char *path = write_input(c, &hints);
+    volume *v = NULL;
+    convert_options o = c->options;
+    convert_plan plan;
+    o.memory = 1;
+    assert_int_equal(volume_open(&m, path, &hints, &v), ST_OK);
+    assert_int_equal(convert_plan_make(&m, volume_grid(v), &o, &plan), ST_NOMEM);
+    volume_close(v);
+    (void)remove(path);
+    return plan.memory_least;
 }
 
 const char *leaf_files_make(const leaf_case *c, const char *name) {

@@ -29,8 +29,11 @@ void *leaf_files_random(const leaf_case *c, uint64_t seed, int non_finite);
 status leaf_files_try(mem *m, const leaf_case *c, const char *name, convert_plan *plan,
                       convert_result *result);
 
-/* leaf_files_make() - the same, failing the test on an error and on memory not given back; returns
- * the path. */
+/* leaf_files_least() - the smallest budget with which it converts. */
+uint64_t leaf_files_least(const leaf_case *c);
+
+/* leaf_files_make() - convert it, failing the test on an error and on memory not given back;
+ * returns the path. */
 const char *leaf_files_make(const leaf_case *c, const char *name);
 
 #endif
