@@ -1,0 +1,113 @@
+/* test_mem.c - the counted allocator, its budget, the fault hook; statuses and their descriptions.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "formats/base/fault.h"
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+
+static void test_counts(void **state) {
+    (void)state;
+    mem m;
+    mem_init(&m, 0);
+    char *a = mem_alloc(&m, 1), *b = mem_zalloc(&m, 1000);
+    assert_non_null(a);
+    assert_int_equal((uintptr_t)a % 64, 0);
+    assert_int_equal((uintptr_t)b % 64, 0);
+    for (int i = 0; i < 1000; i++)
+        assert_int_equal(b[i], 0);
+    size_t both = mem_used(&m);
+    assert_true(both >= 1001);
+    mem_free(&m, a);
+    assert_true(mem_used(&m) < both);
+    mem_free(&m, b);
+    mem_free(&m, NULL);
+    assert_int_equal(mem_used(&m), 0);
+    assert_int_equal(mem_peak(&m), both);
+    char *text = mem_copy_text(&m, "text");
+    assert_string_equal(text, "text");
+    mem_free(&m, text);
+}
+
+static void test_budget(void **state) {
+    (void)state;
+    mem m;
+    mem_init(&m, 4096);
+    char *a = mem_alloc(&m, 3000);
+    assert_non_null(a);
+    assert_null(mem_alloc(&m, 2000));
+    assert_non_null(strstr(status_text(), "2000 bytes"));
+    assert_non_null(strstr(status_text(), "4096 bytes"));
+    mem_free(&m, a);
+    a = mem_alloc(&m, 3900);
+    assert_non_null(a);
+    mem_free(&m, a);
+    assert_int_equal(mem_used(&m), 0);
+}
+
+static void test_overflow(void **state) {
+    (void)state;
+    mem m;
+    mem_init(&m, 0);
+    assert_null(mem_alloc(&m, SIZE_MAX));
+    assert_null(mem_array(&m, SIZE_MAX / 2, 3));
+    assert_null(mem_array(&m, SIZE_MAX, SIZE_MAX));
+    void *none = mem_array(&m, 0, 8);
+    assert_non_null(none);
+    mem_free(&m, none);
+    assert_int_equal(mem_used(&m), 0);
+}
+
+static void test_fault(void **state) {
+    (void)state;
+    mem m;
+    mem_init(&m, 0);
+    fault_arm(FAULT_ALLOC, 2);
+    void *a = mem_alloc(&m, 8);
+    assert_non_null(a);
+    assert_false(fault_fired(FAULT_ALLOC));
+    assert_null(mem_alloc(&m, 8));
+    assert_true(fault_fired(FAULT_ALLOC));
+    void *b = mem_alloc(&m, 8);
+    assert_non_null(b);
+    assert_false(fault_hit(FAULT_READ));
+    fault_arm(FAULT_ALLOC, 0);
+    assert_false(fault_fired(FAULT_ALLOC));
+    mem_free(&m, a);
+    mem_free(&m, b);
+    assert_int_equal(mem_used(&m), 0);
+}
+
+static void test_status(void **state) {
+    (void)state;
+    assert_int_equal(status_describe(ST_IO, "%s: %d", "x", 7), ST_IO);
+    assert_string_equal(status_text(), "x: 7");
+    /* A description may be made of the one before. */
+    assert_int_equal(status_describe(ST_IO, "[%s]", status_text()), ST_IO);
+    assert_string_equal(status_text(), "[x: 7]");
+    status_note note;
+    status_note_take(&note, ST_CORRUPT);
+    (void)status_describe(ST_IO, "other");
+    assert_int_equal(status_note_raise(&note), ST_CORRUPT);
+    assert_string_equal(status_text(), "[x: 7]");
+    char text[3000];
+    memset(text, 'a', sizeof text);
+    text[sizeof text - 1] = 0;
+    (void)status_describe(ST_IO, "%s", text);
+    assert_int_equal(strlen(status_text()), STATUS_TEXT_MAX - 1);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_counts),   cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_overflow), cmocka_unit_test(test_fault),
+        cmocka_unit_test(test_status),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
