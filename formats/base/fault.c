@@ -5,18 +5,15 @@
 /* Operations left until the failing one; 0 = off, negative = has fired. */
 static atomic_long countdown[FAULT_KINDS];
 
-void fault_arm(fault_kind kind, long k)
-{
+void fault_arm(fault_kind kind, long k) {
     atomic_store(&countdown[kind], k);
 }
 
-bool fault_fired(fault_kind kind)
-{
+bool fault_fired(fault_kind kind) {
     return atomic_load(&countdown[kind]) < 0;
 }
 
-bool fault_hit(fault_kind kind)
-{
+bool fault_hit(fault_kind kind) {
     if (atomic_load_explicit(&countdown[kind], memory_order_relaxed) <= 0)
         return false;
     /* The one that counts from 1 to 0 fails; a marker keeps later ones from firing. */

@@ -1,15 +1,23 @@
 /* fault.h - the tests' hook: let the k-th allocation, read or thread creation of this process fail.
  *
- * Off by default, and then one relaxed load. The only state in the library that is global, and only tests set it.
+ * Off by default, and then one relaxed load. The only state in the library that is global, and only
+ * tests set it.
  */
 #ifndef FORMATS_BASE_FAULT_H
 #define FORMATS_BASE_FAULT_H
 
 #include <stdbool.h>
 
-typedef enum fault_kind { FAULT_ALLOC, FAULT_READ, FAULT_WRITE, FAULT_THREAD, FAULT_KINDS } fault_kind;
+typedef enum fault_kind {
+    FAULT_ALLOC,
+    FAULT_READ,
+    FAULT_WRITE,
+    FAULT_THREAD,
+    FAULT_KINDS
+} fault_kind;
 
-/* fault_arm() - from now on the k-th operation of this kind fails (k = 1: the next), once; k = 0 disarms. */
+/* fault_arm() - from now on the k-th operation of this kind fails (k = 1: the next), once; k = 0
+ * disarms. */
 void fault_arm(fault_kind kind, long k);
 
 /* fault_fired() - whether the armed fault has happened. */

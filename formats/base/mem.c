@@ -10,26 +10,24 @@
 /* One cache line before each block holds its size, so that the block itself stays aligned. */
 enum { LINE = 64 };
 
-void mem_init(mem *m, size_t limit)
-{
+void mem_init(mem *m, size_t limit) {
     atomic_init(&m->used, 0);
     atomic_init(&m->peak, 0);
     m->limit = limit;
 }
 
-static void *refuse(const mem *m, size_t size)
-{
+static void *refuse(const mem *m, size_t size) {
     if (m->limit)
-        (void)status_describe(ST_NOMEM,
-                              "no room for %zu bytes: %zu of the memory budget of %zu bytes are in use", size,
-                              atomic_load(&m->used), m->limit);
+        (void)status_describe(
+            ST_NOMEM, "no room for %zu bytes: %zu of the memory budget of %zu bytes are in use",
+            size, atomic_load(&m->used), m->limit);
     else
-        (void)status_describe(ST_NOMEM, "no room for %zu bytes: the system has no memory left", size);
+        (void)status_describe(ST_NOMEM, "no room for %zu bytes: the system has no memory left",
+                              size);
     return NULL;
 }
 
-void *mem_alloc(mem *m, size_t size)
-{
+void *mem_alloc(mem *m, size_t size) {
     if (size > SIZE_MAX - 2 * LINE || fault_hit(FAULT_ALLOC))
         return refuse(m, size);
     size_t total = (size + 2 * LINE - 1) / LINE * LINE;
@@ -44,30 +42,26 @@ void *mem_alloc(mem *m, size_t size)
         return refuse(m, size);
     }
     size_t peak = atomic_load(&m->peak);
-    while (used > peak && !atomic_compare_exchange_weak(&m->peak, &peak, used)) {
-    }
+    while (used > peak && !atomic_compare_exchange_weak(&m->peak, &peak, used)) {}
     memcpy(line, &total, sizeof total);
     return line + LINE;
 }
 
-void *mem_zalloc(mem *m, size_t size)
-{
+void *mem_zalloc(mem *m, size_t size) {
     void *block = mem_alloc(m, size);
     if (block)
         memset(block, 0, size);
     return block;
 }
 
-void *mem_array(mem *m, size_t count, size_t size)
-{
+void *mem_array(mem *m, size_t count, size_t size) {
     size_t bytes = 0;
     if (__builtin_mul_overflow(count, size, &bytes))
         return refuse(m, SIZE_MAX);
     return mem_zalloc(m, bytes ? bytes : 1);
 }
 
-char *mem_copy_text(mem *m, const char *text)
-{
+char *mem_copy_text(mem *m, const char *text) {
     size_t size = strlen(text) + 1;
     char *copy = mem_alloc(m, size);
     if (copy)
@@ -75,8 +69,7 @@ char *mem_copy_text(mem *m, const char *text)
     return copy;
 }
 
-void mem_free(mem *m, void *block)
-{
+void mem_free(mem *m, void *block) {
     if (!block)
         return;
     char *line = (char *)block - LINE;
@@ -86,12 +79,10 @@ void mem_free(mem *m, void *block)
     free(line);
 }
 
-size_t mem_used(const mem *m)
-{
+size_t mem_used(const mem *m) {
     return atomic_load(&m->used);
 }
 
-size_t mem_peak(const mem *m)
-{
+size_t mem_peak(const mem *m) {
     return atomic_load(&m->peak);
 }

@@ -1,7 +1,8 @@
 /* mem.h - the one allocator: counted, budgeted, with a high-water mark.
  *
- * A `mem` is a budget that a job (a conversion, an open volume) hands to everything it creates. Blocks are aligned to
- * 64 bytes, as SIMD kernels and cache lines want. All functions are thread-safe.
+ * A `mem` is a budget that a job (a conversion, an open volume) hands to everything it creates.
+ * Blocks are aligned to 64 bytes, as SIMD kernels and cache lines want. All functions are
+ * thread-safe.
  */
 #ifndef FORMATS_BASE_MEM_H
 #define FORMATS_BASE_MEM_H
@@ -18,7 +19,8 @@ typedef struct mem {
 void mem_init(mem *m, size_t limit);
 
 /* mem_alloc(), mem_zalloc() - size bytes (at least 1), the second zeroed.
- * NULL when the budget or the system has no room; the description says what was asked for, and the caller returns ST_NOMEM. */
+ * NULL when the budget or the system has no room; the description says what was asked for, and the
+ * caller returns ST_NOMEM. */
 void *mem_alloc(mem *m, size_t size);
 void *mem_zalloc(mem *m, size_t size);
 

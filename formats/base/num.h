@@ -7,13 +7,18 @@
 
 #include "formats/base/status.h"
 
-/* Each parses the whole text or returns ST_USAGE naming `what` ("--iso", "file.nrrd: line 3") and the text. */
-CHECKED status num_double(const char *text, const char *what, double *out); /* also inf, nan, hex floats */
+/* Each parses the whole text or returns ST_USAGE naming `what` ("--iso", "file.nrrd: line 3") and
+ * the text. */
+CHECKED status num_double(const char *text, const char *what,
+                          double *out); /* also inf, nan, hex floats */
 CHECKED status num_int(const char *text, const char *what, int64_t lo, int64_t hi, int64_t *out);
-CHECKED status num_size(const char *text, const char *what, uint64_t *out); /* bytes; suffix K M G T = powers of 1024 */
+CHECKED status num_size(const char *text, const char *what,
+                        uint64_t *out); /* bytes; suffix K M G T = powers of 1024 */
 
-/* num_doubles() - count numbers split by any of the separators (", " "x"); exactly count of them. */
-CHECKED status num_doubles(const char *text, const char *what, const char *separators, int count, double *out);
+/* num_doubles() - count numbers split by any of the separators (", " "x"); exactly count of them.
+ */
+CHECKED status num_doubles(const char *text, const char *what, const char *separators, int count,
+                           double *out);
 
 /* num_print() - the shortest decimal that reads back as the same double; returns buffer. */
 enum { NUM_TEXT_MAX = 32 };

@@ -35,8 +35,7 @@ struct pool {
     status_note note;
 };
 
-static void note_failure(pool *p, size_t index, status st)
-{
+static void note_failure(pool *p, size_t index, status st) {
     pthread_mutex_lock(&p->lock);
     if (index < p->failed_index) {
         p->failed_index = index;
@@ -46,8 +45,7 @@ static void note_failure(pool *p, size_t index, status st)
     pthread_mutex_unlock(&p->lock);
 }
 
-static void take_indices(pool *p, int self)
-{
+static void take_indices(pool *p, int self) {
     while (!atomic_load_explicit(&p->failed, memory_order_relaxed)) {
         size_t index = atomic_fetch_add(&p->next, 1);
         if (index >= p->count)
@@ -58,8 +56,7 @@ static void take_indices(pool *p, int self)
     }
 }
 
-static void *work(void *arg)
-{
+static void *work(void *arg) {
     worker *self = arg;
     pool *p = self->owner;
     uint64_t seen = 0;
@@ -80,8 +77,7 @@ static void *work(void *arg)
     return NULL;
 }
 
-status pool_create(mem *m, int threads, pool **out)
-{
+status pool_create(mem *m, int threads, pool **out) {
     pool *p = mem_zalloc(m, sizeof *p);
     if (!p)
         return ST_NOMEM;
@@ -99,7 +95,8 @@ status pool_create(mem *m, int threads, pool **out)
         w->owner = p;
         w->index = p->started + 1;
         if (fault_hit(FAULT_THREAD) || pthread_create(&w->thread, NULL, work, w) != 0) {
-            st = status_describe(ST_FAILED, "thread %d of %d could not be created", w->index + 1, p->threads);
+            st = status_describe(ST_FAILED, "thread %d of %d could not be created", w->index + 1,
+                                 p->threads);
             goto fail;
         }
     }
@@ -110,8 +107,7 @@ fail:
     return st;
 }
 
-void pool_destroy(pool *p)
-{
+void pool_destroy(pool *p) {
     if (!p)
         return;
     pthread_mutex_lock(&p->lock);
@@ -127,13 +123,11 @@ void pool_destroy(pool *p)
     mem_free(p->m, p);
 }
 
-int pool_threads(const pool *p)
-{
+int pool_threads(const pool *p) {
     return p->threads;
 }
 
-status pool_run(pool *p, size_t count, pool_body body, void *ctx)
-{
+status pool_run(pool *p, size_t count, pool_body body, void *ctx) {
     pthread_mutex_lock(&p->lock);
     p->body = body;
     p->ctx = ctx;
@@ -156,8 +150,7 @@ status pool_run(pool *p, size_t count, pool_body body, void *ctx)
     return failed ? status_note_raise(&p->note) : ST_OK;
 }
 
-int pool_default_threads(void)
-{
+int pool_default_threads(void) {
     cpu_set_t set;
     CPU_ZERO(&set);
     if (sched_getaffinity(0, sizeof set, &set) != 0)

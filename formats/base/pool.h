@@ -1,7 +1,8 @@
 /* pool.h - a fixed set of threads that share out the indices of a loop.
  *
- * Results must not depend on which worker gets which index; the error that is returned does not either (that of the
- * lowest failing index among those that ran). One loop at a time; only the creating thread calls pool_run().
+ * Results must not depend on which worker gets which index; the error that is returned does not
+ * either (that of the lowest failing index among those that ran). One loop at a time; only the
+ * creating thread calls pool_run().
  */
 #ifndef FORMATS_BASE_POOL_H
 #define FORMATS_BASE_POOL_H
@@ -16,7 +17,8 @@ typedef struct pool pool;
 /* A loop body: index in [0, count), worker in [0, pool_threads()) for per-thread scratch. */
 typedef status (*pool_body)(void *ctx, size_t index, int worker);
 
-/* pool_create() - threads >= 1 workers, the caller being one of them; ST_FAILED if a thread cannot be created. */
+/* pool_create() - threads >= 1 workers, the caller being one of them; ST_FAILED if a thread cannot
+ * be created. */
 CHECKED status pool_create(mem *m, int threads, pool **out);
 
 /* pool_destroy() - waits for the workers to end. NULL is fine. */
@@ -24,8 +26,8 @@ void pool_destroy(pool *p);
 
 int pool_threads(const pool *p);
 
-/* pool_run() - body for every index, in any order, in parallel; returns when all are done. After the first error no
- * further index is started. */
+/* pool_run() - body for every index, in any order, in parallel; returns when all are done. After
+ * the first error no further index is started. */
 CHECKED status pool_run(pool *p, size_t count, pool_body body, void *ctx);
 
 /* pool_default_threads() - the number of CPUs this process may run on. */

@@ -1,6 +1,7 @@
 /* progress.h - how long jobs say how far they are, and are asked to stop.
  *
- * The library calls back; what becomes of it (a bar, a log line, nothing) is the caller's affair. May be called from any thread.
+ * The library calls back; what becomes of it (a bar, a log line, nothing) is the caller's affair.
+ * May be called from any thread.
  */
 #ifndef FORMATS_BASE_PROGRESS_H
 #define FORMATS_BASE_PROGRESS_H

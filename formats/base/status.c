@@ -6,8 +6,7 @@
 
 static _Thread_local char description[STATUS_TEXT_MAX];
 
-status status_describe(status st, const char *fmt, ...)
-{
+status status_describe(status st, const char *fmt, ...) {
     /* Format aside first: an argument may be the old description itself. */
     char text[STATUS_TEXT_MAX];
     va_list args;
@@ -18,19 +17,16 @@ status status_describe(status st, const char *fmt, ...)
     return st;
 }
 
-const char *status_text(void)
-{
+const char *status_text(void) {
     return description;
 }
 
-void status_note_take(status_note *note, status st)
-{
+void status_note_take(status_note *note, status st) {
     note->st = st;
     memcpy(note->text, description, sizeof note->text);
 }
 
-status status_note_raise(const status_note *note)
-{
+status status_note_raise(const status_note *note) {
     memcpy(description, note->text, sizeof description);
     return note->st;
 }

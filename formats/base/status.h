@@ -1,10 +1,11 @@
 /* status.h - how every function of leafcast says what became of it.
  *
- * Detect = describe once, told = pass on: the function that finds a fault describes it with status_describe(); everyone
- * above passes the status up untouched. A caller's bug is an assert, never a status.
+ * Detect = describe once, told = pass on: the function that finds a fault describes it with
+ * status_describe(); everyone above passes the status up untouched. A caller's bug is an assert,
+ * never a status.
  *
- * The description belongs to the calling thread (as errno does). A fault found on a worker thread is carried to
- * the thread that waits for it in a status_note.
+ * The description belongs to the calling thread (as errno does). A fault found on a worker thread
+ * is carried to the thread that waits for it in a status_note.
  */
 #ifndef FORMATS_BASE_STATUS_H
 #define FORMATS_BASE_STATUS_H
@@ -33,10 +34,12 @@ typedef struct status_note {
     char text[STATUS_TEXT_MAX];
 } status_note;
 
-/* status_describe() - set this thread's description; returns st, so that `return status_describe(...)` reads well. */
+/* status_describe() - set this thread's description; returns st, so that `return
+ * status_describe(...)` reads well. */
 status status_describe(status st, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
 
-/* status_text() - this thread's last description; "" when nothing was described. Valid until the next one. */
+/* status_text() - this thread's last description; "" when nothing was described. Valid until the
+ * next one. */
 const char *status_text(void);
 
 /* status_note_take() - keep st with this thread's description. */
