@@ -14,7 +14,7 @@
 #include "formats/leaf.h"
 #include "formats/sample.h"
 
-enum { LEAF_NO_TREELET = 0xFFFFFFFFu };
+#define LEAF_NO_TREELET UINT32_MAX /* no child; no treelet has this index */
 
 typedef struct leaf_level {
     uint32_t dims[3];     /* nodes */
