@@ -37,6 +37,7 @@ typedef struct drawing {
     uint32_t *tiles_now, *tiles_later; /* not drawn yet: of this pass; put off to the next */
     uint32_t tiles_left, tiles_off;
     loader_request *requests;
+    atomic_size_t finished; /* pixels */
 } drawing;
 
 uint32_t frame_records_min(int threads)
@@ -120,15 +121,17 @@ static status draw_tile(drawing *d, uint32_t tile, frame_counters *counters)
 {
     const frame *f = d->f;
     pixel_ray suspended[TILE_RAYS];
-    uint32_t count = 0;
+    uint32_t count = 0, started = 0;
     const uint32_t x0 = tile % d->tiles_x * TILE, y0 = tile / d->tiles_x * TILE;
     for (uint32_t y = y0; y < y0 + TILE && y < f->height; y++) {
         for (uint32_t x = x0; x < x0 + TILE && x < f->width; x++) {
-            counters->primary_rays++;
+            started++;
             suspended[count] = pixel_ray_start(y * f->width + x);
             count += !pixel_ray_advance(f, &suspended[count], counters);
         }
     }
+    counters->primary_rays += started;
+    atomic_fetch_add_explicit(&d->finished, started - count, memory_order_relaxed);
     status st = ST_OK;
     pthread_mutex_lock(&d->lock);
     for (uint32_t i = 0; i < count && st == ST_OK; i++) {
@@ -151,8 +154,12 @@ static void resume_batch(drawing *d, size_t batch, frame_counters *counters)
     const size_t from = batch * BATCH;
     const size_t to = from + BATCH < d->runnable_count ? from + BATCH : d->runnable_count;
     bool done[BATCH];
-    for (size_t i = from; i < to; i++)
+    size_t finished = 0;
+    for (size_t i = from; i < to; i++) {
         done[i - from] = pixel_ray_advance(d->f, record(d, d->runnable[i]), counters);
+        finished += done[i - from];
+    }
+    atomic_fetch_add_explicit(&d->finished, finished, memory_order_relaxed);
     pthread_mutex_lock(&d->lock);
     for (size_t i = from; i < to; i++) {
         if (done[i - from]) {
@@ -172,12 +179,18 @@ static void put_off(drawing *d, uint32_t tile)
     pthread_mutex_unlock(&d->lock);
 }
 
+static double share_done(drawing *d)
+{
+    const size_t finished = atomic_load_explicit(&d->finished, memory_order_relaxed);
+    return (double)finished / ((double)d->f->width * d->f->height);
+}
+
 static status run_item(void *ctx, size_t index, int worker)
 {
     drawing *d = ctx;
     const frame *f = d->f;
     frame_counters *counters = &d->tallies[worker].counters;
-    if (f->stop && f->stop(f->stop_ctx))
+    if (f->watch && !f->watch(f->watch_ctx, share_done(d)))
         return status_describe(ST_STOPPED, "stopped");
     if (index < d->batches) {
         resume_batch(d, index, counters);

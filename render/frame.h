@@ -24,8 +24,8 @@ typedef struct frame {
     uint32_t width, height;
     leafcast_image image;
     uint32_t records_max; /* suspended rays at a time, at least frame_records_min() */
-    bool (*stop)(void *);
-    void *stop_ctx;
+    bool (*watch)(void *ctx, double done); /* see leafcast_trace() */
+    void *watch_ctx;
 } frame;
 
 typedef struct frame_counters {
@@ -33,7 +33,7 @@ typedef struct frame_counters {
     uint64_t primary_rays, shadow_rays, provisional_pixels, ill_conditioned, passes;
 } frame_counters;
 
-/* frame_render() - draw into f->image. ST_STOPPED when stop() said so; the planes are then partly written. */
+/* frame_render() - draw into f->image. ST_STOPPED when watch() said so; the planes are then partly written. */
 CHECKED status frame_render(const frame *f, frame_counters *counters);
 
 /* frame_records_min() - the fewest records with which a frame can finish; frame_record_bytes() - memory of one. */

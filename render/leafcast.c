@@ -370,7 +370,7 @@ static void fill_stats(leafcast *v, const frame_counters *c, double render_s, le
 }
 
 leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene, const leafcast_camera *from,
-                               const leafcast_image *image, leafcast_stats *stats, bool (*stop)(void *), void *stop_ctx)
+                               const leafcast_image *image, leafcast_stats *stats, bool (*watch)(void *, double), void *watch_ctx)
 {
     tracer tr;
     frame f = {.m = &v->budget,
@@ -382,8 +382,8 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene, const l
                .width = from->width,
                .height = from->height,
                .image = *image,
-               .stop = stop,
-               .stop_ctx = stop_ctx};
+               .watch = watch,
+               .watch_ctx = watch_ctx};
     frame_counters counters = {0};
     const double start = now();
     status st = camera_init(&f.camera, from);

@@ -173,9 +173,10 @@ typedef struct leafcast_stats {
     const char *isa;
 } leafcast_stats;
 
-/* leafcast_trace() - one picture. stats may be NULL. stop, when not NULL, is asked now and then; true ends the call with LEAFCAST_STOPPED. */
+/* leafcast_trace() - one picture. stats may be NULL. watch, when not NULL, is told now and then (by any render thread) what share of the pixels is done;
+ * false ends the call with LEAFCAST_STOPPED. */
 leafcast_status leafcast_trace(leafcast *volume, const leafcast_scene *scene, const leafcast_camera *camera,
-                               const leafcast_image *image, leafcast_stats *stats, bool (*stop)(void *), void *stop_ctx);
+                               const leafcast_image *image, leafcast_stats *stats, bool (*watch)(void *ctx, double done), void *watch_ctx);
 
 /* ---- Single rays and points ------------------------------------------------------------------------------------------ */
 

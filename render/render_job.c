@@ -141,17 +141,30 @@ static status select_surfaces(render_job *job, const view_options *view) {
     return st;
 }
 
+/* A picture's part in the whole job. */
+typedef struct part {
+    const progress *watch;
+    double done, share;
+} part;
+
+static bool report(void *ctx, double done) {
+    const part *p = ctx;
+    if (p->share > 0.0)
+        return progress_step(p->watch, "rendering", p->done + p->share * done) == ST_OK;
+    return !p->watch->stop || !p->watch->stop(p->watch->ctx);
+}
+
 static status trace(render_job *job, const view_options *view, const leafcast_camera *camera,
                     leafcast_stats *median) {
     leafcast_stats *all = mem_array(&job->m, (size_t)job->repeat, sizeof *all);
     if (!all)
         return ST_NOMEM;
-    bool (*stop)(void *) = job->watch ? job->watch->stop : NULL;
-    void *ctx = job->watch ? job->watch->ctx : NULL;
     status st = ST_OK;
-    for (int i = 0; i < job->repeat && st == ST_OK; i++)
-        st = render_status(
-            leafcast_trace(job->volume, &view->scene, camera, &job->image, &all[i], stop, ctx));
+    for (int i = 0; i < job->repeat && st == ST_OK; i++) {
+        part p = {job->watch, job->done + job->share * i / job->repeat, job->share / job->repeat};
+        st = render_status(leafcast_trace(job->volume, &view->scene, camera, &job->image, &all[i],
+                                          job->watch ? report : NULL, &p));
+    }
     if (st == ST_OK)
         *median = all[render_stats_median(all, job->repeat)];
     mem_free(&job->m, all);

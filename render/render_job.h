@@ -15,6 +15,8 @@ typedef struct render_job {
     leafcast_info info;
     const char *source; /* the treelet file's path, for the pictures' metadata */
     const progress *watch;
+    double done, share; /* of the whole job: before this picture, and this picture; share 0:
+                           unknown, only stop() is asked */
     bool force;
     int repeat;
     /* Kept between pictures. */

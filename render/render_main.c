@@ -287,6 +287,8 @@ static status draw_sequence(render_options *o, render_job *job, sequence *s, scr
     status st = ST_OK;
     for (int i = 0; i < s->count && st == ST_OK; i++) {
         json_t *stats = NULL;
+        job->share = 1.0 / s->count;
+        job->done = i * job->share;
         st = describe_frame(o, s, i, frame);
         if (st == ST_OK)
             st = render_job_check(job, frame);
@@ -296,8 +298,6 @@ static status draw_sequence(render_options *o, render_job *job, sequence *s, scr
             st = print_line(stats);
         if (stats)
             json_array_append_new(all, stats);
-        if (st == ST_OK)
-            st = progress_step(job->watch, "rendering", (double)(i + 1) / s->count);
     }
     if (st || !o->stats)
         return st;
