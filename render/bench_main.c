@@ -9,24 +9,26 @@
 #include "formats/base/num.h"
 #include "render/bench_figure.h"
 #include "render/bench_intersect.h"
+#include "render/bench_plot.h"
 #include "render/bench_walk.h"
 #include "render/view_options.h"
 
 typedef struct bench_options {
     cli_common common;
     view_options view;
-    const char *suite, *target;
+    const char *suite, *target, *plot;
     int runs, count;
     mem m;
     bench_table table;
 } bench_options;
 
-enum { RUNS = 0x3000, COUNT };
+enum { RUNS = 0x3000, COUNT, PLOT };
 
 static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Measuring:", 1},
     {"runs", RUNS, "N", 0, "runs of each, interleaved; medians are reported (9)", 0},
     {"ray-cells", COUNT, "N", 0, "intersectors: at most N ray-cells (500000)", 0},
+    {"plot", PLOT, "FILE.svg", 0, "draw the table's main columns", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status set_option(bench_options *o, int key, const char *text) {
@@ -41,6 +43,7 @@ static status set_option(bench_options *o, int key, const char *text) {
         st = num_int(text, "--ray-cells", 1, 1 << 24, &n);
         o->count = (int)n;
         return st;
+    case PLOT: o->plot = text; return ST_OK;
     default: return ST_AGAIN;
     }
 }
@@ -159,24 +162,36 @@ static const struct suite {
     const char *name;
     status (*run)(bench_options *o);
     bool csv; /* -o takes the table */
-} SUITES[] = {{"intersectors", intersectors, true},
-              {"figure49", figure49, false},
-              {"walk", walk, true},
-              {"kernel", kernel, true}};
+    int labels;
+    bench_chart charts[2];
+} SUITES[] = {
+    {"intersectors",
+     intersectors,
+     true,
+     2,
+     {{"ns/ray-cell", "+-", false}, {"rms cells", NULL, true}}},
+    {"figure49", figure49, false, 1, {{"surfaces", NULL, false}, {"missed", NULL, false}}},
+    {"walk", walk, true, 2, {{"ns/ray", "+-", false}, {"new isovalue ms", "+-", false}}},
+    {"kernel", kernel, true, 1, {{"double ns/16", NULL, false}, {"filtered ns/16", NULL, false}}}};
 enum { SUITE_COUNT = sizeof SUITES / sizeof *SUITES };
 
 /* ---- results ---- */
 
-static status write_csv(bench_options *o) {
+/* What a printer prints, to a file that appears when it is complete. */
+static status write_printed(bench_options *o, const struct suite *suite, bool plot) {
+    const char *path = plot ? o->plot : o->common.output;
     char *text = NULL;
     size_t size = 0;
     FILE *stream = open_memstream(&text, &size);
     if (!stream)
         return status_describe(ST_NOMEM, "no memory for the table");
-    bench_table_csv(&o->table, stream);
+    if (plot)
+        bench_plot(&o->table, suite->labels, suite->charts, 2, stream);
+    else
+        bench_table_csv(&o->table, stream);
     fclose(stream);
     out_file *f = NULL;
-    status st = out_file_create(&o->m, o->common.output, o->common.force, &f);
+    status st = out_file_create(&o->m, path, o->common.force, &f);
     if (st == ST_OK) {
         st = out_file_append(f, text, size);
         if (st == ST_OK)
@@ -188,6 +203,12 @@ static status write_csv(bench_options *o) {
     return st;
 }
 
+static status refuse_existing(const bench_options *o, const char *path) {
+    if (!path || o->common.force || access(path, F_OK) != 0)
+        return ST_OK;
+    return status_describe(ST_EXISTS, "%s exists (--force overwrites)", path);
+}
+
 static status run(bench_options *o) {
     const char *name = o->suite ? o->suite : "intersectors";
     const struct suite *suite = NULL;
@@ -197,13 +218,17 @@ static status run(bench_options *o) {
     if (!suite)
         return status_describe(ST_USAGE, "no suite \"%s\": intersectors, figure49, walk, kernel",
                                name);
-    if (suite->csv && o->common.output && !o->common.force && access(o->common.output, F_OK) == 0)
-        return status_describe(ST_EXISTS, "%s exists (--force overwrites)", o->common.output);
-    status st = suite->run(o);
+    status st = refuse_existing(o, o->common.output);
+    if (st == ST_OK)
+        st = refuse_existing(o, o->plot);
+    if (st == ST_OK)
+        st = suite->run(o);
     if (st)
         return st;
     bench_table_print(&o->table, stdout);
-    return suite->csv && o->common.output ? write_csv(o) : ST_OK;
+    if (suite->csv && o->common.output)
+        st = write_printed(o, suite, false);
+    return st == ST_OK && o->plot ? write_printed(o, suite, true) : st;
 }
 
 int main(int argc, char **argv) {
@@ -223,7 +248,7 @@ int main(int argc, char **argv) {
                "  figure49 [-o FILE.png]  M08 figure 4.9, two surfaces in a cell\n"
                "  walk F.leaf --iso V     experiment E1: below 4^3 cells\n"
                "  kernel F.leaf --iso V   experiment E2: a float filter\n"
-               "The table goes to standard output, with -o FILE.csv also there.",
+               "The table goes to standard output, with -o FILE.csv also there as CSV.",
         .children = children};
     view_options_init(&o.view);
     mem_init(&o.m, 0);

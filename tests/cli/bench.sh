@@ -22,9 +22,10 @@ judge() { # judge FILE FIELDS
         'len({(r["field"], r["missed"], r["false"]) for r in t if r["intersector"] in ("linear", "neubauer")}) == '"$2"' and all(r["false"] == "0" for r in t if r["intersector"] == "linear")'
     ok "times are there, with their spread" csv "$1" 'all(float(r["ns/ray-cell"]) > 0 and float(r["+-"]) >= 0 for r in t)'
 }
-exits "built-in fields" 0 "$leafcast" bench intersectors --ray-cells 20000 --runs 3 -o "$tmp/i.csv"
+exits "built-in fields" 0 "$leafcast" bench intersectors --ray-cells 20000 --runs 3 -o "$tmp/i.csv" --plot "$tmp/i.svg"
 ok "a table on standard output" says '^marschner-lobb *neubauer' out
 judge "$tmp/i.csv" 2
+ok "and as bars" python3 -c 'import sys, xml.dom.minidom as x; sys.exit(x.parse(sys.argv[1]).getElementsByTagName("rect").length != 25)' "$tmp/i.svg"
 exits "an existing table" 1 "$leafcast" bench intersectors --ray-cells 100 -o "$tmp/i.csv"
 exits "a treelet file" 0 "$leafcast" bench intersectors "$leaf" --iso 128 --size 200x200 --ray-cells 20000 --runs 3 -o "$tmp/f.csv"
 judge "$tmp/f.csv" 1

@@ -1,0 +1,22 @@
+/* bench_plot.h - a benchmark's table as bars, in SVG. */
+#ifndef RENDER_BENCH_PLOT_H
+#define RENDER_BENCH_PLOT_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "render/bench_table.h"
+
+/* One chart: a bar a row. */
+typedef struct bench_chart {
+    const char *column; /* heading of the values */
+    const char *spread; /* heading of their spread; NULL: none */
+    bool log;           /* logarithmic: errors over many powers of ten; zeros have no bar */
+} bench_chart;
+
+/* bench_plot() - the charts below each other; rows are labelled by the first label_columns cells.
+ * Columns that are not there are left out. */
+void bench_plot(const bench_table *t, int label_columns, const bench_chart *charts, int count,
+                FILE *out);
+
+#endif
