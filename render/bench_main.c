@@ -106,7 +106,7 @@ static status run_field(bench_options *o, const char *name, bool from_file) {
 static status intersectors(bench_options *o) {
     bench_table_init(&o->table,
                      "Cell intersectors (M08 4.3.3): against a long-double solution of every "
-                     "ray-cell; distances in cells, medians of interleaved runs",
+                     "ray-cell; distances in cells, medians of CPU time, runs interleaved",
                      bench_intersect_headings);
     if (o->target && strchr(o->target, '.'))
         return run_field(o, o->target, true);
@@ -117,10 +117,11 @@ static status intersectors(bench_options *o) {
 }
 
 static status walk(bench_options *o) {
-    bench_table_init(&o->table,
-                     "E1, below 4^3 cells: one thread, all resident, the same depth bits; medians "
-                     "of interleaved runs",
-                     bench_walk_headings);
+    bench_table_init(
+        &o->table,
+        "E1, below 4^3 cells: one thread, all resident, the same depth bits; medians of CPU time, "
+        "runs interleaved",
+        bench_walk_headings);
     if (!o->target)
         return status_describe(ST_USAGE, "bench walk takes a treelet file");
     status st = view_options_check(&o->view);
