@@ -47,6 +47,9 @@ static bool all_finite(const double v[3]) {
 static status check(const leafcast_camera *from) {
     if (from->width == 0 || from->height == 0)
         return status_describe(ST_USAGE, "a picture of %u x %u pixels", from->width, from->height);
+    if ((uint64_t)from->width * from->height > CAMERA_PIXELS_MAX)
+        return status_describe(ST_USAGE, "a picture of %u x %u pixels: more than %d", from->width,
+                               from->height, CAMERA_PIXELS_MAX);
     if (!all_finite(from->eye) || !all_finite(from->look_at) || !all_finite(from->up))
         return status_describe(ST_USAGE, "the camera's eye, look-at and up must be finite");
     if (!(from->fov > 0.0 && from->fov < 180.0))

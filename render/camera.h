@@ -19,8 +19,11 @@ typedef struct camera {
     double width, height;   /* pixels */
 } camera;
 
-/* camera_init() - ST_USAGE when there is no such camera: numbers that are not finite, no pixels,
- * fov outside (0, 180), nothing between eye and look_at, `up` along the view. */
+/* The index of a pixel fits 32 bits, signed or not. */
+enum { CAMERA_PIXELS_MAX = INT32_MAX };
+
+/* camera_init() - ST_USAGE when there is no such camera: numbers that are not finite, no or too
+ * many pixels, fov outside (0, 180), nothing between eye and look_at, `up` along the view. */
 CHECKED status camera_init(camera *c, const leafcast_camera *from);
 
 /* camera_ray() - the ray through (x, y), in pixels: from the eye, unit direction; no component is

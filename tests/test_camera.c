@@ -84,6 +84,8 @@ static void test_no_such_camera(void **state) {
     leafcast_camera view = plain();
     view.width = 0;
     refused(view, "pixels");
+    view.width = view.height = 65536;
+    refused(view, "65536 x 65536 pixels: more than");
     view = plain();
     view.eye[1] = NAN;
     refused(view, "finite");
