@@ -121,6 +121,7 @@ static void measure(experiment_filter_result *result)
         doubles[run] = between - start;
         filtered[run] = now_ns() - between;
     }
+    (void)sink;
     qsort(doubles, RUNS, sizeof *doubles, by_value);
     qsort(filtered, RUNS, sizeof *filtered, by_value);
     const double sixteens = tape.count / 16.0;
