@@ -306,22 +306,115 @@ static void test_lying_directory(void **state) {
 static void test_lying_payloads(void **state) {
     (void)state;
     image i = make(false, LEAF_CODEC_RAW);
-    const uint64_t *offsets = section(&i, LEAF_SECTION_OFFSETS),
-                   *sizes = section(&i, LEAF_SECTION_SIZES);
+    const uint64_t *offsets = section(&i, LEAF_SECTION_OFFSETS);
+    const uint64_t *sizes = section(&i, LEAF_SECTION_SIZES);
     uint64_t *checksums = section(&i, LEAF_SECTION_CHECKSUMS);
-    for (uint64_t t = 0; t < i.header->treelets; t++)
-        for (uint64_t at = 0; at < sizes[t]; at += at < 256 ? 1 : 7) {
+    int differ = 0, passed = 0;
+    for (uint64_t t = 0; t < i.header->treelets; t++) {
+        const uint64_t checksum = checksums[t];
+        for (uint64_t at = 0; at < sizes[t]; at++) {
             char *byte = i.bytes + offsets[t] + at;
             *byte ^= 1;
             checksums[t] = hash_bytes(i.bytes + offsets[t], (size_t)sizes[t]);
             seal(&i);
             status st = try_open(scratch_write("bad.leaf", i.bytes, i.size), true);
             /* A sample that nothing repeats, within its block's range, is just another sample. */
-            bool may_be = at >= 192 && st == ST_OK;
-            if (st != ST_CORRUPT && !may_be)
+            if (st != ST_CORRUPT && (at < 192 || st != ST_OK))
                 fail_msg("treelet %d byte %d: status %d", (int)t, (int)at, st);
+            passed += st == ST_OK;
+            differ += st == ST_CORRUPT && strstr(status_text(), "differ in samples") != NULL;
             *byte ^= 1;
         }
+        checksums[t] = checksum;
+    }
+    assert_true(differ > 10 && passed > 10);
+    free(i.bytes);
+}
+
+/* Compressed bytes that are none, or of something else. */
+static void test_lying_frames(void **state) {
+    (void)state;
+    image i = make(true, LEAF_CODEC_ZSTD);
+    const uint64_t *offsets = section(&i, LEAF_SECTION_OFFSETS);
+    const uint64_t *sizes = section(&i, LEAF_SECTION_SIZES);
+    uint64_t *checksums = section(&i, LEAF_SECTION_CHECKSUMS);
+    for (uint64_t t = 0; t < i.header->treelets; t++) {
+        const uint64_t checksum = checksums[t];
+        char *stored = i.bytes + offsets[t];
+        for (uint64_t at = 0; at < sizes[t]; at += 5)
+            for (int bit = 0; bit < 8; bit += 3) {
+                stored[at] ^= (char)(1 << bit);
+                checksums[t] = hash_bytes(stored, (size_t)sizes[t]);
+                seal(&i);
+                /* Whatever it decompresses to, it never ends in anything but an answer. */
+                status st = try_open(scratch_write("bad.leaf", i.bytes, i.size), true);
+                assert_true(st == ST_OK || st == ST_CORRUPT);
+                assert_true(st == ST_CORRUPT || at >= 8);
+                stored[at] ^= (char)(1 << bit);
+            }
+        checksums[t] = checksum;
+    }
+    free(i.bytes);
+}
+
+/* A header that fits itself, for a grid that no file of this size can hold. */
+static void test_lying_dims(void **state) {
+    (void)state;
+    static const uint32_t dims[][3] = {
+        {1 << 20, 1 << 19, 2}, {65536, 65536, 2048}, {1 << 20, 2, 2}, {2000, 2000, 2000}};
+    for (int large = 0; large < 2; large++) {
+        image i = make(large, LEAF_CODEC_RAW);
+        for (size_t n = 0; n < sizeof dims / sizeof dims[0]; n++) {
+            leaf_layout l;
+            sample_type type = (sample_type)i.header->sample_type;
+            assert_int_equal(leaf_layout_levels(&l, dims[n], 4, i.header->halo, type), ST_OK);
+            memcpy(i.header->dims, dims[n], sizeof dims[n]);
+            i.header->levels = l.levels;
+            i.header->treelets = l.treelets;
+            for (uint32_t k = 0; k < 6; k++)
+                i.table[k].bytes = leaf_section_bytes(i.header, k + 1);
+            seal(&i);
+            check_refused(&i, "dims");
+            assert_true(mem_peak(&m) < 1 << 20);
+        }
+        free(i.bytes);
+    }
+}
+
+/* Ranges that agree with each other, but not with the samples. */
+static void test_lying_ranges(void **state) {
+    (void)state;
+    image i = make(true, LEAF_CODEC_RAW);
+    float(*own)[2] = section(&i, LEAF_SECTION_OWN), (*merged)[2] = section(&i, LEAF_SECTION_RANGES);
+    for (uint64_t t = 0; t < i.header->treelets; t++) {
+        const float sound[4] = {own[t][0], own[t][1], merged[t][0], merged[t][1]};
+        const float root = merged[0][1];
+        const double most = i.header->value_max;
+        own[t][1] = merged[t][1] = merged[0][1] = 100;
+        if (t >= 1)
+            i.header->value_max = 100;
+        seal(&i);
+        const char *path = scratch_write("bad.leaf", i.bytes, i.size);
+        assert_int_equal(try_open(path, false), ST_OK);
+        assert_int_equal(try_open(path, true), ST_CORRUPT);
+        assert_non_null(strstr(status_text(), "expected samples in exactly"));
+        memcpy(own[t], sound, sizeof own[t]);
+        memcpy(merged[t], sound + 2, sizeof merged[t]);
+        merged[0][1] = root;
+        i.header->value_max = most;
+    }
+    i.header->value_max += 1;
+    seal(&i);
+    check_refused(&i, "value_max");
+    i.header->value_max -= 1;
+    i.header->non_finite += 1;
+    seal(&i);
+    const char *path = scratch_write("bad.leaf", i.bytes, i.size);
+    assert_int_equal(try_open(path, false), ST_OK);
+    assert_int_equal(try_open(path, true), ST_CORRUPT);
+    memset(section(&i, LEAF_SECTION_FLAGS), 0, (size_t)i.header->treelets);
+    seal(&i);
+    check_refused(&i, "non-finite samples in no treelet");
     free(i.bytes);
 }
 
@@ -407,6 +500,9 @@ int main(void) {
         cmocka_unit_test_setup(test_lying_table, set_up),
         cmocka_unit_test_setup(test_lying_directory, set_up),
         cmocka_unit_test_setup(test_lying_payloads, set_up),
+        cmocka_unit_test_setup(test_lying_frames, set_up),
+        cmocka_unit_test_setup(test_lying_dims, set_up),
+        cmocka_unit_test_setup(test_lying_ranges, set_up),
         cmocka_unit_test_setup(test_ancillary, set_up),
         cmocka_unit_test_setup(test_not_one, set_up),
         cmocka_unit_test_setup(test_faults, set_up),
