@@ -149,9 +149,11 @@ static void print_activity(const facts *x, double iso,
                            const leaf_activity levels[LEAF_LEVELS_MAX]) {
     char text[NUM_TEXT_MAX];
     leaf_activity all = total_of(levels);
-    printf("\nisovalue %s: %llu active cells, %llu active treelets, %.3f of the payload bytes\n",
+    printf("\nisovalue %s: %llu active cells, %llu active treelets, %.3f of the payload bytes, "
+           "%.3f of the file\n",
            num_print(iso, text), (unsigned long long)all.cells, (unsigned long long)all.treelets,
-           (double)all.bytes / (double)x->f->header.payload_bytes);
+           (double)all.bytes / (double)x->f->header.payload_bytes,
+           (double)all.bytes / (double)x->f->header.file_bytes);
     printf("level   treelets          bytes          cells\n");
     for (uint32_t i = 0; i < x->f->layout.levels; i++)
         printf("%5u %10llu %14llu %14llu\n", i, (unsigned long long)levels[i].treelets,
@@ -219,10 +221,11 @@ static json_t *activity_json(const facts *x, double iso,
         json_array_append_new(
             rows, json_pack("{s:I, s:I, s:I}", "treelets", (json_int_t)levels[i].treelets, "bytes",
                             (json_int_t)levels[i].bytes, "cells", (json_int_t)levels[i].cells));
-    return json_pack("{s:o, s:I, s:I, s:I, s:f, s:o}", "iso", json_number(iso), "active_cells",
+    return json_pack("{s:o, s:I, s:I, s:I, s:f, s:f, s:o}", "iso", json_number(iso), "active_cells",
                      (json_int_t)all.cells, "active_treelets", (json_int_t)all.treelets,
                      "active_bytes", (json_int_t)all.bytes, "active_share",
-                     (double)all.bytes / (double)x->f->header.payload_bytes, "levels", rows);
+                     (double)all.bytes / (double)x->f->header.payload_bytes, "active_share_of_file",
+                     (double)all.bytes / (double)x->f->header.file_bytes, "levels", rows);
 }
 
 static void print_json(const arguments *a, const facts *x) {
