@@ -19,9 +19,8 @@ static struct {
     uint32_t count, max;
 } tape;
 
-static bool record(const ray *r, const cell_visit *visit, const float samples[8], double iso, int32_t iso_index,
-                   uint64_t cell, const hit *after, hit *found)
-{
+static bool record(const ray *r, const cell_visit *visit, const float samples[8], double iso,
+                   int32_t iso_index, uint64_t cell, const hit *after, hit *found) {
     if (tape.count < tape.max) {
         ray_cell *c = &tape.cells[tape.count++];
         c->r = *r;
@@ -32,17 +31,17 @@ static bool record(const ray *r, const cell_visit *visit, const float samples[8]
     return cell_next_hit(r, visit, samples, iso, iso_index, cell, after, found);
 }
 
-/* (1 - s) a + s b in float: 2 roundings a product, 1 for the sum, 1 for s and 1 - s each; at most 4 u max(|a|, |b|) away from the exact value, u = 2^-24,
- * on top of the errors of a and b, which it does not enlarge. */
-static inline float mixf(float a, float b, float s)
-{
+/* (1 - s) a + s b in float: 2 roundings a product, 1 for the sum, 1 for s and 1 - s each; at most 4
+ * u max(|a|, |b|) away from the exact value, u = 2^-24, on top of the errors of a and b, which it
+ * does not enlarge. */
+static inline float mixf(float a, float b, float s) {
     return (1.0f - s) * a + s * b;
 }
 
-/* True: certainly no change of side in this cell. Differences to iso round once (u M, M the largest); three mixes add 12 u M, the
- * mean of three values 3 u M more: control values are within 16 u M. All of them beyond that on one side leave no root. */
-static bool certainly_empty(const cell_visit *visit, const float samples[8], double iso)
-{
+/* True: certainly no change of side in this cell. Differences to iso round once (u M, M the
+ * largest); three mixes add 12 u M, the mean of three values 3 u M more: control values are within
+ * 16 u M. All of them beyond that on one side leave no root. */
+static bool certainly_empty(const cell_visit *visit, const float samples[8], double iso) {
     float f[8], largest = 0.0f;
     for (int i = 0; i < 8; i++) {
         f[i] = (float)((double)samples[i] - iso);
@@ -70,30 +69,26 @@ static bool certainly_empty(const cell_visit *visit, const float samples[8], dou
            (b[0] < -bound && b[1] < -bound && b[2] < -bound && b[3] < -bound);
 }
 
-static double now_ns(void)
-{
+static double now_ns(void) {
     struct timespec t;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t); /* other processes do not count */
     return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
 }
 
-static bool exact_hit(const ray_cell *c)
-{
+static bool exact_hit(const ray_cell *c) {
     const hit after = hit_before_all();
     hit found;
     return cell_next_hit(&c->r, &c->visit, c->samples, c->iso, 0, 0, &after, &found);
 }
 
-static uint64_t run_double(void)
-{
+static uint64_t run_double(void) {
     uint64_t hits = 0;
     for (uint32_t i = 0; i < tape.count; i++)
         hits += exact_hit(&tape.cells[i]);
     return hits;
 }
 
-static uint64_t run_filtered(void)
-{
+static uint64_t run_filtered(void) {
     uint64_t hits = 0;
     for (uint32_t i = 0; i < tape.count; i++) {
         const ray_cell *c = &tape.cells[i];
@@ -102,14 +97,12 @@ static uint64_t run_filtered(void)
     return hits;
 }
 
-static int by_value(const void *a, const void *b)
-{
+static int by_value(const void *a, const void *b) {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
-static void measure(experiment_filter_result *result)
-{
+static void measure(experiment_filter_result *result) {
     enum { RUNS = 9 };
     double doubles[RUNS], filtered[RUNS];
     volatile uint64_t sink = 0; /* so that the runs are not optimised away */
@@ -138,9 +131,9 @@ static void measure(experiment_filter_result *result)
     }
 }
 
-leafcast_status experiment_filter(leafcast *volume, const leafcast_scene *scene, const leafcast_camera *camera,
-                                  uint32_t max, experiment_filter_result *result)
-{
+leafcast_status experiment_filter(leafcast *volume, const leafcast_scene *scene,
+                                  const leafcast_camera *camera, uint32_t max,
+                                  experiment_filter_result *result) {
     mem m;
     mem_init(&m, 0);
     *result = (experiment_filter_result){0};

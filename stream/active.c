@@ -8,15 +8,13 @@
 
 enum { BLOCK = 1 << LEAF_BLOCK_LOG2, NODES = BLOCK + 1 };
 
-size_t active_bytes(uint32_t node_levels)
-{
+size_t active_bytes(uint32_t node_levels) {
     size_t nodes = active_nodes_at(node_levels);
     size_t blocks = (size_t)1 << (3 * node_levels);
     return sizeof(active_masks) + blocks * sizeof(uint64_t) + (nodes + 7) / 8 * 8;
 }
 
-active_masks *active_init(void *block, uint32_t node_levels)
-{
+active_masks *active_init(void *block, uint32_t node_levels) {
     active_masks *masks = block;
     memset(masks, 0, active_bytes(node_levels));
     masks->cells = (uint64_t *)(masks + 1);
@@ -24,20 +22,18 @@ active_masks *active_init(void *block, uint32_t node_levels)
     return masks;
 }
 
-/* Morton order of the 4^3 cells of a block, a row of 4 cells at a time: bit positions of (x = 0..3) are 0, 1, 8, 9. */
-static uint64_t spread_row(unsigned row)
-{
+/* Morton order of the 4^3 cells of a block, a row of 4 cells at a time: bit positions of (x = 0..3)
+ * are 0, 1, 8, 9. */
+static uint64_t spread_row(unsigned row) {
     return (row & 3u) | (uint64_t)(row >> 2 & 3u) << 8;
 }
 
-static unsigned row_shift(unsigned y, unsigned z)
-{
+static unsigned row_shift(unsigned y, unsigned z) {
     return (y & 1u) << 1 | (y & 2u) << 3 | (z & 1u) << 2 | (z & 2u) << 4;
 }
 
 /* From one bit a node (5 x 5 rows of 5), the cells whose corners hold both a 0 and a 1. */
-static uint64_t mixed_cells(const uint8_t rows[NODES][NODES])
-{
+static uint64_t mixed_cells(const uint8_t rows[NODES][NODES]) {
     uint64_t mask = 0;
     uint8_t any[NODES][NODES], all[NODES][NODES];
     for (int z = 0; z < NODES; z++) {
@@ -57,8 +53,7 @@ static uint64_t mixed_cells(const uint8_t rows[NODES][NODES])
 }
 
 /* The cells of a block that touch a set bit. */
-static uint64_t touched_cells(const uint8_t rows[NODES][NODES])
-{
+static uint64_t touched_cells(const uint8_t rows[NODES][NODES]) {
     uint64_t mask = 0;
     for (unsigned z = 0; z < BLOCK; z++) {
         for (unsigned y = 0; y < BLOCK; y++) {
@@ -69,25 +64,26 @@ static uint64_t touched_cells(const uint8_t rows[NODES][NODES])
     return mask;
 }
 
-/* The samples of one block, as floats; nodes beyond the treelet repeat the last one, and valid_cells() takes their cells out. */
+/* The samples of one block, as floats; nodes beyond the treelet repeat the last one, and
+ * valid_cells() takes their cells out. */
 typedef struct block_samples {
     float f[NODES][NODES][NODES];
 } block_samples;
 
-#define GATHER(NAME, TYPE)                                                                          \
-    static void NAME(block_samples *b, const void *samples, const uint32_t n[3], const uint32_t at[3], \
-                     uint32_t halo)                                                                 \
-    {                                                                                               \
-        const TYPE *s = samples;                                                                    \
-        for (uint32_t z = 0; z < NODES; z++) {                                                      \
-            size_t zz = at[2] + z < n[2] - halo ? at[2] + z : n[2] - halo - 1;                      \
-            for (uint32_t y = 0; y < NODES; y++) {                                                  \
-                size_t yy = at[1] + y < n[1] - halo ? at[1] + y : n[1] - halo - 1;                  \
-                const TYPE *row = s + (zz * n[1] + yy) * n[0];                                      \
-                for (uint32_t x = 0; x < NODES; x++)                                                \
-                    b->f[z][y][x] = (float)row[at[0] + x < n[0] - halo ? at[0] + x : n[0] - halo - 1]; \
-            }                                                                                       \
-        }                                                                                           \
+#define GATHER(NAME, TYPE)                                                                 \
+    static void NAME(block_samples *b, const void *samples, const uint32_t n[3],           \
+                     const uint32_t at[3], uint32_t halo) {                                \
+        const TYPE *s = samples;                                                           \
+        for (uint32_t z = 0; z < NODES; z++) {                                             \
+            size_t zz = at[2] + z < n[2] - halo ? at[2] + z : n[2] - halo - 1;             \
+            for (uint32_t y = 0; y < NODES; y++) {                                         \
+                size_t yy = at[1] + y < n[1] - halo ? at[1] + y : n[1] - halo - 1;         \
+                const TYPE *row = s + (zz * n[1] + yy) * n[0];                             \
+                for (uint32_t x = 0; x < NODES; x++)                                       \
+                    b->f[z][y][x] =                                                        \
+                        (float)row[at[0] + x < n[0] - halo ? at[0] + x : n[0] - halo - 1]; \
+            }                                                                              \
+        }                                                                                  \
     }
 
 GATHER(gather_u8, uint8_t)
@@ -96,29 +92,18 @@ GATHER(gather_u16, uint16_t)
 GATHER(gather_i16, int16_t)
 GATHER(gather_f32, float)
 
-static void gather(sample_type type, block_samples *b, const void *samples, const uint32_t n[3], const uint32_t at[3],
-                   uint32_t halo)
-{
+static void gather(sample_type type, block_samples *b, const void *samples, const uint32_t n[3],
+                   const uint32_t at[3], uint32_t halo) {
     switch (type) {
-    case SAMPLE_U8:
-        gather_u8(b, samples, n, at, halo);
-        return;
-    case SAMPLE_I8:
-        gather_i8(b, samples, n, at, halo);
-        return;
-    case SAMPLE_U16:
-        gather_u16(b, samples, n, at, halo);
-        return;
-    case SAMPLE_I16:
-        gather_i16(b, samples, n, at, halo);
-        return;
-    default:
-        gather_f32(b, samples, n, at, halo);
+    case SAMPLE_U8: gather_u8(b, samples, n, at, halo); return;
+    case SAMPLE_I8: gather_i8(b, samples, n, at, halo); return;
+    case SAMPLE_U16: gather_u16(b, samples, n, at, halo); return;
+    case SAMPLE_I16: gather_i16(b, samples, n, at, halo); return;
+    default: gather_f32(b, samples, n, at, halo);
     }
 }
 
-static uint64_t block_mask(const block_samples *b, const active_set *set, bool non_finite)
-{
+static uint64_t block_mask(const block_samples *b, const active_set *set, bool non_finite) {
     uint8_t rows[NODES][NODES];
     uint64_t mask = 0;
     for (int i = 0; i < set->count; i++) {
@@ -146,9 +131,9 @@ static uint64_t block_mask(const block_samples *b, const active_set *set, bool n
     return mask & ~touched_cells(rows);
 }
 
-/* Cells beyond the treelet's own do not exist, though clamped samples never make them active on their own axis. */
-static uint64_t valid_cells(const uint32_t cells[3], const uint32_t at[3])
-{
+/* Cells beyond the treelet's own do not exist, though clamped samples never make them active on
+ * their own axis. */
+static uint64_t valid_cells(const uint32_t cells[3], const uint32_t at[3]) {
     uint64_t mask = 0;
     for (unsigned z = 0; z < BLOCK && at[2] + z < cells[2]; z++)
         for (unsigned y = 0; y < BLOCK && at[1] + y < cells[1]; y++) {
@@ -158,17 +143,17 @@ static uint64_t valid_cells(const uint32_t cells[3], const uint32_t at[3])
     return mask;
 }
 
-static void morton_place(uint32_t code, uint32_t levels, uint32_t at[3])
-{
+static void morton_place(uint32_t code, uint32_t levels, uint32_t at[3]) {
     at[0] = at[1] = at[2] = 0;
     for (uint32_t l = 0; l < levels; l++)
         for (int a = 0; a < 3; a++)
             at[a] |= (code >> (3 * l + (uint32_t)a) & 1u) << l;
 }
 
-/* Which of the 8^k nodes of a level hold an isovalue by their codes: one byte of eight siblings at a time. */
-static uint8_t held_siblings(const uint8_t *lo, const uint8_t *hi, const quantized_iso *isos, int count)
-{
+/* Which of the 8^k nodes of a level hold an isovalue by their codes: one byte of eight siblings at
+ * a time. */
+static uint8_t held_siblings(const uint8_t *lo, const uint8_t *hi, const quantized_iso *isos,
+                             int count) {
     unsigned mask = 0;
     for (int i = 0; i < count; i++)
         for (unsigned c = 0; c < 8; c++)
@@ -176,10 +161,8 @@ static uint8_t held_siblings(const uint8_t *lo, const uint8_t *hi, const quantiz
     return (uint8_t)mask;
 }
 
-
-
-uint32_t active_compute(active_masks *masks, const leaf_file *f, uint32_t t, const void *payload, const active_set *set)
-{
+uint32_t active_compute(active_masks *masks, const leaf_file *f, uint32_t t, const void *payload,
+                        const active_set *set) {
     const leaf_payload shape = leaf_layout_payload(&f->layout, t);
     const uint32_t levels = shape.node_levels, blocks = 1u << (3 * levels);
     const uint8_t *bytes = payload;
@@ -206,7 +189,8 @@ uint32_t active_compute(active_masks *masks, const leaf_file *f, uint32_t t, con
                     at[a] *= BLOCK;
                     from[a] = at[a] + f->layout.halo;
                 }
-                gather(f->layout.type, &b, bytes + shape.samples_at, shape.samples, from, f->layout.halo);
+                gather(f->layout.type, &b, bytes + shape.samples_at, shape.samples, from,
+                       f->layout.halo);
                 mask = block_mask(&b, set, non_finite) & valid_cells(shape.cells, at);
             }
             masks->cells[group + c] = mask;

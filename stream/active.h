@@ -1,11 +1,14 @@
-/* active.h - which nodes and cells of a treelet an isovalue set needs: bit masks derived from codes and samples.
+/* active.h - which nodes and cells of a treelet an isovalue set needs: bit masks derived from codes
+ * and samples.
  *
- * The treelet's tree becomes an octree of 8-bit child masks over its blocks of 4^3 cells, and every active block gets a mask of its 64 cells, all in
- * Morton order (bit 0 x, bit 1 y, bit 2 z per level). So byte i of a block's mask are the cells of its i-th 2^3 group, and traversal is
- * the same step from root to cell: test a bit of a byte.
+ * The treelet's tree becomes an octree of 8-bit child masks over its blocks of 4^3 cells, and every
+ * active block gets a mask of its 64 cells, all in Morton order (bit 0 x, bit 1 y, bit 2 z per
+ * level). So byte i of a block's mask are the cells of its i-th 2^3 group, and traversal is the
+ * same step from root to cell: test a bit of a byte.
  *
- * A cell is active iff min < iso && iso <= max over its eight samples for at least one isovalue, and none of them is NaN or inf: exact, so
- * traversal need not look at samples. Derived data, never stored: about 5 us and 4.2 KiB a treelet of 32^3 cells.
+ * A cell is active iff min < iso && iso <= max over its eight samples for at least one isovalue,
+ * and none of them is NaN or inf: exact, so traversal need not look at samples. Derived data, never
+ * stored: about 5 us and 4.2 KiB a treelet of 32^3 cells.
  */
 #ifndef STREAM_ACTIVE_H
 #define STREAM_ACTIVE_H
@@ -24,7 +27,7 @@ typedef struct active_set {
 
 /* Masks of one treelet; lies in front of its arrays in one block of active_bytes(). */
 typedef struct active_masks {
-    uint8_t root;    /* children of the root (their cells: B / 2 on a side) that hold an active cell */
+    uint8_t root; /* children of the root (their cells: B / 2 on a side) that hold an active cell */
     uint8_t *nodes;  /* child masks of tree levels 1 .. K-1: 8, 64, ... bytes, level after level */
     uint64_t *cells; /* 8^K: one a block of 4^3 cells, Morton order */
 } active_masks;
@@ -35,12 +38,13 @@ size_t active_bytes(uint32_t node_levels);
 /* active_init() - lay the masks out in a block of active_bytes(); everything inactive. */
 active_masks *active_init(void *block, uint32_t node_levels);
 
-/* active_compute() - masks of treelet t for an isovalue set, from its payload. Returns the number of active cells. */
-uint32_t active_compute(active_masks *masks, const leaf_file *f, uint32_t t, const void *payload, const active_set *set);
+/* active_compute() - masks of treelet t for an isovalue set, from its payload. Returns the number
+ * of active cells. */
+uint32_t active_compute(active_masks *masks, const leaf_file *f, uint32_t t, const void *payload,
+                        const active_set *set);
 
 /* Where level k (1 .. K-1) starts in `nodes`. */
-static inline uint32_t active_nodes_at(uint32_t k)
-{
+static inline uint32_t active_nodes_at(uint32_t k) {
     return ((1u << (3 * k)) - 8u) / 7u;
 }
 

@@ -36,8 +36,7 @@ struct loader_private {
     int started;
 };
 
-static double now(void)
-{
+static double now(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
@@ -45,13 +44,11 @@ static double now(void)
 
 /* ---- The queue: a binary heap by (urgency, treelet) ---- */
 
-static bool more_urgent(loader_request a, loader_request b)
-{
+static bool more_urgent(loader_request a, loader_request b) {
     return a.urgency != b.urgency ? a.urgency < b.urgency : a.t < b.t;
 }
 
-static void queue_push(struct loader_private *h, loader_request r)
-{
+static void queue_push(struct loader_private *h, loader_request r) {
     size_t i = h->queued++;
     while (i > 0 && more_urgent(r, h->queue[(i - 1) / 2])) {
         h->queue[i] = h->queue[(i - 1) / 2];
@@ -60,8 +57,7 @@ static void queue_push(struct loader_private *h, loader_request r)
     h->queue[i] = r;
 }
 
-static loader_request queue_pop(struct loader_private *h)
-{
+static loader_request queue_pop(struct loader_private *h) {
     loader_request top = h->queue[0], last = h->queue[--h->queued];
     size_t i = 0;
     for (;;) {
@@ -81,8 +77,7 @@ static loader_request queue_pop(struct loader_private *h)
 
 /* ---- One treelet in and out ---- */
 
-static void treelet_free(loader *l, treelet *tr)
-{
+static void treelet_free(loader *l, treelet *tr) {
     if (!tr)
         return;
     if (tr->payload)
@@ -91,8 +86,7 @@ static void treelet_free(loader *l, treelet *tr)
 }
 
 /* The treelet and its masks share one block. */
-static status treelet_load(loader *l, uint32_t t, source_scratch *scratch, treelet **out)
-{
+static status treelet_load(loader *l, uint32_t t, source_scratch *scratch, treelet **out) {
     const leaf_layout *layout = &l->file->layout;
     leaf_payload shape = leaf_layout_payload(layout, t);
     const size_t head = (sizeof(treelet) + 63) / 64 * 64;
@@ -116,8 +110,7 @@ static status treelet_load(loader *l, uint32_t t, source_scratch *scratch, treel
     return ST_OK;
 }
 
-static void publish(loader *l, treelet *tr)
-{
+static void publish(loader *l, treelet *tr) {
     struct loader_private *h = l->hidden;
     h->state[tr->id] = READY;
     h->places[h->filled++] = tr;
@@ -125,15 +118,13 @@ static void publish(loader *l, treelet *tr)
 }
 
 /* Give a treelet back; its place is the caller's to close. */
-static void evict(loader *l, treelet *tr)
-{
+static void evict(loader *l, treelet *tr) {
     atomic_store_explicit(&l->resident[tr->id], NULL, memory_order_relaxed);
     l->hidden->state[tr->id] = ABSENT;
     treelet_free(l, tr);
 }
 
-static void evict_oldest(loader *l, uint32_t count)
-{
+static void evict_oldest(loader *l, uint32_t count) {
     struct loader_private *h = l->hidden;
     for (uint32_t i = 0; i < count; i++)
         evict(l, h->places[i]);
@@ -141,8 +132,7 @@ static void evict_oldest(loader *l, uint32_t count)
     memmove(h->places, h->places + count, h->filled * sizeof *h->places);
 }
 
-static void *read_treelets(void *arg)
-{
+static void *read_treelets(void *arg) {
     reader *self = arg;
     loader *l = self->owner;
     struct loader_private *h = l->hidden;
@@ -182,8 +172,7 @@ static void *read_treelets(void *arg)
 
 /* ---- Making and ending ---- */
 
-status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, loader **out)
-{
+status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, loader **out) {
     const size_t n = f->layout.treelets;
     status st = ST_NOMEM;
     loader *l = mem_zalloc(m, sizeof *l);
@@ -205,7 +194,8 @@ status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, loader
     h->queue = mem_array(m, n, sizeof *h->queue);
     h->places = mem_array(m, n, sizeof *h->places);
     h->readers = mem_array(m, (size_t)workers, sizeof *h->readers);
-    if (!l->own || !l->children || !l->resident || !h->state || !h->queue || !h->places || !h->readers)
+    if (!l->own || !l->children || !l->resident || !h->state || !h->queue || !h->places ||
+        !h->readers)
         goto fail;
     st = source_open(m, f, kind, &h->source);
     if (st != ST_OK)
@@ -218,7 +208,8 @@ status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, loader
             goto fail;
         if (fault_hit(FAULT_THREAD) || pthread_create(&r->thread, NULL, read_treelets, r) != 0) {
             source_scratch_release(h->source, &r->scratch);
-            st = status_describe(ST_FAILED, "loader thread %d of %d could not be created", h->started + 1, workers);
+            st = status_describe(ST_FAILED, "loader thread %d of %d could not be created",
+                                 h->started + 1, workers);
             goto fail;
         }
     }
@@ -229,8 +220,7 @@ fail:
     return st;
 }
 
-void loader_destroy(loader *l)
-{
+void loader_destroy(loader *l) {
     if (!l)
         return;
     struct loader_private *h = l->hidden;
@@ -264,25 +254,23 @@ void loader_destroy(loader *l)
 /* ---- Selecting ---- */
 
 /* Forget everything queued, and wait for the reads under way. With the lock held. */
-static void quiesce(struct loader_private *h)
-{
+static void quiesce(struct loader_private *h) {
     while (h->queued > 0)
         h->state[h->queue[--h->queued].t] = ABSENT;
     while (h->loading > 0)
         pthread_cond_wait(&h->done, &h->lock);
 }
 
-static bool holds(const float range[2], const active_set *set)
-{
+static bool holds(const float range[2], const active_set *set) {
     for (int i = 0; i < set->count; i++)
         if ((double)range[0] < set->isovalues[i] && set->isovalues[i] <= (double)range[1])
             return true;
     return false;
 }
 
-/* The isovalue sweep: which treelets hold a surface themselves, and which children's subtrees do. */
-static void sweep_ranges(loader *l)
-{
+/* The isovalue sweep: which treelets hold a surface themselves, and which children's subtrees do.
+ */
+static void sweep_ranges(loader *l) {
     const leaf_file *f = l->file;
     const active_set *set = &l->hidden->set;
     l->bytes_active = 0;
@@ -300,8 +288,7 @@ static void sweep_ranges(loader *l)
     }
 }
 
-static status remask(void *ctx, size_t index, int worker)
-{
+static status remask(void *ctx, size_t index, int worker) {
     (void)worker;
     loader *l = ctx;
     treelet *tr = l->hidden->places[index];
@@ -309,8 +296,7 @@ static status remask(void *ctx, size_t index, int worker)
     return ST_OK;
 }
 
-status loader_select(loader *l, const double *isovalues, int count, pool *p)
-{
+status loader_select(loader *l, const double *isovalues, int count, pool *p) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     quiesce(h);
@@ -330,14 +316,13 @@ status loader_select(loader *l, const double *isovalues, int count, pool *p)
     return pool_run(p, h->filled, remask, l);
 }
 
-size_t loader_place_bytes(const loader *l)
-{
+size_t loader_place_bytes(const loader *l) {
     const uint32_t node_levels = l->file->layout.cells_log2 - LEAF_BLOCK_LOG2;
-    return source_resident_bytes(l->hidden->source) + active_bytes(node_levels) + sizeof(treelet) + 256;
+    return source_resident_bytes(l->hidden->source) + active_bytes(node_levels) + sizeof(treelet) +
+           256;
 }
 
-void loader_set_capacity(loader *l, uint32_t places)
-{
+void loader_set_capacity(loader *l, uint32_t places) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     h->capacity = places > 0 ? places : 1;
@@ -346,15 +331,13 @@ void loader_set_capacity(loader *l, uint32_t places)
     pthread_mutex_unlock(&h->lock);
 }
 
-uint32_t loader_capacity(const loader *l)
-{
+uint32_t loader_capacity(const loader *l) {
     return l->hidden->capacity;
 }
 
 /* ---- Wanting ---- */
 
-static void want_locked(loader *l, uint32_t t, uint64_t urgency)
-{
+static void want_locked(loader *l, uint32_t t, uint64_t urgency) {
     struct loader_private *h = l->hidden;
     if (h->state[t] != ABSENT)
         return;
@@ -362,8 +345,7 @@ static void want_locked(loader *l, uint32_t t, uint64_t urgency)
     queue_push(h, (loader_request){t, urgency});
 }
 
-void loader_want(loader *l, uint32_t t, uint64_t urgency)
-{
+void loader_want(loader *l, uint32_t t, uint64_t urgency) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     want_locked(l, t, urgency);
@@ -372,8 +354,7 @@ void loader_want(loader *l, uint32_t t, uint64_t urgency)
     pthread_mutex_unlock(&h->lock);
 }
 
-void loader_sweep(loader *l)
-{
+void loader_sweep(loader *l) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     for (uint32_t t = 0; t < l->file->layout.treelets; t++)
@@ -383,13 +364,11 @@ void loader_sweep(loader *l)
     pthread_mutex_unlock(&h->lock);
 }
 
-static int by_urgency(const void *a, const void *b)
-{
+static int by_urgency(const void *a, const void *b) {
     return more_urgent(*(const loader_request *)a, *(const loader_request *)b) ? -1 : 1;
 }
 
-status loader_admit(loader *l, loader_request *requests, size_t count)
-{
+status loader_admit(loader *l, loader_request *requests, size_t count) {
     struct loader_private *h = l->hidden;
     qsort(requests, count, sizeof *requests, by_urgency);
     pthread_mutex_lock(&h->lock);
@@ -414,8 +393,7 @@ status loader_admit(loader *l, loader_request *requests, size_t count)
     return st;
 }
 
-status loader_settle(loader *l)
-{
+status loader_settle(loader *l) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     while (h->failure.st == ST_OK && (h->loading > 0 || (h->queued > 0 && h->filled < h->capacity)))
@@ -425,8 +403,7 @@ status loader_settle(loader *l)
     return st;
 }
 
-status loader_failure(loader *l)
-{
+status loader_failure(loader *l) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     status st = h->failure.st == ST_OK ? ST_OK : status_note_raise(&h->failure);
@@ -434,8 +411,7 @@ status loader_failure(loader *l)
     return st;
 }
 
-loader_stats loader_statistics(loader *l)
-{
+loader_stats loader_statistics(loader *l) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     loader_stats s = h->stats;
@@ -443,8 +419,7 @@ loader_stats loader_statistics(loader *l)
     return s;
 }
 
-void loader_reset_statistics(loader *l)
-{
+void loader_reset_statistics(loader *l) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     h->stats = (loader_stats){0};

@@ -1,11 +1,14 @@
-/* loader.h - treelets at run time: which are needed, which are resident, and the threads that bring them in.
+/* loader.h - treelets at run time: which are needed, which are resident, and the threads that bring
+ * them in.
  *
- * The isovalue sweep (M08 4.4.1) over the directory says which treelets hold a surface; those that are wanted are read, checked,
- * given their masks of active cells and published by worker threads, most urgent first, into at most `capacity` places. A treelet goes
- * ABSENT -> QUEUED -> LOADING -> READY, or to FAILED. READY treelets are immutable and stay until loader_admit() or loader_select() evicts them,
- * which only happens while no ray is being traced.
+ * The isovalue sweep (M08 4.4.1) over the directory says which treelets hold a surface; those that
+ * are wanted are read, checked, given their masks of active cells and published by worker threads,
+ * most urgent first, into at most `capacity` places. A treelet goes ABSENT -> QUEUED -> LOADING ->
+ * READY, or to FAILED. READY treelets are immutable and stay until loader_admit() or
+ * loader_select() evicts them, which only happens while no ray is being traced.
  *
- * Render threads look treelets up with one acquire load, and may call loader_want(); everything else belongs to the thread that owns the loader.
+ * Render threads look treelets up with one acquire load, and may call loader_want(); everything
+ * else belongs to the thread that owns the loader.
  */
 #ifndef STREAM_LOADER_H
 #define STREAM_LOADER_H
@@ -49,11 +52,12 @@ typedef struct loader {
 CHECKED status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, loader **out);
 void loader_destroy(loader *l); /* waits for reads under way; NULL is fine */
 
-/* loader_select() - the isovalues of the coming frames. Resident treelets get new masks (in parallel), those that hold no isovalue are
- * evicted. */
+/* loader_select() - the isovalues of the coming frames. Resident treelets get new masks (in
+ * parallel), those that hold no isovalue are evicted. */
 CHECKED status loader_select(loader *l, const double *isovalues, int count, pool *p);
 
-/* loader_place_bytes() - memory that one resident treelet costs; with this the caller turns a budget into places. */
+/* loader_place_bytes() - memory that one resident treelet costs; with this the caller turns a
+ * budget into places. */
 size_t loader_place_bytes(const loader *l);
 
 /* loader_set_capacity() - at most so many treelets, at least 1; evicts what is too many. */
@@ -61,15 +65,16 @@ void loader_set_capacity(loader *l, uint32_t places);
 uint32_t loader_capacity(const loader *l);
 
 /* loader_lookup() - the treelet if it is READY, else NULL. Never waits. */
-static inline const treelet *loader_lookup(const loader *l, uint32_t t)
-{
+static inline const treelet *loader_lookup(const loader *l, uint32_t t) {
     return atomic_load_explicit(&l->resident[t], memory_order_acquire);
 }
 
-/* loader_want() - bring it in when a place is free; smaller urgency first. Cheap when it was asked for before. Any thread. */
+/* loader_want() - bring it in when a place is free; smaller urgency first. Cheap when it was asked
+ * for before. Any thread. */
 void loader_want(loader *l, uint32_t t, uint64_t urgency);
 
-/* loader_sweep() - want every treelet that holds a surface, coarse levels first, behind everything that rays want. */
+/* loader_sweep() - want every treelet that holds a surface, coarse levels first, behind everything
+ * that rays want. */
 void loader_sweep(loader *l);
 
 typedef struct loader_request {
@@ -77,8 +82,10 @@ typedef struct loader_request {
     uint64_t urgency;
 } loader_request;
 
-/* loader_admit() - rays wait for these treelets alone, none of which is resident: forget what was queued, make room among the resident ones if need be, and
- * wait until at least one of them is READY. Only while nothing is traced. Sorts the requests. Returns the error of a treelet that failed. */
+/* loader_admit() - rays wait for these treelets alone, none of which is resident: forget what was
+ * queued, make room among the resident ones if need be, and wait until at least one of them is
+ * READY. Only while nothing is traced. Sorts the requests. Returns the error of a treelet that
+ * failed. */
 CHECKED status loader_admit(loader *l, loader_request *requests, size_t count);
 
 /* loader_settle() - wait until nothing that has a place is still being read. */

@@ -8,7 +8,9 @@
 #include "formats/base/fault.h"
 
 #ifndef MADV_POPULATE_READ
-#define MADV_POPULATE_READ 22 /* Linux 5.14; older kernels answer EINVAL and the checksum's reading faults the pages in */
+#define MADV_POPULATE_READ                                                                       \
+    22 /* Linux 5.14; older kernels answer EINVAL and the checksum's reading faults the pages in \
+        */
 #endif
 
 typedef struct backend {
@@ -27,29 +29,29 @@ struct source {
 
 /* ---- mapped ---- */
 
-static status mapped_load(source *s, uint32_t t, source_scratch *scratch, const void **payload)
-{
+static status mapped_load(source *s, uint32_t t, source_scratch *scratch, const void **payload) {
     (void)scratch;
     const uint64_t from = s->file->offsets[t], to = from + s->file->sizes[t];
     const uint64_t first = from / s->page * s->page;
     if (fault_hit(FAULT_READ))
-        return status_describe(ST_IO, "%s: treelet %u: reading its pages failed", file_path(s->file->source), t);
+        return status_describe(ST_IO, "%s: treelet %u: reading its pages failed",
+                               file_path(s->file->source), t);
     while (madvise(s->map + first, (size_t)(to - first), MADV_POPULATE_READ) != 0) {
         if (errno == EINTR || errno == EAGAIN)
             continue;
         if (errno == EINVAL)
             break;
         return status_describe(ST_IO, "%s: treelet %u: reading bytes %llu to %llu failed: %s",
-                               file_path(s->file->source), t, (unsigned long long)from, (unsigned long long)to,
-                               strerror(errno));
+                               file_path(s->file->source), t, (unsigned long long)from,
+                               (unsigned long long)to, strerror(errno));
     }
     return leaf_file_decode(s->file, t, s->map + from, NULL, payload);
 }
 
-static void mapped_evict(source *s, uint32_t t, const void *payload)
-{
+static void mapped_evict(source *s, uint32_t t, const void *payload) {
     (void)payload;
-    /* Only pages that hold no neighbour's bytes: giving back a shared page would fault it in again under a ray. */
+    /* Only pages that hold no neighbour's bytes: giving back a shared page would fault it in again
+     * under a ray. */
     const uint64_t from = (s->file->offsets[t] + s->page - 1) / s->page * s->page;
     const uint64_t to = (s->file->offsets[t] + s->file->sizes[t]) / s->page * s->page;
     if (to > from)
@@ -60,8 +62,7 @@ static const backend mapped_backend = {mapped_load, mapped_evict};
 
 /* ---- arena ---- */
 
-static status arena_load(source *s, uint32_t t, source_scratch *scratch, const void **payload)
-{
+static status arena_load(source *s, uint32_t t, source_scratch *scratch, const void **payload) {
     void *block = mem_alloc(s->m, leaf_layout_payload_max(&s->file->layout));
     if (!block)
         return ST_NOMEM;
@@ -74,8 +75,7 @@ static status arena_load(source *s, uint32_t t, source_scratch *scratch, const v
     return ST_OK;
 }
 
-static void arena_evict(source *s, uint32_t t, const void *payload)
-{
+static void arena_evict(source *s, uint32_t t, const void *payload) {
     (void)t;
     mem_free(s->m, (void *)(uintptr_t)payload);
 }
@@ -84,8 +84,7 @@ static const backend arena_backend = {arena_load, arena_evict};
 
 /* ---- both ---- */
 
-status source_open(mem *m, leaf_file *f, source_kind kind, source **out)
-{
+status source_open(mem *m, leaf_file *f, source_kind kind, source **out) {
     source *s = mem_zalloc(m, sizeof *s);
     if (!s)
         return ST_NOMEM;
@@ -97,13 +96,16 @@ status source_open(mem *m, leaf_file *f, source_kind kind, source **out)
     if (s->kind == SOURCE_MAPPED) {
         if (f->header.codec != LEAF_CODEC_RAW) {
             mem_free(m, s);
-            return status_describe(ST_UNSUPPORTED, "%s: compressed payloads cannot be mapped: use the arena backend",
-                                   file_path(f->source));
+            return status_describe(
+                ST_UNSUPPORTED, "%s: compressed payloads cannot be mapped: use the arena backend",
+                file_path(f->source));
         }
-        void *map = mmap(NULL, (size_t)file_size(f->source), PROT_READ, MAP_SHARED, file_descriptor(f->source), 0);
+        void *map = mmap(NULL, (size_t)file_size(f->source), PROT_READ, MAP_SHARED,
+                         file_descriptor(f->source), 0);
         if (map == MAP_FAILED) {
             mem_free(m, s);
-            return status_describe(ST_IO, "%s: cannot be mapped: %s", file_path(f->source), strerror(errno));
+            return status_describe(ST_IO, "%s: cannot be mapped: %s", file_path(f->source),
+                                   strerror(errno));
         }
         (void)madvise(map, (size_t)file_size(f->source), MADV_RANDOM);
         s->map = map;
@@ -113,8 +115,7 @@ status source_open(mem *m, leaf_file *f, source_kind kind, source **out)
     return ST_OK;
 }
 
-void source_close(source *s)
-{
+void source_close(source *s) {
     if (!s)
         return;
     if (s->map)
@@ -122,8 +123,7 @@ void source_close(source *s)
     mem_free(s->m, s);
 }
 
-status source_scratch_init(source *s, source_scratch *scratch)
-{
+status source_scratch_init(source *s, source_scratch *scratch) {
     scratch->stored = NULL;
     if (s->file->header.codec == LEAF_CODEC_RAW)
         return ST_OK;
@@ -134,29 +134,25 @@ status source_scratch_init(source *s, source_scratch *scratch)
     return scratch->stored ? ST_OK : ST_NOMEM;
 }
 
-void source_scratch_release(source *s, source_scratch *scratch)
-{
+void source_scratch_release(source *s, source_scratch *scratch) {
     mem_free(s->m, scratch->stored);
     scratch->stored = NULL;
 }
 
-status source_load(source *s, uint32_t t, source_scratch *scratch, const void **payload)
-{
+status source_load(source *s, uint32_t t, source_scratch *scratch, const void **payload) {
     return s->backend->load(s, t, scratch, payload);
 }
 
-void source_evict(source *s, uint32_t t, const void *payload)
-{
+void source_evict(source *s, uint32_t t, const void *payload) {
     s->backend->evict(s, t, payload);
 }
 
-size_t source_resident_bytes(const source *s)
-{
+size_t source_resident_bytes(const source *s) {
     /* The mapped backend rounds to pages on both sides. */
-    return leaf_layout_payload_max(&s->file->layout) + (s->kind == SOURCE_MAPPED ? 2 * s->page : 128);
+    return leaf_layout_payload_max(&s->file->layout) +
+           (s->kind == SOURCE_MAPPED ? 2 * s->page : 128);
 }
 
-source_kind source_kind_of(const source *s)
-{
+source_kind source_kind_of(const source *s) {
     return s->kind;
 }

@@ -1,8 +1,9 @@
 /* source.h - where treelet payloads come from: two backends that give the same bytes.
  *
- *   mapped  the file is mapped once; a load populates the treelet's pages with MADV_POPULATE_READ (which reports an error instead of raising
- *           SIGBUS) and checks them; an eviction gives them back with MADV_DONTNEED. Raw payloads only.
- *   arena   a load reads (and decompresses) into a buffer of our own.
+ *   mapped  the file is mapped once; a load populates the treelet's pages with MADV_POPULATE_READ
+ * (which reports an error instead of raising SIGBUS) and checks them; an eviction gives them back
+ * with MADV_DONTNEED. Raw payloads only. arena   a load reads (and decompresses) into a buffer of
+ * our own.
  *
  * Thread-safe: any number of loads at once, each with a scratch of its own.
  */
@@ -15,8 +16,8 @@ typedef enum source_kind { SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA } source_kin
 
 typedef struct source source;
 
-/* source_open() - AUTO is the arena (see README.md); ST_UNSUPPORTED when mapped is asked for compressed payloads. The file stays the caller's and
- * must outlive the source. */
+/* source_open() - AUTO is the arena (see README.md); ST_UNSUPPORTED when mapped is asked for
+ * compressed payloads. The file stays the caller's and must outlive the source. */
 CHECKED status source_open(mem *m, leaf_file *f, source_kind kind, source **out);
 void source_close(source *s); /* NULL is fine */
 
@@ -27,7 +28,8 @@ typedef struct source_scratch {
 CHECKED status source_scratch_init(source *s, source_scratch *scratch);
 void source_scratch_release(source *s, source_scratch *scratch);
 
-/* source_load() - make treelet t's payload resident and checked: *payload points at its bytes until source_evict(). ST_CORRUPT names the treelet. */
+/* source_load() - make treelet t's payload resident and checked: *payload points at its bytes until
+ * source_evict(). ST_CORRUPT names the treelet. */
 CHECKED status source_load(source *s, uint32_t t, source_scratch *scratch, const void **payload);
 void source_evict(source *s, uint32_t t, const void *payload);
 

@@ -1,0 +1,20 @@
+/* fixture.h - fields as treelet files in the scratch folder, opened. Trouble fails the running
+ * test.
+ */
+#ifndef TESTS_SUPPORT_FIXTURE_H
+#define TESTS_SUPPORT_FIXTURE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "render/leafcast.h"
+#include "tests/support/fields.h"
+
+/* fixture_leaf() - convert a field with treelets of 2^cells_log2 cells; the file's path, which
+ * stays valid. */
+const char *fixture_leaf(const field *f, uint32_t cells_log2, uint32_t halo, bool compressed);
+
+/* fixture_open() - options may be NULL. */
+leafcast *fixture_open(const char *path, const leafcast_options *options);
+
+#endif
