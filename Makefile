@@ -62,7 +62,8 @@ FUZZERS  := $(if $(filter fuzz,$(CONFIG)),$(call programs,fuzz))
 CLI      := $(sort $(wildcard tests/cli/*.sh))
 
 # The tests that start threads: those worth running under CONFIG=thread.
-TSAN_TESTS := test_pool test_field test_nrrd
+TSAN_TESTS := test_pool test_mem test_field test_nrrd test_pyramid test_convert test_exact \
+              test_trace render
 
 # T="NAME..." runs only the tests of those names: make test T="test_pool front_door"
 T   ?= $(if $(filter thread,$(CONFIG)),$(TSAN_TESTS))
