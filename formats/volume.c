@@ -18,6 +18,8 @@ struct volume {
     volume_layout layout;
     inflate_stream *inflate; /* VOLUME_DEFLATE */
     uint32_t slice;          /* the next one */
+    bool has_missing;
+    double missing; /* read as NaN */
 };
 
 /* ---- opening ---- */
@@ -78,18 +80,21 @@ static status apply_axis_file(volume_layout *l, int a, const char *path) {
     return st;
 }
 
-static status apply_hints(volume_layout *l, const volume_hints *hints) {
+static status apply_hints(volume_layout *l, const volume_hints *hints, const char *name) {
     for (int a = 0; a < 3; a++) {
+        /* Coordinates first: they set the axis' step, which the hint replaces. */
+        status st = hints->axis_file[a] ? apply_axis_file(l, a, hints->axis_file[a]) : ST_OK;
+        if (st != ST_OK)
+            return st;
         if (hints->spacing[a] != 0)
             apply_spacing(&l->g, a, hints->spacing[a]);
         if (hints->has_origin)
             l->g.to_world[a][3] = hints->origin[a];
     }
-    for (int a = 0; a < 3; a++) {
-        status st = hints->axis_file[a] ? apply_axis_file(l, a, hints->axis_file[a]) : ST_OK;
-        if (st != ST_OK)
-            return st;
-    }
+    if (hints->has_missing && l->g.type != SAMPLE_F32 && l->g.type != SAMPLE_F64)
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: a missing value needs samples of type f32 or f64, these are %s",
+                               name, sample_name(l->g.type));
     return ST_OK;
 }
 
@@ -130,7 +135,9 @@ static status open_volume(volume *v, const char *path, const volume_hints *hints
     if (st == ST_OK)
         st = volume_layout_check(l);
     if (st == ST_OK)
-        st = apply_hints(l, hints);
+        st = apply_hints(l, hints, byte_stream_name(l->data));
+    v->has_missing = hints->has_missing;
+    v->missing = hints->missing;
     if (st == ST_OK)
         st = grid_check(&l->g, byte_stream_name(l->data));
     if (st != ST_OK)
@@ -193,6 +200,19 @@ static bool is_foreign(const volume_layout *l) {
     return l->encoding != VOLUME_TEXT && l->big_endian != big_here;
 }
 
+/* Missing data is NaN from here on. Compared in the samples' own precision, as it was written. */
+static void mark_missing(const volume *v, void *buffer, size_t count) {
+    if (v->layout.g.type == SAMPLE_F32) {
+        float *f = buffer, missing = (float)v->missing;
+        for (size_t i = 0; i < count; i++)
+            f[i] = f[i] == missing ? NAN : f[i];
+    } else {
+        double *d = buffer;
+        for (size_t i = 0; i < count; i++)
+            d[i] = d[i] == v->missing ? (double)NAN : d[i];
+    }
+}
+
 status volume_read(volume *v, uint32_t count, void *buffer) {
     const grid *g = &v->layout.g;
     uint64_t slice_bytes = grid_slice_bytes(g);
@@ -208,6 +228,8 @@ status volume_read(volume *v, uint32_t count, void *buffer) {
                                v->slice + (uint32_t)(got / slice_bytes), g->dims[2]);
     if (is_foreign(&v->layout))
         sample_swap(g->type, buffer, size / sample_size(g->type));
+    if (v->has_missing)
+        mark_missing(v, buffer, size / sample_size(g->type));
     v->slice += count;
     return ST_OK;
 }

@@ -7,7 +7,8 @@
  *
  * Where the nodes lie: regular grids have everything in to_world. An axis with coordinates of its
  * own makes the grid rectilinear; its column of to_world is then a unit vector (coordinates replace
- * that axis' spacing), negated, like the coordinates, when they decrease (see grid_set_axis()).
+ * that axis' spacing), negated, like the coordinates, when they decrease (see grid_set_axis()). A
+ * spacing hint scales that vector, and so the coordinates.
  */
 #ifndef FORMATS_VOLUME_H
 #define FORMATS_VOLUME_H
@@ -20,13 +21,17 @@ typedef struct volume volume;
 
 /* What the command line says about inputs that do not say it themselves. Zero/NULL = not given. */
 typedef struct volume_hints {
-    uint32_t dims[3];  /* raw: samples per axis */
-    sample_type type;  /* raw: sample type */
-    bool big_endian;   /* raw */
-    uint64_t skip;     /* raw: header bytes to skip */
-    double spacing[3]; /* overrides the input's spacing; may be negative */
-    double origin[3];  /* world position of node (0, 0, 0) */
+    uint32_t dims[3]; /* raw: samples per axis */
+    sample_type type; /* raw: sample type */
+    bool big_endian;  /* raw */
+    uint64_t skip;    /* raw: header bytes to skip */
+    double
+        spacing[3];   /* overrides the input's spacing, scales an axis' coordinates; may be negative
+                       */
+    double origin[3]; /* world position of node (0, 0, 0) */
     bool has_origin;
+    bool has_missing; /* f32 and f64: samples equal to `missing` are read as NaN, no data */
+    double missing;
     const char *axis_file[3]; /* rectilinear: a text file with one coordinate a line (or split by
                                  white space), per axis */
 } volume_hints;

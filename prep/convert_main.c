@@ -31,6 +31,7 @@ enum {
     KEY_BIG_ENDIAN,
     KEY_SKIP,
     KEY_SPACING,
+    KEY_MISSING,
     KEY_ORIGIN,
     KEY_AXIS_X,
     KEY_AXIS_Y,
@@ -49,7 +50,9 @@ static const struct argp_option options[] = {
     {"big-endian", KEY_BIG_ENDIAN, NULL, 0, "most significant byte first", 1},
     {"skip", KEY_SKIP, "BYTES", 0, "header bytes to pass over", 1},
     {NULL, 0, NULL, 0, "What any input may have wrong:", 2},
-    {"spacing", KEY_SPACING, "X,Y,Z", 0, "distance of samples; may be negative", 2},
+    {"spacing", KEY_SPACING, "X,Y,Z", 0,
+     "distance of samples, or scale of an axis' coordinates; may be negative", 2},
+    {"missing", KEY_MISSING, "VALUE", 0, "f32 and f64: this value stands for no data", 2},
     {"origin", KEY_ORIGIN, "X,Y,Z", 0, "world position of the first sample", 2},
     {"axis-x", KEY_AXIS_X, "FILE", 0,
      "text file with one coordinate per sample: a rectilinear grid", 2},
@@ -132,6 +135,10 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     case KEY_BIG_ENDIAN: a->hints.big_endian = true; break;
     case KEY_SKIP: usage_unless(state, num_size(arg, "--skip", &a->hints.skip)); break;
     case KEY_SPACING: parse_spacing(state, a, arg); break;
+    case KEY_MISSING:
+        usage_unless(state, num_double(arg, "--missing", &a->hints.missing));
+        a->hints.has_missing = true;
+        break;
     case KEY_ORIGIN:
         usage_unless(state, num_doubles(arg, "--origin", ", ", 3, a->hints.origin));
         a->hints.has_origin = true;

@@ -80,6 +80,14 @@ printf '0 1 2 4 8 16 32 64 128 256' >"$tmp/x.txt"
 exits "an axis file" 0 "$leafcast" convert "$tmp/raw.bin" --dims 10,20,20 --type u16 --axis-x "$tmp/x.txt" -o "$out"
 exits "info" 0 "$leafcast" info "$out"
 ok "is rectilinear" says '^space  *rectilinear' out
+exits "an axis scaled" 0 "$leafcast" convert "$tmp/raw.bin" --dims 10,20,20 --type u16 --axis-x "$tmp/x.txt" --spacing -0.5,1,1 -o "$out" --force
+exits "info" 0 "$leafcast" info "$out" --json
+ok "the coordinates are scaled" says '^ *-0.5,$' out
+printf '\0\0\200\077\0\0\0\100\0\0\200\277\0\0\0\100\0\0\200\077\0\0\0\100\0\0\200\077\0\0\0\100' >"$tmp/f.bin"
+exits "missing data" 0 "$leafcast" convert "$tmp/f.bin" --dims 2,2,2 --type f32 --missing=-1 -o "$tmp/m.leaf"
+ok "is counted" says '^no data  *1 samples' out
+ok "and is not the minimum" says '^values  *1 .. 2$' out
+exits "missing data among integers" 3 "$leafcast" convert "$tmp/raw.bin" --dims 10,20,20 --type u16 --missing 3 -o "$tmp/i.leaf"
 exits "a one-sample axis" 3 "$leafcast" convert "$tmp/raw.bin" --dims 10,400,1 --type u16 -o "$tmp/flat.leaf"
 
 printf 'x' | dd of="$out" bs=1 seek=9000 conv=notrunc 2>/dev/null
