@@ -5,6 +5,7 @@
 #include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +23,7 @@ enum { EXIT_USAGE = 2, EXIT_INPUT = 3, EXIT_RESOURCE = 4, EXIT_SIGNAL = 128, MAX
 
 /* ---- signals ---- */
 
-static volatile sig_atomic_t caught;
+static atomic_int caught; /* lock-free: a handler may write it, any thread read it */
 
 static void on_signal(int number) {
     caught = number;
@@ -250,8 +251,8 @@ int cli_finish(const cli_common *common, status st) {
     if (st == ST_OK)
         return 0;
     if (caught) {
-        cli_note(common, 0, "stopped by signal %d (%s)", (int)caught, strsignal((int)caught));
-        return EXIT_SIGNAL + (int)caught;
+        cli_note(common, 0, "stopped by signal %d (%s)", caught, strsignal(caught));
+        return EXIT_SIGNAL + caught;
     }
     cli_note(common, 0, "%s", status_text());
     return exit_code(st);
