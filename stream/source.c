@@ -36,6 +36,8 @@ static status mapped_load(source *s, uint32_t t, source_scratch *scratch, const 
     if (fault_hit(FAULT_READ))
         return status_describe(ST_IO, "%s: treelet %u: reading its pages failed",
                                file_path(s->file->source), t);
+    /* One request for the whole range; populating page by page would wait for each. */
+    (void)madvise(s->map + first, (size_t)(to - first), MADV_WILLNEED);
     while (madvise(s->map + first, (size_t)(to - first), MADV_POPULATE_READ) != 0) {
         if (errno == EINTR || errno == EAGAIN)
             continue;
