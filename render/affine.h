@@ -7,7 +7,7 @@ typedef struct affine {
     double to_grid[3][3]; /* inverse of the linear part */
 } affine;
 
-/* affine_init() - to_world: 12 doubles, invertible (a leaf file's header has been checked to be). */
+/* affine_init() - to_world: 12 doubles, invertible (a leaf file's header was checked to be). */
 void affine_init(affine *a, const double to_world[12]);
 
 void affine_point_to_world(const affine *a, const double grid[3], double world[3]);

@@ -3,22 +3,24 @@
 #include <float.h>
 #include <math.h>
 
-enum { START = -1, END = 3 }; /* "axes" of the events at t0 and t1: before and behind all plane crossings of equal t */
+enum {
+    START = -1,
+    END = 3
+}; /* "axes" of the events at t0 and t1: before and behind all plane crossings of equal t */
 
-static double clamp01(double x)
-{
+static double clamp01(double x) {
     return x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
 }
 
-/* Cell coordinates at an event: exact on the axis that is crossed, from the event's own t on the others. */
-static void coordinates_at(const ray *r, const cell_box *box, double t, int axis, double on_axis, double at[3])
-{
+/* Cell coordinates at an event: exact on the axis that is crossed, from the event's own t on the
+ * others. */
+static void coordinates_at(const ray *r, const cell_box *box, double t, int axis, double on_axis,
+                           double at[3]) {
     for (int a = 0; a < 3; a++)
         at[a] = a == axis ? on_axis : clamp01((r->o[a] + t * r->d[a] - box->lo[a]) * box->inv[a]);
 }
 
-bool cell_visit_of(const ray *r, const cell_box *box, cell_visit *visit)
-{
+bool cell_visit_of(const ray *r, const cell_box *box, cell_visit *visit) {
     double t_in = r->t0, t_out = r->t1;
     int axis_in = START, axis_out = END;
     for (int a = 0; a < 3; a++) {
@@ -57,13 +59,11 @@ bool cell_visit_of(const ray *r, const cell_box *box, cell_visit *visit)
 }
 
 /* (1 - s) a + s b: exactly a at 0, b at 1, and never beyond both. */
-static inline double mix(double a, double b, double s)
-{
+static inline double mix(double a, double b, double s) {
     return (1.0 - s) * a + s * b;
 }
 
-bool cell_cubic(const cell_visit *visit, const float samples[8], double iso, double b[4])
-{
+bool cell_cubic(const cell_visit *visit, const float samples[8], double iso, double b[4]) {
     /* Subtract the isovalue first: what follows keeps its relative precision. */
     double f[8];
     int inside = 0;
@@ -74,8 +74,9 @@ bool cell_cubic(const cell_visit *visit, const float samples[8], double iso, dou
     if (inside == 0 || inside == 8)
         return false;
 
-    /* The trilinear form at all corners of the box that entry and exit span; bit a of the index = exit on axis a. Always x, then y,
-     * then z: with an exact 0 or 1 on the crossed axis what remains is the face's bilinear form, alike from both cells. */
+    /* The trilinear form at all corners of the box that entry and exit span; bit a of the index =
+     * exit on axis a. Always x, then y, then z: with an exact 0 or 1 on the crossed axis what
+     * remains is the face's bilinear form, alike from both cells. */
     double x[2][4], xy[4][2], m[8];
     for (int i = 0; i < 4; i++) {
         x[0][i] = mix(f[2 * i], f[2 * i + 1], visit->in[0]);
@@ -104,22 +105,20 @@ typedef struct cubic {
     double c[4];
 } cubic;
 
-static cubic cubic_of(const double b[4])
-{
+static cubic cubic_of(const double b[4]) {
     return (cubic){{b[0], 3.0 * (b[1] - b[0]), 3.0 * ((b[2] - b[1]) - (b[1] - b[0])),
                     (b[3] - b[0]) - 3.0 * (b[2] - b[1])}};
 }
 
-static double cubic_at(const cubic *p, double s)
-{
+static double cubic_at(const cubic *p, double s) {
     return p->c[0] + s * (p->c[1] + s * (p->c[2] + s * p->c[3]));
 }
 
-/* The root in (lo, hi], where f(lo) and f(hi) lie on different sides: Illinois steps, a bisection whenever three of them did not halve the
- * bracket, until the bracket is down to the last bits of [0, 1]. A step goes at least that far: once one end sits on the root, the
- * next step closes the bracket from the other side, so that what is returned is never an end that was not moved. */
-static double refine(const cubic *p, double lo, double hi, double f_lo, double f_hi)
-{
+/* The root in (lo, hi], where f(lo) and f(hi) lie on different sides: Illinois steps, a bisection
+ * whenever three of them did not halve the bracket, until the bracket is down to the last bits of
+ * [0, 1]. A step goes at least that far: once one end sits on the root, the next step closes the
+ * bracket from the other side, so that what is returned is never an end that was not moved. */
+static double refine(const cubic *p, double lo, double hi, double f_lo, double f_hi) {
     enum { STEPS_MAX = 200 };
     static const double STEP_MIN = 0.5 * DBL_EPSILON;
     const bool side_lo = f_lo >= 0.0;
@@ -155,8 +154,7 @@ static double refine(const cubic *p, double lo, double hi, double f_lo, double f
 }
 
 /* The extrema of the cubic strictly inside (0, 1), ascending. */
-static int extrema(const double b[4], double at[2])
-{
+static int extrema(const double b[4], double at[2]) {
     /* f' / 3 = q0 (1-s)^2 + 2 q1 s (1-s) + q2 s^2 */
     double q0 = b[1] - b[0], q1 = b[2] - b[1], q2 = b[3] - b[2];
     double half_b = q1 - q0, a = (q2 - q1) - half_b;
@@ -180,30 +178,30 @@ static int extrema(const double b[4], double at[2])
     return n;
 }
 
-/* Scale by a power of two to max |b| in [1, 2): squares neither vanish nor overflow, and no digit changes. */
-static void normalise(const double b[4], double scaled[4])
-{
+/* Scale by a power of two to max |b| in [1, 2): squares neither vanish nor overflow, and no digit
+ * changes. */
+static void normalise(const double b[4], double scaled[4]) {
     double largest = fmax(fmax(fabs(b[0]), fabs(b[1])), fmax(fabs(b[2]), fabs(b[3])));
     int exponent = ilogb(largest);
     for (int i = 0; i < 4; i++)
         scaled[i] = scalbn(b[i], -exponent);
 }
 
-/* An end this near to the isovalue (of a cubic scaled to [1, 2)) may hide an extremum behind it; see cell_roots(). */
+/* An end this near to the isovalue (of a cubic scaled to [1, 2)) may hide an extremum behind it;
+ * see cell_roots(). */
 static const double NEAR_END = 1e-6;
 
-/* Whether an extremum is a touch as far as rounding can tell: a pair of roots in one place. No harm when it is not: the trilinear form has no
- * extremum in space, so that a ray moved a little sideways does meet the surface there. Only a true bend counts; a stretch that is nearly level, as
+/* Whether an extremum is a touch as far as rounding can tell: a pair of roots in one place. No harm
+ * when it is not: the trilinear form has no extremum in space, so that a ray moved a little
+ * sideways does meet the surface there. Only a true bend counts; a stretch that is nearly level, as
  * beside a triple root, has its sign from elsewhere. */
-static bool touches(const cubic *p, double s, double f)
-{
+static bool touches(const cubic *p, double s, double f) {
     static const double NEAR = 64.0 * DBL_EPSILON, BEND = 0.25; /* of a cubic scaled to [1, 2) */
     return fabs(f) <= NEAR && fabs(2.0 * p->c[2] + 6.0 * p->c[3] * s) >= BEND;
 }
 
 /* Roots between neighbouring extrema, where the cubic is monotone. */
-static int isolate(const cubic *p, const double b[4], double roots[3])
-{
+static int isolate(const cubic *p, const double b[4], double roots[3]) {
     double at[4] = {0.0}, f[4] = {b[0]};
     const int last = 1 + extrema(b, at + 1);
     int changes = 0;
@@ -216,7 +214,8 @@ static int isolate(const cubic *p, const double b[4], double roots[3])
     for (int i = 1; i <= last; i++) {
         if ((f[i - 1] >= 0.0) != (f[i] >= 0.0)) {
             roots[n++] = refine(p, at[i - 1], at[i], f[i - 1], f[i]);
-        } else if (i < last && changes < 2 && (f[i + 1] >= 0.0) == (f[i] >= 0.0) && touches(p, at[i], f[i])) {
+        } else if (i < last && changes < 2 && (f[i + 1] >= 0.0) == (f[i] >= 0.0) &&
+                   touches(p, at[i], f[i])) {
             roots[n++] = at[i];
             roots[n++] = at[i];
             changes += 2;
@@ -225,9 +224,9 @@ static int isolate(const cubic *p, const double b[4], double roots[3])
     return n;
 }
 
-int cell_roots(const double control[4], double roots[3])
-{
-    const bool s0 = control[0] >= 0.0, s1 = control[1] >= 0.0, s2 = control[2] >= 0.0, s3 = control[3] >= 0.0;
+int cell_roots(const double control[4], double roots[3]) {
+    const bool s0 = control[0] >= 0.0, s1 = control[1] >= 0.0, s2 = control[2] >= 0.0,
+               s3 = control[3] >= 0.0;
     const int changes = (s0 != s1) + (s1 != s2) + (s2 != s3);
     /* Variation diminishing: no more roots than changes of side in the control polygon. */
     if (changes == 0)
@@ -235,8 +234,8 @@ int cell_roots(const double control[4], double roots[3])
     double b[4];
     normalise(control, b);
     const cubic p = cubic_of(b);
-    /* One root, and f has the sign of its end right up to there, unless that end is all but zero: then rounding hides the sign beside it, and
-     * the iteration would take the end for the root. */
+    /* One root, and f has the sign of its end right up to there, unless that end is all but zero:
+     * then rounding hides the sign beside it, and the iteration would take the end for the root. */
     if (changes == 1 && fabs(b[0]) > NEAR_END && fabs(b[3]) > NEAR_END) {
         roots[0] = refine(&p, 0.0, 1.0, b[0], b[3]);
         return 1;
@@ -244,9 +243,8 @@ int cell_roots(const double control[4], double roots[3])
     return isolate(&p, b, roots);
 }
 
-bool cell_next_hit(const ray *r, const cell_visit *visit, const float samples[8], double iso, int32_t iso_index,
-                   uint64_t cell, const hit *after, hit *found)
-{
+bool cell_next_hit(const ray *r, const cell_visit *visit, const float samples[8], double iso,
+                   int32_t iso_index, uint64_t cell, const hit *after, hit *found) {
     (void)r;
     double b[4], roots[3];
     if (!cell_cubic(visit, samples, iso, b))

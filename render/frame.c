@@ -8,8 +8,8 @@
 enum {
     TILE = 16, /* pixels on a side */
     TILE_RAYS = TILE * TILE,
-    BATCH = 256,     /* resumed rays a work item */
-    CHUNK = 4096     /* records allocated at once */
+    BATCH = 256, /* resumed rays a work item */
+    CHUNK = 4096 /* records allocated at once */
 };
 static const uint32_t no_record = UINT32_MAX;
 
@@ -26,7 +26,8 @@ typedef struct drawing {
     pthread_mutex_t lock;
     pixel_ray **chunks;
     uint32_t records_made, records_free, free_head, reserved;
-    /* Buckets: per treelet the list of rays that wait for it, and which treelets have one; guarded by lock. */
+    /* Buckets: per treelet the list of rays that wait for it, and which treelets have one; guarded
+     * by lock. */
     uint32_t *bucket;
     uint32_t *waiting;
     uint32_t waiting_count;
@@ -40,38 +41,33 @@ typedef struct drawing {
     atomic_size_t finished; /* pixels */
 } drawing;
 
-uint32_t frame_records_min(int threads)
-{
+uint32_t frame_records_min(int threads) {
     return (uint32_t)threads * TILE_RAYS;
 }
 
-size_t frame_record_bytes(void)
-{
+size_t frame_record_bytes(void) {
     return sizeof(pixel_ray) + sizeof(uint32_t);
 }
 
-static uint32_t tiles_of(uint32_t pixels)
-{
+static uint32_t tiles_of(uint32_t pixels) {
     return (pixels + TILE - 1) / TILE;
 }
 
-size_t frame_bytes(uint32_t treelets, uint32_t records_max, uint32_t width, uint32_t height)
-{
+size_t frame_bytes(uint32_t treelets, uint32_t records_max, uint32_t width, uint32_t height) {
     const size_t tiles = (size_t)tiles_of(width) * tiles_of(height);
     const size_t chunks = records_max / CHUNK + 1;
-    return treelets * (2 * sizeof(uint32_t) + sizeof(loader_request)) + 2 * tiles * sizeof(uint32_t) +
-           chunks * (sizeof(void *) + 192) + CHUNK * sizeof(pixel_ray) + 64 * sizeof(tally);
+    return treelets * (2 * sizeof(uint32_t) + sizeof(loader_request)) +
+           2 * tiles * sizeof(uint32_t) + chunks * (sizeof(void *) + 192) +
+           CHUNK * sizeof(pixel_ray) + 64 * sizeof(tally);
 }
 
-static pixel_ray *record(const drawing *d, uint32_t i)
-{
+static pixel_ray *record(const drawing *d, uint32_t i) {
     return &d->chunks[i / CHUNK][i % CHUNK];
 }
 
 /* ---- Records and buckets; with the lock held ---- */
 
-static status make_chunk(drawing *d)
-{
+static status make_chunk(drawing *d) {
     const frame *f = d->f;
     const uint32_t left = f->records_max - d->records_made, count = left < CHUNK ? left : CHUNK;
     pixel_ray *chunk = mem_array(f->m, count, sizeof *chunk);
@@ -86,8 +82,7 @@ static status make_chunk(drawing *d)
     return ST_OK;
 }
 
-static void suspend(drawing *d, uint32_t i)
-{
+static void suspend(drawing *d, uint32_t i) {
     pixel_ray *p = record(d, i);
     const uint32_t t = p->search.blocked;
     if (d->bucket[t] == no_record) {
@@ -98,16 +93,14 @@ static void suspend(drawing *d, uint32_t i)
     d->bucket[t] = i;
 }
 
-static void release(drawing *d, uint32_t i)
-{
+static void release(drawing *d, uint32_t i) {
     record(d, i)->next = d->free_head;
     d->free_head = i;
 }
 
 /* ---- Work items ---- */
 
-static bool reserve(drawing *d, uint32_t count)
-{
+static bool reserve(drawing *d, uint32_t count) {
     pthread_mutex_lock(&d->lock);
     const bool fits = d->reserved + count <= d->f->records_max;
     if (fits)
@@ -116,9 +109,9 @@ static bool reserve(drawing *d, uint32_t count)
     return fits;
 }
 
-/* Trace a tile's rays; those that suspend move into records, which the reservation has made sure of. */
-static status draw_tile(drawing *d, uint32_t tile, frame_counters *counters)
-{
+/* Trace a tile's rays; those that suspend move into records, which the reservation has made sure
+ * of. */
+static status draw_tile(drawing *d, uint32_t tile, frame_counters *counters) {
     const frame *f = d->f;
     pixel_ray suspended[TILE_RAYS];
     uint32_t count = 0, started = 0;
@@ -149,8 +142,7 @@ static status draw_tile(drawing *d, uint32_t tile, frame_counters *counters)
     return st;
 }
 
-static void resume_batch(drawing *d, size_t batch, frame_counters *counters)
-{
+static void resume_batch(drawing *d, size_t batch, frame_counters *counters) {
     const size_t from = batch * BATCH;
     const size_t to = from + BATCH < d->runnable_count ? from + BATCH : d->runnable_count;
     bool done[BATCH];
@@ -172,21 +164,18 @@ static void resume_batch(drawing *d, size_t batch, frame_counters *counters)
     pthread_mutex_unlock(&d->lock);
 }
 
-static void put_off(drawing *d, uint32_t tile)
-{
+static void put_off(drawing *d, uint32_t tile) {
     pthread_mutex_lock(&d->lock);
     d->tiles_later[d->tiles_off++] = tile;
     pthread_mutex_unlock(&d->lock);
 }
 
-static double share_done(drawing *d)
-{
+static double share_done(drawing *d) {
     const size_t finished = atomic_load_explicit(&d->finished, memory_order_relaxed);
     return (double)finished / ((double)d->f->width * d->f->height);
 }
 
-static status run_item(void *ctx, size_t index, int worker)
-{
+static status run_item(void *ctx, size_t index, int worker) {
     drawing *d = ctx;
     const frame *f = d->f;
     frame_counters *counters = &d->tallies[worker].counters;
@@ -207,8 +196,7 @@ static status run_item(void *ctx, size_t index, int worker)
 /* ---- Passes ---- */
 
 /* Empty the buckets whose treelets have come. */
-static void collect_runnable(drawing *d)
-{
+static void collect_runnable(drawing *d) {
     uint32_t kept = 0;
     d->runnable_count = 0;
     for (uint32_t i = 0; i < d->waiting_count; i++) {
@@ -225,8 +213,7 @@ static void collect_runnable(drawing *d)
     d->batches = (d->runnable_count + BATCH - 1) / BATCH;
 }
 
-static status admit(drawing *d)
-{
+static status admit(drawing *d) {
     for (uint32_t i = 0; i < d->waiting_count; i++) {
         const uint32_t t = d->waiting[i];
         d->requests[i] = (loader_request){t, pixel_ray_urgency(d->f, record(d, d->bucket[t]))};
@@ -234,8 +221,7 @@ static status admit(drawing *d)
     return loader_admit(d->f->treelets, d->requests, d->waiting_count);
 }
 
-static status draw_passes(drawing *d, frame_counters *total)
-{
+static status draw_passes(drawing *d, frame_counters *total) {
     const frame *f = d->f;
     for (;;) {
         collect_runnable(d);
@@ -266,8 +252,7 @@ static status draw_passes(drawing *d, frame_counters *total)
     }
 }
 
-static void add_counters(frame_counters *total, const frame_counters *c)
-{
+static void add_counters(frame_counters *total, const frame_counters *c) {
     total->walk.nodes += c->walk.nodes;
     total->walk.cells += c->walk.cells;
     total->walk.roots += c->walk.roots;
@@ -277,8 +262,7 @@ static void add_counters(frame_counters *total, const frame_counters *c)
     total->ill_conditioned += c->ill_conditioned;
 }
 
-static void drawing_release(drawing *d)
-{
+static void drawing_release(drawing *d) {
     mem *m = d->f->m;
     for (uint32_t i = 0; i * CHUNK < d->records_made; i++)
         mem_free(m, d->chunks[i]);
@@ -293,8 +277,7 @@ static void drawing_release(drawing *d)
     pthread_mutex_destroy(&d->lock);
 }
 
-static status drawing_init(drawing *d, const frame *f)
-{
+static status drawing_init(drawing *d, const frame *f) {
     const uint32_t treelets = f->tracer->layout->treelets;
     const int threads = pool_threads(f->threads);
     *d = (drawing){.f = f, .tiles_x = tiles_of(f->width), .free_head = no_record};
@@ -308,7 +291,8 @@ static status drawing_init(drawing *d, const frame *f)
     d->waiting = mem_array(f->m, treelets, sizeof *d->waiting);
     d->runnable = mem_array(f->m, f->records_max, sizeof *d->runnable);
     d->requests = mem_array(f->m, treelets, sizeof *d->requests);
-    if (!d->tallies || !d->chunks || !d->tiles_now || !d->tiles_later || !d->bucket || !d->waiting || !d->runnable || !d->requests)
+    if (!d->tallies || !d->chunks || !d->tiles_now || !d->tiles_later || !d->bucket ||
+        !d->waiting || !d->runnable || !d->requests)
         return ST_NOMEM;
     for (uint32_t i = 0; i < d->tiles; i++)
         d->tiles_now[i] = i;
@@ -317,8 +301,7 @@ static status drawing_init(drawing *d, const frame *f)
     return ST_OK;
 }
 
-status frame_render(const frame *f, frame_counters *counters)
-{
+status frame_render(const frame *f, frame_counters *counters) {
     drawing d;
     status st = drawing_init(&d, f);
     if (st == ST_OK)

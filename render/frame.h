@@ -1,9 +1,11 @@
 /* frame.h - one picture: tiles of rays over all threads, suspended rays, passes.
  *
- * A pixel's ray is a small state machine: find the next surface, then for each light whether it is seen, then composite and go on behind the
- * surface. Wherever it meets a treelet that is needed and absent it suspends into that treelet's bucket; when the treelet is resident the
- * bucket is run. Records of suspended rays are limited: tiles wait while there is no room for all their rays. So any
- * budget that holds the directory, one treelet and one tile's rays a thread finishes, and the picture is the same bits for all of them.
+ * A pixel's ray is a small state machine: find the next surface, then for each light whether it is
+ * seen, then composite and go on behind the surface. Wherever it meets a treelet that is needed and
+ * absent it suspends into that treelet's bucket; when the treelet is resident the bucket is run.
+ * Records of suspended rays are limited: tiles wait while there is no room for all their rays. So
+ * any budget that holds the directory, one treelet and one tile's rays a thread finishes, and the
+ * picture is the same bits for all of them.
  */
 #ifndef RENDER_FRAME_H
 #define RENDER_FRAME_H
@@ -33,10 +35,12 @@ typedef struct frame_counters {
     uint64_t primary_rays, shadow_rays, provisional_pixels, ill_conditioned, passes;
 } frame_counters;
 
-/* frame_render() - draw into f->image. ST_STOPPED when watch() said so; the planes are then partly written. */
+/* frame_render() - draw into f->image. ST_STOPPED when watch() said so; the planes are then partly
+ * written. */
 CHECKED status frame_render(const frame *f, frame_counters *counters);
 
-/* frame_records_min() - the fewest records with which a frame can finish; frame_record_bytes() - memory of one. */
+/* frame_records_min() - the fewest records with which a frame can finish; frame_record_bytes() -
+ * memory of one. */
 uint32_t frame_records_min(int threads);
 size_t frame_record_bytes(void);
 

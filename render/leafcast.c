@@ -11,8 +11,9 @@
 #include "render/level_planes.h"
 
 _Static_assert((int)LEAFCAST_USAGE == (int)ST_USAGE && (int)LEAFCAST_CORRUPT == (int)ST_CORRUPT &&
-                   (int)LEAFCAST_UNSUPPORTED == (int)ST_UNSUPPORTED && (int)LEAFCAST_NOMEM == (int)ST_NOMEM &&
-                   (int)LEAFCAST_IO == (int)ST_IO && (int)LEAFCAST_STOPPED == (int)ST_STOPPED &&
+                   (int)LEAFCAST_UNSUPPORTED == (int)ST_UNSUPPORTED &&
+                   (int)LEAFCAST_NOMEM == (int)ST_NOMEM && (int)LEAFCAST_IO == (int)ST_IO &&
+                   (int)LEAFCAST_STOPPED == (int)ST_STOPPED &&
                    (int)LEAFCAST_FAILED == (int)ST_FAILED,
                "public and internal status agree");
 _Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ACTIVE_ISOS_MAX, "as many isovalues as surfaces");
@@ -32,14 +33,13 @@ struct leafcast {
     double isovalues[LEAFCAST_SURFACES_MAX];
     int surface_count;
     atomic_uchar *touched;
-    uint8_t *stop;     /* per treelet, for --lod pixel; NULL until needed */
-    size_t base_bytes; /* of the budget, before any treelet */
+    uint8_t *stop;          /* per treelet, for --lod pixel; NULL until needed */
+    size_t base_bytes;      /* of the budget, before any treelet */
     intersect_fn intersect; /* instead of the scene's, see experiment.h */
     double opened_at, open_s, first_image_s;
 };
 
-static leafcast_status public_status(status st)
-{
+static leafcast_status public_status(status st) {
     switch (st) {
     case ST_OK:
     case ST_USAGE:
@@ -47,39 +47,36 @@ static leafcast_status public_status(status st)
     case ST_UNSUPPORTED:
     case ST_NOMEM:
     case ST_IO:
-    case ST_STOPPED:
-        return (leafcast_status)st;
-    default:
-        return LEAFCAST_FAILED;
+    case ST_STOPPED: return (leafcast_status)st;
+    default: return LEAFCAST_FAILED;
     }
 }
 
-static double now(void)
-{
+static double now(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-const char *leafcast_error_text(void)
-{
+const char *leafcast_error_text(void) {
     return status_text();
 }
 
 /* ---- Opening ---- */
 
-static status open_parts(leafcast *v, const char *path)
-{
+static status open_parts(leafcast *v, const char *path) {
     static const source_kind kinds[] = {SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA};
     mem *m = &v->budget;
     v->kernels = kernels_for(v->options.isa);
     if (!v->kernels)
-        return status_describe(ST_USAGE, "this CPU or this build has no kernels called %s", v->options.isa);
+        return status_describe(ST_USAGE, "this CPU or this build has no kernels called %s",
+                               v->options.isa);
     status st = leaf_file_open(m, path, &v->file);
     if (st == ST_OK)
         st = plane_table_init(&v->planes, m, v->file);
     if (st == ST_OK)
-        st = pool_create(m, v->options.threads > 0 ? v->options.threads : pool_default_threads(), &v->threads);
+        st = pool_create(m, v->options.threads > 0 ? v->options.threads : pool_default_threads(),
+                         &v->threads);
     if (st == ST_OK)
         st = loader_create(m, v->file, kinds[v->options.backend], LOADER_WORKERS, &v->treelets);
     if (st != ST_OK)
@@ -92,8 +89,8 @@ static status open_parts(leafcast *v, const char *path)
     return ST_OK;
 }
 
-leafcast_status leafcast_open(const char *path, const leafcast_options *options, leafcast **volume)
-{
+leafcast_status leafcast_open(const char *path, const leafcast_options *options,
+                              leafcast **volume) {
     mem outside;
     const double start = now();
     mem_init(&outside, 0);
@@ -114,8 +111,7 @@ leafcast_status leafcast_open(const char *path, const leafcast_options *options,
     return LEAFCAST_OK;
 }
 
-void leafcast_close(leafcast *v)
-{
+void leafcast_close(leafcast *v) {
     if (!v)
         return;
     mem outside;
@@ -129,8 +125,7 @@ void leafcast_close(leafcast *v)
     mem_free(&outside, v);
 }
 
-leafcast_info leafcast_describe(const leafcast *v)
-{
+leafcast_info leafcast_describe(const leafcast *v) {
     const leaf_header *h = &v->file->header;
     leafcast_info info = {.levels = h->levels,
                           .treelets = v->file->layout.treelets,
@@ -166,19 +161,19 @@ leafcast_info leafcast_describe(const leafcast *v)
 
 /* ---- Selecting ---- */
 
-leafcast_surface leafcast_surface_default(double isovalue)
-{
+leafcast_surface leafcast_surface_default(double isovalue) {
     return (leafcast_surface){isovalue, {0.9f, 0.85f, 0.75f}, 1.0f};
 }
 
-leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, int count)
-{
+leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, int count) {
     if (count < 1 || count > LEAFCAST_SURFACES_MAX)
-        return public_status(
-            status_describe(ST_USAGE, "%d isosurfaces: 1 to %d can be drawn at once", count, LEAFCAST_SURFACES_MAX));
+        return public_status(status_describe(ST_USAGE,
+                                             "%d isosurfaces: 1 to %d can be drawn at once", count,
+                                             LEAFCAST_SURFACES_MAX));
     for (int i = 0; i < count; i++) {
         if (!isfinite(surfaces[i].isovalue))
-            return public_status(status_describe(ST_USAGE, "isovalue %d is not a finite number", i + 1));
+            return public_status(
+                status_describe(ST_USAGE, "isovalue %d is not a finite number", i + 1));
         if (!(surfaces[i].opacity > 0.0f && surfaces[i].opacity <= 1.0f))
             return public_status(status_describe(ST_USAGE, "opacity %d is not in (0, 1]", i + 1));
         v->surfaces[i] = surfaces[i];
@@ -188,19 +183,21 @@ leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, i
     return public_status(loader_select(v->treelets, v->isovalues, count, v->threads));
 }
 
-leafcast_scene leafcast_scene_default(void)
-{
-    return (leafcast_scene){.ambient = 0.15f, .specular = 0.3f, .shininess = 32, .background = {0.0f, 0.0f, 0.0f, 0.0f}};
+leafcast_scene leafcast_scene_default(void) {
+    return (leafcast_scene){.ambient = 0.15f,
+                            .specular = 0.3f,
+                            .shininess = 32,
+                            .background = {0.0f, 0.0f, 0.0f, 0.0f}};
 }
 
-leafcast_camera leafcast_standard_view(const leafcast *v, double distance, uint32_t width, uint32_t height)
-{
+leafcast_camera leafcast_standard_view(const leafcast *v, double distance, uint32_t width,
+                                       uint32_t height) {
     const leafcast_info info = leafcast_describe(v);
     return camera_standard((const double(*)[3])info.bounds, distance, width, height);
 }
 
-void leafcast_pixel_ray(const leafcast_camera *camera_of, double x, double y, double origin[3], double direction[3])
-{
+void leafcast_pixel_ray(const leafcast_camera *camera_of, double x, double y, double origin[3],
+                        double direction[3]) {
     camera c;
     if (camera_init(&c, camera_of) == ST_OK)
         camera_ray(&c, x, y, origin, direction);
@@ -208,8 +205,7 @@ void leafcast_pixel_ray(const leafcast_camera *camera_of, double x, double y, do
 
 /* ---- Tracing ---- */
 
-static status add_clip(tracer *tr, const double plane[4])
-{
+static status add_clip(tracer *tr, const double plane[4]) {
     for (int i = 0; i < 4; i++)
         if (!isfinite(plane[i]))
             return status_describe(ST_USAGE, "a clip plane has a number that is not finite");
@@ -217,14 +213,14 @@ static status add_clip(tracer *tr, const double plane[4])
     return ST_OK;
 }
 
-static status clip_of(const leafcast_scene *scene, tracer *tr)
-{
+static status clip_of(const leafcast_scene *scene, tracer *tr) {
     status st = ST_OK;
     if (scene->clip_plane_count < 0 || scene->clip_plane_count > LEAFCAST_CLIP_PLANES_MAX)
-        return status_describe(ST_USAGE, "%d clip planes: 0 to %d are possible", scene->clip_plane_count,
-                               LEAFCAST_CLIP_PLANES_MAX);
+        return status_describe(ST_USAGE, "%d clip planes: 0 to %d are possible",
+                               scene->clip_plane_count, LEAFCAST_CLIP_PLANES_MAX);
     for (int a = 0; scene->clip_box && a < 3 && st == ST_OK; a++) {
-        double below[4] = {0.0, 0.0, 0.0, -scene->clip_min[a]}, above[4] = {0.0, 0.0, 0.0, scene->clip_max[a]};
+        double below[4] = {0.0, 0.0, 0.0, -scene->clip_min[a]},
+               above[4] = {0.0, 0.0, 0.0, scene->clip_max[a]};
         below[a] = 1.0;
         above[a] = -1.0;
         st = add_clip(tr, below);
@@ -236,9 +232,9 @@ static status clip_of(const leafcast_scene *scene, tracer *tr)
     return st;
 }
 
-/* For --lod pixel: stop at the treelets whose cells are not larger than a pixel where they come nearest to the eye. */
-static status stop_levels(leafcast *v, const camera *c)
-{
+/* For --lod pixel: stop at the treelets whose cells are not larger than a pixel where they come
+ * nearest to the eye. */
+static status stop_levels(leafcast *v, const camera *c) {
     const leaf_layout *layout = &v->file->layout;
     const double pixel = camera_pixel(c);
     if (!v->stop && !(v->stop = mem_array(&v->budget, layout->treelets, 1)))
@@ -248,7 +244,8 @@ static status stop_levels(leafcast *v, const camera *c)
         double centre[3], radius = 0.0, edge = 0.0, distance = 0.0, world[3];
         for (int a = 0; a < 3; a++) {
             const uint32_t first = layout->place[t][a] << layout->cells_log2;
-            const double lo = planes->at[a][first], hi = planes->at[a][first + (1u << layout->cells_log2)];
+            const double lo = planes->at[a][first],
+                         hi = planes->at[a][first + (1u << layout->cells_log2)];
             const double(*m)[4] = (const double(*)[4])v->space.to_world;
             const double unit = sqrt(m[0][a] * m[0][a] + m[1][a] * m[1][a] + m[2][a] * m[2][a]);
             centre[a] = 0.5 * (lo + hi);
@@ -263,8 +260,7 @@ static status stop_levels(leafcast *v, const camera *c)
     return ST_OK;
 }
 
-static status tracer_of(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr)
-{
+static status tracer_of(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
     const intersector *how = intersector_find(scene->intersector);
     const leaf_layout *layout = &v->file->layout;
     if (v->surface_count == 0)
@@ -289,7 +285,8 @@ static status tracer_of(leafcast *v, const leafcast_scene *scene, const camera *
         tr->box[1][a] = v->file->axis[a][v->file->header.dims[a] - 1];
     }
     if (scene->lod == LEAFCAST_LOD_LEVEL)
-        tr->target_level = scene->lod_level < layout->levels ? scene->lod_level : layout->levels - 1;
+        tr->target_level =
+            scene->lod_level < layout->levels ? scene->lod_level : layout->levels - 1;
     status st = clip_of(scene, tr);
     if (st == ST_OK && scene->lod == LEAFCAST_LOD_PIXEL && c) {
         st = stop_levels(v, c);
@@ -298,10 +295,9 @@ static status tracer_of(leafcast *v, const leafcast_scene *scene, const camera *
     return st;
 }
 
-static size_t image_bytes(const leafcast_image *image, size_t pixels)
-{
-    const float *const floats[] = {image->r, image->g, image->b, image->a, image->normal[0], image->normal[1],
-                                   image->normal[2]};
+static size_t image_bytes(const leafcast_image *image, size_t pixels) {
+    const float *const floats[] = {image->r,         image->g,         image->b,        image->a,
+                                   image->normal[0], image->normal[1], image->normal[2]};
     size_t bytes = 0;
     for (size_t i = 0; i < sizeof floats / sizeof *floats; i++)
         bytes += floats[i] ? pixels * sizeof(float) : 0;
@@ -310,22 +306,26 @@ static size_t image_bytes(const leafcast_image *image, size_t pixels)
     return bytes + (image->provisional ? pixels : 0);
 }
 
-/* Share the budget out: what is there, the picture, records of suspended rays (a quarter of the rest), treelets. */
-static status share_budget(leafcast *v, frame *f)
-{
+/* Share the budget out: what is there, the picture, records of suspended rays (a quarter of the
+ * rest), treelets. */
+static status share_budget(leafcast *v, frame *f) {
     const uint32_t treelets = v->file->layout.treelets;
     const uint32_t least = frame_records_min(pool_threads(v->threads));
     const size_t pixels = (size_t)f->width * f->height, place = loader_place_bytes(v->treelets);
     const size_t rays = (pixels + 255) / 256 * 256 * 2;
-    size_t places = treelets, records = rays < least ? least : rays < UINT32_MAX / 2 ? rays : UINT32_MAX / 2;
+    size_t places = treelets, records = rays < least            ? least
+                                        : rays < UINT32_MAX / 2 ? rays
+                                                                : UINT32_MAX / 2;
     if (v->budget.limit) {
-        const size_t fixed = v->base_bytes + (v->stop ? treelets : 0) + image_bytes(&f->image, pixels) +
+        const size_t fixed = v->base_bytes + (v->stop ? treelets : 0) +
+                             image_bytes(&f->image, pixels) +
                              frame_bytes(treelets, (uint32_t)records, f->width, f->height);
         const size_t needed = fixed + least * frame_record_bytes() + place;
         if (v->budget.limit < needed)
-            return status_describe(ST_NOMEM,
-                                   "the memory budget of %zu bytes is too small for this picture: %zu bytes would do",
-                                   v->budget.limit, needed);
+            return status_describe(
+                ST_NOMEM,
+                "the memory budget of %zu bytes is too small for this picture: %zu bytes would do",
+                v->budget.limit, needed);
         const size_t rest = v->budget.limit - fixed;
         const size_t most = rest / 4 / frame_record_bytes();
         records = most < least ? least : most < records ? most : records;
@@ -338,12 +338,13 @@ static status share_budget(leafcast *v, frame *f)
     return ST_OK;
 }
 
-static void fill_stats(leafcast *v, const frame_counters *c, double render_s, leafcast_stats *stats)
-{
+static void fill_stats(leafcast *v, const frame_counters *c, double render_s,
+                       leafcast_stats *stats) {
     const loader_stats l = loader_statistics(v->treelets);
     uint64_t visible = 0;
     for (uint32_t t = 0; t < v->file->layout.treelets; t++)
-        visible += atomic_load_explicit(&v->touched[t], memory_order_relaxed) ? v->file->sizes[t] : 0;
+        visible +=
+            atomic_load_explicit(&v->touched[t], memory_order_relaxed) ? v->file->sizes[t] : 0;
     *stats = (leafcast_stats){.open_s = v->open_s,
                               .first_image_s = v->first_image_s,
                               .load_s = l.load_s,
@@ -369,9 +370,10 @@ static void fill_stats(leafcast *v, const frame_counters *c, double render_s, le
                               .isa = v->kernels->isa};
 }
 
-leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene, const leafcast_camera *from,
-                               const leafcast_image *image, leafcast_stats *stats, bool (*watch)(void *, double), void *watch_ctx)
-{
+leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
+                               const leafcast_camera *from, const leafcast_image *image,
+                               leafcast_stats *stats, bool (*watch)(void *, double),
+                               void *watch_ctx) {
     tracer tr;
     frame f = {.m = &v->budget,
                .threads = v->threads,
@@ -408,24 +410,22 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene, const l
     return public_status(st);
 }
 
-void experiment_intersect(leafcast *v, intersect_fn intersect)
-{
+void experiment_intersect(leafcast *v, intersect_fn intersect) {
     v->intersect = intersect;
 }
 
 /* ---- Probing ---- */
 
 /* Bring in the one treelet that a probe needs. */
-static status need(leafcast *v, uint32_t t)
-{
+static status need(leafcast *v, uint32_t t) {
     loader_request request = {t, 0};
-    loader_set_capacity(v->treelets, loader_capacity(v->treelets) > 1 ? loader_capacity(v->treelets) : 1);
+    loader_set_capacity(v->treelets,
+                        loader_capacity(v->treelets) > 1 ? loader_capacity(v->treelets) : 1);
     return loader_admit(v->treelets, &request, 1);
 }
 
 static void describe_hit(const leafcast *v, const tracer *tr, const ray *r, const double origin[3],
-                         const double direction[3], const trace_state *state, leafcast_hit *out)
-{
+                         const double direction[3], const trace_state *state, leafcast_hit *out) {
     const hit *h = &state->best;
     const level_planes *planes = &v->planes.levels[tr->target_level];
     *out = (leafcast_hit){.t = h->t, .surface = h->iso, .entering = h->entering};
@@ -436,20 +436,22 @@ static void describe_hit(const leafcast *v, const tracer *tr, const ray *r, cons
         const double x = r->o[a] + h->t * r->d[a];
         place[a] = out->cell[a] >> v->file->layout.cells_log2;
         out->point[a] = origin[a] + h->t * direction[a];
-        out->at[a] = fmin(fmax((x - planes->at[a][out->cell[a]]) * planes->inverse[a][out->cell[a]], 0.0), 1.0);
+        out->at[a] = fmin(
+            fmax((x - planes->at[a][out->cell[a]]) * planes->inverse[a][out->cell[a]], 0.0), 1.0);
         out->gradient[a] = state->point.gradient[a];
         out->normal[a] = (double)state->point.normal[a];
         slope += state->point.gradient[a] * direction[a];
     }
     out->error_bound = slope != 0.0 ? state->point.error / fabs(slope) : INFINITY;
-    const treelet *at = loader_lookup(v->treelets, leaf_layout_find(&v->file->layout, tr->target_level, place));
+    const treelet *at =
+        loader_lookup(v->treelets, leaf_layout_find(&v->file->layout, tr->target_level, place));
     if (at)
         walk_cell_samples(&tr->scene, at, out->cell, out->samples);
 }
 
 leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, const double origin[3],
-                                   const double direction[3], leafcast_hit *hits, int max, int *count)
-{
+                                   const double direction[3], leafcast_hit *hits, int max,
+                                   int *count) {
     tracer tr;
     ray r;
     walk_counters counters = {0};
@@ -480,8 +482,7 @@ leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, con
 }
 
 /* The cell that owns a coordinate: [i, i + 1), the last one its end too. */
-static uint32_t cell_owning(const double *axis, uint32_t nodes, double x)
-{
+static uint32_t cell_owning(const double *axis, uint32_t nodes, double x) {
     uint32_t lo = 0, hi = nodes - 1;
     while (hi - lo > 1) {
         const uint32_t middle = lo + (hi - lo) / 2;
@@ -493,8 +494,7 @@ static uint32_t cell_owning(const double *axis, uint32_t nodes, double x)
     return lo;
 }
 
-leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcast_sample *sample)
-{
+leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcast_sample *sample) {
     const level_planes *planes = &v->planes.levels[0];
     const leaf_layout *layout = &v->file->layout;
     double grid[3];
@@ -506,17 +506,20 @@ leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcas
         if (!(grid[a] >= axis[0] && grid[a] <= axis[planes->cells[a]]))
             return LEAFCAST_OK;
         sample->cell[a] = cell_owning(axis, planes->cells[a] + 1, grid[a]);
-        sample->at[a] = (grid[a] - planes->at[a][sample->cell[a]]) * planes->inverse[a][sample->cell[a]];
+        sample->at[a] =
+            (grid[a] - planes->at[a][sample->cell[a]]) * planes->inverse[a][sample->cell[a]];
         place[a] = sample->cell[a] >> layout->cells_log2;
     }
     sample->inside = true;
     sample->treelet = leaf_layout_find(layout, 0, place);
     void *payload = mem_alloc(&v->budget, leaf_layout_payload_max(layout));
     void *stored = mem_alloc(&v->budget, (size_t)v->file->sizes[sample->treelet]);
-    status st = payload && stored ? leaf_file_load(v->file, sample->treelet, stored, payload) : ST_NOMEM;
+    status st =
+        payload && stored ? leaf_file_load(v->file, sample->treelet, stored, payload) : ST_NOMEM;
     if (st == ST_OK) {
         const leaf_payload shape = leaf_layout_payload(layout, sample->treelet);
-        const walk_scene scene = {.levels = v->planes.levels, .type = layout->type, .halo = layout->halo};
+        const walk_scene scene = {
+            .levels = v->planes.levels, .type = layout->type, .halo = layout->halo};
         treelet tr = {.shape = shape, .samples = (const char *)payload + shape.samples_at};
         double gradient[3], inverse[3];
         for (int a = 0; a < 3; a++) {

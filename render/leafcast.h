@@ -1,14 +1,17 @@
-/* leafcast.h - the public interface: open a treelet file, select isosurfaces, trace pictures of them, close.
+/* leafcast.h - the public interface: open a treelet file, select isosurfaces, trace pictures,
+ * close.
  *
  *     leafcast *volume;
- *     if (leafcast_open("engine.leaf", NULL, &volume) != LEAFCAST_OK) { puts(leafcast_error_text()); ... }
+ *     if (leafcast_open("engine.leaf", NULL, &volume) != LEAFCAST_OK)
+ *         return complain(leafcast_error_text());
  *     leafcast_surface skin = leafcast_surface_default(80);
  *     leafcast_select(volume, &skin, 1);
  *     leafcast_trace(volume, &scene, &camera, &image, &stats);
  *     leafcast_close(volume);
  *
- * No globals, no output, no exit. Calls on one volume come from one thread at a time; different volumes are independent. Every
- * call that can fail returns a leafcast_status; leafcast_error_text() then says more, for the calling thread. Vectors are (x, y, z); spaces are
+ * No globals, no output, no exit. Calls on one volume come from one thread at a time; different
+ * volumes are independent. Every call that can fail returns a leafcast_status;
+ * leafcast_error_text() then says more, for the calling thread. Vectors are (x, y, z); spaces are
  * world space unless said; colours are linear RGB in [0, 1].
  */
 #ifndef RENDER_LEAFCAST_H
@@ -25,8 +28,8 @@ extern "C" {
 
 typedef enum leafcast_status {
     LEAFCAST_OK = 0,
-    LEAFCAST_USAGE = 2,       /* arguments that make no sense together */
-    LEAFCAST_CORRUPT = 3,     /* a malformed file: the text names file, place and what was expected */
+    LEAFCAST_USAGE = 2,   /* arguments that make no sense together */
+    LEAFCAST_CORRUPT = 3, /* a malformed file: the text names file, place and what was expected */
     LEAFCAST_UNSUPPORTED = 4, /* well-formed, but not handled */
     LEAFCAST_NOMEM = 5,       /* memory, or the memory budget, does not suffice */
     LEAFCAST_IO = 7,          /* the system refused a file operation */
@@ -36,7 +39,7 @@ typedef enum leafcast_status {
 
 const char *leafcast_error_text(void);
 
-/* ---- Opening ------------------------------------------------------------------------------------------------------ */
+/* ---- Opening ---- */
 
 typedef struct leafcast leafcast;
 
@@ -47,11 +50,13 @@ typedef enum leafcast_backend {
 } leafcast_backend;
 
 typedef struct leafcast_options {
-    uint64_t memory;          /* bytes for everything: directory, treelets, rays; 0: as much as the scene needs */
-    uint32_t treelet_limit;   /* at most so many treelets at a time, 0: what memory allows; for tests and experiments */
-    int threads;              /* render threads; 0: the CPUs this process may use */
+    /* Bytes for everything: directory, treelets, rays; 0: as much as the scene needs. */
+    uint64_t memory;
+    /* At most so many treelets at a time, 0: what memory allows; for tests and experiments. */
+    uint32_t treelet_limit;
+    int threads; /* render threads; 0: the CPUs this process may use */
     leafcast_backend backend;
-    const char *isa;          /* kernels by name ("scalar"); NULL or "auto": the best this CPU has */
+    const char *isa; /* kernels by name ("scalar"); NULL or "auto": the best this CPU has */
 } leafcast_options;
 
 /* leafcast_open() - options may be NULL for the defaults. */
@@ -59,20 +64,20 @@ leafcast_status leafcast_open(const char *path, const leafcast_options *options,
 void leafcast_close(leafcast *volume); /* NULL is fine */
 
 typedef struct leafcast_info {
-    uint32_t dims[3];           /* nodes per axis, level 0 */
+    uint32_t dims[3]; /* nodes per axis, level 0 */
     uint32_t levels;
-    uint32_t treelets;          /* of all levels */
-    const char *sample_type;    /* "u8" ... */
+    uint32_t treelets;       /* of all levels */
+    const char *sample_type; /* "u8" ... */
     const char *name;
     double value_min, value_max;
-    double bounds[2][3];        /* of the volume in world space, axis-aligned: minimum and maximum */
-    double cell_size;           /* geometric mean edge of a cell, world units */
+    double bounds[2][3]; /* of the volume in world space, axis-aligned: minimum and maximum */
+    double cell_size;    /* geometric mean edge of a cell, world units */
     uint64_t file_bytes, payload_bytes;
 } leafcast_info;
 
 leafcast_info leafcast_describe(const leafcast *volume); /* pointers live as long as the volume */
 
-/* ---- What to draw -------------------------------------------------------------------------------------------------- */
+/* ---- What to draw ---- */
 
 enum { LEAFCAST_SURFACES_MAX = 32, LEAFCAST_LIGHTS_MAX = 16, LEAFCAST_CLIP_PLANES_MAX = 16 };
 
@@ -84,14 +89,14 @@ typedef struct leafcast_surface {
 
 leafcast_surface leafcast_surface_default(double isovalue);
 
-/* leafcast_select() - the isosurfaces that the next pictures show: an isovalue sweep over the directory; loading starts.
- * count 1 .. LEAFCAST_SURFACES_MAX, isovalues finite. */
+/* leafcast_select() - the isosurfaces that the next pictures show: an isovalue sweep over the
+ * directory; loading starts. count 1 .. LEAFCAST_SURFACES_MAX, isovalues finite. */
 leafcast_status leafcast_select(leafcast *volume, const leafcast_surface *surfaces, int count);
 
 typedef struct leafcast_light {
-    bool point;         /* position, else direction */
-    double vector[3];   /* towards the light, or where it is */
-    float rgb[3];       /* no fall-off */
+    bool point;       /* position, else direction */
+    double vector[3]; /* towards the light, or where it is */
+    float rgb[3];     /* no fall-off */
 } leafcast_light;
 
 typedef enum leafcast_shading {
@@ -117,24 +122,27 @@ typedef enum leafcast_lod {
 
 typedef struct leafcast_scene {
     leafcast_light lights[LEAFCAST_LIGHTS_MAX];
-    int light_count;   /* 0: a headlight at the eye, without shadows */
-    float ambient;     /* k_a of M08 eq. 4.6, in [0, 1] */
-    float specular;    /* Phong: weight of the highlight */
-    int shininess;     /* Phong: its exponent, 1 .. 1024 */
+    int light_count; /* 0: a headlight at the eye, without shadows */
+    float ambient;   /* k_a of M08 eq. 4.6, in [0, 1] */
+    float specular;  /* Phong: weight of the highlight */
+    int shininess;   /* Phong: its exponent, 1 .. 1024 */
     leafcast_shading shading;
     bool shadows;
-    bool analytic_normals; /* gradient of the cell's trilinear form instead of interpolated central differences */
+    bool analytic_normals; /* gradient of the cell's trilinear form instead of interpolated central
+                              differences */
     leafcast_intersector intersector;
-    float background[4];   /* RGBA */
-    bool clip_box;         /* draw only what is inside clip_min .. clip_max */
+    float background[4]; /* RGBA */
+    bool clip_box;       /* draw only what is inside clip_min .. clip_max */
     double clip_min[3], clip_max[3];
     double clip_planes[LEAFCAST_CLIP_PLANES_MAX][4]; /* (n, d): draw only where n . p + d >= 0 */
     int clip_plane_count;
     leafcast_lod lod;
     uint32_t lod_level;
-    bool preview;     /* do not wait: draw the finest level that is resident, and say where that is provisional */
-    bool sweep;       /* load everything the isovalues need, coarse first, instead of what the rays ask for */
-    int layers_max;   /* stop after so many transparent surfaces on a ray; 0: no limit */
+    bool preview; /* do not wait: draw the finest level that is resident, and say where that is
+                     provisional */
+    bool sweep;   /* load everything the isovalues need, coarse first, instead of what the rays ask
+                     for */
+    int layers_max; /* stop after so many transparent surfaces on a ray; 0: no limit */
 } leafcast_scene;
 
 leafcast_scene leafcast_scene_default(void);
@@ -145,62 +153,72 @@ typedef struct leafcast_camera {
     uint32_t width, height; /* pixels; centres at +0.5, y down */
 } leafcast_camera;
 
-/* leafcast_standard_view() - fov 45, up +z, looking at the centre of the bounding box from `distance` (2.2: the standard view,
- * 1.1: the close view) times its longest edge in the direction (1, 0.6, 0.8). */
-leafcast_camera leafcast_standard_view(const leafcast *volume, double distance, uint32_t width, uint32_t height);
+/* leafcast_standard_view() - fov 45, up +z, looking at the centre of the bounding box from
+ * `distance` (2.2: the standard view, 1.1: the close view) times its longest edge in the direction
+ * (1, 0.6, 0.8). */
+leafcast_camera leafcast_standard_view(const leafcast *volume, double distance, uint32_t width,
+                                       uint32_t height);
 
-/* ---- Pictures ------------------------------------------------------------------------------------------------------ */
+/* ---- Pictures ---- */
 
-/* Planes of width * height values, row by row from the top, owned by the caller; any may be NULL. */
+/* Planes of width * height values, row by row from the top, the caller's own; any may be NULL. */
 typedef struct leafcast_image {
     float *r, *g, *b, *a;
-    double *z;            /* distance from the eye along the unit ray, +inf on a miss; of the nearest surface */
+    double *z;            /* of the nearest surface: distance along the unit ray, +inf on a miss */
     float *normal[3];     /* unit, towards lower values; 0 on a miss */
     int32_t *id;          /* index of the nearest surface, -1 on a miss */
     uint8_t *provisional; /* 1: preview drew a coarser level than was asked for */
 } leafcast_image;
 
 typedef struct leafcast_stats {
-    double open_s, first_image_s, load_s, render_s; /* wall clock; load_s: summed over the loader's workers */
+    /* Wall clock; load_s: summed over the loader's workers. */
+    double open_s, first_image_s, load_s, render_s;
     uint64_t rays, primary_rays, shadow_rays;
-    uint64_t treelets_total, treelets_active, treelets_loaded; /* loaded: loads, a treelet twice counts twice */
+    /* Loaded: loads; a treelet twice counts twice. */
+    uint64_t treelets_total, treelets_active, treelets_loaded;
     uint64_t bytes_file, bytes_active, bytes_visible, bytes_read;
-    uint64_t bytes_peak;       /* of the memory budget */
-    uint64_t nodes, cells, roots; /* traversal steps; cells handed to the intersector; hits it found */
+    uint64_t bytes_peak; /* of the memory budget */
+    /* Traversal steps; cells handed to the intersector; hits it found. */
+    uint64_t nodes, cells, roots;
     uint64_t provisional_pixels, ill_conditioned;
-    uint64_t passes;           /* how often suspended rays were resumed */
+    uint64_t passes; /* how often suspended rays were resumed */
     int threads;
     const char *isa;
 } leafcast_stats;
 
-/* leafcast_trace() - one picture. stats may be NULL. watch, when not NULL, is told now and then (by any render thread) what share of the pixels is done;
- * false ends the call with LEAFCAST_STOPPED. */
-leafcast_status leafcast_trace(leafcast *volume, const leafcast_scene *scene, const leafcast_camera *camera,
-                               const leafcast_image *image, leafcast_stats *stats, bool (*watch)(void *ctx, double done), void *watch_ctx);
+/* leafcast_trace() - one picture. stats may be NULL. watch, when not NULL, is told now and then (by
+ * any render thread) which share of the pixels is done; false ends it with LEAFCAST_STOPPED. */
+leafcast_status leafcast_trace(leafcast *volume, const leafcast_scene *scene,
+                               const leafcast_camera *camera, const leafcast_image *image,
+                               leafcast_stats *stats, bool (*watch)(void *ctx, double done),
+                               void *watch_ctx);
 
-/* ---- Single rays and points ------------------------------------------------------------------------------------------ */
+/* ---- Single rays and points ---- */
 
 typedef struct leafcast_hit {
     double t, point[3];
     int surface;
-    bool entering;       /* from below the isovalue to above */
+    bool entering; /* from below the isovalue to above */
     uint32_t cell[3];
-    double at[3];        /* position inside the cell, [0, 1] */
-    float samples[8];    /* corner x + 2y + 4z */
-    double gradient[3];  /* of the cell's trilinear form, world units */
-    double normal[3];    /* the shading normal */
-    double error_bound;  /* of t, world units; INFINITY when the ray only grazes */
+    double at[3];       /* position inside the cell, [0, 1] */
+    float samples[8];   /* corner x + 2y + 4z */
+    double gradient[3]; /* of the cell's trilinear form, world units */
+    double normal[3];   /* the shading normal */
+    double error_bound; /* of t, world units; INFINITY when the ray only grazes */
 } leafcast_hit;
 
-/* leafcast_probe_ray() - all hits of one ray with the selected surfaces, in order; at most max of them, *count says how many were written. */
-leafcast_status leafcast_probe_ray(leafcast *volume, const leafcast_scene *scene, const double origin[3],
-                                   const double direction[3], leafcast_hit *hits, int max, int *count);
+/* leafcast_probe_ray() - all hits of one ray with the selected surfaces, in order; at most max of
+ * them, *count says how many were written. */
+leafcast_status leafcast_probe_ray(leafcast *volume, const leafcast_scene *scene,
+                                   const double origin[3], const double direction[3],
+                                   leafcast_hit *hits, int max, int *count);
 
 /* leafcast_pixel_ray() - the primary ray of a pixel: origin = eye, unit direction. */
-void leafcast_pixel_ray(const leafcast_camera *camera, double x, double y, double origin[3], double direction[3]);
+void leafcast_pixel_ray(const leafcast_camera *camera, double x, double y, double origin[3],
+                        double direction[3]);
 
 typedef struct leafcast_sample {
-    bool inside;        /* of the volume */
+    bool inside; /* of the volume */
     uint32_t cell[3];
     double at[3];
     float samples[8];
@@ -209,7 +227,8 @@ typedef struct leafcast_sample {
     uint32_t treelet;
 } leafcast_sample;
 
-leafcast_status leafcast_probe_point(leafcast *volume, const double point[3], leafcast_sample *sample);
+leafcast_status leafcast_probe_point(leafcast *volume, const double point[3],
+                                     leafcast_sample *sample);
 
 #ifdef __cplusplus
 }

@@ -1,6 +1,7 @@
 /* level_planes.h - the planes between cells, level by level, in grid space.
  *
- * Node i of level l lies on node i << l of level 0; past the volume's end the last spacing goes on, so that every treelet has all its planes.
+ * Node i of level l lies on node i << l of level 0; past the volume's end the last spacing goes on,
+ * so that every treelet has all its planes.
  */
 #ifndef RENDER_LEVEL_PLANES_H
 #define RENDER_LEVEL_PLANES_H

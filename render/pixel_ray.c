@@ -9,24 +9,22 @@ static const float opaque_enough = 1.0f - 1.0f / 4096.0f;
 
 enum { NO_LIGHT = -1 };
 
-pixel_ray pixel_ray_start(uint32_t pixel)
-{
+pixel_ray pixel_ray_start(uint32_t pixel) {
     const hit before = hit_before_all();
     return (pixel_ray){.pixel = pixel, .light = NO_LIGHT, .search = trace_begin(&before)};
 }
 
 /* ---- Rays from states ---- */
 
-static bool primary_ray(const frame *f, uint32_t pixel, double direction[3], ray *r)
-{
+static bool primary_ray(const frame *f, uint32_t pixel, double direction[3], ray *r) {
     double origin[3];
     camera_ray(&f->camera, pixel % f->width + 0.5, pixel / f->width + 0.5, origin, direction);
     return tracer_ray(f->tracer, origin, direction, 0.0, INFINITY, r);
 }
 
 /* The unit direction from the current hit to a light; returns its distance. */
-static double towards_light(const frame *f, const pixel_ray *p, const leafcast_light *light, double at[3], double to[3])
-{
+static double towards_light(const frame *f, const pixel_ray *p, const leafcast_light *light,
+                            double at[3], double to[3]) {
     double direction[3], origin[3];
     camera_ray(&f->camera, p->pixel % f->width + 0.5, p->pixel / f->width + 0.5, origin, direction);
     double length = 0.0;
@@ -41,8 +39,7 @@ static double towards_light(const frame *f, const pixel_ray *p, const leafcast_l
     return light->point ? length : INFINITY;
 }
 
-static shade_point shading_of(const frame *f, const pixel_ray *p)
-{
+static shade_point shading_of(const frame *f, const pixel_ray *p) {
     double origin[3], direction[3];
     camera_ray(&f->camera, p->pixel % f->width + 0.5, p->pixel / f->width + 0.5, origin, direction);
     const float eye[3] = {(float)-direction[0], (float)-direction[1], (float)-direction[2]};
@@ -51,8 +48,7 @@ static shade_point shading_of(const frame *f, const pixel_ray *p)
 
 /* ---- Steps ---- */
 
-static void write_first_hit(const frame *f, const pixel_ray *p)
-{
+static void write_first_hit(const frame *f, const pixel_ray *p) {
     const leafcast_image *image = &f->image;
     const bool any = hit_exists(&p->current);
     if (image->z)
@@ -64,8 +60,7 @@ static void write_first_hit(const frame *f, const pixel_ray *p)
             image->normal[a][p->pixel] = any ? p->point.normal[a] : 0.0f;
 }
 
-static void write_colour(const frame *f, pixel_ray *p, frame_counters *counters)
-{
+static void write_colour(const frame *f, pixel_ray *p, frame_counters *counters) {
     const leafcast_image *image = &f->image;
     float *const planes[4] = {image->r, image->g, image->b, image->a};
     shade_background(p->rgba, f->scene->background);
@@ -77,9 +72,9 @@ static void write_colour(const frame *f, pixel_ray *p, frame_counters *counters)
     counters->provisional_pixels += p->provisional;
 }
 
-/* Look for what hides the light from the current hit. False: no ray is needed, visibility is known. */
-static bool begin_shadow(const frame *f, pixel_ray *p, const leafcast_light *light, frame_counters *counters)
-{
+/* Look for what hides the light from the current hit. False: visibility is known without a ray. */
+static bool begin_shadow(const frame *f, pixel_ray *p, const leafcast_light *light,
+                         frame_counters *counters) {
     double at[3], to[3];
     towards_light(f, p, light, at, to);
     const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};
@@ -87,7 +82,8 @@ static bool begin_shadow(const frame *f, pixel_ray *p, const leafcast_light *lig
     p->visibility = shade_reaches(&shading, to_light) ? 1.0f : 0.0f;
     if (p->visibility == 0.0f || !f->scene->shadows)
         return false;
-    /* The shadow ray starts on the side the primary ray came from: a light on the other one is behind the surface itself. */
+    /* The shadow ray starts on the side the primary ray came from: a light on the other one is
+     * behind the surface itself. */
     const double *g = p->point.gradient;
     const double slope = g[0] * to[0] + g[1] * to[1] + g[2] * to[2];
     if (p->current.entering ? slope > 0.0 : slope < 0.0) {
@@ -107,8 +103,8 @@ static bool begin_shadow(const frame *f, pixel_ray *p, const leafcast_light *lig
 }
 
 /* Returns false when suspended; true when the light's visibility is known. */
-static bool trace_shadow(const frame *f, pixel_ray *p, const leafcast_light *light, frame_counters *counters)
-{
+static bool trace_shadow(const frame *f, pixel_ray *p, const leafcast_light *light,
+                         frame_counters *counters) {
     double at[3], to[3];
     ray r;
     const double distance = towards_light(f, p, light, at, to);
@@ -132,11 +128,11 @@ static bool trace_shadow(const frame *f, pixel_ray *p, const leafcast_light *lig
 }
 
 /* All lights from p->light on. Returns false when suspended. */
-static bool light_hit(const frame *f, pixel_ray *p, bool resumed, frame_counters *counters)
-{
+static bool light_hit(const frame *f, pixel_ray *p, bool resumed, frame_counters *counters) {
     for (; p->light < f->scene->light_count; p->light++, resumed = false) {
         const leafcast_light *light = &f->scene->lights[p->light];
-        if ((resumed || begin_shadow(f, p, light, counters)) && !trace_shadow(f, p, light, counters))
+        if ((resumed || begin_shadow(f, p, light, counters)) &&
+            !trace_shadow(f, p, light, counters))
             return false;
         double at[3], to[3];
         towards_light(f, p, light, at, to);
@@ -148,8 +144,7 @@ static bool light_hit(const frame *f, pixel_ray *p, bool resumed, frame_counters
     return true;
 }
 
-static void begin_lighting(const frame *f, pixel_ray *p)
-{
+static void begin_lighting(const frame *f, pixel_ray *p) {
     const shade_point shading = shading_of(f, p);
     shade_ambient(&shading, p->rgb);
     if (f->scene->light_count == 0) {
@@ -159,14 +154,14 @@ static void begin_lighting(const frame *f, pixel_ray *p)
     p->light = 0;
 }
 
-bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters)
-{
+bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters) {
     bool resumed = p->light != NO_LIGHT;
     for (;; resumed = false) {
         if (!resumed) {
             double direction[3];
             ray r;
-            trace_result result = TRACE_MISS; /* also when the clip planes leave nothing of the ray */
+            trace_result result =
+                TRACE_MISS; /* also when the clip planes leave nothing of the ray */
             if (primary_ray(f, p->pixel, direction, &r))
                 result = tracer_next(f->tracer, &r, &p->search, &counters->walk);
             if (result == TRACE_BLOCKED)
@@ -196,8 +191,7 @@ bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters)
 /* ---- Urgency ---- */
 
 /* The treelet of its level-0 grid that a coordinate falls into; outside, as if the grid went on. */
-static int64_t treelet_of(const tracer *tr, int a, double x)
-{
+static int64_t treelet_of(const tracer *tr, int a, double x) {
     const level_planes *planes = &tr->scene.levels[0];
     uint32_t lo = 0, hi = planes->cells[a];
     if (!(x > planes->at[a][0]))
@@ -214,8 +208,7 @@ static int64_t treelet_of(const tracer *tr, int a, double x)
     return lo >> tr->layout->cells_log2;
 }
 
-uint64_t pixel_ray_urgency(const frame *f, const pixel_ray *p)
-{
+uint64_t pixel_ray_urgency(const frame *f, const pixel_ray *p) {
     const tracer *tr = f->tracer;
     const uint32_t t = p->search.blocked, level = tr->layout->level_of[t];
     const leafcast_light *light = p->light == NO_LIGHT ? NULL : &f->scene->lights[p->light];
@@ -232,9 +225,12 @@ uint64_t pixel_ray_urgency(const frame *f, const pixel_ray *p)
             rank += towards[a] > 0.0 ? place : far / 4 - place;
             continue;
         }
-        /* A ray only moves away from the eye's treelet on every axis (and towards a light's), so the Manhattan distance rises. */
+        /* A ray only moves away from the eye's treelet on every axis (and towards a light's), so
+         * the Manhattan distance rises. */
         const int64_t centre = treelet_of(tr, a, from[a]);
-        const int64_t distance = centre >> 30 ? far / 4 - place : place > centre ? place - centre : centre - place;
+        const int64_t distance = centre >> 30     ? far / 4 - place
+                                 : place > centre ? place - centre
+                                                  : centre - place;
         rank += light ? far / 4 - distance : distance;
     }
     return (uint64_t)(p->light + 1) << 32 | (uint64_t)rank;

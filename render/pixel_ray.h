@@ -1,6 +1,7 @@
 /* pixel_ray.h - the state of one pixel's ray between two treelets: all that a suspended ray keeps.
  *
- * The rays themselves are made anew from the pixel and the current hit whenever the state is taken up.
+ * The rays themselves are made anew from the pixel and the current hit whenever the state is taken
+ * up.
  */
 #ifndef RENDER_PIXEL_RAY_H
 #define RENDER_PIXEL_RAY_H
@@ -9,26 +10,28 @@
 
 typedef struct pixel_ray {
     uint32_t pixel;
-    uint32_t next;         /* in its bucket */
-    int32_t light;         /* whose shadow ray is under way; -1: looking for the next surface */
-    int32_t layers;        /* surfaces composited so far */
-    bool provisional;      /* something on the way was drawn coarser than asked for */
-    float visibility;      /* of that light */
-    float rgb[3];          /* shading of the current hit so far */
-    float rgba[4];         /* composited so far, premultiplied */
-    hit current;           /* the surface being shaded */
-    surface_point point;   /* there */
-    trace_state search;    /* for the next surface, or for what shadows the light */
+    uint32_t next;       /* in its bucket */
+    int32_t light;       /* whose shadow ray is under way; -1: looking for the next surface */
+    int32_t layers;      /* surfaces composited so far */
+    bool provisional;    /* something on the way was drawn coarser than asked for */
+    float visibility;    /* of that light */
+    float rgb[3];        /* shading of the current hit so far */
+    float rgba[4];       /* composited so far, premultiplied */
+    hit current;         /* the surface being shaded */
+    surface_point point; /* there */
+    trace_state search;  /* for the next surface, or for what shadows the light */
 } pixel_ray;
 
 /* pixel_ray_start() - the primary ray of a pixel, before anything is traced. */
 pixel_ray pixel_ray_start(uint32_t pixel);
 
-/* pixel_ray_advance() - go on until the pixel is written (true) or the treelet p->search.blocked is needed (false). */
+/* pixel_ray_advance() - go on until the pixel is written (true) or the treelet p->search.blocked is
+ * needed (false). */
 bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters);
 
-/* pixel_ray_urgency() - of the treelet that blocks it: smaller comes first. Primary rays come first, front to back from the eye; then shadow rays,
- * light by light, from the surfaces towards the light. Along any ray urgencies rise. */
+/* pixel_ray_urgency() - of the treelet that blocks it: smaller comes first. Primary rays come
+ * first, front to back from the eye; then shadow rays, light by light, from the surfaces towards
+ * the light. Along any ray urgencies rise. */
 uint64_t pixel_ray_urgency(const frame *f, const pixel_ray *p);
 
 #endif

@@ -1,8 +1,9 @@
 /* ray.h - rays in grid space, and what they hit.
  *
- * A ray is (o + t d) for t in [t0, t1], all double; a world-space ray becomes one once, and t keeps its meaning (with a world
- * direction of unit length: the distance from the origin in world units). Hits along a ray are ordered by (t, cell, iso), and a ray resumes
- * strictly behind such a triple, never behind t + epsilon.
+ * A ray is (o + t d) for t in [t0, t1], all double; a world-space ray becomes one once, and t keeps
+ * its meaning (with a world direction of unit length: the distance from the origin in world units).
+ * Hits along a ray are ordered by (t, cell, iso), and a ray resumes strictly behind such a triple,
+ * never behind t + epsilon.
  */
 #ifndef RENDER_RAY_H
 #define RENDER_RAY_H
@@ -15,8 +16,8 @@ typedef struct ray {
     double o[3];
     double d[3]; /* finite, not all zero; a zero component is +0 */
     double t0, t1;
-    double held[3]; /* o, pulled just below the volume's upper end, which the last cell owns: where traversal keeps a ray
-                       that has d = 0; the cell kernel does not look at it */
+    double held[3]; /* o, pulled just below the volume's upper end, which the last cell owns: where
+                       traversal keeps a ray that has d = 0; the cell kernel does not look at it */
 } ray;
 
 typedef struct hit {
@@ -26,30 +27,25 @@ typedef struct hit {
     bool entering; /* from f < iso to f >= iso */
 } hit;
 
-static inline hit hit_none(void)
-{
+static inline hit hit_none(void) {
     return (hit){INFINITY, UINT64_MAX, INT32_MAX, false};
 }
 
 /* Before every hit of a ray: where a search begins that may return the first one. */
-static inline hit hit_before_all(void)
-{
+static inline hit hit_before_all(void) {
     return (hit){-INFINITY, 0, -1, false};
 }
 
 /* Before every hit with a t greater than t, behind those with t. */
-static inline hit hit_behind(double t)
-{
+static inline hit hit_behind(double t) {
     return (hit){t, UINT64_MAX, INT32_MAX, false};
 }
 
-static inline bool hit_exists(const hit *h)
-{
+static inline bool hit_exists(const hit *h) {
     return h->t < INFINITY;
 }
 
-static inline bool hit_less(const hit *a, const hit *b)
-{
+static inline bool hit_less(const hit *a, const hit *b) {
     if (a->t != b->t)
         return a->t < b->t;
     if (a->cell != b->cell)

@@ -3,21 +3,19 @@
 #include <float.h>
 #include <math.h>
 
-void surface_cell_of(const level_planes *planes, uint64_t index, uint32_t cell[3])
-{
+void surface_cell_of(const level_planes *planes, uint64_t index, uint32_t cell[3]) {
     cell[0] = (uint32_t)(index % planes->cells[0]);
     index /= planes->cells[0];
     cell[1] = (uint32_t)(index % planes->cells[1]);
     cell[2] = (uint32_t)(index / planes->cells[1]);
 }
 
-static double mix(double a, double b, double s)
-{
+static double mix(double a, double b, double s) {
     return (1.0 - s) * a + s * b;
 }
 
-double surface_trilinear(const float samples[8], const double at[3], const double inverse[3], double gradient[3])
-{
+double surface_trilinear(const float samples[8], const double at[3], const double inverse[3],
+                         double gradient[3]) {
     double s[8];
     for (int i = 0; i < 8; i++)
         s[i] = (double)samples[i];
@@ -34,8 +32,8 @@ double surface_trilinear(const float samples[8], const double at[3], const doubl
 }
 
 /* One component of the gradient at a node: a central difference, one-sided at the volume's ends. */
-static double difference(const walk_scene *scene, const level_planes *planes, const treelet *tr, const int64_t node[3], int a)
-{
+static double difference(const walk_scene *scene, const level_planes *planes, const treelet *tr,
+                         const int64_t node[3], int a) {
     int64_t below[3] = {node[0], node[1], node[2]}, above[3] = {node[0], node[1], node[2]};
     if (node[a] > 0)
         below[a]--;
@@ -45,15 +43,16 @@ static double difference(const walk_scene *scene, const level_planes *planes, co
            (planes->at[a][above[a]] - planes->at[a][below[a]]);
 }
 
-/* Trilinear interpolation of the nodes' central differences: in a regular grid the same as M08's six evaluations of f. */
-static void central_gradient(const walk_scene *scene, const treelet *tr, const uint32_t cell[3], const double at[3],
-                             double gradient[3])
-{
+/* Trilinear interpolation of the nodes' central differences: in a regular grid the same as M08's
+ * six evaluations of f. */
+static void central_gradient(const walk_scene *scene, const treelet *tr, const uint32_t cell[3],
+                             const double at[3], double gradient[3]) {
     const level_planes *planes = &scene->levels[tr->level];
     for (int a = 0; a < 3; a++) {
         double d[8];
         for (int i = 0; i < 8; i++) {
-            const int64_t node[3] = {(int64_t)cell[0] + (i & 1), (int64_t)cell[1] + (i >> 1 & 1), (int64_t)cell[2] + (i >> 2 & 1)};
+            const int64_t node[3] = {(int64_t)cell[0] + (i & 1), (int64_t)cell[1] + (i >> 1 & 1),
+                                     (int64_t)cell[2] + (i >> 2 & 1)};
             d[i] = difference(scene, planes, tr, node, a);
         }
         gradient[a] = mix(mix(mix(d[0], d[1], at[0]), mix(d[2], d[3], at[0]), at[1]),
@@ -62,8 +61,7 @@ static void central_gradient(const walk_scene *scene, const treelet *tr, const u
 }
 
 /* The unit vector against a gradient; false where it has no direction. */
-static bool unit_against(const double gradient[3], float normal[3])
-{
+static bool unit_against(const double gradient[3], float normal[3]) {
     /* Scaled first, so that squares neither vanish nor overflow. */
     const double largest = fmax(fabs(gradient[0]), fmax(fabs(gradient[1]), fabs(gradient[2])));
     if (!(largest > 0.0) || !isfinite(gradient[0] + gradient[1] + gradient[2]))
@@ -77,9 +75,8 @@ static bool unit_against(const double gradient[3], float normal[3])
     return true;
 }
 
-surface_point surface_at(const walk_scene *scene, const affine *space, const treelet *tr, const ray *r, const hit *h,
-                         bool analytic)
-{
+surface_point surface_at(const walk_scene *scene, const affine *space, const treelet *tr,
+                         const ray *r, const hit *h, bool analytic) {
     const level_planes *planes = &scene->levels[tr->level];
     uint32_t cell[3];
     surface_cell_of(planes, h->cell, cell);
@@ -105,7 +102,8 @@ surface_point surface_at(const walk_scene *scene, const affine *space, const tre
         const double edge = sqrt(m[0][a] * m[0][a] + m[1][a] * m[1][a] + m[2][a] * m[2][a]);
         point.span = fmin(point.span, edge * (box.hi[a] - box.lo[a]));
     }
-    /* The kernel's sums err by a few ulps of the largest difference; its position by a few ulps of where it lies. */
+    /* The kernel's sums err by a few ulps of the largest difference; its position by a few ulps of
+     * where it lies. */
     point.error = 32.0 * DBL_EPSILON * magnitude;
     for (int a = 0; a < 3; a++)
         point.error += fabs(gradient[a]) * position_error[a];

@@ -3,8 +3,8 @@
 #include "render/octree_step.h"
 
 /* Cut [t0, t1] by n . (o + t d) + w >= 0. */
-static bool cut(const double plane[4], const double o[3], const double d[3], double *t0, double *t1)
-{
+static bool cut(const double plane[4], const double o[3], const double d[3], double *t0,
+                double *t1) {
     const double at_origin = plane[0] * o[0] + plane[1] * o[1] + plane[2] * o[2] + plane[3];
     const double slope = plane[0] * d[0] + plane[1] * d[1] + plane[2] * d[2];
     if (slope == 0.0)
@@ -18,8 +18,7 @@ static bool cut(const double plane[4], const double o[3], const double d[3], dou
 }
 
 /* The part of [t0, t1] in which the ray is in the volume's closed box. */
-static bool box_interval(const tracer *tr, const ray *r, double *t0, double *t1)
-{
+static bool box_interval(const tracer *tr, const ray *r, double *t0, double *t1) {
     for (int a = 0; a < 3; a++) {
         if (r->d[a] == 0.0) {
             if (r->o[a] < tr->box[0][a] || r->o[a] > tr->box[1][a])
@@ -34,8 +33,8 @@ static bool box_interval(const tracer *tr, const ray *r, double *t0, double *t1)
     return *t0 <= *t1;
 }
 
-bool tracer_ray(const tracer *tr, const double origin[3], const double direction[3], double t0, double t1, ray *out)
-{
+bool tracer_ray(const tracer *tr, const double origin[3], const double direction[3], double t0,
+                double t1, ray *out) {
     for (int i = 0; i < tr->clip_count; i++)
         if (!cut(tr->clip[i], origin, direction, &t0, &t1))
             return false;
@@ -54,29 +53,30 @@ bool tracer_ray(const tracer *tr, const double origin[3], const double direction
     return true;
 }
 
-trace_state trace_begin(const hit *after)
-{
-    return (trace_state){.after = *after, .best = hit_none(), .t_from = -INFINITY, .blocked = LEAF_NO_TREELET};
+trace_state trace_begin(const hit *after) {
+    return (trace_state){
+        .after = *after, .best = hit_none(), .t_from = -INFINITY, .blocked = LEAF_NO_TREELET};
 }
 
-/* A subtree of the directory still to be visited; octants != 0: instead, these eighths of the treelet itself. */
+/* A subtree of the directory still to be visited; octants != 0: instead, these eighths of the
+ * treelet itself. */
 typedef struct pending {
     double t_in, t_out;
     uint32_t t;
     uint32_t octants;
 } pending;
 
-static void split_planes(const tracer *tr, uint32_t t, double middle[3])
-{
+static void split_planes(const tracer *tr, uint32_t t, double middle[3]) {
     const leaf_layout *layout = tr->layout;
     const uint32_t level = layout->level_of[t], half = 1u << (layout->cells_log2 - 1);
     for (int a = 0; a < 3; a++)
-        middle[a] = tr->scene.levels[level].at[a][(layout->place[t][a] << layout->cells_log2) + half];
+        middle[a] =
+            tr->scene.levels[level].at[a][(layout->place[t][a] << layout->cells_log2) + half];
 }
 
 /* Push what of treelet t's children holds a surface and is passed, the nearest last. */
-static int push_children(const tracer *tr, const ray *r, const pending *node, pending *stack, int top, bool *provisional)
-{
+static int push_children(const tracer *tr, const ray *r, const pending *node, pending *stack,
+                         int top, bool *provisional) {
     const leaf_layout *layout = tr->layout;
     const unsigned active = tr->treelets->children[node->t];
     const unsigned existing = leaf_layout_children(layout, node->t);
@@ -102,20 +102,21 @@ static int push_children(const tracer *tr, const ray *r, const pending *node, pe
     return top;
 }
 
-static void walk_resident(const tracer *tr, const ray *r, const treelet *at, const pending *node, trace_state *state,
-                          walk_counters *counters)
-{
+static void walk_resident(const tracer *tr, const ray *r, const treelet *at, const pending *node,
+                          trace_state *state, walk_counters *counters) {
     if (!atomic_load_explicit(&tr->touched[node->t], memory_order_relaxed))
         atomic_store_explicit(&tr->touched[node->t], 1, memory_order_relaxed);
     const unsigned octants = node->octants ? node->octants : 255u;
-    if (tr->walk(&tr->scene, at, r, node->t_in, node->t_out, octants, &state->after, &state->best, counters))
-        state->point = surface_at(&tr->scene, &tr->space, at, r, &state->best, tr->analytic_normals);
+    if (tr->walk(&tr->scene, at, r, node->t_in, node->t_out, octants, &state->after, &state->best,
+                 counters))
+        state->point =
+            surface_at(&tr->scene, &tr->space, at, r, &state->best, tr->analytic_normals);
 }
 
 enum { STACK_MAX = 4 * LEAF_LEVELS_MAX };
 
-trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state, walk_counters *counters)
-{
+trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
+                         walk_counters *counters) {
     double t_in = fmax(fmax(r->t0, state->after.t), state->t_from), t_out = r->t1;
     if (!box_interval(tr, r, &t_in, &t_out))
         return hit_exists(&state->best) ? TRACE_HIT : TRACE_MISS;
@@ -128,7 +129,8 @@ trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state, wal
         const pending node = stack[--top];
         if (node.t_in > state->best.t)
             break;
-        const bool drawn = node.octants || tr->layout->level_of[node.t] == tr->target_level || (tr->stop && tr->stop[node.t]);
+        const bool drawn = node.octants || tr->layout->level_of[node.t] == tr->target_level ||
+                           (tr->stop && tr->stop[node.t]);
         if (!drawn) {
             counters->nodes++;
             top = push_children(tr, r, &node, stack, top, &state->provisional);

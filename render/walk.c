@@ -2,8 +2,7 @@
 
 #include "render/octree_step.h"
 
-cell_box walk_cell_box(const level_planes *planes, const uint32_t cell[3])
-{
+cell_box walk_cell_box(const level_planes *planes, const uint32_t cell[3]) {
     cell_box box;
     for (int a = 0; a < 3; a++) {
         box.lo[a] = planes->at[a][cell[a]];
@@ -14,18 +13,17 @@ cell_box walk_cell_box(const level_planes *planes, const uint32_t cell[3])
     return box;
 }
 
-#define SAMPLES_OF(NAME, TYPE)                                                                        \
-    static void NAME(const void *base, size_t at, size_t row, size_t slice, float samples[8])        \
-    {                                                                                                 \
-        const TYPE *s = (const TYPE *)base + at;                                                      \
-        samples[0] = (float)s[0];                                                                     \
-        samples[1] = (float)s[1];                                                                     \
-        samples[2] = (float)s[row];                                                                   \
-        samples[3] = (float)s[row + 1];                                                               \
-        samples[4] = (float)s[slice];                                                                 \
-        samples[5] = (float)s[slice + 1];                                                             \
-        samples[6] = (float)s[slice + row];                                                           \
-        samples[7] = (float)s[slice + row + 1];                                                       \
+#define SAMPLES_OF(NAME, TYPE)                                                                  \
+    static void NAME(const void *base, size_t at, size_t row, size_t slice, float samples[8]) { \
+        const TYPE *s = (const TYPE *)base + at;                                                \
+        samples[0] = (float)s[0];                                                               \
+        samples[1] = (float)s[1];                                                               \
+        samples[2] = (float)s[row];                                                             \
+        samples[3] = (float)s[row + 1];                                                         \
+        samples[4] = (float)s[slice];                                                           \
+        samples[5] = (float)s[slice + 1];                                                       \
+        samples[6] = (float)s[slice + row];                                                     \
+        samples[7] = (float)s[slice + row + 1];                                                 \
     }
 
 SAMPLES_OF(samples_u8, uint8_t)
@@ -34,28 +32,19 @@ SAMPLES_OF(samples_u16, uint16_t)
 SAMPLES_OF(samples_i16, int16_t)
 SAMPLES_OF(samples_f32, float)
 
-static void samples_at(sample_type type, const void *base, size_t at, size_t row, size_t slice, float samples[8])
-{
+static void samples_at(sample_type type, const void *base, size_t at, size_t row, size_t slice,
+                       float samples[8]) {
     switch (type) {
-    case SAMPLE_U8:
-        samples_u8(base, at, row, slice, samples);
-        return;
-    case SAMPLE_I8:
-        samples_i8(base, at, row, slice, samples);
-        return;
-    case SAMPLE_U16:
-        samples_u16(base, at, row, slice, samples);
-        return;
-    case SAMPLE_I16:
-        samples_i16(base, at, row, slice, samples);
-        return;
-    default:
-        samples_f32(base, at, row, slice, samples);
+    case SAMPLE_U8: samples_u8(base, at, row, slice, samples); return;
+    case SAMPLE_I8: samples_i8(base, at, row, slice, samples); return;
+    case SAMPLE_U16: samples_u16(base, at, row, slice, samples); return;
+    case SAMPLE_I16: samples_i16(base, at, row, slice, samples); return;
+    default: samples_f32(base, at, row, slice, samples);
     }
 }
 
-void walk_cell_samples(const walk_scene *scene, const treelet *tr, const uint32_t cell[3], float samples[8])
-{
+void walk_cell_samples(const walk_scene *scene, const treelet *tr, const uint32_t cell[3],
+                       float samples[8]) {
     size_t at[3];
     for (int a = 0; a < 3; a++)
         at[a] = cell[a] - tr->first_cell[a] + scene->halo;
@@ -63,8 +52,7 @@ void walk_cell_samples(const walk_scene *scene, const treelet *tr, const uint32_
     samples_at(scene->type, tr->samples, at[0] + row * at[1] + slice * at[2], row, slice, samples);
 }
 
-float walk_sample(const walk_scene *scene, const treelet *tr, const int64_t node[3])
-{
+float walk_sample(const walk_scene *scene, const treelet *tr, const int64_t node[3]) {
     size_t at[3];
     for (int a = 0; a < 3; a++)
         at[a] = (size_t)(node[a] - (int64_t)tr->first_cell[a] + scene->halo);
@@ -73,9 +61,9 @@ float walk_sample(const walk_scene *scene, const treelet *tr, const int64_t node
 }
 
 /* All selected isosurfaces in one active cell. */
-static bool intersect_cell(const walk_scene *scene, const treelet *tr, const ray *r, const uint32_t cell[3],
-                           const hit *after, hit *best, walk_counters *counters)
-{
+static bool intersect_cell(const walk_scene *scene, const treelet *tr, const ray *r,
+                           const uint32_t cell[3], const hit *after, hit *best,
+                           walk_counters *counters) {
     const level_planes *planes = &scene->levels[tr->level];
     const cell_box box = walk_cell_box(planes, cell);
     cell_visit visit;
@@ -99,21 +87,23 @@ static bool intersect_cell(const walk_scene *scene, const treelet *tr, const ray
     return changed;
 }
 
-/* A node still to be visited: a cube of 2^size cells at `cell` (of the level), children given by a byte of masks. */
+/* A node still to be visited: a cube of 2^size cells at `cell` (of the level), children given by a
+ * byte of masks. */
 typedef struct pending {
     double t_in, t_out;
     uint32_t cell[3];
-    uint32_t morton; /* its place among the nodes of its tree level; below the blocks, the group within the block */
+    uint32_t morton; /* its place among the nodes of its tree level; below the blocks, the group
+                        within the block */
     uint32_t size;
 } pending;
 
-/* How far down the masks are looked at; below, cells are found by their samples. Only FINEST_CELL is used for pictures; the others are what
- * experiment E1 compares it with. */
+/* How far down the masks are looked at; below, cells are found by their samples. Only FINEST_CELL
+ * is used for pictures; the others are what experiment E1 compares it with. */
 typedef enum finest { FINEST_CELL, FINEST_GROUP, FINEST_BLOCK } finest;
 
-/* The child mask of a node: of the root, of an inner node, of a block (its 2^3 groups with active cells), of such a group (its cells). */
-static inline unsigned children_of(const treelet *tr, const pending *node, finest known)
-{
+/* The child mask of a node: of the root, of an inner node, of a block (its 2^3 groups with active
+ * cells), of such a group (its cells). */
+static inline unsigned children_of(const treelet *tr, const pending *node, finest known) {
     const active_masks *masks = tr->masks;
     const uint32_t levels = tr->shape.node_levels;
     if (node->size > LEAF_BLOCK_LOG2) {
@@ -122,7 +112,8 @@ static inline unsigned children_of(const treelet *tr, const pending *node, fines
     }
     if (node->size <= (uint32_t)known)
         return 255u;
-    const uint64_t cells = masks->cells[node->size == LEAF_BLOCK_LOG2 ? node->morton : node->morton >> 3];
+    const uint64_t cells =
+        masks->cells[node->size == LEAF_BLOCK_LOG2 ? node->morton : node->morton >> 3];
     if (node->size < LEAF_BLOCK_LOG2)
         return (unsigned)(cells >> (8 * (node->morton & 7u))) & 255u;
     unsigned groups = 0;
@@ -132,8 +123,7 @@ static inline unsigned children_of(const treelet *tr, const pending *node, fines
 }
 
 /* Whether a cell exists and is active, from its samples. */
-static bool cell_is_active(const walk_scene *scene, const treelet *tr, const uint32_t cell[3])
-{
+static bool cell_is_active(const walk_scene *scene, const treelet *tr, const uint32_t cell[3]) {
     for (int a = 0; a < 3; a++)
         if (cell[a] - tr->first_cell[a] >= tr->shape.cells[a])
             return false;
@@ -151,9 +141,9 @@ static bool cell_is_active(const walk_scene *scene, const treelet *tr, const uin
 
 enum { STACK_MAX = 4 * (LEAF_CELLS_LOG2_MAX + 1) };
 
-static inline bool walk_to(finest known, const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out,
-                           unsigned octants, const hit *after, hit *best, walk_counters *counters)
-{
+static inline bool walk_to(finest known, const walk_scene *scene, const treelet *tr, const ray *r,
+                           double t_in, double t_out, unsigned octants, const hit *after, hit *best,
+                           walk_counters *counters) {
     const level_planes *planes = &scene->levels[tr->level];
     pending stack[STACK_MAX];
     int top = 0;
@@ -180,38 +170,40 @@ static inline bool walk_to(finest known, const walk_scene *scene, const treelet 
         if (!mask)
             continue;
         const uint32_t half = 1u << (node.size - 1);
-        const double middle[3] = {planes->at[0][node.cell[0] + half], planes->at[1][node.cell[1] + half],
+        const double middle[3] = {planes->at[0][node.cell[0] + half],
+                                  planes->at[1][node.cell[1] + half],
                                   planes->at[2][node.cell[2] + half]};
         octree_child children[4];
         for (int i = octree_step(r, middle, node.t_in, node.t_out, children); i-- > 0;) {
             const unsigned o = children[i].octant;
             if (!(mask >> o & 1u))
                 continue;
-            stack[top++] = (pending){children[i].t_in,
-                                     children[i].t_out,
-                                     {node.cell[0] + (o & 1u ? half : 0), node.cell[1] + (o & 2u ? half : 0),
-                                      node.cell[2] + (o & 4u ? half : 0)},
-                                     node.morton << 3 | o,
-                                     node.size - 1};
+            stack[top++] =
+                (pending){children[i].t_in,
+                          children[i].t_out,
+                          {node.cell[0] + (o & 1u ? half : 0), node.cell[1] + (o & 2u ? half : 0),
+                           node.cell[2] + (o & 4u ? half : 0)},
+                          node.morton << 3 | o,
+                          node.size - 1};
         }
     }
     return changed;
 }
 
-bool walk_treelet(const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out, unsigned octants,
-                  const hit *after, hit *best, walk_counters *counters)
-{
+bool walk_treelet(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
+                  double t_out, unsigned octants, const hit *after, hit *best,
+                  walk_counters *counters) {
     return walk_to(FINEST_CELL, scene, tr, r, t_in, t_out, octants, after, best, counters);
 }
 
-bool walk_treelet_groups(const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out,
-                         unsigned octants, const hit *after, hit *best, walk_counters *counters)
-{
+bool walk_treelet_groups(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
+                         double t_out, unsigned octants, const hit *after, hit *best,
+                         walk_counters *counters) {
     return walk_to(FINEST_GROUP, scene, tr, r, t_in, t_out, octants, after, best, counters);
 }
 
-bool walk_treelet_corners(const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out,
-                          unsigned octants, const hit *after, hit *best, walk_counters *counters)
-{
+bool walk_treelet_corners(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
+                          double t_out, unsigned octants, const hit *after, hit *best,
+                          walk_counters *counters) {
     return walk_to(FINEST_BLOCK, scene, tr, r, t_in, t_out, octants, after, best, counters);
 }

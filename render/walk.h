@@ -1,6 +1,7 @@
 /* walk.h - one ray through one treelet: the nearest hit with the selected isosurfaces.
  *
- * Descends the masks of active cells front to back; every active cell on the way goes to the intersector.
+ * Descends the masks of active cells front to back; every active cell on the way goes to the
+ * intersector.
  */
 #ifndef RENDER_WALK_H
 #define RENDER_WALK_H
@@ -14,7 +15,7 @@
 
 /* Where a level's nodes and cells lie in grid space. Coarse levels reach past the volume's end. */
 typedef struct level_planes {
-    const double *at[3];      /* plane coordinates, node i of the level; enough for whole treelets */
+    const double *at[3]; /* plane coordinates, node i of the level; enough for whole treelets */
     const double *inverse[3]; /* 1 / (at[i + 1] - at[i]) */
     uint32_t cells[3];
 } level_planes;
@@ -33,32 +34,38 @@ typedef struct walk_scene {
     intersect_fn intersect;
 } walk_scene;
 
-/* walk_treelet() - lower *best to the first hit in this treelet that is strictly after `after`, if there is a lesser one. [t_in, t_out] holds the ray's
- * interval in the treelet; octants: which eighths of it to look at (255: all). Returns whether *best changed. */
-typedef bool (*walk_fn)(const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out,
-                        unsigned octants, const hit *after, hit *best, walk_counters *counters);
+/* walk_treelet() - lower *best to the first hit in this treelet that is strictly after `after`, if
+ * there is a lesser one. [t_in, t_out] holds the ray's interval in the treelet; octants: which
+ * eighths of it to look at (255: all). Returns whether *best changed. */
+typedef bool (*walk_fn)(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
+                        double t_out, unsigned octants, const hit *after, hit *best,
+                        walk_counters *counters);
 
-bool walk_treelet(const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out, unsigned octants,
-                  const hit *after, hit *best, walk_counters *counters);
+bool walk_treelet(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
+                  double t_out, unsigned octants, const hit *after, hit *best,
+                  walk_counters *counters);
 
-/* The same result without the cells' masks, for experiment E1: down to 2^3 groups by masks (as if the tree went on to 2^3), or to blocks, then cell
- * by cell by the samples. */
-bool walk_treelet_groups(const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out,
-                         unsigned octants, const hit *after, hit *best, walk_counters *counters);
-bool walk_treelet_corners(const walk_scene *scene, const treelet *tr, const ray *r, double t_in, double t_out,
-                          unsigned octants, const hit *after, hit *best, walk_counters *counters);
+/* The same result without the cells' masks, for experiment E1: down to 2^3 groups by masks (as if
+ * the tree went on to 2^3), or to blocks, then cell by cell by the samples. */
+bool walk_treelet_groups(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
+                         double t_out, unsigned octants, const hit *after, hit *best,
+                         walk_counters *counters);
+bool walk_treelet_corners(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
+                          double t_out, unsigned octants, const hit *after, hit *best,
+                          walk_counters *counters);
 
 /* walk_cell_box() - the planes of a cell of a level. */
 cell_box walk_cell_box(const level_planes *planes, const uint32_t cell[3]);
 
 /* walk_cell_samples() - its eight samples from its treelet. */
-void walk_cell_samples(const walk_scene *scene, const treelet *tr, const uint32_t cell[3], float samples[8]);
+void walk_cell_samples(const walk_scene *scene, const treelet *tr, const uint32_t cell[3],
+                       float samples[8]);
 
-/* walk_sample() - the sample of a node (of the treelet's level) that its samples, halo included, cover. */
+/* walk_sample() - the sample of a node (of the treelet's level) that its samples, halo included,
+ * cover. */
 float walk_sample(const walk_scene *scene, const treelet *tr, const int64_t node[3]);
 
-static inline uint64_t walk_cell_index(const level_planes *planes, const uint32_t cell[3])
-{
+static inline uint64_t walk_cell_index(const level_planes *planes, const uint32_t cell[3]) {
     return cell[0] + (uint64_t)planes->cells[0] * (cell[1] + (uint64_t)planes->cells[1] * cell[2]);
 }
 
