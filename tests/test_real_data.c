@@ -175,7 +175,7 @@ static void test_rectilinear(void **state) {
     }
 }
 
-/* What an isovalue needs of the payloads' bytes: DESIGN's measure of treelets that are small
+/* What an isovalue needs of the payloads' bytes: the measure of treelets that are small
  * enough. */
 static void test_active_share(void **state) {
     (void)state;
