@@ -190,14 +190,14 @@ bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters) {
 
 /* ---- Urgency ---- */
 
-/* The treelet of its level-0 grid that a coordinate falls into; outside, as if the grid went on. */
+/* The treelet of the level-0 grid that a coordinate falls into; outside, the one beyond. */
 static int64_t treelet_of(const tracer *tr, int a, double x) {
     const level_planes *planes = &tr->scene.levels[0];
     uint32_t lo = 0, hi = planes->cells[a];
     if (!(x > planes->at[a][0]))
         return -1;
     if (!(x < planes->at[a][hi]))
-        return (int64_t)1 << 30;
+        return tr->layout->level[0].treelets[a];
     while (hi - lo > 1) {
         const uint32_t middle = lo + (hi - lo) / 2;
         if (planes->at[a][middle] <= x)
@@ -212,7 +212,7 @@ uint64_t pixel_ray_urgency(const frame *f, const pixel_ray *p) {
     const tracer *tr = f->tracer;
     const uint32_t t = p->search.blocked, level = tr->layout->level_of[t];
     const leafcast_light *light = p->light == NO_LIGHT ? NULL : &f->scene->lights[p->light];
-    const int64_t far = (int64_t)1 << 24;
+    const int64_t far = (int64_t)1 << 24; /* more than any place */
     double from[3], towards[3] = {0.0, 0.0, 0.0};
     affine_point_to_grid(&tr->space, light && light->point ? light->vector : f->camera.eye, from);
     if (light && !light->point)
@@ -222,16 +222,15 @@ uint64_t pixel_ray_urgency(const frame *f, const pixel_ray *p) {
         const int64_t place = (int64_t)tr->layout->place[t][a] << level;
         if (light && !light->point) {
             /* Along the light's direction. */
-            rank += towards[a] > 0.0 ? place : far / 4 - place;
+            rank += towards[a] > 0.0 ? place : far - place;
             continue;
         }
         /* A ray only moves away from the eye's treelet on every axis (and towards a light's), so
-         * the Manhattan distance rises. */
-        const int64_t centre = treelet_of(tr, a, from[a]);
-        const int64_t distance = centre >> 30     ? far / 4 - place
-                                 : place > centre ? place - centre
-                                                  : centre - place;
-        rank += light ? far / 4 - distance : distance;
+         * the Manhattan distance rises. Of a coarse treelet: from the one of its level there. */
+        const int64_t size = (int64_t)1 << level;
+        const int64_t centre = (treelet_of(tr, a, from[a]) >> level) * size;
+        const int64_t distance = place > centre ? place - centre : centre - place;
+        rank += light ? far - distance : distance;
     }
     return (uint64_t)(p->light + 1) << 32 | (uint64_t)rank;
 }
