@@ -2,9 +2,10 @@
  * lie.
  *
  * Nodes (i, j, k) hold samples, x fastest; cells lie between eight nodes. Two spaces:
- *   grid space   regular: node (i, j, k) at (i, j, k). Rectilinear: at (axis[0][i], axis[1][j],
- * axis[2][k]). world space  world = to_world * (grid, 1): spacings (also negative), directions and
- * origin are in there, nowhere else.
+ *   grid space   regular: node (i, j, k) at (i, j, k);
+ *                rectilinear: at (axis[0][i], axis[1][j], axis[2][k])
+ *   world space  world = to_world * (grid, 1): spacings (also negative), directions and origin are
+ *                in there, nowhere else
  */
 #ifndef FORMATS_GRID_H
 #define FORMATS_GRID_H

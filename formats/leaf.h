@@ -4,7 +4,7 @@
  *   LEAF_HEADER_BYTES  section table: header.sections entries of 32 bytes
  *   ...                directory sections, each at a multiple of 64
  *   ...                payload runs, each at a multiple of 2^run_align_log2: the payloads of one
- * family of siblings, each at a multiple of 64 inside the run
+ *                      family of siblings, each at a multiple of 64 inside the run
  *
  * All little endian. Everything not named is zero, and checked to be.
  *

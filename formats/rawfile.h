@@ -2,7 +2,9 @@
  *
  * A name like bonsai_256x256x256_uint8.raw tells sizes and type. A JSON in the style of the Open
  * SciVis data sets,
+ *
  *   {"name": "bonsai", "type": "uint8", "size": [256, 256, 256], "spacing": [1, 1, 1]}
+ *
  * lies beside the samples (bonsai.json or bonsai_256x256x256_uint8.json), or is opened itself; it
  * then names them by "file", by the last part of "url", or by its own name (bonsai.json:
  * bonsai.raw). What a hint says goes before the JSON, which goes before the name. Understood beyond

@@ -2,11 +2,14 @@
  *
  * Coarse node (i, j, k) is the 1-4-6-4-1 mean, per axis, around fine node (2i, 2j, 2k), indices
  * clamped to the fine level; so also the node that sits one beyond the fine level's end. Samples
- * keep their type: integers  exact integer sums over 4096, rounded half to even; f32       sums in
- * double, x then y then z, each from the lowest index up, divided by the sum of weights, rounded to
- * float. NaN and inf have weight 0; a coarse node whose (clamped) centre is one of them is the
- * quiet NaN 0x7FC00000. Bit-exact whatever the threads: a band of rows is one thread's, and no sum
- * crosses bands.
+ * keep their type:
+ *
+ *   integers  exact integer sums over 4096, rounded half to even
+ *   f32       sums in double, x then y then z, each from the lowest index up, divided by the sum of
+ *             weights, rounded to float; NaN and inf have weight 0; a coarse node whose (clamped)
+ *             centre is one of them is the quiet NaN 0x7FC00000
+ *
+ * Bit-exact whatever the threads: a band of rows is one thread's, and no sum crosses bands.
  */
 #ifndef PREP_PYRAMID_H
 #define PREP_PYRAMID_H

@@ -5,8 +5,7 @@
  *   neubauer   Algorithm 7: three repeated linear interpolations, trilinear look-ups
  *   schwarze   the cubic solved in closed form
  *   marmitt-3  Algorithm 8: roots isolated by the extrema, three repeated linear interpolations
- *   marmitt    the same, isolated and iterated to the last bits: cell_next_hit(), the only exact
- * one
+ *   marmitt    the same, iterated to the last bits: cell_next_hit(), the only exact one
  *
  * All but `marmitt` are approximate: midpoint, linear and neubauer see no surface where entry and
  * exit lie on the same side, or at most one; schwarze loses digits near double roots, and its

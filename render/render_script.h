@@ -1,12 +1,18 @@
 /* render_script.h - pictures described in JSON: the lines of render --script, the entries of
  * --camera-path.
  *
- * An object's keys are render's flags without their dashes ('_' for '-' is fine): {"eye": [300, 0,
- * 40], "shadows": true}. A vector is an array of numbers or the flag's text; a flag that may be
- * repeated takes an array of values; a flag without a value takes true or false. Besides: "camera"
- * an object with eye, look_at, up, fov, view: the same as these keys outside "isovalues" the same
- * as "iso" "output", "depth_f64"  files to write A key replaces what the command line said for that
- * flag; what is not said stays as it is there.
+ * An object's keys are render's flags without their dashes ('_' for '-' is fine):
+ *
+ *   {"eye": [300, 0, 40], "shadows": true}
+ *
+ * A vector is an array of numbers or the flag's text; a flag that may be repeated takes an array of
+ * values; a flag without a value takes true or false. Besides:
+ *
+ *   "camera"               an object with eye, look_at, up, fov, view: as these keys outside
+ *   "isovalues"            the same as "iso"
+ *   "output", "depth_f64"  files to write
+ *
+ * A key replaces what the command line said for that flag; what is not said stays as it is there.
  */
 #ifndef RENDER_RENDER_SCRIPT_H
 #define RENDER_RENDER_SCRIPT_H

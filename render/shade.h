@@ -32,8 +32,9 @@ typedef struct shade_point {
 
 /* shade_point_of() - a hit as the lights see it.
  *
- * normal       of either side (it is turned to the eye: both sides of a surface look alike); any
- * length, 0 counts as facing the eye towards_eye  unit length
+ * normal       of either side (it is turned to the eye: both sides of a surface look alike);
+ *              any length, 0 counts as facing the eye
+ * towards_eye  unit length
  */
 shade_point shade_point_of(const leafcast_scene *scene, const float rgb[3], const float normal[3],
                            const float towards_eye[3]);

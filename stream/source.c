@@ -8,9 +8,8 @@
 #include "formats/base/fault.h"
 
 #ifndef MADV_POPULATE_READ
-#define MADV_POPULATE_READ                                                                       \
-    22 /* Linux 5.14; older kernels answer EINVAL and the checksum's reading faults the pages in \
-        */
+/* Linux 5.14; older kernels answer EINVAL, and the checksum's reading faults the pages in. */
+#define MADV_POPULATE_READ 22
 #endif
 
 typedef struct backend {

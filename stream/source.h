@@ -1,9 +1,9 @@
 /* source.h - where treelet payloads come from: two backends that give the same bytes.
  *
  *   mapped  the file is mapped once; a load populates the treelet's pages with MADV_POPULATE_READ
- * (which reports an error instead of raising SIGBUS) and checks them; an eviction gives them back
- * with MADV_DONTNEED. Raw payloads only. arena   a load reads (and decompresses) into a buffer of
- * our own.
+ *           (which reports an error instead of raising SIGBUS) and checks them; an eviction gives
+ *           them back with MADV_DONTNEED; raw payloads only
+ *   arena   a load reads (and decompresses) into a buffer of our own
  *
  * Thread-safe: any number of loads at once, each with a scratch of its own.
  */

@@ -1,5 +1,4 @@
-/* test_camera.c - the camera: hand-checked rays, the standard view, cameras that are none.
- */
+/* test_camera.c - the camera: hand-checked rays, the standard view, cameras that are none. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,8 +1,8 @@
 /* test_cell_stress.c - the scalar cell kernel against the reference, on hostile ray-cells and small
  * blocks of cells.
  *
- *   test_cell_stress                   the short form: LEAFCAST_STRESS ray-cells of each case
- * (20000) test_cell_stress CASE SEED INDEX   one ray-cell, with both answers
+ *   test_cell_stress                   LEAFCAST_STRESS (20000) ray-cells of each case
+ *   test_cell_stress CASE SEED INDEX   one ray-cell, with both answers
  */
 #include <math.h>
 #include <setjmp.h>

@@ -2,7 +2,7 @@
  *
  *   tool_field                        the names of all fields
  *   tool_field NAME N SEED OUT.nrrd   write one; prints the isovalue, and whether it is
- * rectilinear, then with axis files OUT.nrrd.x, .y, .z
+ *                                     rectilinear, then with axis files OUT.nrrd.x, .y, .z
  */
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,14 +4,14 @@
  * the project's conventions and nothing else:
  *   - inside is f >= iso; a surface is a change of that side along the ray;
  *   - a cell owns [i, i+1) on each axis, the last its end; a direction component of 0 counts as +0;
- * planes that are crossed at the same t are crossed x first, then y, then z, and the zero-length
- * visits between them are kept;
- *   - the value at a face is the bilinear form of its 4 samples, so both cells at the face see the
- * same side;
- *   - the side at the start is that of f(start), also where a clip begins; no cap at the box, a
- * clip or missing data;
- *   - a cell that touches NaN or inf holds no surface; nor does one whose samples all lie on one
- * side;
+ *     planes that are crossed at the same t are crossed x first, then y, then z, and the
+ *     zero-length visits between them are kept;
+ *   - the value at a face is the bilinear form of its 4 samples, so both cells at the face see
+ *     the same side;
+ *   - the side at the start is that of f(start), also where a clip begins; no cap at the box,
+ *     a clip or missing data;
+ *   - a cell that touches NaN or inf holds no surface; nor does one whose samples all lie on
+ *     one side;
  *   - equal t: lowest global cell first, then lowest isovalue index.
  */
 #ifndef TESTS_SUPPORT_REFERENCE_H
