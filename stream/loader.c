@@ -26,7 +26,7 @@ struct loader_private {
     size_t queued;
     treelet **places; /* READY ones, oldest first */
     uint32_t filled, loading, capacity;
-    bool quit;
+    bool quit, sweeping;
     status_note failure;
     loader_stats stats;
     /* The selected isovalues. */
@@ -261,6 +261,12 @@ static void quiesce(struct loader_private *h) {
         pthread_cond_wait(&h->done, &h->lock);
 }
 
+/* The end of a picture's wishes, its sweep too. With the lock held. */
+static void rest(struct loader_private *h) {
+    h->sweeping = false;
+    quiesce(h);
+}
+
 static bool holds(const float range[2], const active_set *set) {
     for (int i = 0; i < set->count; i++)
         if ((double)range[0] < set->isovalues[i] && set->isovalues[i] <= (double)range[1])
@@ -299,7 +305,7 @@ static status remask(void *ctx, size_t index, int worker) {
 status loader_select(loader *l, const double *isovalues, int count, pool *p) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
-    quiesce(h);
+    rest(h);
     memcpy(h->isovalues, isovalues, (size_t)count * sizeof *isovalues);
     h->set = (active_set){count, h->isovalues};
     sweep_ranges(l);
@@ -326,7 +332,7 @@ void loader_set_capacity(loader *l, uint32_t places) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     h->capacity = places > 0 ? places : 1;
-    quiesce(h);
+    rest(h);
     evict_oldest(l, h->filled > h->capacity ? h->filled - h->capacity : 0);
     pthread_mutex_unlock(&h->lock);
 }
@@ -354,12 +360,17 @@ void loader_want(loader *l, uint32_t t, uint64_t urgency) {
     pthread_mutex_unlock(&h->lock);
 }
 
-void loader_sweep(loader *l) {
-    struct loader_private *h = l->hidden;
-    pthread_mutex_lock(&h->lock);
+static void sweep_locked(loader *l) {
     for (uint32_t t = 0; t < l->file->layout.treelets; t++)
         if (l->own[t])
             want_locked(l, t, UINT64_MAX);
+}
+
+void loader_sweep(loader *l) {
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    h->sweeping = true;
+    sweep_locked(l);
     pthread_cond_broadcast(&h->work);
     pthread_mutex_unlock(&h->lock);
 }
@@ -384,6 +395,9 @@ status loader_admit(loader *l, loader_request *requests, size_t count) {
     }
     for (size_t i = 0; i < count; i++)
         want_locked(l, requests[i].t, requests[i].urgency);
+    /* What the rays leave room for. */
+    if (h->sweeping && h->filled + h->queued < h->capacity)
+        sweep_locked(l);
     pthread_cond_broadcast(&h->work);
     const uint64_t before = h->stats.loads;
     while (!ready && h->stats.loads == before && h->failure.st == ST_OK)
@@ -409,6 +423,18 @@ status loader_failure(loader *l) {
     status st = h->failure.st == ST_OK ? ST_OK : status_note_raise(&h->failure);
     pthread_mutex_unlock(&h->lock);
     return st;
+}
+
+void loader_forget_failures(loader *l) {
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    rest(h);
+    if (h->failure.st != ST_OK)
+        for (uint32_t t = 0; t < l->file->layout.treelets; t++)
+            if (h->state[t] == FAILED)
+                h->state[t] = ABSENT;
+    h->failure.st = ST_OK;
+    pthread_mutex_unlock(&h->lock);
 }
 
 loader_stats loader_statistics(loader *l) {

@@ -82,17 +82,23 @@ typedef struct loader_request {
     uint64_t urgency;
 } loader_request;
 
-/* loader_admit() - rays wait for these treelets alone, none of which is resident: forget what was
- * queued, make room among the resident ones if need be, and wait until at least one of them is
- * READY. Only while nothing is traced. Sorts the requests. Returns the error of a treelet that
- * failed. */
+/* loader_admit() - rays wait for these treelets alone, none of which is resident: forget what else
+ * rays had queued, make room among the resident ones if need be, and wait until at least one of
+ * them is READY. Only while nothing is traced. Sorts the requests. Returns the error of a treelet
+ * that failed. */
 CHECKED status loader_admit(loader *l, loader_request *requests, size_t count);
 
 /* loader_settle() - wait until nothing that has a place is still being read. */
 CHECKED status loader_settle(loader *l);
 
-/* loader_failure() - ST_OK, or the error of a treelet whose load failed. */
+/* loader_failure() - ST_OK, or the error of a treelet whose load failed. Stays until
+ * loader_forget_failures(). */
 CHECKED status loader_failure(loader *l);
+
+/* loader_forget_failures() - what failed may be tried again: before each picture, so that one's
+ * trouble (memory that ran out, a treelet that the next one need not have) is not the next one's.
+ * Forgets what was queued, too. Only while nothing is traced. */
+void loader_forget_failures(loader *l);
 
 loader_stats loader_statistics(loader *l);
 void loader_reset_statistics(loader *l);
