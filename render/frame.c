@@ -53,12 +53,13 @@ static uint32_t tiles_of(uint32_t pixels) {
     return (pixels + TILE - 1) / TILE;
 }
 
-size_t frame_bytes(uint32_t treelets, uint32_t records_max, uint32_t width, uint32_t height) {
+size_t frame_bytes(uint32_t treelets, uint32_t records_max, uint32_t width, uint32_t height,
+                   int threads) {
     const size_t tiles = (size_t)tiles_of(width) * tiles_of(height);
     const size_t chunks = records_max / CHUNK + 1;
     return treelets * (2 * sizeof(uint32_t) + sizeof(loader_request)) +
            2 * tiles * sizeof(uint32_t) + chunks * (sizeof(void *) + 192) +
-           CHUNK * sizeof(pixel_ray) + 64 * sizeof(tally);
+           CHUNK * sizeof(pixel_ray) + ((size_t)threads + 1) * sizeof(tally);
 }
 
 static pixel_ray *record(const drawing *d, uint32_t i) {

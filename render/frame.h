@@ -45,6 +45,7 @@ uint32_t frame_records_min(int threads);
 size_t frame_record_bytes(void);
 
 /* frame_bytes() - memory that a frame needs beside records, treelets and image. */
-size_t frame_bytes(uint32_t treelets, uint32_t records_max, uint32_t width, uint32_t height);
+size_t frame_bytes(uint32_t treelets, uint32_t records_max, uint32_t width, uint32_t height,
+                   int threads);
 
 #endif

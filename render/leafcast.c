@@ -33,7 +33,7 @@ struct leafcast {
     double isovalues[LEAFCAST_SURFACES_MAX];
     int surface_count;
     atomic_uchar *touched;
-    uint8_t *stop;          /* per treelet, for --lod pixel; NULL until needed */
+    uint8_t *stop;          /* per treelet, for --lod pixel */
     size_t base_bytes;      /* of the budget, before any treelet */
     intersect_fn intersect; /* instead of the scene's, see experiment.h */
     double opened_at, open_s, first_image_s;
@@ -82,7 +82,8 @@ static status open_parts(leafcast *v, const char *path) {
     if (st != ST_OK)
         return st;
     v->touched = mem_array(m, v->file->layout.treelets, sizeof *v->touched);
-    if (!v->touched)
+    v->stop = mem_array(m, v->file->layout.treelets, sizeof *v->stop);
+    if (!v->touched || !v->stop)
         return ST_NOMEM;
     affine_init(&v->space, v->file->header.to_world);
     v->base_bytes = mem_used(m);
@@ -176,6 +177,8 @@ leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, i
                 status_describe(ST_USAGE, "isovalue %d is not a finite number", i + 1));
         if (!(surfaces[i].opacity > 0.0f && surfaces[i].opacity <= 1.0f))
             return public_status(status_describe(ST_USAGE, "opacity %d is not in (0, 1]", i + 1));
+    }
+    for (int i = 0; i < count; i++) {
         v->surfaces[i] = surfaces[i];
         v->isovalues[i] = surfaces[i].isovalue;
     }
@@ -234,11 +237,9 @@ static status clip_of(const leafcast_scene *scene, tracer *tr) {
 
 /* For --lod pixel: stop at the treelets whose cells are not larger than a pixel where they come
  * nearest to the eye. */
-static status stop_levels(leafcast *v, const camera *c) {
+static void stop_levels(leafcast *v, const camera *c) {
     const leaf_layout *layout = &v->file->layout;
     const double pixel = camera_pixel(c);
-    if (!v->stop && !(v->stop = mem_array(&v->budget, layout->treelets, 1)))
-        return ST_NOMEM;
     for (uint32_t t = 0; t < layout->treelets; t++) {
         const level_planes *planes = &v->planes.levels[layout->level_of[t]];
         double centre[3], radius = 0.0, edge = 0.0, distance = 0.0, world[3];
@@ -257,7 +258,6 @@ static status stop_levels(leafcast *v, const camera *c) {
             distance += (world[a] - c->eye[a]) * (world[a] - c->eye[a]);
         v->stop[t] = edge <= pixel * fmax(sqrt(distance) - radius, 0.0);
     }
-    return ST_OK;
 }
 
 static status tracer_of(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
@@ -289,7 +289,7 @@ static status tracer_of(leafcast *v, const leafcast_scene *scene, const camera *
             scene->lod_level < layout->levels ? scene->lod_level : layout->levels - 1;
     status st = clip_of(scene, tr);
     if (st == ST_OK && scene->lod == LEAFCAST_LOD_PIXEL && c) {
-        st = stop_levels(v, c);
+        stop_levels(v, c);
         tr->stop = v->stop;
     }
     return st;
@@ -307,27 +307,25 @@ static size_t image_bytes(const leafcast_image *image, size_t pixels) {
 }
 
 /* Share the budget out: what is there, the picture, records of suspended rays (a quarter of the
- * rest), treelets. */
+ * rest, or what one treelet leaves), treelets. */
 static status share_budget(leafcast *v, frame *f) {
     const uint32_t treelets = v->file->layout.treelets;
     const uint32_t least = frame_records_min(pool_threads(v->threads));
     const size_t pixels = (size_t)f->width * f->height, place = loader_place_bytes(v->treelets);
-    const size_t rays = (pixels + 255) / 256 * 256 * 2;
-    size_t places = treelets, records = rays < least            ? least
-                                        : rays < UINT32_MAX / 2 ? rays
-                                                                : UINT32_MAX / 2;
+    size_t places = treelets, records = (pixels + 255) / 256 * 256 * 2;
+    records = records < least ? least : records < UINT32_MAX / 2 ? records : UINT32_MAX / 2;
     if (v->budget.limit) {
-        const size_t fixed = v->base_bytes + (v->stop ? treelets : 0) +
-                             image_bytes(&f->image, pixels) +
-                             frame_bytes(treelets, (uint32_t)records, f->width, f->height);
+        const size_t fixed =
+            v->base_bytes + image_bytes(&f->image, pixels) +
+            frame_bytes(treelets, (uint32_t)records, f->width, f->height, pool_threads(v->threads));
         const size_t needed = fixed + least * frame_record_bytes() + place;
         if (v->budget.limit < needed)
             return status_describe(
                 ST_NOMEM,
                 "the memory budget of %zu bytes is too small for this picture: %zu bytes would do",
                 v->budget.limit, needed);
-        const size_t rest = v->budget.limit - fixed;
-        const size_t most = rest / 4 / frame_record_bytes();
+        const size_t rest = v->budget.limit - fixed, beside = rest - place;
+        const size_t most = (rest / 4 < beside ? rest / 4 : beside) / frame_record_bytes();
         records = most < least ? least : most < records ? most : records;
         places = (rest - records * frame_record_bytes()) / place;
     }
@@ -389,6 +387,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
     frame_counters counters = {0};
     const double start = now();
     status st = camera_init(&f.camera, from);
+    loader_forget_failures(v->treelets);
     if (st == ST_OK)
         st = tracer_of(v, scene, &f.camera, &tr);
     if (st == ST_OK)
@@ -419,8 +418,6 @@ void experiment_intersect(leafcast *v, intersect_fn intersect) {
 /* Bring in the one treelet that a probe needs. */
 static status need(leafcast *v, uint32_t t) {
     loader_request request = {t, 0};
-    loader_set_capacity(v->treelets,
-                        loader_capacity(v->treelets) > 1 ? loader_capacity(v->treelets) : 1);
     return loader_admit(v->treelets, &request, 1);
 }
 
@@ -460,6 +457,7 @@ leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, con
     if (st != ST_OK)
         return public_status(st);
     tr.preview = false;
+    loader_forget_failures(v->treelets);
     if (!tracer_ray(&tr, origin, direction, 0.0, INFINITY, &r))
         return LEAFCAST_OK;
     const hit before = hit_before_all();
@@ -512,25 +510,20 @@ leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcas
     }
     sample->inside = true;
     sample->treelet = leaf_layout_find(layout, 0, place);
-    void *payload = mem_alloc(&v->budget, leaf_layout_payload_max(layout));
-    void *stored = mem_alloc(&v->budget, (size_t)v->file->sizes[sample->treelet]);
-    status st =
-        payload && stored ? leaf_file_load(v->file, sample->treelet, stored, payload) : ST_NOMEM;
+    loader_forget_failures(v->treelets);
+    status st = ST_OK;
+    const treelet *tr = loader_lookup(v->treelets, sample->treelet);
+    for (; !tr && st == ST_OK; tr = loader_lookup(v->treelets, sample->treelet))
+        st = need(v, sample->treelet);
     if (st == ST_OK) {
-        const leaf_payload shape = leaf_layout_payload(layout, sample->treelet);
         const walk_scene scene = {
             .levels = v->planes.levels, .type = layout->type, .halo = layout->halo};
-        treelet tr = {.shape = shape, .samples = (const char *)payload + shape.samples_at};
         double gradient[3], inverse[3];
-        for (int a = 0; a < 3; a++) {
-            tr.first_cell[a] = place[a] << layout->cells_log2;
+        for (int a = 0; a < 3; a++)
             inverse[a] = planes->inverse[a][sample->cell[a]];
-        }
-        walk_cell_samples(&scene, &tr, sample->cell, sample->samples);
+        walk_cell_samples(&scene, tr, sample->cell, sample->samples);
         sample->value = surface_trilinear(sample->samples, sample->at, inverse, gradient);
         affine_gradient_to_world(&v->space, gradient, sample->gradient);
     }
-    mem_free(&v->budget, stored);
-    mem_free(&v->budget, payload);
     return public_status(st);
 }
