@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { PATHS = 200, PATH_ROOM = 300 };
+enum { PATHS = 500, PATH_ROOM = 300 };
 
 static char folder[64];
 static pid_t owner;
