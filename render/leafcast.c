@@ -267,6 +267,9 @@ static status tracer_of(leafcast *v, const leafcast_scene *scene, const camera *
         return status_describe(ST_USAGE, "no isosurface is selected");
     if (!how)
         return status_describe(ST_USAGE, "there is no such intersector");
+    if (scene->light_count < 0 || scene->light_count > LEAFCAST_LIGHTS_MAX)
+        return status_describe(ST_USAGE, "%d lights: 0 to %d are possible", scene->light_count,
+                               LEAFCAST_LIGHTS_MAX);
     *tr = (tracer){.scene = {.levels = v->planes.levels,
                              .isovalues = v->isovalues,
                              .count = v->surface_count,
@@ -421,17 +424,34 @@ static status need(leafcast *v, uint32_t t) {
     return loader_admit(v->treelets, &request, 1);
 }
 
-static void describe_hit(const leafcast *v, const tracer *tr, const ray *r, const double origin[3],
-                         const double direction[3], const trace_state *state, leafcast_hit *out) {
+/* The hit's treelet may have given way to one that starts where it ends: it is brought back. */
+static status samples_of_hit(leafcast *v, const tracer *tr, const uint32_t cell[3],
+                             float samples[8]) {
+    uint32_t place[3];
+    for (int a = 0; a < 3; a++)
+        place[a] = cell[a] >> v->file->layout.cells_log2;
+    const uint32_t t = leaf_layout_find(&v->file->layout, tr->target_level, place);
+    for (;;) {
+        const treelet *at = loader_lookup(v->treelets, t);
+        if (at) {
+            walk_cell_samples(&tr->scene, at, cell, samples);
+            return ST_OK;
+        }
+        status st = need(v, t);
+        if (st != ST_OK)
+            return st;
+    }
+}
+
+static status describe_hit(leafcast *v, const tracer *tr, const ray *r, const double origin[3],
+                           const double direction[3], const trace_state *state, leafcast_hit *out) {
     const hit *h = &state->best;
     const level_planes *planes = &v->planes.levels[tr->target_level];
     *out = (leafcast_hit){.t = h->t, .surface = h->iso, .entering = h->entering};
     surface_cell_of(planes, h->cell, out->cell);
-    uint32_t place[3];
     double slope = 0.0;
     for (int a = 0; a < 3; a++) {
         const double x = r->o[a] + h->t * r->d[a];
-        place[a] = out->cell[a] >> v->file->layout.cells_log2;
         out->point[a] = origin[a] + h->t * direction[a];
         out->at[a] = fmin(
             fmax((x - planes->at[a][out->cell[a]]) * planes->inverse[a][out->cell[a]], 0.0), 1.0);
@@ -440,10 +460,7 @@ static void describe_hit(const leafcast *v, const tracer *tr, const ray *r, cons
         slope += state->point.gradient[a] * direction[a];
     }
     out->error_bound = slope != 0.0 ? state->point.error / fabs(slope) : INFINITY;
-    const treelet *at =
-        loader_lookup(v->treelets, leaf_layout_find(&v->file->layout, tr->target_level, place));
-    if (at)
-        walk_cell_samples(&tr->scene, at, out->cell, out->samples);
+    return samples_of_hit(v, tr, out->cell, out->samples);
 }
 
 leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, const double origin[3],
@@ -453,6 +470,14 @@ leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, con
     ray r;
     walk_counters counters = {0};
     *count = 0;
+    double length = 0.0, place = 0.0;
+    for (int a = 0; a < 3; a++) {
+        length += fabs(direction[a]);
+        place += fabs(origin[a]);
+    }
+    if (!(length > 0.0 && length < INFINITY && place < INFINITY))
+        return public_status(status_describe(ST_USAGE, "a ray needs a finite origin and a finite "
+                                                       "direction that is not 0,0,0"));
     status st = tracer_of(v, scene, NULL, &tr);
     if (st != ST_OK)
         return public_status(st);
@@ -472,7 +497,10 @@ leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, con
                 return public_status(st);
             continue;
         }
-        describe_hit(v, &tr, &r, origin, direction, &state, &hits[(*count)++]);
+        st = describe_hit(v, &tr, &r, origin, direction, &state, &hits[*count]);
+        if (st != ST_OK)
+            return public_status(st);
+        ++*count;
         const hit behind = state.best;
         state = trace_begin(&behind);
     }
