@@ -1,5 +1,6 @@
 #include "render/affine.h"
 
+#include <math.h>
 #include <string.h>
 
 void affine_init(affine *a, const double to_world[12]) {
@@ -35,6 +36,11 @@ void affine_point_to_grid(const affine *a, const double world[3], double grid[3]
     const double from_origin[3] = {world[0] - a->to_world[0][3], world[1] - a->to_world[1][3],
                                    world[2] - a->to_world[2][3]};
     affine_vector_to_grid(a, from_origin, grid);
+}
+
+double affine_unit(const affine *a, int axis) {
+    const double x = a->to_world[0][axis], y = a->to_world[1][axis], z = a->to_world[2][axis];
+    return sqrt(x * x + y * y + z * z);
 }
 
 void affine_gradient_to_world(const affine *a, const double grid[3], double world[3]) {

@@ -14,6 +14,9 @@ void affine_point_to_world(const affine *a, const double grid[3], double world[3
 void affine_point_to_grid(const affine *a, const double world[3], double grid[3]);
 void affine_vector_to_grid(const affine *a, const double world[3], double grid[3]);
 
+/* affine_unit() - the world length of one unit of grid space along an axis. */
+double affine_unit(const affine *a, int axis);
+
 /* affine_gradient_to_world() - gradients transform with the inverse transpose. */
 void affine_gradient_to_world(const affine *a, const double grid[3], double world[3]);
 

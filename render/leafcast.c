@@ -26,7 +26,7 @@ struct leafcast {
     leaf_file *file;
     pool *threads;
     loader *treelets;
-    plane_table planes;
+    level_planes_table planes;
     affine space;
     const kernels *kernels;
     leafcast_surface surfaces[LEAFCAST_SURFACES_MAX];
@@ -73,7 +73,7 @@ static status open_parts(leafcast *v, const char *path) {
                                v->options.isa);
     status st = leaf_file_open(m, path, &v->file);
     if (st == ST_OK)
-        st = plane_table_init(&v->planes, m, v->file);
+        st = level_planes_init(&v->planes, m, v->file);
     if (st == ST_OK)
         st = pool_create(m, v->options.threads > 0 ? v->options.threads : pool_default_threads(),
                          &v->threads);
@@ -119,7 +119,7 @@ void leafcast_close(leafcast *v) {
     mem_init(&outside, 0);
     loader_destroy(v->treelets);
     pool_destroy(v->threads);
-    plane_table_release(&v->planes);
+    level_planes_release(&v->planes);
     mem_free(&v->budget, v->stop);
     mem_free(&v->budget, v->touched);
     leaf_file_close(v->file);
@@ -153,8 +153,7 @@ leafcast_info leafcast_describe(const leafcast *v) {
         }
     }
     for (int a = 0; a < 3; a++) {
-        const double *axis = v->file->axis[a], (*m)[4] = (const double(*)[4])v->space.to_world;
-        const double edge = sqrt(m[0][a] * m[0][a] + m[1][a] * m[1][a] + m[2][a] * m[2][a]);
+        const double *axis = v->file->axis[a], edge = affine_unit(&v->space, a);
         info.cell_size *= cbrt(edge * (axis[h->dims[a] - 1] - axis[0]) / (h->dims[a] - 1));
     }
     return info;
@@ -202,6 +201,10 @@ leafcast_camera leafcast_standard_view(const leafcast *v, double distance, uint3
 void leafcast_pixel_ray(const leafcast_camera *camera_of, double x, double y, double origin[3],
                         double direction[3]) {
     camera c;
+    for (int a = 0; a < 3; a++) {
+        origin[a] = camera_of->eye[a];
+        direction[a] = 0.0;
+    }
     if (camera_init(&c, camera_of) == ST_OK)
         camera_ray(&c, x, y, origin, direction);
 }
@@ -247,8 +250,7 @@ static void stop_levels(leafcast *v, const camera *c) {
             const uint32_t first = layout->place[t][a] << layout->cells_log2;
             const double lo = planes->at[a][first],
                          hi = planes->at[a][first + (1u << layout->cells_log2)];
-            const double(*m)[4] = (const double(*)[4])v->space.to_world;
-            const double unit = sqrt(m[0][a] * m[0][a] + m[1][a] * m[1][a] + m[2][a] * m[2][a]);
+            const double unit = affine_unit(&v->space, a);
             centre[a] = 0.5 * (lo + hi);
             radius += 0.5 * unit * (hi - lo);
             edge = fmax(edge, unit * (hi - lo) / (1u << layout->cells_log2));

@@ -208,12 +208,13 @@ typedef struct leafcast_hit {
 } leafcast_hit;
 
 /* leafcast_probe_ray() - all hits of one ray with the selected surfaces, in order; at most max of
- * them, *count says how many were written. */
+ * them, *count says how many were written. t counts in lengths of direction. */
 leafcast_status leafcast_probe_ray(leafcast *volume, const leafcast_scene *scene,
                                    const double origin[3], const double direction[3],
                                    leafcast_hit *hits, int max, int *count);
 
-/* leafcast_pixel_ray() - the primary ray of a pixel: origin = eye, unit direction. */
+/* leafcast_pixel_ray() - the primary ray of a pixel: origin = eye, unit direction; direction 0,0,0
+ * of a camera that cannot be. */
 void leafcast_pixel_ray(const leafcast_camera *camera, double x, double y, double origin[3],
                         double direction[3]);
 

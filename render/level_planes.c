@@ -8,7 +8,7 @@ static double coordinate(const leaf_file *f, int a, uint64_t node) {
     return axis[last] + (double)(node - last) * (axis[last] - axis[last - 1]);
 }
 
-status plane_table_init(plane_table *table, mem *m, const leaf_file *f) {
+status level_planes_init(level_planes_table *table, mem *m, const leaf_file *f) {
     const leaf_layout *layout = &f->layout;
     size_t doubles = 0;
     for (uint32_t l = 0; l < layout->levels; l++)
@@ -36,7 +36,7 @@ status plane_table_init(plane_table *table, mem *m, const leaf_file *f) {
     return ST_OK;
 }
 
-void plane_table_release(plane_table *table) {
+void level_planes_release(level_planes_table *table) {
     mem_free(table->m, table->block);
     table->block = NULL;
 }

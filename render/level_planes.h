@@ -9,13 +9,14 @@
 #include "formats/leaf_file.h"
 #include "render/walk.h"
 
-typedef struct plane_table {
+typedef struct level_planes_table {
     level_planes levels[LEAF_LEVELS_MAX];
     double *block; /* all coordinates and inverse widths */
     mem *m;
-} plane_table;
+} level_planes_table;
 
-CHECKED status plane_table_init(plane_table *table, mem *m, const leaf_file *f);
-void plane_table_release(plane_table *table);
+/* level_planes_init() - of every level of a file, allocated from m. */
+CHECKED status level_planes_init(level_planes_table *table, mem *m, const leaf_file *f);
+void level_planes_release(level_planes_table *table);
 
 #endif

@@ -98,9 +98,7 @@ surface_point surface_at(const walk_scene *scene, const affine *space, const tre
     surface_point point;
     point.span = INFINITY;
     for (int a = 0; a < 3; a++) {
-        const double(*m)[4] = (const double(*)[4])space->to_world;
-        const double edge = sqrt(m[0][a] * m[0][a] + m[1][a] * m[1][a] + m[2][a] * m[2][a]);
-        point.span = fmin(point.span, edge * (box.hi[a] - box.lo[a]));
+        point.span = fmin(point.span, affine_unit(space, a) * (box.hi[a] - box.lo[a]));
     }
     /* The kernel's sums err by a few ulps of the largest difference; its position by a few ulps of
      * where it lies. */
