@@ -343,7 +343,7 @@ static status answer_line(render_options *o, render_job *job, const char *text, 
     if (st == ST_STOPPED)
         return st;
     if (st) {
-        /* One bad line does not end a session. */
+        /* One bad line does not end the run. */
         *failed = true;
         cli_note(&o->common, 0, "%s", status_text());
         answer = json_pack("{s:s}", "error", status_text());
