@@ -4,9 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <time.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/clock.h"
 #include "formats/base/num.h"
 #include "formats/volume.h"
 #include "prep/convert.h"
@@ -259,12 +259,6 @@ static void add_outcome(json_t *json, const outcome *o) {
     json_decref(more);
 }
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
-}
-
 static uint64_t peak_rss(void) {
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
@@ -313,7 +307,7 @@ static status convert_volume(arguments *a, mem *m, volume *v, double start) {
     st = convert_run(m, v, a->common.output, &o, &plan, cli_progress(&a->common), &out.result);
     if (st != ST_OK)
         return st;
-    out.seconds = now() - start;
+    out.seconds = clock_seconds() - start;
     out.peak_rss = peak_rss();
     if (out.result.trailing_bytes)
         cli_note(&a->common, 1, "%s: %llu bytes behind the samples are ignored", a->input,
@@ -326,7 +320,7 @@ static status run(arguments *a) {
     mem m;
     mem_init(&m, a->common.memory ? a->common.memory : (uint64_t)MEMORY_DEFAULT_MIB << 20);
     volume *v = NULL;
-    double start = now();
+    double start = clock_seconds();
     status st = volume_open(&m, a->input, &a->hints, &v);
     if (st == ST_OK)
         st = convert_volume(a, &m, v, start);

@@ -4,7 +4,6 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 void bench_table_init(bench_table *t, const char *title, const char *headings) {
     memset(t, 0, sizeof *t);
@@ -64,12 +63,6 @@ void bench_table_csv(const bench_table *t, FILE *out) {
     csv_row(t, t->heading, out);
     for (int r = 0; r < t->rows; r++)
         csv_row(t, t->cell[r], out);
-}
-
-double bench_now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 static int by_value(const void *a, const void *b) {

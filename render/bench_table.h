@@ -23,10 +23,6 @@ void bench_table_add(bench_table *t, const char *fmt, ...) __attribute__((format
 void bench_table_print(const bench_table *t, FILE *out);
 void bench_table_csv(const bench_table *t, FILE *out);
 
-/* bench_now() - seconds of CPU time of this process, all threads: what else runs on the machine
- * counts for little. */
-double bench_now(void);
-
 /* bench_median() - of count >= 1 values, which are sorted; *spread, unless NULL: half the range of
  * the middle half. */
 double bench_median(double *values, int count, double *spread);

@@ -1,9 +1,10 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
+#include "formats/base/clock.h"
 #include "formats/base/mem.h"
+#include "render/bench_table.h"
 #include "render/experiment.h"
 
 typedef struct ray_cell {
@@ -69,12 +70,6 @@ static bool certainly_empty(const cell_visit *visit, const float samples[8], dou
            (b[0] < -bound && b[1] < -bound && b[2] < -bound && b[3] < -bound);
 }
 
-static double now_ns(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t); /* other processes do not count */
-    return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
-}
-
 static bool exact_hit(const ray_cell *c) {
     const hit after = hit_before_all();
     hit found;
@@ -97,30 +92,22 @@ static uint64_t run_filtered(void) {
     return hits;
 }
 
-static int by_value(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void measure(experiment_filter_result *result) {
     enum { RUNS = 9 };
     double doubles[RUNS], filtered[RUNS];
     volatile uint64_t sink = 0; /* so that the runs are not optimised away */
     for (int run = 0; run < RUNS; run++) {
-        const double start = now_ns();
+        const double start = clock_cpu_seconds();
         sink += run_double();
-        const double between = now_ns();
+        const double between = clock_cpu_seconds();
         sink += run_filtered();
         doubles[run] = between - start;
-        filtered[run] = now_ns() - between;
+        filtered[run] = clock_cpu_seconds() - between;
     }
     (void)sink;
-    (void)sink;
-    qsort(doubles, RUNS, sizeof *doubles, by_value);
-    qsort(filtered, RUNS, sizeof *filtered, by_value);
-    const double sixteens = tape.count / 16.0;
-    result->ns_double = tape.count ? doubles[RUNS / 2] / sixteens : 0.0;
-    result->ns_filtered = tape.count ? filtered[RUNS / 2] / sixteens : 0.0;
+    const double sixteens = 1e-9 * tape.count / 16.0; /* seconds become nanoseconds */
+    result->ns_double = tape.count ? bench_median(doubles, RUNS, NULL) / sixteens : 0.0;
+    result->ns_filtered = tape.count ? bench_median(filtered, RUNS, NULL) / sixteens : 0.0;
     result->ray_cells = tape.count;
     for (uint32_t i = 0; i < tape.count; i++) {
         const ray_cell *c = &tape.cells[i];

@@ -2,8 +2,8 @@
 
 #include <math.h>
 #include <string.h>
-#include <time.h>
 
+#include "formats/base/clock.h"
 #include "render/experiment.h"
 #include "render/frame.h"
 #include "render/intersect.h"
@@ -52,12 +52,6 @@ static leafcast_status public_status(status st) {
     }
 }
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 const char *leafcast_error_text(void) {
     return status_text();
 }
@@ -93,7 +87,7 @@ static status open_parts(leafcast *v, const char *path) {
 leafcast_status leafcast_open(const char *path, const leafcast_options *options,
                               leafcast **volume) {
     mem outside;
-    const double start = now();
+    const double start = clock_seconds();
     mem_init(&outside, 0);
     leafcast *v = mem_zalloc(&outside, sizeof *v);
     if (!v)
@@ -107,7 +101,7 @@ leafcast_status leafcast_open(const char *path, const leafcast_options *options,
         return public_status(st);
     }
     v->opened_at = start;
-    v->open_s = now() - start;
+    v->open_s = clock_seconds() - start;
     *volume = v;
     return LEAFCAST_OK;
 }
@@ -390,7 +384,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
                .watch = watch,
                .watch_ctx = watch_ctx};
     frame_counters counters = {0};
-    const double start = now();
+    const double start = clock_seconds();
     status st = camera_init(&f.camera, from);
     loader_forget_failures(v->treelets);
     if (st == ST_OK)
@@ -406,7 +400,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
     st = frame_render(&f, &counters);
     if (st == ST_OK && scene->sweep && !scene->preview)
         st = loader_settle(v->treelets);
-    const double end = now();
+    const double end = clock_seconds();
     if (st == ST_OK && v->first_image_s == 0.0)
         v->first_image_s = end - v->opened_at;
     if (stats)

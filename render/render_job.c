@@ -2,9 +2,9 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "formats/base/clock.h"
 #include "formats/base/num.h"
 #include "render/image_out.h"
 
@@ -211,12 +211,6 @@ static status write_picture(render_job *job, const script_frame *frame,
                            meta, sizeof meta / sizeof *meta);
 }
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 status render_job_draw(render_job *job, const script_frame *frame, render_stats *stats) {
     const leafcast_camera camera = view_options_camera(&frame->view, job->volume);
     *stats = (render_stats){.repeats = job->repeat};
@@ -225,13 +219,13 @@ status render_job_draw(render_job *job, const script_frame *frame, render_stats 
         st = select_surfaces(job, &frame->view);
     if (st == ST_OK)
         st = trace(job, &frame->view, &camera, &stats->trace);
-    const double traced = now();
+    const double traced = clock_seconds();
     if (st == ST_OK && frame->depth[0])
         st = image_out_depth(&job->m, frame->depth, job->force, job->image.z,
                              (size_t)job->width * job->height);
     if (st == ST_OK && frame->output[0])
         st = write_picture(job, frame, &camera);
-    stats->write_s = now() - traced;
+    stats->write_s = clock_seconds() - traced;
     stats->peak_rss_bytes = render_stats_peak_rss();
     return st;
 }

@@ -4,8 +4,8 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
+#include "formats/base/clock.h"
 #include "formats/base/fault.h"
 
 typedef enum residence { ABSENT, QUEUED, LOADING, READY, FAILED } residence;
@@ -35,12 +35,6 @@ struct loader_private {
     reader *readers;
     int started;
 };
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* ---- The queue: a binary heap by (urgency, treelet) ---- */
 
@@ -147,10 +141,10 @@ static void *read_treelets(void *arg) {
         h->loading++;
         pthread_mutex_unlock(&h->lock);
 
-        double start = now();
+        double start = clock_seconds();
         treelet *tr = NULL;
         status st = treelet_load(l, t, &self->scratch, &tr);
-        double seconds = now() - start;
+        double seconds = clock_seconds() - start;
 
         pthread_mutex_lock(&h->lock);
         h->loading--;

@@ -9,9 +9,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
+#include "formats/base/clock.h"
 #include "formats/base/num.h"
 #include "formats/base/pool.h"
 
@@ -126,12 +126,6 @@ static struct {
     double fraction; /* never goes back */
 } meter = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static void print_duration(char *text, size_t room, double seconds) {
     if (!(seconds < 360000))
         snprintf(text, room, "--:--");
@@ -158,7 +152,7 @@ static void draw_bar(const char *stage, const char *eta) {
 static void report(void *ctx, const char *stage, double fraction) {
     (void)ctx;
     pthread_mutex_lock(&meter.lock);
-    double t = now();
+    double t = clock_seconds();
     if (fraction > meter.fraction)
         meter.fraction = fraction < 1 ? fraction : 1;
     if (t >= meter.next) {
@@ -189,7 +183,7 @@ const progress *cli_progress(cli_common *common) {
     pthread_mutex_lock(&meter.lock);
     meter.verb = common->verb;
     meter.bar = bar_wanted();
-    meter.start = now();
+    meter.start = clock_seconds();
     /* Short jobs draw nothing. */
     meter.next = meter.start + (meter.bar ? 0.3 : 5);
     meter.fraction = 0;

@@ -1,0 +1,23 @@
+/* clock.h - time, for statistics and progress; nothing that is computed depends on it. */
+#ifndef FORMATS_BASE_CLOCK_H
+#define FORMATS_BASE_CLOCK_H
+
+#include <time.h>
+
+static inline double clock_read(clockid_t which) {
+    struct timespec t;
+    clock_gettime(which, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* clock_seconds() - wall clock, from some start. */
+static inline double clock_seconds(void) {
+    return clock_read(CLOCK_MONOTONIC);
+}
+
+/* clock_cpu_seconds() - what this process has used, all threads: other processes do not count. */
+static inline double clock_cpu_seconds(void) {
+    return clock_read(CLOCK_PROCESS_CPUTIME_ID);
+}
+
+#endif
