@@ -176,7 +176,9 @@ leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, i
         v->isovalues[i] = surfaces[i].isovalue;
     }
     v->surface_count = count;
-    return public_status(loader_select(v->treelets, v->isovalues, count, v->threads));
+    const status st = loader_select(v->treelets, v->isovalues, count, v->threads);
+    loader_reset_statistics(v->treelets);
+    return public_status(st);
 }
 
 leafcast_scene leafcast_scene_default(void) {

@@ -174,7 +174,7 @@ typedef struct leafcast_stats {
     /* Wall clock; load_s: summed over the loader's workers. */
     double open_s, first_image_s, load_s, render_s;
     uint64_t rays, primary_rays, shadow_rays;
-    /* Loaded: loads; a treelet twice counts twice. */
+    /* Loaded, and bytes_read: since the isovalues were selected; a treelet twice counts twice. */
     uint64_t treelets_total, treelets_active, treelets_loaded;
     uint64_t bytes_file, bytes_active, bytes_visible, bytes_read;
     uint64_t bytes_peak; /* of the memory budget */
