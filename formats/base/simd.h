@@ -1,0 +1,373 @@
+/* simd.h - one vocabulary of vectors for SSE4.2, AVX2 and AVX-512: what the kernels' templates are
+ * written in.
+ *
+ * Only translation units of an ISA (x_sse42.c, x_avx2.c, x_avx512.c) include it to any effect; a
+ * template is a file that such units include. SIMD_NAME(f) gives a function its own name in each.
+ *
+ *   vd, md   VD_N doubles (2, 4, 8) and a mask over them       d_set d_load d_store ...
+ *   vf, mf   VF_N floats (4, 8, 16) and a mask over them       f_set f_load f_store ...
+ *
+ * Arithmetic is written with + - * /, which the compilers know for vectors. min(a, b) is a < b ? a
+ * : b and max(a, b) is a > b ? a : b, also for NaN. Comparisons with NaN are false. Loads and
+ * stores take any address. Nothing is fused or approximated, but f_reciprocal().
+ */
+#ifndef FORMATS_BASE_SIMD_H
+#define FORMATS_BASE_SIMD_H
+
+#if defined __AVX512F__
+#define SIMD_NAME(f) f##_avx512
+#elif defined __AVX2__
+#define SIMD_NAME(f) f##_avx2
+#elif defined __SSE4_2__
+#define SIMD_NAME(f) f##_sse42
+#endif
+
+#ifdef SIMD_NAME
+
+#include <immintrin.h>
+#include <stdint.h>
+
+#define SIMD static inline __attribute__((always_inline))
+
+#if defined __AVX512F__
+
+enum { VD_N = 8, VF_N = 16 };
+typedef __m512d vd;
+typedef __m512 vf;
+typedef __mmask8 md;
+typedef __mmask16 mf;
+#define D_(op)            _mm512_##op##_pd
+#define F_(op)            _mm512_##op##_ps
+#define D_CMP_(a, b, how) _mm512_cmp_pd_mask(a, b, how)
+#define F_CMP_(a, b, how) _mm512_cmp_ps_mask(a, b, how)
+
+SIMD vd d_select(md m, vd a, vd b) {
+    return _mm512_mask_blend_pd(m, b, a);
+}
+SIMD vf f_select(mf m, vf a, vf b) {
+    return _mm512_mask_blend_ps(m, b, a);
+}
+SIMD md md_and(md a, md b) {
+    return (md)(a & b);
+}
+SIMD md md_or(md a, md b) {
+    return (md)(a | b);
+}
+SIMD md md_xor(md a, md b) {
+    return (md)(a ^ b);
+}
+SIMD md md_and_not(md a, md b) {
+    return (md)(a & ~b);
+}
+SIMD unsigned md_bits(md m) {
+    return m;
+}
+SIMD md md_of_bits(unsigned bits) {
+    return (md)bits;
+}
+SIMD mf mf_and(mf a, mf b) {
+    return (mf)(a & b);
+}
+SIMD mf mf_or(mf a, mf b) {
+    return (mf)(a | b);
+}
+SIMD mf mf_and_not(mf a, mf b) {
+    return (mf)(a & ~b);
+}
+SIMD unsigned mf_bits(mf m) {
+    return m;
+}
+SIMD mf mf_of_bits(unsigned bits) {
+    return (mf)bits;
+}
+SIMD vf f_reciprocal_near(vf a) {
+    return _mm512_rcp14_ps(a);
+}
+SIMD vf f_floor(vf a) {
+    return _mm512_roundscale_ps(a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
+}
+SIMD vf f_ceil(vf a) {
+    return _mm512_roundscale_ps(a, _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC);
+}
+SIMD vd d_and_bits(vd a, uint64_t bits) {
+    return _mm512_and_pd(a, _mm512_castsi512_pd(_mm512_set1_epi64((int64_t)bits)));
+}
+SIMD vf f_and_bits(vf a, uint32_t bits) {
+    return _mm512_and_ps(a, _mm512_castsi512_ps(_mm512_set1_epi32((int32_t)bits)));
+}
+SIMD vf f_of_doubles(const double *from) {
+    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(_mm512_loadu_pd(from))),
+                              _mm512_cvtpd_ps(_mm512_loadu_pd(from + 8)), 1);
+}
+SIMD vd d_of_floats(const float *from) {
+    return _mm512_cvtps_pd(_mm256_loadu_ps(from));
+}
+SIMD void d_store_floats(float *to, vd a) {
+    _mm256_storeu_ps(to, _mm512_cvtpd_ps(a));
+}
+
+#elif defined __AVX2__
+
+enum { VD_N = 4, VF_N = 8 };
+typedef __m256d vd;
+typedef __m256 vf;
+typedef __m256d md;
+typedef __m256 mf;
+#define D_(op)            _mm256_##op##_pd
+#define F_(op)            _mm256_##op##_ps
+#define D_CMP_(a, b, how) _mm256_cmp_pd(a, b, how)
+#define F_CMP_(a, b, how) _mm256_cmp_ps(a, b, how)
+
+SIMD vd d_select(md m, vd a, vd b) {
+    return _mm256_blendv_pd(b, a, m);
+}
+SIMD vf f_select(mf m, vf a, vf b) {
+    return _mm256_blendv_ps(b, a, m);
+}
+SIMD md md_and(md a, md b) {
+    return _mm256_and_pd(a, b);
+}
+SIMD md md_or(md a, md b) {
+    return _mm256_or_pd(a, b);
+}
+SIMD md md_xor(md a, md b) {
+    return _mm256_xor_pd(a, b);
+}
+SIMD md md_and_not(md a, md b) {
+    return _mm256_andnot_pd(b, a);
+}
+SIMD unsigned md_bits(md m) {
+    return (unsigned)_mm256_movemask_pd(m);
+}
+SIMD md md_of_bits(unsigned bits) {
+    const __m256i one = _mm256_set_epi64x(8, 4, 2, 1);
+    return _mm256_castsi256_pd(
+        _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x((int64_t)bits), one), one));
+}
+SIMD mf mf_and(mf a, mf b) {
+    return _mm256_and_ps(a, b);
+}
+SIMD mf mf_or(mf a, mf b) {
+    return _mm256_or_ps(a, b);
+}
+SIMD mf mf_and_not(mf a, mf b) {
+    return _mm256_andnot_ps(b, a);
+}
+SIMD unsigned mf_bits(mf m) {
+    return (unsigned)_mm256_movemask_ps(m);
+}
+SIMD mf mf_of_bits(unsigned bits) {
+    const __m256i one = _mm256_set_epi32(128, 64, 32, 16, 8, 4, 2, 1);
+    return _mm256_castsi256_ps(
+        _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32((int32_t)bits), one), one));
+}
+SIMD vf f_reciprocal_near(vf a) {
+    return _mm256_rcp_ps(a);
+}
+SIMD vf f_floor(vf a) {
+    return _mm256_floor_ps(a);
+}
+SIMD vf f_ceil(vf a) {
+    return _mm256_ceil_ps(a);
+}
+SIMD vd d_and_bits(vd a, uint64_t bits) {
+    return _mm256_and_pd(a, _mm256_castsi256_pd(_mm256_set1_epi64x((int64_t)bits)));
+}
+SIMD vf f_and_bits(vf a, uint32_t bits) {
+    return _mm256_and_ps(a, _mm256_castsi256_ps(_mm256_set1_epi32((int32_t)bits)));
+}
+SIMD vf f_of_doubles(const double *from) {
+    return _mm256_set_m128(_mm256_cvtpd_ps(_mm256_loadu_pd(from + 4)),
+                           _mm256_cvtpd_ps(_mm256_loadu_pd(from)));
+}
+SIMD vd d_of_floats(const float *from) {
+    return _mm256_cvtps_pd(_mm_loadu_ps(from));
+}
+SIMD void d_store_floats(float *to, vd a) {
+    _mm_storeu_ps(to, _mm256_cvtpd_ps(a));
+}
+
+#else
+
+enum { VD_N = 2, VF_N = 4 };
+typedef __m128d vd;
+typedef __m128 vf;
+typedef __m128d md;
+typedef __m128 mf;
+#define D_(op) _mm_##op##_pd
+#define F_(op) _mm_##op##_ps
+
+SIMD vd d_select(md m, vd a, vd b) {
+    return _mm_blendv_pd(b, a, m);
+}
+SIMD vf f_select(mf m, vf a, vf b) {
+    return _mm_blendv_ps(b, a, m);
+}
+SIMD md md_and(md a, md b) {
+    return _mm_and_pd(a, b);
+}
+SIMD md md_or(md a, md b) {
+    return _mm_or_pd(a, b);
+}
+SIMD md md_xor(md a, md b) {
+    return _mm_xor_pd(a, b);
+}
+SIMD md md_and_not(md a, md b) {
+    return _mm_andnot_pd(b, a);
+}
+SIMD unsigned md_bits(md m) {
+    return (unsigned)_mm_movemask_pd(m);
+}
+SIMD md md_of_bits(unsigned bits) {
+    const __m128i one = _mm_set_epi64x(2, 1);
+    return _mm_castsi128_pd(
+        _mm_cmpeq_epi64(_mm_and_si128(_mm_set1_epi64x((int64_t)bits), one), one));
+}
+SIMD mf mf_and(mf a, mf b) {
+    return _mm_and_ps(a, b);
+}
+SIMD mf mf_or(mf a, mf b) {
+    return _mm_or_ps(a, b);
+}
+SIMD mf mf_and_not(mf a, mf b) {
+    return _mm_andnot_ps(b, a);
+}
+SIMD unsigned mf_bits(mf m) {
+    return (unsigned)_mm_movemask_ps(m);
+}
+SIMD mf mf_of_bits(unsigned bits) {
+    const __m128i one = _mm_set_epi32(8, 4, 2, 1);
+    return _mm_castsi128_ps(
+        _mm_cmpeq_epi32(_mm_and_si128(_mm_set1_epi32((int32_t)bits), one), one));
+}
+SIMD vf f_reciprocal_near(vf a) {
+    return _mm_rcp_ps(a);
+}
+SIMD vf f_floor(vf a) {
+    return _mm_floor_ps(a);
+}
+SIMD vf f_ceil(vf a) {
+    return _mm_ceil_ps(a);
+}
+SIMD vd d_and_bits(vd a, uint64_t bits) {
+    return _mm_and_pd(a, _mm_castsi128_pd(_mm_set1_epi64x((int64_t)bits)));
+}
+SIMD vf f_and_bits(vf a, uint32_t bits) {
+    return _mm_and_ps(a, _mm_castsi128_ps(_mm_set1_epi32((int32_t)bits)));
+}
+SIMD vf f_of_doubles(const double *from) {
+    return _mm_movelh_ps(_mm_cvtpd_ps(_mm_loadu_pd(from)), _mm_cvtpd_ps(_mm_loadu_pd(from + 2)));
+}
+SIMD vd d_of_floats(const float *from) {
+    return _mm_cvtps_pd(_mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)from)));
+}
+SIMD void d_store_floats(float *to, vd a) {
+    _mm_storel_pi((__m64 *)to, _mm_cvtpd_ps(a));
+}
+
+#endif
+
+SIMD vd d_set(double a) {
+    return D_(set1)(a);
+}
+SIMD vd d_load(const double *from) {
+    return D_(loadu)(from);
+}
+SIMD void d_store(double *to, vd a) {
+    D_(storeu)(to, a);
+}
+SIMD vd d_min(vd a, vd b) {
+    return D_(min)(a, b);
+}
+SIMD vd d_max(vd a, vd b) {
+    return D_(max)(a, b);
+}
+SIMD vd d_sqrt(vd a) {
+    return D_(sqrt)(a);
+}
+SIMD vd d_abs(vd a) {
+    return d_and_bits(a, UINT64_C(0x7fffffffffffffff));
+}
+SIMD vf f_set(float a) {
+    return F_(set1)(a);
+}
+SIMD vf f_load(const float *from) {
+    return F_(loadu)(from);
+}
+SIMD void f_store(float *to, vf a) {
+    F_(storeu)(to, a);
+}
+SIMD vf f_min(vf a, vf b) {
+    return F_(min)(a, b);
+}
+SIMD vf f_max(vf a, vf b) {
+    return F_(max)(a, b);
+}
+SIMD vf f_sqrt(vf a) {
+    return F_(sqrt)(a);
+}
+SIMD vf f_abs(vf a) {
+    return f_and_bits(a, 0x7fffffffu);
+}
+
+#ifdef D_CMP_
+SIMD md d_lt(vd a, vd b) {
+    return D_CMP_(a, b, _CMP_LT_OQ);
+}
+SIMD md d_le(vd a, vd b) {
+    return D_CMP_(a, b, _CMP_LE_OQ);
+}
+SIMD md d_eq(vd a, vd b) {
+    return D_CMP_(a, b, _CMP_EQ_OQ);
+}
+SIMD mf f_lt(vf a, vf b) {
+    return F_CMP_(a, b, _CMP_LT_OQ);
+}
+SIMD mf f_le(vf a, vf b) {
+    return F_CMP_(a, b, _CMP_LE_OQ);
+}
+SIMD mf f_eq(vf a, vf b) {
+    return F_CMP_(a, b, _CMP_EQ_OQ);
+}
+#else
+SIMD md d_lt(vd a, vd b) {
+    return D_(cmplt)(a, b);
+}
+SIMD md d_le(vd a, vd b) {
+    return D_(cmple)(a, b);
+}
+SIMD md d_eq(vd a, vd b) {
+    return D_(cmpeq)(a, b);
+}
+SIMD mf f_lt(vf a, vf b) {
+    return F_(cmplt)(a, b);
+}
+SIMD mf f_le(vf a, vf b) {
+    return F_(cmple)(a, b);
+}
+SIMD mf f_eq(vf a, vf b) {
+    return F_(cmpeq)(a, b);
+}
+#endif
+SIMD md d_ge(vd a, vd b) {
+    return d_le(b, a);
+}
+SIMD md d_gt(vd a, vd b) {
+    return d_lt(b, a);
+}
+SIMD mf f_ge(vf a, vf b) {
+    return f_le(b, a);
+}
+SIMD mf f_gt(vf a, vf b) {
+    return f_lt(b, a);
+}
+
+/* 1 / a to 2^-22 of itself; a of ordinary size. Differs between CPUs: for conservative tests only.
+ */
+SIMD vf f_reciprocal(vf a) {
+    const vf x = f_reciprocal_near(a);
+    return x + x * (f_set(1.0f) - a * x);
+}
+
+#endif
+#endif
