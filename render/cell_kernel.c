@@ -13,11 +13,11 @@ static double clamp01(double x) {
 }
 
 /* Cell coordinates at an event: exact on the axis that is crossed, from the event's own t on the
- * others. */
+ * others. About the ray's origin, so that the grid's size costs no digits. */
 static void coordinates_at(const ray *r, const cell_box *box, double t, int axis, double on_axis,
                            double at[3]) {
     for (int a = 0; a < 3; a++)
-        at[a] = a == axis ? on_axis : clamp01((r->o[a] + t * r->d[a] - box->lo[a]) * box->inv[a]);
+        at[a] = a == axis ? on_axis : clamp01((t * r->d[a] - (box->lo[a] - r->o[a])) * box->inv[a]);
 }
 
 bool cell_visit_of(const ray *r, const cell_box *box, cell_visit *visit) {
