@@ -1,49 +1,65 @@
 /* bench_main.c - leafcast bench: the papers' tables and ours. */
+#include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "formats/base/cli.h"
 #include "formats/base/file.h"
 #include "formats/base/num.h"
-#include "render/bench_figure.h"
-#include "render/bench_intersect.h"
-#include "render/bench_plot.h"
-#include "render/bench_walk.h"
-#include "render/view_options.h"
+#include "render/bench_suite.h"
 
 typedef struct bench_options {
     cli_common common;
-    view_options view;
-    const char *suite, *target, *plot;
-    int runs, count;
-    mem m;
-    bench_table table;
+    const char *suite, *plot, *folder, *scratch, *data;
+    int form; /* 0: as the suite says */
+    bench_job job;
 } bench_options;
 
-enum { RUNS = 0x3000, COUNT, PLOT };
+enum { RUNS = 0x3000, COUNT, PLOT, OUT, SCRATCH, DATA, FORM, LARGEST, AGAINST };
+enum { BRIEF = 1, FULL };
 
 static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Measuring:", 1},
-    {"runs", RUNS, "N", 0, "runs of each, interleaved; medians are reported (9)", 0},
-    {"ray-cells", COUNT, "N", 0, "intersectors: at most N ray-cells (500000)", 0},
+    {"against", AGAINST, "FILE.csv", 0, "counts: fail where one is off its tolerance", 0},
+    {"data", DATA, "DIR", 0, "where the papers' volumes are ($LEAFCAST_DATA or ../shared/data)", 0},
+    {"form", FORM, "NAME", 0, "brief (small volumes; what `all` does) or full", 0},
+    {"largest", LARGEST, "N", 0, "figure414: up to N^3 samples (1024)", 0},
+    {"out", OUT, "DIR", 0, "write SUITE.csv and SUITE.svg into this folder", 0},
     {"plot", PLOT, "FILE.svg", 0, "draw the table's main columns", 0},
+    {"ray-cells", COUNT, "N", 0, "intersectors: at most N ray-cells (500000)", 0},
+    {"runs", RUNS, "N", 0, "runs of each, interleaved; medians are reported (9, brief: 3)", 0},
+    {"scratch", SCRATCH, "DIR", 0, "keep converted volumes there (in $TMPDIR, for this run)", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-static status set_option(bench_options *o, int key, const char *text) {
+static status set_number(const char *text, const char *what, int64_t least, int64_t most,
+                         int *out) {
     int64_t n = 0;
-    status st = ST_OK;
+    status st = num_int(text, what, least, most, &n);
+    if (st == ST_OK)
+        *out = (int)n;
+    return st;
+}
+
+static status set_form(bench_options *o, const char *text) {
+    o->form = strcmp(text, "brief") == 0 ? BRIEF : strcmp(text, "full") == 0 ? FULL : 0;
+    return o->form ? ST_OK : status_describe(ST_USAGE, "--form: %s: brief or full", text);
+}
+
+static status set_option(bench_options *o, int key, const char *text) {
     switch (key) {
-    case RUNS:
-        st = num_int(text, "--runs", 1, 1000, &n);
-        o->runs = (int)n;
-        return st;
-    case COUNT:
-        st = num_int(text, "--ray-cells", 1, 1 << 24, &n);
-        o->count = (int)n;
-        return st;
+    case RUNS: return set_number(text, "--runs", 1, 1000, &o->job.runs);
+    case COUNT: return set_number(text, "--ray-cells", 1, 1 << 24, &o->job.count);
+    case LARGEST: return set_number(text, "--largest", 32, 1024, &o->job.largest);
+    case FORM: return set_form(o, text);
     case PLOT: o->plot = text; return ST_OK;
+    case OUT: o->folder = text; return ST_OK;
+    case SCRATCH: o->scratch = text; return ST_OK;
+    case DATA: o->data = text; return ST_OK;
+    case AGAINST: o->job.baseline = text; return ST_OK;
     default: return ST_AGAIN;
     }
 }
@@ -56,15 +72,15 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     case ARGP_KEY_ARG:
         if (!o->suite)
             o->suite = arg;
-        else if (!o->target)
-            o->target = arg;
+        else if (!o->job.target)
+            o->job.target = arg;
         else
             argp_error(state, "%s: a suite and a file are enough", arg);
         return 0;
     default:
         st = set_option(o, key, arg);
         if (st == ST_AGAIN)
-            st = view_options_set(&o->view, key, arg);
+            st = view_options_set(&o->job.view, key, arg);
         if (st == ST_AGAIN)
             return ARGP_ERR_UNKNOWN;
     }
@@ -73,126 +89,28 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     return 0;
 }
 
-/* ---- suites ---- */
-
-static status ray_cells_of_file(bench_options *o, bench_ray_cells *cells) {
-    const leafcast_options open = {.threads = 1, .memory = o->common.memory};
-    leafcast *volume = NULL;
-    status st = view_options_check(&o->view);
-    if (st == ST_OK)
-        st = (status)leafcast_open(o->target, &open, &volume);
-    if (st == ST_OK)
-        st = (status)leafcast_select(volume, o->view.surfaces, o->view.isos);
-    if (st == ST_OK) {
-        const leafcast_camera camera = view_options_camera(&o->view, volume);
-        st = bench_ray_cells_record(&o->m, volume, &o->view.scene, &camera, (uint32_t)o->count,
-                                    cells);
-    }
-    leafcast_close(volume);
-    return st;
-}
-
-static status run_field(bench_options *o, const char *name, bool from_file) {
-    bench_ray_cells cells = {0};
-    status st = from_file ? ray_cells_of_file(o, &cells)
-                          : bench_ray_cells_make(&o->m, name, (uint32_t)o->count, &cells);
-    const char *slash = strrchr(name, '/');
-    if (st == ST_OK)
-        st = bench_intersect(&o->m, slash ? slash + 1 : name, &cells, o->runs, &o->table);
-    mem_free(&o->m, cells.cells);
-    return st;
-}
-
-static status intersectors(bench_options *o) {
-    bench_table_init(&o->table,
-                     "Cell intersectors (M08 4.3.3): against a long-double solution of every "
-                     "ray-cell; distances in cells, medians of CPU time, runs interleaved",
-                     bench_intersect_headings);
-    if (o->target && strchr(o->target, '.'))
-        return run_field(o, o->target, true);
-    if (o->target)
-        return run_field(o, o->target, false);
-    status st = run_field(o, "marschner-lobb", false);
-    return st == ST_OK ? run_field(o, "noise", false) : st;
-}
-
-static status walk(bench_options *o) {
-    bench_table_init(
-        &o->table,
-        "E1, below 4^3 cells: one thread, all resident, the same depth bits; medians of CPU time, "
-        "runs interleaved",
-        bench_walk_headings);
-    if (!o->target)
-        return status_describe(ST_USAGE, "bench walk takes a treelet file");
-    status st = view_options_check(&o->view);
-    return st == ST_OK ? bench_walk(&o->m, o->target, &o->view, o->runs, &o->table) : st;
-}
-
-static status kernel(bench_options *o) {
-    bench_table_init(&o->table,
-                     "E2, the cell kernel: double throughout, and behind a float filter with a "
-                     "proven bound",
-                     bench_filter_headings);
-    if (!o->target)
-        return status_describe(ST_USAGE, "bench kernel takes a treelet file");
-    status st = view_options_check(&o->view);
-    return st == ST_OK ? bench_filter(o->target, &o->view, &o->table) : st;
-}
-
-/* -o is the picture here, not the table. */
-static status figure49(bench_options *o) {
-    const char *path = o->common.output ? o->common.output : "figure49.png";
-    bench_figure r;
-    bench_table_init(&o->table, "M08 figure 4.9: two surfaces in one cell",
-                     "intersector|rays|surfaces|missed");
-    status st = bench_figure_draw(&o->m, path, o->common.force, o->view.camera.height / 2, &r);
-    if (st)
-        return st;
-    for (int i = 0; i < 2; i++) {
-        const uint64_t seen = i ? r.right : r.left;
-        bench_table_add(&o->table, "%s", i ? "marmitt" : "neubauer");
-        bench_table_add(&o->table, "%llu", (unsigned long long)r.rays);
-        bench_table_add(&o->table, "%llu", (unsigned long long)seen);
-        bench_table_add(&o->table, "%llu", (unsigned long long)(r.right - seen));
-    }
-    cli_note(&o->common, 1, "%s: neubauer on the left, marmitt on the right", path);
-    return ST_OK;
-}
-
-static const struct suite {
-    const char *name;
-    status (*run)(bench_options *o);
-    bool csv; /* -o takes the table */
-    int labels;
-    bench_chart charts[2];
-} SUITES[] = {
-    {"intersectors",
-     intersectors,
-     true,
-     2,
-     {{"ns/ray-cell", "+-", false}, {"rms cells", NULL, true}}},
-    {"figure49", figure49, false, 1, {{"surfaces", NULL, false}, {"missed", NULL, false}}},
-    {"walk", walk, true, 2, {{"ns/ray", "+-", false}, {"new isovalue ms", "+-", false}}},
-    {"kernel", kernel, true, 1, {{"double ns/16", NULL, false}, {"filtered ns/16", NULL, false}}}};
-enum { SUITE_COUNT = sizeof SUITES / sizeof *SUITES };
-
 /* ---- results ---- */
 
-/* What a printer prints, to a file that appears when it is complete. */
-static status write_printed(bench_options *o, const struct suite *suite, bool plot) {
-    const char *path = plot ? o->plot : o->common.output;
+/* The table as CSV, or its picture, to a file that appears when it is complete. */
+static status write_table(bench_options *o, const bench_suite *suite, const char *path, bool plot) {
+    const bench_table *t = &o->job.table;
     char *text = NULL;
     size_t size = 0;
+    int charts = 0;
     FILE *stream = open_memstream(&text, &size);
     if (!stream)
         return status_describe(ST_NOMEM, "no memory for the table");
-    if (plot)
-        bench_plot(&o->table, suite->labels, suite->charts, 2, stream);
+    while (charts < BENCH_SUITE_CHARTS && suite->charts[charts].column)
+        charts++;
+    if (!plot)
+        bench_table_csv(t, stream);
+    else if (suite->curve.x)
+        bench_curve_draw(t, &suite->curve, stream);
     else
-        bench_table_csv(&o->table, stream);
+        bench_plot(t, suite->labels, suite->charts, charts, stream);
     fclose(stream);
     out_file *f = NULL;
-    status st = out_file_create(&o->m, path, o->common.force, &f);
+    status st = out_file_create(&o->job.m, path, o->common.force, &f);
     if (st == ST_OK) {
         st = out_file_append(f, text, size);
         if (st == ST_OK)
@@ -210,50 +128,132 @@ static status refuse_existing(const bench_options *o, const char *path) {
     return status_describe(ST_EXISTS, "%s exists (--force overwrites)", path);
 }
 
-static status run(bench_options *o) {
-    const char *name = o->suite ? o->suite : "intersectors";
-    const struct suite *suite = NULL;
-    for (int i = 0; i < SUITE_COUNT; i++)
-        if (strcmp(SUITES[i].name, name) == 0)
-            suite = &SUITES[i];
-    if (!suite)
-        return status_describe(ST_USAGE, "no suite \"%s\": intersectors, figure49, walk, kernel",
-                               name);
-    status st = refuse_existing(o, o->common.output);
+/* DIR/SUITE.csv and the like, in the folder of --out. */
+typedef struct folder_names {
+    char csv[PATH_MAX], svg[PATH_MAX], png[PATH_MAX];
+} folder_names;
+
+static status names_in(const bench_options *o, const bench_suite *suite, folder_names *n) {
+    if (strlen(o->folder) > PATH_MAX - 64)
+        return status_describe(ST_USAGE, "%s: too long a path", o->folder);
+    if (mkdir(o->folder, 0777) != 0 && errno != EEXIST)
+        return file_failed(errno, o->folder, "cannot make the folder");
+    snprintf(n->csv, sizeof n->csv, "%.4000s/%s.csv", o->folder, suite->name);
+    snprintf(n->svg, sizeof n->svg, "%.4000s/%s.svg", o->folder, suite->name);
+    snprintf(n->png, sizeof n->png, "%.4000s/%s.png", o->folder, suite->name);
+    status st = refuse_existing(o, n->csv);
+    if (st == ST_OK)
+        st = refuse_existing(o, n->svg);
+    return st == ST_OK && suite->picture ? refuse_existing(o, n->png) : st;
+}
+
+static status run_suite(bench_options *o, const bench_suite *suite) {
+    folder_names names;
+    const char *csv = suite->picture ? NULL : o->common.output;
+    status st = o->folder ? names_in(o, suite, &names) : ST_OK;
+    if (st == ST_OK)
+        st = refuse_existing(o, o->common.output);
     if (st == ST_OK)
         st = refuse_existing(o, o->plot);
-    if (st == ST_OK)
-        st = suite->run(o);
-    if (st)
+    if (st != ST_OK)
         return st;
-    bench_table_print(&o->table, stdout);
-    if (suite->csv && o->common.output)
-        st = write_printed(o, suite, false);
-    return st == ST_OK && o->plot ? write_printed(o, suite, true) : st;
+    o->job.output = o->folder && !o->common.output ? names.png : o->common.output;
+    st = suite->run(&o->job);
+    if (o->job.table.rows > 0)
+        bench_table_print(&o->job.table, stdout);
+    fflush(stdout);
+    if (st == ST_OK && csv)
+        st = write_table(o, suite, csv, false);
+    if (st == ST_OK && o->plot)
+        st = write_table(o, suite, o->plot, true);
+    if (st == ST_OK && o->folder)
+        st = write_table(o, suite, names.csv, false);
+    return st == ST_OK && o->folder ? write_table(o, suite, names.svg, true) : st;
+}
+
+/* Every suite; one that lacks something here is passed over. */
+static status run_all(bench_options *o) {
+    if (!o->folder || o->common.output || o->plot || o->job.target)
+        return status_describe(ST_USAGE, "bench all takes --out DIR, and no file");
+    status st = ST_OK;
+    const bench_suite *suite;
+    for (int i = 0; (suite = bench_suite_at(i)) && st == ST_OK; i++) {
+        if (suite->alone)
+            continue;
+        cli_note(&o->common, 1, "%s", suite->name);
+        st = run_suite(o, suite);
+        if (st == ST_UNSUPPORTED) {
+            cli_note(&o->common, 1, "%s: passed over: %s", suite->name, status_text());
+            st = ST_OK;
+        }
+    }
+    return st;
+}
+
+static status run(bench_options *o) {
+    bench_job *job = &o->job;
+    const char *name = o->suite ? o->suite : "intersectors";
+    const bench_suite *suite = bench_suite_find(name);
+    const bool all = strcmp(name, "all") == 0;
+    if (!suite && !all)
+        return status_describe(ST_USAGE, "no suite \"%s\"; --help lists them", name);
+    job->brief = o->form == BRIEF || (all && o->form != FULL);
+    job->runs = job->runs ? job->runs : job->brief ? 3 : 9;
+    job->threads = o->common.threads;
+    job->force = o->common.force;
+    if (job->view.camera.width == 0)
+        job->view.camera.width = job->view.camera.height = job->brief ? 128 : 1024;
+    const char *data = o->data ? o->data : getenv("LEAFCAST_DATA");
+    status st = bench_store_open(&job->m, o->scratch, data && *data ? data : "../shared/data",
+                                 o->common.threads, &job->store);
+    if (st == ST_OK)
+        st = all ? run_all(o) : run_suite(o, suite);
+    bench_store_close(job->store);
+    return st;
+}
+
+/* --help's text, from the table of suites. */
+static char *describe(void) {
+    char *text = NULL;
+    size_t size = 0;
+    const bench_suite *suite;
+    FILE *out = open_memstream(&text, &size);
+    if (!out)
+        return NULL;
+    fputs("Measure: the papers' tables and ours, each number with its error.\vSuites:\n", out);
+    for (int i = 0; (suite = bench_suite_at(i)); i++) {
+        fprintf(out, "  %s%s%s\n      ", suite->name, *suite->takes ? " " : "", suite->takes);
+        for (const char *at = suite->about; *at; at++)
+            fputs(*at == '\n' ? "\n      " : (const char[]){*at, 0}, out);
+        fputc('\n', out);
+    }
+    fputs("  all --out DIR\n      all of them, in brief\n"
+          "The table goes to standard output, with -o FILE.csv also there as CSV. Suites that are "
+          "given no file measure the papers' volumes, from the data folder where they are there, "
+          "and generated ones.",
+          out);
+    fclose(out);
+    return text;
 }
 
 int main(int argc, char **argv) {
-    static bench_options o = {.common = {.verb = "bench"}, .runs = 9, .count = 500000};
+    static bench_options o = {.common = {.verb = "bench"},
+                              .job = {.count = 500000, .largest = 1024}};
     const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
     struct argp_option options[VIEW_OPTIONS_ROOM];
     view_options_join(options, OPTIONS);
-    const struct argp table = {
-        .options = options,
-        .parser = parse,
-        .args_doc = "[SUITE [F.leaf]]",
-        .doc = "Measure: the papers' tables and ours, each number with its error.\v"
-               "Suites:\n"
-               "  intersectors [F.leaf --iso V | marschner-lobb | noise]\n"
-               "               the six cell intersectors: what they miss, how far off\n"
-               "               they are, how long they take (M08 tables 4.5)\n"
-               "  figure49 [-o FILE.png]  M08 figure 4.9, two surfaces in a cell\n"
-               "  walk F.leaf --iso V     experiment E1: below 4^3 cells\n"
-               "  kernel F.leaf --iso V   experiment E2: a float filter\n"
-               "The table goes to standard output, with -o FILE.csv also there as CSV.",
-        .children = children};
-    view_options_init(&o.view);
-    mem_init(&o.m, 0);
+    char *doc = describe();
+    const struct argp table = {.options = options,
+                               .parser = parse,
+                               .args_doc = "[SUITE [F.leaf]]",
+                               .doc = doc,
+                               .children = children};
+    view_options_init(&o.job.view);
+    o.job.view.camera.width = 0; /* not given */
+    mem_init(&o.job.m, 0);
     cli_parse(&table, &o.common, argc, argv, &o);
-    (void)cli_progress(&o.common);
-    return cli_finish(&o.common, run(&o));
+    o.job.progress = cli_progress(&o.common);
+    const int code = cli_finish(&o.common, run(&o));
+    free(doc);
+    return code;
 }

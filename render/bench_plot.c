@@ -6,13 +6,6 @@
 
 enum { ROW = 18, LABEL = 220, BARS = 480, VALUE = 120, HEAD = 44, PAD = 12 };
 
-static int column_of(const bench_table *t, const char *heading) {
-    for (int c = 0; heading && c < t->columns; c++)
-        if (strcmp(t->heading[c], heading) == 0)
-            return c;
-    return -1;
-}
-
 static double value_of(const bench_table *t, int row, int column) {
     return column < 0 ? 0.0 : strtod(t->cell[row][column], NULL);
 }
@@ -26,7 +19,19 @@ static void print_escaped(FILE *out, const char *text) {
     }
 }
 
-static void text_at(FILE *out, double x, double y, const char *style, const char *text) {
+void bench_plot_open(FILE *out, int width, int height) {
+    fprintf(out,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" "
+            "font-family=\"sans-serif\" font-size=\"12\">\n"
+            "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
+            width, height);
+}
+
+void bench_plot_close(FILE *out) {
+    fputs("</svg>\n", out);
+}
+
+void bench_plot_text(FILE *out, double x, double y, const char *style, const char *text) {
     fprintf(out, "<text x=\"%.1f\" y=\"%.1f\" %s>", x, y, style);
     print_escaped(out, text);
     fputs("</text>\n", out);
@@ -52,15 +57,15 @@ static void range_of(const bench_table *t, const bench_chart *chart, int column,
 
 static void draw_row(const bench_table *t, int r, int labels, const bench_chart *chart, int column,
                      const double range[2], double y, FILE *out) {
-    char label[BENCH_TEXT * 3] = "";
+    char label[BENCH_TEXT * 4] = "";
     for (int c = 0; c < labels && c < 3; c++)
         strcat(strcat(label, c ? ", " : ""), t->cell[r][c]);
     const double x = value_of(t, r, column);
     const double at = chart->log ? (x > 0.0 ? log10(x) : range[0]) : x;
     const double scale = BARS / (range[1] - range[0]);
     const double width = fmax(0.0, (at - range[0]) * scale);
-    const double spread = value_of(t, r, column_of(t, chart->spread)) * scale;
-    text_at(out, LABEL - 6, y + 13, "text-anchor=\"end\"", label);
+    const double spread = value_of(t, r, bench_table_column(t, chart->spread)) * scale;
+    bench_plot_text(out, LABEL - 6, y + 13, "text-anchor=\"end\"", label);
     fprintf(out, "<rect x=\"%d\" y=\"%.1f\" width=\"%.1f\" height=\"%d\" fill=\"#4a7ba6\"/>\n",
             LABEL, y + 2, width, ROW - 5);
     if (spread > 0.0 && !chart->log)
@@ -68,21 +73,17 @@ static void draw_row(const bench_table *t, int r, int labels, const bench_chart 
             out,
             "<path d=\"M%.1f %.1fH%.1f\" stroke=\"#222\" stroke-width=\"1.5\" fill=\"none\"/>\n",
             LABEL + fmax(0.0, width - spread), y + 2 + (ROW - 5) / 2.0, LABEL + width + spread);
-    text_at(out, LABEL + width + fmax(spread, 0.0) + 6, y + 13, "fill=\"#555\"",
-            t->cell[r][column]);
+    bench_plot_text(out, LABEL + width + fmax(spread, 0.0) + 6, y + 13, "fill=\"#555\"",
+                    t->cell[r][column]);
 }
 
 void bench_plot(const bench_table *t, int label_columns, const bench_chart *charts, int count,
                 FILE *out) {
     const int height = PAD + count * (HEAD + t->rows * ROW);
-    fprintf(out,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" "
-            "font-family=\"sans-serif\" font-size=\"12\">\n"
-            "<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
-            LABEL + BARS + VALUE, height);
+    bench_plot_open(out, LABEL + BARS + VALUE, height);
     double y = PAD;
     for (int i = 0; i < count; i++) {
-        const int column = column_of(t, charts[i].column);
+        const int column = bench_table_column(t, charts[i].column);
         if (column < 0)
             continue;
         double range[2];
@@ -90,11 +91,11 @@ void bench_plot(const bench_table *t, int label_columns, const bench_chart *char
         snprintf(title, sizeof title, "%s%s%s", charts[i].column,
                  charts[i].spread ? " (line: spread)" : "", charts[i].log ? " (logarithmic)" : "");
         range_of(t, &charts[i], column, range);
-        text_at(out, LABEL, y + 20, "font-weight=\"bold\"", title);
+        bench_plot_text(out, LABEL, y + 20, "font-weight=\"bold\"", title);
         y += HEAD - PAD;
         for (int r = 0; r < t->rows; r++, y += ROW)
             draw_row(t, r, label_columns, &charts[i], column, range, y, out);
         y += PAD;
     }
-    fputs("</svg>\n", out);
+    bench_plot_close(out);
 }

@@ -14,6 +14,12 @@ typedef struct bench_chart {
     bool log;           /* logarithmic: errors over many powers of ten; zeros have no bar */
 } bench_chart;
 
+/* bench_plot_open(), bench_plot_close(), bench_plot_text() - what a picture of any kind begins and
+ * ends with; text with its attributes, escaped. */
+void bench_plot_open(FILE *out, int width, int height);
+void bench_plot_close(FILE *out);
+void bench_plot_text(FILE *out, double x, double y, const char *style, const char *text);
+
 /* bench_plot() - the charts below each other; rows are labelled by the first label_columns cells.
  * Columns that are not there are left out. */
 void bench_plot(const bench_table *t, int label_columns, const bench_chart *charts, int count,

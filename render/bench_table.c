@@ -30,6 +30,13 @@ void bench_table_add(bench_table *t, const char *fmt, ...) {
     }
 }
 
+int bench_table_column(const bench_table *t, const char *heading) {
+    for (int c = 0; heading && c < t->columns; c++)
+        if (strcmp(t->heading[c], heading) == 0)
+            return c;
+    return -1;
+}
+
 /* The first column to the left, numbers to the right. */
 static void print_row(const bench_table *t, const char (*cells)[BENCH_TEXT], const int *widths,
                       FILE *out) {

@@ -5,7 +5,7 @@
 
 #include <stdio.h>
 
-enum { BENCH_COLUMNS = 20, BENCH_ROWS = 96, BENCH_TEXT = 40 };
+enum { BENCH_COLUMNS = 24, BENCH_ROWS = 256, BENCH_TEXT = 40 };
 
 typedef struct bench_table {
     const char *title;
@@ -19,6 +19,9 @@ void bench_table_init(bench_table *t, const char *title, const char *headings);
 
 /* bench_table_add() - the next cell of the row under way; a full row ends by itself. */
 void bench_table_add(bench_table *t, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
+
+/* bench_table_column() - by its heading; -1 when there is none such (or heading is NULL). */
+int bench_table_column(const bench_table *t, const char *heading);
 
 void bench_table_print(const bench_table *t, FILE *out);
 void bench_table_csv(const bench_table *t, FILE *out);

@@ -13,9 +13,10 @@
 #include <unistd.h>
 
 #include "formats/base/file.h"
+#include "render/sibling.h"
 
 static const char HELPER[] = "leafcast-write-image";
-enum { CHUNK_VALUES = 16384, NAME_BYTES = 32, PATH_BYTES = 4096 };
+enum { CHUNK_VALUES = 16384, NAME_BYTES = 32 };
 
 /* ---- the helper process ---- */
 
@@ -24,27 +25,6 @@ typedef struct helper {
     int feed;     /* a socket, not a pipe: send() can be told to raise no SIGPIPE */
     int complain; /* the read end of its standard error */
 } helper;
-
-/* The helper's full path: beside the running program or on PATH; false when it is nowhere. */
-static bool find_helper(char path[PATH_BYTES]) {
-    const ssize_t n = readlink("/proc/self/exe", path, PATH_BYTES - sizeof HELPER - 1);
-    if (n > 0) {
-        path[n] = 0;
-        char *slash = strrchr(path, '/');
-        strcpy(slash ? slash + 1 : path, HELPER);
-        if (access(path, X_OK) == 0)
-            return true;
-    }
-    const char *folders = getenv("PATH");
-    while (folders && *folders) {
-        const int length = (int)strcspn(folders, ":");
-        snprintf(path, PATH_BYTES, "%.*s/%s", length, folders, HELPER);
-        if (access(path, X_OK) == 0)
-            return true;
-        folders += length + (folders[length] == ':');
-    }
-    return false;
-}
 
 static status no_helper(void) {
     return status_describe(ST_UNSUPPORTED,
@@ -82,8 +62,8 @@ static int spawn(const char *program, char *const argv[], int feed, int complain
 }
 
 static status start_helper(helper *h, const char *path, bool force) {
-    char program[PATH_BYTES];
-    if (!find_helper(program))
+    char program[SIBLING_PATH];
+    if (!sibling_find(HELPER, program))
         return no_helper();
     int feed[2], complain[2];
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, feed) != 0)
@@ -254,12 +234,12 @@ static bool ends_in(const char *path, const char *tail) {
 }
 
 status image_out_check(const char *path, bool force) {
-    char program[PATH_BYTES];
+    char program[SIBLING_PATH];
     if (!ends_in(path, ".png") && !ends_in(path, ".exr"))
         return status_describe(ST_USAGE, "%s: the name of a picture ends in .png or .exr", path);
     if (!force && access(path, F_OK) == 0)
         return status_describe(ST_EXISTS, "%s exists (--force overwrites)", path);
-    return find_helper(program) ? ST_OK : no_helper();
+    return sibling_find(HELPER, program) ? ST_OK : no_helper();
 }
 
 status image_out_write(mem *m, const char *path, bool force, uint32_t width, uint32_t height,

@@ -22,7 +22,7 @@ judge() { # judge FILE FIELDS
         'len({(r["field"], r["missed"], r["false"]) for r in t if r["intersector"] in ("linear", "neubauer")}) == '"$2"' and all(r["false"] == "0" for r in t if r["intersector"] == "linear")'
     ok "times are there, with their spread" csv "$1" 'all(float(r["ns/ray-cell"]) > 0 and float(r["+-"]) >= 0 for r in t)'
 }
-exits "built-in fields" 0 "$leafcast" bench intersectors --ray-cells 20000 --runs 3 -o "$tmp/i.csv" --plot "$tmp/i.svg"
+exits "built-in fields" 0 "$leafcast" bench intersectors --form brief --ray-cells 20000 -o "$tmp/i.csv" --plot "$tmp/i.svg"
 ok "a table on standard output" says '^marschner-lobb *neubauer' out
 judge "$tmp/i.csv" 2
 ok "and as bars" python3 -c 'import sys, xml.dom.minidom as x; sys.exit(x.parse(sys.argv[1]).getElementsByTagName("rect").length != 25)' "$tmp/i.svg"
@@ -40,10 +40,37 @@ if [ -x "$(dirname "$leafcast")/../libexec/leafcast-write-image" ]; then
 else
     skip "figure 4.9" "no OpenImageIO here"
 fi
+
+# Suites of whole frames: what every kernel must agree on.
+judge_frames() { # judge_frames FILE ROWS-AT-LEAST
+    ok "every kernel draws the same, and finds the same" csv "$1" \
+        "len(t) >= $2"' and all(r["differ"] == "0" for r in t) and len({(r["volume"], r["view"], r["zoom"], r["size"], r["roots/ray"]) for r in t}) == sum(r["isa"] == "scalar" for r in t)'
+    ok "time, bytes and memory are there" csv "$1" \
+        'all(float(r[c]) > 0 for r in t for c in ("ms", "Mray/s", "active MB", "read MB", "peak MB")) and all(float(r["read MB"]) <= float(r["active MB"]) for r in t)'
+}
+exits "all suites, in brief" 0 "$leafcast" bench all --out "$tmp/all" --runs 1 --ray-cells 2000 --size 48x48
+for suite in $("$leafcast" bench --help | sed -nE '/^Suites/,$s/^  ([a-z][a-z0-9]*).*/\1/p' | grep -v -e all -e figure49 -e peers); do
+    ok "$suite: CSV and SVG" [ -s "$tmp/all/$suite.csv" -a -s "$tmp/all/$suite.svg" ]
+    ok "$suite: sound SVG" python3 -c 'import sys, xml.dom.minidom as x; x.parse(sys.argv[1])' "$tmp/all/$suite.svg"
+done
+judge_frames "$tmp/all/steps.csv" 12
+judge_frames "$tmp/all/frames.csv" 16
+judge_frames "$tmp/all/figure414.csv" 4
+judge_frames "$tmp/all/zoom.csv" 42
+ok "figure 4.14 begins at itself" csv "$tmp/all/figure414.csv" 't[0]["x smallest"] == "1.000" and int(t[-1]["samples"]) == 64'
+exits "all, once more" 1 "$leafcast" bench all --out "$tmp/all"
+exits "all without a folder" 2 "$leafcast" bench all
+exits "a suite of a file" 0 "$leafcast" bench zoom "$leaf" --iso 128 --size 32x32 --runs 1
+ok "names it" says '^v.leaf  *inside' out
+exits "volumes kept" 0 env LEAFCAST_DATA= TMPDIR="$tmp/nowhere" "$leafcast" bench walk --form brief --runs 1 --size 16x16 --scratch "$tmp/kept"
+ok "in the scratch folder" [ -s "$tmp/kept/marschner-lobb-u8-32.leaf" ]
+mkdir "$tmp/empty"
+exits "volumes not kept" 0 env TMPDIR="$tmp/empty" "$leafcast" bench walk --form brief --runs 1 --size 16x16
+ok "leave nothing" rmdir "$tmp/empty"
+
 exits "no such suite" 2 "$leafcast" bench nonsense
-ok "lists those there are" says 'intersectors, figure49, walk, kernel' err
 exits "no such field" 2 "$leafcast" bench intersectors plaid
-exits "E1 without a file" 2 "$leafcast" bench walk --iso 1
+exits "no such form" 2 "$leafcast" bench intersectors --form long
 exits "a file without an isovalue" 2 "$leafcast" bench kernel "$leaf"
 exits "an isovalue that meets nothing" 2 "$leafcast" bench kernel "$leaf" --iso 1000
 finish

@@ -1,0 +1,209 @@
+#include "render/bench_suite.h"
+
+#include <string.h>
+
+#include "render/bench_figure.h"
+#include "render/bench_frames.h"
+#include "render/bench_intersect.h"
+#include "render/bench_walk.h"
+
+status bench_suite_subject(bench_job *job, const char *const *names, const char *const *brief_names,
+                           int i, bench_subject *out) {
+    const char *name = (job->brief ? brief_names : names)[i];
+    out->view = job->view;
+    if (job->target) {
+        if (i > 0)
+            return ST_AGAIN;
+        const char *slash = strrchr(job->target, '/');
+        snprintf(out->label, sizeof out->label, "%s", slash ? slash + 1 : job->target);
+        out->path = job->target;
+        return view_options_check(&out->view);
+    }
+    if (!name)
+        return ST_AGAIN;
+    bench_stored stored;
+    status st = bench_store_get(job->store, name, &stored);
+    snprintf(out->label, sizeof out->label, "%s", stored.label);
+    out->path = stored.path;
+    out->view.surfaces[0] = leafcast_surface_default(stored.isovalue);
+    out->view.isos = 1;
+    return st;
+}
+
+/* ---- intersectors ---- */
+
+static status record(bench_job *job, const bench_subject *s, bench_ray_cells *cells) {
+    const leafcast_options open = {.threads = 1};
+    leafcast *volume = NULL;
+    status st = (status)leafcast_open(s->path, &open, &volume);
+    if (st == ST_OK)
+        st = (status)leafcast_select(volume, s->view.surfaces, s->view.isos);
+    if (st == ST_OK) {
+        const leafcast_camera camera = view_options_camera(&s->view, volume);
+        st = bench_ray_cells_record(&job->m, volume, &s->view.scene, &camera, (uint32_t)job->count,
+                                    cells);
+    }
+    leafcast_close(volume);
+    return st;
+}
+
+/* On a built-in field, or where there is a subject, on its ray-cells. */
+static status judge(bench_job *job, const char *name, const bench_subject *s) {
+    bench_ray_cells cells = {0};
+    status st = s ? record(job, s, &cells)
+                  : bench_ray_cells_make(&job->m, name, (uint32_t)job->count, &cells);
+    if (st == ST_OK)
+        st = bench_intersect(&job->m, name, &cells, job->runs, &job->table);
+    mem_free(&job->m, cells.cells);
+    return st;
+}
+
+static status intersectors(bench_job *job) {
+    static const char *const names[] = {"bonsai", "angiogram", "engine", NULL};
+    static const char *const brief[] = {NULL};
+    bench_table_init(&job->table,
+                     "Cell intersectors (M08 tables 4.5, 4.6): against a long-double solution of "
+                     "every ray-cell; distances in cells, medians of CPU time, runs interleaved",
+                     bench_intersect_headings);
+    if (job->target && !strchr(job->target, '.'))
+        return judge(job, job->target, NULL);
+    status st = ST_OK;
+    if (!job->target) {
+        st = judge(job, "marschner-lobb", NULL);
+        if (st == ST_OK)
+            st = judge(job, "noise", NULL);
+    }
+    for (int i = 0; st == ST_OK; i++) {
+        bench_subject s;
+        st = bench_suite_subject(job, names, brief, i, &s);
+        if (st == ST_OK)
+            st = judge(job, s.label, &s);
+    }
+    return st == ST_AGAIN ? ST_OK : st;
+}
+
+/* ---- experiments E1, E2 ---- */
+
+static const char *const E_NAMES[] = {"bonsai", "engine", "ch2better", "ml-256", NULL};
+static const char *const E_BRIEF[] = {"ml-32", NULL};
+
+static status walk(bench_job *job) {
+    bench_table_init(&job->table,
+                     "E1, below 4^3 cells: one thread, all resident, the same depth bits; medians "
+                     "of CPU time, runs interleaved",
+                     bench_walk_headings);
+    status st = ST_OK;
+    for (int i = 0; st == ST_OK; i++) {
+        bench_subject s;
+        st = bench_suite_subject(job, E_NAMES, E_BRIEF, i, &s);
+        if (st == ST_OK)
+            st = bench_walk(&job->m, s.path, &s.view, job->runs, &job->table);
+    }
+    return st == ST_AGAIN ? ST_OK : st;
+}
+
+static status kernel(bench_job *job) {
+    bench_table_init(&job->table,
+                     "E2, the cell kernel: double throughout, and behind a float filter with a "
+                     "proven bound",
+                     bench_filter_headings);
+    status st = ST_OK;
+    for (int i = 0; st == ST_OK; i++) {
+        bench_subject s;
+        st = bench_suite_subject(job, E_NAMES, E_BRIEF, i, &s);
+        if (st == ST_OK)
+            st = bench_filter(s.path, &s.view, &job->table);
+    }
+    return st == ST_AGAIN ? ST_OK : st;
+}
+
+/* ---- figure 4.9 ---- */
+
+static status figure49(bench_job *job) {
+    const char *path = job->output ? job->output : "figure49.png";
+    bench_figure r;
+    bench_table_init(&job->table,
+                     "M08 figure 4.9: two surfaces in one cell; neubauer on the left, marmitt on "
+                     "the right",
+                     "intersector|rays|surfaces|missed");
+    status st = bench_figure_draw(&job->m, path, job->force, job->view.camera.height / 2, &r);
+    if (st)
+        return st;
+    for (int i = 0; i < 2; i++) {
+        const uint64_t seen = i ? r.right : r.left;
+        bench_table_add(&job->table, "%s", i ? "marmitt" : "neubauer");
+        bench_table_add(&job->table, "%llu", (unsigned long long)r.rays);
+        bench_table_add(&job->table, "%llu", (unsigned long long)seen);
+        bench_table_add(&job->table, "%llu", (unsigned long long)(r.right - seen));
+    }
+    return ST_OK;
+}
+
+/* ---- the table ---- */
+
+static const bench_suite SUITES[] = {
+    {.name = "intersectors",
+     .takes = "[marschner-lobb | noise | F.leaf --iso V]",
+     .about = "the cell intersectors: what they miss, how far off they are,\n"
+              "how long they take (M08 tables 4.5, 4.6)",
+     .run = intersectors,
+     .labels = 2,
+     .charts = {{"ns/ray-cell", "+-", false}, {"rms cells", NULL, true}}},
+    {.name = "steps",
+     .takes = "[F.leaf --iso V]",
+     .about = "traversal steps of single rays and of tiles (M08 table 4.1)",
+     .run = bench_steps,
+     .labels = 6,
+     .charts = {{"nodes/ray", NULL, false}, {"cells/ray", NULL, false}}},
+    {.name = "frames",
+     .takes = "[F.leaf --iso V]",
+     .about = "frames of many volumes, standard and close (M08 table 4.7)",
+     .run = bench_frames,
+     .labels = 6,
+     .charts = {{"Mray/s", NULL, false}, {"cells/ray", NULL, false}, {"read MB", NULL, false}}},
+    {.name = "figure414",
+     .takes = "",
+     .about = "one field on 32^3 to 1024^3 samples (M08 figure 4.14)",
+     .run = bench_figure414,
+     .curve = {.x = "samples",
+               .y = "x smallest",
+               .series = {"isa", NULL},
+               .log_x = true,
+               .joined = true}},
+    {.name = "zoom",
+     .takes = "[F.leaf --iso V]",
+     .about = "experiment E4: far, near and inside, zoom 0.5 to 50",
+     .run = bench_zoom,
+     .curve =
+         {.x = "zoom", .y = "Mray/s", .series = {"view", "isa"}, .log_x = true, .joined = true}},
+    {.name = "walk",
+     .takes = "[F.leaf --iso V]",
+     .about = "experiment E1: below 4^3 cells",
+     .run = walk,
+     .labels = 2,
+     .charts = {{"ns/ray", "+-", false}, {"new isovalue ms", "+-", false}}},
+    {.name = "kernel",
+     .takes = "[F.leaf --iso V]",
+     .about = "experiment E2: a float filter",
+     .run = kernel,
+     .labels = 1,
+     .charts = {{"double ns/16", NULL, false}, {"filtered ns/16", NULL, false}}},
+    {.name = "figure49",
+     .takes = "[-o FILE.png]",
+     .about = "two surfaces in a cell (M08 figure 4.9)",
+     .run = figure49,
+     .picture = true,
+     .labels = 1,
+     .charts = {{"surfaces", NULL, false}, {"missed", NULL, false}}}};
+enum { SUITE_COUNT = sizeof SUITES / sizeof *SUITES };
+
+const bench_suite *bench_suite_at(int index) {
+    return index < SUITE_COUNT ? &SUITES[index] : NULL;
+}
+
+const bench_suite *bench_suite_find(const char *name) {
+    for (int i = 0; i < SUITE_COUNT; i++)
+        if (strcmp(SUITES[i].name, name) == 0)
+            return &SUITES[i];
+    return NULL;
+}
