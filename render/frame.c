@@ -3,11 +3,10 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
+#include "render/kernels.h"
 #include "render/pixel_ray.h"
 
 enum {
-    TILE = 16, /* pixels on a side */
-    TILE_RAYS = TILE * TILE,
     BATCH = 256, /* resumed rays a work item */
     CHUNK = 4096 /* records allocated at once */
 };
@@ -110,17 +109,39 @@ static bool reserve(drawing *d, uint32_t count) {
     return fits;
 }
 
+/* What the tile's own traversal leaves to its rays, or all of them where there is none. */
+static void begin_tile(const frame *f, uint32_t x0, uint32_t y0, tile_outcome *todo,
+                       frame_counters *counters) {
+    if (f->projection) {
+        f->kernels->tile(f, x0, y0, todo, counters);
+        return;
+    }
+    const uint32_t left = f->width - x0, columns = left < TILE ? (1u << left) - 1u : UINT16_MAX;
+    for (uint32_t y = 0; y < TILE; y++) {
+        todo->open[y] = y0 + y < f->height ? (uint16_t)columns : 0;
+        todo->found[y] = 0;
+    }
+}
+
 /* Trace a tile's rays; those that suspend move into records, which the reservation has made sure
  * of. */
 static status draw_tile(drawing *d, uint32_t tile, frame_counters *counters) {
     const frame *f = d->f;
     pixel_ray suspended[TILE_RAYS];
+    tile_outcome todo;
     uint32_t count = 0, started = 0;
     const uint32_t x0 = tile % d->tiles_x * TILE, y0 = tile / d->tiles_x * TILE;
-    for (uint32_t y = y0; y < y0 + TILE && y < f->height; y++) {
-        for (uint32_t x = x0; x < x0 + TILE && x < f->width; x++) {
+    begin_tile(f, x0, y0, &todo, counters);
+    for (uint32_t y = 0; y < TILE && y0 + y < f->height; y++) {
+        for (uint32_t x = 0; x < TILE && x0 + x < f->width; x++) {
+            const uint32_t pixel = (y0 + y) * f->width + x0 + x, i = TILE * y + x;
             started++;
-            suspended[count] = pixel_ray_start(y * f->width + x);
+            if (todo.open[y] >> x & 1u)
+                suspended[count] = pixel_ray_start(pixel);
+            else if (todo.found[y] >> x & 1u)
+                suspended[count] = pixel_ray_found(f, pixel, &todo.hits[i], todo.at[i]);
+            else
+                continue;
             count += !pixel_ray_advance(f, &suspended[count], counters);
         }
     }

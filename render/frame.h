@@ -13,7 +13,10 @@
 #include "formats/base/pool.h"
 #include "render/camera.h"
 #include "render/leafcast.h"
+#include "render/projection.h"
 #include "render/tracer.h"
+
+struct kernels;
 
 typedef struct frame {
     mem *m;
@@ -23,6 +26,8 @@ typedef struct frame {
     const leafcast_scene *scene;
     const leafcast_surface *surfaces; /* one an isovalue */
     camera camera;
+    const struct kernels *kernels;
+    const projection *projection; /* NULL: every ray by itself, else tiles of them; see tile.h */
     uint32_t width, height;
     leafcast_image image;
     uint32_t records_max; /* suspended rays at a time, at least frame_records_min() */

@@ -2,16 +2,24 @@
 
 #include <string.h>
 
-/* The last two are experiment E1's alternatives: the same pictures, slower. */
-static const kernels table[] = {{"scalar", walk_treelet},
-                                {"scalar-groups", walk_treelet_groups},
-                                {"scalar-corners", walk_treelet_corners}};
+/* Experiment E1: the same pictures, slower. */
+static const struct {
+    const char *name;
+    walk_fn walk;
+} alternatives[] = {{"scalar-groups", walk_treelet_groups},
+                    {"scalar-corners", walk_treelet_corners}};
 
-const kernels *kernels_for(const char *isa) {
-    if (!isa || !strcmp(isa, "auto"))
-        return &table[0];
-    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
-        if (!strcmp(isa, table[i].isa))
-            return &table[i];
-    return NULL;
+bool kernels_for(const char *name, kernels *out) {
+    cpu_isa isa;
+    for (size_t i = 0; name && i < sizeof alternatives / sizeof *alternatives; i++) {
+        if (!strcmp(name, alternatives[i].name)) {
+            *out = (kernels){alternatives[i].name, CPU_SCALAR, alternatives[i].walk,
+                             cell_batch_for(CPU_SCALAR), NULL};
+            return true;
+        }
+    }
+    if (!cpu_isa_find(name, &isa))
+        return false;
+    *out = (kernels){cpu_isa_name(isa), isa, walk_treelet, cell_batch_for(isa), tile_for(isa)};
+    return true;
 }

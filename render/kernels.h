@@ -1,20 +1,23 @@
 /* kernels.h - the table of kernels, filled by what the CPU can do.
  *
- * Every entry has a scalar version that is the truth; SIMD versions overwrite it where the CPU
- * allows and must give the same bits.
+ * Scalar versions are the truth; the others give the same bits.
  */
 #ifndef RENDER_KERNELS_H
 #define RENDER_KERNELS_H
 
-#include "render/walk.h"
+#include "render/cell_batch.h"
+#include "render/tile.h"
 
 typedef struct kernels {
-    const char *isa;
-    walk_fn walk; /* one ray through one treelet */
+    const char *name;
+    cpu_isa isa;
+    walk_fn walk;        /* one ray through one treelet */
+    cell_batch_fn cells; /* many ray-cells */
+    tile_fn tile;        /* a tile of primary rays; NULL: one by one */
 } kernels;
 
-/* kernels_for() - isa: NULL or "auto" for the best there is, or a name; NULL where this build or
- * this CPU has no such kernels. */
-const kernels *kernels_for(const char *isa);
+/* kernels_for() - NULL or "auto" for the best there is, or a name: that of an ISA, or of one of
+ * experiment E1's alternatives. False where this build or this CPU has no such kernels. */
+bool kernels_for(const char *name, kernels *out);
 
 #endif

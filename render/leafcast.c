@@ -28,7 +28,8 @@ struct leafcast {
     loader *treelets;
     level_planes_table planes;
     affine space;
-    const kernels *kernels;
+    kernels kernels;
+    projection projection; /* of the frame that is being drawn */
     leafcast_surface surfaces[LEAFCAST_SURFACES_MAX];
     double isovalues[LEAFCAST_SURFACES_MAX];
     int surface_count;
@@ -61,8 +62,7 @@ const char *leafcast_error_text(void) {
 static status open_parts(leafcast *v, const char *path) {
     static const source_kind kinds[] = {SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA};
     mem *m = &v->budget;
-    v->kernels = kernels_for(v->options.isa);
-    if (!v->kernels)
+    if (!kernels_for(v->options.isa, &v->kernels))
         return status_describe(ST_USAGE, "this CPU or this build has no kernels called %s",
                                v->options.isa);
     status st = leaf_file_open(m, path, &v->file);
@@ -274,7 +274,7 @@ static status tracer_of(leafcast *v, const leafcast_scene *scene, const camera *
                              .type = layout->type,
                              .halo = layout->halo,
                              .intersect = v->intersect ? v->intersect : how->next_hit},
-                   .walk = v->kernels->walk,
+                   .walk = v->kernels.walk,
                    .treelets = v->treelets,
                    .layout = layout,
                    .space = v->space,
@@ -317,7 +317,7 @@ static status share_budget(leafcast *v, frame *f) {
     records = records < least ? least : records < UINT32_MAX / 2 ? records : UINT32_MAX / 2;
     if (v->budget.limit) {
         const size_t fixed =
-            v->base_bytes + image_bytes(&f->image, pixels) +
+            v->base_bytes + image_bytes(&f->image, pixels) + projection_bytes(&v->file->layout) +
             frame_bytes(treelets, (uint32_t)records, f->width, f->height, pool_threads(v->threads));
         const size_t needed = fixed + least * frame_record_bytes() + place;
         if (v->budget.limit < needed)
@@ -335,6 +335,18 @@ static status share_budget(leafcast *v, frame *f) {
     f->records_max = (uint32_t)records;
     loader_set_capacity(v->treelets, (uint32_t)(places < treelets ? places : treelets));
     return ST_OK;
+}
+
+/* Tiles of rays, where there are kernels for them. An experiment's intersector wants single rays.
+ */
+static status project(leafcast *v, frame *f) {
+    if (!v->kernels.tile || v->intersect)
+        return ST_OK;
+    status st = projection_init(&v->projection, &v->budget, &v->file->layout, v->planes.levels,
+                                &v->space, &f->camera);
+    if (st == ST_OK && v->projection.usable)
+        f->projection = &v->projection;
+    return st;
 }
 
 static void fill_stats(leafcast *v, const frame_counters *c, double render_s,
@@ -366,7 +378,7 @@ static void fill_stats(leafcast *v, const frame_counters *c, double render_s,
                               .ill_conditioned = c->ill_conditioned,
                               .passes = c->passes,
                               .threads = pool_threads(v->threads),
-                              .isa = v->kernels->isa};
+                              .isa = v->kernels.name};
 }
 
 leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
@@ -378,6 +390,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
                .threads = v->threads,
                .treelets = v->treelets,
                .tracer = &tr,
+               .kernels = &v->kernels,
                .scene = scene,
                .surfaces = v->surfaces,
                .width = from->width,
@@ -399,7 +412,10 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
         atomic_store_explicit(&v->touched[t], 0, memory_order_relaxed);
     if (scene->sweep || scene->preview)
         loader_sweep(v->treelets);
-    st = frame_render(&f, &counters);
+    st = project(v, &f);
+    if (st == ST_OK)
+        st = frame_render(&f, &counters);
+    projection_release(&v->projection);
     if (st == ST_OK && scene->sweep && !scene->preview)
         st = loader_settle(v->treelets);
     const double end = clock_seconds();

@@ -22,6 +22,17 @@ static bool primary_ray(const frame *f, uint32_t pixel, double direction[3], ray
     return tracer_ray(f->tracer, origin, direction, 0.0, INFINITY, r);
 }
 
+pixel_ray pixel_ray_found(const frame *f, uint32_t pixel, const hit *h, const treelet *at) {
+    double direction[3];
+    ray r;
+    pixel_ray p = pixel_ray_start(pixel);
+    p.found = primary_ray(f, pixel, direction, &r);
+    p.search.best = *h;
+    p.search.point =
+        surface_at(&f->tracer->scene, &f->tracer->space, at, &r, h, f->tracer->analytic_normals);
+    return p;
+}
+
 /* The unit direction from the current hit to a light; returns its distance. */
 static double towards_light(const frame *f, const pixel_ray *p, const leafcast_light *light,
                             double at[3], double to[3]) {
@@ -162,10 +173,13 @@ bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters) {
             ray r;
             trace_result result =
                 TRACE_MISS; /* also when the clip planes leave nothing of the ray */
-            if (primary_ray(f, p->pixel, direction, &r))
+            if (p->found)
+                result = TRACE_HIT;
+            else if (primary_ray(f, p->pixel, direction, &r))
                 result = tracer_next(f->tracer, &r, &p->search, &counters->walk);
             if (result == TRACE_BLOCKED)
                 return false;
+            p->found = false;
             p->provisional |= p->search.provisional;
             p->current = p->search.best;
             p->point = p->search.point;

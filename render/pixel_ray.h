@@ -13,6 +13,7 @@ typedef struct pixel_ray {
     uint32_t next;       /* in its bucket */
     int32_t light;       /* whose shadow ray is under way; -1: looking for the next surface */
     int32_t layers;      /* surfaces composited so far */
+    bool found;          /* the search has been done: best is the first surface */
     bool provisional;    /* something on the way was drawn coarser than asked for */
     float visibility;    /* of that light */
     float rgb[3];        /* shading of the current hit so far */
@@ -24,6 +25,9 @@ typedef struct pixel_ray {
 
 /* pixel_ray_start() - the primary ray of a pixel, before anything is traced. */
 pixel_ray pixel_ray_start(uint32_t pixel);
+
+/* pixel_ray_found() - the same, its first surface known: h, in the treelet `at`. */
+pixel_ray pixel_ray_found(const frame *f, uint32_t pixel, const hit *h, const treelet *at);
 
 /* pixel_ray_advance() - go on until the pixel is written (true) or the treelet p->search.blocked is
  * needed (false). */

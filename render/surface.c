@@ -31,33 +31,72 @@ double surface_trilinear(const float samples[8], const double at[3], const doubl
     return mix(xy[0], xy[1], at[2]);
 }
 
-/* One component of the gradient at a node: a central difference, one-sided at the volume's ends. */
-static double difference(const walk_scene *scene, const level_planes *planes, const treelet *tr,
-                         const int64_t node[3], int a) {
-    int64_t below[3] = {node[0], node[1], node[2]}, above[3] = {node[0], node[1], node[2]};
-    if (node[a] > 0)
-        below[a]--;
-    if (node[a] < (int64_t)planes->cells[a])
-        above[a]++;
-    return ((double)walk_sample(scene, tr, above) - (double)walk_sample(scene, tr, below)) /
-           (planes->at[a][above[a]] - planes->at[a][below[a]]);
+/* The differences at the corners of a cell whose samples begin at s; the neighbours of node c of
+ * axis a lie below[a][c] and above[a][c] from it. */
+#define GRADIENTS_OF(NAME, TYPE)                                                              \
+    static void NAME(const void *samples, size_t first, const ptrdiff_t stride[3],            \
+                     const ptrdiff_t below[3][2], const ptrdiff_t above[3][2],                \
+                     const double width[3][2], double gradients[8][4]) {                      \
+        for (unsigned i = 0; i < 8; i++) {                                                    \
+            const unsigned c[3] = {i & 1u, i >> 1 & 1u, i >> 2};                              \
+            const TYPE *s = (const TYPE *)samples + first + (ptrdiff_t)c[0] * stride[0] +     \
+                            (ptrdiff_t)c[1] * stride[1] + (ptrdiff_t)c[2] * stride[2];        \
+            for (int a = 0; a < 3; a++)                                                       \
+                gradients[i][a] =                                                             \
+                    ((double)s[above[a][c[a]]] - (double)s[below[a][c[a]]]) * width[a][c[a]]; \
+            gradients[i][3] = 0.0;                                                            \
+        }                                                                                     \
+    }
+
+GRADIENTS_OF(gradients_u8, uint8_t)
+GRADIENTS_OF(gradients_i8, int8_t)
+GRADIENTS_OF(gradients_u16, uint16_t)
+GRADIENTS_OF(gradients_i16, int16_t)
+GRADIENTS_OF(gradients_f32, float)
+
+void surface_gradients(const walk_scene *scene, const treelet *tr, const uint32_t cell[3],
+                       double gradients[8][4]) {
+    const level_planes *planes = &scene->levels[tr->level];
+    const ptrdiff_t row = tr->shape.samples[0], stride[3] = {1, row, row * tr->shape.samples[1]};
+    ptrdiff_t below[3][2], above[3][2];
+    double width[3][2];
+    size_t first = 0;
+    for (int a = 0; a < 3; a++) {
+        first += (cell[a] - tr->first_cell[a] + scene->halo) * (size_t)stride[a];
+        for (unsigned c = 0; c < 2; c++) {
+            const uint32_t node = cell[a] + c;
+            below[a][c] = node > 0 ? -stride[a] : 0;
+            above[a][c] = node < planes->cells[a] ? stride[a] : 0;
+            width[a][c] = planes->central[a][node];
+        }
+    }
+    switch (scene->type) {
+    case SAMPLE_U8:
+        gradients_u8(tr->samples, first, stride, below, above, width, gradients);
+        return;
+    case SAMPLE_I8:
+        gradients_i8(tr->samples, first, stride, below, above, width, gradients);
+        return;
+    case SAMPLE_U16:
+        gradients_u16(tr->samples, first, stride, below, above, width, gradients);
+        return;
+    case SAMPLE_I16:
+        gradients_i16(tr->samples, first, stride, below, above, width, gradients);
+        return;
+    default: gradients_f32(tr->samples, first, stride, below, above, width, gradients);
+    }
 }
 
 /* Trilinear interpolation of the nodes' central differences: in a regular grid the same as M08's
  * six evaluations of f. */
 static void central_gradient(const walk_scene *scene, const treelet *tr, const uint32_t cell[3],
                              const double at[3], double gradient[3]) {
-    const level_planes *planes = &scene->levels[tr->level];
-    for (int a = 0; a < 3; a++) {
-        double d[8];
-        for (int i = 0; i < 8; i++) {
-            const int64_t node[3] = {(int64_t)cell[0] + (i & 1), (int64_t)cell[1] + (i >> 1 & 1),
-                                     (int64_t)cell[2] + (i >> 2 & 1)};
-            d[i] = difference(scene, planes, tr, node, a);
-        }
-        gradient[a] = mix(mix(mix(d[0], d[1], at[0]), mix(d[2], d[3], at[0]), at[1]),
-                          mix(mix(d[4], d[5], at[0]), mix(d[6], d[7], at[0]), at[1]), at[2]);
-    }
+    double g[8][4];
+    surface_gradients(scene, tr, cell, g);
+    for (int a = 0; a < 3; a++)
+        gradient[a] =
+            mix(mix(mix(g[0][a], g[1][a], at[0]), mix(g[2][a], g[3][a], at[0]), at[1]),
+                mix(mix(g[4][a], g[5][a], at[0]), mix(g[6][a], g[7][a], at[0]), at[1]), at[2]);
 }
 
 /* The unit vector against a gradient; false where it has no direction. */
@@ -83,8 +122,7 @@ surface_point surface_at(const walk_scene *scene, const affine *space, const tre
     const cell_box box = walk_cell_box(planes, cell);
     double at[3], position_error[3];
     for (int a = 0; a < 3; a++) {
-        const double x = r->o[a] + h->t * r->d[a];
-        const double u = (x - box.lo[a]) * box.inv[a];
+        const double u = (h->t * r->d[a] - (box.lo[a] - r->o[a])) * box.inv[a];
         at[a] = u < 0.0 ? 0.0 : u > 1.0 ? 1.0 : u;
         position_error[a] = 4.0 * DBL_EPSILON * (fabs(r->o[a]) + fabs(h->t * r->d[a]));
     }

@@ -25,6 +25,11 @@ typedef struct surface_point {
 surface_point surface_at(const walk_scene *scene, const affine *space, const treelet *tr,
                          const ray *r, const hit *h, bool analytic);
 
+/* surface_gradients() - central differences at the corners of a cell, in grid space, one-sided at
+ * the volume's ends: [corner x + 2y + 4z][axis], and a 0. Needs a halo. */
+void surface_gradients(const walk_scene *scene, const treelet *tr, const uint32_t cell[3],
+                       double gradients[8][4]);
+
 /* surface_cell_of() - a cell's place from its global index. */
 void surface_cell_of(const level_planes *planes, uint64_t index, uint32_t cell[3]);
 

@@ -101,27 +101,6 @@ typedef struct pending {
  * is used for pictures; the others are what experiment E1 compares it with. */
 typedef enum finest { FINEST_CELL, FINEST_GROUP, FINEST_BLOCK } finest;
 
-/* The child mask of a node: of the root, of an inner node, of a block (its 2^3 groups with active
- * cells), of such a group (its cells). */
-static inline unsigned children_of(const treelet *tr, const pending *node, finest known) {
-    const active_masks *masks = tr->masks;
-    const uint32_t levels = tr->shape.node_levels;
-    if (node->size > LEAF_BLOCK_LOG2) {
-        const uint32_t k = levels + LEAF_BLOCK_LOG2 - node->size;
-        return k == 0 ? masks->root : masks->nodes[active_nodes_at(k) + node->morton];
-    }
-    if (node->size <= (uint32_t)known)
-        return 255u;
-    const uint64_t cells =
-        masks->cells[node->size == LEAF_BLOCK_LOG2 ? node->morton : node->morton >> 3];
-    if (node->size < LEAF_BLOCK_LOG2)
-        return (unsigned)(cells >> (8 * (node->morton & 7u))) & 255u;
-    unsigned groups = 0;
-    for (unsigned g = 0; g < 8; g++)
-        groups |= (unsigned)((cells >> (8 * g) & 255u) != 0) << g;
-    return groups;
-}
-
 /* Whether a cell exists and is active, from its samples. */
 static bool cell_is_active(const walk_scene *scene, const treelet *tr, const uint32_t cell[3]) {
     for (int a = 0; a < 3; a++)
@@ -165,7 +144,9 @@ static inline bool walk_to(finest known, const walk_scene *scene, const treelet 
             continue;
         }
         counters->nodes++;
-        const unsigned mask = children_of(tr, &node, known) & wanted;
+        const unsigned mask =
+            (node.size <= (uint32_t)known ? 255u : walk_children(tr, node.size, node.morton)) &
+            wanted;
         wanted = 255u;
         if (!mask)
             continue;

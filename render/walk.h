@@ -17,6 +17,7 @@
 typedef struct level_planes {
     const double *at[3]; /* plane coordinates, node i of the level; enough for whole treelets */
     const double *inverse[3]; /* 1 / (at[i + 1] - at[i]) */
+    const double *central[3]; /* 1 / (at[i + 1] - at[i - 1]), one-sided at the level's ends */
     uint32_t cells[3];
 } level_planes;
 
@@ -64,6 +65,24 @@ void walk_cell_samples(const walk_scene *scene, const treelet *tr, const uint32_
 /* walk_sample() - the sample of a node (of the treelet's level) that its samples, halo included,
  * cover. */
 float walk_sample(const walk_scene *scene, const treelet *tr, const int64_t node[3]);
+
+/* walk_children() - the child mask of a node of 2^size cells on a side: of the root, of an inner
+ * node, of a block (its 2^3 groups with active cells), of such a group (its cells). morton: its
+ * place among the nodes of its size. */
+static inline unsigned walk_children(const treelet *tr, uint32_t size, uint32_t morton) {
+    const active_masks *masks = tr->masks;
+    if (size > LEAF_BLOCK_LOG2) {
+        const uint32_t k = tr->shape.node_levels + LEAF_BLOCK_LOG2 - size;
+        return k == 0 ? masks->root : masks->nodes[active_nodes_at(k) + morton];
+    }
+    const uint64_t cells = masks->cells[size == LEAF_BLOCK_LOG2 ? morton : morton >> 3];
+    if (size < LEAF_BLOCK_LOG2)
+        return (unsigned)(cells >> (8 * (morton & 7u))) & 255u;
+    unsigned groups = 0;
+    for (unsigned g = 0; g < 8; g++)
+        groups |= (unsigned)((cells >> (8 * g) & 255u) != 0) << g;
+    return groups;
+}
 
 static inline uint64_t walk_cell_index(const level_planes *planes, const uint32_t cell[3]) {
     return cell[0] + (uint64_t)planes->cells[0] * (cell[1] + (uint64_t)planes->cells[1] * cell[2]);

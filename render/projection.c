@@ -1,0 +1,85 @@
+#include "render/projection.h"
+
+#include <math.h>
+
+static size_t planes_of(const leaf_layout *layout, uint32_t level, int a) {
+    return ((size_t)layout->level[level].treelets[a] << layout->cells_log2) + 1;
+}
+
+static size_t planes_in_all(const leaf_layout *layout) {
+    size_t planes = 0;
+    for (uint32_t l = 0; l < layout->levels; l++)
+        for (int a = 0; a < 3; a++)
+            planes += planes_of(layout, l, a);
+    return planes;
+}
+
+size_t projection_bytes(const leaf_layout *layout) {
+    return planes_in_all(layout) * sizeof(plane_projection);
+}
+
+static double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* What a step of one along a grid axis adds. */
+typedef struct axis_projection {
+    double x, y, w, far;
+} axis_projection;
+
+static axis_projection axis_of(const affine *space, const camera *c, int a) {
+    const double step[3] = {space->to_world[0][a], space->to_world[1][a], space->to_world[2][a]};
+    /* right and up are as long as half the picture's height at distance 1. */
+    const double half = 0.5 * c->height;
+    return (axis_projection){half * dot(c->right, step) / dot(c->right, c->right),
+                             -half * dot(c->up, step) / dot(c->up, c->up), dot(c->forward, step),
+                             sqrt(dot(step, step))};
+}
+
+status projection_init(projection *p, mem *m, const leaf_layout *layout,
+                       const level_planes levels[], const affine *space, const camera *c) {
+    *p = (projection){.m = m,
+                      .centre = {(float)(0.5 * c->width), (float)(0.5 * c->height)},
+                      .block = mem_array(m, planes_in_all(layout), sizeof *p->block)};
+    if (!p->block)
+        return ST_NOMEM;
+    affine_point_to_grid(space, c->eye, p->eye);
+    axis_projection axis[3];
+    double longest = 0.0, worst = 0.0;
+    for (int a = 0; a < 3; a++) {
+        axis[a] = axis_of(space, c, a);
+        longest = fmax(longest, axis[a].far);
+    }
+    plane_projection *next = p->block;
+    for (uint32_t l = 0; l < layout->levels; l++) {
+        for (int a = 0; a < 3; a++) {
+            const size_t planes = planes_of(layout, l, a);
+            p->at[l][a] = next;
+            for (size_t i = 0; i < planes; i++) {
+                const double from_eye = (levels[l].at[a][i] - p->eye[a]) / longest;
+                *next++ = (plane_projection){
+                    (float)(axis[a].x * from_eye), (float)(axis[a].y * from_eye),
+                    (float)(axis[a].w * from_eye), (float)(axis[a].far * fabs(from_eye))};
+                worst = fmax(worst, fabs(axis[a].x * from_eye) + fabs(axis[a].y * from_eye) +
+                                        fabs(axis[a].far * from_eye));
+            }
+        }
+    }
+    /* Each entry is rounded once and two sums are: |error| of x <= 3 u sum |x| and of w <= 3 u sum
+     * |w|, u = 2^-24, where sum |x| <= reach sum far and sum |w| <= sum far. Of x / w then 3 u
+     * (reach + |x / w|) sum far / w, and the reciprocal's 2^-21; doubled and rounded up. */
+    const double u = ldexp(1.0, -24), half = 0.5 * fmax(c->width, c->height);
+    const double reach = 0.5 * c->height / sqrt(fmin(dot(c->right, c->right), dot(c->up, c->up)));
+    p->margin = (float)(8.0 * u / (double)projection_depth_share * (reach + half) +
+                        ldexp(half, -20) + 1e-4);
+    p->plane_error = (float)(8.0 * u * (reach + half));
+    /* The reciprocal wants numbers of ordinary size. */
+    p->usable = worst < 1e15 && p->margin < 4.0f;
+    return ST_OK;
+}
+
+void projection_release(projection *p) {
+    if (p->m)
+        mem_free(p->m, p->block);
+    p->block = NULL;
+}

@@ -1,0 +1,47 @@
+/* projection.h - where the planes between cells lie in a camera's picture.
+ *
+ * Homogeneous pixel coordinates are linear in each grid coordinate: a point's are the sum of three
+ * entries, one a plane through it and axis. So the corners of any box of cells cost a few additions
+ * each. All is relative to the eye, taken in double and then rounded to float: errors stay a tiny
+ * part of a pixel however far from the origin, or the eye from the volume.
+ */
+#ifndef RENDER_PROJECTION_H
+#define RENDER_PROJECTION_H
+
+#include "render/affine.h"
+#include "render/camera.h"
+#include "render/level_planes.h"
+
+/* What a plane adds: pixels right of the picture's centre, below it, and depth are x / w, y / w, w;
+ * all w scaled alike. far bounds the share of any of the point's distance that is due to this axis.
+ */
+typedef struct plane_projection {
+    float x, y, w, far;
+} plane_projection;
+
+typedef struct projection {
+    const plane_projection *at[LEAF_LEVELS_MAX][3];
+    bool usable;     /* false: numbers beyond float; nothing else is set then */
+    double eye[3];   /* grid space */
+    float centre[2]; /* of the picture: pixels from its left and top edge */
+    /* x / w of a corner is right to margin pixels within the picture, where w is at least
+     * depth_share of the sum of its far; beyond the picture it does not come in. */
+    float margin;
+    /* |error| of x - c w for a constant c of at most half the picture's size, over the sum of far.
+     */
+    float plane_error;
+    plane_projection *block;
+    mem *m;
+} projection;
+
+static const float projection_depth_share = 1.0f / 16.0f;
+
+/* projection_init() - of all planes of a file's levels, allocated from m. */
+CHECKED status projection_init(projection *p, mem *m, const leaf_layout *layout,
+                               const level_planes levels[], const affine *space, const camera *c);
+void projection_release(projection *p);
+
+/* projection_bytes() - what it allocates. */
+size_t projection_bytes(const leaf_layout *layout);
+
+#endif

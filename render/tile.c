@@ -1,0 +1,23 @@
+#include "render/tile.h"
+
+#include <stddef.h>
+
+#if defined __x86_64__ || defined __i386__
+void tile_trace_sse42(const frame *f, uint32_t x0, uint32_t y0, tile_outcome *out,
+                      frame_counters *counters);
+void tile_trace_avx2(const frame *f, uint32_t x0, uint32_t y0, tile_outcome *out,
+                     frame_counters *counters);
+void tile_trace_avx512(const frame *f, uint32_t x0, uint32_t y0, tile_outcome *out,
+                       frame_counters *counters);
+#endif
+
+tile_fn tile_for(cpu_isa isa) {
+    switch (isa) {
+#if defined __x86_64__ || defined __i386__
+    case CPU_SSE42: return tile_trace_sse42;
+    case CPU_AVX2: return tile_trace_avx2;
+    case CPU_AVX512: return tile_trace_avx512;
+#endif
+    default: return NULL;
+    }
+}

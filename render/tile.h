@@ -1,0 +1,39 @@
+/* tile.h - the primary rays of 16 x 16 pixels through the volume together, up to their first
+ * surface.
+ *
+ * All of them start at the eye, so one order of cells is front to back for them all. The implicit
+ * octree is walked once a tile: every node carries the rectangle of pixels that it can cover
+ * (projection.h), and goes when that is empty or all its pixels have their surface: empty space and
+ * what is hidden cost nothing more. At an active cell the rays of its rectangle are tested in
+ * single precision, conservatively; those that may meet the surface are collected over several
+ * cells and go to the cell kernel together (cell_batch.h), whose answer is the same as for single
+ * rays. So the picture is the same bits as theirs.
+ *
+ * What single rays do better or alone stays with them: rays that meet a treelet which is absent,
+ * and directions with a component that is all but zero.
+ */
+#ifndef RENDER_TILE_H
+#define RENDER_TILE_H
+
+#include "formats/base/cpu.h"
+#include "render/frame.h"
+
+enum { TILE = 16, TILE_RAYS = TILE * TILE };
+
+/* What is left to do, a bit a pixel (row by row, bit x). All other pixels of the picture have been
+ * written. */
+typedef struct tile_outcome {
+    uint16_t open[TILE];  /* to be traced one by one, from their start */
+    uint16_t found[TILE]; /* their first surface is known, and no more: */
+    hit hits[TILE_RAYS];
+    const treelet *at[TILE_RAYS];
+} tile_outcome;
+
+/* tile_trace_X() - the tile whose first pixel is (x0, y0). f->projection must be usable. */
+typedef void (*tile_fn)(const frame *f, uint32_t x0, uint32_t y0, tile_outcome *out,
+                        frame_counters *counters);
+
+/* tile_for() - NULL where there is none: every ray by itself. */
+tile_fn tile_for(cpu_isa isa);
+
+#endif

@@ -1,0 +1,1 @@
+#include "render/tile_template.h"

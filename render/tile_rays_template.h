@@ -1,0 +1,146 @@
+/* tile_rays_template.h - the rays of a tile; included by the units of an ISA (see
+ * formats/base/simd.h). */
+#ifndef RENDER_TILE_RAYS_TEMPLATE_H
+#define RENDER_TILE_RAYS_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include <string.h>
+
+#include "render/tile.h"
+
+/* Vectors of rays are windows: rows of four pixels under each other, anywhere in the tile. */
+enum {
+    WINDOW_X = 4,
+    WINDOW_Y = VF_N / WINDOW_X,
+    STRIDE = TILE + WINDOW_X,
+    ROWS = TILE + WINDOW_Y,
+    PADDED = STRIDE * ROWS
+};
+
+/* One float a ray, with a margin on the right and below for windows that reach over. */
+typedef float tile_plane[PADDED];
+
+typedef struct tile_rays {
+    double d[3][TILE_RAYS]; /* grid space, as ray.h; all start at the eye */
+    double t0[TILE_RAYS], t1[TILE_RAYS];
+    /* For conservative tests: t is scaled by a power of two, so that d is of ordinary size. */
+    tile_plane near_d[3], reciprocal[3], near_t0, near_t1;
+    float towards_eye[3][TILE_RAYS]; /* world space */
+    uint16_t in_picture[TILE], single[TILE];
+} tile_rays;
+
+/* Components smaller than this (of a direction of size about 1) leave their reciprocal useless. */
+static const double component_min = 1e-10;
+
+SIMD vf window_load(const float *at) {
+#if defined __AVX512F__
+    const __m256 low = _mm256_set_m128(_mm_loadu_ps(at + STRIDE), _mm_loadu_ps(at));
+    const __m256 high =
+        _mm256_set_m128(_mm_loadu_ps(at + 3 * STRIDE), _mm_loadu_ps(at + 2 * STRIDE));
+    return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+#elif defined __AVX2__
+    return _mm256_set_m128(_mm_loadu_ps(at + STRIDE), _mm_loadu_ps(at));
+#else
+    return _mm_loadu_ps(at);
+#endif
+}
+
+/* The power of two that brings the grid's vectors to ordinary size. */
+static double scale_of(const affine *space) {
+    double largest = 0.0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            largest = fmax(largest, fabs(space->to_grid[i][j]));
+    return scalbn(1.0, -ilogb(largest));
+}
+
+/* The part of t0 .. t1 that a half-space n . p + w >= 0 leaves: tracer_ray()'s rule, VD_N rays at a
+ * time. */
+SIMD void clip_rays(const double plane[4], const double eye[3], const vd d[3], vd *t0, vd *t1) {
+    const double at_eye = plane[0] * eye[0] + plane[1] * eye[1] + plane[2] * eye[2] + plane[3];
+    const vd slope = d_set(plane[0]) * d[0] + d_set(plane[1]) * d[1] + d_set(plane[2]) * d[2];
+    const vd zero = d_set(0.0), t = d_set(-at_eye) / slope;
+    *t0 = d_select(md_and(d_gt(slope, zero), d_gt(t, *t0)), t, *t0);
+    *t1 = d_select(md_and(d_lt(slope, zero), d_lt(t, *t1)), t, *t1);
+    if (!(at_eye >= 0.0))
+        *t1 = d_select(d_eq(slope, zero), d_set(-INFINITY), *t1);
+}
+
+/* The part inside the volume's box, as box_interval() of the tracer. */
+SIMD void box_rays(const tracer *tr, const double eye[3], const vd d[3], vd *t0, vd *t1) {
+    for (int a = 0; a < 3; a++) {
+        const vd lo = d_set(tr->box[0][a] - eye[a]) / d[a],
+                 hi = d_set(tr->box[1][a] - eye[a]) / d[a];
+        const md up = d_gt(d[a], d_set(0.0));
+        const vd near = d_select(up, lo, hi), far = d_select(up, hi, lo);
+        *t0 = d_select(d_gt(near, *t0), near, *t0);
+        *t1 = d_select(d_lt(far, *t1), far, *t1);
+    }
+}
+
+/* VD_N rays of a row, from pixel (x, y) on; camera_ray() and tracer_ray() in the same order of
+ * operations. Returns which of them are for single rays to do. */
+SIMD unsigned make_rays(const frame *f, double scale, bool boxed, double x, double y, unsigned at,
+                        tile_rays *rays) {
+    const camera *c = &f->camera;
+    const tracer *tr = f->tracer;
+    double xs[VD_N];
+    for (int i = 0; i < VD_N; i++)
+        xs[i] = x + i + 0.5;
+    const vd u = (d_set(2.0) * d_load(xs) - d_set(c->width)) / d_set(c->height);
+    const vd v = d_set((c->height - 2.0 * (y + 0.5)) / c->height);
+    vd d[3], world[3], grid[3];
+    for (int a = 0; a < 3; a++)
+        d[a] = d_set(c->forward[a]) + u * d_set(c->right[a]) + v * d_set(c->up[a]);
+    const vd length = d_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    vd t0 = d_set(0.0), t1 = d_set(INFINITY);
+    for (int a = 0; a < 3; a++) {
+        world[a] = d[a] / length + d_set(0.0);
+        d_store_floats(rays->towards_eye[a] + at, d_set(-0.0) - world[a]);
+    }
+    for (int i = 0; i < tr->clip_count; i++)
+        clip_rays(tr->clip[i], c->eye, world, &t0, &t1);
+    for (int a = 0; a < 3; a++) {
+        const double *m = tr->space.to_grid[a];
+        grid[a] =
+            d_set(m[0]) * world[0] + d_set(m[1]) * world[1] + d_set(m[2]) * world[2] + d_set(0.0);
+        d_store(rays->d[a] + at, grid[a]);
+    }
+    if (boxed)
+        box_rays(tr, f->projection->eye, grid, &t0, &t1);
+    d_store(rays->t0 + at, t0);
+    d_store(rays->t1 + at, t1);
+    const unsigned padded = at / TILE * STRIDE + at % TILE;
+    md ordinary = md_of_bits(~0u);
+    for (int a = 0; a < 3; a++) {
+        const vd scaled = grid[a] * d_set(scale);
+        ordinary = md_and(ordinary, d_ge(d_abs(scaled), d_set(component_min)));
+        d_store_floats(rays->near_d[a] + padded, scaled);
+        d_store_floats(rays->reciprocal[a] + padded, d_set(1.0) / scaled);
+    }
+    /* Rounding to float is within the tests' slack. */
+    d_store_floats(rays->near_t0 + padded, t0 / d_set(scale));
+    d_store_floats(rays->near_t1 + padded, t1 / d_set(scale));
+    return ~md_bits(ordinary) & ((1u << VD_N) - 1u);
+}
+
+/* All rays of a tile; those that single rays must do are marked. */
+static void tile_rays_make(const frame *f, uint32_t x0, uint32_t y0, tile_rays *rays) {
+    const tracer *tr = f->tracer;
+    const double scale = scale_of(&tr->space);
+    const bool boxed = tr->preview || tr->stop || tr->target_level > 0;
+    const uint32_t width = f->width - x0 < TILE ? f->width - x0 : TILE;
+    for (unsigned y = 0; y < TILE; y++) {
+        unsigned single = 0;
+        for (unsigned x = 0; x < TILE; x += VD_N)
+            single |= make_rays(f, scale, boxed, x0 + x, y0 + y, TILE * y + x, rays) << x;
+        rays->in_picture[y] = y0 + y < f->height ? (uint16_t)((1u << width) - 1u) : 0;
+        rays->single[y] = (uint16_t)(single & rays->in_picture[y]);
+    }
+}
+
+#endif
+#endif

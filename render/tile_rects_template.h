@@ -1,0 +1,152 @@
+/* tile_rects_template.h - which pixels of a tile the eight children of a node can cover; included
+ * by the units of an ISA (see formats/base/simd.h). */
+#ifndef RENDER_TILE_RECTS_TEMPLATE_H
+#define RENDER_TILE_RECTS_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/projection.h"
+#include "render/tile.h"
+
+/* Pixels of a tile, ends included. */
+typedef struct tile_rect {
+    uint8_t x0, x1, y0, y1;
+} tile_rect;
+
+typedef struct tile_rects {
+    float x0[16], x1[16], y0[16], y1[16]; /* of the octants */
+    unsigned alive;                       /* those that are not empty */
+} tile_rects;
+
+/* A tile in the picture: its first pixel's centre, from the picture's centre. */
+typedef struct tile_place {
+    const projection *p;
+    float x, y;
+} tile_place;
+
+/* One coordinate of the eight children: at their lower and at their upper planes. */
+typedef struct children_planes {
+    vf lo[3], hi[3];
+} children_planes;
+
+/* Lanes are octants; AVX-512 has twice as many lanes as octants and repeats them. */
+static const float octant_bit[3][16] = {{0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1},
+                                        {0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1},
+                                        {0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1}};
+
+SIMD void children_axis(children_planes *c, int a, unsigned lane, float first, float middle,
+                        float last) {
+    const mf upper = f_gt(f_load(octant_bit[a] + lane), f_set(0.0f));
+    c->lo[a] = f_select(upper, f_set(middle), f_set(first));
+    c->hi[a] = f_select(upper, f_set(last), f_set(middle));
+}
+
+/* Whether the children's boxes lie wholly outside x - c w >= 0 (sign 1) or <= 0 (sign -1), by the
+ * corner that comes nearest to the inside. */
+SIMD mf outside(const plane_projection *const node[3][3], bool vertical, float c, float sign,
+                float error, unsigned lane) {
+    vf most = f_set(error);
+    for (int a = 0; a < 3; a++) {
+        children_planes planes;
+        float at[3];
+        for (int i = 0; i < 3; i++)
+            at[i] = sign * ((vertical ? node[a][i]->y : node[a][i]->x) - c * node[a][i]->w);
+        children_axis(&planes, a, lane, at[0], at[1], at[2]);
+        most = most + f_max(planes.lo[a], planes.hi[a]);
+    }
+    return f_lt(most, f_set(0.0f));
+}
+
+/* Children that reach behind the eye or past its sides cover no rectangle of their own: all of the
+ * parent's, unless they are outside the tile's pyramid. */
+SIMD mf outside_tile(const tile_place *tile, const plane_projection *const node[3][3], float far,
+                     unsigned lane) {
+    const float error = tile->p->plane_error * far, m = 0.5f;
+    mf out = outside(node, false, tile->x - m, 1.0f, error, lane);
+    out = mf_or(out, outside(node, false, tile->x + (TILE - 1) + m, -1.0f, error, lane));
+    out = mf_or(out, outside(node, true, tile->y - m, 1.0f, error, lane));
+    return mf_or(out, outside(node, true, tile->y + (TILE - 1) + m, -1.0f, error, lane));
+}
+
+/* Smallest and largest x / w, y / w and w over the eight corners of VF_N children. */
+typedef struct children_extent {
+    vf x0, x1, y0, y1, w0, w1;
+} children_extent;
+
+SIMD children_extent extent_of(const children_planes *x, const children_planes *y,
+                               const children_planes *w) {
+    children_extent e;
+    for (unsigned c = 0; c < 8; c++) {
+        const vf cx =
+            (c & 1u ? x->hi : x->lo)[0] + (c & 2u ? x->hi : x->lo)[1] + (c & 4u ? x->hi : x->lo)[2];
+        const vf cy =
+            (c & 1u ? y->hi : y->lo)[0] + (c & 2u ? y->hi : y->lo)[1] + (c & 4u ? y->hi : y->lo)[2];
+        const vf cw =
+            (c & 1u ? w->hi : w->lo)[0] + (c & 2u ? w->hi : w->lo)[1] + (c & 4u ? w->hi : w->lo)[2];
+        const vf r = f_reciprocal(cw), px = cx * r, py = cy * r;
+        e.x0 = c ? f_min(e.x0, px) : px;
+        e.x1 = c ? f_max(e.x1, px) : px;
+        e.y0 = c ? f_min(e.y0, py) : py;
+        e.y1 = c ? f_max(e.y1, py) : py;
+        e.w0 = c ? f_min(e.w0, cw) : cw;
+        e.w1 = c ? f_max(e.w1, cw) : cw;
+    }
+    return e;
+}
+
+/* The children of the node whose planes of a level begin at `first` and are half a node apart. */
+SIMD void tile_rects_of(const tile_place *tile, const plane_projection *const planes[3],
+                        const uint32_t first[3], uint32_t half, const tile_rect *parent,
+                        tile_rects *rects) {
+    const plane_projection *node[3][3];
+    float far = 0.0f;
+    for (int a = 0; a < 3; a++) {
+        for (uint32_t i = 0; i < 3; i++)
+            node[a][i] = &planes[a][first[a] + i * half];
+        far += node[a][0]->far > node[a][2]->far ? node[a][0]->far : node[a][2]->far;
+    }
+    rects->alive = 0;
+    for (unsigned lane = 0; lane < 8; lane += VF_N) {
+        children_planes x, y, w;
+        for (int a = 0; a < 3; a++) {
+            children_axis(&x, a, lane, node[a][0]->x, node[a][1]->x, node[a][2]->x);
+            children_axis(&y, a, lane, node[a][0]->y, node[a][1]->y, node[a][2]->y);
+            children_axis(&w, a, lane, node[a][0]->w, node[a][1]->w, node[a][2]->w);
+        }
+        const children_extent e = extent_of(&x, &y, &w);
+        const mf whole = f_lt(e.w0, f_set(far * projection_depth_share));
+        const float margin = tile->p->margin;
+        const vf left = f_set(parent->x0), right = f_set(parent->x1);
+        const vf top = f_set(parent->y0), bottom = f_set(parent->y1);
+        vf x0 = f_max(f_ceil(e.x0 - f_set(tile->x + margin)), left);
+        vf x1 = f_min(f_floor(e.x1 - f_set(tile->x - margin)), right);
+        vf y0 = f_max(f_ceil(e.y0 - f_set(tile->y + margin)), top);
+        vf y1 = f_min(f_floor(e.y1 - f_set(tile->y - margin)), bottom);
+        mf alive = mf_and(f_le(x0, x1), f_le(y0, y1));
+        if (mf_bits(whole)) {
+            x0 = f_select(whole, left, x0);
+            x1 = f_select(whole, right, x1);
+            y0 = f_select(whole, top, y0);
+            y1 = f_select(whole, bottom, y1);
+            alive = mf_or(alive, whole);
+            alive = mf_and_not(alive, f_lt(e.w1, f_set(-tile->p->plane_error * far)));
+            alive = mf_and_not(alive, mf_and(whole, outside_tile(tile, node, far, lane)));
+        }
+        f_store(rects->x0 + lane, x0);
+        f_store(rects->x1 + lane, x1);
+        f_store(rects->y0 + lane, y0);
+        f_store(rects->y1 + lane, y1);
+        rects->alive |= mf_bits(alive) << lane;
+    }
+    rects->alive &= 255u;
+}
+
+static inline tile_rect tile_rect_of(const tile_rects *rects, unsigned octant) {
+    return (tile_rect){(uint8_t)rects->x0[octant], (uint8_t)rects->x1[octant],
+                       (uint8_t)rects->y0[octant], (uint8_t)rects->y1[octant]};
+}
+
+#endif
+#endif

@@ -1,0 +1,275 @@
+/* tile_shade_template.h - what a tile's rays have found, as pixels; included by the units of an ISA
+ * (see formats/base/simd.h).
+ *
+ * surface_at() and shade.h in the same order of operations, many pixels at a time. Here a frame has
+ * one opaque surface a pixel and no light but the eye's; others go pixel by pixel (pixel_ray.h).
+ */
+#ifndef RENDER_TILE_SHADE_TEMPLATE_H
+#define RENDER_TILE_SHADE_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/shade.h"
+#include "render/tile_walk_template.h"
+
+/* The gradients at the corners of the cells that were hit last: neighbouring rays share them. */
+enum { KNOWN_CELLS = 32 };
+
+typedef struct known_cell {
+    const treelet *at;
+    uint32_t cell[3];
+    double gradients[8][4];
+} known_cell;
+
+typedef struct tile_pixels {
+    double gradient[3][TILE_RAYS]; /* world space */
+    float normal[3][TILE_RAYS];
+    float rgba[4][TILE_RAYS];
+    int32_t id[TILE_RAYS];
+} tile_pixels;
+
+typedef double four __attribute__((vector_size(32)));
+
+static inline four four_set(double a) {
+    return (four){a, a, a, a};
+}
+
+static inline four four_load(const double *from) {
+    four a;
+    memcpy(&a, from, sizeof a);
+    return a;
+}
+
+static inline four mix_four(four a, four b, double s) {
+    return four_set(1.0 - s) * a + four_set(s) * b;
+}
+
+static const known_cell *gradients_of(const tile_walk *w, unsigned i, known_cell *known) {
+    const uint32_t *cell = w->cell[i];
+    known_cell *k = &known[(cell[0] + 5 * cell[1] + 11 * cell[2]) % KNOWN_CELLS];
+    if (k->at == w->at[i] && k->cell[0] == cell[0] && k->cell[1] == cell[1] &&
+        k->cell[2] == cell[2])
+        return k;
+    surface_gradients(&w->f->tracer->scene, w->at[i], cell, k->gradients);
+    k->at = w->at[i];
+    for (int a = 0; a < 3; a++)
+        k->cell[a] = cell[a];
+    return k;
+}
+
+/* The cell coordinates of a hit. */
+static inline void place_in_cell(const tile_walk *w, const level_planes *planes, unsigned i,
+                                 double at[3]) {
+    for (int a = 0; a < 3; a++) {
+        const uint32_t c = w->cell[i][a];
+        const double u = (w->t[i] * w->rays.d[a][i] - (planes->at[a][c] - w->place.p->eye[a])) *
+                         planes->inverse[a][c];
+        at[a] = u < 0.0 ? 0.0 : u > 1.0 ? 1.0 : u;
+    }
+}
+
+/* The gradient that the normal of pixel i is taken from. */
+static void gradient_at(const tile_walk *w, unsigned i, known_cell *known, tile_pixels *p) {
+    const tracer *tr = w->f->tracer;
+    const level_planes *planes = &tr->scene.levels[w->at[i]->level];
+    double at[3], g[4];
+    place_in_cell(w, planes, i, at);
+    if (tr->analytic_normals || tr->scene.halo == 0) {
+        float samples[8];
+        const double inverse[3] = {planes->inverse[0][w->cell[i][0]],
+                                   planes->inverse[1][w->cell[i][1]],
+                                   planes->inverse[2][w->cell[i][2]]};
+        walk_cell_samples(&tr->scene, w->at[i], w->cell[i], samples);
+        surface_trilinear(samples, at, inverse, g);
+    } else {
+        const known_cell *k = gradients_of(w, i, known);
+        four c[8];
+        for (int corner = 0; corner < 8; corner++)
+            c[corner] = four_load(k->gradients[corner]);
+        const four central = mix_four(
+            mix_four(mix_four(c[0], c[1], at[0]), mix_four(c[2], c[3], at[0]), at[1]),
+            mix_four(mix_four(c[4], c[5], at[0]), mix_four(c[6], c[7], at[0]), at[1]), at[2]);
+        memcpy(g, &central, sizeof g);
+    }
+    const affine *space = &tr->space;
+    for (int a = 0; a < 3; a++)
+        p->gradient[a][i] =
+            space->to_grid[0][a] * g[0] + space->to_grid[1][a] * g[1] + space->to_grid[2][a] * g[2];
+}
+
+/* Unit normals against the gradients, VD_N at a time. Returns the lanes that have no such: gradient
+ * zero or not finite. */
+SIMD unsigned normals_of(tile_pixels *p, unsigned i) {
+    vd g[3], v[3];
+    for (int a = 0; a < 3; a++)
+        g[a] = d_load(p->gradient[a] + i);
+    const vd largest = d_max(d_abs(g[0]), d_max(d_abs(g[1]), d_abs(g[2])));
+    for (int a = 0; a < 3; a++)
+        v[a] = g[a] / largest;
+    const vd length = d_sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int a = 0; a < 3; a++)
+        d_store_floats(p->normal[a] + i, (d_set(-0.0) - v[a]) / length);
+    const vd sum = g[0] + g[1] + g[2], infinite = d_set(INFINITY);
+    return ~md_bits(md_and(d_gt(largest, d_set(0.0)), d_lt(d_abs(sum), infinite)));
+}
+
+/* surface_at() by itself, where neighbours do not give a normal. */
+static void normal_of_its_own(const tile_walk *w, unsigned i, tile_pixels *p) {
+    const tracer *tr = w->f->tracer;
+    ray r = {.t0 = w->rays.t0[i], .t1 = w->rays.t1[i]};
+    for (int a = 0; a < 3; a++) {
+        r.o[a] = r.held[a] = w->place.p->eye[a];
+        r.d[a] = w->rays.d[a][i];
+    }
+    const hit h = {w->t[i], index_of(w, w->at[i], w->cell[i]), w->iso[i], w->entering[i]};
+    const surface_point point =
+        surface_at(&tr->scene, &tr->space, w->at[i], &r, &h, tr->analytic_normals);
+    for (int a = 0; a < 3; a++)
+        p->normal[a][i] = point.normal[a];
+}
+
+SIMD vf dot_f(const vf a[3], const vf b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+SIMD vf power_f(vf x, int n) {
+    vf result = f_set(1.0f);
+    for (; n > 0; n >>= 1, x = x * x)
+        if (n & 1)
+            result = result * x;
+    return result;
+}
+
+/* shade_point_of(), shade_ambient() and shade_light() for the eye's own light, VF_N pixels at a
+ * time of surfaces of one colour each. */
+SIMD void shade_pixels(const tile_walk *w, unsigned i, tile_pixels *p) {
+    const leafcast_scene *scene = w->f->scene;
+    vf normal[3], eye[3], colour[3];
+    float rgb[3][VF_N], opacity[VF_N];
+    for (unsigned k = 0; k < VF_N; k++) {
+        const leafcast_surface *s = &w->f->surfaces[p->id[i + k] >= 0 ? p->id[i + k] : 0];
+        for (int c = 0; c < 3; c++)
+            rgb[c][k] = s->rgb[c];
+        opacity[k] = s->opacity;
+    }
+    for (int a = 0; a < 3; a++) {
+        normal[a] = f_load(p->normal[a] + i);
+        eye[a] = f_load(w->rays.towards_eye[a] + i);
+    }
+    const vf zero = f_set(0.0f), length = f_sqrt(dot_f(normal, normal));
+    const vf turn = f_select(f_lt(dot_f(normal, eye), zero), f_set(-0.0f) - length, length);
+    for (int a = 0; a < 3; a++)
+        normal[a] = f_select(f_gt(length, zero), normal[a] / turn, eye[a]);
+    const bool flat = scene->shading == LEAFCAST_SHADING_FLAT;
+    const vf ambient = f_set(flat ? 1.0f : scene->ambient), n_l = dot_f(normal, eye);
+    const mf lit = flat ? f_lt(zero, zero) : f_gt(n_l, zero);
+    const vf diffuse = f_set(1.0f - scene->ambient) * n_l;
+    vf highlight = zero;
+    if (scene->shading == LEAFCAST_SHADING_PHONG) {
+        const vf r_v = f_set(2.0f) * n_l * n_l - dot_f(eye, eye);
+        const vf shine =
+            f_set(scene->specular) * power_f(f_min(r_v, f_set(1.0f)), scene->shininess);
+        highlight = f_select(f_gt(r_v, zero), shine, zero);
+    }
+    const vf weight = f_load(opacity), back = f_set(1.0f) - weight;
+    const float *background = scene->background;
+    for (int c = 0; c < 3; c++) {
+        colour[c] = f_load(rgb[c]);
+        vf out = ambient * colour[c];
+        out = f_select(lit, out + diffuse * colour[c], out);
+        out = f_select(lit, out + highlight, out);
+        const vf behind = back * f_set(background[3]) * f_set(background[c]);
+        f_store(p->rgba[c] + i, weight * out + behind);
+    }
+    f_store(p->rgba[3] + i, weight + back * f_set(background[3]));
+}
+
+/* ---- Writing ---- */
+
+static void write_floats(float *plane, const frame *f, uint32_t x0, uint32_t y0, unsigned y,
+                         unsigned rows, const float *from) {
+    if (plane)
+        for (; rows; rows &= rows - 1) {
+            const unsigned x = (unsigned)__builtin_ctz(rows);
+            plane[(size_t)(y0 + y) * f->width + x0 + x] = from[TILE * y + x];
+        }
+}
+
+/* The planes of the first surface, and the colours, of the pixels of a row. */
+static void write_row(const tile_walk *w, uint32_t x0, uint32_t y0, unsigned y, unsigned pixels,
+                      const tile_pixels *p) {
+    const frame *f = w->f;
+    const leafcast_image *image = &f->image;
+    const size_t row = (size_t)(y0 + y) * f->width + x0;
+    float *const colours[4] = {image->r, image->g, image->b, image->a};
+    for (unsigned left = pixels; left; left &= left - 1) {
+        const unsigned x = (unsigned)__builtin_ctz(left);
+        if (image->z)
+            image->z[row + x] = w->t[TILE * y + x];
+        if (image->id)
+            image->id[row + x] = p->id[TILE * y + x];
+        if (image->provisional)
+            image->provisional[row + x] = 0;
+    }
+    for (int a = 0; a < 3; a++)
+        write_floats(image->normal[a], f, x0, y0, y, pixels, p->normal[a]);
+    for (int c = 0; c < 4; c++)
+        write_floats(colours[c], f, x0, y0, y, pixels, p->rgba[c]);
+}
+
+/* What a pixel is without a surface. */
+static void clear_pixels(const frame *f, tile_pixels *p) {
+    float rgba[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+    shade_background(rgba, f->scene->background);
+    for (unsigned i = 0; i < TILE_RAYS; i++) {
+        p->id[i] = -1;
+        for (int a = 0; a < 3; a++) {
+            p->normal[a][i] = 0.0f;
+            p->gradient[a][i] = 1.0;
+        }
+        for (int c = 0; c < 4; c++)
+            p->rgba[c][i] = rgba[c];
+    }
+}
+
+/* Pixels with and without a surface, of those in `drawn`. */
+static void shade_tile(const tile_walk *w, tile_pixels *p) {
+    known_cell known[KNOWN_CELLS];
+    for (int k = 0; k < KNOWN_CELLS; k++)
+        known[k].at = NULL;
+    for (unsigned i = 0; i < TILE_RAYS; i++) {
+        if (!(w->t[i] < INFINITY))
+            continue;
+        p->id[i] = w->iso[i];
+        gradient_at(w, i, known, p);
+    }
+    tile_pixels shaded = *p;
+    for (unsigned i = 0; i < TILE_RAYS; i += VF_N) {
+        bool any = false;
+        for (unsigned k = 0; k < VF_N; k++)
+            any |= p->id[i + k] >= 0;
+        if (!any)
+            continue;
+        for (unsigned k = 0; k < VF_N; k += VD_N)
+            for (unsigned bad = normals_of(&shaded, i + k) & ((1u << VD_N) - 1u); bad;
+                 bad &= bad - 1) {
+                const unsigned lane = i + k + (unsigned)__builtin_ctz(bad);
+                if (p->id[lane] >= 0)
+                    normal_of_its_own(w, lane, &shaded);
+            }
+        shade_pixels(w, i, &shaded);
+        for (unsigned k = i; k < i + VF_N; k++) {
+            if (p->id[k] < 0)
+                continue;
+            for (int a = 0; a < 3; a++)
+                p->normal[a][k] = shaded.normal[a][k];
+            for (int c = 0; c < 4; c++)
+                p->rgba[c][k] = shaded.rgba[c][k];
+        }
+    }
+}
+
+#endif
+#endif

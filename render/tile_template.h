@@ -1,0 +1,53 @@
+/* tile_template.h - tile_trace_X() of tile.h; included by the units of an ISA (see
+ * formats/base/simd.h). */
+#ifndef RENDER_TILE_TEMPLATE_H
+#define RENDER_TILE_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/tile_shade_template.h"
+
+void SIMD_NAME(tile_trace)(const frame *f, uint32_t x0, uint32_t y0, tile_outcome *out,
+                           frame_counters *counters);
+
+/* Whether a pixel is done with its first surface and shaded by the eye's own light. */
+static bool shaded_together(const frame *f) {
+    bool single = f->scene->layers_max == 1;
+    if (!single) {
+        single = true;
+        for (int i = 0; i < f->tracer->scene.count; i++)
+            single &= f->surfaces[i].opacity >= 1.0f;
+    }
+    return single && f->scene->light_count == 0;
+}
+
+void SIMD_NAME(tile_trace)(const frame *f, uint32_t x0, uint32_t y0, tile_outcome *out,
+                           frame_counters *counters) {
+    tile_walk w;
+    tile_pixels pixels;
+    const bool together = shaded_together(f);
+    tile_walk_run(&w, f, x0, y0, counters);
+    clear_pixels(f, &pixels);
+    if (together)
+        shade_tile(&w, &pixels);
+    for (unsigned y = 0; y < TILE; y++) {
+        unsigned found = 0;
+        out->open[y] = w.rays.single[y] | w.absent[y];
+        for (unsigned x = 0; x < TILE && !together; x++) {
+            const unsigned i = TILE * y + x;
+            if (!(w.t[i] < INFINITY) || out->open[y] >> x & 1u)
+                continue;
+            found |= 1u << x;
+            out->hits[i] = (hit){w.t[i], index_of(&w, w.at[i], w.cell[i]), w.iso[i], w.entering[i]};
+            out->at[i] = w.at[i];
+        }
+        out->found[y] = (uint16_t)found;
+        const unsigned done = w.rays.in_picture[y] & ~(out->open[y] | found);
+        write_row(&w, x0, y0, y, done, &pixels);
+    }
+}
+
+#endif
+#endif

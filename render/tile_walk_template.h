@@ -1,0 +1,473 @@
+/* tile_walk_template.h - a tile's rays down to their first surfaces; included by the units of an
+ * ISA (see formats/base/simd.h). */
+#ifndef RENDER_TILE_WALK_TEMPLATE_H
+#define RENDER_TILE_WALK_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/kernels.h"
+#include "render/tile_rays_template.h"
+#include "render/tile_rects_template.h"
+
+typedef struct tile_walk {
+    const frame *f;
+    frame_counters *counters;
+    tile_place place;
+    tile_rays rays;
+    uint16_t open[ROWS];    /* rays that still look for their surface; */
+    uint16_t pending[ROWS]; /* of which a cell waits in the batch */
+    uint16_t absent[TILE];  /* rays that met a treelet which is not resident */
+    bool filter;            /* the intersector is the one that the filter knows */
+    /* Ray-cells on their way to the cell kernel. */
+    cell_batch batch;
+    unsigned waiting;
+    uint8_t ray_of[CELL_BATCH];
+    uint32_t cell_of[CELL_BATCH][3];
+    const treelet *treelet_of[CELL_BATCH];
+    /* What has been found. */
+    double t[TILE_RAYS]; /* INFINITY: nothing */
+    int32_t iso[TILE_RAYS];
+    bool entering[TILE_RAYS];
+    uint32_t cell[TILE_RAYS][3];
+    const treelet *at[TILE_RAYS];
+} tile_walk;
+
+static unsigned row_mask(tile_rect r) {
+    return (2u << r.x1) - (1u << r.x0);
+}
+
+static bool any_of(const uint16_t rows[], tile_rect r) {
+    unsigned any = 0;
+    for (unsigned y = r.y0; y <= r.y1; y++)
+        any |= rows[y];
+    return any & row_mask(r);
+}
+
+/* ---- The batch ---- */
+
+static uint64_t index_of(const tile_walk *w, const treelet *at, const uint32_t cell[3]) {
+    return walk_cell_index(&w->f->tracer->scene.levels[at->level], cell);
+}
+
+/* A hit of ray-cell k: nearer than what the ray has? */
+static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool entering) {
+    const unsigned i = w->ray_of[k];
+    if (w->t[i] <= t) {
+        const hit known = {w->t[i], index_of(w, w->at[i], w->cell[i]), w->iso[i], false};
+        const hit found = {t, index_of(w, w->treelet_of[k], w->cell_of[k]), iso, false};
+        if (!hit_less(&found, &known))
+            return;
+    }
+    w->t[i] = t;
+    w->iso[i] = iso;
+    w->entering[i] = entering;
+    w->at[i] = w->treelet_of[k];
+    for (int a = 0; a < 3; a++)
+        w->cell[i][a] = w->cell_of[k][a];
+}
+
+/* Let the cell kernel answer what waits. A ray with a hit is done: all cells to come lie behind.
+ * But one that has it where it leaves the cell: the next cell may claim the same t. */
+static void flush(tile_walk *w) {
+    if (w->waiting == 0)
+        return;
+    const walk_scene *scene = &w->f->tracer->scene;
+    cell_batch_hits hits;
+    w->f->kernels->cells(&w->batch, (int)w->waiting, scene->isovalues, scene->count,
+                         w->f->scene->intersector, &hits);
+    for (uint32_t left = hits.found; left; left &= left - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(left), i = w->ray_of[k];
+        take_hit(w, k, hits.t[k], hits.iso[k], hits.entering >> k & 1u);
+        if (!(hits.at_exit >> k & 1u))
+            w->open[i / TILE] &= (uint16_t) ~(1u << i % TILE);
+    }
+    w->counters->walk.roots += (unsigned)__builtin_popcount(hits.found);
+    w->waiting = 0;
+    for (unsigned y = 0; y < TILE; y++)
+        w->pending[y] = 0;
+}
+
+/* ---- Cells ---- */
+
+typedef struct active_cell {
+    const treelet *at;
+    const uint32_t *cell;
+    double lo[3], hi[3], inv[3];
+    bool has_samples;
+    float samples[8];
+} active_cell;
+
+static void add_to_batch(tile_walk *w, const active_cell *c, unsigned i) {
+    cell_batch *b = &w->batch;
+    const unsigned k = w->waiting++;
+    for (int a = 0; a < 3; a++) {
+        b->d[a][k] = w->rays.d[a][i];
+        b->lo[a][k] = c->lo[a];
+        b->hi[a][k] = c->hi[a];
+        b->inv[a][k] = c->inv[a];
+        w->cell_of[k][a] = c->cell[a];
+    }
+    b->t0[k] = w->rays.t0[i];
+    b->t1[k] = w->rays.t1[i];
+    for (int s = 0; s < 8; s++)
+        b->samples[s][k] = c->samples[s];
+    w->ray_of[k] = (uint8_t)i;
+    w->treelet_of[k] = c->at;
+    w->pending[i / TILE] |= (uint16_t)(1u << i % TILE);
+    if (w->waiting == CELL_BATCH)
+        flush(w);
+}
+
+/* A cell's box in single precision, t scaled as in tile_rays. */
+typedef struct near_cell {
+    float lo[3], hi[3], inv[3];
+} near_cell;
+
+typedef struct near_visit {
+    vf t_in, t_out;
+} near_visit;
+
+static const float UNIT = 0x1p-24f; /* of float rounding */
+
+/* Which rays of a window may visit the cell. Planes, reciprocals and products err by 4 units of t
+ * at most, and so do t0 and t1; the test gives 16. */
+SIMD unsigned visits(const tile_rays *rays, unsigned at, const near_cell *c, near_visit *v) {
+    vf t_in = window_load(rays->near_t0 + at), t_out = window_load(rays->near_t1 + at);
+    for (int a = 0; a < 3; a++) {
+        const vf r = window_load(rays->reciprocal[a] + at);
+        const vf lo = f_set(c->lo[a]) * r, hi = f_set(c->hi[a]) * r;
+        t_in = f_max(t_in, f_min(lo, hi));
+        t_out = f_min(t_out, f_max(lo, hi));
+    }
+    v->t_in = t_in;
+    v->t_out = t_out;
+    const vf slack = f_set(16.0f * UNIT) * (f_abs(t_in) + f_abs(t_out));
+    /* Inf - inf is no reason to drop a ray. */
+    return ~mf_bits(f_gt(t_in - t_out, slack));
+}
+
+SIMD vf mix_f(vf a, vf b, vf s) {
+    return a + s * (b - a);
+}
+
+/* The control polygon of f - iso along the visits, as cell_cubic() has it, in single precision:
+ * least and greatest of its four values. */
+SIMD void polygon(const vf in[3], const vf out[3], const float f[8], vf *least, vf *greatest) {
+    vf x[2][4], xy[4][2], m[8];
+    for (int i = 0; i < 4; i++) {
+        const vf a = f_set(f[2 * i]), b = f_set(f[2 * i + 1]);
+        x[0][i] = mix_f(a, b, in[0]);
+        x[1][i] = mix_f(a, b, out[0]);
+    }
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 2; k++) {
+            xy[i][k] = mix_f(x[i][2 * k], x[i][2 * k + 1], in[1]);
+            xy[i + 2][k] = mix_f(x[i][2 * k], x[i][2 * k + 1], out[1]);
+        }
+    for (int i = 0; i < 4; i++) {
+        m[i] = mix_f(xy[i][0], xy[i][1], in[2]);
+        m[i + 4] = mix_f(xy[i][0], xy[i][1], out[2]);
+    }
+    const vf third = f_set(1.0f / 3.0f), b1 = (m[1] + m[2] + m[4]) * third,
+             b2 = (m[3] + m[5] + m[6]) * third;
+    *least = f_min(f_min(m[0], m[7]), f_min(b1, b2));
+    *greatest = f_max(f_max(m[0], m[7]), f_max(b1, b2));
+}
+
+/* Which rays' control polygons may change side: the others have no root, says the cell kernel too.
+ *
+ * The proof, in units u = 2^-24. Coordinates in the cell, (t d - lo) inv: t errs by 5 u of itself,
+ * d by u, and with the product's u, lo's and the difference's the sum errs by at most 10 u
+ * max(|lo|, |hi|) inv, since |t d| is no more than that where the ray passes the cell; inv and the
+ * product add 2 u: in all less than e = 16 u (max(|lo|, |hi|) inv + 1), clamping takes nothing
+ * away. The form is linear in each coordinate with slopes of at most 2 F, F = max |f|: positions
+ * add 2 F (e_x + e_y + e_z). Values: f is rounded once (u F), each of three interpolations errs by
+ * 4 u F (its difference may be 2 F), sums and the third by 3 u F; less than 20 u F. Where results
+ * are denormal, 2^-149 a step: less than 2^-140. Together with the kernel's own rounding, 2^-50 F,
+ * less than F (24 u + 2 (e_x + e_y + e_z)) + 2^-140. */
+SIMD unsigned may_cross(const tile_rays *rays, unsigned at, const near_cell *c, const near_visit *v,
+                        const float f[8], float bound) {
+    vf in[3], out[3];
+    const vf zero = f_set(0.0f), one = f_set(1.0f);
+    for (int a = 0; a < 3; a++) {
+        const vf d = window_load(rays->near_d[a] + at), lo = f_set(c->lo[a]),
+                 inv = f_set(c->inv[a]);
+        in[a] = f_min(f_max((v->t_in * d - lo) * inv, zero), one);
+        out[a] = f_min(f_max((v->t_out * d - lo) * inv, zero), one);
+    }
+    vf least, greatest;
+    polygon(in, out, f, &least, &greatest);
+    return ~mf_bits(mf_or(f_gt(least, f_set(bound)), f_lt(greatest, f_set(-bound))));
+}
+
+static float filter_bound(const near_cell *c, const float f[8]) {
+    float largest = 0.0f, e = 3.0f;
+    for (int i = 0; i < 8; i++)
+        largest = fmaxf(largest, fabsf(f[i]));
+    for (int a = 0; a < 3; a++)
+        e += fmaxf(fabsf(c->lo[a]), fabsf(c->hi[a])) * c->inv[a];
+    return largest * ((24.0f + 32.0f * e) * UNIT) + 0x1p-140f;
+}
+
+/* The samples of a cell, less each isovalue in turn: rays of the window that may cross any. */
+SIMD unsigned may_cross_any(const tile_walk *w, unsigned at, const near_cell *c,
+                            const near_visit *v, const float samples[8]) {
+    const walk_scene *scene = &w->f->tracer->scene;
+    unsigned crossing = 0;
+    for (int i = 0; i < scene->count; i++) {
+        float f[8];
+        for (int k = 0; k < 8; k++)
+            f[k] = (float)((double)samples[k] - scene->isovalues[i]);
+        crossing |= may_cross(&w->rays, at, c, v, f, filter_bound(c, f));
+    }
+    return crossing;
+}
+
+/* The open rays of a window that lie in the rectangle. */
+SIMD unsigned window_open(const tile_walk *w, unsigned x, unsigned y, tile_rect r) {
+    unsigned bits = 0;
+    for (unsigned row = 0; row < WINDOW_Y; row++)
+        if (y + row <= r.y1)
+            bits |= (w->open[y + row] & row_mask(r)) >> x << (4 * row) & 15u << (4 * row);
+    return bits;
+}
+
+SIMD unsigned window_pending(const tile_walk *w, unsigned x, unsigned y) {
+    unsigned bits = 0;
+    for (unsigned row = 0; row < WINDOW_Y; row++)
+        bits |= (w->pending[y + row] >> x & 15u) << (4 * row);
+    return bits;
+}
+
+/* One active cell and the rays of its rectangle. */
+static void walk_cell(tile_walk *w, const treelet *at, const uint32_t cell[3], tile_rect r) {
+    const walk_scene *scene = &w->f->tracer->scene;
+    const level_planes *planes = &scene->levels[at->level];
+    active_cell c = {.at = at, .cell = cell};
+    near_cell near;
+    for (int a = 0; a < 3; a++) {
+        c.lo[a] = planes->at[a][cell[a]] - w->place.p->eye[a];
+        c.hi[a] = planes->at[a][cell[a] + 1] - w->place.p->eye[a];
+        c.inv[a] = planes->inverse[a][cell[a]];
+        near.lo[a] = (float)c.lo[a];
+        near.hi[a] = (float)c.hi[a];
+        near.inv[a] = (float)c.inv[a];
+    }
+    for (unsigned y = r.y0; y <= r.y1; y += WINDOW_Y) {
+        for (unsigned x = r.x0; x <= r.x1; x += WINDOW_X) {
+            near_visit v;
+            unsigned bits = window_open(w, x, y, r);
+            if (bits)
+                bits &= visits(&w->rays, STRIDE * y + x, &near, &v);
+            if (!bits)
+                continue;
+            w->counters->walk.cells += (unsigned)__builtin_popcount(bits);
+            if (!c.has_samples) {
+                walk_cell_samples(scene, at, cell, c.samples);
+                c.has_samples = true;
+            }
+            if (w->filter)
+                bits &= may_cross_any(w, STRIDE * y + x, &near, &v, c.samples);
+            if (bits & window_pending(w, x, y)) {
+                flush(w);
+                bits &= window_open(w, x, y, r);
+            }
+            for (; bits; bits &= bits - 1) {
+                const unsigned lane = (unsigned)__builtin_ctz(bits);
+                add_to_batch(w, &c, TILE * (y + lane / WINDOW_X) + x + lane % WINDOW_X);
+            }
+        }
+    }
+}
+
+/* ---- Nodes ---- */
+
+/* Children in the order in which any ray from the eye meets them: first ^ 0, first ^ 1, ... */
+static unsigned first_octant(const tile_walk *w, const level_planes *planes,
+                             const uint32_t first[3], uint32_t half) {
+    unsigned octant = 0;
+    for (int a = 0; a < 3; a++)
+        octant |= (unsigned)(planes->at[a][first[a] + half] <= w->place.p->eye[a]) << a;
+    return octant;
+}
+
+/* Whether rays of the rectangle still look for a surface. When all that do have cells in the batch,
+ * those are answered first. */
+static bool wanted(tile_walk *w, tile_rect r) {
+    unsigned open = 0, idle = 0;
+    for (unsigned y = r.y0; y <= r.y1; y++) {
+        open |= w->open[y];
+        idle |= (unsigned)(w->open[y] & ~w->pending[y]);
+    }
+    if (!(open & row_mask(r)))
+        return false;
+    if (idle & row_mask(r))
+        return true;
+    flush(w);
+    return any_of(w->open, r);
+}
+
+/* A node of a treelet's tree: a cube of 2^size cells. */
+typedef struct tree_node {
+    uint32_t cell[3];
+    uint32_t morton;
+    uint32_t size;
+    tile_rect rect;
+} tree_node;
+
+enum { TREE_STACK_MAX = 8 * (LEAF_CELLS_LOG2_MAX + 1), DIRECTORY_STACK_MAX = 8 * LEAF_LEVELS_MAX };
+
+static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect, unsigned octants) {
+    const level_planes *planes = &w->f->tracer->scene.levels[at->level];
+    const plane_projection *const *projected = w->place.p->at[at->level];
+    tree_node stack[TREE_STACK_MAX];
+    int top = 0;
+    stack[top++] = (tree_node){{at->first_cell[0], at->first_cell[1], at->first_cell[2]},
+                               0,
+                               at->shape.node_levels + LEAF_BLOCK_LOG2,
+                               rect};
+    unsigned looked_at = octants;
+    while (top > 0) {
+        const tree_node node = stack[--top];
+        if (!wanted(w, node.rect))
+            continue;
+        const uint32_t half = 1u << (node.size - 1);
+        tile_rects rects;
+        w->counters->walk.nodes++;
+        tile_rects_of(&w->place, projected, node.cell, half, &node.rect, &rects);
+        const unsigned children =
+            walk_children(at, node.size, node.morton) & rects.alive & looked_at;
+        looked_at = 255u;
+        const unsigned first = first_octant(w, planes, node.cell, half);
+        for (unsigned i = 0; i < 8; i++) {
+            /* Cells are looked at right away, front to back; nodes are stacked, the first on top.
+             */
+            const unsigned o = first ^ (half > 1 ? 7u - i : i);
+            if (!(children >> o & 1u))
+                continue;
+            const tree_node child = {{node.cell[0] + (o & 1u ? half : 0),
+                                      node.cell[1] + (o & 2u ? half : 0),
+                                      node.cell[2] + (o & 4u ? half : 0)},
+                                     node.morton << 3 | o,
+                                     node.size - 1,
+                                     tile_rect_of(&rects, o)};
+            if (half > 1)
+                stack[top++] = child;
+            else
+                walk_cell(w, at, child.cell, child.rect);
+        }
+    }
+}
+
+/* Remember that rays came into a treelet: by their own intervals, since rectangles are generous. */
+static void touch(tile_walk *w, uint32_t t, const treelet *at, tile_rect r) {
+    atomic_uchar *touched = &w->f->tracer->touched[t];
+    if (atomic_load_explicit(touched, memory_order_relaxed))
+        return;
+    const level_planes *planes = &w->f->tracer->scene.levels[at->level];
+    const uint32_t side = 1u << w->f->tracer->layout->cells_log2;
+    for (unsigned y = r.y0; y <= r.y1; y++) {
+        for (unsigned left = w->open[y] & row_mask(r); left; left &= left - 1) {
+            const unsigned i = TILE * y + (unsigned)__builtin_ctz(left);
+            double t_in = w->rays.t0[i], t_out = w->rays.t1[i];
+            for (int a = 0; a < 3; a++) {
+                const double d = w->rays.d[a][i], eye = w->place.p->eye[a];
+                const double lo = (planes->at[a][at->first_cell[a]] - eye) / d;
+                const double hi = (planes->at[a][at->first_cell[a] + side] - eye) / d;
+                t_in = fmax(t_in, d > 0.0 ? lo : hi);
+                t_out = fmin(t_out, d > 0.0 ? hi : lo);
+            }
+            if (t_in <= t_out) {
+                atomic_store_explicit(touched, 1, memory_order_relaxed);
+                return;
+            }
+        }
+    }
+}
+
+/* A treelet that is drawn: walk it, or leave its rays to those who can wait. */
+static void walk_drawn(tile_walk *w, uint32_t t, tile_rect r) {
+    const tracer *tr = w->f->tracer;
+    if (!tr->treelets->own[t])
+        return;
+    const treelet *at = loader_lookup(tr->treelets, t);
+    if (at) {
+        touch(w, t, at, r);
+        walk_tree(w, at, r, 255u);
+        return;
+    }
+    flush(w);
+    for (unsigned y = r.y0; y <= r.y1; y++) {
+        const unsigned left = w->open[y] & row_mask(r);
+        w->absent[y] |= (uint16_t)left;
+        w->open[y] &= (uint16_t)~left;
+    }
+}
+
+typedef struct directory_node {
+    uint32_t t;
+    tile_rect rect;
+} directory_node;
+
+static void walk_directory(tile_walk *w) {
+    const tracer *tr = w->f->tracer;
+    const leaf_layout *layout = tr->layout;
+    const uint32_t half = 1u << (layout->cells_log2 - 1);
+    directory_node stack[DIRECTORY_STACK_MAX];
+    int top = 0;
+    stack[top++] = (directory_node){0, {0, TILE - 1, 0, TILE - 1}};
+    while (top > 0) {
+        const directory_node node = stack[--top];
+        if (!wanted(w, node.rect))
+            continue;
+        const uint32_t level = layout->level_of[node.t];
+        if (level == tr->target_level || (tr->stop && tr->stop[node.t])) {
+            walk_drawn(w, node.t, node.rect);
+            continue;
+        }
+        uint32_t first[3];
+        for (int a = 0; a < 3; a++)
+            first[a] = layout->place[node.t][a] << layout->cells_log2;
+        tile_rects rects;
+        w->counters->walk.nodes++;
+        tile_rects_of(&w->place, w->place.p->at[level], first, half, &node.rect, &rects);
+        const unsigned children = tr->treelets->children[node.t] & rects.alive;
+        const unsigned existing = leaf_layout_children(layout, node.t);
+        const unsigned eye = first_octant(w, &tr->scene.levels[level], first, half);
+        for (unsigned i = 8; i-- > 0;) {
+            const unsigned o = eye ^ i;
+            if (!(children >> o & 1u))
+                continue;
+            const uint32_t rank = (uint32_t)__builtin_popcount(existing & ((1u << o) - 1u));
+            stack[top++] =
+                (directory_node){layout->first_child[node.t] + rank, tile_rect_of(&rects, o)};
+        }
+    }
+    flush(w);
+}
+
+/* All of a tile's rays up to their first surfaces. */
+static void tile_walk_run(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0,
+                          frame_counters *counters) {
+    w->f = f;
+    w->counters = counters;
+    w->place = (tile_place){f->projection, (float)(x0 + 0.5 - 0.5 * f->camera.width),
+                            (float)(y0 + 0.5 - 0.5 * f->camera.height)};
+    w->filter = f->scene->intersector == LEAFCAST_MARMITT;
+    w->waiting = 0;
+    tile_rays_make(f, x0, y0, &w->rays);
+    for (unsigned y = 0; y < ROWS; y++) {
+        w->open[y] = y < TILE ? w->rays.in_picture[y] & (uint16_t)~w->rays.single[y] : 0;
+        w->pending[y] = 0;
+    }
+    for (unsigned y = 0; y < TILE; y++)
+        w->absent[y] = 0;
+    for (unsigned i = 0; i < TILE_RAYS; i++)
+        w->t[i] = INFINITY;
+    walk_directory(w);
+}
+
+#endif
+#endif
