@@ -47,7 +47,7 @@ static status run_heat(bench_job *job, const heat *h) {
             racers[i].camera = *h->camera;
     }
     if (st == ST_OK)
-        st = bench_race_run(&job->m, racers, count, job->runs, job->progress);
+        st = bench_race_run(&job->m, racers, count, job->runs, job->progress, NULL, NULL);
     for (int i = 0; i < count && st == ST_OK; i++) {
         begin_row(&job->table, h, &racers[i], isas[i]);
         bench_race_row(&job->table, racers, count, i);
@@ -167,7 +167,8 @@ status bench_figure414(bench_job *job) {
         sizes++;
     }
     if (st == ST_OK)
-        st = bench_race_run(&job->m, &racers[0][0], sizes * CONTESTANTS, job->runs, job->progress);
+        st = bench_race_run(&job->m, &racers[0][0], sizes * CONTESTANTS, job->runs, job->progress,
+                            NULL, NULL);
     if (st == ST_OK)
         scale_rows(&job->table, volumes, racers, sizes);
     bench_race_leave(&job->m, &racers[0][0], SIZES * CONTESTANTS);

@@ -42,11 +42,13 @@ static status draw(bench_racer *r, float *colours, double *seconds) {
     const double cpu = clock_cpu_seconds(), wall = clock_seconds();
     status st =
         (status)leafcast_trace(r->volume, &r->scene, &r->camera, &image, &r->stats, NULL, NULL);
-    *seconds = r->stats.threads > 1 ? clock_seconds() - wall : clock_cpu_seconds() - cpu;
+    const bool by_wall = r->wall || r->stats.threads > 1;
+    *seconds = by_wall ? clock_seconds() - wall : clock_cpu_seconds() - cpu;
     return st;
 }
 
-static status prepare(mem *m, bench_racer *r, int count, int runs, float **colours) {
+static status prepare(mem *m, bench_racer *r, int count, int runs, float **colours,
+                      double **sorted) {
     size_t most = 0;
     for (int i = 0; i < count; i++) {
         const size_t pixels = pixels_of(&r[i]);
@@ -57,25 +59,35 @@ static status prepare(mem *m, bench_racer *r, int count, int runs, float **colou
         most = pixels > most ? pixels : most;
     }
     *colours = mem_array(m, 3 * most, sizeof **colours);
-    return *colours ? ST_OK : ST_NOMEM;
+    *sorted = mem_array(m, (size_t)runs, sizeof **sorted);
+    return *colours && *sorted ? ST_OK : ST_NOMEM;
 }
 
-status bench_race_run(mem *m, bench_racer *r, int count, int runs, const progress *p) {
+static void conclude(bench_racer *r, int runs, double *sorted) {
+    memcpy(sorted, r->seconds, (size_t)runs * sizeof *sorted);
+    r->median = bench_median(sorted, runs, &r->spread);
+    for (size_t at = 0; at < pixels_of(r); at++)
+        r->hits += isfinite(r->depth[at]);
+}
+
+status bench_race_run(mem *m, bench_racer *r, int count, int runs, const progress *p,
+                      bench_between between, void *ctx) {
     float *colours = NULL;
-    double ignored;
-    status st = prepare(m, r, count, runs, &colours);
+    double *sorted = NULL, ignored;
+    status st = prepare(m, r, count, runs, &colours, &sorted);
     for (int i = 0; i < count && st == ST_OK; i++)
         st = draw(&r[i], colours, &ignored);
     for (int run = 0; run < runs && st == ST_OK; run++) {
         st = progress_step(p, "drawing", (double)run / runs);
-        for (int i = 0; i < count && st == ST_OK; i++)
+        for (int i = 0; i < count && st == ST_OK; i++) {
             st = draw(&r[i], colours, &r[i].seconds[run]);
+            if (st == ST_OK && between)
+                st = between(ctx, i, run);
+        }
     }
-    for (int i = 0; i < count && st == ST_OK; i++) {
-        r[i].median = bench_median(r[i].seconds, runs, &r[i].spread);
-        for (size_t at = 0; at < pixels_of(&r[i]); at++)
-            r[i].hits += isfinite(r[i].depth[at]);
-    }
+    for (int i = 0; i < count && st == ST_OK; i++)
+        conclude(&r[i], runs, sorted);
+    mem_free(m, sorted);
     mem_free(m, colours);
     return st;
 }

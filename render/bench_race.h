@@ -16,6 +16,7 @@ typedef struct bench_racer {
     leafcast *volume;
     leafcast_scene scene;
     leafcast_camera camera;
+    bool wall; /* time by the wall clock; else CPU time where there is one thread */
     /* Results: */
     double *depth;         /* of every pixel */
     double *seconds;       /* of every run */
@@ -41,9 +42,11 @@ typedef struct bench_entry {
 } bench_entry;
 CHECKED status bench_race_enter(const bench_entry *e, bench_racer *r);
 
-/* bench_race_run() - one picture of each to bring in what it needs, then `runs` of each in turn.
- * Times are wall clock where a contestant has several threads, CPU time where it has one. */
-CHECKED status bench_race_run(mem *m, bench_racer *r, int count, int runs, const progress *p);
+/* bench_race_run() - one picture of each to bring in what it needs, then `runs` of each in turn;
+ * with between(), unless NULL, after each of these. */
+typedef status (*bench_between)(void *ctx, int racer, int run);
+CHECKED status bench_race_run(mem *m, bench_racer *r, int count, int runs, const progress *p,
+                              bench_between between, void *ctx);
 
 /* bench_race_leave() - close and free; for racers that never entered, too. */
 void bench_race_leave(mem *m, bench_racer *r, int count);

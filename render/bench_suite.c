@@ -5,6 +5,8 @@
 #include "render/bench_figure.h"
 #include "render/bench_frames.h"
 #include "render/bench_intersect.h"
+#include "render/bench_pareto.h"
+#include "render/bench_threads.h"
 #include "render/bench_walk.h"
 
 status bench_suite_subject(bench_job *job, const char *const *names, const char *const *brief_names,
@@ -176,6 +178,22 @@ static const bench_suite SUITES[] = {
      .run = bench_zoom,
      .curve =
          {.x = "zoom", .y = "Mray/s", .series = {"view", "isa"}, .log_x = true, .joined = true}},
+    {.name = "pareto",
+     .takes = "[F.leaf --iso V]",
+     .about = "time against error: intersector x level of detail x pixels",
+     .run = bench_pareto,
+     .curve = {.x = "ms",
+               .y = "rms cells",
+               .series = {"intersector", NULL},
+               .log_x = true,
+               .log_y = true,
+               .mark = "front",
+               .marked = "front"}},
+    {.name = "threads",
+     .takes = "[F.leaf --iso V]",
+     .about = "1 to --threads threads, beside a loop that only computes",
+     .run = bench_threads,
+     .curve = {.x = "threads", .y = "frame/loop", .series = {"volume", NULL}, .joined = true}},
     {.name = "walk",
      .takes = "[F.leaf --iso V]",
      .about = "experiment E1: below 4^3 cells",

@@ -58,6 +58,11 @@ judge_frames "$tmp/all/frames.csv" 16
 judge_frames "$tmp/all/figure414.csv" 4
 judge_frames "$tmp/all/zoom.csv" 42
 ok "figure 4.14 begins at itself" csv "$tmp/all/figure414.csv" 't[0]["x smallest"] == "1.000" and int(t[-1]["samples"]) == 64'
+ok "the exact picture has no error, and is on the front" csv "$tmp/all/pareto.csv" \
+    'float(t[0]["rms cells"]) == float(t[0]["worst cells"]) == 0 == int(t[0]["wrong px"]) and t[0]["front"] == "front" and t[0]["intersector"] == "marmitt"'
+ok "nobody on the front is beaten" csv "$tmp/all/pareto.csv" \
+    'all(not (float(a["ms"]) < float(b["ms"]) and float(a["rms cells"]) < float(b["rms cells"]) and int(a["wrong px"]) < int(b["wrong px"])) for b in t if b["front"] == "front" for a in t)'
+ok "threads draw the same" csv "$tmp/all/threads.csv" 'all(r["differ"] == "0" for r in t) and t[0]["frame/loop"] == "1.000"'
 exits "all, once more" 1 "$leafcast" bench all --out "$tmp/all"
 exits "all without a folder" 2 "$leafcast" bench all
 exits "a suite of a file" 0 "$leafcast" bench zoom "$leaf" --iso 128 --size 32x32 --runs 1
