@@ -132,16 +132,15 @@ static status draw_tile(drawing *d, uint32_t tile, frame_counters *counters) {
     uint32_t count = 0, started = 0;
     const uint32_t x0 = tile % d->tiles_x * TILE, y0 = tile / d->tiles_x * TILE;
     begin_tile(f, x0, y0, &todo, counters);
+    const uint32_t columns = f->width - x0 < TILE ? f->width - x0 : TILE;
     for (uint32_t y = 0; y < TILE && y0 + y < f->height; y++) {
-        for (uint32_t x = 0; x < TILE && x0 + x < f->width; x++) {
-            const uint32_t pixel = (y0 + y) * f->width + x0 + x, i = TILE * y + x;
-            started++;
-            if (todo.open[y] >> x & 1u)
-                suspended[count] = pixel_ray_start(pixel);
-            else if (todo.found[y] >> x & 1u)
-                suspended[count] = pixel_ray_found(f, pixel, &todo.hits[i], todo.at[i]);
-            else
-                continue;
+        started += columns;
+        for (uint32_t left = todo.open[y] | todo.found[y]; left; left &= left - 1) {
+            const uint32_t x = (uint32_t)__builtin_ctz(left), i = TILE * y + x;
+            const uint32_t pixel = (y0 + y) * f->width + x0 + x;
+            suspended[count] = todo.open[y] >> x & 1u
+                                   ? pixel_ray_start(pixel)
+                                   : pixel_ray_found(f, pixel, &todo.hits[i], todo.at[i]);
             count += !pixel_ray_advance(f, &suspended[count], counters);
         }
     }

@@ -56,12 +56,17 @@ status projection_init(projection *p, mem *m, const leaf_layout *layout,
             const size_t planes = planes_of(layout, l, a);
             p->at[l][a] = next;
             for (size_t i = 0; i < planes; i++) {
-                const double from_eye = (levels[l].at[a][i] - p->eye[a]) / longest;
-                *next++ = (plane_projection){
-                    (float)(axis[a].x * from_eye), (float)(axis[a].y * from_eye),
-                    (float)(axis[a].w * from_eye), (float)(axis[a].far * fabs(from_eye))};
-                worst = fmax(worst, fabs(axis[a].x * from_eye) + fabs(axis[a].y * from_eye) +
-                                        fabs(axis[a].far * from_eye));
+                const double from_eye = levels[l].at[a][i] - p->eye[a], q = from_eye / longest;
+                const double inverse = levels[l].inverse[a][i + 1 < planes ? i : i - 1];
+                *next++ = (plane_projection){(float)(axis[a].x * q),
+                                             (float)(axis[a].y * q),
+                                             (float)(axis[a].w * q),
+                                             (float)(axis[a].far * fabs(q)),
+                                             (float)from_eye,
+                                             (float)inverse,
+                                             {0.0f, 0.0f}};
+                worst = fmax(worst, fabs(axis[a].x * q) + fabs(axis[a].y * q) +
+                                        fabs(axis[a].far * q) + fabs(from_eye) + inverse);
             }
         }
     }

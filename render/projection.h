@@ -17,6 +17,9 @@
  */
 typedef struct plane_projection {
     float x, y, w, far;
+    float from_eye,
+        inverse;     /* the plane itself and 1 / the width of the cell behind it; grid space */
+    float unused[2]; /* two to a cache line */
 } plane_projection;
 
 typedef struct projection {

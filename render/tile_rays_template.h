@@ -29,7 +29,7 @@ typedef struct tile_rays {
     /* For conservative tests: t is scaled by a power of two, so that d is of ordinary size. */
     tile_plane near_d[3], reciprocal[3], near_t0, near_t1;
     float towards_eye[3][TILE_RAYS]; /* world space */
-    uint16_t in_picture[TILE], single[TILE];
+    uint16_t single[TILE];           /* left to single rays */
 } tile_rays;
 
 /* Components smaller than this (of a direction of size about 1) leave their reciprocal useless. */
@@ -119,11 +119,10 @@ SIMD unsigned make_rays(const frame *f, double scale, bool boxed, double x, doub
         const vd scaled = grid[a] * d_set(scale);
         ordinary = md_and(ordinary, d_ge(d_abs(scaled), d_set(component_min)));
         d_store_floats(rays->near_d[a] + padded, scaled);
-        d_store_floats(rays->reciprocal[a] + padded, d_set(1.0) / scaled);
     }
     /* Rounding to float is within the tests' slack. */
-    d_store_floats(rays->near_t0 + padded, t0 / d_set(scale));
-    d_store_floats(rays->near_t1 + padded, t1 / d_set(scale));
+    d_store_floats(rays->near_t0 + padded, t0 * d_set(1.0 / scale));
+    d_store_floats(rays->near_t1 + padded, t1 * d_set(1.0 / scale));
     return ~md_bits(ordinary) & ((1u << VD_N) - 1u);
 }
 
@@ -132,13 +131,14 @@ static void tile_rays_make(const frame *f, uint32_t x0, uint32_t y0, tile_rays *
     const tracer *tr = f->tracer;
     const double scale = scale_of(&tr->space);
     const bool boxed = tr->preview || tr->stop || tr->target_level > 0;
-    const uint32_t width = f->width - x0 < TILE ? f->width - x0 : TILE;
     for (unsigned y = 0; y < TILE; y++) {
         unsigned single = 0;
         for (unsigned x = 0; x < TILE; x += VD_N)
             single |= make_rays(f, scale, boxed, x0 + x, y0 + y, TILE * y + x, rays) << x;
-        rays->in_picture[y] = y0 + y < f->height ? (uint16_t)((1u << width) - 1u) : 0;
-        rays->single[y] = (uint16_t)(single & rays->in_picture[y]);
+        for (int a = 0; a < 3; a++)
+            for (unsigned at = STRIDE * y; at < STRIDE * y + TILE; at += VF_N)
+                f_store(rays->reciprocal[a] + at, f_set(1.0f) / f_load(rays->near_d[a] + at));
+        rays->single[y] = (uint16_t)single;
     }
 }
 

@@ -7,17 +7,19 @@
 
 #ifdef SIMD_NAME
 
+#include <string.h>
+
 #include "render/projection.h"
 #include "render/tile.h"
 
-/* Pixels of a tile, ends included. */
+/* Pixels of a tile, ends included; the bytes of a number, x0 the lowest. */
 typedef struct tile_rect {
     uint8_t x0, x1, y0, y1;
 } tile_rect;
 
 typedef struct tile_rects {
-    float x0[16], x1[16], y0[16], y1[16]; /* of the octants */
-    unsigned alive;                       /* those that are not empty */
+    tile_rect of[16]; /* the octants' */
+    unsigned alive;   /* those that are not empty */
 } tile_rects;
 
 /* A tile in the picture: its first pixel's centre, from the picture's centre. */
@@ -134,18 +136,12 @@ SIMD void tile_rects_of(const tile_place *tile, const plane_projection *const pl
             alive = mf_and_not(alive, f_lt(e.w1, f_set(-tile->p->plane_error * far)));
             alive = mf_and_not(alive, mf_and(whole, outside_tile(tile, node, far, lane)));
         }
-        f_store(rects->x0 + lane, x0);
-        f_store(rects->x1 + lane, x1);
-        f_store(rects->y0 + lane, y0);
-        f_store(rects->y1 + lane, y1);
+        const vi packed =
+            f_to_int(x0) | f_to_int(x1) << 8 | f_to_int(y0) << 16 | f_to_int(y1) << 24;
+        memcpy(rects->of + lane, &packed, sizeof packed);
         rects->alive |= mf_bits(alive) << lane;
     }
     rects->alive &= 255u;
-}
-
-static inline tile_rect tile_rect_of(const tile_rects *rects, unsigned octant) {
-    return (tile_rect){(uint8_t)rects->x0[octant], (uint8_t)rects->x1[octant],
-                       (uint8_t)rects->y0[octant], (uint8_t)rects->y1[octant]};
 }
 
 #endif

@@ -32,17 +32,17 @@ typedef struct tile_pixels {
 
 typedef double four __attribute__((vector_size(32)));
 
-static inline four four_set(double a) {
+SIMD four four_set(double a) {
     return (four){a, a, a, a};
 }
 
-static inline four four_load(const double *from) {
+SIMD four four_load(const double *from) {
     four a;
     memcpy(&a, from, sizeof a);
     return a;
 }
 
-static inline four mix_four(four a, four b, double s) {
+SIMD four mix_four(four a, four b, double s) {
     return four_set(1.0 - s) * a + four_set(s) * b;
 }
 
@@ -144,21 +144,26 @@ SIMD vf power_f(vf x, int n) {
 
 /* shade_point_of(), shade_ambient() and shade_light() for the eye's own light, VF_N pixels at a
  * time of surfaces of one colour each. */
-SIMD void shade_pixels(const tile_walk *w, unsigned i, tile_pixels *p) {
+SIMD void shade_pixels(const tile_walk *w, unsigned i, unsigned hits, tile_pixels *p) {
     const leafcast_scene *scene = w->f->scene;
+    const mf hit_lanes = mf_of_bits(hits);
+    const vf zero = f_set(0.0f);
     vf normal[3], eye[3], colour[3];
     float rgb[3][VF_N], opacity[VF_N];
     for (unsigned k = 0; k < VF_N; k++) {
-        const leafcast_surface *s = &w->f->surfaces[p->id[i + k] >= 0 ? p->id[i + k] : 0];
+        const int32_t id = hits >> k & 1u ? w->iso[i + k] : -1;
+        const leafcast_surface *s = &w->f->surfaces[id < 0 ? 0 : id];
+        p->id[i + k] = id;
         for (int c = 0; c < 3; c++)
             rgb[c][k] = s->rgb[c];
         opacity[k] = s->opacity;
     }
     for (int a = 0; a < 3; a++) {
         normal[a] = f_load(p->normal[a] + i);
+        f_store(p->normal[a] + i, f_select(hit_lanes, normal[a], zero));
         eye[a] = f_load(w->rays.towards_eye[a] + i);
     }
-    const vf zero = f_set(0.0f), length = f_sqrt(dot_f(normal, normal));
+    const vf length = f_sqrt(dot_f(normal, normal));
     const vf turn = f_select(f_lt(dot_f(normal, eye), zero), f_set(-0.0f) - length, length);
     for (int a = 0; a < 3; a++)
         normal[a] = f_select(f_gt(length, zero), normal[a] / turn, eye[a]);
@@ -181,42 +186,45 @@ SIMD void shade_pixels(const tile_walk *w, unsigned i, tile_pixels *p) {
         out = f_select(lit, out + diffuse * colour[c], out);
         out = f_select(lit, out + highlight, out);
         const vf behind = back * f_set(background[3]) * f_set(background[c]);
-        f_store(p->rgba[c] + i, weight * out + behind);
+        f_store(p->rgba[c] + i, f_select(hit_lanes, weight * out + behind, f_load(p->rgba[c] + i)));
     }
-    f_store(p->rgba[3] + i, weight + back * f_set(background[3]));
+    f_store(p->rgba[3] + i,
+            f_select(hit_lanes, weight + back * f_set(background[3]), f_load(p->rgba[3] + i)));
 }
 
 /* ---- Writing ---- */
 
-static void write_floats(float *plane, const frame *f, uint32_t x0, uint32_t y0, unsigned y,
-                         unsigned rows, const float *from) {
-    if (plane)
-        for (; rows; rows &= rows - 1) {
-            const unsigned x = (unsigned)__builtin_ctz(rows);
-            plane[(size_t)(y0 + y) * f->width + x0 + x] = from[TILE * y + x];
-        }
+/* Copy the pixels of a row of the tile. */
+static void write_floats(float *to, const float *from, unsigned pixels) {
+    if (pixels == UINT16_MAX) {
+        memcpy(to, from, TILE * sizeof *to);
+        return;
+    }
+    for (; pixels; pixels &= pixels - 1)
+        to[__builtin_ctz(pixels)] = from[__builtin_ctz(pixels)];
 }
 
 /* The planes of the first surface, and the colours, of the pixels of a row. */
-static void write_row(const tile_walk *w, uint32_t x0, uint32_t y0, unsigned y, unsigned pixels,
-                      const tile_pixels *p) {
-    const frame *f = w->f;
-    const leafcast_image *image = &f->image;
-    const size_t row = (size_t)(y0 + y) * f->width + x0;
+static void write_row(const tile_walk *w, unsigned y, unsigned pixels, const tile_pixels *p) {
+    const leafcast_image *image = &w->f->image;
+    const size_t row = (size_t)(w->y0 + y) * w->f->width + w->x0;
+    const unsigned from = TILE * y;
     float *const colours[4] = {image->r, image->g, image->b, image->a};
     for (unsigned left = pixels; left; left &= left - 1) {
         const unsigned x = (unsigned)__builtin_ctz(left);
         if (image->z)
-            image->z[row + x] = w->t[TILE * y + x];
+            image->z[row + x] = w->t[from + x];
         if (image->id)
-            image->id[row + x] = p->id[TILE * y + x];
+            image->id[row + x] = p->id[from + x];
         if (image->provisional)
             image->provisional[row + x] = 0;
     }
     for (int a = 0; a < 3; a++)
-        write_floats(image->normal[a], f, x0, y0, y, pixels, p->normal[a]);
+        if (image->normal[a])
+            write_floats(image->normal[a] + row, p->normal[a] + from, pixels);
     for (int c = 0; c < 4; c++)
-        write_floats(colours[c], f, x0, y0, y, pixels, p->rgba[c]);
+        if (colours[c])
+            write_floats(colours[c] + row, p->rgba[c] + from, pixels);
 }
 
 /* What a pixel is without a surface. */
@@ -225,49 +233,35 @@ static void clear_pixels(const frame *f, tile_pixels *p) {
     shade_background(rgba, f->scene->background);
     for (unsigned i = 0; i < TILE_RAYS; i++) {
         p->id[i] = -1;
-        for (int a = 0; a < 3; a++) {
+        for (int a = 0; a < 3; a++)
             p->normal[a][i] = 0.0f;
-            p->gradient[a][i] = 1.0;
-        }
         for (int c = 0; c < 4; c++)
             p->rgba[c][i] = rgba[c];
     }
 }
 
-/* Pixels with and without a surface, of those in `drawn`. */
+/* Normals and colours of the pixels that have a surface. */
 static void shade_tile(const tile_walk *w, tile_pixels *p) {
     known_cell known[KNOWN_CELLS];
     for (int k = 0; k < KNOWN_CELLS; k++)
         known[k].at = NULL;
-    for (unsigned i = 0; i < TILE_RAYS; i++) {
-        if (!(w->t[i] < INFINITY))
-            continue;
-        p->id[i] = w->iso[i];
-        gradient_at(w, i, known, p);
-    }
-    tile_pixels shaded = *p;
     for (unsigned i = 0; i < TILE_RAYS; i += VF_N) {
-        bool any = false;
+        unsigned hits = 0;
         for (unsigned k = 0; k < VF_N; k++)
-            any |= p->id[i + k] >= 0;
-        if (!any)
+            hits |= (unsigned)(w->t[i + k] < INFINITY) << k;
+        if (!hits)
             continue;
-        for (unsigned k = 0; k < VF_N; k += VD_N)
-            for (unsigned bad = normals_of(&shaded, i + k) & ((1u << VD_N) - 1u); bad;
-                 bad &= bad - 1) {
-                const unsigned lane = i + k + (unsigned)__builtin_ctz(bad);
-                if (p->id[lane] >= 0)
-                    normal_of_its_own(w, lane, &shaded);
-            }
-        shade_pixels(w, i, &shaded);
-        for (unsigned k = i; k < i + VF_N; k++) {
-            if (p->id[k] < 0)
-                continue;
-            for (int a = 0; a < 3; a++)
-                p->normal[a][k] = shaded.normal[a][k];
-            for (int c = 0; c < 4; c++)
-                p->rgba[c][k] = shaded.rgba[c][k];
+        for (unsigned k = 0; k < VF_N; k++) {
+            if (hits >> k & 1u)
+                gradient_at(w, i + k, known, p);
+            else
+                p->gradient[0][i + k] = p->gradient[1][i + k] = p->gradient[2][i + k] = 1.0;
         }
+        for (unsigned k = 0; k < VF_N; k += VD_N)
+            for (unsigned bad = normals_of(p, i + k) & hits >> k & ((1u << VD_N) - 1u); bad;
+                 bad &= bad - 1)
+                normal_of_its_own(w, i + k + (unsigned)__builtin_ctz(bad), p);
+        shade_pixels(w, i, hits, p);
     }
 }
 

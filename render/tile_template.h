@@ -44,8 +44,8 @@ void SIMD_NAME(tile_trace)(const frame *f, uint32_t x0, uint32_t y0, tile_outcom
             out->at[i] = w.at[i];
         }
         out->found[y] = (uint16_t)found;
-        const unsigned done = w.rays.in_picture[y] & ~(out->open[y] | found);
-        write_row(&w, x0, y0, y, done, &pixels);
+        const unsigned done = w.in_picture[y] & ~(out->open[y] | found);
+        write_row(&w, y, done, &pixels);
     }
 }
 

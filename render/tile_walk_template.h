@@ -15,7 +15,10 @@ typedef struct tile_walk {
     const frame *f;
     frame_counters *counters;
     tile_place place;
-    tile_rays rays;
+    uint32_t x0, y0; /* its first pixel */
+    bool has_rays;
+    tile_rays rays; /* made when the first are needed */
+    uint16_t in_picture[TILE];
     uint16_t open[ROWS];    /* rays that still look for their surface; */
     uint16_t pending[ROWS]; /* of which a cell waits in the batch */
     uint16_t absent[TILE];  /* rays that met a treelet which is not resident */
@@ -94,30 +97,41 @@ static void flush(tile_walk *w) {
 typedef struct active_cell {
     const treelet *at;
     const uint32_t *cell;
-    double lo[3], hi[3], inv[3];
-    bool has_samples;
     float samples[8];
 } active_cell;
 
-static void add_to_batch(tile_walk *w, const active_cell *c, unsigned i) {
+/* Rays of a window: bits, from pixel (x, y) on. */
+static void add_to_batch(tile_walk *w, const active_cell *c, unsigned x, unsigned y,
+                         unsigned bits) {
+    const level_planes *planes = &w->f->tracer->scene.levels[c->at->level];
     cell_batch *b = &w->batch;
-    const unsigned k = w->waiting++;
+    double lo[3], hi[3], inv[3];
     for (int a = 0; a < 3; a++) {
-        b->d[a][k] = w->rays.d[a][i];
-        b->lo[a][k] = c->lo[a];
-        b->hi[a][k] = c->hi[a];
-        b->inv[a][k] = c->inv[a];
-        w->cell_of[k][a] = c->cell[a];
+        lo[a] = planes->at[a][c->cell[a]] - w->place.p->eye[a];
+        hi[a] = planes->at[a][c->cell[a] + 1] - w->place.p->eye[a];
+        inv[a] = planes->inverse[a][c->cell[a]];
     }
-    b->t0[k] = w->rays.t0[i];
-    b->t1[k] = w->rays.t1[i];
-    for (int s = 0; s < 8; s++)
-        b->samples[s][k] = c->samples[s];
-    w->ray_of[k] = (uint8_t)i;
-    w->treelet_of[k] = c->at;
-    w->pending[i / TILE] |= (uint16_t)(1u << i % TILE);
-    if (w->waiting == CELL_BATCH)
-        flush(w);
+    for (; bits; bits &= bits - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(bits), k = w->waiting++;
+        const unsigned row = y + lane / WINDOW_X, column = x + lane % WINDOW_X;
+        const unsigned i = TILE * row + column;
+        for (int a = 0; a < 3; a++) {
+            b->d[a][k] = w->rays.d[a][i];
+            b->lo[a][k] = lo[a];
+            b->hi[a][k] = hi[a];
+            b->inv[a][k] = inv[a];
+            w->cell_of[k][a] = c->cell[a];
+        }
+        b->t0[k] = w->rays.t0[i];
+        b->t1[k] = w->rays.t1[i];
+        for (int s = 0; s < 8; s++)
+            b->samples[s][k] = c->samples[s];
+        w->ray_of[k] = (uint8_t)i;
+        w->treelet_of[k] = c->at;
+        w->pending[row] |= (uint16_t)(1u << column);
+        if (w->waiting == CELL_BATCH)
+            flush(w);
+    }
 }
 
 /* A cell's box in single precision, t scaled as in tile_rays. */
@@ -148,80 +162,80 @@ SIMD unsigned visits(const tile_rays *rays, unsigned at, const near_cell *c, nea
     return ~mf_bits(f_gt(t_in - t_out, slack));
 }
 
-SIMD vf mix_f(vf a, vf b, vf s) {
-    return a + s * (b - a);
+/* f - iso over a cell, as a sum of products of coordinates, 1 x y z xy yz xz xyz, and the bound of
+ * may_cross(). */
+typedef struct near_form {
+    float c[8];
+    float bound;
+} near_form;
+
+static float larger(float a, float b) {
+    return a > b ? a : b;
 }
 
-/* The control polygon of f - iso along the visits, as cell_cubic() has it, in single precision:
- * least and greatest of its four values. */
-SIMD void polygon(const vf in[3], const vf out[3], const float f[8], vf *least, vf *greatest) {
-    vf x[2][4], xy[4][2], m[8];
-    for (int i = 0; i < 4; i++) {
-        const vf a = f_set(f[2 * i]), b = f_set(f[2 * i + 1]);
-        x[0][i] = mix_f(a, b, in[0]);
-        x[1][i] = mix_f(a, b, out[0]);
+static near_form near_form_of(const near_cell *c, const float samples[8], double iso) {
+    float f[8], largest = 0.0f, e = 3.0f;
+    for (int i = 0; i < 8; i++) {
+        f[i] = (float)((double)samples[i] - iso);
+        largest = larger(largest, fabsf(f[i]));
     }
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 2; k++) {
-            xy[i][k] = mix_f(x[i][2 * k], x[i][2 * k + 1], in[1]);
-            xy[i + 2][k] = mix_f(x[i][2 * k], x[i][2 * k + 1], out[1]);
-        }
-    for (int i = 0; i < 4; i++) {
-        m[i] = mix_f(xy[i][0], xy[i][1], in[2]);
-        m[i + 4] = mix_f(xy[i][0], xy[i][1], out[2]);
-    }
-    const vf third = f_set(1.0f / 3.0f), b1 = (m[1] + m[2] + m[4]) * third,
-             b2 = (m[3] + m[5] + m[6]) * third;
-    *least = f_min(f_min(m[0], m[7]), f_min(b1, b2));
-    *greatest = f_max(f_max(m[0], m[7]), f_max(b1, b2));
+    for (int a = 0; a < 3; a++)
+        e += larger(fabsf(c->lo[a]), fabsf(c->hi[a])) * c->inv[a];
+    const float x0 = f[1] - f[0], x1 = f[3] - f[2], x2 = f[5] - f[4], x3 = f[7] - f[6];
+    const float y0 = f[2] - f[0], xy0 = x1 - x0;
+    return (near_form){
+        {f[0], x0, y0, f[4] - f[0], xy0, (f[6] - f[4]) - y0, x2 - x0, (x3 - x2) - xy0},
+        largest * ((2048.0f + 32.0f * e) * UNIT) + 0x1p-130f};
 }
 
-/* Which rays' control polygons may change side: the others have no root, says the cell kernel too.
+/* Which rays' control polygons (cell_cubic()) may change side: the others have no root, says the
+ * cell kernel too.
  *
  * The proof, in units u = 2^-24. Coordinates in the cell, (t d - lo) inv: t errs by 5 u of itself,
  * d by u, and with the product's u, lo's and the difference's the sum errs by at most 10 u
  * max(|lo|, |hi|) inv, since |t d| is no more than that where the ray passes the cell; inv and the
- * product add 2 u: in all less than e = 16 u (max(|lo|, |hi|) inv + 1), clamping takes nothing
- * away. The form is linear in each coordinate with slopes of at most 2 F, F = max |f|: positions
- * add 2 F (e_x + e_y + e_z). Values: f is rounded once (u F), each of three interpolations errs by
- * 4 u F (its difference may be 2 F), sums and the third by 3 u F; less than 20 u F. Where results
- * are denormal, 2^-149 a step: less than 2^-140. Together with the kernel's own rounding, 2^-50 F,
- * less than F (24 u + 2 (e_x + e_y + e_z)) + 2^-140. */
-SIMD unsigned may_cross(const tile_rays *rays, unsigned at, const near_cell *c, const near_visit *v,
-                        const float f[8], float bound) {
-    vf in[3], out[3];
+ * product add 2 u, taking entry from exit and adding it again 2 u: less than e = 16 u (max(|lo|,
+ * |hi|) inv + 1). Clamping takes nothing away. The form is linear in each coordinate with slopes of
+ * at most 2 F, F = max |f|: positions add 2 F (e_x + e_y + e_z). Values: f errs by u F, the eight
+ * coefficients by 81 u F together; their sizes add up to 27 F. The cubic's coefficients k0 .. k3
+ * add up to 27, 54, 36 and 8 F before signs cancel, with at most 14 roundings on the way: 1750 u F.
+ * Where results are denormal, 2^-149 a step. Together with the kernel's own rounding, 2^-50 F, less
+ * than F (2048 u + 2 (e_x + e_y + e_z)) + 2^-130. */
+SIMD unsigned may_cross(const vf in[3], const vf way[3], const near_form *form) {
+    const vf x = in[0], y = in[1], z = in[2];
+    const vf c4 = f_set(form->c[4]), c5 = f_set(form->c[5]), c6 = f_set(form->c[6]),
+             c7 = f_set(form->c[7]);
+    /* Per power of x and y, as a linear function along the visit: e + s h. */
+    const vf e0 = f_set(form->c[0]) + f_set(form->c[3]) * z, h0 = f_set(form->c[3]) * way[2];
+    const vf ex = f_set(form->c[1]) + c6 * z, hx = c6 * way[2];
+    const vf ey = f_set(form->c[2]) + c5 * z, hy = c5 * way[2];
+    const vf exy = c4 + c7 * z, hxy = c7 * way[2];
+    const vf xy = x * y, xy1 = x * way[1] + y * way[0], xy2 = way[0] * way[1];
+    const vf k0 = e0 + ex * x + ey * y + exy * xy;
+    const vf k1 = h0 + hx * x + ex * way[0] + hy * y + ey * way[1] + hxy * xy + exy * xy1;
+    const vf k2 = hx * way[0] + hy * way[1] + hxy * xy1 + exy * xy2;
+    const vf k3 = hxy * xy2;
+    const vf third = f_set(1.0f / 3.0f), b1 = k0 + third * k1, b2 = b1 + third * (k1 + k2);
+    const vf b3 = k0 + k1 + k2 + k3;
+    const vf least = f_min(f_min(k0, b3), f_min(b1, b2));
+    const vf greatest = f_max(f_max(k0, b3), f_max(b1, b2));
+    return ~mf_bits(mf_or(f_gt(least, f_set(form->bound)), f_lt(greatest, f_set(-form->bound))));
+}
+
+/* The rays of a window that may cross any of the surfaces. */
+SIMD unsigned may_cross_any(const tile_rays *rays, unsigned at, const near_cell *c,
+                            const near_visit *v, const near_form forms[], int count) {
+    vf in[3], way[3];
     const vf zero = f_set(0.0f), one = f_set(1.0f);
     for (int a = 0; a < 3; a++) {
         const vf d = window_load(rays->near_d[a] + at), lo = f_set(c->lo[a]),
                  inv = f_set(c->inv[a]);
         in[a] = f_min(f_max((v->t_in * d - lo) * inv, zero), one);
-        out[a] = f_min(f_max((v->t_out * d - lo) * inv, zero), one);
+        way[a] = f_min(f_max((v->t_out * d - lo) * inv, zero), one) - in[a];
     }
-    vf least, greatest;
-    polygon(in, out, f, &least, &greatest);
-    return ~mf_bits(mf_or(f_gt(least, f_set(bound)), f_lt(greatest, f_set(-bound))));
-}
-
-static float filter_bound(const near_cell *c, const float f[8]) {
-    float largest = 0.0f, e = 3.0f;
-    for (int i = 0; i < 8; i++)
-        largest = fmaxf(largest, fabsf(f[i]));
-    for (int a = 0; a < 3; a++)
-        e += fmaxf(fabsf(c->lo[a]), fabsf(c->hi[a])) * c->inv[a];
-    return largest * ((24.0f + 32.0f * e) * UNIT) + 0x1p-140f;
-}
-
-/* The samples of a cell, less each isovalue in turn: rays of the window that may cross any. */
-SIMD unsigned may_cross_any(const tile_walk *w, unsigned at, const near_cell *c,
-                            const near_visit *v, const float samples[8]) {
-    const walk_scene *scene = &w->f->tracer->scene;
     unsigned crossing = 0;
-    for (int i = 0; i < scene->count; i++) {
-        float f[8];
-        for (int k = 0; k < 8; k++)
-            f[k] = (float)((double)samples[k] - scene->isovalues[i]);
-        crossing |= may_cross(&w->rays, at, c, v, f, filter_bound(c, f));
-    }
+    for (int i = 0; i < count; i++)
+        crossing |= may_cross(in, way, &forms[i]);
     return crossing;
 }
 
@@ -241,56 +255,75 @@ SIMD unsigned window_pending(const tile_walk *w, unsigned x, unsigned y) {
     return bits;
 }
 
+/* A cell's samples, and what the filter needs of them. */
+static void look_at_cell(const tile_walk *w, const near_cell *near, active_cell *c,
+                         near_form forms[]) {
+    const walk_scene *scene = &w->f->tracer->scene;
+    walk_cell_samples(scene, c->at, c->cell, c->samples);
+    for (int i = 0; w->filter && i < scene->count; i++)
+        forms[i] = near_form_of(near, c->samples, scene->isovalues[i]);
+}
+
 /* One active cell and the rays of its rectangle. */
 static void walk_cell(tile_walk *w, const treelet *at, const uint32_t cell[3], tile_rect r) {
     const walk_scene *scene = &w->f->tracer->scene;
-    const level_planes *planes = &scene->levels[at->level];
+    const plane_projection *const *planes = w->place.p->at[at->level];
     active_cell c = {.at = at, .cell = cell};
+    near_form forms[ACTIVE_ISOS_MAX];
+    bool looked_at = false;
     near_cell near;
     for (int a = 0; a < 3; a++) {
-        c.lo[a] = planes->at[a][cell[a]] - w->place.p->eye[a];
-        c.hi[a] = planes->at[a][cell[a] + 1] - w->place.p->eye[a];
-        c.inv[a] = planes->inverse[a][cell[a]];
-        near.lo[a] = (float)c.lo[a];
-        near.hi[a] = (float)c.hi[a];
-        near.inv[a] = (float)c.inv[a];
+        near.lo[a] = planes[a][cell[a]].from_eye;
+        near.hi[a] = planes[a][cell[a] + 1].from_eye;
+        near.inv[a] = planes[a][cell[a]].inverse;
     }
     for (unsigned y = r.y0; y <= r.y1; y += WINDOW_Y) {
         for (unsigned x = r.x0; x <= r.x1; x += WINDOW_X) {
+            const unsigned first = STRIDE * y + x;
             near_visit v;
             unsigned bits = window_open(w, x, y, r);
             if (bits)
-                bits &= visits(&w->rays, STRIDE * y + x, &near, &v);
+                bits &= visits(&w->rays, first, &near, &v);
             if (!bits)
                 continue;
             w->counters->walk.cells += (unsigned)__builtin_popcount(bits);
-            if (!c.has_samples) {
-                walk_cell_samples(scene, at, cell, c.samples);
-                c.has_samples = true;
-            }
+            if (!looked_at)
+                look_at_cell(w, &near, &c, forms);
+            looked_at = true;
             if (w->filter)
-                bits &= may_cross_any(w, STRIDE * y + x, &near, &v, c.samples);
+                bits &= may_cross_any(&w->rays, first, &near, &v, forms, scene->count);
             if (bits & window_pending(w, x, y)) {
                 flush(w);
                 bits &= window_open(w, x, y, r);
             }
-            for (; bits; bits &= bits - 1) {
-                const unsigned lane = (unsigned)__builtin_ctz(bits);
-                add_to_batch(w, &c, TILE * (y + lane / WINDOW_X) + x + lane % WINDOW_X);
-            }
+            if (bits)
+                add_to_batch(w, &c, x, y, bits);
         }
     }
 }
 
 /* ---- Nodes ---- */
 
-/* Children in the order in which any ray from the eye meets them: first ^ 0, first ^ 1, ... */
+/* The octant that the eye is in, or nearest to: children in the order first ^ 0, first ^ 1, ... are
+ * front to back for any ray. */
 static unsigned first_octant(const tile_walk *w, const level_planes *planes,
                              const uint32_t first[3], uint32_t half) {
     unsigned octant = 0;
     for (int a = 0; a < 3; a++)
         octant |= (unsigned)(planes->at[a][first[a] + half] <= w->place.p->eye[a]) << a;
     return octant;
+}
+
+/* A mask of octants o as one of places o ^ first in that order. */
+static unsigned in_order(unsigned octants, unsigned first) {
+    unsigned m = octants;
+    m = first & 1u ? (m & 0x55u) << 1 | (m & 0xaau) >> 1 : m;
+    m = first & 2u ? (m & 0x33u) << 2 | (m & 0xccu) >> 2 : m;
+    return first & 4u ? (m & 0x0fu) << 4 | (m & 0xf0u) >> 4 : m;
+}
+
+static unsigned last_place(unsigned places) {
+    return 31u - (unsigned)__builtin_clz(places);
 }
 
 /* Whether rays of the rectangle still look for a surface. When all that do have cells in the batch,
@@ -341,22 +374,24 @@ static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect, unsigned 
             walk_children(at, node.size, node.morton) & rects.alive & looked_at;
         looked_at = 255u;
         const unsigned first = first_octant(w, planes, node.cell, half);
-        for (unsigned i = 0; i < 8; i++) {
-            /* Cells are looked at right away, front to back; nodes are stacked, the first on top.
-             */
-            const unsigned o = first ^ (half > 1 ? 7u - i : i);
-            if (!(children >> o & 1u))
-                continue;
-            const tree_node child = {{node.cell[0] + (o & 1u ? half : 0),
-                                      node.cell[1] + (o & 2u ? half : 0),
-                                      node.cell[2] + (o & 4u ? half : 0)},
-                                     node.morton << 3 | o,
-                                     node.size - 1,
-                                     tile_rect_of(&rects, o)};
-            if (half > 1)
-                stack[top++] = child;
-            else
-                walk_cell(w, at, child.cell, child.rect);
+        unsigned places = in_order(children, first);
+        if (half == 1) {
+            for (; places; places &= places - 1) {
+                const unsigned o = (unsigned)__builtin_ctz(places) ^ first;
+                const uint32_t cell[3] = {node.cell[0] + (o & 1u), node.cell[1] + (o >> 1 & 1u),
+                                          node.cell[2] + (o >> 2)};
+                walk_cell(w, at, cell, rects.of[o]);
+            }
+            continue;
+        }
+        for (; places; places ^= 1u << last_place(places)) {
+            const unsigned o = last_place(places) ^ first;
+            stack[top++] =
+                (tree_node){{node.cell[0] + (o & 1u) * half, node.cell[1] + (o >> 1 & 1u) * half,
+                             node.cell[2] + (o >> 2) * half},
+                            node.morton << 3 | o,
+                            node.size - 1,
+                            rects.of[o]};
         }
     }
 }
@@ -387,11 +422,24 @@ static void touch(tile_walk *w, uint32_t t, const treelet *at, tile_rect r) {
     }
 }
 
+/* Empty tiles never get here. */
+static void make_rays_once(tile_walk *w) {
+    if (w->has_rays)
+        return;
+    tile_rays_make(w->f, w->x0, w->y0, &w->rays);
+    w->has_rays = true;
+    for (unsigned y = 0; y < TILE; y++) {
+        w->rays.single[y] &= w->in_picture[y];
+        w->open[y] &= (uint16_t)~w->rays.single[y];
+    }
+}
+
 /* A treelet that is drawn: walk it, or leave its rays to those who can wait. */
 static void walk_drawn(tile_walk *w, uint32_t t, tile_rect r) {
     const tracer *tr = w->f->tracer;
     if (!tr->treelets->own[t])
         return;
+    make_rays_once(w);
     const treelet *at = loader_lookup(tr->treelets, t);
     if (at) {
         touch(w, t, at, r);
@@ -436,13 +484,11 @@ static void walk_directory(tile_walk *w) {
         const unsigned children = tr->treelets->children[node.t] & rects.alive;
         const unsigned existing = leaf_layout_children(layout, node.t);
         const unsigned eye = first_octant(w, &tr->scene.levels[level], first, half);
-        for (unsigned i = 8; i-- > 0;) {
-            const unsigned o = eye ^ i;
-            if (!(children >> o & 1u))
-                continue;
+        for (unsigned places = in_order(children, eye); places;
+             places ^= 1u << last_place(places)) {
+            const unsigned o = last_place(places) ^ eye;
             const uint32_t rank = (uint32_t)__builtin_popcount(existing & ((1u << o) - 1u));
-            stack[top++] =
-                (directory_node){layout->first_child[node.t] + rank, tile_rect_of(&rects, o)};
+            stack[top++] = (directory_node){layout->first_child[node.t] + rank, rects.of[o]};
         }
     }
     flush(w);
@@ -457,10 +503,17 @@ static void tile_walk_run(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0
                             (float)(y0 + 0.5 - 0.5 * f->camera.height)};
     w->filter = f->scene->intersector == LEAFCAST_MARMITT;
     w->waiting = 0;
-    tile_rays_make(f, x0, y0, &w->rays);
+    w->x0 = x0;
+    w->y0 = y0;
+    w->has_rays = false;
+    const uint32_t columns = f->width - x0 < TILE ? f->width - x0 : TILE;
     for (unsigned y = 0; y < ROWS; y++) {
-        w->open[y] = y < TILE ? w->rays.in_picture[y] & (uint16_t)~w->rays.single[y] : 0;
+        w->open[y] = y < TILE && y0 + y < f->height ? (uint16_t)((1u << columns) - 1u) : 0;
         w->pending[y] = 0;
+    }
+    for (unsigned y = 0; y < TILE; y++) {
+        w->in_picture[y] = w->open[y];
+        w->rays.single[y] = 0;
     }
     for (unsigned y = 0; y < TILE; y++)
         w->absent[y] = 0;
