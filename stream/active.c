@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/quantize.h"
+#include "stream/active_template.h"
 
 enum { BLOCK = 1 << LEAF_BLOCK_LOG2, NODES = BLOCK + 1 };
 
@@ -20,6 +21,11 @@ active_masks *active_init(void *block, uint32_t node_levels) {
     masks->cells = (uint64_t *)(masks + 1);
     masks->nodes = (uint8_t *)(masks->cells + ((size_t)1 << (3 * node_levels)));
     return masks;
+}
+
+float active_threshold(double iso) {
+    const float f = (float)iso;
+    return (double)f < iso ? nextafterf(f, INFINITY) : f;
 }
 
 /* Morton order of the 4^3 cells of a block, a row of 4 cells at a time: bit positions of (x = 0..3)
@@ -103,6 +109,7 @@ static void gather(sample_type type, block_samples *b, const void *samples, cons
     }
 }
 
+/* Of isovalues that lie in the treelet's own range. */
 static uint64_t block_mask(const block_samples *b, const active_set *set, bool non_finite) {
     uint8_t rows[NODES][NODES];
     uint64_t mask = 0;
@@ -131,15 +138,15 @@ static uint64_t block_mask(const block_samples *b, const active_set *set, bool n
     return mask & ~touched_cells(rows);
 }
 
-/* Cells beyond the treelet's own do not exist, though clamped samples never make them active on
- * their own axis. */
+/* Cells beyond the treelet's own do not exist, whatever codes may say. */
 static uint64_t valid_cells(const uint32_t cells[3], const uint32_t at[3]) {
     uint64_t mask = 0;
+    if (at[0] >= cells[0])
+        return 0;
+    const unsigned row = at[0] + BLOCK <= cells[0] ? 15u : (1u << (cells[0] - at[0])) - 1u;
     for (unsigned z = 0; z < BLOCK && at[2] + z < cells[2]; z++)
-        for (unsigned y = 0; y < BLOCK && at[1] + y < cells[1]; y++) {
-            unsigned row = at[0] + BLOCK <= cells[0] ? 15u : (1u << (cells[0] - at[0])) - 1u;
+        for (unsigned y = 0; y < BLOCK && at[1] + y < cells[1]; y++)
             mask |= spread_row(row) << row_shift(y, z);
-        }
     return mask;
 }
 
@@ -161,25 +168,28 @@ static uint8_t held_siblings(const uint8_t *lo, const uint8_t *hi, const quantiz
     return (uint8_t)mask;
 }
 
-uint32_t active_compute(active_masks *masks, const leaf_file *f, uint32_t t, const void *payload,
-                        const active_set *set) {
+void active_compute(active_masks *masks, const leaf_file *f, uint32_t t, const void *payload,
+                    const active_set *all) {
     const leaf_payload shape = leaf_layout_payload(&f->layout, t);
     const uint32_t levels = shape.node_levels, blocks = 1u << (3 * levels);
     const uint8_t *bytes = payload;
     const quantizer q = quantizer_of(f->own[t][0], f->own[t][1], f->layout.type);
     const bool non_finite = f->flags[t] & LEAF_FLAG_NON_FINITE;
     quantized_iso isos[ACTIVE_ISOS_MAX];
-    const int count = set->count;
-    assert(count <= ACTIVE_ISOS_MAX);
-    for (int i = 0; i < count; i++)
-        isos[i] = quantizer_iso(&q, set->isovalues[i]);
+    double inside[ACTIVE_ISOS_MAX];
+    active_set set = {0, inside};
+    assert(all->count <= ACTIVE_ISOS_MAX);
+    for (int i = 0; i < all->count; i++) {
+        isos[set.count] = quantizer_iso(&q, all->isovalues[i]);
+        inside[set.count] = all->isovalues[i];
+        set.count += isos[set.count].below >= 0;
+    }
 
     /* Leaves: blocks whose codes hold an isovalue get their exact cell mask. */
     const uint8_t *lo = bytes + leaf_codes_at(levels), *hi = lo + blocks;
-    uint32_t cells = 0;
     block_samples b;
     for (uint32_t group = 0; group < blocks; group += 8) {
-        unsigned held = held_siblings(lo + group, hi + group, isos, count), active = 0;
+        unsigned held = held_siblings(lo + group, hi + group, isos, set.count), active = 0;
         for (uint32_t c = 0; c < 8; c++) {
             uint64_t mask = 0;
             if (held >> c & 1u) {
@@ -191,10 +201,9 @@ uint32_t active_compute(active_masks *masks, const leaf_file *f, uint32_t t, con
                 }
                 gather(f->layout.type, &b, bytes + shape.samples_at, shape.samples, from,
                        f->layout.halo);
-                mask = block_mask(&b, set, non_finite) & valid_cells(shape.cells, at);
+                mask = block_mask(&b, &set, non_finite) & valid_cells(shape.cells, at);
             }
             masks->cells[group + c] = mask;
-            cells += (uint32_t)__builtin_popcountll(mask);
             active |= (unsigned)(mask != 0) << c;
         }
         if (levels > 1)
@@ -215,5 +224,15 @@ uint32_t active_compute(active_masks *masks, const leaf_file *f, uint32_t t, con
                 masks->root = (uint8_t)active;
         }
     }
-    return cells;
+}
+
+active_fn *active_for(cpu_isa isa) {
+#if defined __x86_64__ || defined __i386__
+    static active_fn *const by_isa[CPU_ISAS] = {active_compute, active_compute_sse42,
+                                                active_compute_avx2, active_compute_avx512};
+    return by_isa[isa];
+#else
+    (void)isa;
+    return active_compute;
+#endif
 }

@@ -16,6 +16,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "formats/base/cpu.h"
 #include "formats/leaf_file.h"
 
 enum { ACTIVE_ISOS_MAX = 32 };
@@ -38,10 +39,18 @@ size_t active_bytes(uint32_t node_levels);
 /* active_init() - lay the masks out in a block of active_bytes(); everything inactive. */
 active_masks *active_init(void *block, uint32_t node_levels);
 
-/* active_compute() - masks of treelet t for an isovalue set, from its payload. Returns the number
- * of active cells. */
-uint32_t active_compute(active_masks *masks, const leaf_file *f, uint32_t t, const void *payload,
-                        const active_set *set);
+/* active_compute() - masks of treelet t for an isovalue set, from its payload. Of the samples only
+ * those of blocks whose codes hold an isovalue of the set decide. */
+typedef void active_fn(active_masks *masks, const leaf_file *f, uint32_t t, const void *payload,
+                       const active_set *set);
+active_fn active_compute;
+
+/* active_for() - the same function, the same bits, for a CPU that this one is. */
+active_fn *active_for(cpu_isa isa);
+
+/* active_threshold() - the least float (inf included) that reaches iso: for every float f,
+ * f >= active_threshold(iso) is (double)f >= iso. */
+float active_threshold(double iso);
 
 /* Where level k (1 .. K-1) starts in `nodes`. */
 static inline uint32_t active_nodes_at(uint32_t k) {

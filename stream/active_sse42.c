@@ -1,0 +1,1 @@
+#include "stream/active_template.h"
