@@ -72,7 +72,8 @@ static status open_parts(leafcast *v, const char *path) {
         st = pool_create(m, v->options.threads > 0 ? v->options.threads : pool_default_threads(),
                          &v->threads);
     if (st == ST_OK)
-        st = loader_create(m, v->file, kinds[v->options.backend], LOADER_WORKERS, &v->treelets);
+        st = loader_create(m, v->file, kinds[v->options.backend], LOADER_WORKERS, cpu_best(),
+                           &v->treelets);
     if (st != ST_OK)
         return st;
     v->touched = mem_array(m, v->file->layout.treelets, sizeof *v->touched);
@@ -176,9 +177,9 @@ leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, i
         v->isovalues[i] = surfaces[i].isovalue;
     }
     v->surface_count = count;
-    const status st = loader_select(v->treelets, v->isovalues, count, v->threads);
+    loader_select(v->treelets, v->isovalues, count);
     loader_reset_statistics(v->treelets);
-    return public_status(st);
+    return LEAFCAST_OK;
 }
 
 leafcast_scene leafcast_scene_default(void) {

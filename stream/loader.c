@@ -1,6 +1,7 @@
 #include "stream/loader.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +9,7 @@
 #include "formats/base/clock.h"
 #include "formats/base/fault.h"
 
-typedef enum residence { ABSENT, QUEUED, LOADING, READY, FAILED } residence;
+typedef enum residence { ABSENT, QUEUED, LOADING, READY, SPARE, FAILED } residence;
 
 typedef struct reader {
     loader *owner;
@@ -25,13 +26,18 @@ struct loader_private {
     loader_request *queue; /* binary heap, smallest urgency first */
     size_t queued;
     treelet **places; /* READY ones, oldest first */
-    uint32_t filled, loading, capacity;
+    treelet **spares; /* SPARE ones; they have places only as long as nothing else needs them */
+    uint32_t filled, spare, loading, capacity;
     bool quit, sweeping;
     status_note failure;
     loader_stats stats;
-    /* The selected isovalues. */
+    /* The selected isovalues; read-only while anything is traced or loaded. */
     double isovalues[ACTIVE_ISOS_MAX];
     active_set set;
+    active_fn *compute;
+    atomic_size_t masks; /* made */
+    uint8_t *existing;   /* a treelet's octants that are there */
+    uint8_t *held;       /* whether a treelet's subtree holds an isovalue: room for a sweep */
     reader *readers;
     int started;
 };
@@ -99,7 +105,7 @@ static status treelet_load(loader *l, uint32_t t, source_scratch *scratch, treel
         return st;
     }
     tr->samples = (const char *)tr->payload + shape.samples_at;
-    (void)active_compute(tr->masks, l->file, t, tr->payload, &l->hidden->set);
+    loader_mask(l, tr);
     *out = tr;
     return ST_OK;
 }
@@ -116,6 +122,31 @@ static void evict(loader *l, treelet *tr) {
     atomic_store_explicit(&l->resident[tr->id], NULL, memory_order_relaxed);
     l->hidden->state[tr->id] = ABSENT;
     treelet_free(l, tr);
+}
+
+/* Give spare ones back until so many more treelets have places. */
+static void make_room(loader *l, uint32_t more) {
+    struct loader_private *h = l->hidden;
+    while (h->spare > 0 && h->filled + h->loading + h->spare + more > h->capacity)
+        evict(l, h->spares[--h->spare]);
+}
+
+/* Take a treelet out of the rays' sight, as it is. */
+static void lay_aside(loader *l, treelet *tr) {
+    struct loader_private *h = l->hidden;
+    atomic_store_explicit(&l->resident[tr->id], NULL, memory_order_relaxed);
+    h->state[tr->id] = SPARE;
+    h->spares[h->spare++] = tr;
+}
+
+/* A spare one is wanted after all. */
+static void take_back(loader *l, uint32_t t) {
+    struct loader_private *h = l->hidden;
+    uint32_t i = 0;
+    while (h->spares[i]->id != t)
+        i++;
+    publish(l, h->spares[i]);
+    h->spares[i] = h->spares[--h->spare];
 }
 
 static void evict_oldest(loader *l, uint32_t count) {
@@ -137,6 +168,7 @@ static void *read_treelets(void *arg) {
         if (h->quit)
             break;
         uint32_t t = queue_pop(h).t;
+        make_room(l, 1);
         h->state[t] = LOADING;
         h->loading++;
         pthread_mutex_unlock(&h->lock);
@@ -164,9 +196,46 @@ static void *read_treelets(void *arg) {
     return NULL;
 }
 
+/* ---- Masks ---- */
+
+static void relax(unsigned spins) {
+    if (spins % 64 == 63)
+        (void)sched_yield(); /* the one that makes them may have been put off its core */
+#if defined __x86_64__ || defined __i386__
+    __builtin_ia32_pause();
+#endif
+}
+
+void loader_mask(const loader *l, treelet *tr) {
+    struct loader_private *h = l->hidden;
+    for (unsigned spins = 0;; spins++) {
+        size_t seen = atomic_load_explicit(&tr->masked, memory_order_acquire);
+        if (seen == l->selection)
+            return;
+        if (seen != LOADER_MASKING &&
+            atomic_compare_exchange_strong_explicit(&tr->masked, &seen, LOADER_MASKING,
+                                                    memory_order_acquire, memory_order_relaxed)) {
+            h->compute(tr->masks, l->file, tr->id, tr->payload, &h->set);
+            atomic_fetch_add_explicit(&h->masks, 1, memory_order_relaxed);
+            atomic_store_explicit(&tr->masked, l->selection, memory_order_release);
+            return;
+        }
+        relax(spins);
+    }
+}
+
 /* ---- Making and ending ---- */
 
-status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, loader **out) {
+/* Which octants of every treelet there are: needed with every selection. */
+static uint8_t *existing_octants(mem *m, const leaf_layout *layout) {
+    uint8_t *existing = mem_array(m, layout->treelets, 1);
+    for (uint32_t t = 0; existing && t < layout->treelets; t++)
+        existing[t] = leaf_layout_children(layout, t);
+    return existing;
+}
+
+status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, cpu_isa isa,
+                     loader **out) {
     const size_t n = f->layout.treelets;
     status st = ST_NOMEM;
     loader *l = mem_zalloc(m, sizeof *l);
@@ -181,15 +250,19 @@ status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, loader
     pthread_cond_init(&h->work, NULL);
     pthread_cond_init(&h->done, NULL);
     h->capacity = 1;
+    h->compute = active_for(isa);
     l->own = mem_array(m, n, 1);
     l->children = mem_array(m, n, 1);
     l->resident = mem_array(m, n, sizeof *l->resident);
     h->state = mem_array(m, n, 1);
     h->queue = mem_array(m, n, sizeof *h->queue);
     h->places = mem_array(m, n, sizeof *h->places);
+    h->spares = mem_array(m, n, sizeof *h->spares);
+    h->existing = existing_octants(m, &f->layout);
+    h->held = mem_array(m, n, 1);
     h->readers = mem_array(m, (size_t)workers, sizeof *h->readers);
     if (!l->own || !l->children || !l->resident || !h->state || !h->queue || !h->places ||
-        !h->readers)
+        !h->spares || !h->existing || !h->held || !h->readers)
         goto fail;
     st = source_open(m, f, kind, &h->source);
     if (st != ST_OK)
@@ -229,11 +302,16 @@ void loader_destroy(loader *l) {
         }
         if (h->places)
             evict_oldest(l, h->filled);
+        while (h->spare > 0)
+            evict(l, h->spares[--h->spare]);
         pthread_cond_destroy(&h->done);
         pthread_cond_destroy(&h->work);
         pthread_mutex_destroy(&h->lock);
         source_close(h->source);
         mem_free(l->m, h->readers);
+        mem_free(l->m, h->held);
+        mem_free(l->m, h->existing);
+        mem_free(l->m, h->spares);
         mem_free(l->m, h->places);
         mem_free(l->m, h->queue);
         mem_free(l->m, h->state);
@@ -261,59 +339,78 @@ static void rest(struct loader_private *h) {
     quiesce(h);
 }
 
-static bool holds(const float range[2], const active_set *set) {
-    for (int i = 0; i < set->count; i++)
-        if ((double)range[0] < set->isovalues[i] && set->isovalues[i] <= (double)range[1])
-            return true;
-    return false;
+/* Of each range whether it holds an isovalue: compared as floats, without a branch. */
+static void holding(const float (*ranges)[2], uint32_t count, const active_set *set,
+                    uint8_t *held) {
+    memset(held, 0, count);
+    for (int i = 0; i < set->count; i++) {
+        const float at = active_threshold(set->isovalues[i]);
+        for (uint32_t t = 0; t < count; t++)
+            held[t] |= (uint8_t)((ranges[t][0] < at) & (ranges[t][1] >= at));
+    }
 }
 
 /* The isovalue sweep: which treelets hold a surface themselves, and which children's subtrees do.
  */
 static void sweep_ranges(loader *l) {
     const leaf_file *f = l->file;
-    const active_set *set = &l->hidden->set;
-    l->bytes_active = 0;
-    l->treelets_active = 0;
-    for (uint32_t t = 0; t < f->layout.treelets; t++) {
-        l->own[t] = holds(f->own[t], set);
-        l->bytes_active += l->own[t] ? f->sizes[t] : 0;
-        l->treelets_active += l->own[t];
-        unsigned existing = leaf_layout_children(&f->layout, t), mask = 0;
-        uint32_t child = f->layout.first_child[t];
-        for (unsigned octant = 0; octant < 8; octant++)
-            if (existing >> octant & 1u)
-                mask |= (unsigned)holds(f->ranges[child++], set) << octant;
+    const struct loader_private *h = l->hidden;
+    const uint32_t treelets = f->layout.treelets, inner = f->layout.level[0].first;
+    holding((const float(*)[2])f->own, treelets, &h->set, l->own);
+    holding((const float(*)[2])f->ranges, treelets, &h->set, h->held);
+    uint64_t bytes = 0;
+    uint32_t active = 0;
+    for (uint32_t t = 0; t < treelets; t++) {
+        bytes += l->own[t] ? f->sizes[t] : 0;
+        active += l->own[t];
+    }
+    l->bytes_active = bytes;
+    l->treelets_active = active;
+    for (uint32_t t = 0; t < inner; t++) {
+        const uint8_t *child = h->held + f->layout.first_child[t];
+        unsigned mask = 0;
+        for (unsigned left = h->existing[t]; left; left &= left - 1)
+            mask |= (unsigned)*child++ << __builtin_ctz(left);
         l->children[t] = (uint8_t)mask;
     }
 }
 
-static status remask(void *ctx, size_t index, int worker) {
-    (void)worker;
-    loader *l = ctx;
-    treelet *tr = l->hidden->places[index];
-    (void)active_compute(tr->masks, l->file, tr->id, tr->payload, &l->hidden->set);
-    return ST_OK;
+/* Resident treelets that hold a surface are READY, the others SPARE. */
+static void sort_resident(loader *l) {
+    struct loader_private *h = l->hidden;
+    const uint32_t filled = h->filled;
+    uint32_t spare = 0;
+    h->filled = 0;
+    for (uint32_t i = 0; i < filled; i++) {
+        treelet *tr = h->places[i];
+        if (l->own[tr->id])
+            h->places[h->filled++] = tr;
+        else
+            lay_aside(l, tr);
+    }
+    for (uint32_t i = 0; i < h->spare; i++) {
+        treelet *tr = h->spares[i];
+        if (l->own[tr->id])
+            publish(l, tr);
+        else
+            h->spares[spare++] = tr;
+    }
+    h->spare = spare;
 }
 
-status loader_select(loader *l, const double *isovalues, int count, pool *p) {
+void loader_select(loader *l, const double *isovalues, int count) {
     struct loader_private *h = l->hidden;
+    const size_t bytes = (size_t)count * sizeof *isovalues;
     pthread_mutex_lock(&h->lock);
     rest(h);
-    memcpy(h->isovalues, isovalues, (size_t)count * sizeof *isovalues);
-    h->set = (active_set){count, h->isovalues};
-    sweep_ranges(l);
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < h->filled; i++) {
-        if (l->own[h->places[i]->id])
-            h->places[kept++] = h->places[i];
-        else
-            evict(l, h->places[i]);
+    if (count != h->set.count || memcmp(h->isovalues, isovalues, bytes) != 0) {
+        memcpy(h->isovalues, isovalues, bytes);
+        h->set = (active_set){count, h->isovalues};
+        l->selection++;
+        sweep_ranges(l);
+        sort_resident(l);
     }
-    h->filled = kept;
     pthread_mutex_unlock(&h->lock);
-    /* Nothing is queued, so the readers stay off the places. */
-    return pool_run(p, h->filled, remask, l);
 }
 
 size_t loader_place_bytes(const loader *l) {
@@ -327,6 +424,7 @@ void loader_set_capacity(loader *l, uint32_t places) {
     pthread_mutex_lock(&h->lock);
     h->capacity = places > 0 ? places : 1;
     rest(h);
+    make_room(l, 0);
     evict_oldest(l, h->filled > h->capacity ? h->filled - h->capacity : 0);
     pthread_mutex_unlock(&h->lock);
 }
@@ -379,8 +477,11 @@ status loader_admit(loader *l, loader_request *requests, size_t count) {
     pthread_mutex_lock(&h->lock);
     quiesce(h);
     bool ready = false;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
+        if (h->state[requests[i].t] == SPARE)
+            take_back(l, requests[i].t);
         ready = ready || h->state[requests[i].t] == READY;
+    }
     if (!ready) {
         /* Oldest first: front to back, those are the ones that rays have left behind. */
         const uint32_t room = count < h->capacity ? (uint32_t)count : h->capacity;
@@ -435,6 +536,7 @@ loader_stats loader_statistics(loader *l) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     loader_stats s = h->stats;
+    s.masks = atomic_load_explicit(&h->masks, memory_order_relaxed);
     pthread_mutex_unlock(&h->lock);
     return s;
 }
@@ -443,5 +545,6 @@ void loader_reset_statistics(loader *l) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     h->stats = (loader_stats){0};
+    atomic_store_explicit(&h->masks, 0, memory_order_relaxed);
     pthread_mutex_unlock(&h->lock);
 }

@@ -4,23 +4,27 @@
  * The isovalue sweep (M08 4.4.1) over the directory says which treelets hold a surface; those that
  * are wanted are read, checked, given their masks of active cells and published by worker threads,
  * most urgent first, into at most `capacity` places. A treelet goes ABSENT -> QUEUED -> LOADING ->
- * READY, or to FAILED. READY treelets are immutable and stay until loader_admit() or
- * loader_select() evicts them, which only happens while no ray is being traced.
+ * READY, or to FAILED. READY treelets stay until loader_admit(), loader_set_capacity() or another
+ * selection takes them away, which only happens while no ray is being traced.
  *
- * Render threads look treelets up with one acquire load, and may call loader_want(); everything
- * else belongs to the thread that owns the loader.
+ * Another selection costs no more than its sweep: whoever looks a READY treelet up first makes its
+ * new masks, and treelets that hold none of the new isovalues go to SPARE, where they keep what
+ * they have read until their place is needed or their isovalue comes back.
+ *
+ * Render threads look treelets up with one acquire load of the treelet and one of its masks' state,
+ * and may call loader_want(); everything else belongs to the thread that owns the loader.
  */
 #ifndef STREAM_LOADER_H
 #define STREAM_LOADER_H
 
 #include <stdatomic.h>
 
-#include "formats/base/pool.h"
+#include "formats/base/cpu.h"
 #include "formats/leaf_file.h"
 #include "stream/active.h"
 #include "stream/source.h"
 
-/* A resident treelet. */
+/* A resident treelet. Only its masks ever change, and only from one selection to the next. */
 typedef struct treelet {
     uint32_t id;
     uint32_t level;
@@ -29,11 +33,15 @@ typedef struct treelet {
     const void *payload;
     const void *samples; /* at the halo's first sample */
     active_masks *masks;
+    atomic_size_t masked; /* the selection that they are for, 0: none; or LOADER_MASKING */
 } treelet;
+
+#define LOADER_MASKING SIZE_MAX /* some thread is making them */
 
 typedef struct loader_stats {
     uint64_t loads, bytes_read;
-    double load_s; /* summed over workers */
+    double load_s;  /* summed over workers */
+    uint64_t masks; /* made, of treelets just read and of resident ones */
 } loader_stats;
 
 typedef struct loader {
@@ -43,18 +51,21 @@ typedef struct loader {
     uint8_t *own;      /* 1: its own level holds a surface */
     uint8_t *children; /* octants whose subtree holds one, by the merged ranges */
     _Atomic(treelet *) *resident;
+    size_t selection; /* how many different ones there were */
     uint64_t bytes_active;
     uint32_t treelets_active;
     struct loader_private *hidden;
 } loader;
 
-/* loader_create() - workers >= 1 threads that read; nothing is selected yet. */
-CHECKED status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, loader **out);
+/* loader_create() - workers >= 1 threads that read; isa: for active_for(). Nothing is selected yet.
+ */
+CHECKED status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, cpu_isa isa,
+                             loader **out);
 void loader_destroy(loader *l); /* waits for reads under way; NULL is fine */
 
-/* loader_select() - the isovalues of the coming frames. Resident treelets get new masks (in
- * parallel), those that hold no isovalue are evicted. */
-CHECKED status loader_select(loader *l, const double *isovalues, int count, pool *p);
+/* loader_select() - the isovalues of the coming frames. One pass over the directory, and none when
+ * they are the same as before. */
+void loader_select(loader *l, const double *isovalues, int count);
 
 /* loader_place_bytes() - memory that one resident treelet costs; with this the caller turns a
  * budget into places. */
@@ -64,9 +75,18 @@ size_t loader_place_bytes(const loader *l);
 void loader_set_capacity(loader *l, uint32_t places);
 uint32_t loader_capacity(const loader *l);
 
-/* loader_lookup() - the treelet if it is READY, else NULL. Never waits. */
+/* loader_mask() - what loader_lookup() calls for a treelet whose masks are of another selection:
+ * makes them, or waits for the thread that does (2 to 5 us a treelet of 32^3 cells, no lock, no
+ * reading). */
+void loader_mask(const loader *l, treelet *tr);
+
+/* loader_lookup() - the treelet if it is READY, with masks of the selected isovalues, else NULL.
+ * Any thread. Never waits for a read. */
 static inline const treelet *loader_lookup(const loader *l, uint32_t t) {
-    return atomic_load_explicit(&l->resident[t], memory_order_acquire);
+    treelet *tr = atomic_load_explicit(&l->resident[t], memory_order_acquire);
+    if (tr && atomic_load_explicit(&tr->masked, memory_order_acquire) != l->selection)
+        loader_mask(l, tr);
+    return tr;
 }
 
 /* loader_want() - bring it in when a place is free; smaller urgency first. Cheap when it was asked

@@ -1,0 +1,297 @@
+/* test_loader.c - selections: what the sweep over the directory says, masks made on the first look
+ * by any number of threads at once, and treelets that keep what they have read.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "formats/base/hash.h"
+#include "formats/base/pool.h"
+#include "stream/loader.h"
+#include "tests/support/fields.h"
+#include "tests/support/leaf_files.h"
+
+enum { WORKERS = 2, THREADS = 4 };
+
+/* A treelet file, its loader, and masks made by the scalar version alone. */
+typedef struct stage {
+    mem m;
+    leaf_file *f;
+    loader *l;
+    void *stored, *payload;
+    active_masks *truth;
+    uint32_t levels;
+} stage;
+
+static void stage_open(stage *s, sample_type type, cpu_isa isa) {
+    leaf_case c = leaf_files_case(100, 70, 45, type);
+    void *samples = leaf_files_random(&c, FIELD_SEED, type == SAMPLE_F32 ? 500 : 0);
+    c.samples = samples;
+    mem_init(&s->m, 0);
+    assert_int_equal(leaf_file_open(&s->m, leaf_files_make(&c, "loader.leaf"), &s->f), ST_OK);
+    free(samples);
+    s->levels = s->f->layout.cells_log2 - LEAF_BLOCK_LOG2;
+    s->stored = mem_alloc(&s->m, leaf_layout_payload_max(&s->f->layout));
+    s->payload = mem_alloc(&s->m, leaf_layout_payload_max(&s->f->layout));
+    s->truth = active_init(mem_alloc(&s->m, active_bytes(s->levels)), s->levels);
+    assert_int_equal(loader_create(&s->m, s->f, SOURCE_ARENA, WORKERS, isa, &s->l), ST_OK);
+    loader_set_capacity(s->l, s->f->layout.treelets);
+}
+
+static void stage_close(stage *s) {
+    loader_destroy(s->l);
+    mem_free(&s->m, s->truth);
+    mem_free(&s->m, s->payload);
+    mem_free(&s->m, s->stored);
+    leaf_file_close(s->f);
+    assert_int_equal(mem_used(&s->m), 0);
+}
+
+static void load_all(stage *s) {
+    loader_sweep(s->l);
+    assert_int_equal(loader_settle(s->l), ST_OK);
+}
+
+static bool same_masks(const active_masks *a, const active_masks *b, uint32_t levels) {
+    const size_t cells = sizeof *a->cells << (3 * levels);
+    return a->root == b->root && !memcmp(a->cells, b->cells, cells) &&
+           !memcmp(a->nodes, b->nodes, active_nodes_at(levels));
+}
+
+static void assert_true_masks(stage *s, const treelet *tr, const active_set *set) {
+    assert_int_equal(leaf_file_load(s->f, tr->id, s->stored, s->payload), ST_OK);
+    active_compute(s->truth, s->f, tr->id, s->payload, set);
+    assert_true(same_masks(tr->masks, s->truth, s->levels));
+}
+
+/* ---- The sweep ---- */
+
+static bool holds(const float range[2], const double *isos, int count) {
+    for (int i = 0; i < count; i++)
+        if ((double)range[0] < isos[i] && isos[i] <= (double)range[1])
+            return true;
+    return false;
+}
+
+static void assert_swept(const stage *s, const double *isos, int count) {
+    const leaf_file *f = s->f;
+    uint64_t bytes = 0;
+    uint32_t active = 0;
+    for (uint32_t t = 0; t < f->layout.treelets; t++) {
+        const bool own = holds(f->own[t], isos, count);
+        assert_int_equal(s->l->own[t], own);
+        bytes += own ? f->sizes[t] : 0;
+        active += own;
+        const unsigned existing = leaf_layout_children(&f->layout, t);
+        uint32_t child = f->layout.first_child[t];
+        for (unsigned octant = 0; octant < 8; octant++) {
+            const bool there = existing >> octant & 1u;
+            const bool held = there && holds(f->ranges[child], isos, count);
+            assert_int_equal(s->l->children[t] >> octant & 1u, held);
+            child += there;
+        }
+    }
+    assert_int_equal(s->l->bytes_active, bytes);
+    assert_int_equal(s->l->treelets_active, active);
+}
+
+/* Ends of ranges, values beside them, and values that no float has. */
+static void test_sweep(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s, SAMPLE_F32, CPU_SCALAR);
+    assert_swept(&s, NULL, 0);
+    for (uint32_t t = 0; t < s.f->layout.treelets; t++)
+        for (int end = 0; end < 2; end++) {
+            const double at = (double)s.f->own[t][end];
+            const double isos[] = {at, nextafter(at, INFINITY), nextafter(at, -INFINITY), 1e300};
+            for (int i = 0; i < 4; i++) {
+                loader_select(s.l, &isos[i], 1);
+                assert_swept(&s, &isos[i], 1);
+            }
+            loader_select(s.l, isos, 4);
+            assert_swept(&s, isos, 4);
+        }
+    stage_close(&s);
+}
+
+/* ---- Masks on the first look ---- */
+
+static void test_lazy(void **state) {
+    (void)state;
+    static const double isos[][2] = {{120, 120}, {90.5, 90.5}, {100, 140}, {120, 140}};
+    for (int isa = CPU_SCALAR; isa <= (int)cpu_best(); isa++) {
+        stage s;
+        stage_open(&s, SAMPLE_U8, (cpu_isa)isa);
+        for (size_t i = 0; i < sizeof isos / sizeof *isos; i++) {
+            const int count = isos[i][0] == isos[i][1] ? 1 : 2;
+            const active_set set = {count, isos[i]};
+            loader_select(s.l, isos[i], count);
+            loader_reset_statistics(s.l);
+            assert_int_equal(loader_statistics(s.l).masks, 0);
+            load_all(&s);
+            /* What was read has its masks; what was there gets them when it is looked at. */
+            assert_int_equal(loader_statistics(s.l).masks, loader_statistics(s.l).loads);
+            uint32_t seen = 0;
+            for (uint32_t t = 0; t < s.f->layout.treelets; t++) {
+                const treelet *tr = loader_lookup(s.l, t);
+                assert_int_equal(tr != NULL, s.l->own[t]);
+                if (tr)
+                    assert_true_masks(&s, tr, &set);
+                seen += tr != NULL;
+            }
+            assert_true(seen > 50);
+            assert_int_equal(loader_statistics(s.l).masks, seen);
+            /* The same again: nothing to do. */
+            loader_select(s.l, isos[i], count);
+            for (uint32_t t = 0; t < s.f->layout.treelets; t++)
+                (void)loader_lookup(s.l, t);
+            assert_int_equal(loader_statistics(s.l).masks, seen);
+        }
+        stage_close(&s);
+    }
+}
+
+/* ---- Many threads at once ---- */
+
+typedef struct crowd {
+    stage *s;
+    hash_id *want; /* a treelet */
+    atomic_int wrong;
+} crowd;
+
+static hash_id hash_masks(const active_masks *masks, uint32_t levels) {
+    return hash_identity(masks->cells, active_bytes(levels) - sizeof *masks);
+}
+
+/* Every index is a walk over all treelets, so that all threads come to the same ones together. */
+static status look_at_all(void *ctx, size_t index, int worker) {
+    crowd *c = ctx;
+    (void)index;
+    (void)worker;
+    for (uint32_t t = 0; t < c->s->f->layout.treelets; t++) {
+        const treelet *tr = loader_lookup(c->s->l, t);
+        if (!tr)
+            continue;
+        const hash_id got = hash_masks(tr->masks, c->s->levels);
+        if (got.lo != c->want[t].lo || got.hi != c->want[t].hi)
+            atomic_fetch_add(&c->wrong, 1);
+    }
+    return ST_OK;
+}
+
+static void test_crowd(void **state) {
+    (void)state;
+    stage s;
+    pool *threads;
+    stage_open(&s, SAMPLE_I16, CPU_SCALAR); /* the slowest: the longest to wait for */
+    const uint32_t n = s.f->layout.treelets;
+    crowd c = {.s = &s, .want = mem_array(&s.m, n, sizeof *c.want)};
+    assert_int_equal(pool_create(&s.m, THREADS, &threads), ST_OK);
+    for (int i = 0; i < 40; i++) {
+        const double iso = -9000.0 + 450.5 * i;
+        const active_set set = {1, &iso};
+        loader_select(s.l, &iso, 1);
+        uint32_t active = 0;
+        for (uint32_t t = 0; t < n; t++) {
+            if (!s.l->own[t])
+                continue;
+            active++;
+            assert_int_equal(leaf_file_load(s.f, t, s.stored, s.payload), ST_OK);
+            active_compute(s.truth, s.f, t, s.payload, &set);
+            c.want[t] = hash_masks(s.truth, s.levels);
+        }
+        loader_reset_statistics(s.l);
+        /* Rays come while treelets are still being read, then once all are there. */
+        loader_sweep(s.l);
+        assert_int_equal(pool_run(threads, THREADS, look_at_all, &c), ST_OK);
+        assert_int_equal(loader_settle(s.l), ST_OK);
+        assert_int_equal(pool_run(threads, THREADS, look_at_all, &c), ST_OK);
+        assert_int_equal(atomic_load(&c.wrong), 0);
+        assert_int_equal(loader_statistics(s.l).masks, active);
+        assert_true(active > 0);
+    }
+    pool_destroy(threads);
+    mem_free(&s.m, c.want);
+    stage_close(&s);
+}
+
+/* ---- Spare treelets ---- */
+
+static uint32_t ready(const stage *s) {
+    uint32_t count = 0;
+    for (uint32_t t = 0; t < s->f->layout.treelets; t++)
+        count += loader_lookup(s->l, t) != NULL;
+    return count;
+}
+
+/* An isovalue that nothing holds, and back: nothing is read again. */
+static void test_kept(void **state) {
+    (void)state;
+    static const double here = 120.0, nowhere = 1e6;
+    stage s;
+    stage_open(&s, SAMPLE_U8, cpu_best());
+    loader_select(s.l, &here, 1);
+    load_all(&s);
+    const uint32_t active = s.l->treelets_active;
+    assert_int_equal(ready(&s), active);
+    loader_select(s.l, &nowhere, 1);
+    assert_int_equal(ready(&s), 0);
+    /* A point's treelet is asked for whatever its range. */
+    uint32_t one = 0;
+    while (!holds(s.f->own[one], &here, 1))
+        one++;
+    loader_request request = {one, 0};
+    assert_int_equal(loader_admit(s.l, &request, 1), ST_OK);
+    assert_int_equal(ready(&s), 1);
+    loader_select(s.l, &here, 1);
+    assert_int_equal(ready(&s), active);
+    load_all(&s);
+    assert_int_equal(loader_statistics(s.l).loads, active);
+    for (uint32_t t = 0; t < s.f->layout.treelets; t++)
+        if (s.l->own[t])
+            assert_true_masks(&s, loader_lookup(s.l, t), &(active_set){1, &here});
+    /* Fewer places: the spare ones go first, and memory with them. */
+    loader_select(s.l, &nowhere, 1);
+    assert_int_equal(loader_admit(s.l, &request, 1), ST_OK);
+    const size_t before = mem_used(&s.m);
+    loader_set_capacity(s.l, 3);
+    assert_int_equal(ready(&s), 1);
+    assert_true(mem_used(&s.m) + (active - 3) * active_bytes(s.levels) < before);
+    loader_select(s.l, &here, 1);
+    assert_int_equal(ready(&s), 3);
+    stage_close(&s);
+}
+
+/* What is spare makes room for what is wanted, and never more is held than there are places. */
+static void test_room(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s, SAMPLE_U8, cpu_best());
+    const size_t bare = mem_used(&s.m);
+    enum { PLACES = 5 };
+    loader_set_capacity(s.l, PLACES);
+    field_random r = {FIELD_SEED};
+    for (int i = 0; i < 200; i++) {
+        const double iso = 5.0 * (double)field_random_below(&r, 51);
+        loader_select(s.l, &iso, 1);
+        load_all(&s);
+        const uint32_t active = s.l->treelets_active;
+        assert_int_equal(ready(&s), active < PLACES ? active : PLACES);
+        assert_true(mem_used(&s.m) <= bare + PLACES * loader_place_bytes(s.l));
+    }
+    assert_true(loader_statistics(s.l).loads > PLACES);
+    stage_close(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_sweep), cmocka_unit_test(test_lazy),
+                                       cmocka_unit_test(test_crowd), cmocka_unit_test(test_kept),
+                                       cmocka_unit_test(test_room)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
