@@ -221,47 +221,75 @@ static bool is_active(const float f[8], double iso) {
     return below && above;
 }
 
-/* All changes of side on the way from p_in at t_in to p_out at t_out, in the unit cube of an active
- * cell: t's in order, and the side each comes from. */
-static int way_crossings(const real g[8], const real p_in[3], const real p_out[3], const real m[3],
-                         const visit *w, real t[3], bool from_inside[3]) {
-    /* Cut the way at the extrema: no piece can change sides twice. */
-    real s[4] = {0}, length = w->t_out - w->t_in, k[4];
-    bool side[4] = {trilinear(g, p_in) >= 0};
-    cubic_along(g, p_in, m, k);
-    int last = 1 + extrema(k, length, s + 1);
-    for (int i = 1; i < last; i++)
-        side[i] = value_after(g, p_in, m, s[i]) >= 0;
-    s[last] = length;
-    side[last] = trilinear(g, p_out) >= 0;
+/* The way from p_in to p_out, in the unit cube of an active cell, cut at the extrema: no piece can
+ * change sides twice. s: from the entry on, in t. */
+typedef struct way {
+    real g[8], p_in[3], m[3]; /* samples minus iso; where it begins; cells per t */
+    real s[4];
+    bool side[4];
+    int pieces;
+} way;
 
+/* The way of a visit of the ray. shift: NULL, or a step in the unit cube by which it is moved, as
+ * far as the cell reaches. */
+static way way_of(const cell *c, const line *ray, const visit *w, double iso, const real shift[3]) {
+    way y;
+    real p_out[3], k[4];
+    const real length = w->t_out - w->t_in;
+    for (int n = 0; n < 8; n++)
+        y.g[n] = (real)c->f[n] - iso;
+    local_point(c, ray, w->t_in, w->in_axis, false, y.p_in);
+    local_point(c, ray, w->t_out, w->out_axis, true, p_out);
+    for (int a = 0; a < 3; a++) {
+        y.m[a] = ray->d[a] / (c->hi[a] - c->lo[a]);
+        if (shift) {
+            y.p_in[a] = clamp01(y.p_in[a] + shift[a]);
+            p_out[a] = clamp01(p_out[a] + shift[a]);
+        }
+    }
+    cubic_along(y.g, y.p_in, y.m, k);
+    y.s[0] = 0;
+    y.side[0] = trilinear(y.g, y.p_in) >= 0;
+    y.pieces = 1 + extrema(k, length, y.s + 1);
+    for (int i = 1; i < y.pieces; i++)
+        y.side[i] = value_after(y.g, y.p_in, y.m, y.s[i]) >= 0;
+    y.s[y.pieces] = length;
+    y.side[y.pieces] = trilinear(y.g, p_out) >= 0;
+    return y;
+}
+
+/* All changes of side on the way of a visit: t's in order, and the side each comes from. */
+static int cell_crossings(const cell *c, const line *ray, const visit *w, double iso, real t[3],
+                          bool from_inside[3]) {
+    const way y = way_of(c, ray, w, iso, NULL);
     int count = 0;
-    for (int i = 0; i < last; i++) {
-        if (side[i] == side[i + 1])
+    for (int i = 0; i < y.pieces; i++) {
+        if (y.side[i] == y.side[i + 1])
             continue;
-        from_inside[count] = side[i];
-        t[count++] = w->t_in + bisect(g, p_in, m, s[i], s[i + 1], side[i]);
+        from_inside[count] = y.side[i];
+        t[count++] = w->t_in + bisect(y.g, y.p_in, y.m, y.s[i], y.s[i + 1], y.side[i]);
     }
     return count;
 }
 
-/* The same for a visit of the ray. shift: NULL, or a step in the unit cube by which the way is
- * moved, as far as the cell reaches. */
-static int cell_crossings(const cell *c, const line *ray, const visit *w, double iso,
-                          const real shift[3], real t[3], bool from_inside[3]) {
-    real g[8], p_in[3], p_out[3], m[3];
-    for (int n = 0; n < 8; n++)
-        g[n] = (real)c->f[n] - iso;
-    local_point(c, ray, w->t_in, w->in_axis, false, p_in);
-    local_point(c, ray, w->t_out, w->out_axis, true, p_out);
-    for (int a = 0; a < 3; a++) {
-        m[a] = ray->d[a] / (c->hi[a] - c->lo[a]);
-        if (shift) {
-            p_in[a] = clamp01(p_in[a] + shift[a]);
-            p_out[a] = clamp01(p_out[a] + shift[a]);
-        }
+/* Whether the moved way changes side as often as before, and each time within `limit` of the t it
+ * was. */
+static bool crossings_stay(const way *y, real t_in, const real t[3], int count, real limit) {
+    int n = 0;
+    for (int i = 0; i < y->pieces; i++) {
+        if (y->side[i] == y->side[i + 1])
+            continue;
+        if (n == count)
+            return false;
+        /* A piece changes sides once: between two points on different sides of it. */
+        const real before = t[n] - limit - t_in, after = t[n] + limit - t_in;
+        n++;
+        if (before > y->s[i + 1] || after < y->s[i] ||
+            (before > y->s[i] && (value_after(y->g, y->p_in, y->m, before) >= 0) != y->side[i]) ||
+            (after < y->s[i + 1] && (value_after(y->g, y->p_in, y->m, after) >= 0) == y->side[i]))
+            return false;
     }
-    return way_crossings(g, p_in, p_out, m, w, t, from_inside);
+    return n == count;
 }
 
 static double cells_per_t(const cell *c, const line *ray) {
@@ -313,7 +341,7 @@ static void visit_cell(query *q, const visit *w) {
             continue;
         real t[3];
         bool from_inside[3];
-        int count = cell_crossings(&c, &q->ray, w, q->isos[i], NULL, t, from_inside);
+        int count = cell_crossings(&c, &q->ray, w, q->isos[i], t, from_inside);
         for (int n = 0; n < count; n++) {
             ref_hit hit = {
                 .t = (double)t[n], .t_exact = t[n], .iso = i, .from_inside = from_inside[n]};
@@ -586,20 +614,18 @@ bool ref_cell_grazing(const double o[3], const double d[3], const double lo[3], 
     if (q.visit_count == 0 || !is_active(c.f, iso))
         return false;
 
-    real m[3], sideways[3], t[3], moved[3], limit = change / cells_per_t(&c, &q.ray);
+    real m[3], sideways[3], t[3], limit = change / cells_per_t(&c, &q.ray);
     bool from_inside[3];
-    int count = cell_crossings(&c, &q.ray, &w, iso, NULL, t, from_inside);
+    int count = cell_crossings(&c, &q.ray, &w, iso, t, from_inside);
     for (int a = 0; a < 3; a++)
         m[a] = q.ray.d[a] / (c.hi[a] - c.lo[a]);
     for (int n = 0; n < REF_SIDEWAYS; n++) {
         ref_sideways(m, n, sideways);
         for (int a = 0; a < 3; a++)
             sideways[a] *= shift;
-        if (cell_crossings(&c, &q.ray, &w, iso, sideways, moved, from_inside) != count)
+        const way moved = way_of(&c, &q.ray, &w, iso, sideways);
+        if (!crossings_stay(&moved, w.t_in, t, count, limit))
             return true;
-        for (int i = 0; i < count; i++)
-            if (fabsl(moved[i] - t[i]) > limit)
-                return true;
     }
     return false;
 }
