@@ -165,6 +165,7 @@ $(TESTS) $(TOOLS) $(FUZZERS): $B/tests/%: $B/obj/tests/%.o $(SUPPORT) $(LIB)
 tests: all $(TESTS) $(TOOLS)
 run-tests: all $(TOOLS) $(filter $B/%,$(RUN))
 	@LEAFCAST_BUILD=$(CURDIR)/$B LEAFCAST=$(CURDIR)/$(FRONT) \
+	    LEAFCAST_COMPILE=$(call quoted,$(CC) $(ALL_C)) LEAFCAST_LIBS='$(ALL_LIBS) -lcmocka' \
 	    scripts/run-tests --timeout $(TIMEOUT) $(RUN)
 
 # These two need nothing but make and a compiler: libraries are looked for after the set-up.

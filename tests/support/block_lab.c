@@ -11,6 +11,7 @@ enum {
     CHUNK = 256,
     SIZE = 4, /* nodes an axis, about */
     SHOWN = 3,
+    FACES = 20,     /* rays beside each, of which only the faces' sides are looked at */
     SAMPLED = 16,   /* one ray in so many is asked whether it grazes, besides those that differ */
     ROOTS_MAX = 64, /* along a ray through a block */
     VISITS_MAX = 64
@@ -162,20 +163,39 @@ static ref_ray block_ray(const block *b, int which, uint64_t seed, uint64_t i, b
     return line;
 }
 
-static ref_verdict judge_ray(const block *b, const ref_ray *line, bool aimed, uint64_t index,
-                             ref_tally *tally, bool *sound) {
-    ref_visit walk[VISITS_MAX];
-    ref_hit hits[ROOTS_MAX];
-    double t[ROOTS_MAX];
+static ray kernel_ray(const ref_ray *line) {
     ray r = {.t0 = 0, .t1 = INFINITY};
-    *sound = true;
     for (int a = 0; a < 3; a++) {
         r.o[a] = r.held[a] = line->o[a];
         r.d[a] = line->d[a] == 0 ? 0 : line->d[a];
     }
+    return r;
+}
+
+/* Rays that pass grid points to within rounding. */
+static bool faces_keep_sides(const block *b, uint64_t seed, uint64_t index) {
+    bool faces = true;
+    field_random mix = {~seed * 0x9e3779b97f4a7c15u + index};
+    field_random r = {field_random_bits(&mix)};
+    for (int i = 0; i < FACES; i++) {
+        const ref_ray line = field_aimed_ray(&b->v, &r, i & 1 ? 4 : -0.2);
+        const ray k = kernel_ray(&line);
+        double t[ROOTS_MAX];
+        block_roots(b, &k, t, &faces);
+    }
+    return faces;
+}
+
+static ref_verdict judge_ray(const block *b, const ref_ray *line, bool aimed, uint64_t seed,
+                             uint64_t index, ref_tally *tally, bool *sound) {
+    ref_visit walk[VISITS_MAX];
+    ref_hit hits[ROOTS_MAX];
+    double t[ROOTS_MAX];
+    const ray r = kernel_ray(line);
+    *sound = b->f.axis[0] || faces_keep_sides(b, seed, index);
     if (!aimed) {
         const size_t length = ref_visits(&b->v, line, NULL, walk, VISITS_MAX);
-        *sound = length <= VISITS_MAX && walks_alike(b, &r, walk, length);
+        *sound = *sound && length <= VISITS_MAX && walks_alike(b, &r, walk, length);
     }
     const size_t truth = ref_trace(&b->v, line, &b->f.iso, 1, NULL, hits, ROOTS_MAX);
     const int count = block_roots(b, &r, t, sound);
@@ -215,10 +235,11 @@ static status run_chunk(void *ctx, size_t at, int worker) {
     for (uint64_t i = at * CHUNK; i < job->count && i < (at + 1) * CHUNK; i++) {
         bool aimed, sound;
         const ref_ray line = block_ray(run->b, job->which, job->seed, i, &aimed);
-        const ref_verdict verdict = judge_ray(run->b, &line, aimed, i, &c->tally, &sound);
+        const ref_verdict verdict =
+            judge_ray(run->b, &line, aimed, job->seed, i, &c->tally, &sound);
         c->broken += !sound;
         if ((is_fault(verdict) || !sound) && c->noted < SHOWN) {
-            c->what[c->noted] = sound ? ref_verdict_name(verdict) : "broken walk";
+            c->what[c->noted] = sound ? ref_verdict_name(verdict) : "broken walk or face";
             c->faults[c->noted++] = i;
         }
     }
@@ -262,10 +283,10 @@ int block_lab_rerun(int argc, char **argv) {
     const uint64_t seed = strtoull(argv[1], NULL, 10), index = strtoull(argv[2], NULL, 10);
     block_make(&b, which, seed);
     const ref_ray line = block_ray(&b, which, seed, index, &aimed);
-    const ref_verdict verdict = judge_ray(&b, &line, aimed, index, &tally, &sound);
+    const ref_verdict verdict = judge_ray(&b, &line, aimed, seed, index, &tally, &sound);
     printf("o %.17g %.17g %.17g\nd %.17g %.17g %.17g\n%s%s\n", line.o[0], line.o[1], line.o[2],
            line.d[0], line.d[1], line.d[2], ref_verdict_name(verdict),
-           sound ? "" : ", broken walk");
+           sound ? "" : ", broken walk or face");
     field_release(&b.f);
     return is_fault(verdict) || !sound;
 }

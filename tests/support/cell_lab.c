@@ -207,6 +207,7 @@ static const char *worth(const trial *t, int x, cell_lab_tally *one) {
     }
     if (is_film(t, a, ((1u << longer) - 1) & ~match)) {
         one->thin = 2;
+        fault = "thin";
     } else if (alone > 0 && !(alone % 2 == 0 && alone_near == alone)) {
         *(truth_longer ? &one->missed : &one->false_hits) = alone;
         fault = truth_longer ? "missed" : "false";
@@ -234,7 +235,7 @@ static const char *judge(const trial *t, int x, cell_lab_tally *sum) {
     const answer *a = &t->of[x];
     cell_lab_tally one;
     const char *fault = worth(t, x, &one);
-    if ((fault || one.thin) && t->grazing) {
+    if (fault && t->grazing) {
         one = (cell_lab_tally){.cells = 1, .excused = 1};
         fault = NULL;
     }
