@@ -32,8 +32,8 @@ static hit first_hit(const cell_batch *b, int lane, const double *isovalues, int
     return best;
 }
 
-void cell_batch_scalar(const cell_batch *b, int lanes, const double *isovalues, int count,
-                       leafcast_intersector how, cell_batch_hits *out) {
+static void cell_batch_scalar(const cell_batch *b, int lanes, const double *isovalues, int count,
+                              leafcast_intersector how, cell_batch_hits *out) {
     const intersect_fn next_hit = intersector_find(how)->next_hit;
     out->found = out->entering = out->at_exit = 0;
     for (int k = 0; k < lanes; k++) {
@@ -49,7 +49,22 @@ void cell_batch_scalar(const cell_batch *b, int lanes, const double *isovalues, 
     }
 }
 
+#if defined __x86_64__ || defined __i386__
+void cell_batch_sse42(const cell_batch *b, int lanes, const double *isovalues, int count,
+                      leafcast_intersector how, cell_batch_hits *out);
+void cell_batch_avx2(const cell_batch *b, int lanes, const double *isovalues, int count,
+                     leafcast_intersector how, cell_batch_hits *out);
+void cell_batch_avx512(const cell_batch *b, int lanes, const double *isovalues, int count,
+                       leafcast_intersector how, cell_batch_hits *out);
+#endif
+
 cell_batch_fn cell_batch_for(cpu_isa isa) {
-    (void)isa;
-    return cell_batch_scalar;
+    switch (isa) {
+#if defined __x86_64__ || defined __i386__
+    case CPU_AVX512: return cell_batch_avx512;
+    case CPU_AVX2: return cell_batch_avx2;
+    case CPU_SSE42: return cell_batch_sse42;
+#endif
+    default: return cell_batch_scalar;
+    }
 }

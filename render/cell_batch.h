@@ -41,8 +41,4 @@ typedef void (*cell_batch_fn)(const cell_batch *b, int lanes, const double *isov
 /* cell_batch_for() - the version for an ISA that this CPU has (see cpu.h). */
 cell_batch_fn cell_batch_for(cpu_isa isa);
 
-/* cell_batch_scalar() - the truth: for CPU_SCALAR. */
-void cell_batch_scalar(const cell_batch *b, int lanes, const double *isovalues, int count,
-                       leafcast_intersector how, cell_batch_hits *out);
-
 #endif

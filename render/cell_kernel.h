@@ -41,11 +41,10 @@ typedef struct cell_visit {
 #define CELL_STEPS_MAX  200
 #define CELL_LAST_BIT   0x1p-53 /* of [0, 1] */
 #define CELL_SERIES_MAX 0x1p-10 /* largest second and third term of a step to be believed */
-#define CELL_NEAR_END                                                          \
-    1e-6 /* an end this near to the isovalue, of a cubic scaled to [1, 2), may \
-            hide an extremum behind it */
-#define CELL_ORDINARY_MIN  0x1p-300 /* largest control values between which no power of two can */
-#define CELL_ORDINARY_MAX  0x1p300  /* make a product vanish or overflow */
+#define CELL_NEAR_END   1e-6    /* see cell_roots(); of control values scaled to [1, 2) */
+/* Largest control values between which no product vanishes or overflows for want of scaling. */
+#define CELL_ORDINARY_MIN  0x1p-300
+#define CELL_ORDINARY_MAX  0x1p300
 #define CELL_EXPONENT_BITS UINT64_C(0x7ff0000000000000)
 
 /* cell_visit_of() - whether the ray visits the cell within [t0, t1]; *visit is set only then. */

@@ -142,23 +142,46 @@ static void sort(double *x, int n) {
         }
 }
 
-static bool schwarze(const ray *r, const cell_visit *v, const float samples[8], double iso,
-                     int32_t iso_index, uint64_t cell, const hit *after, hit *found) {
-    (void)r;
-    double b[4], roots[3];
-    if (!cell_cubic(v, samples, iso, b))
-        return false;
+typedef struct crossing {
+    double s;
+    bool entering;
+} crossing;
+
+/* The roots in [0, 1], ascending. */
+static int schwarze_crossings(const double b[4], crossing out[3]) {
+    double roots[3];
     const polynomial f = polynomial_of(b);
     const int n = solve_cubic(&f, roots);
+    int count = 0;
     sort(roots, n);
     for (int i = 0; i < n; i++) {
         const double s = roots[i];
-        if (!(s >= 0.0 && s <= 1.0))
-            continue;
-        const bool entering = f.c[1] + s * (2.0 * f.c[2] + s * 3.0 * f.c[3]) > 0.0;
-        if (report(v, s, entering, iso_index, cell, after, found))
-            return true;
+        if (s >= 0.0 && s <= 1.0)
+            out[count++] = (crossing){s, f.c[1] + s * (2.0 * f.c[2] + s * 3.0 * f.c[3]) > 0.0};
     }
+    return count;
+}
+
+bool intersect_schwarze(const double b[4], double *s, bool *entering) {
+    crossing found[3];
+    if (schwarze_crossings(b, found) == 0)
+        return false;
+    *s = found[0].s;
+    *entering = found[0].entering;
+    return true;
+}
+
+static bool schwarze(const ray *r, const cell_visit *v, const float samples[8], double iso,
+                     int32_t iso_index, uint64_t cell, const hit *after, hit *found) {
+    (void)r;
+    double b[4];
+    crossing at[3];
+    if (!cell_cubic(v, samples, iso, b))
+        return false;
+    const int n = schwarze_crossings(b, at);
+    for (int i = 0; i < n; i++)
+        if (report(v, at[i].s, at[i].entering, iso_index, cell, after, found))
+            return true;
     return false;
 }
 

@@ -33,6 +33,10 @@ const intersector *intersector_at(int index);
 /* intersector_find() - by the public interface's constant; NULL when there is none such. */
 const intersector *intersector_find(leafcast_intersector id);
 
+/* intersect_schwarze() - the first root in [0, 1] of the cubic with control values b as `schwarze`
+ * finds it, for the SIMD versions; false, with nothing set, when there is none. */
+bool intersect_schwarze(const double b[4], double *s, bool *entering);
+
 /* intersector_named() - by name; NULL when there is none such. */
 const intersector *intersector_named(const char *name);
 

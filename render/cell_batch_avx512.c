@@ -1,0 +1,1 @@
+#include "render/cell_batch_template.h"
