@@ -29,10 +29,10 @@ static void begin_row(bench_table *t, const heat *h, const bench_racer *r, const
     bench_table_add(t, "%s", h->label);
     bench_table_add(t, "%g", h->zoom > 0.0 ? h->zoom : 1.0);
     bench_table_add(t, "%ux%u", r->camera.width, r->camera.height);
-    bench_table_add(t, "%d", r->stats.threads);
     bench_table_add(t, "%s", isa);
+    bench_table_add(t, "%d", r->stats.threads);
 }
-#define BEGIN_HEADINGS "volume|view|zoom|size|threads|isa|"
+#define BEGIN_HEADINGS "volume|view|zoom|size|isa|threads|"
 
 static status run_heat(bench_job *job, const heat *h) {
     const char *isas[BENCH_ISAS];

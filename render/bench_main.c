@@ -14,17 +14,18 @@
 
 typedef struct bench_options {
     cli_common common;
-    const char *suite, *plot, *folder, *scratch, *data;
+    const char *suite, *plot, *folder, *scratch, *data, *against, *baselines;
     int form; /* 0: as the suite says */
     bench_job job;
 } bench_options;
 
-enum { RUNS = 0x3000, COUNT, PLOT, OUT, SCRATCH, DATA, FORM, LARGEST, AGAINST };
+enum { RUNS = 0x3000, COUNT, PLOT, OUT, SCRATCH, DATA, FORM, LARGEST, AGAINST, BASELINES };
 enum { BRIEF = 1, FULL };
 
 static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Measuring:", 1},
-    {"against", AGAINST, "FILE.csv", 0, "counts: fail where one is off its tolerance", 0},
+    {"against", AGAINST, "DIR", 0, "fail where a count is off its tolerance in DIR/SUITE.csv", 0},
+    {"baselines", BASELINES, "DIR", 0, "write this run's counts, with tolerances, there", 0},
     {"data", DATA, "DIR", 0, "where the papers' volumes are ($LEAFCAST_DATA or ../shared/data)", 0},
     {"form", FORM, "NAME", 0, "brief (small volumes; what `all` does) or full", 0},
     {"largest", LARGEST, "N", 0, "figure414: up to N^3 samples (1024)", 0},
@@ -59,7 +60,8 @@ static status set_option(bench_options *o, int key, const char *text) {
     case OUT: o->folder = text; return ST_OK;
     case SCRATCH: o->scratch = text; return ST_OK;
     case DATA: o->data = text; return ST_OK;
-    case AGAINST: o->job.baseline = text; return ST_OK;
+    case AGAINST: o->against = text; return ST_OK;
+    case BASELINES: o->baselines = text; return ST_OK;
     default: return ST_AGAIN;
     }
 }
@@ -91,23 +93,31 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
 
 /* ---- results ---- */
 
-/* The table as CSV, or its picture, to a file that appears when it is complete. */
-static status write_table(bench_options *o, const bench_suite *suite, const char *path, bool plot) {
-    const bench_table *t = &o->job.table;
+typedef enum product { PRODUCT_CSV, PRODUCT_PLOT, PRODUCT_BASELINE } product;
+
+static void print_product(const bench_table *t, const bench_suite *suite, product what, FILE *out) {
+    int charts = 0;
+    while (charts < BENCH_SUITE_CHARTS && suite->charts[charts].column)
+        charts++;
+    if (what == PRODUCT_CSV)
+        bench_table_csv(t, out);
+    else if (what == PRODUCT_BASELINE)
+        bench_baseline_write(t, suite->labels, suite->counts, out);
+    else if (suite->curve.x)
+        bench_curve_draw(t, &suite->curve, out);
+    else
+        bench_plot(t, suite->labels, suite->charts, charts, out);
+}
+
+/* To a file that appears when it is complete. */
+static status write_product(bench_options *o, const bench_suite *suite, const char *path,
+                            product what) {
     char *text = NULL;
     size_t size = 0;
-    int charts = 0;
     FILE *stream = open_memstream(&text, &size);
     if (!stream)
         return status_describe(ST_NOMEM, "no memory for the table");
-    while (charts < BENCH_SUITE_CHARTS && suite->charts[charts].column)
-        charts++;
-    if (!plot)
-        bench_table_csv(t, stream);
-    else if (suite->curve.x)
-        bench_curve_draw(t, &suite->curve, stream);
-    else
-        bench_plot(t, suite->labels, suite->charts, charts, stream);
+    print_product(&o->job.table, suite, what, stream);
     fclose(stream);
     out_file *f = NULL;
     status st = out_file_create(&o->job.m, path, o->common.force, &f);
@@ -128,29 +138,62 @@ static status refuse_existing(const bench_options *o, const char *path) {
     return status_describe(ST_EXISTS, "%s exists (--force overwrites)", path);
 }
 
-/* DIR/SUITE.csv and the like, in the folder of --out. */
+/* DIR/SUITE.csv and the like, in the folders of --out and --baselines. */
 typedef struct folder_names {
-    char csv[PATH_MAX], svg[PATH_MAX], png[PATH_MAX];
+    char csv[PATH_MAX], svg[PATH_MAX], png[PATH_MAX], baseline[PATH_MAX];
 } folder_names;
 
-static status names_in(const bench_options *o, const bench_suite *suite, folder_names *n) {
-    if (strlen(o->folder) > PATH_MAX - 64)
-        return status_describe(ST_USAGE, "%s: too long a path", o->folder);
-    if (mkdir(o->folder, 0777) != 0 && errno != EEXIST)
-        return file_failed(errno, o->folder, "cannot make the folder");
-    snprintf(n->csv, sizeof n->csv, "%.4000s/%s.csv", o->folder, suite->name);
-    snprintf(n->svg, sizeof n->svg, "%.4000s/%s.svg", o->folder, suite->name);
-    snprintf(n->png, sizeof n->png, "%.4000s/%s.png", o->folder, suite->name);
-    status st = refuse_existing(o, n->csv);
+static status name_in(const bench_options *o, const char *folder, const bench_suite *suite,
+                      const char *extension, char path[PATH_MAX]) {
+    if (!folder)
+        return ST_OK;
+    if (strlen(folder) > PATH_MAX - 64)
+        return status_describe(ST_USAGE, "%s: too long a path", folder);
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+        return file_failed(errno, folder, "cannot make the folder");
+    snprintf(path, PATH_MAX, "%.4000s/%s%s", folder, suite->name, extension);
+    return refuse_existing(o, path);
+}
+
+static status names_of(const bench_options *o, const bench_suite *suite, folder_names *n) {
+    status st = name_in(o, o->folder, suite, ".csv", n->csv);
     if (st == ST_OK)
-        st = refuse_existing(o, n->svg);
-    return st == ST_OK && suite->picture ? refuse_existing(o, n->png) : st;
+        st = name_in(o, o->folder, suite, ".svg", n->svg);
+    if (st == ST_OK && suite->picture)
+        st = name_in(o, o->folder, suite, ".png", n->png);
+    return st == ST_OK && suite->counts ? name_in(o, o->baselines, suite, ".csv", n->baseline) : st;
+}
+
+static status write_products(bench_options *o, const bench_suite *suite,
+                             const folder_names *names) {
+    const char *csv = suite->picture ? NULL : o->common.output;
+    status st = csv ? write_product(o, suite, csv, PRODUCT_CSV) : ST_OK;
+    if (st == ST_OK && o->plot)
+        st = write_product(o, suite, o->plot, PRODUCT_PLOT);
+    if (st == ST_OK && o->folder)
+        st = write_product(o, suite, names->csv, PRODUCT_CSV);
+    if (st == ST_OK && o->folder)
+        st = write_product(o, suite, names->svg, PRODUCT_PLOT);
+    if (st == ST_OK && o->baselines && suite->counts)
+        st = write_product(o, suite, names->baseline, PRODUCT_BASELINE);
+    return st;
+}
+
+static status check_counts(bench_options *o, const bench_suite *suite) {
+    char path[PATH_MAX];
+    bench_verdict v;
+    if (!o->against || !suite->counts)
+        return ST_OK;
+    snprintf(path, sizeof path, "%.4000s/%s.csv", o->against, suite->name);
+    status st = bench_baseline_check(&o->job.m, &o->job.table, suite->labels, path, &v);
+    cli_note(&o->common, 1, "%s: %d counts within tolerance, %d off, %d of kernels not here",
+             suite->name, v.within, v.off, v.absent);
+    return st;
 }
 
 static status run_suite(bench_options *o, const bench_suite *suite) {
     folder_names names;
-    const char *csv = suite->picture ? NULL : o->common.output;
-    status st = o->folder ? names_in(o, suite, &names) : ST_OK;
+    status st = names_of(o, suite, &names);
     if (st == ST_OK)
         st = refuse_existing(o, o->common.output);
     if (st == ST_OK)
@@ -162,32 +205,32 @@ static status run_suite(bench_options *o, const bench_suite *suite) {
     if (o->job.table.rows > 0)
         bench_table_print(&o->job.table, stdout);
     fflush(stdout);
-    if (st == ST_OK && csv)
-        st = write_table(o, suite, csv, false);
-    if (st == ST_OK && o->plot)
-        st = write_table(o, suite, o->plot, true);
-    if (st == ST_OK && o->folder)
-        st = write_table(o, suite, names.csv, false);
-    return st == ST_OK && o->folder ? write_table(o, suite, names.svg, true) : st;
+    if (st == ST_OK)
+        st = write_products(o, suite, &names);
+    return st == ST_OK ? check_counts(o, suite) : st;
 }
 
-/* Every suite; one that lacks something here is passed over. */
+/* Every suite; one that lacks something here is passed over, one whose counts are off does not
+ * keep the others from being looked at. */
 static status run_all(bench_options *o) {
-    if (!o->folder || o->common.output || o->plot || o->job.target)
-        return status_describe(ST_USAGE, "bench all takes --out DIR, and no file");
+    if (o->common.output || o->plot || o->job.target)
+        return status_describe(ST_USAGE, "bench all takes no file and no -o; --out DIR");
+    status_note off = {ST_OK, ""};
     status st = ST_OK;
     const bench_suite *suite;
     for (int i = 0; (suite = bench_suite_at(i)) && st == ST_OK; i++) {
-        if (suite->alone)
+        if (suite->alone || (suite->picture && !o->folder))
             continue;
         cli_note(&o->common, 1, "%s", suite->name);
         st = run_suite(o, suite);
-        if (st == ST_UNSUPPORTED) {
+        if (st == ST_UNSUPPORTED)
             cli_note(&o->common, 1, "%s: passed over: %s", suite->name, status_text());
+        if (st == ST_FAILED && off.st == ST_OK)
+            status_note_take(&off, st);
+        if (st == ST_UNSUPPORTED || st == ST_FAILED)
             st = ST_OK;
-        }
     }
-    return st;
+    return st == ST_OK && off.st != ST_OK ? status_note_raise(&off) : st;
 }
 
 static status run(bench_options *o) {
@@ -227,7 +270,7 @@ static char *describe(void) {
             fputs(*at == '\n' ? "\n      " : (const char[]){*at, 0}, out);
         fputc('\n', out);
     }
-    fputs("  all --out DIR\n      all of them, in brief\n"
+    fputs("  all\n      all of them, in brief\n"
           "The table goes to standard output, with -o FILE.csv also there as CSV. Suites that are "
           "given no file measure the papers' volumes, from the data folder where they are there, "
           "and generated ones.",

@@ -124,7 +124,7 @@ status bench_pareto(bench_job *job) {
     bench_table_init(&job->table,
                      "Time against error: intersector x level of detail x pixels, against marmitt "
                      "at level 0; one thread, medians of CPU time, runs interleaved",
-                     "volume|intersector|level|size|isa|ms|+-|x exact|rms cells|worst cells|"
+                     "volume|intersector|level|size|kernels|ms|+-|x exact|rms cells|worst cells|"
                      "wrong px|wrong %|nodes/ray|cells/ray|active MB|read MB|peak MB|front");
     bench_subject s;
     status st = bench_suite_subject(job, names, brief, 0, &s);

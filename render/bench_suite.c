@@ -5,6 +5,7 @@
 #include "render/bench_figure.h"
 #include "render/bench_frames.h"
 #include "render/bench_intersect.h"
+#include "render/bench_nodes.h"
 #include "render/bench_pareto.h"
 #include "render/bench_threads.h"
 #include "render/bench_walk.h"
@@ -143,30 +144,54 @@ static status figure49(bench_job *job) {
 
 /* ---- the table ---- */
 
+/* What every suite of whole frames counts. */
+static const bench_count FRAME_COUNTS[] = {
+    {"nodes/ray", 0.03}, {"cells/ray", 0.03}, {"roots/ray", 0.01}, {"active MB", 0.0},
+    {"read MB", 0.05},   {"differ", 0.0},     {NULL, 0.0}};
+static const bench_count PARETO_COUNTS[] = {
+    {"rms cells", 0.05}, {"wrong px", 0.05}, {"active MB", 0.0}, {NULL, 0.0}};
+static const bench_count NODE_COUNTS[] = {
+    {"tree MB", 0.0},    {"tree/raw", 0.0}, {"nodes/ray", 0.01}, {"corners/ray", 0.01},
+    {"cells/ray", 0.01}, {"hits", 0.0},     {NULL, 0.0}};
+static const bench_count INTERSECTOR_COUNTS[] = {
+    {"ray-cells", 0.0}, {"surfaces", 0.0}, {"missed", 0.05}, {"false", 0.05}, {NULL, 0.0}};
+
 static const bench_suite SUITES[] = {
     {.name = "intersectors",
      .takes = "[marschner-lobb | noise | F.leaf --iso V]",
      .about = "the cell intersectors: what they miss, how far off they are,\n"
               "how long they take (M08 tables 4.5, 4.6)",
+     .counts = INTERSECTOR_COUNTS,
      .run = intersectors,
      .labels = 2,
      .charts = {{"ns/ray-cell", "+-", false}, {"rms cells", NULL, true}}},
     {.name = "steps",
      .takes = "[F.leaf --iso V]",
      .about = "traversal steps of single rays and of tiles (M08 table 4.1)",
+     .counts = FRAME_COUNTS,
      .run = bench_steps,
-     .labels = 6,
+     .labels = 5,
      .charts = {{"nodes/ray", NULL, false}, {"cells/ray", NULL, false}}},
+    {.name = "nodes",
+     .takes = "[F.leaf --iso V]",
+     .about = "what nodes and looser ranges cost (M08 tables 4.2 to 4.4)",
+     .counts = NODE_COUNTS,
+     .run = bench_nodes,
+     .labels = 4,
+     .charts = {{"tree/raw", NULL, false}, {"ns/ray", "+-", false}, {"nodes/ray", NULL, false}}},
     {.name = "frames",
      .takes = "[F.leaf --iso V]",
      .about = "frames of many volumes, standard and close (M08 table 4.7)",
+     .counts = FRAME_COUNTS,
      .run = bench_frames,
-     .labels = 6,
+     .labels = 5,
      .charts = {{"Mray/s", NULL, false}, {"cells/ray", NULL, false}, {"read MB", NULL, false}}},
     {.name = "figure414",
      .takes = "",
      .about = "one field on 32^3 to 1024^3 samples (M08 figure 4.14)",
+     .counts = FRAME_COUNTS,
      .run = bench_figure414,
+     .labels = 5,
      .curve = {.x = "samples",
                .y = "x smallest",
                .series = {"isa", NULL},
@@ -175,13 +200,17 @@ static const bench_suite SUITES[] = {
     {.name = "zoom",
      .takes = "[F.leaf --iso V]",
      .about = "experiment E4: far, near and inside, zoom 0.5 to 50",
+     .counts = FRAME_COUNTS,
      .run = bench_zoom,
+     .labels = 5,
      .curve =
          {.x = "zoom", .y = "Mray/s", .series = {"view", "isa"}, .log_x = true, .joined = true}},
     {.name = "pareto",
      .takes = "[F.leaf --iso V]",
      .about = "time against error: intersector x level of detail x pixels",
+     .counts = PARETO_COUNTS,
      .run = bench_pareto,
+     .labels = 4,
      .curve = {.x = "ms",
                .y = "rms cells",
                .series = {"intersector", NULL},
@@ -193,6 +222,7 @@ static const bench_suite SUITES[] = {
      .takes = "[F.leaf --iso V]",
      .about = "1 to --threads threads, beside a loop that only computes",
      .run = bench_threads,
+     .labels = 2,
      .curve = {.x = "threads", .y = "frame/loop", .series = {"volume", NULL}, .joined = true}},
     {.name = "walk",
      .takes = "[F.leaf --iso V]",

@@ -5,6 +5,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
+#include "render/bench_baseline.h"
 #include "render/bench_curve.h"
 #include "render/bench_plot.h"
 #include "render/bench_store.h"
@@ -16,9 +17,8 @@ typedef struct bench_job {
     mem m;
     bench_store *store; /* volumes to measure on; for suites that need none, NULL */
     view_options view;
-    const char *target;   /* a treelet file or a field; NULL: the suite's own volumes */
-    const char *output;   /* figure49: its picture */
-    const char *baseline; /* counts: what to hold them against; NULL: nothing */
+    const char *target; /* a treelet file or a field; NULL: the suite's own volumes */
+    const char *output; /* figure49: its picture */
     bool force;
     bool brief;  /* small volumes: to see that all works */
     int largest; /* figure414: no larger volume than this along an axis */
@@ -38,7 +38,8 @@ typedef struct bench_suite {
     status (*run)(bench_job *job);
     bool picture;                           /* -o is a picture, not the table */
     bool alone;                             /* not part of `all` */
-    int labels;                             /* columns that name a row of a chart */
+    int labels;                             /* columns that name a row */
+    const bench_count *counts;              /* columns that have a baseline; NULL: none */
     bench_chart charts[BENCH_SUITE_CHARTS]; /* bars; ends at a NULL column */
     bench_curve curve;                      /* or points and lines; x NULL: none */
 } bench_suite;

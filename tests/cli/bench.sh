@@ -64,7 +64,7 @@ ok "nobody on the front is beaten" csv "$tmp/all/pareto.csv" \
     'all(not (float(a["ms"]) < float(b["ms"]) and float(a["rms cells"]) < float(b["rms cells"]) and int(a["wrong px"]) < int(b["wrong px"])) for b in t if b["front"] == "front" for a in t)'
 ok "threads draw the same" csv "$tmp/all/threads.csv" 'all(r["differ"] == "0" for r in t) and t[0]["frame/loop"] == "1.000"'
 exits "all, once more" 1 "$leafcast" bench all --out "$tmp/all"
-exits "all without a folder" 2 "$leafcast" bench all
+exits "all of a file" 2 "$leafcast" bench all "$leaf" --iso 128 --out "$tmp/all2"
 exits "a suite of a file" 0 "$leafcast" bench zoom "$leaf" --iso 128 --size 32x32 --runs 1
 ok "names it" says '^v.leaf  *inside' out
 exits "volumes kept" 0 env LEAFCAST_DATA= TMPDIR="$tmp/nowhere" "$leafcast" bench walk --form brief --runs 1 --size 16x16 --scratch "$tmp/kept"
