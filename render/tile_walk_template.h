@@ -264,9 +264,31 @@ static void look_at_cell(const tile_walk *w, const near_cell *near, active_cell 
         forms[i] = near_form_of(near, c->samples, scene->isovalues[i]);
 }
 
+/* Groups of 2^3 cells whose rectangle has more pixels are better seen cell by cell. */
+enum { GROUP_MAX = 24 };
+
+/* So few rays of a window are not worth the filter: they go to the kernel at once. */
+enum { FEW_RAYS = 2 };
+
+/* The rays of a window that visit a cell: filter those and add the rest to the batch. */
+SIMD void add_visitors(tile_walk *w, const active_cell *c, const near_cell *near,
+                       const near_visit *v, const near_form forms[], unsigned x, unsigned y,
+                       tile_rect r, unsigned bits) {
+    const unsigned visitors = (unsigned)__builtin_popcount(bits);
+    w->counters->walk.cells += visitors;
+    if (w->filter && visitors > FEW_RAYS)
+        bits &= may_cross_any(&w->rays, STRIDE * y + x, near, v, forms,
+                              w->f->tracer->scene.count);
+    if (bits & window_pending(w, x, y)) {
+        flush(w);
+        bits &= window_open(w, x, y, r);
+    }
+    if (bits)
+        add_to_batch(w, c, x, y, bits);
+}
+
 /* One active cell and the rays of its rectangle. */
 static void walk_cell(tile_walk *w, const treelet *at, const uint32_t cell[3], tile_rect r) {
-    const walk_scene *scene = &w->f->tracer->scene;
     const plane_projection *const *planes = w->place.p->at[at->level];
     active_cell c = {.at = at, .cell = cell};
     near_form forms[ACTIVE_ISOS_MAX];
@@ -286,18 +308,95 @@ static void walk_cell(tile_walk *w, const treelet *at, const uint32_t cell[3], t
                 bits &= visits(&w->rays, first, &near, &v);
             if (!bits)
                 continue;
-            w->counters->walk.cells += (unsigned)__builtin_popcount(bits);
             if (!looked_at)
                 look_at_cell(w, &near, &c, forms);
             looked_at = true;
-            if (w->filter)
-                bits &= may_cross_any(&w->rays, first, &near, &v, forms, scene->count);
-            if (bits & window_pending(w, x, y)) {
-                flush(w);
-                bits &= window_open(w, x, y, r);
+            add_visitors(w, &c, &near, &v, forms, x, y, r, bits);
+        }
+    }
+}
+
+/* The t at which rays of a window pass the halves of a group of 2^3 cells: [axis][lower, upper]. */
+typedef struct group_slabs {
+    vf near[3][2], far[3][2];
+    vf slack; /* of the test near <= far, of any part of the group */
+} group_slabs;
+
+SIMD group_slabs slabs_of(const tile_rays *rays, unsigned at, const float planes[3][3]) {
+    group_slabs s;
+    vf t_in = window_load(rays->near_t0 + at), t_out = window_load(rays->near_t1 + at);
+    for (int a = 0; a < 3; a++) {
+        const vf r = window_load(rays->reciprocal[a] + at);
+        const vf lo = f_set(planes[a][0]) * r, middle = f_set(planes[a][1]) * r,
+                 hi = f_set(planes[a][2]) * r;
+        s.near[a][0] = f_min(lo, middle);
+        s.far[a][0] = f_max(lo, middle);
+        s.near[a][1] = f_min(middle, hi);
+        s.far[a][1] = f_max(middle, hi);
+        if (a == 0)
+            for (int half = 0; half < 2; half++) {
+                s.near[0][half] = f_max(s.near[0][half], t_in);
+                s.far[0][half] = f_min(s.far[0][half], t_out);
             }
-            if (bits)
-                add_to_batch(w, &c, x, y, bits);
+        t_in = f_max(t_in, f_min(lo, hi));
+        t_out = f_min(t_out, f_max(lo, hi));
+    }
+    /* A ray that passes a part does so between the two. */
+    s.slack = f_set(32.0f * UNIT) * (f_abs(t_in) + f_abs(t_out));
+    return s;
+}
+
+SIMD unsigned visits_part(const group_slabs *s, unsigned octant, near_visit *v) {
+    const unsigned x = octant & 1u, y = octant >> 1 & 1u, z = octant >> 2;
+    v->t_in = f_max(f_max(s->near[0][x], s->near[1][y]), s->near[2][z]);
+    v->t_out = f_min(f_min(s->far[0][x], s->far[1][y]), s->far[2][z]);
+    return ~mf_bits(f_gt(v->t_in - v->t_out, s->slack));
+}
+
+/* The active cells of a group of 2^3 (places, as in_order() has them), for the rays of its
+ * rectangle: where a window of rays covers as much as the group, its cells need no rectangles of
+ * their own. */
+static void walk_group(tile_walk *w, const treelet *at, const uint32_t first_cell[3],
+                       unsigned places, unsigned first, tile_rect r) {
+    const plane_projection *const *projected = w->place.p->at[at->level];
+    float planes[3][3], inverse[3][2];
+    active_cell cells[8];
+    uint32_t cell_at[8][3];
+    near_cell nears[8];
+    near_form forms[8][1];
+    unsigned known = 0;
+    for (int a = 0; a < 3; a++)
+        for (int i = 0; i < 3; i++) {
+            planes[a][i] = projected[a][first_cell[a] + (uint32_t)i].from_eye;
+            if (i < 2)
+                inverse[a][i] = projected[a][first_cell[a] + (uint32_t)i].inverse;
+        }
+    for (unsigned y = r.y0; y <= r.y1; y += WINDOW_Y) {
+        for (unsigned x = r.x0; x <= r.x1; x += WINDOW_X) {
+            if (!window_open(w, x, y, r))
+                continue;
+            const group_slabs slabs = slabs_of(&w->rays, STRIDE * y + x, planes);
+            for (unsigned left = places; left; left &= left - 1) {
+                const unsigned o = (unsigned)__builtin_ctz(left) ^ first;
+                near_visit v;
+                const unsigned bits = visits_part(&slabs, o, &v) & window_open(w, x, y, r);
+                if (!bits)
+                    continue;
+                if (!(known >> o & 1u)) {
+                    for (int a = 0; a < 3; a++) {
+                        const unsigned half = o >> a & 1u;
+                        cell_at[o][a] = first_cell[a] + half;
+                        nears[o].lo[a] = planes[a][half];
+                        nears[o].hi[a] = planes[a][half + 1];
+                        nears[o].inv[a] = inverse[a][half];
+                    }
+                    cells[o].at = at;
+                    cells[o].cell = cell_at[o];
+                    look_at_cell(w, &nears[o], &cells[o], forms[o]);
+                    known |= 1u << o;
+                }
+                add_visitors(w, &cells[o], &nears[o], &v, forms[o], x, y, r, bits);
+            }
         }
     }
 }
@@ -352,6 +451,10 @@ typedef struct tree_node {
 
 enum { TREE_STACK_MAX = 8 * (LEAF_CELLS_LOG2_MAX + 1), DIRECTORY_STACK_MAX = 8 * LEAF_LEVELS_MAX };
 
+static unsigned rect_area(tile_rect r) {
+    return (r.x1 - r.x0 + 1u) * (r.y1 - r.y0 + 1u);
+}
+
 static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect, unsigned octants) {
     const level_planes *planes = &w->f->tracer->scene.levels[at->level];
     const plane_projection *const *projected = w->place.p->at[at->level];
@@ -367,6 +470,13 @@ static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect, unsigned 
         if (!wanted(w, node.rect))
             continue;
         const uint32_t half = 1u << (node.size - 1);
+        if (half == 1 && w->f->tracer->scene.count == 1 && rect_area(node.rect) <= GROUP_MAX) {
+            const unsigned first = first_octant(w, planes, node.cell, 1);
+            const unsigned active = walk_children(at, node.size, node.morton);
+            w->counters->walk.nodes++;
+            walk_group(w, at, node.cell, in_order(active, first), first, node.rect);
+            continue;
+        }
         tile_rects rects;
         w->counters->walk.nodes++;
         tile_rects_of(&w->place, projected, node.cell, half, &node.rect, &rects);

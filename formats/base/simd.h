@@ -6,6 +6,7 @@
  *
  *   vd, md   VD_N doubles (2, 4, 8) and a mask over them       d_set d_load d_store ...
  *   vf, mf   VF_N floats (4, 8, 16) and a mask over them       f_set f_load f_store ...
+ *   vi       VF_N 32-bit integers, for operators alone
  *
  * Arithmetic is written with + - * /, which the compilers know for vectors. min(a, b) is a < b ? a
  * : b and max(a, b) is a > b ? a : b, also for NaN. Comparisons with NaN are false. Loads and
@@ -360,6 +361,13 @@ SIMD mf f_ge(vf a, vf b) {
 }
 SIMD mf f_gt(vf a, vf b) {
     return f_lt(b, a);
+}
+
+typedef int32_t vi __attribute__((vector_size(sizeof(vf))));
+
+/* Towards zero; for numbers that fit. */
+SIMD vi f_to_int(vf a) {
+    return __builtin_convertvector(a, vi);
 }
 
 /* 1 / a to 2^-22 of itself; a of ordinary size. Differs between CPUs: for conservative tests only.
