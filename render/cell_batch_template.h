@@ -141,12 +141,12 @@ SIMD void search_step(search *r) {
     const vd per_slope = one / slope, newton = f * per_slope;
     const vd q = bend * per_slope * newton, qq = q * q;
     const vd third = r->c[3] * per_slope * newton * newton;
-    const vd move = newton * (one + (q + ((qq + qq) - third)));
+    const vd z = qq + d_abs(third), series = newton * (one + (q + ((qq + qq) - third)));
+    const vd move = d_select(d_le(z, d_set(CELL_SERIES_USED)), series, newton);
     const vd next = s - move, length = d_abs(move);
     const md accepted = md_and(md_and(d_ge(next, lo), d_le(next, hi)), d_le(length, r->reach));
-    const vd z = qq + d_abs(third);
     const vd rest = d_abs(newton) * (z * (d_set(5.0) * d_abs(q) + d_set(48.0) * z));
-    const md settled = md_or(md_and(d_le(z, d_set(CELL_SERIES_MAX)), d_le(rest, last_bit)),
+    const md settled = md_or(md_and(d_le(z, d_set(CELL_SERIES_SURE)), d_le(rest, last_bit)),
                              d_le(length, last_bit));
     const vd width = half * (hi - lo);
     const md closed = md_and_not(d_le(width, last_bit), accepted);

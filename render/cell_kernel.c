@@ -117,10 +117,14 @@ static double cubic_at(const cubic *p, double s) {
 
 /* The root in [lo, hi], where f(lo) and f(hi) lie on different sides: from the secant on, steps of
  * fourth order (the series of the inverse function about s, to its third term; one division each)
- * within a bracket. A step that leaves the bracket, or is not half as long as the one before, gives
- * way to a bisection. Done as soon as the terms left out cannot move the last bit of [0, 1]: with q
- * and p the relative sizes of the second and third term, and z = q^2 + |p| <= 2^-10, they sum up to
- * less than z (5 q + 48 z) of the first one. Two evaluations on average.
+ * within a bracket. With q and p the relative sizes of the second and third term, and
+ * z = q^2 + |p|, the series is
+ *   - only used where z <= 1/8: beyond, its terms may cancel, and it would stop where no root is;
+ *     there it is cut to its first term, Newton's step;
+ *   - done where z <= 2^-10 and what is left out cannot move the last bit of [0, 1]: less than
+ *     z (5 q + 48 z) of the first term.
+ * A step that leaves the bracket, or is not half as long as the one before, gives way to a
+ * bisection. Two evaluations on average.
  *
  * Every quantity that decides has no unit, so that powers of two in the samples' scale change
  * nothing: cell_batch_template.h counts on it, and repeats this sequence operation by operation. */
@@ -141,13 +145,14 @@ static double refine(const cubic *p, double lo, double hi, double f_lo, double f
         const double per_slope = 1.0 / slope, newton = f * per_slope;
         const double q = bend * per_slope * newton, qq = q * q;
         const double third = c3 * per_slope * newton * newton;
-        const double move = newton * (1.0 + (q + ((qq + qq) - third)));
+        const double z = qq + fabs(third);
+        const double move =
+            z <= CELL_SERIES_USED ? newton * (1.0 + (q + ((qq + qq) - third))) : newton;
         const double next = s - move;
         if (next >= lo && next <= hi && fabs(move) <= reach) {
-            const double z = qq + fabs(third);
             s = next;
             reach = 0.5 * fabs(move);
-            if (z <= CELL_SERIES_MAX &&
+            if (z <= CELL_SERIES_SURE &&
                 fabs(newton) * (z * (5.0 * fabs(q) + 48.0 * z)) <= CELL_LAST_BIT)
                 break;
             if (fabs(move) <= CELL_LAST_BIT)

@@ -38,10 +38,11 @@ typedef struct cell_visit {
 } cell_visit;
 
 /* What the root search goes by: here for the SIMD versions, which repeat it. */
-#define CELL_STEPS_MAX  200
-#define CELL_LAST_BIT   0x1p-53 /* of [0, 1] */
-#define CELL_SERIES_MAX 0x1p-10 /* largest second and third term of a step to be believed */
-#define CELL_NEAR_END   1e-6    /* see cell_roots(); of control values scaled to [1, 2) */
+#define CELL_STEPS_MAX   200
+#define CELL_LAST_BIT    0x1p-53 /* of [0, 1] */
+#define CELL_SERIES_USED 0x1p-3  /* see refine() */
+#define CELL_SERIES_SURE 0x1p-10
+#define CELL_NEAR_END    1e-6 /* see cell_roots(); of control values scaled to [1, 2) */
 /* Largest control values between which no product vanishes or overflows for want of scaling. */
 #define CELL_ORDINARY_MIN  0x1p-300
 #define CELL_ORDINARY_MAX  0x1p300
