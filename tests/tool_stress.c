@@ -2,7 +2,7 @@
  *
  *   tool_stress [SECTION...] [options]
  *
- * Sections: cells blocks (all where none is named). Options:
+ * Sections: cells blocks leaks shadows (all where none is named). Options:
  *
  *   --count N      ray-cells of each case (5000000); the other sections scale with it
  *   --case NAME    only this case of cells, several times for several
@@ -16,6 +16,8 @@
  *
  *   tool_stress cell CASE SEED INDEX [BY...]
  *   tool_stress block NAME SEED INDEX
+ *   tool_stress leak FORM PLACING SEED RAY|picture SIDE
+ *   tool_stress shadow FORM PLACING SEED VIEWS SIDE ISA
  *
  * Exit status 1 when there is a fault, 2 when the arguments make no sense.
  */
@@ -24,11 +26,15 @@
 #include <string.h>
 #include <time.h>
 
+#include "formats/base/cpu.h"
 #include "tests/support/block_lab.h"
 #include "tests/support/cell_lab.h"
+#include "tests/support/leak_lab.h"
 #include "tests/support/ray_cells.h"
+#include "tests/support/shadow_lab.h"
+#include "tests/support/solids.h"
 
-enum { CELLS = 1, BLOCKS = 2, CASES_MAX = 64 };
+enum { CELLS = 1, BLOCKS = 2, LEAKS = 4, SHADOWS = 8, CASES_MAX = 64, SIDE = 96 };
 
 typedef struct stress {
     const char *program;
@@ -93,7 +99,7 @@ static void parse(stress *s, int argc, char **argv) {
         {"threads", 1, NULL, 't'}, {"csv", 1, NULL, 'v'},  {"exact", 1, NULL, 'x'},
         {"list", 0, NULL, 'l'},    {NULL, 0, NULL, 0},
     };
-    static const char *const sections[] = {"cells", "blocks"};
+    static const char *const sections[] = {"cells", "blocks", "leaks", "shadows"};
     for (int key; (key = getopt_long(argc, argv, "", table, NULL)) != -1;)
         option(s, key);
     for (; optind < argc; optind++) {
@@ -158,6 +164,55 @@ static uint64_t run_blocks(stress *s) {
     return faults;
 }
 
+/* Every form in every placing: a thousandth of the count in rays from outside and from inside. */
+static uint64_t run_leaks(stress *s) {
+    leak_tally all = {0};
+    printf("\n");
+    leak_tally_heading(stdout);
+    for (int which = 0; which < solid_count(); which++) {
+        leak_tally sum = {0};
+        for (int placing = 0; placing < placing_count(); placing++) {
+            const leak_lab_job job = {
+                which,      placing, s->seed + (uint64_t)placing, s->count / 500 + 1, SIDE,
+                s->program, stdout};
+            leak_tally one;
+            status st = leak_lab_run(s->pool, &job, &one);
+            if (st != ST_OK)
+                give_up(st);
+            leak_tally_add(&sum, &one);
+        }
+        leak_tally_row(stdout, solid_name(which), &sum);
+        leak_tally_add(&all, &sum);
+    }
+    leak_tally_row(stdout, "all", &all);
+    return leak_tally_faults(&all);
+}
+
+/* The same, with shadows, by the newest kernels. */
+static uint64_t run_shadows(stress *s) {
+    shadow_tally all = {0};
+    const int views = s->count < 10000 ? 2 : s->count < 1000000 ? 4 : 16;
+    printf("\n");
+    shadow_tally_heading(stdout);
+    for (int which = 0; which < solid_count(); which++) {
+        shadow_tally sum = {0};
+        for (int placing = 0; placing < placing_count(); placing++) {
+            const shadow_lab_job job = {which,      placing, s->seed + (uint64_t)placing,
+                                        views,      SIDE,    cpu_isa_name(cpu_best()),
+                                        s->program, stdout};
+            shadow_tally one;
+            status st = shadow_lab_run(&job, &one);
+            if (st != ST_OK)
+                give_up(st);
+            shadow_tally_add(&sum, &one);
+        }
+        shadow_tally_row(stdout, solid_name(which), &sum);
+        shadow_tally_add(&all, &sum);
+    }
+    shadow_tally_row(stdout, "all", &all);
+    return shadow_tally_faults(&all);
+}
+
 static double seconds(void) {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
@@ -169,6 +224,10 @@ int main(int argc, char **argv) {
         return cell_lab_rerun(argc - 2, argv + 2);
     if (argc > 1 && strcmp(argv[1], "block") == 0)
         return block_lab_rerun(argc - 2, argv + 2);
+    if (argc > 1 && strcmp(argv[1], "leak") == 0)
+        return leak_lab_rerun(argc - 2, argv + 2);
+    if (argc > 1 && strcmp(argv[1], "shadow") == 0)
+        return shadow_lab_rerun(argc - 2, argv + 2);
     stress s = {.program = argv[0],
                 .exact = cell_lab_exact(),
                 .count = 5000000,
@@ -186,6 +245,8 @@ int main(int argc, char **argv) {
     uint64_t faults = 0;
     faults += s.sections & CELLS ? run_cells(&s) : 0;
     faults += s.sections & BLOCKS ? run_blocks(&s) : 0;
+    faults += s.sections & LEAKS ? run_leaks(&s) : 0;
+    faults += s.sections & SHADOWS ? run_shadows(&s) : 0;
     printf("\n%llu faults, %.0f s with %d threads\n", (unsigned long long)faults, seconds() - start,
            s.threads);
     pool_destroy(s.pool);
