@@ -114,6 +114,25 @@ static bool unit_against(const double gradient[3], float normal[3]) {
     return true;
 }
 
+/* Bounds of how far the computed point (and a ray that starts there) lies from the hit, in grid
+ * space. It goes through world space, whose origin may be far away: rounded there, too. */
+static void position_errors(const affine *space, const ray *r, double t, double error[3]) {
+    double grid[3], world[3];
+    for (int a = 0; a < 3; a++)
+        grid[a] = fabs(r->o[a]) + fabs(t * r->d[a]);
+    for (int i = 0; i < 3; i++) {
+        world[i] = fabs(space->to_world[i][3]);
+        for (int a = 0; a < 3; a++)
+            world[i] += fabs(space->to_world[i][a]) * grid[a];
+    }
+    for (int a = 0; a < 3; a++) {
+        error[a] = grid[a];
+        for (int i = 0; i < 3; i++)
+            error[a] += fabs(space->to_grid[a][i]) * world[i];
+        error[a] *= 4.0 * DBL_EPSILON;
+    }
+}
+
 surface_point surface_at(const walk_scene *scene, const affine *space, const treelet *tr,
                          const ray *r, const hit *h, bool analytic) {
     const level_planes *planes = &scene->levels[tr->level];
@@ -124,8 +143,8 @@ surface_point surface_at(const walk_scene *scene, const affine *space, const tre
     for (int a = 0; a < 3; a++) {
         const double u = (h->t * r->d[a] - (box.lo[a] - r->o[a])) * box.inv[a];
         at[a] = u < 0.0 ? 0.0 : u > 1.0 ? 1.0 : u;
-        position_error[a] = 4.0 * DBL_EPSILON * (fabs(r->o[a]) + fabs(h->t * r->d[a]));
     }
+    position_errors(space, r, h->t, position_error);
     float samples[8];
     walk_cell_samples(scene, tr, cell, samples);
     double gradient[3], magnitude = 0.0;
