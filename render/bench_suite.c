@@ -5,6 +5,7 @@
 #include "render/bench_figure.h"
 #include "render/bench_frames.h"
 #include "render/bench_intersect.h"
+#include "render/bench_isovalue.h"
 #include "render/bench_nodes.h"
 #include "render/bench_pareto.h"
 #include "render/bench_threads.h"
@@ -224,12 +225,18 @@ static const bench_suite SUITES[] = {
      .run = bench_threads,
      .labels = 2,
      .curve = {.x = "threads", .y = "frame/loop", .series = {"volume", NULL}, .joined = true}},
+    {.name = "isovalues",
+     .takes = "[F.leaf --iso V]",
+     .about = "what a new isovalue costs: masks of active cells, frames",
+     .run = bench_isovalue,
+     .labels = 2,
+     .charts = {{"us/treelet", "+-", false}, {"new/same", NULL, false}}},
     {.name = "walk",
      .takes = "[F.leaf --iso V]",
      .about = "experiment E1: below 4^3 cells",
      .run = walk,
      .labels = 2,
-     .charts = {{"ns/ray", "+-", false}, {"new isovalue ms", "+-", false}}},
+     .charts = {{"ns/ray", "+-", false}}},
     {.name = "kernel",
      .takes = "[F.leaf --iso V]",
      .about = "experiment E2: a float filter",

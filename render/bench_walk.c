@@ -5,8 +5,7 @@
 #include "formats/base/clock.h"
 #include "render/experiment.h"
 
-const char bench_walk_headings[] = "file|kernel|ns/ray|+-|x masks|nodes/ray|cells/ray|roots/ray|"
-                                   "new isovalue ms|+-";
+const char bench_walk_headings[] = "file|kernel|ns/ray|+-|x masks|nodes/ray|cells/ray|roots/ray";
 const char bench_filter_headings[] = "file|ray-cells|surfaces %|fallbacks %|disagreements|"
                                      "double ns/16|filtered ns/16|filtered/double";
 
@@ -21,8 +20,7 @@ static const char *name_of(const char *path) {
 typedef struct contestant {
     leafcast *volume;
     leafcast_stats stats;
-    double *steady,
-        *fresh; /* seconds of a picture; how much more the first with a new isovalue took */
+    double *seconds; /* of a picture */
     double *depth;
 } contestant;
 
@@ -46,23 +44,13 @@ static status draw(contestant *c, const view_options *view, double *seconds) {
     return st;
 }
 
-/* What a new isovalue costs before the first ray: selected again, the masks of all resident
- * treelets are built again and no treelet is read. */
-static status select_again(contestant *c, const view_options *view, double *seconds) {
-    const double start = clock_cpu_seconds();
-    status st = (status)leafcast_select(c->volume, view->surfaces, view->isos);
-    *seconds = clock_cpu_seconds() - start;
-    return st;
-}
-
 static status set_up(mem *m, const char *path, const view_options *view, int runs, int k,
                      contestant *c) {
     const size_t pixels = (size_t)view->camera.width * view->camera.height;
     double ignored;
-    c->steady = mem_array(m, (size_t)runs, sizeof *c->steady);
-    c->fresh = mem_array(m, (size_t)runs, sizeof *c->fresh);
+    c->seconds = mem_array(m, (size_t)runs, sizeof *c->seconds);
     c->depth = mem_array(m, pixels, sizeof *c->depth);
-    if (!c->steady || !c->fresh || !c->depth)
+    if (!c->seconds || !c->depth)
         return ST_NOMEM;
     status st = open_volume(path, view, KERNELS[k], &c->volume);
     return st == ST_OK ? draw(c, view, &ignored) : st;
@@ -70,20 +58,17 @@ static status set_up(mem *m, const char *path, const view_options *view, int run
 
 static void add_row(bench_table *t, const char *path, int k, contestant *c, int runs,
                     double yardstick) {
-    double spread, fresh_spread;
+    double spread;
     const double rays = (double)c->stats.rays;
-    const double steady = bench_median(c->steady, runs, &spread);
-    const double fresh = bench_median(c->fresh, runs, &fresh_spread);
+    const double seconds = bench_median(c->seconds, runs, &spread);
     bench_table_add(t, "%s", name_of(path));
     bench_table_add(t, "%s", k == 0 ? "masks of cells" : k == 1 ? "2^3 groups" : "8 corners");
-    bench_table_add(t, "%.1f", steady / rays * 1e9);
+    bench_table_add(t, "%.1f", seconds / rays * 1e9);
     bench_table_add(t, "%.1f", spread / rays * 1e9);
-    bench_table_add(t, "%.2f", steady / yardstick);
+    bench_table_add(t, "%.2f", seconds / yardstick);
     bench_table_add(t, "%.2f", (double)c->stats.nodes / rays);
     bench_table_add(t, "%.2f", (double)c->stats.cells / rays);
     bench_table_add(t, "%.2f", (double)c->stats.roots / rays);
-    bench_table_add(t, "%.2f", fresh * 1e3);
-    bench_table_add(t, "%.2f", fresh_spread * 1e3);
 }
 
 static status race(const view_options *view, int runs, contestant c[KERNEL_COUNT]) {
@@ -91,9 +76,7 @@ static status race(const view_options *view, int runs, contestant c[KERNEL_COUNT
     status st = ST_OK;
     for (int run = 0; run < runs; run++)
         for (int k = 0; k < KERNEL_COUNT && st == ST_OK; k++) {
-            st = select_again(&c[k], view, &c[k].fresh[run]);
-            if (st == ST_OK)
-                st = draw(&c[k], view, &c[k].steady[run]);
+            st = draw(&c[k], view, &c[k].seconds[run]);
             if (st == ST_OK && memcmp(c[k].depth, c[0].depth, bytes) != 0)
                 st = status_describe(ST_FAILED, "%s draws another picture than %s", KERNELS[k],
                                      KERNELS[0]);
@@ -109,15 +92,14 @@ status bench_walk(mem *m, const char *path, const view_options *view, int runs, 
     if (st == ST_OK)
         st = race(view, runs, c);
     if (st == ST_OK) {
-        const double yardstick = bench_median(c[0].steady, runs, NULL);
+        const double yardstick = bench_median(c[0].seconds, runs, NULL);
         for (int k = 0; k < KERNEL_COUNT; k++)
             add_row(t, path, k, &c[k], runs, yardstick);
     }
     for (int k = 0; k < KERNEL_COUNT; k++) {
         leafcast_close(c[k].volume);
         mem_free(m, c[k].depth);
-        mem_free(m, c[k].fresh);
-        mem_free(m, c[k].steady);
+        mem_free(m, c[k].seconds);
     }
     return st;
 }

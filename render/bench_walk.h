@@ -11,9 +11,8 @@ extern const char bench_walk_headings[];
 extern const char bench_filter_headings[];
 
 /* bench_walk() - E1: the same picture with every treelet resident, by masks of active cells, by 2^3
- * groups, by 8-corner tests, interleaved; and what the first picture with a new isovalue costs more
- * than the next. Adds one row a kernel. The pictures' depths are compared bit by bit: ST_FAILED
- * when they differ. */
+ * groups, by 8-corner tests, interleaved. Adds one row a kernel. The pictures' depths are compared
+ * bit by bit: ST_FAILED when they differ. */
 CHECKED status bench_walk(mem *m, const char *path, const view_options *view, int runs,
                           bench_table *t);
 

@@ -8,7 +8,8 @@
  *
  * A cell is active iff min < iso && iso <= max over its eight samples for at least one isovalue,
  * and none of them is NaN or inf: exact, so traversal need not look at samples. Derived data, never
- * stored: 22 to 32 us and 4.1 KiB a treelet of 32^3 cells (bonsai CT at 37, scalar).
+ * stored: 4.1 KiB a treelet of 32^3 cells, made in 2 to 5 us with AVX2 or SSE4.2, in 14 to 41 us by
+ * the scalar version (README.md).
  */
 #ifndef STREAM_ACTIVE_H
 #define STREAM_ACTIVE_H
