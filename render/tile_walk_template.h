@@ -94,10 +94,26 @@ static void flush(tile_walk *w) {
 
 /* ---- Cells ---- */
 
+/* A cell's box in single precision, t scaled as in tile_rays. */
+typedef struct near_cell {
+    float lo[3], hi[3], inv[3];
+} near_cell;
+
+/* f - iso over a cell, as a sum of products of coordinates, 1 x y z xy yz xz xyz, and the bound of
+ * may_cross(). */
+typedef struct near_form {
+    float c[8];
+    float bound;
+} near_form;
+
+/* What the filter needs is made when it is first needed. */
 typedef struct active_cell {
     const treelet *at;
-    const uint32_t *cell;
+    uint32_t cell[3];
+    near_cell near;
+    bool has_samples, has_forms;
     float samples[8];
+    near_form forms[ACTIVE_ISOS_MAX];
 } active_cell;
 
 /* Rays of a window: bits, from pixel (x, y) on. */
@@ -134,11 +150,6 @@ static void add_to_batch(tile_walk *w, const active_cell *c, unsigned x, unsigne
     }
 }
 
-/* A cell's box in single precision, t scaled as in tile_rays. */
-typedef struct near_cell {
-    float lo[3], hi[3], inv[3];
-} near_cell;
-
 typedef struct near_visit {
     vf t_in, t_out;
 } near_visit;
@@ -161,13 +172,6 @@ SIMD unsigned visits(const tile_rays *rays, unsigned at, const near_cell *c, nea
     /* Inf - inf is no reason to drop a ray. */
     return ~mf_bits(f_gt(t_in - t_out, slack));
 }
-
-/* f - iso over a cell, as a sum of products of coordinates, 1 x y z xy yz xz xyz, and the bound of
- * may_cross(). */
-typedef struct near_form {
-    float c[8];
-    float bound;
-} near_form;
 
 static float larger(float a, float b) {
     return a > b ? a : b;
@@ -255,30 +259,24 @@ SIMD unsigned window_pending(const tile_walk *w, unsigned x, unsigned y) {
     return bits;
 }
 
-/* A cell's samples, and what the filter needs of them. */
-static void look_at_cell(const tile_walk *w, const near_cell *near, active_cell *c,
-                         near_form forms[]) {
-    const walk_scene *scene = &w->f->tracer->scene;
-    walk_cell_samples(scene, c->at, c->cell, c->samples);
-    for (int i = 0; w->filter && i < scene->count; i++)
-        forms[i] = near_form_of(near, c->samples, scene->isovalues[i]);
-}
-
-/* Groups of 2^3 cells whose rectangle has more pixels are better seen cell by cell. */
-enum { GROUP_MAX = 24 };
-
 /* So few rays of a window are not worth the filter: they go to the kernel at once. */
 enum { FEW_RAYS = 2 };
 
 /* The rays of a window that visit a cell: filter those and add the rest to the batch. */
-SIMD void add_visitors(tile_walk *w, const active_cell *c, const near_cell *near,
-                       const near_visit *v, const near_form forms[], unsigned x, unsigned y,
+SIMD void add_visitors(tile_walk *w, active_cell *c, const near_visit *v, unsigned x, unsigned y,
                        tile_rect r, unsigned bits) {
+    const walk_scene *scene = &w->f->tracer->scene;
     const unsigned visitors = (unsigned)__builtin_popcount(bits);
     w->counters->walk.cells += visitors;
-    if (w->filter && visitors > FEW_RAYS)
-        bits &= may_cross_any(&w->rays, STRIDE * y + x, near, v, forms,
-                              w->f->tracer->scene.count);
+    if (!c->has_samples)
+        walk_cell_samples(scene, c->at, c->cell, c->samples);
+    c->has_samples = true;
+    if (w->filter && visitors > FEW_RAYS) {
+        for (int i = 0; i < scene->count && !c->has_forms; i++)
+            c->forms[i] = near_form_of(&c->near, c->samples, scene->isovalues[i]);
+        c->has_forms = true;
+        bits &= may_cross_any(&w->rays, STRIDE * y + x, &c->near, v, c->forms, scene->count);
+    }
     if (bits & window_pending(w, x, y)) {
         flush(w);
         bits &= window_open(w, x, y, r);
@@ -287,34 +285,38 @@ SIMD void add_visitors(tile_walk *w, const active_cell *c, const near_cell *near
         add_to_batch(w, c, x, y, bits);
 }
 
+static void cell_begin(active_cell *c, const treelet *at, const plane_projection *const planes[3],
+                       const uint32_t cell[3]) {
+    c->at = at;
+    c->has_samples = c->has_forms = false;
+    for (int a = 0; a < 3; a++) {
+        c->cell[a] = cell[a];
+        c->near.lo[a] = planes[a][cell[a]].from_eye;
+        c->near.hi[a] = planes[a][cell[a] + 1].from_eye;
+        c->near.inv[a] = planes[a][cell[a]].inverse;
+    }
+}
+
 /* One active cell and the rays of its rectangle. */
 static void walk_cell(tile_walk *w, const treelet *at, const uint32_t cell[3], tile_rect r) {
-    const plane_projection *const *planes = w->place.p->at[at->level];
-    active_cell c = {.at = at, .cell = cell};
-    near_form forms[ACTIVE_ISOS_MAX];
-    bool looked_at = false;
-    near_cell near;
-    for (int a = 0; a < 3; a++) {
-        near.lo[a] = planes[a][cell[a]].from_eye;
-        near.hi[a] = planes[a][cell[a] + 1].from_eye;
-        near.inv[a] = planes[a][cell[a]].inverse;
-    }
+    active_cell c;
+    cell_begin(&c, at, w->place.p->at[at->level], cell);
     for (unsigned y = r.y0; y <= r.y1; y += WINDOW_Y) {
         for (unsigned x = r.x0; x <= r.x1; x += WINDOW_X) {
-            const unsigned first = STRIDE * y + x;
             near_visit v;
             unsigned bits = window_open(w, x, y, r);
             if (bits)
-                bits &= visits(&w->rays, first, &near, &v);
-            if (!bits)
-                continue;
-            if (!looked_at)
-                look_at_cell(w, &near, &c, forms);
-            looked_at = true;
-            add_visitors(w, &c, &near, &v, forms, x, y, r, bits);
+                bits &= visits(&w->rays, STRIDE * y + x, &c.near, &v);
+            if (bits)
+                add_visitors(w, &c, &v, x, y, r, bits);
         }
     }
 }
+
+/* ---- Groups of 2^3 cells ---- */
+
+/* Groups whose rectangle has more pixels are better seen cell by cell. */
+enum { GROUP_MAX = 24 };
 
 /* The t at which rays of a window pass the halves of a group of 2^3 cells: [axis][lower, upper]. */
 typedef struct group_slabs {
@@ -322,13 +324,15 @@ typedef struct group_slabs {
     vf slack; /* of the test near <= far, of any part of the group */
 } group_slabs;
 
-SIMD group_slabs slabs_of(const tile_rays *rays, unsigned at, const float planes[3][3]) {
+SIMD group_slabs slabs_of(const tile_rays *rays, unsigned at,
+                          const plane_projection *const planes[3], const uint32_t first[3]) {
     group_slabs s;
     vf t_in = window_load(rays->near_t0 + at), t_out = window_load(rays->near_t1 + at);
     for (int a = 0; a < 3; a++) {
         const vf r = window_load(rays->reciprocal[a] + at);
-        const vf lo = f_set(planes[a][0]) * r, middle = f_set(planes[a][1]) * r,
-                 hi = f_set(planes[a][2]) * r;
+        const plane_projection *plane = &planes[a][first[a]];
+        const vf lo = f_set(plane[0].from_eye) * r, middle = f_set(plane[1].from_eye) * r,
+                 hi = f_set(plane[2].from_eye) * r;
         s.near[a][0] = f_min(lo, middle);
         s.far[a][0] = f_max(lo, middle);
         s.near[a][1] = f_min(middle, hi);
@@ -353,49 +357,32 @@ SIMD unsigned visits_part(const group_slabs *s, unsigned octant, near_visit *v) 
     return ~mf_bits(f_gt(v->t_in - v->t_out, s->slack));
 }
 
-/* The active cells of a group of 2^3 (places, as in_order() has them), for the rays of its
- * rectangle: where a window of rays covers as much as the group, its cells need no rectangles of
- * their own. */
+/* The active cells of a group (places, as in_order() has them), for the rays of its rectangle:
+ * where a window of rays covers as much as the group, its cells need no rectangles of their own. */
 static void walk_group(tile_walk *w, const treelet *at, const uint32_t first_cell[3],
                        unsigned places, unsigned first, tile_rect r) {
     const plane_projection *const *projected = w->place.p->at[at->level];
-    float planes[3][3], inverse[3][2];
     active_cell cells[8];
-    uint32_t cell_at[8][3];
-    near_cell nears[8];
-    near_form forms[8][1];
-    unsigned known = 0;
-    for (int a = 0; a < 3; a++)
-        for (int i = 0; i < 3; i++) {
-            planes[a][i] = projected[a][first_cell[a] + (uint32_t)i].from_eye;
-            if (i < 2)
-                inverse[a][i] = projected[a][first_cell[a] + (uint32_t)i].inverse;
-        }
+    unsigned begun = 0;
     for (unsigned y = r.y0; y <= r.y1; y += WINDOW_Y) {
         for (unsigned x = r.x0; x <= r.x1; x += WINDOW_X) {
             if (!window_open(w, x, y, r))
                 continue;
-            const group_slabs slabs = slabs_of(&w->rays, STRIDE * y + x, planes);
+            const group_slabs slabs = slabs_of(&w->rays, STRIDE * y + x, projected, first_cell);
             for (unsigned left = places; left; left &= left - 1) {
                 const unsigned o = (unsigned)__builtin_ctz(left) ^ first;
                 near_visit v;
                 const unsigned bits = visits_part(&slabs, o, &v) & window_open(w, x, y, r);
                 if (!bits)
                     continue;
-                if (!(known >> o & 1u)) {
-                    for (int a = 0; a < 3; a++) {
-                        const unsigned half = o >> a & 1u;
-                        cell_at[o][a] = first_cell[a] + half;
-                        nears[o].lo[a] = planes[a][half];
-                        nears[o].hi[a] = planes[a][half + 1];
-                        nears[o].inv[a] = inverse[a][half];
-                    }
-                    cells[o].at = at;
-                    cells[o].cell = cell_at[o];
-                    look_at_cell(w, &nears[o], &cells[o], forms[o]);
-                    known |= 1u << o;
+                if (!(begun >> o & 1u)) {
+                    const uint32_t cell[3] = {first_cell[0] + (o & 1u),
+                                              first_cell[1] + (o >> 1 & 1u),
+                                              first_cell[2] + (o >> 2)};
+                    cell_begin(&cells[o], at, projected, cell);
+                    begun |= 1u << o;
                 }
-                add_visitors(w, &cells[o], &nears[o], &v, forms[o], x, y, r, bits);
+                add_visitors(w, &cells[o], &v, x, y, r, bits);
             }
         }
     }
@@ -470,7 +457,7 @@ static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect, unsigned 
         if (!wanted(w, node.rect))
             continue;
         const uint32_t half = 1u << (node.size - 1);
-        if (half == 1 && w->f->tracer->scene.count == 1 && rect_area(node.rect) <= GROUP_MAX) {
+        if (half == 1 && rect_area(node.rect) <= GROUP_MAX) {
             const unsigned first = first_octant(w, planes, node.cell, 1);
             const unsigned active = walk_children(at, node.size, node.morton);
             w->counters->walk.nodes++;
