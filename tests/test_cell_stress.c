@@ -130,6 +130,28 @@ static void the_others_fail_where_they_must(void **state) {
     assert_true(cell_lab_faults(tally_of("zero-gradient", "schwarze")) > 0);
 }
 
+static void missing_data_hold_no_surface(void **state) {
+    (void)state;
+    holes *h = holes_make(SEED);
+    const cell_lab_job job = {.which = CELL_LAB_HOLES,
+                              .h = h,
+                              .seed = SEED,
+                              .count = stress_count(),
+                              .exact = cell_lab_exact(),
+                              .rerun = program,
+                              .log = stderr};
+    cell_lab_row row;
+    assert_int_equal(cell_lab_run(threads, &job, &row), ST_OK);
+    cell_lab_print(stderr, cell_lab_name(CELL_LAB_HOLES), &row);
+    holes_free(h);
+    uint64_t faults = 0;
+    for (int x = 0; x < INTERSECTOR_COUNT; x++)
+        if (cell_lab_exact() >> x & 1u)
+            faults += cell_lab_faults(&row.of[x]);
+    assert_int_equal(faults, 0);
+    assert_true(row.of[0].surfaces + row.of[0].excused > stress_count() / 20);
+}
+
 static void blocks_agree(void **state) {
     (void)state;
     uint64_t faults = 0;
@@ -156,6 +178,7 @@ int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(marmitt_makes_no_fault),
         cmocka_unit_test(the_others_fail_where_they_must),
+        cmocka_unit_test(missing_data_hold_no_surface),
         cmocka_unit_test(blocks_agree),
     };
     return cmocka_run_group_tests(tests, start_threads, stop_threads);

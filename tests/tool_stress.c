@@ -123,10 +123,12 @@ static uint64_t run_cells(stress *s) {
     cell_lab_heading(stdout);
     if (s->csv)
         cell_lab_csv_heading(s->csv);
-    for (int which = 0; which < ray_cell_case_count(); which++) {
+    holes *h = s->some ? NULL : holes_make(s->seed);
+    for (int which = h ? CELL_LAB_HOLES : 0; which < ray_cell_case_count(); which++) {
         if (s->some && !s->only[which])
             continue;
         const cell_lab_job job = {.which = which,
+                                  .h = h,
                                   .seed = s->seed,
                                   .count = s->count,
                                   .exact = s->exact,
@@ -136,13 +138,14 @@ static uint64_t run_cells(stress *s) {
         status st = cell_lab_run(s->pool, &job, &row);
         if (st != ST_OK)
             give_up(st);
-        cell_lab_print(stdout, ray_cell_case_name(which), &row);
+        cell_lab_print(stdout, cell_lab_name(which), &row);
         if (s->csv)
-            cell_lab_csv(s->csv, ray_cell_case_name(which), &row);
+            cell_lab_csv(s->csv, cell_lab_name(which), &row);
         for (int x = 0; x < INTERSECTOR_COUNT; x++)
             if (s->exact >> x & 1u)
                 faults += cell_lab_faults(&row.of[x]);
     }
+    holes_free(h);
     return faults;
 }
 

@@ -4,14 +4,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/support/batch_lab.h"
 #include "tests/support/ray_cells.h"
 #include "tests/support/ref_judge.h"
 
 enum {
     CHUNK = 4096,
     SHOWN = 3,     /* faults printed of a case and intersector */
+    BATCHED = 16,  /* one ray-cell in so many is tried by all kernels for many at a time */
     ANSWER_MAX = 4 /* one more than a cell can hold */
 };
+
+static const char HOLES_NAME[] = "nan-inf";
+
+const char *cell_lab_name(int which) {
+    return which == CELL_LAB_HOLES ? HOLES_NAME : ray_cell_case_name(which);
+}
 
 /* ---- what the intersectors say ---- */
 
@@ -118,6 +126,7 @@ typedef struct trial {
     bool visited;
     double cells_per_t;
     answer of[INTERSECTOR_COUNT];
+    unsigned unlike[INTERSECTOR_COUNT]; /* bit per ISA */
     bool grazing;
 } trial;
 
@@ -224,6 +233,7 @@ static void add(cell_lab_tally *to, const cell_lab_tally *from) {
     to->false_hits += from->false_hits;
     to->too_far += from->too_far;
     to->disorder += from->disorder;
+    to->unlike += from->unlike;
     to->thin += from->thin;
     to->matched += from->matched;
     to->worst = fmax(to->worst, from->worst);
@@ -250,6 +260,10 @@ static const char *judge(const trial *t, int x, cell_lab_tally *sum) {
         one.disorder++;
         fault = "wrong side";
     }
+    if (t->unlike[x]) {
+        one.unlike++;
+        fault = "unlike";
+    }
     add(sum, &one);
     return fault;
 }
@@ -262,9 +276,28 @@ static bool in_question(const trial *t) {
     return t->truth_count > 0;
 }
 
-static void try_cell(int which, uint64_t seed, uint64_t index, trial *t) {
+/* The same by the kernels for sixteen at a time. */
+static void try_batches(batch_lab *batch, const ray *r, const cell_box *box, uint64_t index,
+                        trial *t) {
+    memset(t->unlike, 0, sizeof t->unlike);
+    if (!batch_lab_put(batch, r, box, t->c.samples))
+        return;
+    for (int x = 0; x < INTERSECTOR_COUNT; x++) {
+        const answer *a = &t->of[x];
+        const hit first = {.t = a->t[0], .entering = a->first_entering};
+        if (is_exact(x) || index % BATCHED == 0)
+            t->unlike[x] = batch_lab_unlike(batch, t->c.iso, intersector_at(x)->id,
+                                            a->count > 0 ? &first : NULL);
+    }
+}
+
+static void try_cell(const cell_lab_job *job, uint64_t index, batch_lab *batch, trial *t) {
     ray_cell *c = &t->c;
-    ray_cell_make(which, seed, index, c);
+    bool offered = true;
+    if (job->which == CELL_LAB_HOLES)
+        offered = holes_cell(job->h, index, c);
+    else
+        ray_cell_make(job->which, job->seed, index, c);
     t->truth_count = ref_cell_roots(c->o, c->d, c->lo, c->hi, c->samples, c->iso, t->truth);
     const ray r = lab_ray(c);
     const cell_box box = lab_box(c);
@@ -273,13 +306,17 @@ static void try_cell(int which, uint64_t seed, uint64_t index, trial *t) {
     for (int a = 0; a < 3; a++)
         sum += r.d[a] * box.inv[a] * r.d[a] * box.inv[a];
     t->cells_per_t = sqrt(sum);
-    t->visited = cell_visit_of(&r, &box, &v);
+    t->visited = cell_visit_of(&r, &box, &v) && offered;
     for (int x = 0; x < INTERSECTOR_COUNT; x++) {
         if (!t->visited)
             t->of[x] = (answer){.count = 0};
         else
             t->of[x] = is_exact(x) ? ask_exact(&r, &v, c) : ask(intersector_at(x), &r, &v, c);
     }
+    if (offered)
+        try_batches(batch, &r, &box, index, t);
+    else
+        memset(t->unlike, 0, sizeof t->unlike);
     t->grazing = in_question(t) && ref_cell_grazing(c->o, c->d, c->lo, c->hi, c->samples, c->iso,
                                                     REF_GRAZING_SHIFT, REF_GRAZING_CHANGE);
 }
@@ -307,9 +344,11 @@ static status run_chunk(void *ctx, size_t at, int worker) {
     const cell_lab_job *job = run->job;
     chunk *c = &run->chunks[at];
     int noted[INTERSECTOR_COUNT] = {0};
+    batch_lab batch;
+    memset(&batch, 0, sizeof batch);
     for (uint64_t i = at * CHUNK; i < job->count && i < (at + 1) * CHUNK; i++) {
         trial t;
-        try_cell(job->which, job->seed, job->first + i, &t);
+        try_cell(job, job->first + i, &batch, &t);
         for (int x = 0; x < INTERSECTOR_COUNT; x++) {
             const char *fault = judge(&t, x, &c->row.of[x]);
             if (fault && (job->exact >> x & 1u) && noted[x] < SHOWN)
@@ -328,7 +367,7 @@ static void sum_up(const cell_lab_job *job, const chunk *chunks, size_t count, c
             for (int n = 0; n < SHOWN && chunks[at].notes[x][n].what && shown < SHOWN; n++, shown++)
                 fprintf(job->log, "%s: %s, %s; rerun: %s cell %s %llu %llu %s\n",
                         chunks[at].notes[x][n].what, intersector_at(x)->name,
-                        ray_cell_case_name(job->which), job->rerun, ray_cell_case_name(job->which),
+                        cell_lab_name(job->which), job->rerun, cell_lab_name(job->which),
                         (unsigned long long)job->seed,
                         (unsigned long long)chunks[at].notes[x][n].index, intersector_at(x)->name);
         }
@@ -350,7 +389,7 @@ status cell_lab_run(pool *p, const cell_lab_job *job, cell_lab_row *row) {
 /* ---- tables ---- */
 
 uint64_t cell_lab_faults(const cell_lab_tally *tally) {
-    return tally->missed + tally->false_hits + tally->too_far + tally->disorder +
+    return tally->missed + tally->false_hits + tally->too_far + tally->disorder + tally->unlike +
            (tally->thin > tally->cells / 10000 ? tally->thin : 0);
 }
 
@@ -376,25 +415,29 @@ void cell_lab_print(FILE *out, const char *name, const cell_lab_row *row) {
                 (unsigned long long)t->surfaces, (unsigned long long)t->missed,
                 (unsigned long long)t->false_hits, (unsigned long long)t->too_far,
                 (unsigned long long)t->thin, t->worst, cell_lab_rms(t), 100 * share(t->grazing, t),
-                100 * share(t->excused, t), t->disorder ? " DISORDER" : "");
+                100 * share(t->excused, t),
+                t->disorder ? " DISORDER"
+                : t->unlike ? " UNLIKE"
+                            : "");
     }
     fflush(out);
 }
 
 void cell_lab_csv_heading(FILE *out) {
     fprintf(out, "case,intersector,ray_cells,surfaces,missed,false,too_far,thin,disorder,"
-                 "worst_cells,rms_cells,in_band,excused\n");
+                 "unlike,worst_cells,rms_cells,in_band,excused\n");
 }
 
 void cell_lab_csv(FILE *out, const char *name, const cell_lab_row *row) {
     for (int x = 0; x < INTERSECTOR_COUNT; x++) {
         const cell_lab_tally *t = &row->of[x];
-        fprintf(out, "%s,%s,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%.3g,%.3g,%llu,%llu\n", name,
+        fprintf(out, "%s,%s,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%.3g,%.3g,%llu,%llu\n", name,
                 intersector_at(x)->name, (unsigned long long)t->cells,
                 (unsigned long long)t->surfaces, (unsigned long long)t->missed,
                 (unsigned long long)t->false_hits, (unsigned long long)t->too_far,
-                (unsigned long long)t->thin, (unsigned long long)t->disorder, t->worst,
-                cell_lab_rms(t), (unsigned long long)t->grazing, (unsigned long long)t->excused);
+                (unsigned long long)t->thin, (unsigned long long)t->disorder,
+                (unsigned long long)t->unlike, t->worst, cell_lab_rms(t),
+                (unsigned long long)t->grazing, (unsigned long long)t->excused);
     }
     fflush(out);
 }
@@ -421,9 +464,10 @@ static void show(const trial *t) {
 }
 
 int cell_lab_rerun(int argc, char **argv) {
+    const bool in_holes = argc >= 3 && strcmp(argv[0], HOLES_NAME) == 0;
     const int which = argc >= 3 ? ray_cell_case(argv[0]) : -1;
     unsigned exact = argc > 3 ? 0 : cell_lab_exact();
-    if (which < 0)
+    if (which < 0 && !in_holes)
         return 2;
     for (int i = 3; i < argc; i++) {
         unsigned bit = 0;
@@ -433,9 +477,18 @@ int cell_lab_rerun(int argc, char **argv) {
             return 2;
         exact |= bit;
     }
+    cell_lab_job job = {.which = which, .seed = strtoull(argv[1], NULL, 10)};
+    holes *h = in_holes ? holes_make(job.seed) : NULL;
+    job.h = h;
     trial t;
     int bad = 0;
-    try_cell(which, strtoull(argv[1], NULL, 10), strtoull(argv[2], NULL, 10), &t);
+    batch_lab batch;
+    memset(&batch, 0, sizeof batch);
+    /* With the lanes that were beside it. */
+    const uint64_t index = strtoull(argv[2], NULL, 10), start = index / CHUNK * CHUNK;
+    for (uint64_t i = index < start + CELL_BATCH ? start : index - CELL_BATCH; i <= index; i++)
+        try_cell(&job, i, &batch, &t);
+    holes_free(h);
     show(&t);
     for (int x = 0; x < INTERSECTOR_COUNT; x++) {
         cell_lab_tally sum = {0};

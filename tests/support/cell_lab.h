@@ -11,6 +11,9 @@
  *   disorder  (marmitt alone) resumed from hit to hit it tells another story than at once, or
  *             names the wrong sides; (any) more than three surfaces in a cell
  *
+ *   unlike    ray-cells of which the kernels for sixteen at a time (cell_batch.h), with any ISA of
+ *             this CPU, give another first hit, by a single bit; asked of marmitt each time, of the
+ *             others now and then
  *   thin      pairs that one alone lists, whose two surfaces lie nearer together than the band is
  *             wide (REF_GRAZING_SHIFT): a film, of which doubles may tell nothing; counted apart,
  *             and allowed only as cell_lab_faults() says
@@ -26,13 +29,14 @@
 
 #include "formats/base/pool.h"
 #include "render/intersect.h"
+#include "tests/support/holes.h"
 
 typedef struct cell_lab_tally {
     uint64_t cells;    /* ray-cells */
     uint64_t grazing;  /* of these, those in the band; */
     uint64_t excused;  /* and of those, the ones that differ: they count for nothing below */
     uint64_t surfaces; /* that the reference sees */
-    uint64_t missed, false_hits, too_far, disorder, thin;
+    uint64_t missed, false_hits, too_far, disorder, unlike, thin;
     uint64_t matched; /* surfaces listed by both */
     double worst;     /* their error, in cells */
     double sum_squares;
@@ -43,14 +47,20 @@ typedef struct cell_lab_row {
     cell_lab_tally of[INTERSECTOR_COUNT];
 } cell_lab_row;
 
+enum { CELL_LAB_HOLES = -1 };
+
 /* What is asked: `count` ray-cells of a case from index `first` on. */
 typedef struct cell_lab_job {
-    int which; /* of ray_cells.h */
+    int which;      /* of ray_cells.h; or CELL_LAB_HOLES: */
+    const holes *h; /* those of holes.h, with this seed */
     uint64_t seed, first, count;
     unsigned exact;    /* bit per intersector: its faults are printed on log */
     const char *rerun; /* how a printed line begins: the program */
     FILE *log;
 } cell_lab_job;
+
+/* cell_lab_name() - of a case; that of the holes is "nan-inf". */
+const char *cell_lab_name(int which);
 
 /* cell_lab_exact() - the intersectors that must make no fault: marmitt. */
 unsigned cell_lab_exact(void);

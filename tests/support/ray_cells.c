@@ -292,6 +292,15 @@ static void far(ray_cell *c, field_random *r) {
                field_random_below(r, 2) ? field_random_in(r, 1, 10) : field_random_in(r, 1e5, 1e6));
 }
 
+/* Ten million to a thousand million cells from the origin, the ray's start beside it. */
+static void farther(ray_cell *c, field_random *r) {
+    const double scale = magnitude(r, 7, 9);
+    unit_cell_at(c, floor(scale * field_random_in(r, -1, 1)),
+                 floor(scale * field_random_in(r, -1, 1)), floor(scale));
+    random_samples(c, r);
+    random_ray(c, r, field_random_in(r, 1, 10));
+}
+
 static void aspect(ray_cell *c, field_random *r) {
     for (int a = 0; a < 3; a++) {
         c->lo[a] = field_random_in(r, -100, 100);
@@ -400,6 +409,7 @@ static const struct {
     {"plateau", plateau},
     {"bytes", bytes},
     {"far", far},
+    {"farther", farther},
     {"aspect", aspect},
     {"inside", inside},
     {"in-plane", in_plane},
