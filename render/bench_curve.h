@@ -12,6 +12,7 @@ typedef struct bench_curve {
     const char *series[2];     /* rows that agree in these columns make a series; NULL: none */
     bool log_x, log_y;         /* values that are not positive lie on the axis' lower end */
     bool joined;               /* a line through each series, in the order of the rows */
+    int labels;                /* columns that name a row */
     const char *mark, *marked; /* rows that say `marked` in column `mark` stand out; may be NULL */
 } bench_curve;
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROW = 18, LABEL = 220, BARS = 480, VALUE = 120, HEAD = 44, PAD = 12 };
+enum { ROW = 18, LABEL = 300, BARS = 480, VALUE = 120, HEAD = 44, PAD = 12 };
 
 static double value_of(const bench_table *t, int row, int column) {
     return column < 0 ? 0.0 : strtod(t->cell[row][column], NULL);
@@ -37,6 +37,13 @@ void bench_plot_text(FILE *out, double x, double y, const char *style, const cha
     fputs("</text>\n", out);
 }
 
+void bench_plot_label(const bench_table *t, int row, int columns, FILE *out) {
+    for (int c = 0; c < columns; c++) {
+        fputs(c ? ", " : "", out);
+        print_escaped(out, t->cell[row][c]);
+    }
+}
+
 /* The values that bars begin and end at. */
 static void range_of(const bench_table *t, const bench_chart *chart, int column, double range[2]) {
     range[0] = chart->log ? INFINITY : 0.0;
@@ -57,15 +64,14 @@ static void range_of(const bench_table *t, const bench_chart *chart, int column,
 
 static void draw_row(const bench_table *t, int r, int labels, const bench_chart *chart, int column,
                      const double range[2], double y, FILE *out) {
-    char label[BENCH_TEXT * 4] = "";
-    for (int c = 0; c < labels && c < 3; c++)
-        strcat(strcat(label, c ? ", " : ""), t->cell[r][c]);
     const double x = value_of(t, r, column);
     const double at = chart->log ? (x > 0.0 ? log10(x) : range[0]) : x;
     const double scale = BARS / (range[1] - range[0]);
     const double width = fmax(0.0, (at - range[0]) * scale);
     const double spread = value_of(t, r, bench_table_column(t, chart->spread)) * scale;
-    bench_plot_text(out, LABEL - 6, y + 13, "text-anchor=\"end\"", label);
+    fprintf(out, "<text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">", LABEL - 6, y + 13);
+    bench_plot_label(t, r, labels, out);
+    fputs("</text>\n", out);
     fprintf(out, "<rect x=\"%d\" y=\"%.1f\" width=\"%.1f\" height=\"%d\" fill=\"#4a7ba6\"/>\n",
             LABEL, y + 2, width, ROW - 5);
     if (spread > 0.0 && !chart->log)

@@ -20,6 +20,9 @@ void bench_plot_open(FILE *out, int width, int height);
 void bench_plot_close(FILE *out);
 void bench_plot_text(FILE *out, double x, double y, const char *style, const char *text);
 
+/* bench_plot_label() - the first cells of a row, escaped, with commas between. */
+void bench_plot_label(const bench_table *t, int row, int columns, FILE *out);
+
 /* bench_plot() - the charts below each other; rows are labelled by the first label_columns cells.
  * Columns that are not there are left out. */
 void bench_plot(const bench_table *t, int label_columns, const bench_chart *charts, int count,

@@ -120,6 +120,7 @@ void bench_race_row(bench_table *t, const bench_racer *all, int count, int i) {
     bench_table_add(t, "%.3f", r->median / all[0].median);
     bench_table_add(t, "%.3f", r->median / best);
     bench_table_add(t, "%.3f", (double)r->stats.nodes / rays);
+    bench_table_add(t, "%.2f", (double)all[0].stats.nodes / fmax(1.0, (double)r->stats.nodes));
     bench_table_add(t, "%.3f", (double)r->stats.cells / rays);
     bench_table_add(t, "%.3f", (double)r->stats.roots / rays);
     bench_table_add(t, "%.3f", (double)r->stats.bytes_active * 1e-6);

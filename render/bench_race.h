@@ -56,10 +56,12 @@ void bench_race_leave(mem *m, bench_racer *r, int count);
 uint64_t bench_race_differing(const bench_racer *a, const bench_racer *b);
 
 /* bench_race_row() - the common end of racer i's row, of `count` that drew the same picture, the
- * first of them the yardstick: time, as a multiple of the first's and of the fastest's; counters;
+ * first of them the yardstick: time, as a multiple of the first's and of the fastest's; counters,
+ * nodes also as how many times fewer than the first's;
  * bytes; in how many pixels the picture differs from the first's. */
 void bench_race_row(bench_table *t, const bench_racer *r, int count, int i);
-#define BENCH_RACE_HEADINGS \
-    "ms|+-|Mray/s|x first|x best|nodes/ray|cells/ray|roots/ray|active MB|read MB|peak MB|differ"
+#define BENCH_RACE_HEADINGS                                                                   \
+    "ms|+-|Mray/s|x first|x best|nodes/ray|fewer|cells/ray|roots/ray|active MB|read MB|peak " \
+    "MB|differ"
 
 #endif

@@ -5,7 +5,8 @@
 #include "formats/base/clock.h"
 #include "render/experiment.h"
 
-const char bench_walk_headings[] = "file|kernel|ns/ray|+-|x masks|nodes/ray|cells/ray|roots/ray";
+const char bench_walk_headings[] = "file|kernel|ns/ray|+-|x masks|nodes/ray|cells/ray|roots/ray|"
+                                   "active MB|peak MB";
 const char bench_filter_headings[] = "file|ray-cells|surfaces %|fallbacks %|disagreements|"
                                      "double ns/16|filtered ns/16|filtered/double";
 
@@ -69,6 +70,8 @@ static void add_row(bench_table *t, const char *path, int k, contestant *c, int 
     bench_table_add(t, "%.2f", (double)c->stats.nodes / rays);
     bench_table_add(t, "%.2f", (double)c->stats.cells / rays);
     bench_table_add(t, "%.2f", (double)c->stats.roots / rays);
+    bench_table_add(t, "%.3f", (double)c->stats.bytes_active * 1e-6);
+    bench_table_add(t, "%.3f", (double)c->stats.bytes_peak * 1e-6);
 }
 
 static status race(const view_options *view, int runs, contestant c[KERNEL_COUNT]) {
