@@ -414,8 +414,8 @@ SIMD void report(const visits *v, int at, const double *s, unsigned has, unsigne
     out->found |= take << at;
     out->entering = (out->entering & ~(take << at)) | (take << at & entering);
     out->at_exit = (out->at_exit & ~(take << at)) | (take & exits) << at;
-    for (unsigned rest = take; rest; rest &= rest - 1)
-        out->iso[at + __builtin_ctz(rest)] = i;
+    for (int k = 0; k < VD_N; k++)
+        out->iso[at + k] = i == 0 || take >> k & 1u ? i : out->iso[at + k];
 }
 
 SIMD void batch_with(const cell_batch *b, int lanes, const double *isovalues, int count,
