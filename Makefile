@@ -91,7 +91,7 @@ endif
 # ---- building ------------------------------------------------------------------------------------
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all tests run-tests test demo setup bench check install list help clean FORCE
+.PHONY: all tests run-tests test stress demo setup bench check install list help clean FORCE
 
 Q   := $(if $(V),,@)
 say  = $(if $(V),,@echo "  $1  $2")
@@ -168,6 +168,11 @@ run-tests: all $(TOOLS) $(filter $B/%,$(RUN))
 	    LEAFCAST_COMPILE=$(call quoted,$(CC) $(ALL_C)) LEAFCAST_LIBS='$(ALL_LIBS) -lcmocka' \
 	    scripts/run-tests --timeout $(TIMEOUT) $(RUN)
 
+# The stress lab at length, COUNT ray-cells of each case; its short form is in `make test`.
+COUNT ?= 5000000
+stress: all $B/tests/tool_stress
+	$B/tests/tool_stress --count $(COUNT) $(if $(CSV),--csv $(CSV))
+
 # These two need nothing but make and a compiler: libraries are looked for after the set-up.
 test: setup
 	@$(MAKE) --no-print-directory run-tests
@@ -202,6 +207,7 @@ install: all
 list help:
 	@echo "make            build everything into $B (and build/leafcast)"
 	@echo "make test       install what is missing, build, run all tests; T=\"NAME...\" for some"
+	@echo "make stress     ray-cells by the million against the reference; COUNT=$(COUNT) CSV=FILE"
 	@echo "make demo       install what is missing, build, generate, convert, render: demo.png"
 	@echo "make bench      the benchmark tables; SUITE=NAME for one"
 	@echo "make check      the rules of the house: layers, headers, ISA, manual, sizes, format"
