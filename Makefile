@@ -49,7 +49,8 @@ X86      := $(filter x86_64% i%86%,$(shell $(CC) -dumpmachine 2>/dev/null))
 SOURCES  := $(sort $(wildcard $(foreach d,formats prep stream render,$d/*.c $d/*/*.c)))
 SOURCES  := $(if $(X86),$(SOURCES),$(filter-out %_sse42.c %_avx2.c %_avx512.c,$(SOURCES)))
 MAINS    := $(filter %_main.c,$(SOURCES))
-LIB_OBJS := $(patsubst %.c,$B/obj/%.o,$(filter-out $(MAINS),$(SOURCES)))
+NATIVE   := render/peer_embree.c
+LIB_OBJS := $(patsubst %.c,$B/obj/%.o,$(filter-out $(MAINS) $(NATIVE),$(SOURCES)))
 LIB      := $B/lib/libleafcast.a
 verb      = $B/libexec/leafcast-$(subst _,-,$(patsubst %_main.c,%,$(notdir $1)))
 VERBS    := $(foreach m,$(MAINS),$(call verb,$m))
@@ -85,6 +86,8 @@ endif
 DEPS_CFLAGS := $(shell pkg-config --cflags $(LIBS_PC))
 DEPS_LIBS   := $(shell pkg-config --libs $(LIBS_PC))
 IMAGE       := $B/libexec/leafcast-write-image
+EMBREE      := $(shell echo '\#include <embree3/rtcore.h>' | $(CC) $(CPPFLAGS) $(CFLAGS) -E -x c - \
+                   >/dev/null 2>&1 && echo y)
 OIIO        := $(shell command -v $(firstword $(CXX)) && pkg-config --exists OpenImageIO && echo y)
 endif
 
@@ -95,7 +98,7 @@ endif
 
 Q   := $(if $(V),,@)
 say  = $(if $(V),,@echo "  $1  $2")
-link = $(Q)$(CC) $(ALL_C) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(ALL_LIBS)
+link = $(Q)$(CC) $(ALL_C) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(ALL_LIBS)
 
 all: $(LIB) $(VERBS) $(IMAGE) $(FRONT) $(if $(filter build/release,$B),build/leafcast) $(FUZZERS)
 
@@ -148,6 +151,24 @@ $B/libexec/leafcast-write-image:
 	      "so render cannot write PNG or EXR"
 endif
 
+PEERS    := $(call verb,render/bench_peers_main.c)
+PEER_VTK := $B/libexec/leafcast-peer-vtk
+# Embree is linked into the peers' benchmark alone, which is made for this machine: a peer runs as
+# fast as it can, and its numbers need not be the same elsewhere.
+$B/native/embree: FORCE
+	$(call remember,$(EMBREE))
+$B/native/%.o: render/%.c $B/flags $B/native/embree
+	@mkdir -p $(@D)
+	$(call say,CC  ,$<)
+	$(Q)$(CC) $(ALL_C) -march=native -ffp-contract=fast $(if $(EMBREE),-DPEER_WITH_EMBREE) \
+	    -MMD -MP -c -o $@ $<
+$(PEERS): $B/native/peer_embree.o | $(PEER_VTK)
+$(PEERS): ALL_LIBS += $(if $(EMBREE),-lembree3)
+
+$(PEER_VTK): scripts/peer_vtk
+	@mkdir -p $(@D)
+	@install -m 755 $< $@
+
 $(FRONT): scripts/leafcast render/leafcast.h Makefile
 	@mkdir -p $(@D)
 	@sed 's/@VERSION@/$(VERSION)/' $< >$@ && chmod 755 $@
@@ -197,7 +218,7 @@ D := $(DESTDIR)$(PREFIX)
 install: all
 	install -d $D/bin $D/libexec/leafcast $D/lib/pkgconfig $D/include/leafcast $D/share/man/man1
 	install -m 755 $(FRONT) $D/bin
-	install -m 755 $(VERBS) $(if $(OIIO),$(IMAGE)) $D/libexec/leafcast
+	install -m 755 $(VERBS) $(PEER_VTK) $(if $(OIIO),$(IMAGE)) $D/libexec/leafcast
 	install -m 644 $(LIB) $D/lib
 	install -m 644 $(wildcard render/leafcast.h prep/leafcast_prep.h) $D/include/leafcast
 	install -m 644 $(wildcard scripts/man/*.1) $D/share/man/man1
@@ -224,4 +245,4 @@ list help:
 clean:
 	rm -rf build demo.png
 
--include $(shell find $B/obj -name '*.d' 2>/dev/null)
+-include $(shell find $B/obj $B/native -name '*.d' 2>/dev/null)

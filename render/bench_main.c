@@ -11,6 +11,7 @@
 #include "formats/base/file.h"
 #include "formats/base/num.h"
 #include "render/bench_suite.h"
+#include "render/sibling.h"
 
 typedef struct bench_options {
     cli_common common;
@@ -270,7 +271,8 @@ static char *describe(void) {
             fputs(*at == '\n' ? "\n      " : (const char[]){*at, 0}, out);
         fputc('\n', out);
     }
-    fputs("  all\n      all of them, in brief\n"
+    fputs("  peers F.leaf --iso V\n      Embree and VTK on the same picture; bench peers --help\n"
+          "  all\n      all of them, in brief\n"
           "The table goes to standard output, with -o FILE.csv also there as CSV. Suites that are "
           "given no file measure the papers' volumes, from the data folder where they are there, "
           "and generated ones.",
@@ -279,7 +281,18 @@ static char *describe(void) {
     return text;
 }
 
+/* Beside other libraries: a program of its own, which links them. */
+static int hand_over(char **argv) {
+    char program[SIBLING_PATH];
+    if (sibling_find("leafcast-bench-peers", program))
+        execv(program, argv);
+    fprintf(stderr, "leafcast bench: leafcast-bench-peers is not there\n");
+    return 1;
+}
+
 int main(int argc, char **argv) {
+    if (argc > 1 && strcmp(argv[1], "peers") == 0)
+        return hand_over(argv + 1);
     static bench_options o = {.common = {.verb = "bench"},
                               .job = {.count = 500000, .largest = 1024}};
     const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};

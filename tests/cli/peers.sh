@@ -1,0 +1,65 @@
+#!/bin/sh
+# peers.sh - leafcast bench peers: that the peers draw the same surface, whatever the machine's speed.
+. tests/support/tap.sh
+
+leaf=$tmp/v.leaf
+csv() { # csv FILE EXPRESSION: python, with the rows as dictionaries in t, by contestant in by
+    python3 -c 'import csv, sys
+t = list(csv.DictReader(open(sys.argv[1])))
+by = {(r["contestant"], r["BVH"]): r for r in t}
+sys.exit(not eval(f"({sys.argv[2]})"))' "$@"
+}
+# The peers' own libraries are not built for our sanitizers.
+export LSAN_OPTIONS=detect_leaks=0
+run "$leafcast" generate marschner-lobb --dims 128 -o "$tmp/v.nrrd"
+run "$leafcast" convert "$tmp/v.nrrd" -o "$leaf" -q
+
+exits "without a file" 2 "$leafcast" bench peers --iso 1
+exits "without an isovalue" 2 "$leafcast" bench peers "$leaf"
+exits "more than peers can do" 2 "$leafcast" bench peers "$leaf" --iso 127.5 --shadows
+exits "two surfaces" 2 "$leafcast" bench peers "$leaf" --iso 127.5 --iso 100
+exits "a race" 0 "$leafcast" bench peers "$leaf" --iso 127.5 --size 203x190 --runs 3 --threads 2 -o "$tmp/p.csv" --plot "$tmp/p.svg"
+cp "$tmp/err" "$tmp/said"
+ok "ours, and with a new isovalue" csv "$tmp/p.csv" \
+    'float(by["leafcast", "-"]["ms"]) > 0 and float(by["leafcast; new isovalue", "-"]["ms"]) > 0 and int(by["leafcast", "-"]["hits"]) > 5000'
+ok "as bars" python3 -c 'import sys, xml.dom.minidom as x; x.parse(sys.argv[1])' "$tmp/p.svg"
+exits "an existing table" 1 "$leafcast" bench peers "$leaf" --iso 127.5 -o "$tmp/p.csv"
+
+if grep -q 'no Embree' "$tmp/said"; then
+    ok "says what to install" grep -q libembree-dev "$tmp/said"
+    skip "Embree" "not built with Embree (libembree-dev)"
+else
+    ok "Embree draws the same pixels" csv "$tmp/p.csv" \
+        'abs(int(by["leafcast", "-"]["hits"]) - int(by["rtcIntersect16", "medium"]["hits"])) < 30 and int(by["rtcIntersect16", "medium"]["only peer"]) < 30 and int(by["rtcIntersect16", "medium"]["only ours"]) < 30'
+    ok "where we do, but for the triangles' flatness" csv "$tmp/p.csv" \
+        '0 < float(by["rtcIntersect16", "medium"]["median cells"]) < 0.03 and float(by["rtcIntersect16", "medium"]["p99 cells"]) < 1'
+    ok "and as we do" csv "$tmp/p.csv" 'float(by["rtcIntersect16", "medium"]["colour rms"]) < 0.1'
+    ok "by packets and single rays, both BVHs" csv "$tmp/p.csv" \
+        '{("rtcIntersect16", "high"), ("rtcIntersect8", "medium"), ("rtcIntersect1", "medium")} <= by.keys()'
+    ok "the yardstick is Embree itself" csv "$tmp/p.csv" \
+        'max(float(r["x Embree"]) for k, r in by.items() if k[0] == "rtcIntersect16") == 1'
+    # Seen from inside, turned, mirrored, sheared and far from the origin.
+    exits "from inside" 0 "$leafcast" bench peers "$leaf" --iso 127.5 --size 64x64 --runs 1 --eye 62,62,120 --look-at 80,40,20 -o "$tmp/i.csv"
+    ok "sees the same" csv "$tmp/i.csv" \
+        'int(by["leafcast", "-"]["hits"]) > 1000 and int(by["rtcIntersect16", "medium"]["only peer"]) + int(by["rtcIntersect16", "medium"]["only ours"]) < 10 and float(by["rtcIntersect16", "medium"]["median cells"]) < 0.03'
+    run "$leafcast" generate sphere --dims 64 -o "$tmp/s.nrrd"
+    sed 's/^space directions:.*/space directions: (0,0,1.5) (-2,0,0) (0,1,0.25)/; s/^space origin:.*/space origin: (100000,5,7)/' "$tmp/s.nrrd" >"$tmp/t.nrrd"
+    run "$leafcast" convert "$tmp/t.nrrd" -o "$tmp/t.leaf" -q
+    exits "in a space of its own" 0 "$leafcast" bench peers "$tmp/t.leaf" --iso 127.5 --size 203x190 --runs 1 -o "$tmp/t.csv"
+    ok "sees the same there" csv "$tmp/t.csv" \
+        'int(by["leafcast", "-"]["hits"]) > 3000 and int(by["rtcIntersect16", "medium"]["only peer"]) + int(by["rtcIntersect16", "medium"]["only ours"]) < 5 and float(by["rtcIntersect16", "medium"]["p99 cells"]) < 0.3 and float(by["rtcIntersect16", "medium"]["colour rms"]) < 0.02'
+    if [ -x "$(dirname "$leafcast")/../libexec/leafcast-write-image" ]; then
+        exits "side by side" 0 "$leafcast" bench peers "$leaf" --iso 127.5 --size 64x48 --runs 1 --picture "$tmp/p.png"
+        ok "three pictures wide" sh -c 'oiiotool --info "$1" | grep -q "192 x *48"' - "$tmp/p.png"
+    else
+        skip "side by side" "no OpenImageIO here"
+    fi
+fi
+if grep -q 'no VTK' "$tmp/said"; then
+    ok "says what to install" grep -q python3-vtk9 "$tmp/said"
+    skip "VTK" "no VTK here (python3-vtk9)"
+elif ! grep -q 'no Embree' "$tmp/said"; then
+    ok "VTK finds as many triangles" csv "$tmp/p.csv" \
+        'by["VTK flying edges", "-"]["triangles"] == by["rtcIntersect16", "medium"]["triangles"]'
+fi
+finish
