@@ -4,17 +4,35 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "render/cell_batch.h"
 #include "render/experiment.h"
 #include "render/intersect.h"
 
 const char bench_intersect_headings[] =
     "field|intersector|ray-cells|surfaces|missed|missed %|false|"
-    "false %|rms cells|worst cells|ns/ray-cell|+-|x marmitt";
+    "false %|rms cells|worst cells|ns/ray-cell|+-|x marmitt|16: scalar ns|sse42 ns|avx2 ns|"
+    "avx512 ns|x scalar|differ";
 
 /* ---- ray-cells ---- */
 
 /* What record() writes to: experiments draw one picture at a time. */
 static bench_ray_cells *tape;
+static uint32_t tape_cells[3]; /* of the grid */
+
+/* The cell of this index in a grid of unit cells; whether the visit was one of it, to the bit. */
+static bool unit_box(const ray *r, const cell_visit *visit, uint64_t cell, cell_box *box) {
+    cell_visit again;
+    for (int a = 0; a < 3; a++) {
+        box->lo[a] = (double)(cell % tape_cells[a]);
+        box->hi[a] = box->lo[a] + 1.0;
+        box->inv[a] = 1.0;
+        box->last[a] = cell % tape_cells[a] == tape_cells[a] - 1;
+        cell /= tape_cells[a];
+        if (r->d[a] == 0.0)
+            return false;
+    }
+    return cell_visit_of(r, box, &again) && memcmp(&again, visit, sizeof again) == 0;
+}
 
 static bool record(const ray *r, const cell_visit *visit, const float samples[8], double iso,
                    int32_t iso_index, uint64_t cell, const hit *after, hit *found) {
@@ -24,6 +42,7 @@ static bool record(const ray *r, const cell_visit *visit, const float samples[8]
         c->visit = *visit;
         memcpy(c->samples, samples, sizeof c->samples);
         c->iso = iso;
+        c->unit = unit_box(r, visit, cell, &c->box);
     }
     return cell_next_hit(r, visit, samples, iso, iso_index, cell, after, found);
 }
@@ -35,6 +54,8 @@ status bench_ray_cells_record(mem *m, leafcast *volume, const leafcast_scene *sc
     if (!out->cells)
         return ST_NOMEM;
     tape = out;
+    for (int a = 0; a < 3; a++)
+        tape_cells[a] = leafcast_describe(volume).dims[a] - 1;
     experiment_intersect(volume, record);
     status st = (status)leafcast_trace(volume, scene, camera, &nothing, NULL, NULL, NULL);
     experiment_intersect(volume, NULL);
@@ -74,17 +95,19 @@ static void fill_field(bool noise, float *samples) {
 /* The ray from the eye through a random point of a cell, and its visit. */
 static bool aim(uint64_t *seed, const int cell[3], bench_ray_cell *c) {
     static const double eye[3] = {80.8, 56.5, 68.7}; /* about 2.2 edges from the centre */
-    cell_box box;
+    cell_box *box = &c->box;
     c->r = (ray){.t0 = 0.0, .t1 = INFINITY};
+    c->unit = true;
     for (int a = 0; a < 3; a++) {
-        box.lo[a] = cell[a];
-        box.hi[a] = cell[a] + 1;
-        box.inv[a] = 1.0;
-        box.last[a] = cell[a] == SIDE - 2;
+        box->lo[a] = cell[a];
+        box->hi[a] = cell[a] + 1;
+        box->inv[a] = 1.0;
+        box->last[a] = cell[a] == SIDE - 2;
         c->r.o[a] = eye[a];
         c->r.d[a] = cell[a] + random_unit(seed) - eye[a];
+        c->unit &= c->r.d[a] != 0.0;
     }
-    return cell_visit_of(&c->r, &box, &c->visit);
+    return cell_visit_of(&c->r, box, &c->visit);
 }
 
 static bool gather(const float *samples, const int cell[3], double iso, float out[8]) {
@@ -244,6 +267,110 @@ static double time_one(const intersector *x, const bench_ray_cells *c) {
     return (clock_cpu_seconds() - start) * 1e9 / c->count;
 }
 
+/* ---- sixteen at a time ---- */
+
+/* So many batches are made, then timed while they lie in the second-level cache, as they do when a
+ * tile is traced; the first pass brings them there. */
+enum { CHUNK = 64, CHUNKS_MAX = 128, PASSES = 3 };
+
+typedef struct batches {
+    cell_batch chunk[CHUNK];
+    uint32_t next; /* ray-cell */
+} batches;
+
+static void put(const bench_ray_cell *c, int lane, cell_batch *b) {
+    b->t0[lane] = c->r.t0;
+    b->t1[lane] = c->r.t1;
+    for (int a = 0; a < 3; a++) {
+        b->d[a][lane] = c->r.d[a];
+        b->lo[a][lane] = c->box.lo[a] - c->r.o[a];
+        b->hi[a][lane] = c->box.hi[a] - c->r.o[a];
+        b->inv[a][lane] = c->box.inv[a];
+    }
+    for (int i = 0; i < 8; i++)
+        b->samples[i][lane] = c->samples[i];
+}
+
+/* The next chunk of ray-cells with the first one's isovalue; false: not that many are left. */
+static bool fill(batches *b, const bench_ray_cells *c) {
+    int n = 0;
+    for (; b->next < c->count && n < CHUNK * CELL_BATCH; b->next++)
+        if (c->cells[b->next].unit && c->cells[b->next].iso == c->cells[0].iso) {
+            put(&c->cells[b->next], n % CELL_BATCH, &b->chunk[n / CELL_BATCH]);
+            n++;
+        }
+    return n == CHUNK * CELL_BATCH;
+}
+
+static uint64_t differences(const cell_batch_hits *x, const cell_batch_hits *y) {
+    uint32_t differ =
+        (x->found ^ y->found) | (x->entering ^ y->entering) | (x->at_exit ^ y->at_exit);
+    for (uint32_t rest = x->found & y->found; rest; rest &= rest - 1) {
+        const int k = __builtin_ctz(rest);
+        if (memcmp(&x->t[k], &y->t[k], sizeof x->t[k]) != 0 || x->iso[k] != y->iso[k])
+            differ |= 1u << k;
+    }
+    return (uint64_t)__builtin_popcount(differ);
+}
+
+/* ns[isa]: a ray-cell; 0 where there is no such ISA or too few ray-cells. Adds to *differ. */
+static void time_batches(leafcast_intersector how, const bench_ray_cells *c, batches *b,
+                         double ns[CPU_ISAS], uint64_t *differ) {
+    cell_batch_hits hits[CHUNK], truth[CHUNK];
+    int chunks = 0;
+    b->next = 0;
+    for (int isa = 0; isa < CPU_ISAS; isa++)
+        ns[isa] = 0.0;
+    for (; chunks < CHUNKS_MAX && fill(b, c); chunks++)
+        for (int isa = 0; isa <= (int)cpu_best(); isa++) {
+            const cell_batch_fn run = cell_batch_for((cpu_isa)isa);
+            double start = 0.0;
+            for (int pass = 0; pass < PASSES; pass++) {
+                if (pass == 1)
+                    start = clock_cpu_seconds();
+                for (int k = 0; k < CHUNK; k++)
+                    run(&b->chunk[k], CELL_BATCH, &c->cells[0].iso, 1, how, &hits[k]);
+            }
+            ns[isa] += clock_cpu_seconds() - start;
+            if (isa == 0)
+                memcpy(truth, hits, sizeof truth);
+            for (int k = 0; k < CHUNK; k++)
+                *differ += differences(&hits[k], &truth[k]);
+        }
+    for (int isa = 0; isa < CPU_ISAS && chunks > 0; isa++)
+        ns[isa] *= 1e9 / ((double)chunks * CHUNK * CELL_BATCH * (PASSES - 1));
+}
+
+typedef struct race {
+    double alone, spread;     /* ns a ray-cell, after the visit */
+    double batched[CPU_ISAS]; /* with it, sixteen at a time */
+    uint64_t differ;
+} race;
+
+/* All intersectors against the clock; times: room for runs a column. */
+static void run_races(const bench_ray_cells *c, int runs, batches *b, double *times,
+                      race out[INTERSECTOR_COUNT]) {
+    enum { COLUMNS = CPU_ISAS + 1 };
+    for (int k = 0; k < INTERSECTOR_COUNT; k++)
+        out[k].differ = 0;
+    for (int run = 0; run < runs; run++)
+        for (int k = 0; k < INTERSECTOR_COUNT; k++) {
+            double ns[CPU_ISAS], *row = times + (size_t)k * COLUMNS * runs + run;
+            row[0] = time_one(intersector_at(k), c);
+            time_batches(intersector_at(k)->id, c, b, ns, &out[k].differ);
+            for (int isa = 0; isa < CPU_ISAS; isa++)
+                row[(isa + 1) * runs] = ns[isa];
+        }
+    for (int k = 0; k < INTERSECTOR_COUNT; k++) {
+        double *row = times + (size_t)k * COLUMNS * runs;
+        out[k].alone = bench_median(row, runs, &out[k].spread);
+        for (int isa = 0; isa < CPU_ISAS; isa++)
+            out[k].batched[isa] = bench_median(row + (isa + 1) * runs, runs, NULL);
+    }
+}
+
+/* ---- the table ---- */
+
 static void find_truth(const bench_ray_cells *c, double *truth) {
     for (uint32_t i = 0; i < c->count; i++) {
         const cell_visit *v = &c->cells[i].visit;
@@ -258,40 +385,59 @@ static double percent(uint64_t part, uint64_t whole) {
     return whole ? 100.0 * (double)part / (double)whole : 0.0;
 }
 
+static void add_race(const race *r, double marmitt, bench_table *t) {
+    bench_table_add(t, "%.1f", r->alone);
+    bench_table_add(t, "%.1f", r->spread);
+    bench_table_add(t, "%.2f", r->alone / marmitt);
+    for (int isa = 0; isa < CPU_ISAS; isa++)
+        if (r->batched[isa] > 0.0)
+            bench_table_add(t, "%.1f", r->batched[isa]);
+        else
+            bench_table_add(t, "-");
+    const double best = r->batched[cpu_best()];
+    if (best > 0.0)
+        bench_table_add(t, "%.2f", r->batched[CPU_SCALAR] / best);
+    else
+        bench_table_add(t, "-");
+    bench_table_add(t, "%llu", (unsigned long long)r->differ);
+}
+
+static void add_row(const char *name, const intersector *x, const tally *sum, bench_table *t) {
+    const uint64_t met = sum->surfaces - sum->missed;
+    bench_table_add(t, "%s", name);
+    bench_table_add(t, "%s", x->name);
+    bench_table_add(t, "%llu", (unsigned long long)sum->judged);
+    bench_table_add(t, "%llu", (unsigned long long)sum->surfaces);
+    bench_table_add(t, "%llu", (unsigned long long)sum->missed);
+    bench_table_add(t, "%.3f", percent(sum->missed, sum->surfaces));
+    bench_table_add(t, "%llu", (unsigned long long)sum->made_up);
+    bench_table_add(t, "%.3f", percent(sum->made_up, sum->judged - sum->surfaces));
+    bench_table_add(t, "%.2e", met ? sqrt(sum->sum_squares / (double)met) : 0.0);
+    bench_table_add(t, "%.2e", sum->worst);
+}
+
 status bench_intersect(mem *m, const char *name, const bench_ray_cells *c, int runs,
                        bench_table *t) {
+    enum { ALIGNED = 64 };
     double *truth = mem_array(m, c->count ? c->count : 1, sizeof *truth);
-    double *times = mem_array(m, (size_t)runs * INTERSECTOR_COUNT, sizeof *times);
+    double *times = mem_array(m, (size_t)runs * INTERSECTOR_COUNT * (CPU_ISAS + 1), sizeof *times);
+    char *room = mem_array(m, sizeof(batches) + ALIGNED, 1);
     status st = c->count ? ST_OK : status_describe(ST_USAGE, "no ray meets an active cell");
-    if (!truth || !times)
+    if (!truth || !times || !room)
         st = ST_NOMEM;
     if (st == ST_OK) {
-        double median[INTERSECTOR_COUNT], spread[INTERSECTOR_COUNT];
+        race races[INTERSECTOR_COUNT];
+        batches *b = (batches *)(void *)(room + (ALIGNED - (uintptr_t)room % ALIGNED) % ALIGNED);
         find_truth(c, truth);
-        for (int run = 0; run < runs; run++)
-            for (int k = 0; k < INTERSECTOR_COUNT; k++)
-                times[k * runs + run] = time_one(intersector_at(k), c);
-        for (int k = 0; k < INTERSECTOR_COUNT; k++)
-            median[k] = bench_median(times + k * runs, runs, &spread[k]);
+        run_races(c, runs, b, times, races);
         for (int k = 0; k < INTERSECTOR_COUNT; k++) {
             tally sum = {0};
             judge(intersector_at(k), c, truth, &sum);
-            const uint64_t met = sum.surfaces - sum.missed;
-            bench_table_add(t, "%s", name);
-            bench_table_add(t, "%s", intersector_at(k)->name);
-            bench_table_add(t, "%llu", (unsigned long long)sum.judged);
-            bench_table_add(t, "%llu", (unsigned long long)sum.surfaces);
-            bench_table_add(t, "%llu", (unsigned long long)sum.missed);
-            bench_table_add(t, "%.3f", percent(sum.missed, sum.surfaces));
-            bench_table_add(t, "%llu", (unsigned long long)sum.made_up);
-            bench_table_add(t, "%.3f", percent(sum.made_up, sum.judged - sum.surfaces));
-            bench_table_add(t, "%.2e", met ? sqrt(sum.sum_squares / (double)met) : 0.0);
-            bench_table_add(t, "%.2e", sum.worst);
-            bench_table_add(t, "%.1f", median[k]);
-            bench_table_add(t, "%.1f", spread[k]);
-            bench_table_add(t, "%.2f", median[k] / median[INTERSECTOR_COUNT - 1]);
+            add_row(name, intersector_at(k), &sum, t);
+            add_race(&races[k], races[INTERSECTOR_COUNT - 1].alone, t);
         }
     }
+    mem_free(m, room);
     mem_free(m, times);
     mem_free(m, truth);
     return st;
