@@ -19,7 +19,14 @@
 #include "tests/support/shadow_lab.h"
 #include "tests/support/solids.h"
 
-enum { SEED = 20, DEFAULT_COUNT = 20000, THREADS = 2, SIDE = 24, SHADOW_SIDE = 40, VIEWS = 2 };
+/* Less where every access is watched. */
+#if defined __SANITIZE_THREAD__ || defined __SANITIZE_ADDRESS__
+enum { DEFAULT_COUNT = 3000 };
+#else
+enum { DEFAULT_COUNT = 20000 };
+#endif
+
+enum { SEED = 20, THREADS = 2, SIDE = 24, SHADOW_SIDE = 40, VIEWS = 2 };
 
 static const char *program;
 static mem memory;

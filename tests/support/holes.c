@@ -104,8 +104,8 @@ void holes_free(holes *h) {
 bool holes_cell(const holes *h, uint64_t index, ray_cell *out) {
     field_random mix = {h->seed * 0x9e3779b97f4a7c15u + index};
     field_random r = {field_random_bits(&mix)};
-    const volume_masks *v = &h->of[index / CELLS % VOLUMES];
-    const long at = (long)(index % CELLS);
+    const volume_masks *v = &h->of[index % VOLUMES];
+    const long at = (long)(index / VOLUMES % CELLS);
     const long cell[3] = {at % SIDE, at / SIDE % SIDE, at / SIDE / SIDE};
     *out = (ray_cell){.iso = v->iso};
     for (int n = 0; n < 8; n++)
