@@ -72,7 +72,7 @@ static status open_parts(leafcast *v, const char *path) {
         st = pool_create(m, v->options.threads > 0 ? v->options.threads : pool_default_threads(),
                          &v->threads);
     if (st == ST_OK)
-        st = loader_create(m, v->file, kinds[v->options.backend], LOADER_WORKERS, cpu_best(),
+        st = loader_create(m, v->file, kinds[v->options.backend], LOADER_WORKERS, v->kernels.isa,
                            &v->treelets);
     if (st != ST_OK)
         return st;

@@ -14,6 +14,7 @@
 #include "formats/base/pool.h"
 #include "stream/loader.h"
 #include "tests/support/fields.h"
+#include "tests/support/fixture.h"
 #include "tests/support/leaf_files.h"
 
 enum { WORKERS = 2, THREADS = 4 };
@@ -289,9 +290,56 @@ static void test_room(void **state) {
     stage_close(&s);
 }
 
+/* ---- Pictures ---- */
+
+enum { SIDE = 48 };
+
+static hash_id draw(leafcast *v, double iso) {
+    static double depth[SIDE * SIDE];
+    const leafcast_surface surface = leafcast_surface_default(iso);
+    const leafcast_scene scene = leafcast_scene_default();
+    const leafcast_camera camera = leafcast_standard_view(v, 1.1, SIDE, SIDE);
+    assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
+    if (leafcast_trace(v, &scene, &camera, &(leafcast_image){.z = depth}, NULL, NULL, NULL))
+        fail_msg("%s", leafcast_error_text());
+    return hash_identity(depth, sizeof depth);
+}
+
+/* Isovalues to and fro, with room for all treelets and for few, by every version of the masks: the
+ * pictures of volumes freshly opened. */
+static void test_pictures(void **state) {
+    (void)state;
+    enum { ISOS = 6 };
+    static const uint32_t limits[] = {0, 1, 7};
+    hash_id want[ISOS];
+    field f;
+    assert_true(field_make(&f, "noise-u8", 60, FIELD_SEED));
+    const char *path = fixture_leaf(&f, 4, 1, false);
+    field_release(&f);
+    for (int i = 0; i < ISOS; i++) {
+        leafcast *fresh = fixture_open(path, &(leafcast_options){.threads = 1, .isa = "scalar"});
+        want[i] = draw(fresh, 20.0 + 35.5 * i);
+        leafcast_close(fresh);
+    }
+    for (int isa = CPU_SCALAR; isa <= (int)cpu_best(); isa++)
+        for (size_t k = 0; k < sizeof limits / sizeof *limits; k++) {
+            field_random r = {FIELD_SEED};
+            leafcast *v = fixture_open(path, &(leafcast_options){.threads = 3,
+                                                                 .isa = cpu_isa_name((cpu_isa)isa),
+                                                                 .treelet_limit = limits[k]});
+            for (int step = 0; step < 3 * ISOS; step++) {
+                const int i = (int)field_random_below(&r, ISOS);
+                const hash_id got = draw(v, 20.0 + 35.5 * i);
+                assert_true(got.lo == want[i].lo && got.hi == want[i].hi);
+            }
+            leafcast_close(v);
+        }
+    assert_false(want[0].lo == want[1].lo && want[0].hi == want[1].hi);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_sweep), cmocka_unit_test(test_lazy),
-                                       cmocka_unit_test(test_crowd), cmocka_unit_test(test_kept),
-                                       cmocka_unit_test(test_room)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_sweep), cmocka_unit_test(test_lazy), cmocka_unit_test(test_crowd),
+        cmocka_unit_test(test_kept),  cmocka_unit_test(test_room), cmocka_unit_test(test_pictures)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
