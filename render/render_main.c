@@ -40,7 +40,7 @@ static const struct argp_option OPTIONS[] = {
     {"backend", BACKEND, "NAME", 0, "how treelets come in: auto, mapped or arena", 0},
     {"treelet-limit", TREELET_LIMIT, "N", 0,
      "never hold more than N treelets (0: what memory allows); for experiments", 0},
-    {"isa", ISA, "NAME", 0, "instructions to use: auto or scalar", 0},
+    {"isa", ISA, "NAME", 0, "instructions to use: auto, scalar, sse42, avx2, avx512", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status set_backend(leafcast_options *open, const char *text) {

@@ -77,24 +77,31 @@ typedef struct children_extent {
     vf x0, x1, y0, y1, w0, w1;
 } children_extent;
 
+SIMD void extend(children_extent *e, vf x, vf y, vf w) {
+    const vf r = f_reciprocal(w), px = x * r, py = y * r;
+    e->x0 = f_min(e->x0, px);
+    e->x1 = f_max(e->x1, px);
+    e->y0 = f_min(e->y0, py);
+    e->y1 = f_max(e->y1, py);
+    e->w0 = f_min(e->w0, w);
+    e->w1 = f_max(e->w1, w);
+}
+
+/* The two corners that differ in z alone; the others' coordinates are summed already. */
+SIMD void extend_twice(children_extent *e, vf x, vf y, vf w, const children_planes *xs,
+                       const children_planes *ys, const children_planes *ws) {
+    extend(e, x + xs->lo[2], y + ys->lo[2], w + ws->lo[2]);
+    extend(e, x + xs->hi[2], y + ys->hi[2], w + ws->hi[2]);
+}
+
 SIMD children_extent extent_of(const children_planes *x, const children_planes *y,
                                const children_planes *w) {
-    children_extent e;
-    for (unsigned c = 0; c < 8; c++) {
-        const vf cx =
-            (c & 1u ? x->hi : x->lo)[0] + (c & 2u ? x->hi : x->lo)[1] + (c & 4u ? x->hi : x->lo)[2];
-        const vf cy =
-            (c & 1u ? y->hi : y->lo)[0] + (c & 2u ? y->hi : y->lo)[1] + (c & 4u ? y->hi : y->lo)[2];
-        const vf cw =
-            (c & 1u ? w->hi : w->lo)[0] + (c & 2u ? w->hi : w->lo)[1] + (c & 4u ? w->hi : w->lo)[2];
-        const vf r = f_reciprocal(cw), px = cx * r, py = cy * r;
-        e.x0 = c ? f_min(e.x0, px) : px;
-        e.x1 = c ? f_max(e.x1, px) : px;
-        e.y0 = c ? f_min(e.y0, py) : py;
-        e.y1 = c ? f_max(e.y1, py) : py;
-        e.w0 = c ? f_min(e.w0, cw) : cw;
-        e.w1 = c ? f_max(e.w1, cw) : cw;
-    }
+    const vf most = f_set(INFINITY), least = f_set(-INFINITY);
+    children_extent e = {most, least, most, least, most, least};
+    extend_twice(&e, x->lo[0] + x->lo[1], y->lo[0] + y->lo[1], w->lo[0] + w->lo[1], x, y, w);
+    extend_twice(&e, x->hi[0] + x->lo[1], y->hi[0] + y->lo[1], w->hi[0] + w->lo[1], x, y, w);
+    extend_twice(&e, x->lo[0] + x->hi[1], y->lo[0] + y->hi[1], w->lo[0] + w->hi[1], x, y, w);
+    extend_twice(&e, x->hi[0] + x->hi[1], y->hi[0] + y->hi[1], w->hi[0] + w->hi[1], x, y, w);
     return e;
 }
 

@@ -173,16 +173,18 @@ SIMD unsigned visits(const tile_rays *rays, unsigned at, const near_cell *c, nea
     return ~mf_bits(f_gt(t_in - t_out, slack));
 }
 
-static float larger(float a, float b) {
+static inline float larger(float a, float b) {
     return a > b ? a : b;
 }
 
-static near_form near_form_of(const near_cell *c, const float samples[8], double iso) {
-    float f[8], largest = 0.0f, e = 3.0f;
-    for (int i = 0; i < 8; i++) {
-        f[i] = (float)((double)samples[i] - iso);
-        largest = larger(largest, fabsf(f[i]));
-    }
+static inline near_form near_form_of(const near_cell *c, const float samples[8], double iso) {
+    float f[8], size[8], e = 3.0f;
+    for (int i = 0; i < 8; i += VD_N)
+        d_store_floats(f + i, d_of_floats(samples + i) - d_set(iso));
+    for (int i = 0; i < 8; i++)
+        size[i] = fabsf(f[i]);
+    const float largest = larger(larger(larger(size[0], size[1]), larger(size[2], size[3])),
+                                 larger(larger(size[4], size[5]), larger(size[6], size[7])));
     for (int a = 0; a < 3; a++)
         e += larger(fabsf(c->lo[a]), fabsf(c->hi[a])) * c->inv[a];
     const float x0 = f[1] - f[0], x1 = f[3] - f[2], x2 = f[5] - f[4], x3 = f[7] - f[6];
@@ -259,19 +261,15 @@ SIMD unsigned window_pending(const tile_walk *w, unsigned x, unsigned y) {
     return bits;
 }
 
-/* So few rays of a window are not worth the filter: they go to the kernel at once. */
-enum { FEW_RAYS = 2 };
-
 /* The rays of a window that visit a cell: filter those and add the rest to the batch. */
 SIMD void add_visitors(tile_walk *w, active_cell *c, const near_visit *v, unsigned x, unsigned y,
                        tile_rect r, unsigned bits) {
     const walk_scene *scene = &w->f->tracer->scene;
-    const unsigned visitors = (unsigned)__builtin_popcount(bits);
-    w->counters->walk.cells += visitors;
+    w->counters->walk.cells += (unsigned)__builtin_popcount(bits);
     if (!c->has_samples)
         walk_cell_samples(scene, c->at, c->cell, c->samples);
     c->has_samples = true;
-    if (w->filter && visitors > FEW_RAYS) {
+    if (w->filter) {
         for (int i = 0; i < scene->count && !c->has_forms; i++)
             c->forms[i] = near_form_of(&c->near, c->samples, scene->isovalues[i]);
         c->has_forms = true;
