@@ -55,7 +55,9 @@ LIB      := $B/lib/libleafcast.a
 verb      = $B/libexec/leafcast-$(subst _,-,$(patsubst %_main.c,%,$(notdir $1)))
 VERBS    := $(foreach m,$(MAINS),$(call verb,$m))
 FRONT    := $B/bin/leafcast
-SUPPORT  := $(patsubst %.c,$B/obj/%.o,$(sort $(wildcard tests/*/*.c)))
+SUPPORT  := $(sort $(wildcard tests/*/*.c))
+SUPPORT  := $(if $(X86),$(SUPPORT),$(filter-out %_sse42.c %_avx2.c %_avx512.c,$(SUPPORT)))
+SUPPORT  := $(SUPPORT:%.c=$B/obj/%.o)
 programs  = $(patsubst %.c,$B/%,$(sort $(wildcard tests/$1_*.c)))
 TESTS    := $(call programs,test)
 TOOLS    := $(call programs,tool)

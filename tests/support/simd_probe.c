@@ -1,0 +1,109 @@
+#include "tests/support/simd_probe.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#if defined __x86_64__ || defined __i386__
+void simd_probe_sse42(const simd_probe_input *in, simd_probe_output *out);
+void simd_probe_avx2(const simd_probe_input *in, simd_probe_output *out);
+void simd_probe_avx512(const simd_probe_input *in, simd_probe_output *out);
+#endif
+
+void simd_probe_run(cpu_isa isa, const simd_probe_input *in, simd_probe_output *out) {
+    switch (isa) {
+#if defined __x86_64__ || defined __i386__
+    case CPU_SSE42: simd_probe_sse42(in, out); return;
+    case CPU_AVX2: simd_probe_avx2(in, out); return;
+    case CPU_AVX512: simd_probe_avx512(in, out); return;
+#endif
+    default: assert(!"an ISA with vectors"); (void)in, (void)out;
+    }
+}
+
+static double keep_double(double a, uint64_t keep) {
+    uint64_t bits;
+    memcpy(&bits, &a, sizeof bits);
+    bits &= keep;
+    memcpy(&a, &bits, sizeof a);
+    return a;
+}
+
+static float keep_float(float a, uint32_t keep) {
+    uint32_t bits;
+    memcpy(&bits, &a, sizeof bits);
+    bits &= keep;
+    memcpy(&a, &bits, sizeof a);
+    return a;
+}
+
+static void meant_doubles(const simd_probe_input *in, int i, simd_probe_output *out) {
+    const double a = in->a[i], b = in->b[i];
+    out->d[PROBE_ADD][i] = a + b;
+    out->d[PROBE_SUB][i] = a - b;
+    out->d[PROBE_MUL][i] = a * b;
+    out->d[PROBE_DIV][i] = a / b;
+    out->d[PROBE_MIN][i] = a < b ? a : b;
+    out->d[PROBE_MAX][i] = a > b ? a : b;
+    out->d[PROBE_SQRT][i] = sqrt(a);
+    out->d[PROBE_ABS][i] = fabs(a);
+    out->d[PROBE_SELECT][i] = in->p >> i & 1u ? a : b;
+    out->d[PROBE_SET][i] = in->a[0];
+    out->d[PROBE_BITS][i] = keep_double(a, in->keep);
+    out->d[PROBE_CONVERT][i] = (double)in->x[i];
+    out->d[PROBE_NARROW][i] = (double)(float)a;
+}
+
+static void meant_floats(const simd_probe_input *in, int i, simd_probe_output *out) {
+    const float x = in->x[i], y = in->y[i];
+    out->f[PROBE_ADD][i] = x + y;
+    out->f[PROBE_SUB][i] = x - y;
+    out->f[PROBE_MUL][i] = x * y;
+    out->f[PROBE_DIV][i] = x / y;
+    out->f[PROBE_MIN][i] = x < y ? x : y;
+    out->f[PROBE_MAX][i] = x > y ? x : y;
+    out->f[PROBE_SQRT][i] = sqrtf(x);
+    out->f[PROBE_ABS][i] = fabsf(x);
+    out->f[PROBE_SELECT][i] = in->p >> i & 1u ? x : y;
+    out->f[PROBE_SET][i] = in->x[0];
+    out->f[PROBE_BITS][i] = keep_float(x, (uint32_t)(in->keep >> 32));
+    out->f[PROBE_CONVERT][i] = (float)in->a[i];
+    out->f[PROBE_FLOOR][i] = floorf(x);
+    out->f[PROBE_CEIL][i] = ceilf(x);
+    out->f[PROBE_INT][i] = fabsf(x) < 0x1p30f ? (float)(int32_t)x : 0.0f;
+}
+
+#define MEANT_MASKS(to, a, b, i)                \
+    do {                                        \
+        const uint32_t bit = 1u << (i);         \
+        (to)[PROBE_LT] |= (a) < (b) ? bit : 0;  \
+        (to)[PROBE_LE] |= (a) <= (b) ? bit : 0; \
+        (to)[PROBE_EQ] |= (a) == (b) ? bit : 0; \
+        (to)[PROBE_GE] |= (a) >= (b) ? bit : 0; \
+        (to)[PROBE_GT] |= (a) > (b) ? bit : 0;  \
+    } while (0)
+
+static void meant_logic(const simd_probe_input *in, int lanes, uint32_t to[PROBE_MASKS]) {
+    const unsigned all = (1u << lanes) - 1;
+    to[PROBE_AND] = in->p & in->q & all;
+    to[PROBE_OR] = (in->p | in->q) & all;
+    to[PROBE_AND_NOT] = in->p & ~in->q & all;
+    to[PROBE_OF_BITS] = in->p & all;
+}
+
+void simd_probe_meant(const simd_probe_input *in, int doubles, int floats, simd_probe_output *out) {
+    memset(out, 0, sizeof *out);
+    out->doubles = doubles;
+    out->floats = floats;
+    for (int i = 0; i < doubles; i++) {
+        meant_doubles(in, i, out);
+        MEANT_MASKS(out->d_mask, in->a[i], in->b[i], i);
+    }
+    for (int i = 0; i < floats; i++) {
+        meant_floats(in, i, out);
+        MEANT_MASKS(out->f_mask, in->x[i], in->y[i], i);
+    }
+    meant_logic(in, doubles, out->d_mask);
+    meant_logic(in, floats, out->f_mask);
+    out->d_mask[PROBE_XOR] = (in->p ^ in->q) & ((1u << doubles) - 1);
+}

@@ -1,0 +1,1 @@
+#include "tests/support/simd_probe_template.h"

@@ -1,0 +1,86 @@
+/* simd_probe_template.h - simd_probe_run() for the ISA of the translation unit that includes it. */
+#ifndef TESTS_SUPPORT_SIMD_PROBE_TEMPLATE_H
+#define TESTS_SUPPORT_SIMD_PROBE_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "tests/support/simd_probe.h"
+
+void SIMD_NAME(simd_probe)(const simd_probe_input *in, simd_probe_output *out);
+
+static void probe_doubles(const simd_probe_input *in, simd_probe_output *out) {
+    const vd a = d_load(in->a), b = d_load(in->b);
+    const md p = md_of_bits(in->p & ((1u << VD_N) - 1));
+    const md q = md_of_bits(in->q & ((1u << VD_N) - 1));
+    float narrow[VD_N];
+    d_store(out->d[PROBE_ADD], a + b);
+    d_store(out->d[PROBE_SUB], a - b);
+    d_store(out->d[PROBE_MUL], a * b);
+    d_store(out->d[PROBE_DIV], a / b);
+    d_store(out->d[PROBE_MIN], d_min(a, b));
+    d_store(out->d[PROBE_MAX], d_max(a, b));
+    d_store(out->d[PROBE_SQRT], d_sqrt(a));
+    d_store(out->d[PROBE_ABS], d_abs(a));
+    d_store(out->d[PROBE_SELECT], d_select(p, a, b));
+    d_store(out->d[PROBE_SET], d_set(in->a[0]));
+    d_store(out->d[PROBE_BITS], d_and_bits(a, in->keep));
+    d_store(out->d[PROBE_CONVERT], d_of_floats(in->x));
+    d_store_floats(narrow, a);
+    for (int i = 0; i < VD_N; i++)
+        out->d[PROBE_NARROW][i] = (double)narrow[i];
+    out->d_mask[PROBE_LT] = md_bits(d_lt(a, b));
+    out->d_mask[PROBE_LE] = md_bits(d_le(a, b));
+    out->d_mask[PROBE_EQ] = md_bits(d_eq(a, b));
+    out->d_mask[PROBE_GE] = md_bits(d_ge(a, b));
+    out->d_mask[PROBE_GT] = md_bits(d_gt(a, b));
+    out->d_mask[PROBE_AND] = md_bits(md_and(p, q));
+    out->d_mask[PROBE_OR] = md_bits(md_or(p, q));
+    out->d_mask[PROBE_XOR] = md_bits(md_xor(p, q));
+    out->d_mask[PROBE_AND_NOT] = md_bits(md_and_not(p, q));
+    out->d_mask[PROBE_OF_BITS] = md_bits(p);
+}
+
+static void probe_floats(const simd_probe_input *in, simd_probe_output *out) {
+    const vf x = f_load(in->x), y = f_load(in->y);
+    const mf p = mf_of_bits(in->p & ((1u << VF_N) - 1));
+    const mf q = mf_of_bits(in->q & ((1u << VF_N) - 1));
+    f_store(out->f[PROBE_ADD], x + y);
+    f_store(out->f[PROBE_SUB], x - y);
+    f_store(out->f[PROBE_MUL], x * y);
+    f_store(out->f[PROBE_DIV], x / y);
+    f_store(out->f[PROBE_MIN], f_min(x, y));
+    f_store(out->f[PROBE_MAX], f_max(x, y));
+    f_store(out->f[PROBE_SQRT], f_sqrt(x));
+    f_store(out->f[PROBE_ABS], f_abs(x));
+    f_store(out->f[PROBE_SELECT], f_select(p, x, y));
+    f_store(out->f[PROBE_SET], f_set(in->x[0]));
+    f_store(out->f[PROBE_BITS], f_and_bits(x, (uint32_t)(in->keep >> 32)));
+    f_store(out->f[PROBE_CONVERT], f_of_doubles(in->a));
+    f_store(out->f[PROBE_FLOOR], f_floor(x));
+    f_store(out->f[PROBE_CEIL], f_ceil(x));
+    f_store(out->reciprocal, f_reciprocal(x));
+    const vi whole = f_to_int(x);
+    for (int i = 0; i < VF_N; i++)
+        out->f[PROBE_INT][i] = in->x[i] > -0x1p30f && in->x[i] < 0x1p30f ? (float)whole[i] : 0.0f;
+    out->f_mask[PROBE_LT] = mf_bits(f_lt(x, y));
+    out->f_mask[PROBE_LE] = mf_bits(f_le(x, y));
+    out->f_mask[PROBE_EQ] = mf_bits(f_eq(x, y));
+    out->f_mask[PROBE_GE] = mf_bits(f_ge(x, y));
+    out->f_mask[PROBE_GT] = mf_bits(f_gt(x, y));
+    out->f_mask[PROBE_AND] = mf_bits(mf_and(p, q));
+    out->f_mask[PROBE_OR] = mf_bits(mf_or(p, q));
+    out->f_mask[PROBE_AND_NOT] = mf_bits(mf_and_not(p, q));
+    out->f_mask[PROBE_OF_BITS] = mf_bits(p);
+}
+
+void SIMD_NAME(simd_probe)(const simd_probe_input *in, simd_probe_output *out) {
+    out->doubles = VD_N;
+    out->floats = VF_N;
+    probe_doubles(in, out);
+    probe_floats(in, out);
+}
+
+#endif
+#endif
