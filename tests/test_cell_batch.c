@@ -17,6 +17,7 @@
 #include "render/cell_batch.h"
 #include "render/cell_kernel.h"
 #include "render/intersect.h"
+#include "tests/support/cell_batch_wide.h"
 #include "tests/support/fields.h"
 #include "tests/support/ray_cells.h"
 
@@ -29,6 +30,17 @@ typedef struct ray_cells {
     float samples[CELL_BATCH][8];
     double isovalues[CELL_BATCH]; /* each one's own */
 } ray_cells;
+
+/* The versions to be tried: those of this CPU, and the one of AVX-512 in plain C. */
+static int versions(void) {
+    return (int)cpu_best() + 2;
+}
+
+static cell_batch_fn version(int v, const char **name) {
+    const bool wide = v > (int)cpu_best();
+    *name = wide ? "wide" : cpu_isa_name((cpu_isa)v);
+    return wide ? cell_batch_wide : cell_batch_for((cpu_isa)v);
+}
 
 static int batches(void) {
     const char *given = getenv("LEAFCAST_BATCHES");
@@ -107,10 +119,11 @@ static int check(const ray_cells *c, int lanes, const double *isovalues, int cou
         cell_batch_hits truth, hits;
         truth_of(c, lanes, isovalues, count, how, &truth);
         found += __builtin_popcount(truth.found);
-        for (int isa = 0; isa <= (int)cpu_best(); isa++) {
+        for (int v = 0; v < versions(); v++) {
+            const char *name;
             memset(&hits, 0xff, sizeof hits);
-            cell_batch_for((cpu_isa)isa)(&b, lanes, isovalues, count, how->id, &hits);
-            assert_same(&hits, &truth, cpu_isa_name((cpu_isa)isa), how->name, what, index);
+            version(v, &name)(&b, lanes, isovalues, count, how->id, &hits);
+            assert_same(&hits, &truth, name, how->name, what, index);
         }
     }
     return found;
@@ -264,12 +277,13 @@ static void lanes_do_not_see_each_other(void **state) {
         cell_batch b, moved_b;
         batch_of(&c, CELL_BATCH, &b);
         batch_of(&other, lanes, &moved_b);
-        for (int isa = 0; isa <= (int)cpu_best(); isa++)
+        for (int v = 0; v < versions(); v++)
             for (int x = 0; x < INTERSECTOR_COUNT; x++) {
                 const leafcast_intersector how = intersector_at(x)->id;
                 cell_batch_hits here, there;
-                cell_batch_for((cpu_isa)isa)(&b, CELL_BATCH, &iso, 1, how, &here);
-                cell_batch_for((cpu_isa)isa)(&moved_b, lanes, &iso, 1, how, &there);
+                const char *name;
+                version(v, &name)(&b, CELL_BATCH, &iso, 1, how, &here);
+                version(v, &name)(&moved_b, lanes, &iso, 1, how, &there);
                 assert_int_equal(here.found >> from & 1u, there.found >> to & 1u);
                 assert_int_equal(there.found >> lanes, 0);
                 if (!(here.found >> from & 1u))
