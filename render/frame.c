@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
+#include <string.h>
 
 #include "render/kernels.h"
 #include "render/pixel_ray.h"
@@ -35,7 +36,8 @@ typedef struct drawing {
     uint32_t runnable_count;
     size_t batches;
     uint32_t *tiles_now, *tiles_later; /* not drawn yet: of this pass; put off to the next */
-    uint32_t tiles_left, tiles_off;
+    uint32_t tiles_left, tiles_off, tiles_waiting; /* the last: put off until treelets come */
+    uint16_t (*to_do)[TILE];                       /* pixels of a tile not begun, a bit each */
     loader_request *requests;
     atomic_size_t finished; /* pixels */
 } drawing;
@@ -57,8 +59,9 @@ size_t frame_bytes(uint32_t treelets, uint32_t records_max, uint32_t width, uint
     const size_t tiles = (size_t)tiles_of(width) * tiles_of(height);
     const size_t chunks = records_max / CHUNK + 1;
     return treelets * (2 * sizeof(uint32_t) + sizeof(loader_request)) +
-           2 * tiles * sizeof(uint32_t) + chunks * (sizeof(void *) + 192) +
-           CHUNK * sizeof(pixel_ray) + ((size_t)threads + 1) * sizeof(tally);
+           tiles * (2 * sizeof(uint32_t) + TILE * sizeof(uint16_t)) +
+           chunks * (sizeof(void *) + 192) + CHUNK * sizeof(pixel_ray) +
+           ((size_t)threads + 1) * sizeof(tally);
 }
 
 static pixel_ray *record(const drawing *d, uint32_t i) {
@@ -109,32 +112,59 @@ static bool reserve(drawing *d, uint32_t count) {
     return fits;
 }
 
-/* What the tile's own traversal leaves to its rays, or all of them where there is none. */
-static void begin_tile(const frame *f, uint32_t x0, uint32_t y0, tile_outcome *todo,
-                       frame_counters *counters) {
-    if (f->projection) {
-        f->kernels->tile(f, x0, y0, todo, counters);
-        return;
-    }
-    const uint32_t left = f->width - x0, columns = left < TILE ? (1u << left) - 1u : UINT16_MAX;
-    for (uint32_t y = 0; y < TILE; y++) {
-        todo->open[y] = y0 + y < f->height ? (uint16_t)columns : 0;
-        todo->found[y] = 0;
-    }
+/* A tile whose rays met absent treelets asks for them and is taken up again when they have come;
+ * but rays wait one by one where treelets have to take turns, and where a preview goes on without
+ * them. */
+static bool wait_for_treelets(drawing *d, uint32_t tile, const tile_outcome *todo) {
+    const frame *f = d->f;
+    if (todo->absent_count == 0 || f->tracer->preview || !loader_has_room(f->treelets))
+        return false;
+    for (int i = 0; i < todo->absent_count; i++)
+        loader_want(f->treelets, todo->absent[i], pixel_ray_first_urgency(f, todo->absent[i]));
+    memcpy(d->to_do[tile], todo->waits, sizeof todo->waits);
+    pthread_mutex_lock(&d->lock);
+    d->tiles_later[d->tiles_off++] = tile;
+    d->tiles_waiting++;
+    pthread_mutex_unlock(&d->lock);
+    return true;
 }
 
-/* Trace a tile's rays; those that suspend move into records, which the reservation has made sure
- * of. */
+static void begin_tile(drawing *d, uint32_t tile, uint32_t x0, uint32_t y0, tile_outcome *todo,
+                       frame_counters *counters) {
+    const frame *f = d->f;
+    if (!f->projection) {
+        memcpy(todo->open, d->to_do[tile], sizeof todo->open);
+        memset(todo->found, 0, sizeof todo->found);
+        memset(todo->waits, 0, sizeof todo->waits);
+        return;
+    }
+    f->kernels->tile(f, x0, y0, d->to_do[tile], todo, counters);
+    if (wait_for_treelets(d, tile, todo))
+        return;
+    for (uint32_t y = 0; y < TILE; y++)
+        todo->open[y] |= todo->waits[y];
+    memset(todo->waits, 0, sizeof todo->waits);
+}
+
+static uint32_t pixels_of(const uint16_t rows[TILE]) {
+    uint32_t count = 0;
+    for (uint32_t y = 0; y < TILE; y++)
+        for (unsigned left = rows[y]; left; left &= left - 1)
+            count++;
+    return count;
+}
+
+/* Trace a tile's rays, all together as far as that goes; those that suspend move into records,
+ * which the reservation has made sure of. */
 static status draw_tile(drawing *d, uint32_t tile, frame_counters *counters) {
     const frame *f = d->f;
     pixel_ray suspended[TILE_RAYS];
     tile_outcome todo;
-    uint32_t count = 0, started = 0;
+    uint32_t count = 0;
     const uint32_t x0 = tile % d->tiles_x * TILE, y0 = tile / d->tiles_x * TILE;
-    begin_tile(f, x0, y0, &todo, counters);
-    const uint32_t columns = f->width - x0 < TILE ? f->width - x0 : TILE;
-    for (uint32_t y = 0; y < TILE && y0 + y < f->height; y++) {
-        started += columns;
+    const uint32_t asked = pixels_of(d->to_do[tile]);
+    begin_tile(d, tile, x0, y0, &todo, counters);
+    for (uint32_t y = 0; y < TILE; y++) {
         for (uint32_t left = todo.open[y] | todo.found[y]; left; left &= left - 1) {
             const uint32_t x = (uint32_t)__builtin_ctz(left), i = TILE * y + x;
             const uint32_t pixel = (y0 + y) * f->width + x0 + x;
@@ -144,8 +174,9 @@ static status draw_tile(drawing *d, uint32_t tile, frame_counters *counters) {
             count += !pixel_ray_advance(f, &suspended[count], counters);
         }
     }
-    counters->primary_rays += started;
-    atomic_fetch_add_explicit(&d->finished, started - count, memory_order_relaxed);
+    const uint32_t begun = asked - pixels_of(todo.waits);
+    counters->primary_rays += begun;
+    atomic_fetch_add_explicit(&d->finished, begun - count, memory_order_relaxed);
     status st = ST_OK;
     pthread_mutex_lock(&d->lock);
     for (uint32_t i = 0; i < count && st == ST_OK; i++) {
@@ -256,10 +287,16 @@ static status draw_passes(drawing *d, frame_counters *total) {
             continue;
         }
         const uint32_t tiles = room ? d->tiles_left : 0;
+        status st = ST_OK;
+        if (d->tiles_waiting > 0 && d->runnable_count == 0)
+            st = loader_settle(f->treelets);
+        if (st != ST_OK)
+            return st;
+        d->tiles_waiting = 0;
         if (room)
             d->tiles_off = 0;
         total->passes++;
-        status st = pool_run(f->threads, d->batches + tiles, run_item, d);
+        st = pool_run(f->threads, d->batches + tiles, run_item, d);
         if (st == ST_OK)
             st = loader_failure(f->treelets);
         if (st != ST_OK)
@@ -291,11 +328,22 @@ static void drawing_release(drawing *d) {
     mem_free(m, d->runnable);
     mem_free(m, d->waiting);
     mem_free(m, d->bucket);
+    mem_free(m, d->to_do);
     mem_free(m, d->tiles_later);
     mem_free(m, d->tiles_now);
     mem_free(m, d->chunks);
     mem_free(m, d->tallies);
     pthread_mutex_destroy(&d->lock);
+}
+
+/* A tile with all its pixels in the picture to do. */
+static void begin_to_do(drawing *d, uint32_t tile) {
+    const frame *f = d->f;
+    const uint32_t x0 = tile % d->tiles_x * TILE, y0 = tile / d->tiles_x * TILE;
+    const uint32_t columns = f->width - x0 < TILE ? (1u << (f->width - x0)) - 1u : UINT16_MAX;
+    d->tiles_now[tile] = tile;
+    for (uint32_t y = 0; y < TILE; y++)
+        d->to_do[tile][y] = y0 + y < f->height ? (uint16_t)columns : 0;
 }
 
 static status drawing_init(drawing *d, const frame *f) {
@@ -308,15 +356,16 @@ static status drawing_init(drawing *d, const frame *f) {
     d->chunks = mem_array(f->m, f->records_max / CHUNK + 1, sizeof *d->chunks);
     d->tiles_now = mem_array(f->m, d->tiles, sizeof *d->tiles_now);
     d->tiles_later = mem_array(f->m, d->tiles, sizeof *d->tiles_later);
+    d->to_do = mem_array(f->m, d->tiles, sizeof *d->to_do);
     d->bucket = mem_array(f->m, treelets, sizeof *d->bucket);
     d->waiting = mem_array(f->m, treelets, sizeof *d->waiting);
     d->runnable = mem_array(f->m, f->records_max, sizeof *d->runnable);
     d->requests = mem_array(f->m, treelets, sizeof *d->requests);
-    if (!d->tallies || !d->chunks || !d->tiles_now || !d->tiles_later || !d->bucket ||
+    if (!d->tallies || !d->chunks || !d->tiles_now || !d->tiles_later || !d->to_do || !d->bucket ||
         !d->waiting || !d->runnable || !d->requests)
         return ST_NOMEM;
     for (uint32_t i = 0; i < d->tiles; i++)
-        d->tiles_now[i] = i;
+        begin_to_do(d, i);
     for (uint32_t t = 0; t < treelets; t++)
         d->bucket[t] = no_record;
     return ST_OK;

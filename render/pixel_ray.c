@@ -222,10 +222,10 @@ static int64_t treelet_of(const tracer *tr, int a, double x) {
     return lo >> tr->layout->cells_log2;
 }
 
-uint64_t pixel_ray_urgency(const frame *f, const pixel_ray *p) {
+static uint64_t urgency_of(const frame *f, uint32_t t, int32_t light_index) {
     const tracer *tr = f->tracer;
-    const uint32_t t = p->search.blocked, level = tr->layout->level_of[t];
-    const leafcast_light *light = p->light == NO_LIGHT ? NULL : &f->scene->lights[p->light];
+    const uint32_t level = tr->layout->level_of[t];
+    const leafcast_light *light = light_index == NO_LIGHT ? NULL : &f->scene->lights[light_index];
     const int64_t far = (int64_t)1 << 24; /* more than any place */
     double from[3], towards[3] = {0.0, 0.0, 0.0};
     affine_point_to_grid(&tr->space, light && light->point ? light->vector : f->camera.eye, from);
@@ -246,5 +246,13 @@ uint64_t pixel_ray_urgency(const frame *f, const pixel_ray *p) {
         const int64_t distance = place > centre ? place - centre : centre - place;
         rank += light ? far - distance : distance;
     }
-    return (uint64_t)(p->light + 1) << 32 | (uint64_t)rank;
+    return (uint64_t)(light_index + 1) << 32 | (uint64_t)rank;
+}
+
+uint64_t pixel_ray_urgency(const frame *f, const pixel_ray *p) {
+    return urgency_of(f, p->search.blocked, p->light);
+}
+
+uint64_t pixel_ray_first_urgency(const frame *f, uint32_t t) {
+    return urgency_of(f, t, NO_LIGHT);
 }

@@ -38,4 +38,7 @@ bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters);
  * the light. Along any ray urgencies rise. */
 uint64_t pixel_ray_urgency(const frame *f, const pixel_ray *p);
 
+/* pixel_ray_first_urgency() - of treelet t when it blocks a primary ray. */
+uint64_t pixel_ray_first_urgency(const frame *f, uint32_t t);
+
 #endif

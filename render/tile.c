@@ -3,12 +3,12 @@
 #include <stddef.h>
 
 #if defined __x86_64__ || defined __i386__
-void tile_trace_sse42(const frame *f, uint32_t x0, uint32_t y0, tile_outcome *out,
-                      frame_counters *counters);
-void tile_trace_avx2(const frame *f, uint32_t x0, uint32_t y0, tile_outcome *out,
-                     frame_counters *counters);
-void tile_trace_avx512(const frame *f, uint32_t x0, uint32_t y0, tile_outcome *out,
-                       frame_counters *counters);
+void tile_trace_sse42(const frame *f, uint32_t x0, uint32_t y0, const uint16_t pixels[TILE],
+                      tile_outcome *out, frame_counters *counters);
+void tile_trace_avx2(const frame *f, uint32_t x0, uint32_t y0, const uint16_t pixels[TILE],
+                     tile_outcome *out, frame_counters *counters);
+void tile_trace_avx512(const frame *f, uint32_t x0, uint32_t y0, const uint16_t pixels[TILE],
+                       tile_outcome *out, frame_counters *counters);
 #endif
 
 tile_fn tile_for(cpu_isa isa) {

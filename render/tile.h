@@ -20,18 +20,25 @@
 
 enum { TILE = 16, TILE_RAYS = TILE * TILE };
 
-/* What is left to do, a bit a pixel (row by row, bit x). All other pixels of the picture have been
- * written. */
+/* Treelets that a tile is told to wait for at a time. */
+enum { TILE_ABSENT_MAX = 32 };
+
+/* What is left to do, a bit a pixel (row by row, bit x). All other pixels that were asked for have
+ * been written. */
 typedef struct tile_outcome {
     uint16_t open[TILE];  /* to be traced one by one, from their start */
+    uint16_t waits[TILE]; /* they met an absent treelet: again when it is there, or one by one */
+    uint32_t absent[TILE_ABSENT_MAX]; /* those treelets, as many as there is room for */
+    int absent_count;
     uint16_t found[TILE]; /* their first surface is known, and no more: */
     hit hits[TILE_RAYS];
     const treelet *at[TILE_RAYS];
 } tile_outcome;
 
-/* tile_trace_X() - the tile whose first pixel is (x0, y0). f->projection must be usable. */
-typedef void (*tile_fn)(const frame *f, uint32_t x0, uint32_t y0, tile_outcome *out,
-                        frame_counters *counters);
+/* tile_trace_X() - rays of the tile whose first pixel is (x0, y0); pixels: which. f->projection
+ * must be usable. */
+typedef void (*tile_fn)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t pixels[TILE],
+                        tile_outcome *out, frame_counters *counters);
 
 /* tile_for() - NULL where there is none: every ray by itself. */
 tile_fn tile_for(cpu_isa isa);

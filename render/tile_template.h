@@ -9,8 +9,8 @@
 
 #include "render/tile_shade_template.h"
 
-void SIMD_NAME(tile_trace)(const frame *f, uint32_t x0, uint32_t y0, tile_outcome *out,
-                           frame_counters *counters);
+void SIMD_NAME(tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
+                           tile_outcome *out, frame_counters *counters);
 
 /* Whether a pixel is done with its first surface and shaded by the eye's own light. */
 static bool shaded_together(const frame *f) {
@@ -23,28 +23,29 @@ static bool shaded_together(const frame *f) {
     return single && f->scene->light_count == 0;
 }
 
-void SIMD_NAME(tile_trace)(const frame *f, uint32_t x0, uint32_t y0, tile_outcome *out,
-                           frame_counters *counters) {
+void SIMD_NAME(tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
+                           tile_outcome *out, frame_counters *counters) {
     tile_walk w;
     tile_pixels pixels;
     const bool together = shaded_together(f);
-    tile_walk_run(&w, f, x0, y0, counters);
+    tile_walk_run(&w, f, x0, y0, asked, out, counters);
     clear_pixels(f, &pixels);
     if (together)
         shade_tile(&w, &pixels);
     for (unsigned y = 0; y < TILE; y++) {
         unsigned found = 0;
-        out->open[y] = w.rays.single[y] | w.absent[y];
+        const unsigned left = w.rays.single[y] | out->waits[y];
+        out->open[y] = w.rays.single[y];
         for (unsigned x = 0; x < TILE && !together; x++) {
             const unsigned i = TILE * y + x;
-            if (!(w.t[i] < INFINITY) || out->open[y] >> x & 1u)
+            if (!(w.t[i] < INFINITY) || left >> x & 1u)
                 continue;
             found |= 1u << x;
             out->hits[i] = (hit){w.t[i], index_of(&w, w.at[i], w.cell[i]), w.iso[i], w.entering[i]};
             out->at[i] = w.at[i];
         }
         out->found[y] = (uint16_t)found;
-        const unsigned done = w.in_picture[y] & ~(out->open[y] | found);
+        const unsigned done = w.asked[y] & ~(left | found);
         write_row(&w, y, done, &pixels);
     }
 }

@@ -14,14 +14,14 @@
 typedef struct tile_walk {
     const frame *f;
     frame_counters *counters;
+    tile_outcome *out;
     tile_place place;
     uint32_t x0, y0; /* its first pixel */
     bool has_rays;
     tile_rays rays; /* made when the first are needed */
-    uint16_t in_picture[TILE];
+    uint16_t asked[TILE];
     uint16_t open[ROWS];    /* rays that still look for their surface; */
     uint16_t pending[ROWS]; /* of which a cell waits in the batch */
-    uint16_t absent[TILE];  /* rays that met a treelet which is not resident */
     bool filter;            /* the intersector is the one that the filter knows */
     /* Ray-cells on their way to the cell kernel. */
     cell_batch batch;
@@ -440,7 +440,7 @@ static unsigned rect_area(tile_rect r) {
     return (r.x1 - r.x0 + 1u) * (r.y1 - r.y0 + 1u);
 }
 
-static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect, unsigned octants) {
+static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect) {
     const level_planes *planes = &w->f->tracer->scene.levels[at->level];
     const plane_projection *const *projected = w->place.p->at[at->level];
     tree_node stack[TREE_STACK_MAX];
@@ -449,7 +449,6 @@ static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect, unsigned 
                                0,
                                at->shape.node_levels + LEAF_BLOCK_LOG2,
                                rect};
-    unsigned looked_at = octants;
     while (top > 0) {
         const tree_node node = stack[--top];
         if (!wanted(w, node.rect))
@@ -465,9 +464,7 @@ static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect, unsigned 
         tile_rects rects;
         w->counters->walk.nodes++;
         tile_rects_of(&w->place, projected, node.cell, half, &node.rect, &rects);
-        const unsigned children =
-            walk_children(at, node.size, node.morton) & rects.alive & looked_at;
-        looked_at = 255u;
+        const unsigned children = walk_children(at, node.size, node.morton) & rects.alive;
         const unsigned first = first_octant(w, planes, node.cell, half);
         unsigned places = in_order(children, first);
         if (half == 1) {
@@ -491,30 +488,53 @@ static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect, unsigned 
     }
 }
 
-/* Remember that rays came into a treelet: by their own intervals, since rectangles are generous. */
-static void touch(tile_walk *w, uint32_t t, const treelet *at, tile_rect r) {
+/* The open rays of row y in the rectangle that pass treelet t: by their own intervals, since
+ * rectangles are generous. A cell that the kernel lets a ray visit lies within. */
+static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect r) {
+    const leaf_layout *layout = w->f->tracer->layout;
+    const level_planes *planes = &w->f->tracer->scene.levels[layout->level_of[t]];
+    unsigned passing = 0;
+    for (unsigned left = w->open[y] & row_mask(r); left; left &= left - 1) {
+        const unsigned x = (unsigned)__builtin_ctz(left), i = TILE * y + x;
+        double t_in = w->rays.t0[i], t_out = w->rays.t1[i];
+        for (int a = 0; a < 3; a++) {
+            const double d = w->rays.d[a][i], eye = w->place.p->eye[a];
+            const uint32_t place = layout->place[t][a];
+            const double lo = (planes->at[a][place << layout->cells_log2] - eye) / d;
+            const double hi = (planes->at[a][(place + 1) << layout->cells_log2] - eye) / d;
+            const double near = d > 0.0 ? lo : hi, far = d > 0.0 ? hi : lo;
+            t_in = near > t_in ? near : t_in;
+            t_out = far < t_out ? far : t_out;
+        }
+        passing |= (unsigned)(t_in <= t_out) << x;
+    }
+    return passing;
+}
+
+/* Remember that rays came into a treelet. */
+static void touch(const tile_walk *w, uint32_t t, tile_rect r) {
     atomic_uchar *touched = &w->f->tracer->touched[t];
     if (atomic_load_explicit(touched, memory_order_relaxed))
         return;
-    const level_planes *planes = &w->f->tracer->scene.levels[at->level];
-    const uint32_t side = 1u << w->f->tracer->layout->cells_log2;
-    for (unsigned y = r.y0; y <= r.y1; y++) {
-        for (unsigned left = w->open[y] & row_mask(r); left; left &= left - 1) {
-            const unsigned i = TILE * y + (unsigned)__builtin_ctz(left);
-            double t_in = w->rays.t0[i], t_out = w->rays.t1[i];
-            for (int a = 0; a < 3; a++) {
-                const double d = w->rays.d[a][i], eye = w->place.p->eye[a];
-                const double lo = (planes->at[a][at->first_cell[a]] - eye) / d;
-                const double hi = (planes->at[a][at->first_cell[a] + side] - eye) / d;
-                t_in = fmax(t_in, d > 0.0 ? lo : hi);
-                t_out = fmin(t_out, d > 0.0 ? hi : lo);
-            }
-            if (t_in <= t_out) {
-                atomic_store_explicit(touched, 1, memory_order_relaxed);
-                return;
-            }
+    for (unsigned y = r.y0; y <= r.y1; y++)
+        if (rays_into(w, t, y, r)) {
+            atomic_store_explicit(touched, 1, memory_order_relaxed);
+            return;
         }
+}
+
+/* Rays that pass a treelet which is not there go no further. */
+static void miss_treelet(tile_walk *w, uint32_t t, tile_rect r) {
+    unsigned any = 0;
+    flush(w);
+    for (unsigned y = r.y0; y <= r.y1; y++) {
+        const unsigned passing = rays_into(w, t, y, r);
+        w->out->waits[y] |= (uint16_t)passing;
+        w->open[y] &= (uint16_t)~passing;
+        any |= passing;
     }
+    if (any && w->out->absent_count < TILE_ABSENT_MAX)
+        w->out->absent[w->out->absent_count++] = t;
 }
 
 /* Empty tiles never get here. */
@@ -524,29 +544,23 @@ static void make_rays_once(tile_walk *w) {
     tile_rays_make(w->f, w->x0, w->y0, &w->rays);
     w->has_rays = true;
     for (unsigned y = 0; y < TILE; y++) {
-        w->rays.single[y] &= w->in_picture[y];
+        w->rays.single[y] &= w->asked[y];
         w->open[y] &= (uint16_t)~w->rays.single[y];
     }
 }
 
-/* A treelet that is drawn: walk it, or leave its rays to those who can wait. */
 static void walk_drawn(tile_walk *w, uint32_t t, tile_rect r) {
-    const tracer *tr = w->f->tracer;
-    if (!tr->treelets->own[t])
+    const loader *treelets = w->f->tracer->treelets;
+    if (!treelets->own[t])
         return;
     make_rays_once(w);
-    const treelet *at = loader_lookup(tr->treelets, t);
-    if (at) {
-        touch(w, t, at, r);
-        walk_tree(w, at, r, 255u);
+    const treelet *at = loader_lookup(treelets, t);
+    if (!at) {
+        miss_treelet(w, t, r);
         return;
     }
-    flush(w);
-    for (unsigned y = r.y0; y <= r.y1; y++) {
-        const unsigned left = w->open[y] & row_mask(r);
-        w->absent[y] |= (uint16_t)left;
-        w->open[y] &= (uint16_t)~left;
-    }
+    touch(w, t, r);
+    walk_tree(w, at, r);
 }
 
 typedef struct directory_node {
@@ -591,8 +605,10 @@ static void walk_directory(tile_walk *w) {
 
 /* All of a tile's rays up to their first surfaces. */
 static void tile_walk_run(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0,
-                          frame_counters *counters) {
+                          const uint16_t asked[TILE], tile_outcome *out, frame_counters *counters) {
     w->f = f;
+    w->out = out;
+    out->absent_count = 0;
     w->counters = counters;
     w->place = (tile_place){f->projection, (float)(x0 + 0.5 - 0.5 * f->camera.width),
                             (float)(y0 + 0.5 - 0.5 * f->camera.height)};
@@ -601,17 +617,14 @@ static void tile_walk_run(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0
     w->x0 = x0;
     w->y0 = y0;
     w->has_rays = false;
-    const uint32_t columns = f->width - x0 < TILE ? f->width - x0 : TILE;
     for (unsigned y = 0; y < ROWS; y++) {
-        w->open[y] = y < TILE && y0 + y < f->height ? (uint16_t)((1u << columns) - 1u) : 0;
+        w->open[y] = y < TILE ? asked[y] : 0;
         w->pending[y] = 0;
     }
     for (unsigned y = 0; y < TILE; y++) {
-        w->in_picture[y] = w->open[y];
-        w->rays.single[y] = 0;
+        w->asked[y] = w->open[y];
+        w->rays.single[y] = out->waits[y] = 0;
     }
-    for (unsigned y = 0; y < TILE; y++)
-        w->absent[y] = 0;
     for (unsigned i = 0; i < TILE_RAYS; i++)
         w->t[i] = INFINITY;
     walk_directory(w);

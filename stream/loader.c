@@ -502,6 +502,14 @@ status loader_admit(loader *l, loader_request *requests, size_t count) {
     return st;
 }
 
+bool loader_has_room(loader *l) {
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    const bool room = h->filled + h->loading + h->queued < h->capacity;
+    pthread_mutex_unlock(&h->lock);
+    return room;
+}
+
 status loader_settle(loader *l) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);

@@ -18,6 +18,7 @@
 #define STREAM_LOADER_H
 
 #include <stdatomic.h>
+#include <stdbool.h>
 
 #include "formats/base/cpu.h"
 #include "formats/leaf_file.h"
@@ -107,6 +108,10 @@ typedef struct loader_request {
  * them is READY. Only while nothing is traced. Sorts the requests. Returns the error of a treelet
  * that failed. */
 CHECKED status loader_admit(loader *l, loader_request *requests, size_t count);
+
+/* loader_has_room() - whether there would be a place for one more treelet when all that is wanted
+ * has come. Any thread. */
+bool loader_has_room(loader *l);
 
 /* loader_settle() - wait until nothing that has a place is still being read. */
 CHECKED status loader_settle(loader *l);
