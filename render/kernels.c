@@ -2,24 +2,44 @@
 
 #include <string.h>
 
-/* Experiment E1: the same pictures, slower. */
+/* The same pictures, slower: other walks below blocks (E1); smaller packets, and no ray-cells of
+ * several cells together (E4), with the best ISA there is. */
 static const struct {
     const char *name;
-    walk_fn walk;
-} alternatives[] = {{"scalar-groups", walk_treelet_groups},
-                    {"scalar-corners", walk_treelet_corners}};
+    walk_fn walk; /* NULL: tiles */
+    uint8_t packet;
+    bool by_cell;
+} alternatives[] = {{"scalar-groups", walk_treelet_groups, 0, false},
+                    {"scalar-corners", walk_treelet_corners, 0, false},
+                    {"packets-4x4", NULL, 4, false},
+                    {"packets-8x8", NULL, 8, false},
+                    {"packets-4x4-by-cell", NULL, 4, true},
+                    {"tiles-by-cell", NULL, TILE, true}};
+
+static kernels kernels_of(cpu_isa isa) {
+    return (kernels){.name = cpu_isa_name(isa),
+                     .isa = isa,
+                     .walk = walk_treelet,
+                     .cells = cell_batch_for(isa),
+                     .tile = tile_for(isa),
+                     .packet = TILE};
+}
 
 bool kernels_for(const char *name, kernels *out) {
     cpu_isa isa;
     for (size_t i = 0; name && i < sizeof alternatives / sizeof *alternatives; i++) {
-        if (!strcmp(name, alternatives[i].name)) {
-            *out = (kernels){alternatives[i].name, CPU_SCALAR, alternatives[i].walk,
-                             cell_batch_for(CPU_SCALAR), NULL};
-            return true;
-        }
+        if (strcmp(name, alternatives[i].name) != 0)
+            continue;
+        *out = kernels_of(alternatives[i].walk ? CPU_SCALAR : cpu_best());
+        out->name = alternatives[i].name;
+        out->packet = alternatives[i].packet;
+        out->by_cell = alternatives[i].by_cell;
+        if (alternatives[i].walk)
+            out->walk = alternatives[i].walk;
+        return alternatives[i].walk || out->tile;
     }
     if (!cpu_isa_find(name, &isa))
         return false;
-    *out = (kernels){cpu_isa_name(isa), isa, walk_treelet, cell_batch_for(isa), tile_for(isa)};
+    *out = kernels_of(isa);
     return true;
 }

@@ -14,10 +14,12 @@ typedef struct kernels {
     walk_fn walk;        /* one ray through one treelet */
     cell_batch_fn cells; /* many ray-cells */
     tile_fn tile;        /* a tile of primary rays; NULL: one by one */
+    uint8_t packet;      /* pixels on a side that walk together: TILE, or less of it */
+    bool by_cell;        /* a batch never holds ray-cells of more than one cell */
 } kernels;
 
 /* kernels_for() - NULL or "auto" for the best there is, or a name: that of an ISA, or of one of
- * experiment E1's alternatives. False where this build or this CPU has no such kernels. */
+ * the alternatives of experiments E1 and E4. False where this build or this CPU has no such kernels. */
 bool kernels_for(const char *name, kernels *out);
 
 #endif

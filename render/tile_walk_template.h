@@ -281,6 +281,8 @@ SIMD void add_visitors(tile_walk *w, active_cell *c, const near_visit *v, unsign
     }
     if (bits)
         add_to_batch(w, c, x, y, bits);
+    if (w->f->kernels->by_cell)
+        flush(w);
 }
 
 static void cell_begin(active_cell *c, const treelet *at, const plane_projection *const planes[3],
@@ -568,13 +570,13 @@ typedef struct directory_node {
     tile_rect rect;
 } directory_node;
 
-static void walk_directory(tile_walk *w) {
+static void walk_directory(tile_walk *w, tile_rect rect) {
     const tracer *tr = w->f->tracer;
     const leaf_layout *layout = tr->layout;
     const uint32_t half = 1u << (layout->cells_log2 - 1);
     directory_node stack[DIRECTORY_STACK_MAX];
     int top = 0;
-    stack[top++] = (directory_node){0, {0, TILE - 1, 0, TILE - 1}};
+    stack[top++] = (directory_node){0, rect};
     while (top > 0) {
         const directory_node node = stack[--top];
         if (!wanted(w, node.rect))
@@ -627,7 +629,11 @@ static void tile_walk_run(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0
     }
     for (unsigned i = 0; i < TILE_RAYS; i++)
         w->t[i] = INFINITY;
-    walk_directory(w);
+    const uint8_t packet = f->kernels->packet;
+    for (uint8_t y = 0; y < TILE; y += packet)
+        for (uint8_t x = 0; x < TILE; x += packet)
+            walk_directory(w,
+                           (tile_rect){x, (uint8_t)(x + packet - 1), y, (uint8_t)(y + packet - 1)});
 }
 
 #endif

@@ -32,19 +32,31 @@ static void draw(leafcast *volume, const leafcast_scene *scene, const leafcast_c
     assert_int_equal(leafcast_trace(volume, scene, camera, &image, stats, NULL, NULL), LEAFCAST_OK);
 }
 
-/* The same file opened for single rays and for each ISA with tiles. */
+/* The same file opened for single rays, then for each ISA with tiles, then for the alternatives
+ * that experiment E4 compares. */
 typedef struct volumes {
-    leafcast *of[CPU_ISAS];
+    leafcast *of[16];
+    const char *name[16];
     int count;
 } volumes;
 
+static void open_one(volumes *v, const char *path, const char *isa, int threads) {
+    const leafcast_options o = {.isa = isa, .threads = threads};
+    v->name[v->count] = isa;
+    v->of[v->count++] = fixture_open(path, &o);
+}
+
 static volumes open_all(const char *path, int threads) {
-    volumes v = {.count = (int)cpu_best() + 1};
-    for (int isa = 0; isa < v.count; isa++) {
-        const leafcast_options o = {.isa = cpu_isa_name((cpu_isa)isa), .threads = threads};
-        v.of[isa] = fixture_open(path, &o);
-    }
+    volumes v = {.count = 0};
+    for (int isa = 0; isa <= (int)cpu_best(); isa++)
+        open_one(&v, path, cpu_isa_name((cpu_isa)isa), threads);
     return v;
+}
+
+static void open_alternatives(volumes *v, const char *path, int threads) {
+    static const char *const names[] = {"packets-8x8", "packets-4x4-by-cell", "tiles-by-cell"};
+    for (size_t i = 0; i < sizeof names / sizeof *names && cpu_best() > CPU_SCALAR; i++)
+        open_one(v, path, names[i], threads);
 }
 
 static void close_all(volumes *v) {
@@ -84,10 +96,10 @@ static int assert_alike(const volumes *v, const leafcast_scene *scene,
             if (z + id + normal + rgba)
                 print_message("%s, %s: eye %.17g,%.17g,%.17g to %.17g,%.17g,%.17g up %g,%g,%g fov "
                               "%g: %zu depths, %zu ids, %zu normals, %zu colours differ\n",
-                              what, cpu_isa_name((cpu_isa)isa), camera->eye[0], camera->eye[1],
-                              camera->eye[2], camera->look_at[0], camera->look_at[1],
-                              camera->look_at[2], camera->up[0], camera->up[1], camera->up[2],
-                              camera->fov, z, id, normal, rgba);
+                              what, v->name[isa], camera->eye[0], camera->eye[1], camera->eye[2],
+                              camera->look_at[0], camera->look_at[1], camera->look_at[2],
+                              camera->up[0], camera->up[1], camera->up[2], camera->fov, z, id,
+                              normal, rgba);
             assert_int_equal(z + id + normal + rgba, 0);
             assert_memory_equal(want.provisional, got.provisional, sizeof want.provisional);
             assert_int_equal(tiled.rays, single.rays);
@@ -204,7 +216,9 @@ static void test_every_scene(void **state) {
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         field f;
         assert_true(field_make(&f, names[i], 40, FIELD_SEED));
-        volumes v = open_all(fixture_leaf(&f, 4, i != 1, false), 2);
+        const char *path = fixture_leaf(&f, 4, i != 1, false);
+        volumes v = open_all(path, 2);
+        open_alternatives(&v, path, 2);
         const leafcast_info info = leafcast_describe(v.of[0]);
         for (int kind = 0; kind < SCENES; kind++) {
             leafcast_surface s[3];
@@ -275,7 +289,7 @@ static void test_counts(void **state) {
             assert_int_equal(tiled.bytes_visible, single.bytes_visible);
             assert_true(tiled.nodes < single.nodes);
             assert_true(tiled.roots >= single.roots / 2);
-            assert_string_equal(tiled.isa, cpu_isa_name((cpu_isa)isa));
+            assert_string_equal(tiled.isa, v.name[isa]);
         }
     }
     close_all(&v);
