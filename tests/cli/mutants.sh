@@ -1,3 +1,10 @@
 #!/bin/sh
-# mutants.sh - each wrong cell kernel of tests/cell_kernel.mutants fails the stress test, the right one passes.
+# mutants.sh - each wrong kernel, walk and shadow of tests/*.mutants fails its stress test, the right ones pass.
+case ${LEAFCAST_BUILD:-} in
+*/sanitize* | */thread* | */coverage*)
+    echo "ok 1 - mutants # SKIP slow, and the release build's say the same"
+    echo "1..1"
+    exit 0
+    ;;
+esac
 exec scripts/run-mutants
