@@ -37,7 +37,7 @@ static void begin_row(bench_table *t, const heat *h, const bench_racer *r, const
 static status run_heat(bench_job *job, const heat *h) {
     const char *isas[BENCH_ISAS];
     bench_racer racers[BENCH_ISAS] = {{0}};
-    const int count = bench_race_isas(h->volume->path, isas);
+    const int count = bench_race_isas(h->volume->path, h->zoom > 0.0, isas);
     status st = ST_OK;
     for (int i = 0; i < count && st == ST_OK; i++) {
         const bench_entry e = {h->volume->path, isas[i],     isovalue_of(h->volume),

@@ -5,14 +5,27 @@
 
 #include "formats/base/clock.h"
 
-int bench_race_isas(const char *path, const char *names[BENCH_ISAS]) {
-    static const char *const known[] = {"scalar", "sse42", "avx2", "avx512", "auto"};
+int bench_race_isas(const char *path, bool experiments, const char *names[BENCH_ISAS]) {
+    static const struct {
+        const char *name;
+        bool experiment;
+    } known[] = {{"scalar", false},
+                 {"sse42", false},
+                 {"avx2", false},
+                 {"avx512", false},
+                 {"packets-4x4", true},
+                 {"packets-8x8", true},
+                 {"packets-4x4-by-cell", true},
+                 {"tiles-by-cell", true},
+                 {"auto", false}};
     int count = 0;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
-        const leafcast_options options = {.threads = 1, .isa = known[i]};
+        const leafcast_options options = {.threads = 1, .isa = known[i].name};
         leafcast *volume = NULL;
+        if (known[i].experiment && !experiments)
+            continue;
         if (leafcast_open(path, &options, &volume) == LEAFCAST_OK)
-            names[count++] = known[i];
+            names[count++] = known[i].name;
         leafcast_close(volume);
     }
     return count;

@@ -25,11 +25,12 @@ typedef struct bench_racer {
     uint64_t hits;         /* pixels with a surface */
 } bench_racer;
 
-enum { BENCH_ISAS = 8 };
+enum { BENCH_ISAS = 12 };
 
 /* bench_race_isas() - the kernels that leafcast_open() accepts here, by name, "scalar" first and
- * "auto", what is chosen when nothing is said, last; returns how many. */
-int bench_race_isas(const char *path, const char *names[BENCH_ISAS]);
+ * "auto", what is chosen when nothing is said, last; with those of experiment E4 when asked for.
+ * Returns how many. */
+int bench_race_isas(const char *path, bool experiments, const char *names[BENCH_ISAS]);
 
 /* bench_race_enter() - open the file for this contestant and select an isovalue. The standard view
  * at `distance`; scene and camera may be changed before the race. */

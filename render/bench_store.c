@@ -17,7 +17,7 @@
 #include "formats/base/file.h"
 #include "render/sibling.h"
 
-enum { NUMBER = 16, KEPT_MAX = 64 };
+enum { NUMBER = 16, KEPT_MAX = 64, FOLDER_MAX = 3000 };
 
 typedef struct bench_volume {
     const char *name;
@@ -42,8 +42,9 @@ struct bench_store {
 
 static status own_folder(bench_store *s) {
     const char *parent = getenv("TMPDIR");
-    snprintf(s->folder, sizeof s->folder, "%s/leafcast-bench-XXXXXX",
-             parent && *parent ? parent : "/tmp");
+    if (snprintf(s->folder, sizeof s->folder, "%s/leafcast-bench-XXXXXX",
+                 parent && *parent ? parent : "/tmp") > FOLDER_MAX)
+        return status_describe(ST_USAGE, "$TMPDIR: too long a path");
     s->ours = true;
     return mkdtemp(s->folder) ? ST_OK : file_failed(errno, s->folder, "cannot make the folder");
 }
@@ -59,7 +60,7 @@ status bench_store_open(mem *m, const char *folder, const char *data, int thread
     status st = ST_OK;
     if (!folder)
         st = own_folder(s);
-    else if (snprintf(s->folder, sizeof s->folder, "%s", folder) >= PATH_MAX - NAME_MAX)
+    else if (snprintf(s->folder, sizeof s->folder, "%s", folder) > FOLDER_MAX)
         st = status_describe(ST_USAGE, "%s: too long a path", folder);
     else if (mkdir(folder, 0777) != 0 && errno != EEXIST)
         st = file_failed(errno, folder, "cannot make the folder");
