@@ -33,14 +33,17 @@ pixel_ray pixel_ray_found(const frame *f, uint32_t pixel, const hit *h, const tr
     return p;
 }
 
-/* The unit direction from the current hit to a light; returns its distance. */
-static double towards_light(const frame *f, const pixel_ray *p, const leafcast_light *light,
-                            double at[3], double to[3]) {
+static void point_at(const frame *f, uint32_t pixel, double t, double at[3]) {
     double direction[3], origin[3];
-    camera_ray(&f->camera, p->pixel % f->width + 0.5, p->pixel / f->width + 0.5, origin, direction);
+    camera_ray(&f->camera, pixel % f->width + 0.5, pixel / f->width + 0.5, origin, direction);
+    for (int a = 0; a < 3; a++)
+        at[a] = origin[a] + t * direction[a];
+}
+
+/* The unit direction from a point to a light; returns its distance. */
+static double direction_to(const leafcast_light *light, const double at[3], double to[3]) {
     double length = 0.0;
     for (int a = 0; a < 3; a++) {
-        at[a] = origin[a] + p->current.t * direction[a];
         to[a] = light->point ? light->vector[a] - at[a] : light->vector[a];
         length += to[a] * to[a];
     }
@@ -48,6 +51,20 @@ static double towards_light(const frame *f, const pixel_ray *p, const leafcast_l
     for (int a = 0; a < 3; a++)
         to[a] = length > 0.0 ? to[a] / length : 0.0;
     return light->point ? length : INFINITY;
+}
+
+void pixel_ray_towards(const frame *f, uint32_t pixel, double t, const leafcast_light *light,
+                       double to[3]) {
+    double at[3];
+    point_at(f, pixel, t, at);
+    (void)direction_to(light, at, to);
+}
+
+/* The same from the current hit, and where that is. */
+static double towards_light(const frame *f, const pixel_ray *p, const leafcast_light *light,
+                            double at[3], double to[3]) {
+    point_at(f, p->pixel, p->current.t, at);
+    return direction_to(light, at, to);
 }
 
 static shade_point shading_of(const frame *f, const pixel_ray *p) {

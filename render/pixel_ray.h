@@ -33,6 +33,11 @@ pixel_ray pixel_ray_found(const frame *f, uint32_t pixel, const hit *h, const tr
  * needed (false). */
 bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters);
 
+/* pixel_ray_towards() - the unit direction to a light from a pixel's hit at t, world space; for a
+ * directional light pixel and t do not matter. */
+void pixel_ray_towards(const frame *f, uint32_t pixel, double t, const leafcast_light *light,
+                       double to[3]);
+
 /* pixel_ray_urgency() - of the treelet that blocks it: smaller comes first. Primary rays come
  * first, front to back from the eye; then shadow rays, light by light, from the surfaces towards
  * the light. Along any ray urgencies rise. */

@@ -2,7 +2,7 @@
  * (see formats/base/simd.h).
  *
  * surface_at() and shade.h in the same order of operations, many pixels at a time. Here a frame has
- * one opaque surface a pixel and no light but the eye's; others go pixel by pixel (pixel_ray.h).
+ * one opaque surface a pixel and no shadows; others go pixel by pixel (pixel_ray.h).
  */
 #ifndef RENDER_TILE_SHADE_TEMPLATE_H
 #define RENDER_TILE_SHADE_TEMPLATE_H
@@ -11,6 +11,7 @@
 
 #ifdef SIMD_NAME
 
+#include "render/pixel_ray.h"
 #include "render/shade.h"
 #include "render/tile_walk_template.h"
 
@@ -142,54 +143,99 @@ SIMD vf power_f(vf x, int n) {
     return result;
 }
 
-/* shade_point_of(), shade_ambient() and shade_light() for the eye's own light, VF_N pixels at a
- * time of surfaces of one colour each. */
-SIMD void shade_pixels(const tile_walk *w, unsigned i, unsigned hits, tile_pixels *p) {
+/* Pixels as the lights see them. */
+typedef struct lit_pixels {
+    vf normal[3], eye[3], rgb[3], out[3];
+} lit_pixels;
+
+/* shade_point_of() and shade_ambient(), VF_N pixels at a time. */
+SIMD lit_pixels lit_begin(const tile_walk *w, unsigned i, const tile_pixels *p) {
     const leafcast_scene *scene = w->f->scene;
-    const mf hit_lanes = mf_of_bits(hits);
-    const vf zero = f_set(0.0f);
-    vf normal[3], eye[3], colour[3];
-    float rgb[3][VF_N], opacity[VF_N];
-    for (unsigned k = 0; k < VF_N; k++) {
-        const int32_t id = hits >> k & 1u ? w->iso[i + k] : -1;
-        const leafcast_surface *s = &w->f->surfaces[id < 0 ? 0 : id];
-        p->id[i + k] = id;
+    lit_pixels l;
+    float rgb[3][VF_N];
+    for (unsigned k = 0; k < VF_N; k++)
         for (int c = 0; c < 3; c++)
-            rgb[c][k] = s->rgb[c];
-        opacity[k] = s->opacity;
-    }
+            rgb[c][k] = w->f->surfaces[p->id[i + k] < 0 ? 0 : p->id[i + k]].rgb[c];
     for (int a = 0; a < 3; a++) {
-        normal[a] = f_load(p->normal[a] + i);
-        f_store(p->normal[a] + i, f_select(hit_lanes, normal[a], zero));
-        eye[a] = f_load(w->rays.towards_eye[a] + i);
+        l.normal[a] = f_load(p->normal[a] + i);
+        l.eye[a] = f_load(w->rays.towards_eye[a] + i);
+        l.rgb[a] = f_load(rgb[a]);
     }
-    const vf length = f_sqrt(dot_f(normal, normal));
-    const vf turn = f_select(f_lt(dot_f(normal, eye), zero), f_set(-0.0f) - length, length);
+    const vf zero = f_set(0.0f), length = f_sqrt(dot_f(l.normal, l.normal));
+    const vf turn = f_select(f_lt(dot_f(l.normal, l.eye), zero), f_set(-0.0f) - length, length);
     for (int a = 0; a < 3; a++)
-        normal[a] = f_select(f_gt(length, zero), normal[a] / turn, eye[a]);
+        l.normal[a] = f_select(f_gt(length, zero), l.normal[a] / turn, l.eye[a]);
     const bool flat = scene->shading == LEAFCAST_SHADING_FLAT;
-    const vf ambient = f_set(flat ? 1.0f : scene->ambient), n_l = dot_f(normal, eye);
-    const mf lit = flat ? f_lt(zero, zero) : f_gt(n_l, zero);
+    for (int c = 0; c < 3; c++)
+        l.out[c] = f_set(flat ? 1.0f : scene->ambient) * l.rgb[c];
+    return l;
+}
+
+/* shade_light() of a light that is seen. */
+SIMD void lit_add(const leafcast_scene *scene, const vf to[3], const float light[3],
+                  lit_pixels *l) {
+    const vf zero = f_set(0.0f), n_l = dot_f(l->normal, to);
+    const mf reaches = f_gt(n_l, zero);
     const vf diffuse = f_set(1.0f - scene->ambient) * n_l;
-    vf highlight = zero;
-    if (scene->shading == LEAFCAST_SHADING_PHONG) {
-        const vf r_v = f_set(2.0f) * n_l * n_l - dot_f(eye, eye);
-        const vf shine =
-            f_set(scene->specular) * power_f(f_min(r_v, f_set(1.0f)), scene->shininess);
-        highlight = f_select(f_gt(r_v, zero), shine, zero);
+    if (scene->shading == LEAFCAST_SHADING_FLAT)
+        return;
+    for (int c = 0; c < 3; c++)
+        l->out[c] = f_select(reaches, l->out[c] + diffuse * f_set(light[c]) * l->rgb[c], l->out[c]);
+    if (scene->shading != LEAFCAST_SHADING_PHONG)
+        return;
+    const vf r_v = f_set(2.0f) * n_l * dot_f(l->normal, l->eye) - dot_f(to, l->eye);
+    const vf shine = f_set(scene->specular) * power_f(f_min(r_v, f_set(1.0f)), scene->shininess);
+    for (int c = 0; c < 3; c++)
+        l->out[c] = f_select(mf_and(reaches, f_gt(r_v, zero)), l->out[c] + shine * f_set(light[c]),
+                             l->out[c]);
+}
+
+/* The unit directions from surfaces to a light. */
+SIMD void lit_towards(const tile_walk *w, unsigned i, unsigned hits, const leafcast_light *light,
+                      vf to[3]) {
+    float towards[3][VF_N] = {{0.0f}};
+    double direction[3];
+    if (!light->point)
+        pixel_ray_towards(w->f, 0, 0.0, light, direction);
+    for (unsigned k = 0; k < VF_N; k++) {
+        const unsigned at = i + k;
+        if (light->point && (hits >> k & 1u))
+            pixel_ray_towards(w->f, (w->y0 + at / TILE) * w->f->width + w->x0 + at % TILE, w->t[at],
+                              light, direction);
+        for (int a = 0; a < 3 && (!light->point || (hits >> k & 1u)); a++)
+            towards[a][k] = (float)direction[a];
     }
-    const vf weight = f_load(opacity), back = f_set(1.0f) - weight;
-    const float *background = scene->background;
+    for (int a = 0; a < 3; a++)
+        to[a] = f_load(towards[a]);
+}
+
+/* Colours of the pixels with surfaces: shade_composite() in front of shade_background(). */
+SIMD void shade_pixels(const tile_walk *w, unsigned i, unsigned hits, tile_pixels *p) {
+    static const float white[3] = {1.0f, 1.0f, 1.0f};
+    const leafcast_scene *scene = w->f->scene;
+    const mf has = mf_of_bits(hits);
+    float opacity[VF_N];
+    for (unsigned k = 0; k < VF_N; k++) {
+        p->id[i + k] = hits >> k & 1u ? w->iso[i + k] : -1;
+        opacity[k] = w->f->surfaces[p->id[i + k] < 0 ? 0 : p->id[i + k]].opacity;
+    }
+    lit_pixels l = lit_begin(w, i, p);
+    if (scene->light_count == 0)
+        lit_add(scene, l.eye, white, &l);
+    for (int k = 0; k < scene->light_count; k++) {
+        vf to[3];
+        lit_towards(w, i, hits, &scene->lights[k], to);
+        lit_add(scene, to, scene->lights[k].rgb, &l);
+    }
+    const vf weight = f_load(opacity);
+    const vf behind = (f_set(1.0f) - weight) * f_set(scene->background[3]);
     for (int c = 0; c < 3; c++) {
-        colour[c] = f_load(rgb[c]);
-        vf out = ambient * colour[c];
-        out = f_select(lit, out + diffuse * colour[c], out);
-        out = f_select(lit, out + highlight, out);
-        const vf behind = back * f_set(background[3]) * f_set(background[c]);
-        f_store(p->rgba[c] + i, f_select(hit_lanes, weight * out + behind, f_load(p->rgba[c] + i)));
+        const vf out = weight * l.out[c] + behind * f_set(scene->background[c]);
+        f_store(p->rgba[c] + i, f_select(has, out, f_load(p->rgba[c] + i)));
+        const vf normal = f_load(p->normal[c] + i);
+        f_store(p->normal[c] + i, f_select(has, normal, f_set(0.0f)));
     }
-    f_store(p->rgba[3] + i,
-            f_select(hit_lanes, weight + back * f_set(background[3]), f_load(p->rgba[3] + i)));
+    f_store(p->rgba[3] + i, f_select(has, weight + behind, f_load(p->rgba[3] + i)));
 }
 
 /* ---- Writing ---- */

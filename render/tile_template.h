@@ -12,7 +12,7 @@
 void SIMD_NAME(tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
                            tile_outcome *out, frame_counters *counters);
 
-/* Whether a pixel is done with its first surface and shaded by the eye's own light. */
+/* Whether a pixel is done with its first surface, and no light may be hidden from it. */
 static bool shaded_together(const frame *f) {
     bool single = f->scene->layers_max == 1;
     if (!single) {
@@ -20,7 +20,7 @@ static bool shaded_together(const frame *f) {
         for (int i = 0; i < f->tracer->scene.count; i++)
             single &= f->surfaces[i].opacity >= 1.0f;
     }
-    return single && f->scene->light_count == 0;
+    return single && (f->scene->light_count == 0 || !f->scene->shadows);
 }
 
 void SIMD_NAME(tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
