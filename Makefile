@@ -122,7 +122,7 @@ $B/obj/%_sse42.o:  ISA := -msse4.2 -mpopcnt -Wno-psabi
 $B/obj/%_avx2.o:   ISA := -mavx2 $(BITS)
 $B/obj/%_avx512.o: ISA := -mavx512f -mavx512dq -mavx512bw -mavx512vl -mavx512cd $(BITS)
 
-$B/obj/%_wide.o:   ISA := -Wno-psabi
+$B/obj/%_wide.o:   ISA := -Wno-psabi -g0
 
 $B/obj/%.o: %.c $B/flags
 	@mkdir -p $(@D)
