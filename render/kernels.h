@@ -19,7 +19,11 @@ typedef struct kernels {
 } kernels;
 
 /* kernels_for() - NULL or "auto" for the best there is, or a name: that of an ISA, or of one of
- * the alternatives of experiments E1 and E4. False where this build or this CPU has no such kernels. */
+ * the alternatives of experiments E1 and E4. False where this build or this CPU has no such
+ * kernels. */
 bool kernels_for(const char *name, kernels *out);
+
+/* kernels_in_use() - those of an open volume, for experiments and tests to change. */
+kernels *kernels_in_use(leafcast *volume);
 
 #endif

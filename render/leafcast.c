@@ -431,6 +431,10 @@ void experiment_intersect(leafcast *v, intersect_fn intersect) {
     v->intersect = intersect;
 }
 
+kernels *kernels_in_use(leafcast *v) {
+    return &v->kernels;
+}
+
 /* ---- Probing ---- */
 
 /* Bring in the one treelet that a probe needs. */

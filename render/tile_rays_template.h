@@ -36,16 +36,7 @@ typedef struct tile_rays {
 static const double component_min = 1e-10;
 
 SIMD vf window_load(const float *at) {
-#if defined __AVX512F__
-    const __m256 low = _mm256_set_m128(_mm_loadu_ps(at + STRIDE), _mm_loadu_ps(at));
-    const __m256 high =
-        _mm256_set_m128(_mm_loadu_ps(at + 3 * STRIDE), _mm_loadu_ps(at + 2 * STRIDE));
-    return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
-#elif defined __AVX2__
-    return _mm256_set_m128(_mm_loadu_ps(at + STRIDE), _mm_loadu_ps(at));
-#else
-    return _mm_loadu_ps(at);
-#endif
+    return f_load_rows(at, STRIDE);
 }
 
 /* The power of two that brings the grid's vectors to ordinary size. */

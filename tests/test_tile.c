@@ -9,7 +9,9 @@
 #include <string.h>
 
 #include "formats/base/cpu.h"
+#include "render/kernels.h"
 #include "tests/support/fixture.h"
+#include "tests/support/tile_wide.h"
 
 /* No multiple of a tile's side. */
 enum { WIDTH = 75, HEIGHT = 53, PIXELS = WIDTH * HEIGHT };
@@ -22,14 +24,14 @@ typedef struct picture {
 } picture;
 
 /* A picture and what it took. */
-static void draw(leafcast *volume, const leafcast_scene *scene, const leafcast_camera *camera,
+static void draw(leafcast *volume, const leafcast_scene *scene, const leafcast_camera *view,
                  picture *p, leafcast_stats *stats) {
     memset(p, 0, sizeof *p);
     const leafcast_image image = {p->rgba[0], p->rgba[1],
                                   p->rgba[2], p->rgba[3],
                                   p->z,       {p->normal[0], p->normal[1], p->normal[2]},
                                   p->id,      p->provisional};
-    assert_int_equal(leafcast_trace(volume, scene, camera, &image, stats, NULL, NULL), LEAFCAST_OK);
+    assert_int_equal(leafcast_trace(volume, scene, view, &image, stats, NULL, NULL), LEAFCAST_OK);
 }
 
 /* The same file opened for single rays, then for each ISA with tiles, then for the alternatives
@@ -53,10 +55,17 @@ static volumes open_all(const char *path, int threads) {
     return v;
 }
 
+static void open_wide(volumes *v, const char *path, int threads) {
+    open_one(v, path, "scalar", threads);
+    kernels_in_use(v->of[v->count - 1])->tile = tile_trace_wide;
+    v->name[v->count - 1] = "wide";
+}
+
 static void open_alternatives(volumes *v, const char *path, int threads) {
     static const char *const names[] = {"packets-8x8", "packets-4x4-by-cell", "tiles-by-cell"};
     for (size_t i = 0; i < sizeof names / sizeof *names && cpu_best() > CPU_SCALAR; i++)
         open_one(v, path, names[i], threads);
+    open_wide(v, path, threads);
 }
 
 static void close_all(volumes *v) {
@@ -78,17 +87,17 @@ static size_t differing(const void *a, const void *b, size_t size, size_t count)
 
 /* All planes of all ISAs are those of single rays. Twice: with treelets still absent, and with all
  * there. Returns the pixels with a surface. */
-static int assert_alike(const volumes *v, const leafcast_scene *scene,
-                        const leafcast_camera *camera, const char *what) {
+static int assert_alike(const volumes *v, const leafcast_scene *scene, const leafcast_camera *view,
+                        const char *what) {
     static picture want, got;
     leafcast_stats single, tiled;
     int hits = 0;
-    draw(v->of[CPU_SCALAR], scene, camera, &want, &single);
+    draw(v->of[CPU_SCALAR], scene, view, &want, &single);
     for (int i = 0; i < PIXELS; i++)
         hits += want.id[i] >= 0;
     for (int isa = 1; isa < v->count; isa++) {
         for (int again = 0; again < 2; again++) {
-            draw(v->of[isa], scene, camera, &got, &tiled);
+            draw(v->of[isa], scene, view, &got, &tiled);
             const size_t z = differing(want.z, got.z, sizeof *want.z, PIXELS);
             const size_t id = differing(want.id, got.id, sizeof *want.id, PIXELS);
             const size_t normal = differing(want.normal, got.normal, sizeof(float), 3 * PIXELS);
@@ -96,10 +105,9 @@ static int assert_alike(const volumes *v, const leafcast_scene *scene,
             if (z + id + normal + rgba)
                 print_message("%s, %s: eye %.17g,%.17g,%.17g to %.17g,%.17g,%.17g up %g,%g,%g fov "
                               "%g: %zu depths, %zu ids, %zu normals, %zu colours differ\n",
-                              what, v->name[isa], camera->eye[0], camera->eye[1], camera->eye[2],
-                              camera->look_at[0], camera->look_at[1], camera->look_at[2],
-                              camera->up[0], camera->up[1], camera->up[2], camera->fov, z, id,
-                              normal, rgba);
+                              what, v->name[isa], view->eye[0], view->eye[1], view->eye[2],
+                              view->look_at[0], view->look_at[1], view->look_at[2], view->up[0],
+                              view->up[1], view->up[2], view->fov, z, id, normal, rgba);
             assert_int_equal(z + id + normal + rgba, 0);
             assert_memory_equal(want.provisional, got.provisional, sizeof want.provisional);
             assert_int_equal(tiled.rays, single.rays);
@@ -160,7 +168,9 @@ static void test_every_field(void **state) {
     for (int i = 0; i < field_count(); i++) {
         field f;
         assert_true(field_make(&f, field_name(i), 21, FIELD_SEED));
-        volumes v = open_all(fixture_leaf(&f, 4, 1, false), 1);
+        const char *path = fixture_leaf(&f, 4, 1, false);
+        volumes v = open_all(path, 1);
+        open_wide(&v, path, 1);
         const leafcast_surface s = leafcast_surface_default(f.iso);
         select_all(&v, &s, 1);
         const leafcast_scene scene = leafcast_scene_default();

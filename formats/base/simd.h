@@ -8,6 +8,8 @@
  *   vf, mf   VF_N floats (4, 8, 16) and a mask over them       f_set f_load f_store ...
  *   vi       VF_N 32-bit integers, for operators alone
  *
+ * f_load_rows() takes VF_N / 4 rows of four floats, `stride` apart.
+ *
  * Arithmetic is written with + - * /, which the compilers know for vectors. min(a, b) is a < b ? a
  * : b and max(a, b) is a > b ? a : b, also for NaN. Comparisons with NaN are false. Loads and
  * stores take any address. Nothing is fused or approximated, but f_reciprocal().
@@ -100,6 +102,12 @@ SIMD vf f_of_doubles(const double *from) {
     return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(_mm512_loadu_pd(from))),
                               _mm512_cvtpd_ps(_mm512_loadu_pd(from + 8)), 1);
 }
+SIMD vf f_load_rows(const float *from, int stride) {
+    const __m256 low = _mm256_set_m128(_mm_loadu_ps(from + stride), _mm_loadu_ps(from));
+    const __m256 high =
+        _mm256_set_m128(_mm_loadu_ps(from + 3 * stride), _mm_loadu_ps(from + 2 * stride));
+    return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+}
 SIMD vd d_of_floats(const float *from) {
     return _mm512_cvtps_pd(_mm256_loadu_ps(from));
 }
@@ -181,6 +189,9 @@ SIMD vf f_of_doubles(const double *from) {
     return _mm256_set_m128(_mm256_cvtpd_ps(_mm256_loadu_pd(from + 4)),
                            _mm256_cvtpd_ps(_mm256_loadu_pd(from)));
 }
+SIMD vf f_load_rows(const float *from, int stride) {
+    return _mm256_set_m128(_mm_loadu_ps(from + stride), _mm_loadu_ps(from));
+}
 SIMD vd d_of_floats(const float *from) {
     return _mm256_cvtps_pd(_mm_loadu_ps(from));
 }
@@ -258,6 +269,10 @@ SIMD vf f_and_bits(vf a, uint32_t bits) {
 }
 SIMD vf f_of_doubles(const double *from) {
     return _mm_movelh_ps(_mm_cvtpd_ps(_mm_loadu_pd(from)), _mm_cvtpd_ps(_mm_loadu_pd(from + 2)));
+}
+SIMD vf f_load_rows(const float *from, int stride) {
+    (void)stride;
+    return _mm_loadu_ps(from);
 }
 SIMD vd d_of_floats(const float *from) {
     return _mm_cvtps_pd(_mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)from)));

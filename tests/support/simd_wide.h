@@ -1,5 +1,5 @@
-/* simd_wide.h - the words of formats/base/simd.h for eight doubles with masks of bits, as AVX-512
- * has them, in plain C.
+/* simd_wide.h - the words of formats/base/simd.h for eight doubles and sixteen floats with masks
+ * of bits, as AVX-512 has them, in plain C.
  *
  * Takes the place of simd.h in front of a template, so that the template's way with vectors of that
  * width runs on any CPU; what is left to CPUs with AVX-512 is that the words mean what they say
@@ -19,7 +19,7 @@
 #define SIMD_NAME(f) f##_wide
 #define SIMD         static inline __attribute__((always_inline))
 
-enum { VD_N = 8 };
+enum { VD_N = 8, VF_N = 16 };
 typedef double vd __attribute__((vector_size(8 * sizeof(double)), aligned(16)));
 typedef uint8_t md;
 
@@ -98,6 +98,99 @@ COMPARISON(d_le, <=)
 COMPARISON(d_eq, ==)
 COMPARISON(d_ge, >=)
 COMPARISON(d_gt, >)
+
+typedef float vf __attribute__((vector_size(16 * sizeof(float)), aligned(16)));
+typedef int32_t vi __attribute__((vector_size(16 * sizeof(int32_t)), aligned(16)));
+typedef uint16_t mf;
+
+#define FLOATS(i) for (int i = 0; i < VF_N; i++)
+
+SIMD void d_store_floats(float *to, vd a) {
+    LANES(i) to[i] = (float)a[i];
+}
+SIMD vf f_load(const float *from) {
+    vf v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+SIMD vf f_load_rows(const float *from, int stride) {
+    vf v;
+    FLOATS(i) v[i] = from[i / 4 * stride + i % 4];
+    return v;
+}
+SIMD void f_store(float *to, vf a) {
+    memcpy(to, &a, sizeof a);
+}
+SIMD vf f_set(float a) {
+    vf v;
+    FLOATS(i) v[i] = a;
+    return v;
+}
+SIMD vf f_select(mf m, vf a, vf b) {
+    FLOATS(i) a[i] = m >> i & 1 ? a[i] : b[i];
+    return a;
+}
+SIMD vf f_min(vf a, vf b) {
+    FLOATS(i) a[i] = a[i] < b[i] ? a[i] : b[i];
+    return a;
+}
+SIMD vf f_max(vf a, vf b) {
+    FLOATS(i) a[i] = a[i] > b[i] ? a[i] : b[i];
+    return a;
+}
+SIMD vf f_sqrt(vf a) {
+    FLOATS(i) a[i] = sqrtf(a[i]);
+    return a;
+}
+SIMD vf f_abs(vf a) {
+    FLOATS(i) a[i] = fabsf(a[i]);
+    return a;
+}
+SIMD vf f_floor(vf a) {
+    FLOATS(i) a[i] = floorf(a[i]);
+    return a;
+}
+SIMD vf f_ceil(vf a) {
+    FLOATS(i) a[i] = ceilf(a[i]);
+    return a;
+}
+/* As good as the approximate one, and no better than it may be. */
+SIMD vf f_reciprocal(vf a) {
+    FLOATS(i) a[i] = 1.0f / a[i] * (1.0f + (i % 2 ? 0x1p-22f : -0x1p-22f));
+    return a;
+}
+SIMD vi f_to_int(vf a) {
+    vi v;
+    FLOATS(i) v[i] = (int32_t)a[i];
+    return v;
+}
+SIMD mf mf_of_bits(unsigned bits) {
+    return (mf)bits;
+}
+SIMD unsigned mf_bits(mf m) {
+    return m;
+}
+SIMD mf mf_and(mf a, mf b) {
+    return (mf)(a & b);
+}
+SIMD mf mf_or(mf a, mf b) {
+    return (mf)(a | b);
+}
+SIMD mf mf_and_not(mf a, mf b) {
+    return (mf)(a & ~b);
+}
+
+#define COMPARISON_F(name, op)                           \
+    SIMD mf name(vf a, vf b) {                           \
+        unsigned bits = 0;                               \
+        FLOATS(i) bits |= (unsigned)(a[i] op b[i]) << i; \
+        return (mf)bits;                                 \
+    }
+COMPARISON_F(f_lt, <)
+COMPARISON_F(f_le, <=)
+COMPARISON_F(f_eq, ==)
+COMPARISON_F(f_ge, >=)
+COMPARISON_F(f_gt, >)
 
 #endif
 #endif

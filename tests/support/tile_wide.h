@@ -1,0 +1,11 @@
+/* tile_wide.h - tiles as AVX-512 traces them, on any CPU. */
+#ifndef TESTS_SUPPORT_TILE_WIDE_H
+#define TESTS_SUPPORT_TILE_WIDE_H
+
+#include "render/tile.h"
+
+/* tile_trace_wide() - as every tile_fn. */
+void tile_trace_wide(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
+                     tile_outcome *out, frame_counters *counters);
+
+#endif
