@@ -19,8 +19,8 @@ typedef struct bench_ray_cell {
     cell_visit visit;
     float samples[8];
     double iso;
-    cell_box box; /* of unit cells; */
-    bool unit;    /* no such box: another level, or a rectilinear grid */
+    cell_box box; /* of a grid of unit cells, */
+    bool unit;    /* where it is one, and the level the finest */
 } bench_ray_cell;
 
 typedef struct bench_ray_cells {
