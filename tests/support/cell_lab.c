@@ -15,7 +15,7 @@ enum {
     ANSWER_MAX = 4 /* one more than a cell can hold */
 };
 
-static const char HOLES_NAME[] = "nan-inf";
+static const char HOLES_NAME[] = "nan-inf", THIN[] = "thin";
 
 const char *cell_lab_name(int which) {
     return which == CELL_LAB_HOLES ? HOLES_NAME : ray_cell_case_name(which);
@@ -216,7 +216,7 @@ static const char *worth(const trial *t, int x, cell_lab_tally *one) {
     }
     if (is_film(t, a, ((1u << longer) - 1) & ~match)) {
         one->thin = 2;
-        fault = "thin";
+        fault = THIN;
     } else if (alone > 0 && !(alone % 2 == 0 && alone_near == alone)) {
         *(truth_longer ? &one->missed : &one->false_hits) = alone;
         fault = truth_longer ? "missed" : "false";
@@ -330,7 +330,7 @@ typedef struct fault_note {
 
 typedef struct chunk {
     cell_lab_row row;
-    fault_note notes[INTERSECTOR_COUNT][SHOWN];
+    fault_note notes[INTERSECTOR_COUNT][2][SHOWN]; /* thin ones apart: they crowd nothing out */
 } chunk;
 
 typedef struct run_context {
@@ -343,7 +343,7 @@ static status run_chunk(void *ctx, size_t at, int worker) {
     const run_context *run = ctx;
     const cell_lab_job *job = run->job;
     chunk *c = &run->chunks[at];
-    int noted[INTERSECTOR_COUNT] = {0};
+    int noted[INTERSECTOR_COUNT][2] = {{0}};
     batch_lab batch;
     memset(&batch, 0, sizeof batch);
     for (uint64_t i = at * CHUNK; i < job->count && i < (at + 1) * CHUNK; i++) {
@@ -351,26 +351,36 @@ static status run_chunk(void *ctx, size_t at, int worker) {
         try_cell(job, job->first + i, &batch, &t);
         for (int x = 0; x < INTERSECTOR_COUNT; x++) {
             const char *fault = judge(&t, x, &c->row.of[x]);
-            if (fault && (job->exact >> x & 1u) && noted[x] < SHOWN)
-                c->notes[x][noted[x]++] = (fault_note){job->first + i, fault};
+            if (!fault || !(job->exact >> x & 1u))
+                continue;
+            const int kind = strcmp(fault, THIN) == 0;
+            if (noted[x][kind] < SHOWN)
+                c->notes[x][kind][noted[x][kind]++] = (fault_note){job->first + i, fault};
         }
     }
     return ST_OK;
 }
 
+static void print_notes(const cell_lab_job *job, int x, int kind, const chunk *chunks,
+                        size_t count) {
+    int shown = 0;
+    for (size_t at = 0; at < count; at++) {
+        const fault_note *notes = chunks[at].notes[x][kind];
+        for (int n = 0; n < SHOWN && notes[n].what && shown < SHOWN; n++, shown++)
+            fprintf(job->log, "%s: %s, %s; rerun: %s cell %s %llu %llu %s\n", notes[n].what,
+                    intersector_at(x)->name, cell_lab_name(job->which), job->rerun,
+                    cell_lab_name(job->which), (unsigned long long)job->seed,
+                    (unsigned long long)notes[n].index, intersector_at(x)->name);
+    }
+}
+
 static void sum_up(const cell_lab_job *job, const chunk *chunks, size_t count, cell_lab_row *row) {
     memset(row, 0, sizeof *row);
     for (int x = 0; x < INTERSECTOR_COUNT; x++) {
-        int shown = 0;
-        for (size_t at = 0; at < count; at++) {
+        for (size_t at = 0; at < count; at++)
             add(&row->of[x], &chunks[at].row.of[x]);
-            for (int n = 0; n < SHOWN && chunks[at].notes[x][n].what && shown < SHOWN; n++, shown++)
-                fprintf(job->log, "%s: %s, %s; rerun: %s cell %s %llu %llu %s\n",
-                        chunks[at].notes[x][n].what, intersector_at(x)->name,
-                        cell_lab_name(job->which), job->rerun, cell_lab_name(job->which),
-                        (unsigned long long)job->seed,
-                        (unsigned long long)chunks[at].notes[x][n].index, intersector_at(x)->name);
-        }
+        print_notes(job, x, 0, chunks, count);
+        print_notes(job, x, 1, chunks, count);
     }
 }
 
