@@ -1,5 +1,6 @@
 #include "tests/support/cell_lab.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,6 +21,8 @@ static const char HOLES_NAME[] = "nan-inf", THIN[] = "thin";
 const char *cell_lab_name(int which) {
     return which == CELL_LAB_HOLES ? HOLES_NAME : ray_cell_case_name(which);
 }
+
+static const double FILM_THICK = 1e-5, FILM_DEEP = 16 * DBL_EPSILON; /* see the header */
 
 /* ---- what the intersectors say ---- */
 
@@ -176,16 +179,29 @@ static bool beside_another(const trial *t, const answer *a, int i) {
     return false;
 }
 
-/* Whether the surfaces alone, as bits of the longer list, are one pair nearer together than the
- * band is wide. */
+/* |f - iso| on the ray at t, in units of the largest |sample - iso|. */
+static long double depth_at(const ray_cell *c, long double t) {
+    long double p[3], f = 0, most = 0;
+    for (int a = 0; a < 3; a++)
+        p[a] = (c->o[a] + t * c->d[a] - c->lo[a]) / ((long double)c->hi[a] - c->lo[a]);
+    for (int n = 0; n < 8; n++) {
+        const long double g = (long double)c->samples[n] - c->iso;
+        f += (n & 1 ? p[0] : 1 - p[0]) * (n & 2 ? p[1] : 1 - p[1]) * (n & 4 ? p[2] : 1 - p[2]) * g;
+        most = fmaxl(most, fabsl(g));
+    }
+    return fabsl(f) / most;
+}
+
+/* Whether the surfaces alone, as bits of the longer list, are one film. */
 static bool is_film(const trial *t, const answer *a, unsigned alone) {
     const int first = alone ? __builtin_ctz(alone) : 0;
     if (alone != 3u << first)
         return false;
     const bool in_truth = t->truth_count > a->count;
-    const double apart =
-        in_truth ? t->truth[first + 1].t - t->truth[first].t : a->t[first + 1] - a->t[first];
-    return apart * t->cells_per_t <= REF_GRAZING_SHIFT;
+    const long double from = in_truth ? t->truth[first].t_exact : a->t[first];
+    const long double to = in_truth ? t->truth[first + 1].t_exact : a->t[first + 1];
+    return (to - from) * t->cells_per_t <= FILM_THICK &&
+           depth_at(&t->c, from + (to - from) / 2) <= FILM_DEEP;
 }
 
 /* What one answer is worth, as a tally of one; returns the fault's name or NULL. */

@@ -14,9 +14,10 @@
  *   unlike    ray-cells of which the kernels for sixteen at a time (cell_batch.h), with any ISA of
  *             this CPU, give another first hit, by a single bit; asked of marmitt each time, of the
  *             others now and then
- *   thin      pairs that one alone lists, whose two surfaces lie nearer together than the band is
- *             wide (REF_GRAZING_SHIFT): a film, of which doubles may tell nothing; counted apart,
- *             and allowed only as cell_lab_faults() says
+ *   thin      pairs that one alone lists, no more than 1e-5 of a cell apart, between which f stays
+ *             within 16 units of a double's last place (of the largest |sample - iso|): films of
+ *             which doubles can tell nothing; counted apart, and allowed only as cell_lab_faults()
+ *             says
  *
  * Lists of different lengths are matched in order, so that the errors add up to the least. A pair
  * within REF_GRAZING_CHANGE of a surface that both see makes no other picture: no fault.
