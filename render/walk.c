@@ -52,14 +52,6 @@ void walk_cell_samples(const walk_scene *scene, const treelet *tr, const uint32_
     samples_at(scene->type, tr->samples, at[0] + row * at[1] + slice * at[2], row, slice, samples);
 }
 
-float walk_sample(const walk_scene *scene, const treelet *tr, const int64_t node[3]) {
-    size_t at[3];
-    for (int a = 0; a < 3; a++)
-        at[a] = (size_t)(node[a] - (int64_t)tr->first_cell[a] + scene->halo);
-    const size_t row = tr->shape.samples[0], slice = row * tr->shape.samples[1];
-    return sample_get(scene->type, tr->samples, at[0] + row * at[1] + slice * at[2]);
-}
-
 /* All selected isosurfaces in one active cell. */
 static bool intersect_cell(const walk_scene *scene, const treelet *tr, const ray *r,
                            const uint32_t cell[3], const hit *after, hit *best,

@@ -62,10 +62,6 @@ cell_box walk_cell_box(const level_planes *planes, const uint32_t cell[3]);
 void walk_cell_samples(const walk_scene *scene, const treelet *tr, const uint32_t cell[3],
                        float samples[8]);
 
-/* walk_sample() - the sample of a node (of the treelet's level) that its samples, halo included,
- * cover. */
-float walk_sample(const walk_scene *scene, const treelet *tr, const int64_t node[3]);
-
 /* walk_children() - the child mask of a node of 2^size cells on a side: of the root, of an inner
  * node, of a block (its 2^3 groups with active cells), of such a group (its cells). morton: its
  * place among the nodes of its size. */
