@@ -303,10 +303,11 @@ static uint64_t count_unlike(const scene *s, const view *of, const double *z, ui
 
 static status run_view(const scene *s, int index, leak_tally *tally) {
     const size_t pixels = (size_t)s->job->side * s->job->side;
-    double *first = calloc(2 * pixels, sizeof *first), *other = first + pixels;
+    double *first = calloc(2 * pixels, sizeof *first);
     view v;
     if (!first)
         return status_describe(ST_NOMEM, "no room for %zu pixels", pixels);
+    double *other = first + pixels;
     status st = make_view(s, index, s->job->side, &v)
                     ? draw(s, &v, "scalar", first)
                     : status_describe(ST_FAILED, "%s has no inside", s->f.name);
