@@ -29,6 +29,7 @@ typedef struct tile_rays {
     /* For conservative tests: t is scaled by a power of two, so that d is of ordinary size. */
     tile_plane near_d[3], reciprocal[3], near_t0, near_t1;
     float towards_eye[3][TILE_RAYS]; /* world space */
+    double scale;                    /* that power of two */
     uint16_t single[TILE];           /* left to single rays */
 } tile_rays;
 
@@ -121,6 +122,7 @@ SIMD unsigned make_rays(const frame *f, double scale, bool boxed, double x, doub
 static void tile_rays_make(const frame *f, uint32_t x0, uint32_t y0, tile_rays *rays) {
     const tracer *tr = f->tracer;
     const double scale = scale_of(&tr->space);
+    rays->scale = scale;
     const bool boxed = tr->preview || tr->stop || tr->target_level > 0;
     for (unsigned y = 0; y < TILE; y++) {
         unsigned single = 0;

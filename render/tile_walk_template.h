@@ -85,6 +85,8 @@ static void flush(tile_walk *w) {
         take_hit(w, k, hits.t[k], hits.iso[k], hits.entering >> k & 1u);
         if (!(hits.at_exit >> k & 1u))
             w->open[i / TILE] &= (uint16_t) ~(1u << i % TILE);
+        else
+            w->rays.near_t1[i / TILE * STRIDE + i % TILE] = (float)(w->t[i] / w->rays.scale);
     }
     w->counters->walk.roots += (unsigned)__builtin_popcount(hits.found);
     w->waiting = 0;
@@ -498,12 +500,16 @@ static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect 
     unsigned passing = 0;
     for (unsigned left = w->open[y] & row_mask(r); left; left &= left - 1) {
         const unsigned x = (unsigned)__builtin_ctz(left), i = TILE * y + x;
-        double t_in = w->rays.t0[i], t_out = w->rays.t1[i];
+        /* Behind what a ray has already, nothing is of use to it. */
+        double t_in = w->rays.t0[i], t_out = w->t[i] < w->rays.t1[i] ? w->t[i] : w->rays.t1[i];
         for (int a = 0; a < 3; a++) {
             const double d = w->rays.d[a][i], eye = w->place.p->eye[a];
-            const uint32_t place = layout->place[t][a];
-            const double lo = (planes->at[a][place << layout->cells_log2] - eye) / d;
-            const double hi = (planes->at[a][(place + 1) << layout->cells_log2] - eye) / d;
+            /* The last treelet's cells end before it does. */
+            const uint32_t first = layout->place[t][a] << layout->cells_log2;
+            const uint32_t end = first + (1u << layout->cells_log2);
+            const uint32_t last = end < planes->cells[a] ? end : planes->cells[a];
+            const double lo = (planes->at[a][first] - eye) / d;
+            const double hi = (planes->at[a][last] - eye) / d;
             const double near = d > 0.0 ? lo : hi, far = d > 0.0 ? hi : lo;
             t_in = near > t_in ? near : t_in;
             t_out = far < t_out ? far : t_out;
