@@ -280,11 +280,10 @@ static void test_few_treelets(void **state) {
 
 /* The same treelets count as visible. A tile takes fewer steps than its rays one by one, and finds
  * the same surfaces. */
-static void test_counts(void **state) {
-    (void)state;
+static void assert_counts(const char *name) {
     static picture p;
     field f;
-    assert_true(field_make(&f, "waves", 60, FIELD_SEED));
+    assert_true(field_make(&f, name, 60, FIELD_SEED));
     volumes v = open_all(fixture_leaf(&f, 4, 1, false), 2);
     const leafcast_surface s = leafcast_surface_default(f.iso);
     const leafcast_scene scene = leafcast_scene_default();
@@ -304,6 +303,14 @@ static void test_counts(void **state) {
     }
     close_all(&v);
     field_release(&f);
+}
+
+/* Terraces and plateaus: surfaces where rays leave cells. */
+static void test_counts(void **state) {
+    (void)state;
+    assert_counts("waves");
+    assert_counts("terraces");
+    assert_counts("plateau");
 }
 
 int main(void) {
