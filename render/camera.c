@@ -92,10 +92,10 @@ void camera_ray(const camera *c, double x, double y, double origin[3], double di
     double d[3];
     for (int a = 0; a < 3; a++)
         d[a] = c->forward[a] + u * c->right[a] + v * c->up[a];
-    const double length = sqrt(dot(d, d));
+    const double shrink = 1.0 / sqrt(dot(d, d));
     for (int a = 0; a < 3; a++) {
         origin[a] = c->eye[a];
-        direction[a] = d[a] / length + 0.0; /* -0 + 0 = +0 */
+        direction[a] = d[a] * shrink + 0.0; /* -0 + 0 = +0 */
     }
 }
 

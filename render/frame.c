@@ -149,8 +149,7 @@ static void begin_tile(drawing *d, uint32_t tile, uint32_t x0, uint32_t y0, tile
 static uint32_t pixels_of(const uint16_t rows[TILE]) {
     uint32_t count = 0;
     for (uint32_t y = 0; y < TILE; y++)
-        for (unsigned left = rows[y]; left; left &= left - 1)
-            count++;
+        count += (uint32_t)__builtin_popcount(rows[y]);
     return count;
 }
 

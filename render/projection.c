@@ -36,6 +36,15 @@ static axis_projection axis_of(const affine *space, const camera *c, int a) {
                              sqrt(dot(step, step))};
 }
 
+/* The power of two that brings vectors in grid space to ordinary size. */
+static double scale_of(const affine *space) {
+    double largest = 0.0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            largest = fmax(largest, fabs(space->to_grid[i][j]));
+    return scalbn(1.0, -ilogb(largest));
+}
+
 status projection_init(projection *p, mem *m, const leaf_layout *layout,
                        const level_planes levels[], const affine *space, const camera *c) {
     *p = (projection){.m = m,
@@ -44,6 +53,8 @@ status projection_init(projection *p, mem *m, const leaf_layout *layout,
     if (!p->block)
         return ST_NOMEM;
     affine_point_to_grid(space, c->eye, p->eye);
+    p->scale = scale_of(space);
+    p->unscale = 1.0 / p->scale;
     axis_projection axis[3];
     double longest = 0.0, worst = 0.0;
     for (int a = 0; a < 3; a++) {

@@ -33,6 +33,8 @@ typedef struct projection {
     /* |error| of x - c w for a constant c of at most half the picture's size, over the sum of far.
      */
     float plane_error;
+    double scale, unscale; /* the power of two that brings the grid's directions to ordinary size;
+                              1 / it */
     plane_projection *block;
     mem *m;
 } projection;

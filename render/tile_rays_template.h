@@ -26,10 +26,10 @@ typedef float tile_plane[PADDED];
 typedef struct tile_rays {
     double d[3][TILE_RAYS]; /* grid space, as ray.h; all start at the eye */
     double t0[TILE_RAYS], t1[TILE_RAYS];
-    /* For conservative tests: t is scaled by a power of two, so that d is of ordinary size. */
+    /* For conservative tests: t is in units of the projection's scale, so that d is of ordinary
+     * size. */
     tile_plane near_d[3], reciprocal[3], near_t0, near_t1;
     float towards_eye[3][TILE_RAYS]; /* world space */
-    double scale;                    /* that power of two */
     uint16_t single[TILE];           /* left to single rays */
 } tile_rays;
 
@@ -38,15 +38,6 @@ static const double component_min = 1e-10;
 
 SIMD vf window_load(const float *at) {
     return f_load_rows(at, STRIDE);
-}
-
-/* The power of two that brings the grid's vectors to ordinary size. */
-static double scale_of(const affine *space) {
-    double largest = 0.0;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            largest = fmax(largest, fabs(space->to_grid[i][j]));
-    return scalbn(1.0, -ilogb(largest));
 }
 
 /* The part of t0 .. t1 that a half-space n . p + w >= 0 leaves: tracer_ray()'s rule, VD_N rays at a
@@ -73,24 +64,19 @@ SIMD void box_rays(const tracer *tr, const double eye[3], const vd d[3], vd *t0,
     }
 }
 
-/* VD_N rays of a row, from pixel (x, y) on; camera_ray() and tracer_ray() in the same order of
- * operations. Returns which of them are for single rays to do. */
-SIMD unsigned make_rays(const frame *f, double scale, bool boxed, double x, double y, unsigned at,
-                        tile_rays *rays) {
+/* VD_N rays of a row, through the picture at (u, v); camera_ray() and tracer_ray() in the same
+ * order of operations. Returns which of them are for single rays to do. */
+SIMD unsigned make_rays(const frame *f, bool boxed, vd u, vd v, unsigned at, tile_rays *rays) {
     const camera *c = &f->camera;
     const tracer *tr = f->tracer;
-    double xs[VD_N];
-    for (int i = 0; i < VD_N; i++)
-        xs[i] = x + i + 0.5;
-    const vd u = (d_set(2.0) * d_load(xs) - d_set(c->width)) / d_set(c->height);
-    const vd v = d_set((c->height - 2.0 * (y + 0.5)) / c->height);
+    const vd scale = d_set(f->projection->scale), unscale = d_set(f->projection->unscale);
     vd d[3], world[3], grid[3];
     for (int a = 0; a < 3; a++)
         d[a] = d_set(c->forward[a]) + u * d_set(c->right[a]) + v * d_set(c->up[a]);
-    const vd length = d_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    const vd shrink = d_set(1.0) / d_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     vd t0 = d_set(0.0), t1 = d_set(INFINITY);
     for (int a = 0; a < 3; a++) {
-        world[a] = d[a] / length + d_set(0.0);
+        world[a] = d[a] * shrink + d_set(0.0);
         d_store_floats(rays->towards_eye[a] + at, d_set(-0.0) - world[a]);
     }
     for (int i = 0; i < tr->clip_count; i++)
@@ -108,26 +94,29 @@ SIMD unsigned make_rays(const frame *f, double scale, bool boxed, double x, doub
     const unsigned padded = at / TILE * STRIDE + at % TILE;
     md ordinary = md_of_bits(~0u);
     for (int a = 0; a < 3; a++) {
-        const vd scaled = grid[a] * d_set(scale);
+        const vd scaled = grid[a] * scale;
         ordinary = md_and(ordinary, d_ge(d_abs(scaled), d_set(component_min)));
         d_store_floats(rays->near_d[a] + padded, scaled);
     }
     /* Rounding to float is within the tests' slack. */
-    d_store_floats(rays->near_t0 + padded, t0 * d_set(1.0 / scale));
-    d_store_floats(rays->near_t1 + padded, t1 * d_set(1.0 / scale));
+    d_store_floats(rays->near_t0 + padded, t0 * unscale);
+    d_store_floats(rays->near_t1 + padded, t1 * unscale);
     return ~md_bits(ordinary) & ((1u << VD_N) - 1u);
 }
 
 /* All rays of a tile; those that single rays must do are marked. */
 static void tile_rays_make(const frame *f, uint32_t x0, uint32_t y0, tile_rays *rays) {
     const tracer *tr = f->tracer;
-    const double scale = scale_of(&tr->space);
-    rays->scale = scale;
+    const double width = f->camera.width, height = f->camera.height;
     const bool boxed = tr->preview || tr->stop || tr->target_level > 0;
+    double u[TILE];
+    for (unsigned x = 0; x < TILE; x++)
+        u[x] = (2.0 * (x0 + x + 0.5) - width) / height;
     for (unsigned y = 0; y < TILE; y++) {
         unsigned single = 0;
+        const vd v = d_set((height - 2.0 * (y0 + y + 0.5)) / height);
         for (unsigned x = 0; x < TILE; x += VD_N)
-            single |= make_rays(f, scale, boxed, x0 + x, y0 + y, TILE * y + x, rays) << x;
+            single |= make_rays(f, boxed, d_load(u + x), v, TILE * y + x, rays) << x;
         for (int a = 0; a < 3; a++)
             for (unsigned at = STRIDE * y; at < STRIDE * y + TILE; at += VF_N)
                 f_store(rays->reciprocal[a] + at, f_set(1.0f) / f_load(rays->near_d[a] + at));

@@ -15,97 +15,97 @@
 #include "render/shade.h"
 #include "render/tile_walk_template.h"
 
-/* The gradients at the corners of the cells that were hit last: neighbouring rays share them. */
-enum { KNOWN_CELLS = 32 };
-
-typedef struct known_cell {
-    const treelet *at;
-    uint32_t cell[3];
-    double gradients[8][4];
-} known_cell;
-
-typedef struct tile_pixels {
-    double gradient[3][TILE_RAYS]; /* world space */
-    float normal[3][TILE_RAYS];
-    float rgba[4][TILE_RAYS];
-    int32_t id[TILE_RAYS];
-} tile_pixels;
-
 typedef double four __attribute__((vector_size(32)));
 
 SIMD four four_set(double a) {
     return (four){a, a, a, a};
 }
 
-SIMD four four_load(const double *from) {
-    four a;
-    memcpy(&a, from, sizeof a);
-    return a;
-}
-
 SIMD four mix_four(four a, four b, double s) {
     return four_set(1.0 - s) * a + four_set(s) * b;
 }
 
-static const known_cell *gradients_of(const tile_walk *w, unsigned i, known_cell *known) {
+/* The gradients at the corners of the cells that were hit last: neighbouring rays share them. */
+enum { KNOWN_CELLS = 32 };
+
+typedef struct known_cell {
+    const treelet *at;
+    uint32_t cell[3];
+    four gradients[8];
+} known_cell;
+
+typedef struct tile_pixels {
+    double gradient[3][TILE_RAYS]; /* grid space */
+    float normal[3][TILE_RAYS];
+    float rgba[4][TILE_RAYS];
+    int32_t id[TILE_RAYS];
+} tile_pixels;
+
+/* The gradients at the corners of the cell that ray i hit. */
+static const four *corners_of(const tile_walk *w, unsigned i, known_cell *known) {
     const uint32_t *cell = w->cell[i];
     known_cell *k = &known[(cell[0] + 5 * cell[1] + 11 * cell[2]) % KNOWN_CELLS];
     if (k->at == w->at[i] && k->cell[0] == cell[0] && k->cell[1] == cell[1] &&
         k->cell[2] == cell[2])
-        return k;
-    surface_gradients(&w->f->tracer->scene, w->at[i], cell, k->gradients);
+        return k->gradients;
+    double gradients[8][4];
+    surface_gradients(&w->f->tracer->scene, w->at[i], cell, gradients);
+    memcpy(k->gradients, gradients, sizeof gradients);
     k->at = w->at[i];
     for (int a = 0; a < 3; a++)
         k->cell[a] = cell[a];
-    return k;
+    return k->gradients;
 }
 
-/* The cell coordinates of a hit. */
-static inline void place_in_cell(const tile_walk *w, const level_planes *planes, unsigned i,
-                                 double at[3]) {
+/* The gradients that the normals of VD_N pixels are taken from; lanes without a hit: any. */
+SIMD void gradients_at(const tile_walk *w, unsigned i, unsigned hits, bool central,
+                       known_cell *known, tile_pixels *p) {
+    const walk_scene *scene = &w->f->tracer->scene;
+    double lo[3][VD_N], inverse[3][VD_N], at[3][VD_N];
+    for (unsigned k = 0; k < VD_N; k++) {
+        for (int a = 0; a < 3; a++) {
+            const bool has = hits >> k & 1u;
+            const level_planes *planes = &scene->levels[has ? w->at[i + k]->level : 0];
+            const uint32_t c = has ? w->cell[i + k][a] : 0;
+            lo[a][k] = planes->at[a][c] - w->place.p->eye[a];
+            inverse[a][k] = planes->inverse[a][c];
+        }
+    }
     for (int a = 0; a < 3; a++) {
-        const uint32_t c = w->cell[i][a];
-        const double u = (w->t[i] * w->rays.d[a][i] - (planes->at[a][c] - w->place.p->eye[a])) *
-                         planes->inverse[a][c];
-        at[a] = u < 0.0 ? 0.0 : u > 1.0 ? 1.0 : u;
+        const vd u =
+            (d_load(w->t + i) * d_load(w->rays.d[a] + i) - d_load(lo[a])) * d_load(inverse[a]);
+        d_store(at[a], d_min(d_max(u, d_set(0.0)), d_set(1.0)));
     }
-}
-
-/* The gradient that the normal of pixel i is taken from. */
-static void gradient_at(const tile_walk *w, unsigned i, known_cell *known, tile_pixels *p) {
-    const tracer *tr = w->f->tracer;
-    const level_planes *planes = &tr->scene.levels[w->at[i]->level];
-    double at[3], g[4];
-    place_in_cell(w, planes, i, at);
-    if (tr->analytic_normals || tr->scene.halo == 0) {
-        float samples[8];
-        const double inverse[3] = {planes->inverse[0][w->cell[i][0]],
-                                   planes->inverse[1][w->cell[i][1]],
-                                   planes->inverse[2][w->cell[i][2]]};
-        walk_cell_samples(&tr->scene, w->at[i], w->cell[i], samples);
-        surface_trilinear(samples, at, inverse, g);
-    } else {
-        const known_cell *k = gradients_of(w, i, known);
-        four c[8];
-        for (int corner = 0; corner < 8; corner++)
-            c[corner] = four_load(k->gradients[corner]);
-        const four central = mix_four(
-            mix_four(mix_four(c[0], c[1], at[0]), mix_four(c[2], c[3], at[0]), at[1]),
-            mix_four(mix_four(c[4], c[5], at[0]), mix_four(c[6], c[7], at[0]), at[1]), at[2]);
-        memcpy(g, &central, sizeof g);
+    for (unsigned k = 0; k < VD_N; k++) {
+        double g[4] = {1.0, 1.0, 1.0, 0.0};
+        const double x = at[0][k], y = at[1][k], z = at[2][k];
+        if ((hits >> k & 1u) && central) {
+            const four *c = corners_of(w, i + k, known);
+            const four low = mix_four(mix_four(c[0], c[1], x), mix_four(c[2], c[3], x), y);
+            const four high = mix_four(mix_four(c[4], c[5], x), mix_four(c[6], c[7], x), y);
+            const four mixed = mix_four(low, high, z);
+            memcpy(g, &mixed, sizeof g);
+        } else if (hits >> k & 1u) {
+            const double place[3] = {x, y, z};
+            const double widths[3] = {inverse[0][k], inverse[1][k], inverse[2][k]};
+            float samples[8];
+            walk_cell_samples(scene, w->at[i + k], w->cell[i + k], samples);
+            surface_trilinear(samples, place, widths, g);
+        }
+        for (int a = 0; a < 3; a++)
+            p->gradient[a][i + k] = g[a];
     }
-    const affine *space = &tr->space;
-    for (int a = 0; a < 3; a++)
-        p->gradient[a][i] =
-            space->to_grid[0][a] * g[0] + space->to_grid[1][a] * g[1] + space->to_grid[2][a] * g[2];
 }
 
 /* Unit normals against the gradients, VD_N at a time. Returns the lanes that have no such: gradient
  * zero or not finite. */
-SIMD unsigned normals_of(tile_pixels *p, unsigned i) {
-    vd g[3], v[3];
+SIMD unsigned normals_of(const affine *space, tile_pixels *p, unsigned i) {
+    vd grid[3], g[3], v[3];
     for (int a = 0; a < 3; a++)
-        g[a] = d_load(p->gradient[a] + i);
+        grid[a] = d_load(p->gradient[a] + i);
+    for (int a = 0; a < 3; a++)
+        g[a] = d_set(space->to_grid[0][a]) * grid[0] + d_set(space->to_grid[1][a]) * grid[1] +
+               d_set(space->to_grid[2][a]) * grid[2];
     const vd largest = d_max(d_abs(g[0]), d_max(d_abs(g[1]), d_abs(g[2])));
     for (int a = 0; a < 3; a++)
         v[a] = g[a] / largest;
@@ -288,6 +288,8 @@ static void clear_pixels(const frame *f, tile_pixels *p) {
 
 /* Normals and colours of the pixels that have a surface. */
 static void shade_tile(const tile_walk *w, tile_pixels *p) {
+    const tracer *tr = w->f->tracer;
+    const bool central = !tr->analytic_normals && tr->scene.halo > 0;
     known_cell known[KNOWN_CELLS];
     for (int k = 0; k < KNOWN_CELLS; k++)
         known[k].at = NULL;
@@ -297,16 +299,12 @@ static void shade_tile(const tile_walk *w, tile_pixels *p) {
             hits |= (unsigned)(w->t[i + k] < INFINITY) << k;
         if (!hits)
             continue;
-        for (unsigned k = 0; k < VF_N; k++) {
-            if (hits >> k & 1u)
-                gradient_at(w, i + k, known, p);
-            else
-                p->gradient[0][i + k] = p->gradient[1][i + k] = p->gradient[2][i + k] = 1.0;
-        }
-        for (unsigned k = 0; k < VF_N; k += VD_N)
-            for (unsigned bad = normals_of(p, i + k) & hits >> k & ((1u << VD_N) - 1u); bad;
-                 bad &= bad - 1)
+        for (unsigned k = 0; k < VF_N; k += VD_N) {
+            const unsigned mine = hits >> k & ((1u << VD_N) - 1u);
+            gradients_at(w, i + k, mine, central, known, p);
+            for (unsigned bad = normals_of(&tr->space, p, i + k) & mine; bad; bad &= bad - 1)
                 normal_of_its_own(w, i + k + (unsigned)__builtin_ctz(bad), p);
+        }
         shade_pixels(w, i, hits, p);
     }
 }

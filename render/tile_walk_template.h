@@ -86,12 +86,25 @@ static void flush(tile_walk *w) {
         if (!(hits.at_exit >> k & 1u))
             w->open[i / TILE] &= (uint16_t) ~(1u << i % TILE);
         else
-            w->rays.near_t1[i / TILE * STRIDE + i % TILE] = (float)(w->t[i] / w->rays.scale);
+            w->rays.near_t1[i / TILE * STRIDE + i % TILE] =
+                (float)(w->t[i] * w->f->projection->unscale);
     }
     w->counters->walk.roots += (unsigned)__builtin_popcount(hits.found);
     w->waiting = 0;
     for (unsigned y = 0; y < TILE; y++)
         w->pending[y] = 0;
+}
+
+/* Tiles that meet no active cell do without. */
+static void make_rays_once(tile_walk *w) {
+    if (w->has_rays)
+        return;
+    tile_rays_make(w->f, w->x0, w->y0, &w->rays);
+    w->has_rays = true;
+    for (unsigned y = 0; y < TILE; y++) {
+        w->rays.single[y] &= w->asked[y];
+        w->open[y] &= (uint16_t)~w->rays.single[y];
+    }
 }
 
 /* ---- Cells ---- */
@@ -458,6 +471,8 @@ static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect) {
         if (!wanted(w, node.rect))
             continue;
         const uint32_t half = 1u << (node.size - 1);
+        if (half == 1)
+            make_rays_once(w);
         if (half == 1 && rect_area(node.rect) <= GROUP_MAX) {
             const unsigned first = first_octant(w, planes, node.cell, 1);
             const unsigned active = walk_children(at, node.size, node.morton);
@@ -520,10 +535,11 @@ static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect 
 }
 
 /* Remember that rays came into a treelet. */
-static void touch(const tile_walk *w, uint32_t t, tile_rect r) {
+static void touch(tile_walk *w, uint32_t t, tile_rect r) {
     atomic_uchar *touched = &w->f->tracer->touched[t];
     if (atomic_load_explicit(touched, memory_order_relaxed))
         return;
+    make_rays_once(w);
     for (unsigned y = r.y0; y <= r.y1; y++)
         if (rays_into(w, t, y, r)) {
             atomic_store_explicit(touched, 1, memory_order_relaxed);
@@ -534,6 +550,7 @@ static void touch(const tile_walk *w, uint32_t t, tile_rect r) {
 /* Rays that pass a treelet which is not there go no further. */
 static void miss_treelet(tile_walk *w, uint32_t t, tile_rect r) {
     unsigned any = 0;
+    make_rays_once(w);
     flush(w);
     for (unsigned y = r.y0; y <= r.y1; y++) {
         const unsigned passing = rays_into(w, t, y, r);
@@ -545,23 +562,10 @@ static void miss_treelet(tile_walk *w, uint32_t t, tile_rect r) {
         w->out->absent[w->out->absent_count++] = t;
 }
 
-/* Empty tiles never get here. */
-static void make_rays_once(tile_walk *w) {
-    if (w->has_rays)
-        return;
-    tile_rays_make(w->f, w->x0, w->y0, &w->rays);
-    w->has_rays = true;
-    for (unsigned y = 0; y < TILE; y++) {
-        w->rays.single[y] &= w->asked[y];
-        w->open[y] &= (uint16_t)~w->rays.single[y];
-    }
-}
-
 static void walk_drawn(tile_walk *w, uint32_t t, tile_rect r) {
     const loader *treelets = w->f->tracer->treelets;
     if (!treelets->own[t])
         return;
-    make_rays_once(w);
     const treelet *at = loader_lookup(treelets, t);
     if (!at) {
         miss_treelet(w, t, r);
