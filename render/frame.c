@@ -33,7 +33,7 @@ typedef struct drawing {
     uint32_t waiting_count;
     /* This pass: rays to resume, then tiles to start. */
     uint32_t *runnable;
-    uint32_t runnable_count;
+    uint32_t runnable_count, runnable_room;
     size_t batches;
     uint32_t *tiles_now, *tiles_later; /* not drawn yet: of this pass; put off to the next */
     uint32_t tiles_left, tiles_off, tiles_waiting; /* the last: put off until treelets come */
@@ -246,9 +246,22 @@ static status run_item(void *ctx, size_t index, int worker) {
 
 /* ---- Passes ---- */
 
+/* Room for every record there is: most frames have none. */
+static status make_room(drawing *d) {
+    if (d->records_made <= d->runnable_room)
+        return ST_OK;
+    mem_free(d->f->m, d->runnable);
+    d->runnable = mem_array(d->f->m, d->records_made, sizeof *d->runnable);
+    d->runnable_room = d->runnable ? d->records_made : 0;
+    return d->runnable ? ST_OK : ST_NOMEM;
+}
+
 /* Empty the buckets whose treelets have come. */
-static void collect_runnable(drawing *d) {
+static status collect_runnable(drawing *d) {
     uint32_t kept = 0;
+    status st = make_room(d);
+    if (st != ST_OK)
+        return st;
     d->runnable_count = 0;
     for (uint32_t i = 0; i < d->waiting_count; i++) {
         const uint32_t t = d->waiting[i];
@@ -262,6 +275,7 @@ static void collect_runnable(drawing *d) {
     }
     d->waiting_count = kept;
     d->batches = (d->runnable_count + BATCH - 1) / BATCH;
+    return ST_OK;
 }
 
 static status admit(drawing *d) {
@@ -275,18 +289,19 @@ static status admit(drawing *d) {
 static status draw_passes(drawing *d, frame_counters *total) {
     const frame *f = d->f;
     for (;;) {
-        collect_runnable(d);
+        status st = collect_runnable(d);
+        if (st != ST_OK)
+            return st;
         const bool room = d->tiles_left > 0 && d->reserved + TILE_RAYS <= f->records_max;
         if (d->runnable_count == 0 && !room) {
             if (d->waiting_count == 0)
                 return ST_OK;
-            status st = admit(d);
+            st = admit(d);
             if (st != ST_OK)
                 return st;
             continue;
         }
         const uint32_t tiles = room ? d->tiles_left : 0;
-        status st = ST_OK;
         if (d->tiles_waiting > 0 && d->runnable_count == 0)
             st = loader_settle(f->treelets);
         if (st != ST_OK)
@@ -358,10 +373,9 @@ static status drawing_init(drawing *d, const frame *f) {
     d->to_do = mem_array(f->m, d->tiles, sizeof *d->to_do);
     d->bucket = mem_array(f->m, treelets, sizeof *d->bucket);
     d->waiting = mem_array(f->m, treelets, sizeof *d->waiting);
-    d->runnable = mem_array(f->m, f->records_max, sizeof *d->runnable);
     d->requests = mem_array(f->m, treelets, sizeof *d->requests);
     if (!d->tallies || !d->chunks || !d->tiles_now || !d->tiles_later || !d->to_do || !d->bucket ||
-        !d->waiting || !d->runnable || !d->requests)
+        !d->waiting || !d->requests)
         return ST_NOMEM;
     for (uint32_t i = 0; i < d->tiles; i++)
         begin_to_do(d, i);

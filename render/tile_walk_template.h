@@ -11,6 +11,16 @@
 #include "render/tile_rays_template.h"
 #include "render/tile_rects_template.h"
 
+/* Ray-cells, one a lane, on their way to the filter: d, planes and t as in tile_rays. */
+typedef struct near_queue {
+    float t_in[VF_N], t_out[VF_N], d[3][VF_N], lo[3][VF_N], hi[3][VF_N], inv[3][VF_N];
+    float samples[8][VF_N];
+    const treelet *at[VF_N];
+    uint32_t cell[VF_N][3];
+    uint8_t ray[VF_N];
+    unsigned count;
+} near_queue;
+
 typedef struct tile_walk {
     const frame *f;
     frame_counters *counters;
@@ -23,6 +33,7 @@ typedef struct tile_walk {
     uint16_t open[ROWS];    /* rays that still look for their surface; */
     uint16_t pending[ROWS]; /* of which a cell waits in the batch */
     bool filter;            /* the intersector is the one that the filter knows */
+    near_queue queue;
     /* Ray-cells on their way to the cell kernel. */
     cell_batch batch;
     unsigned waiting;
@@ -107,6 +118,34 @@ static void make_rays_once(tile_walk *w) {
     }
 }
 
+static bool is_open(const tile_walk *w, unsigned i) {
+    return w->open[i / TILE] >> i % TILE & 1u;
+}
+
+/* Let ray i wait for the cell kernel's answer. */
+static void add_to_batch(tile_walk *w, const treelet *at, const uint32_t cell[3],
+                         const float samples[8], unsigned i) {
+    const level_planes *planes = &w->f->tracer->scene.levels[at->level];
+    cell_batch *b = &w->batch;
+    const unsigned k = w->waiting++;
+    for (int a = 0; a < 3; a++) {
+        b->d[a][k] = w->rays.d[a][i];
+        b->lo[a][k] = planes->at[a][cell[a]] - w->place.p->eye[a];
+        b->hi[a][k] = planes->at[a][cell[a] + 1] - w->place.p->eye[a];
+        b->inv[a][k] = planes->inverse[a][cell[a]];
+        w->cell_of[k][a] = cell[a];
+    }
+    b->t0[k] = w->rays.t0[i];
+    b->t1[k] = w->rays.t1[i];
+    for (int s = 0; s < 8; s++)
+        b->samples[s][k] = samples[s];
+    w->ray_of[k] = (uint8_t)i;
+    w->treelet_of[k] = at;
+    w->pending[i / TILE] |= (uint16_t)(1u << i % TILE);
+    if (w->waiting == CELL_BATCH)
+        flush(w);
+}
+
 /* ---- Cells ---- */
 
 /* A cell's box in single precision, t scaled as in tile_rays. */
@@ -130,40 +169,6 @@ typedef struct active_cell {
     float samples[8];
     near_form forms[ACTIVE_ISOS_MAX];
 } active_cell;
-
-/* Rays of a window: bits, from pixel (x, y) on. */
-static void add_to_batch(tile_walk *w, const active_cell *c, unsigned x, unsigned y,
-                         unsigned bits) {
-    const level_planes *planes = &w->f->tracer->scene.levels[c->at->level];
-    cell_batch *b = &w->batch;
-    double lo[3], hi[3], inv[3];
-    for (int a = 0; a < 3; a++) {
-        lo[a] = planes->at[a][c->cell[a]] - w->place.p->eye[a];
-        hi[a] = planes->at[a][c->cell[a] + 1] - w->place.p->eye[a];
-        inv[a] = planes->inverse[a][c->cell[a]];
-    }
-    for (; bits; bits &= bits - 1) {
-        const unsigned lane = (unsigned)__builtin_ctz(bits), k = w->waiting++;
-        const unsigned row = y + lane / WINDOW_X, column = x + lane % WINDOW_X;
-        const unsigned i = TILE * row + column;
-        for (int a = 0; a < 3; a++) {
-            b->d[a][k] = w->rays.d[a][i];
-            b->lo[a][k] = lo[a];
-            b->hi[a][k] = hi[a];
-            b->inv[a][k] = inv[a];
-            w->cell_of[k][a] = c->cell[a];
-        }
-        b->t0[k] = w->rays.t0[i];
-        b->t1[k] = w->rays.t1[i];
-        for (int s = 0; s < 8; s++)
-            b->samples[s][k] = c->samples[s];
-        w->ray_of[k] = (uint8_t)i;
-        w->treelet_of[k] = c->at;
-        w->pending[row] |= (uint16_t)(1u << column);
-        if (w->waiting == CELL_BATCH)
-            flush(w);
-    }
-}
 
 typedef struct near_visit {
     vf t_in, t_out;
@@ -222,15 +227,13 @@ static inline near_form near_form_of(const near_cell *c, const float samples[8],
  * add up to 27, 54, 36 and 8 F before signs cancel, with at most 14 roundings on the way: 1750 u F.
  * Where results are denormal, 2^-149 a step. Together with the kernel's own rounding, 2^-50 F, less
  * than F (2048 u + 2 (e_x + e_y + e_z)) + 2^-130. */
-SIMD unsigned may_cross(const vf in[3], const vf way[3], const near_form *form) {
+SIMD unsigned may_cross(const vf in[3], const vf way[3], const vf c[8], vf bound) {
     const vf x = in[0], y = in[1], z = in[2];
-    const vf c4 = f_set(form->c[4]), c5 = f_set(form->c[5]), c6 = f_set(form->c[6]),
-             c7 = f_set(form->c[7]);
     /* Per power of x and y, as a linear function along the visit: e + s h. */
-    const vf e0 = f_set(form->c[0]) + f_set(form->c[3]) * z, h0 = f_set(form->c[3]) * way[2];
-    const vf ex = f_set(form->c[1]) + c6 * z, hx = c6 * way[2];
-    const vf ey = f_set(form->c[2]) + c5 * z, hy = c5 * way[2];
-    const vf exy = c4 + c7 * z, hxy = c7 * way[2];
+    const vf e0 = c[0] + c[3] * z, h0 = c[3] * way[2];
+    const vf ex = c[1] + c[6] * z, hx = c[6] * way[2];
+    const vf ey = c[2] + c[5] * z, hy = c[5] * way[2];
+    const vf exy = c[4] + c[7] * z, hxy = c[7] * way[2];
     const vf xy = x * y, xy1 = x * way[1] + y * way[0], xy2 = way[0] * way[1];
     const vf k0 = e0 + ex * x + ey * y + exy * xy;
     const vf k1 = h0 + hx * x + ex * way[0] + hy * y + ey * way[1] + hxy * xy + exy * xy1;
@@ -240,7 +243,7 @@ SIMD unsigned may_cross(const vf in[3], const vf way[3], const near_form *form) 
     const vf b3 = k0 + k1 + k2 + k3;
     const vf least = f_min(f_min(k0, b3), f_min(b1, b2));
     const vf greatest = f_max(f_max(k0, b3), f_max(b1, b2));
-    return ~mf_bits(mf_or(f_gt(least, f_set(form->bound)), f_lt(greatest, f_set(-form->bound))));
+    return ~mf_bits(mf_or(f_gt(least, bound), f_lt(greatest, f_set(-0.0f) - bound)));
 }
 
 /* The rays of a window that may cross any of the surfaces. */
@@ -255,8 +258,12 @@ SIMD unsigned may_cross_any(const tile_rays *rays, unsigned at, const near_cell 
         way[a] = f_min(f_max((v->t_out * d - lo) * inv, zero), one) - in[a];
     }
     unsigned crossing = 0;
-    for (int i = 0; i < count; i++)
-        crossing |= may_cross(in, way, &forms[i]);
+    for (int i = 0; i < count; i++) {
+        vf form[8];
+        for (int k = 0; k < 8; k++)
+            form[k] = f_set(forms[i].c[k]);
+        crossing |= may_cross(in, way, form, f_set(forms[i].bound));
+    }
     return crossing;
 }
 
@@ -294,8 +301,11 @@ SIMD void add_visitors(tile_walk *w, active_cell *c, const near_visit *v, unsign
         flush(w);
         bits &= window_open(w, x, y, r);
     }
-    if (bits)
-        add_to_batch(w, c, x, y, bits);
+    for (; bits; bits &= bits - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(bits);
+        add_to_batch(w, c->at, c->cell, c->samples,
+                     TILE * (y + lane / WINDOW_X) + x + lane % WINDOW_X);
+    }
     if (w->f->kernels->by_cell)
         flush(w);
 }
@@ -312,10 +322,70 @@ static void cell_begin(active_cell *c, const treelet *at, const plane_projection
     }
 }
 
+/* ---- Ray-cells, one a lane ---- */
+
+/* near_form_of(), and which of the lanes may cross any of the surfaces. */
+SIMD unsigned queue_may_cross(const near_queue *q, const double isovalues[], int count) {
+    const vf zero = f_set(0.0f), one = f_set(1.0f);
+    vf in[3], way[3], e = f_set(3.0f);
+    for (int a = 0; a < 3; a++) {
+        const vf d = f_load(q->d[a]), lo = f_load(q->lo[a]), inv = f_load(q->inv[a]);
+        in[a] = f_min(f_max((f_load(q->t_in) * d - lo) * inv, zero), one);
+        way[a] = f_min(f_max((f_load(q->t_out) * d - lo) * inv, zero), one) - in[a];
+        e = e + f_max(f_abs(lo), f_abs(f_load(q->hi[a]))) * inv;
+    }
+    unsigned crossing = 0;
+    for (int i = 0; i < count; i++) {
+        vf f[8], largest = zero;
+        for (int s = 0; s < 8; s++) {
+            double difference[VF_N];
+            for (int k = 0; k < VF_N; k += VD_N)
+                d_store(difference + k, d_of_floats(q->samples[s] + k) - d_set(isovalues[i]));
+            f[s] = f_of_doubles(difference);
+            largest = f_max(largest, f_abs(f[s]));
+        }
+        const vf x0 = f[1] - f[0], x1 = f[3] - f[2], x2 = f[5] - f[4], x3 = f[7] - f[6];
+        const vf y0 = f[2] - f[0], xy0 = x1 - x0;
+        const vf form[8] = {f[0],           x0, y0, f[4] - f[0], xy0, (f[6] - f[4]) - y0, x2 - x0,
+                            (x3 - x2) - xy0};
+        const vf bound = largest * ((f_set(2048.0f) + f_set(32.0f) * e) * f_set(UNIT));
+        crossing |= may_cross(in, way, form, bound + f_set(0x1p-130f));
+    }
+    return crossing;
+}
+
+/* Filter what has been queued, and add the rest to the batch. */
+static void queue_flush(tile_walk *w) {
+    const walk_scene *scene = &w->f->tracer->scene;
+    near_queue *q = &w->queue;
+    unsigned left = (1u << q->count) - 1u;
+    float samples[VF_N][8];
+    if (q->count == 0)
+        return;
+    for (unsigned k = 0; k < q->count; k++) {
+        walk_cell_samples(scene, q->at[k], q->cell[k], samples[k]);
+        for (int s = 0; s < 8; s++)
+            q->samples[s][k] = samples[k][s];
+    }
+    if (w->filter)
+        left &= queue_may_cross(q, scene->isovalues, scene->count);
+    q->count = 0;
+    for (; left; left &= left - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(left), i = q->ray[k];
+        if (w->pending[i / TILE] >> i % TILE & 1u)
+            flush(w);
+        if (is_open(w, i))
+            add_to_batch(w, q->at[k], q->cell[k], samples[k], i);
+        if (w->f->kernels->by_cell)
+            flush(w);
+    }
+}
+
 /* One active cell and the rays of its rectangle. */
 static void walk_cell(tile_walk *w, const treelet *at, const uint32_t cell[3], tile_rect r) {
     active_cell c;
     cell_begin(&c, at, w->place.p->at[at->level], cell);
+    queue_flush(w); /* its cells are nearer */
     for (unsigned y = r.y0; y <= r.y1; y += WINDOW_Y) {
         for (unsigned x = r.x0; x <= r.x1; x += WINDOW_X) {
             near_visit v;
@@ -328,76 +398,96 @@ static void walk_cell(tile_walk *w, const treelet *at, const uint32_t cell[3], t
     }
 }
 
-/* ---- Groups of 2^3 cells ---- */
+/* The cells of a group of 2^3, a lane a cell: lane % 8 is the octant from `from` on. */
+typedef struct group_planes {
+    vf lo[3], hi[3];
+} group_planes;
 
-/* Groups whose rectangle has more pixels are better seen cell by cell. */
-enum { GROUP_MAX = 24 };
-
-/* The t at which rays of a window pass the halves of a group of 2^3 cells: [axis][lower, upper]. */
-typedef struct group_slabs {
-    vf near[3][2], far[3][2];
-    vf slack; /* of the test near <= far, of any part of the group */
-} group_slabs;
-
-SIMD group_slabs slabs_of(const tile_rays *rays, unsigned at,
-                          const plane_projection *const planes[3], const uint32_t first[3]) {
-    group_slabs s;
-    vf t_in = window_load(rays->near_t0 + at), t_out = window_load(rays->near_t1 + at);
+SIMD group_planes group_planes_of(const plane_projection *const planes[3], const uint32_t first[3],
+                                  unsigned from) {
+    static const unsigned upper[3] = {0xaaaau, 0xccccu, 0xf0f0u};
+    group_planes g;
     for (int a = 0; a < 3; a++) {
-        const vf r = window_load(rays->reciprocal[a] + at);
         const plane_projection *plane = &planes[a][first[a]];
-        const vf lo = f_set(plane[0].from_eye) * r, middle = f_set(plane[1].from_eye) * r,
-                 hi = f_set(plane[2].from_eye) * r;
-        s.near[a][0] = f_min(lo, middle);
-        s.far[a][0] = f_max(lo, middle);
-        s.near[a][1] = f_min(middle, hi);
-        s.far[a][1] = f_max(middle, hi);
-        if (a == 0)
-            for (int half = 0; half < 2; half++) {
-                s.near[0][half] = f_max(s.near[0][half], t_in);
-                s.far[0][half] = f_min(s.far[0][half], t_out);
-            }
-        t_in = f_max(t_in, f_min(lo, hi));
-        t_out = f_min(t_out, f_max(lo, hi));
+        const vf middle = f_set(plane[1].from_eye);
+        const mf above = mf_of_bits(upper[a] >> from & ((1u << VF_N) - 1u));
+        g.lo[a] = f_select(above, middle, f_set(plane[0].from_eye));
+        g.hi[a] = f_select(above, f_set(plane[2].from_eye), middle);
     }
-    /* A ray that passes a part does so between the two. */
-    s.slack = f_set(32.0f * UNIT) * (f_abs(t_in) + f_abs(t_out));
-    return s;
+    return g;
 }
 
-SIMD unsigned visits_part(const group_slabs *s, unsigned octant, near_visit *v) {
-    const unsigned x = octant & 1u, y = octant >> 1 & 1u, z = octant >> 2;
-    v->t_in = f_max(f_max(s->near[0][x], s->near[1][y]), s->near[2][z]);
-    v->t_out = f_min(f_min(s->far[0][x], s->far[1][y]), s->far[2][z]);
-    return ~mf_bits(f_gt(v->t_in - v->t_out, s->slack));
+/* Which cells of a group a ray may visit; see visits(). */
+SIMD unsigned group_visits(const tile_rays *rays, unsigned at, const group_planes *g, float t_in[],
+                           float t_out[]) {
+    vf in = f_set(rays->near_t0[at]), out = f_set(rays->near_t1[at]);
+    for (int a = 0; a < 3; a++) {
+        const vf r = f_set(rays->reciprocal[a][at]), lo = g->lo[a] * r, hi = g->hi[a] * r;
+        in = f_max(in, f_min(lo, hi));
+        out = f_min(out, f_max(lo, hi));
+    }
+    f_store(t_in, in);
+    f_store(t_out, out);
+    const vf slack = f_set(16.0f * UNIT) * (f_abs(in) + f_abs(out));
+    return ~mf_bits(f_gt(in - out, slack)) & ((1u << VF_N) - 1u);
 }
 
-/* The active cells of a group (places, as in_order() has them), for the rays of its rectangle:
- * where a window of rays covers as much as the group, its cells need no rectangles of their own. */
+SIMD void queue_add(tile_walk *w, const treelet *at, const plane_projection *const planes[3],
+                    const uint32_t cell[3], unsigned i, float t_in, float t_out) {
+    near_queue *q = &w->queue;
+    const unsigned k = q->count++, padded = i / TILE * STRIDE + i % TILE;
+    walk_cell_prefetch(&w->f->tracer->scene, at, cell);
+    for (int a = 0; a < 3; a++) {
+        q->d[a][k] = w->rays.near_d[a][padded];
+        q->lo[a][k] = planes[a][cell[a]].from_eye;
+        q->hi[a][k] = planes[a][cell[a] + 1].from_eye;
+        q->inv[a][k] = planes[a][cell[a]].inverse;
+        q->cell[k][a] = cell[a];
+    }
+    q->t_in[k] = t_in;
+    q->t_out[k] = t_out;
+    q->at[k] = at;
+    q->ray[k] = (uint8_t)i;
+    w->counters->walk.cells++;
+    if (q->count == VF_N)
+        queue_flush(w);
+}
+
+/* Where more rays look at a group, it is better seen cell by cell. */
+enum { GROUP_RAYS_MAX = 8 };
+
+/* A mask of octants o as one of places o ^ first in that order. */
+static unsigned in_order(unsigned octants, unsigned first) {
+    unsigned m = octants;
+    m = first & 1u ? (m & 0x55u) << 1 | (m & 0xaau) >> 1 : m;
+    m = first & 2u ? (m & 0x33u) << 2 | (m & 0xccu) >> 2 : m;
+    return first & 4u ? (m & 0x0fu) << 4 | (m & 0xf0u) >> 4 : m;
+}
+
+/* The active cells of a group (octants), for the open rays of its rectangle one by one: few rays
+ * visit the same cell there, and the lanes are better filled by its cells. */
 static void walk_group(tile_walk *w, const treelet *at, const uint32_t first_cell[3],
-                       unsigned places, unsigned first, tile_rect r) {
+                       unsigned active, unsigned first, tile_rect r) {
+    enum { VECTORS_OF_8 = VF_N < 8 ? 8 / VF_N : 1 };
     const plane_projection *const *projected = w->place.p->at[at->level];
-    active_cell cells[8];
-    unsigned begun = 0;
-    for (unsigned y = r.y0; y <= r.y1; y += WINDOW_Y) {
-        for (unsigned x = r.x0; x <= r.x1; x += WINDOW_X) {
-            if (!window_open(w, x, y, r))
-                continue;
-            const group_slabs slabs = slabs_of(&w->rays, STRIDE * y + x, projected, first_cell);
-            for (unsigned left = places; left; left &= left - 1) {
-                const unsigned o = (unsigned)__builtin_ctz(left) ^ first;
-                near_visit v;
-                const unsigned bits = visits_part(&slabs, o, &v) & window_open(w, x, y, r);
-                if (!bits)
-                    continue;
-                if (!(begun >> o & 1u)) {
-                    const uint32_t cell[3] = {first_cell[0] + (o & 1u),
-                                              first_cell[1] + (o >> 1 & 1u),
-                                              first_cell[2] + (o >> 2)};
-                    cell_begin(&cells[o], at, projected, cell);
-                    begun |= 1u << o;
-                }
-                add_visitors(w, &cells[o], &v, x, y, r, bits);
+    group_planes planes[VECTORS_OF_8];
+    for (unsigned v = 0; v < VECTORS_OF_8; v++)
+        planes[v] = group_planes_of(projected, first_cell, v * VF_N);
+    for (unsigned y = r.y0; y <= r.y1; y++) {
+        for (unsigned left = w->open[y] & row_mask(r); left; left &= left - 1) {
+            const unsigned x = (unsigned)__builtin_ctz(left);
+            float t_in[VECTORS_OF_8 * VF_N], t_out[VECTORS_OF_8 * VF_N];
+            unsigned visited = 0;
+            for (unsigned v = 0; v < VECTORS_OF_8; v++)
+                visited |= group_visits(&w->rays, STRIDE * y + x, &planes[v], t_in + v * VF_N,
+                                        t_out + v * VF_N)
+                           << v * VF_N;
+            for (unsigned places = in_order(visited & active, first); places;
+                 places &= places - 1) {
+                const unsigned o = (unsigned)__builtin_ctz(places) ^ first;
+                const uint32_t cell[3] = {first_cell[0] + (o & 1u), first_cell[1] + (o >> 1 & 1u),
+                                          first_cell[2] + (o >> 2)};
+                queue_add(w, at, projected, cell, TILE * y + x, t_in[o], t_out[o]);
             }
         }
     }
@@ -413,14 +503,6 @@ static unsigned first_octant(const tile_walk *w, const level_planes *planes,
     for (int a = 0; a < 3; a++)
         octant |= (unsigned)(planes->at[a][first[a] + half] <= w->place.p->eye[a]) << a;
     return octant;
-}
-
-/* A mask of octants o as one of places o ^ first in that order. */
-static unsigned in_order(unsigned octants, unsigned first) {
-    unsigned m = octants;
-    m = first & 1u ? (m & 0x55u) << 1 | (m & 0xaau) >> 1 : m;
-    m = first & 2u ? (m & 0x33u) << 2 | (m & 0xccu) >> 2 : m;
-    return first & 4u ? (m & 0x0fu) << 4 | (m & 0xf0u) >> 4 : m;
 }
 
 static unsigned last_place(unsigned places) {
@@ -453,8 +535,11 @@ typedef struct tree_node {
 
 enum { TREE_STACK_MAX = 8 * (LEAF_CELLS_LOG2_MAX + 1), DIRECTORY_STACK_MAX = 8 * LEAF_LEVELS_MAX };
 
-static unsigned rect_area(tile_rect r) {
-    return (r.x1 - r.x0 + 1u) * (r.y1 - r.y0 + 1u);
+static unsigned open_rays(const tile_walk *w, tile_rect r) {
+    unsigned count = 0;
+    for (unsigned y = r.y0; y <= r.y1; y++)
+        count += (unsigned)__builtin_popcount(w->open[y] & row_mask(r));
+    return count;
 }
 
 static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect) {
@@ -473,11 +558,11 @@ static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect) {
         const uint32_t half = 1u << (node.size - 1);
         if (half == 1)
             make_rays_once(w);
-        if (half == 1 && rect_area(node.rect) <= GROUP_MAX) {
+        if (half == 1 && open_rays(w, node.rect) <= GROUP_RAYS_MAX) {
             const unsigned first = first_octant(w, planes, node.cell, 1);
             const unsigned active = walk_children(at, node.size, node.morton);
             w->counters->walk.nodes++;
-            walk_group(w, at, node.cell, in_order(active, first), first, node.rect);
+            walk_group(w, at, node.cell, active, first, node.rect);
             continue;
         }
         tile_rects rects;
@@ -540,6 +625,8 @@ static void touch(tile_walk *w, uint32_t t, tile_rect r) {
     if (atomic_load_explicit(touched, memory_order_relaxed))
         return;
     make_rays_once(w);
+    queue_flush(w);
+    flush(w);
     for (unsigned y = r.y0; y <= r.y1; y++)
         if (rays_into(w, t, y, r)) {
             atomic_store_explicit(touched, 1, memory_order_relaxed);
@@ -551,6 +638,7 @@ static void touch(tile_walk *w, uint32_t t, tile_rect r) {
 static void miss_treelet(tile_walk *w, uint32_t t, tile_rect r) {
     unsigned any = 0;
     make_rays_once(w);
+    queue_flush(w);
     flush(w);
     for (unsigned y = r.y0; y <= r.y1; y++) {
         const unsigned passing = rays_into(w, t, y, r);
@@ -612,6 +700,7 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
             stack[top++] = (directory_node){layout->first_child[node.t] + rank, rects.of[o]};
         }
     }
+    queue_flush(w);
     flush(w);
 }
 
@@ -626,6 +715,7 @@ static void tile_walk_run(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0
                             (float)(y0 + 0.5 - 0.5 * f->camera.height)};
     w->filter = f->scene->intersector == LEAFCAST_MARMITT;
     w->waiting = 0;
+    w->queue = (near_queue){.count = 0};
     w->x0 = x0;
     w->y0 = y0;
     w->has_rays = false;

@@ -62,6 +62,21 @@ cell_box walk_cell_box(const level_planes *planes, const uint32_t cell[3]);
 void walk_cell_samples(const walk_scene *scene, const treelet *tr, const uint32_t cell[3],
                        float samples[8]);
 
+/* walk_cell_prefetch() - towards the cache: they will be asked for soon. */
+static inline void walk_cell_prefetch(const walk_scene *scene, const treelet *tr,
+                                      const uint32_t cell[3]) {
+    size_t at[3];
+    for (int a = 0; a < 3; a++)
+        at[a] = cell[a] - tr->first_cell[a] + scene->halo;
+    const size_t size = sample_size(scene->type);
+    const size_t row = size * tr->shape.samples[0], slice = row * tr->shape.samples[1];
+    const char *first = (const char *)tr->samples + size * at[0] + row * at[1] + slice * at[2];
+    __builtin_prefetch(first);
+    __builtin_prefetch(first + row);
+    __builtin_prefetch(first + slice);
+    __builtin_prefetch(first + slice + row);
+}
+
 /* walk_children() - the child mask of a node of 2^size cells on a side: of the root, of an inner
  * node, of a block (its 2^3 groups with active cells), of such a group (its cells). morton: its
  * place among the nodes of its size. */

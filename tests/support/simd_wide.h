@@ -108,6 +108,12 @@ typedef uint16_t mf;
 SIMD void d_store_floats(float *to, vd a) {
     LANES(i) to[i] = (float)a[i];
 }
+SIMD vf f_of_doubles(const double *from) {
+    vf v;
+    for (int i = 0; i < VF_N; i++)
+        v[i] = (float)from[i];
+    return v;
+}
 SIMD vf f_load(const float *from) {
     vf v;
     memcpy(&v, from, sizeof v);
