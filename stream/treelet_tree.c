@@ -1,0 +1,64 @@
+#include "stream/treelet_tree.h"
+
+#include <string.h>
+
+static void merge(treelet_bounds to, const treelet_bounds from) {
+    for (int a = 0; a < 3; a++) {
+        to[a] = from[a] < to[a] ? from[a] : to[a];
+        to[a + 3] = from[a + 3] > to[a + 3] ? from[a + 3] : to[a + 3];
+    }
+}
+
+static void merge_level(treelet_tree *tree, uint32_t level) {
+    for (uint32_t i = 0; i < tree->count[level]; i++) {
+        uint32_t count, first = treelet_tree_children(tree, level, i, &count);
+        memcpy(tree->bounds[level][i], tree->bounds[level - 1][first], sizeof(treelet_bounds));
+        for (uint32_t c = 1; c < count; c++)
+            merge(tree->bounds[level][i], tree->bounds[level - 1][first + c]);
+    }
+}
+
+status treelet_tree_init(treelet_tree *tree, mem *m, const treelet_bounds bounds[],
+                         uint32_t count) {
+    size_t nodes = 0;
+    *tree = (treelet_tree){.m = m};
+    do {
+        tree->count[tree->levels++] = count;
+        nodes += count;
+        count = (count + TREELET_TREE_ARITY - 1) / TREELET_TREE_ARITY;
+    } while (tree->count[tree->levels - 1] > 1);
+    tree->block = mem_array(m, nodes, sizeof(treelet_bounds) + 1);
+    if (!tree->block)
+        return ST_NOMEM;
+    treelet_bounds *next = tree->block;
+    uint8_t *flags = (uint8_t *)(next + nodes);
+    for (uint32_t level = 0; level < tree->levels; level++) {
+        tree->bounds[level] = next;
+        tree->active[level] = flags;
+        next += tree->count[level];
+        flags += tree->count[level];
+    }
+    memcpy(tree->bounds[0], bounds, tree->count[0] * sizeof(treelet_bounds));
+    for (uint32_t level = 1; level < tree->levels; level++)
+        merge_level(tree, level);
+    return ST_OK;
+}
+
+void treelet_tree_release(treelet_tree *tree) {
+    if (tree->m)
+        mem_free(tree->m, tree->block);
+    tree->block = NULL;
+}
+
+void treelet_tree_select(treelet_tree *tree, const uint8_t own[]) {
+    memcpy(tree->active[0], own, tree->count[0]);
+    for (uint32_t level = 1; level < tree->levels; level++) {
+        for (uint32_t i = 0; i < tree->count[level]; i++) {
+            uint32_t count, first = treelet_tree_children(tree, level, i, &count);
+            uint8_t any = 0;
+            for (uint32_t c = 0; c < count; c++)
+                any |= tree->active[level - 1][first + c];
+            tree->active[level][i] = any;
+        }
+    }
+}
