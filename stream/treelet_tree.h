@@ -8,6 +8,8 @@
 #ifndef STREAM_TREELET_TREE_H
 #define STREAM_TREELET_TREE_H
 
+#include <stdint.h>
+
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 
