@@ -193,16 +193,21 @@ status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l)
 /* ---- sections ---- */
 
 uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
+    const bool mesh = h->kind == LEAF_KIND_MESH;
+    const uint64_t sets = mesh ? (uint64_t)h->fields * h->steps : 1;
+    const uint64_t payloads = h->treelets * (mesh ? 1 + sets : 1);
     switch (kind) {
     case LEAF_SECTION_RANGES:
-    case LEAF_SECTION_OWN: return h->treelets * sizeof(float[2]);
-    case LEAF_SECTION_FLAGS: return h->treelets;
+    case LEAF_SECTION_OWN: return h->treelets * sets * sizeof(float[2]);
+    case LEAF_SECTION_FLAGS: return h->treelets * sets;
     case LEAF_SECTION_OFFSETS:
     case LEAF_SECTION_SIZES:
-    case LEAF_SECTION_CHECKSUMS: return h->treelets * sizeof(uint64_t);
+    case LEAF_SECTION_CHECKSUMS: return payloads * sizeof(uint64_t);
     case LEAF_SECTION_AXES:
         return h->rectilinear ? ((uint64_t)h->dims[0] + h->dims[1] + h->dims[2]) * sizeof(double)
                               : 0;
+    case LEAF_SECTION_BOUNDS: return mesh ? h->treelets * sizeof(float[6]) : 0;
+    case LEAF_SECTION_COUNTS: return mesh ? h->treelets * sizeof(uint32_t[4]) : 0;
     default: return 0;
     }
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/grid.h"
+#include "formats/mesh_leaf.h"
 
 static uint32_t halved_up(uint32_t n) {
     return n / 2 + (n & 1);
@@ -56,7 +57,7 @@ status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32_t cells
         v->count = (uint32_t)count;
         total += count;
     }
-    l->treelets = (uint32_t)total;
+    l->treelets = l->payloads = (uint32_t)total;
     return ST_OK;
 }
 
@@ -71,19 +72,24 @@ static uint8_t octants(const leaf_level *below, const uint32_t place[3]) {
     return (uint8_t)mask;
 }
 
-status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t cells_log2,
-                        uint32_t halo, sample_type type) {
-    status st = leaf_layout_levels(l, dims, cells_log2, halo, type);
-    if (st != ST_OK)
-        return st;
+static status allocate(leaf_layout *l, mem *m) {
     l->m = m;
     l->first_child = mem_array(m, l->treelets, sizeof *l->first_child);
     l->place = mem_array(m, l->treelets, sizeof *l->place);
     l->level_of = mem_array(m, l->treelets, sizeof *l->level_of);
-    if (!l->first_child || !l->place || !l->level_of) {
-        leaf_layout_release(l);
-        return ST_NOMEM;
-    }
+    if (l->first_child && l->place && l->level_of)
+        return ST_OK;
+    leaf_layout_release(l);
+    return ST_NOMEM;
+}
+
+status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t cells_log2,
+                        uint32_t halo, sample_type type) {
+    status st = leaf_layout_levels(l, dims, cells_log2, halo, type);
+    if (st == ST_OK)
+        st = allocate(l, m);
+    if (st != ST_OK)
+        return st;
     /* Breadth first from the root: the children of each treelet take the next free indices. */
     l->level_of[0] = (uint8_t)(l->levels - 1);
     uint32_t next = 1;
@@ -104,6 +110,30 @@ status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t
     }
     assert(next == l->treelets);
     return ST_OK;
+}
+
+status leaf_layout_init_mesh(leaf_layout *l, mem *m, uint32_t treelets, uint32_t sets) {
+    assert(treelets > 0 && sets > 0 && (uint64_t)treelets * (1 + (uint64_t)sets) < LEAF_NO_TREELET);
+    memset(l, 0, sizeof *l);
+    l->levels = 1;
+    l->type = SAMPLE_F32;
+    l->treelets = l->level[0].count = treelets;
+    l->payloads = treelets * (1 + sets);
+    l->sets = sets;
+    status st = allocate(l, m);
+    for (uint32_t t = 0; st == ST_OK && t < treelets; t++)
+        l->first_child[t] = LEAF_NO_TREELET;
+    return st;
+}
+
+void leaf_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]) {
+    l->counts = counts;
+    l->payload_max = 0;
+    for (uint32_t t = 0; t < l->treelets; t++) {
+        const mesh_shape s = mesh_leaf_shape(counts[t]);
+        l->payload_max = s.topology_bytes > l->payload_max ? s.topology_bytes : l->payload_max;
+        l->payload_max = s.values_bytes > l->payload_max ? s.values_bytes : l->payload_max;
+    }
 }
 
 void leaf_layout_release(leaf_layout *l) {
@@ -164,7 +194,16 @@ leaf_payload leaf_layout_payload(const leaf_layout *l, uint32_t treelet) {
     return payload_of(l, cells);
 }
 
+uint32_t leaf_layout_payload_bytes(const leaf_layout *l, uint32_t p) {
+    if (!l->sets)
+        return leaf_layout_payload(l, p).bytes;
+    const mesh_shape s = mesh_leaf_shape(l->counts[p % l->treelets]);
+    return p < l->treelets ? s.topology_bytes : s.values_bytes;
+}
+
 uint32_t leaf_layout_payload_max(const leaf_layout *l) {
+    if (l->sets)
+        return l->payload_max;
     uint32_t b = 1u << l->cells_log2;
     return payload_of(l, (uint32_t[3]){b, b, b}).bytes;
 }

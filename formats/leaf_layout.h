@@ -1,7 +1,8 @@
 /* leaf_layout.h - the geometry of a treelet file: all that follows from dims, B, h and the sample
- * type alone.
+ * type alone, or, for a mesh, from its COUNTS.
  *
- * Nothing of this is stored in the file; writer, reader and renderer derive it here.
+ * Nothing of this is stored in the file; writer, reader and renderer derive it here. A mesh looks
+ * like a grid of one level: treelets without parents or children, all at place 0, 0, 0.
  */
 #ifndef FORMATS_LEAF_LAYOUT_H
 #define FORMATS_LEAF_LAYOUT_H
@@ -27,7 +28,11 @@ typedef struct leaf_level {
 typedef struct leaf_layout {
     uint32_t cells_log2, halo, levels;
     sample_type type;
-    uint32_t treelets; /* of all levels */
+    uint32_t treelets;           /* of all levels */
+    uint32_t payloads;           /* of a mesh treelets * (1 + sets), else as many as treelets */
+    uint32_t sets;               /* mesh: fields * steps; else 0 */
+    const uint32_t (*counts)[4]; /* mesh: section COUNTS; of the file or the writer */
+    uint32_t payload_max;        /* mesh */
     leaf_level level[LEAF_LEVELS_MAX];
     /* Per treelet: */
     uint32_t *first_child; /* LEAF_NO_TREELET at level 0 */
@@ -48,6 +53,12 @@ CHECKED status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], 
                                 uint32_t halo, sample_type type);
 void leaf_layout_release(leaf_layout *l);
 
+/* leaf_layout_init_mesh() - of a mesh file, whose counts come with leaf_layout_set_counts();
+ * treelets
+ * * (1 + sets) below 2^32 - 1. counts must outlive l, each without a mesh_leaf_counts_fault(). */
+CHECKED status leaf_layout_init_mesh(leaf_layout *l, mem *m, uint32_t treelets, uint32_t sets);
+void leaf_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]);
+
 /* leaf_layout_find() - the treelet at a place of a level: descends from the root, so O(levels). */
 uint32_t leaf_layout_find(const leaf_layout *l, uint32_t level, const uint32_t place[3]);
 
@@ -66,8 +77,18 @@ typedef struct leaf_payload {
 
 leaf_payload leaf_layout_payload(const leaf_layout *l, uint32_t treelet);
 
-/* leaf_layout_payload_max() - bytes of a full treelet's payload; no other's is larger. */
+/* leaf_layout_payload_bytes() - of payload p before compression; p as in the directory: a grid's
+ * treelet, a mesh's topologies and then its values. */
+uint32_t leaf_layout_payload_bytes(const leaf_layout *l, uint32_t p);
+
+/* leaf_layout_payload_max() - bytes of a full treelet's payload (mesh: of the largest); no other's
+ * is larger. */
 uint32_t leaf_layout_payload_max(const leaf_layout *l);
+
+/* leaf_layout_values() - the payload that holds the values of a mesh's treelet in a set. */
+static inline uint32_t leaf_layout_values(const leaf_layout *l, uint32_t set, uint32_t treelet) {
+    return l->treelets * (1 + set) + treelet;
+}
 
 /* leaf_layout_aligned() - the first multiple of 2^log2 at or behind `at`. */
 static inline uint64_t leaf_layout_aligned(uint64_t at, uint32_t log2) {
@@ -75,13 +96,19 @@ static inline uint64_t leaf_layout_aligned(uint64_t at, uint32_t log2) {
     return (at + mask) & ~mask;
 }
 
-/* leaf_layout_payload_at() - where treelet t's payload lies when the one before it (for t = 0: the
- * last section) ends at `end`: at the next multiple of LEAF_ALIGN, or of 2^run_align_log2 for the
- * first of a family. That is the child in octant 0, which every parent has. */
-static inline uint64_t leaf_layout_payload_at(const leaf_layout *l, uint32_t t, uint64_t end,
+/* leaf_layout_payload_at() - where payload p lies when the one before it (for p = 0: the last
+ * section) ends at `end`: at the next multiple of LEAF_ALIGN, or of 2^run_align_log2 for the first
+ * of a run. That is, in a grid, the child in octant 0, which every parent has; in a mesh the first
+ * treelet's topology, and its values in each set. */
+static inline uint64_t leaf_layout_payload_at(const leaf_layout *l, uint32_t p, uint64_t end,
                                               uint32_t run_align_log2) {
-    const uint32_t *place = l->place[t];
-    bool first = !((place[0] | place[1] | place[2]) & 1);
+    bool first;
+    if (l->sets) {
+        first = p % l->treelets == 0;
+    } else {
+        const uint32_t *place = l->place[p];
+        first = !((place[0] | place[1] | place[2]) & 1);
+    }
     return leaf_layout_aligned(end, first ? run_align_log2 : LEAF_ALIGN_LOG2);
 }
 

@@ -9,21 +9,25 @@
 #include "formats/base/file.h"
 #include "formats/base/hash.h"
 #include "formats/leaf_check.h"
+#include "formats/mesh_leaf.h"
 
 struct leaf_writer {
     mem *m;
     leaf_parameters p;
     leaf_layout layout;
     leaf_header header;
-    leaf_section table[LEAF_SECTION_AXES];
-    /* The directory, an element a treelet. */
+    leaf_section table[LEAF_SECTION_LAST];
+    /* The directory, as in leaf_section_kind. */
     float (*ranges)[2];
     float (*own)[2];
     uint8_t *flags;
     uint64_t *offsets, *sizes, *checksums;
     double *axes; /* rectilinear: all three, one after the other */
+    float (*bounds)[6];
+    uint32_t (*counts)[4];
     out_file *out;
-    /* Compressed payloads wait here until all sizes are known. */
+    /* Where payloads wait until all sizes are known: compressed ones, and a mesh's. NULL: they are
+     * known from the start. */
     out_file *scratch;
     uint64_t *scratch_at;
     atomic_ullong scratch_end;
@@ -40,9 +44,16 @@ leaf_parameters leaf_parameters_default(void) {
         .cells_log2 = 5, .halo = 1, .run_align_log2 = 12, .codec = LEAF_CODEC_RAW};
 }
 
+/* Of each treelet in the layout, of each of its ranges, of each payload in the directory. */
+enum {
+    LAYOUT_BYTES = 3 * sizeof(uint32_t) + sizeof(uint32_t) + 1,
+    RANGE_BYTES = 2 * sizeof(float[2]) + 1,
+    PAYLOAD_BYTES = 3 * sizeof(uint64_t),
+    MESH_BYTES = sizeof(float[6]) + sizeof(uint32_t[4])
+};
+
 uint64_t leaf_writer_memory(const leaf_layout *l, leaf_codec codec) {
-    const uint64_t place = 3 * sizeof(uint32_t) + sizeof(uint32_t) + 1; /* of leaf_layout */
-    uint64_t each = 2 * sizeof(float[2]) + 1 + 3 * sizeof(uint64_t) + place;
+    uint64_t each = LAYOUT_BYTES + RANGE_BYTES + PAYLOAD_BYTES;
     uint64_t bytes = sizeof(leaf_writer) + 4096;
     if (codec != LEAF_CODEC_RAW) {
         each += sizeof(uint64_t);
@@ -53,44 +64,72 @@ uint64_t leaf_writer_memory(const leaf_layout *l, leaf_codec codec) {
     return bytes + l->treelets * each;
 }
 
+uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max) {
+    const uint64_t sets = (uint64_t)mesh->fields * mesh->steps;
+    const uint64_t each = LAYOUT_BYTES + MESH_BYTES + sets * RANGE_BYTES +
+                          (1 + sets) * (PAYLOAD_BYTES + sizeof(uint64_t));
+    return sizeof(leaf_writer) + 4096 + payload_max + mesh->treelets * each;
+}
+
 /* ---- creating ---- */
 
-static void fill_header(leaf_writer *w, const grid *g) {
+static void copy_text(char *to, size_t size, const char *text) {
+    memcpy(to, text, strnlen(text, size - 1));
+}
+
+static void fill_common(leaf_writer *w) {
     leaf_header *h = &w->header;
     memcpy(h->magic, LEAF_MAGIC, sizeof h->magic);
     h->version = LEAF_VERSION;
-    h->kind = LEAF_KIND_GRID;
     h->sample_type = w->layout.type;
+    h->levels = w->layout.levels;
+    h->run_align_log2 = w->p.run_align_log2;
+    h->codec = w->p.codec;
+    h->treelets = w->layout.treelets;
+}
+
+static void fill_grid(leaf_writer *w, const grid *g) {
+    leaf_header *h = &w->header;
+    fill_common(w);
+    h->kind = LEAF_KIND_GRID;
     h->source_type = g->type;
     memcpy(h->dims, g->dims, sizeof h->dims);
-    h->levels = w->layout.levels;
     h->cells_log2 = w->p.cells_log2;
     h->halo = w->p.halo;
     h->block_log2 = LEAF_BLOCK_LOG2;
-    h->run_align_log2 = w->p.run_align_log2;
-    h->codec = w->p.codec;
     h->rectilinear = grid_is_rectilinear(g);
     h->fields = 1;
     h->steps = 1;
-    h->sections = h->rectilinear ? LEAF_SECTION_AXES : LEAF_SECTION_AXES - 1;
-    h->treelets = w->layout.treelets;
     memcpy(h->to_world, g->to_world, sizeof h->to_world);
-    size_t length = strnlen(g->name, sizeof h->name - 1);
-    memcpy(h->name, g->name, length);
+    copy_text(h->name, sizeof h->name, g->name);
 }
 
-/* Where the sections go; their sizes are known from the start. Returns where they end. */
-static uint64_t place_sections(leaf_writer *w) {
-    uint64_t end = LEAF_HEADER_BYTES + w->header.sections * sizeof *w->table;
-    for (uint32_t kind = 1; kind <= w->header.sections; kind++) {
-        leaf_section *s = &w->table[kind - 1];
-        s->kind = kind;
-        s->version = 1;
-        s->offset = leaf_layout_aligned(end, LEAF_ALIGN_LOG2);
-        s->bytes = leaf_section_bytes(&w->header, kind);
-        end = s->offset + s->bytes;
+static void fill_mesh(leaf_writer *w, const leaf_mesh *mesh) {
+    leaf_header *h = &w->header;
+    fill_common(w);
+    h->kind = LEAF_KIND_MESH;
+    h->source_type = SAMPLE_F32;
+    h->fields = mesh->fields;
+    h->steps = mesh->steps;
+    h->to_world[0] = h->to_world[5] = h->to_world[10] = 1;
+    h->treelet_tets = mesh->treelet_tets;
+    h->leaf_tets = mesh->leaf_tets;
+    copy_text(h->name, sizeof h->name, mesh->name);
+    copy_text(h->field, sizeof h->field, mesh->field);
+}
+
+/* Which sections there are, and where; their sizes are known from the start. */
+static void place_sections(leaf_writer *w) {
+    leaf_header *h = &w->header;
+    for (uint32_t kind = 1; kind <= LEAF_SECTION_LAST; kind++)
+        if (leaf_section_bytes(h, kind))
+            w->table[h->sections++] =
+                (leaf_section){.kind = kind, .version = 1, .bytes = leaf_section_bytes(h, kind)};
+    uint64_t end = LEAF_HEADER_BYTES + h->sections * sizeof *w->table;
+    for (uint32_t i = 0; i < h->sections; i++) {
+        w->table[i].offset = leaf_layout_aligned(end, LEAF_ALIGN_LOG2);
+        end = w->table[i].offset + w->table[i].bytes;
     }
-    return end;
 }
 
 /* With all sizes known, the payloads' places. */
@@ -98,68 +137,125 @@ static void place_payloads(leaf_writer *w) {
     const leaf_section *last = &w->table[w->header.sections - 1];
     uint64_t end = last->offset + last->bytes;
     w->header.payload_bytes = 0;
-    for (uint32_t t = 0; t < w->layout.treelets; t++) {
-        w->offsets[t] = leaf_layout_payload_at(&w->layout, t, end, w->p.run_align_log2);
-        end = w->offsets[t] + w->sizes[t];
-        w->header.payload_bytes += w->sizes[t];
+    for (uint32_t p = 0; p < w->layout.payloads; p++) {
+        w->offsets[p] = leaf_layout_payload_at(&w->layout, p, end, w->p.run_align_log2);
+        end = w->offsets[p] + w->sizes[p];
+        w->header.payload_bytes += w->sizes[p];
     }
     w->header.file_bytes = leaf_layout_aligned(end, w->p.run_align_log2);
 }
 
-static status allocate(leaf_writer *w, const grid *g) {
-    size_t n = w->layout.treelets;
-    w->ranges = mem_array(w->m, n, sizeof *w->ranges);
-    w->own = mem_array(w->m, n, sizeof *w->own);
-    w->flags = mem_array(w->m, n, sizeof *w->flags);
-    w->offsets = mem_array(w->m, n, sizeof *w->offsets);
-    w->sizes = mem_array(w->m, n, sizeof *w->sizes);
-    w->checksums = mem_array(w->m, n, sizeof *w->checksums);
-    if (!w->ranges || !w->own || !w->flags || !w->offsets || !w->sizes || !w->checksums)
+/* ranges: elements of the sections that hold them. */
+static status allocate(leaf_writer *w, size_t ranges) {
+    const size_t payloads = w->layout.payloads;
+    w->ranges = mem_array(w->m, ranges, sizeof *w->ranges);
+    w->own = mem_array(w->m, ranges, sizeof *w->own);
+    w->flags = mem_array(w->m, ranges, sizeof *w->flags);
+    w->offsets = mem_array(w->m, payloads, sizeof *w->offsets);
+    w->sizes = mem_array(w->m, payloads, sizeof *w->sizes);
+    w->checksums = mem_array(w->m, payloads, sizeof *w->checksums);
+    return w->ranges && w->own && w->flags && w->offsets && w->sizes && w->checksums ? ST_OK
+                                                                                     : ST_NOMEM;
+}
+
+static status allocate_axes(leaf_writer *w, const grid *g) {
+    if (!grid_is_rectilinear(g))
+        return ST_OK;
+    size_t nodes = (size_t)g->dims[0] + g->dims[1] + g->dims[2];
+    w->axes = mem_array(w->m, nodes, sizeof *w->axes);
+    if (!w->axes)
         return ST_NOMEM;
-    if (w->p.codec != LEAF_CODEC_RAW) {
-        w->scratch_at = mem_array(w->m, n, sizeof *w->scratch_at);
-        w->copy_buffer = mem_alloc(w->m, leaf_layout_payload_max(&w->layout));
-        if (!w->scratch_at || !w->copy_buffer)
-            return ST_NOMEM;
-    }
-    if (grid_is_rectilinear(g)) {
-        size_t nodes = (size_t)g->dims[0] + g->dims[1] + g->dims[2];
-        w->axes = mem_array(w->m, nodes, sizeof *w->axes);
-        if (!w->axes)
-            return ST_NOMEM;
-        double *to = w->axes;
-        for (int a = 0; a < 3; to += g->dims[a++])
-            memcpy(to, g->axis[a], g->dims[a] * sizeof *to);
-    }
+    double *to = w->axes;
+    for (int a = 0; a < 3; to += g->dims[a++])
+        memcpy(to, g->axis[a], g->dims[a] * sizeof *to);
     return ST_OK;
+}
+
+static status allocate_mesh(leaf_writer *w) {
+    w->bounds = mem_array(w->m, w->layout.treelets, sizeof *w->bounds);
+    w->counts = mem_array(w->m, w->layout.treelets, sizeof *w->counts);
+    return w->bounds && w->counts ? ST_OK : ST_NOMEM;
+}
+
+/* A scratch file, for payloads whose sizes place them only in the end. */
+static status create_scratch(leaf_writer *w, const char *path) {
+    w->scratch_at = mem_array(w->m, w->layout.payloads, sizeof *w->scratch_at);
+    return w->scratch_at ? out_file_scratch(w->m, path, &w->scratch) : ST_NOMEM;
+}
+
+/* Of a mesh not before its counts are known. */
+static status allocate_copy(leaf_writer *w) {
+    w->copy_buffer = mem_alloc(w->m, leaf_layout_payload_max(&w->layout));
+    return w->copy_buffer ? ST_OK : ST_NOMEM;
+}
+
+static leaf_writer *new_writer(mem *m, const leaf_parameters *p) {
+    leaf_writer *w = mem_zalloc(m, sizeof *w);
+    if (!w)
+        return NULL;
+    w->m = m;
+    w->p = *p;
+    return w;
 }
 
 status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
                           const leaf_parameters *p, leaf_writer **out) {
-    leaf_writer *w = mem_zalloc(m, sizeof *w);
+    leaf_writer *w = new_writer(m, p);
     if (!w)
         return ST_NOMEM;
-    w->m = m;
-    w->p = *p;
     status st =
         leaf_layout_init(&w->layout, m, g->dims, p->cells_log2, p->halo, sample_stored(g->type));
     if (st == ST_OK)
-        st = allocate(w, g);
+        st = allocate(w, w->layout.treelets);
+    if (st == ST_OK)
+        st = allocate_axes(w, g);
     if (st == ST_OK)
         st = out_file_create(m, path, force, &w->out);
     if (st == ST_OK && p->codec != LEAF_CODEC_RAW)
-        st = out_file_scratch(m, path, &w->scratch);
+        st = create_scratch(w, path);
+    if (st == ST_OK && w->scratch)
+        st = allocate_copy(w);
     if (st != ST_OK) {
         leaf_writer_discard(w);
         return st;
     }
-    fill_header(w, g);
+    fill_grid(w, g);
     place_sections(w);
-    if (p->codec == LEAF_CODEC_RAW) {
+    if (!w->scratch) {
         for (uint32_t t = 0; t < w->layout.treelets; t++)
             w->sizes[t] = leaf_layout_payload(&w->layout, t).bytes;
         place_payloads(w);
     }
+    *out = w;
+    return ST_OK;
+}
+
+status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_mesh *mesh,
+                               const leaf_parameters *p, leaf_writer **out) {
+    const uint64_t sets = (uint64_t)mesh->fields * mesh->steps;
+    assert(mesh->treelets > 0 && sets > 0 && sets <= LEAF_SETS_MAX);
+    assert(mesh->treelet_tets > 0 && mesh->treelet_tets <= LEAF_TREELET_TETS_MAX);
+    assert(mesh->leaf_tets > 0 && mesh->leaf_tets <= LEAF_LEAF_TETS_MAX);
+    if (mesh->treelets * (1 + sets) >= LEAF_NO_TREELET)
+        return status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
+    leaf_writer *w = new_writer(m, p);
+    if (!w)
+        return ST_NOMEM;
+    status st = leaf_layout_init_mesh(&w->layout, m, mesh->treelets, (uint32_t)sets);
+    if (st == ST_OK)
+        st = allocate(w, mesh->treelets * sets);
+    if (st == ST_OK)
+        st = allocate_mesh(w);
+    if (st == ST_OK)
+        st = out_file_create(m, path, force, &w->out);
+    if (st == ST_OK)
+        st = create_scratch(w, path);
+    if (st != ST_OK) {
+        leaf_writer_discard(w);
+        return st;
+    }
+    fill_mesh(w, mesh);
+    place_sections(w);
     *out = w;
     return ST_OK;
 }
@@ -179,6 +275,8 @@ void leaf_writer_discard(leaf_writer *w) {
     mem_free(w->m, w->scratch_at);
     mem_free(w->m, w->copy_buffer);
     mem_free(w->m, w->axes);
+    mem_free(w->m, w->bounds);
+    mem_free(w->m, w->counts);
     mem_free(w->m, w);
 }
 
@@ -224,11 +322,11 @@ void leaf_packer_destroy(const leaf_writer *w, leaf_packer *k) {
 }
 
 /* zstd tells the size of a context that has done the work, not beforehand; so let one do it. */
-status leaf_packer_memory(mem *m, const leaf_layout *l, const leaf_parameters *p, uint64_t *out) {
+status leaf_packer_memory(mem *m, size_t payload_max, const leaf_parameters *p, uint64_t *out) {
     *out = 0;
     if (p->codec == LEAF_CODEC_RAW)
         return ST_OK;
-    size_t bytes = leaf_layout_payload_max(l);
+    const size_t bytes = payload_max;
     char *sample = mem_zalloc(m, 2 * bytes);
     if (!sample)
         return ST_NOMEM;
@@ -250,32 +348,62 @@ static size_t pack_payload(leaf_packer *k, const void *payload, size_t bytes, vo
     return ZSTD_isError(size) ? bytes : size;
 }
 
-status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t t, const leaf_entry *entry,
-                       const void *payload, void *pack) {
-    assert(t < w->layout.treelets);
+static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void *payload,
+                          size_t size, void *pack) {
     const void *stored = payload;
-    size_t size = leaf_layout_payload(&w->layout, t).bytes;
     if (k)
         size = pack_payload(k, payload, size, pack, &stored);
+    w->sizes[p] = size;
+    w->checksums[p] = hash_bytes(stored, size);
+    if (!w->scratch)
+        return out_file_write_at(w->out, w->offsets[p], stored, size);
+    w->scratch_at[p] = atomic_fetch_add(&w->scratch_end, size);
+    return out_file_write_at(w->scratch, w->scratch_at[p], stored, size);
+}
+
+status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t t, const leaf_entry *entry,
+                       const void *payload, void *pack) {
+    assert(t < w->layout.treelets && !w->layout.sets);
     memcpy(w->own[t], entry->own, sizeof entry->own);
     w->flags[t] = entry->flags;
-    w->sizes[t] = size;
-    w->checksums[t] = hash_bytes(stored, size);
-    if (!k)
-        return out_file_write_at(w->out, w->offsets[t], stored, size);
-    w->scratch_at[t] = atomic_fetch_add(&w->scratch_end, size);
-    return out_file_write_at(w->scratch, w->scratch_at[t], stored, size);
+    return put_payload(w, k, t, payload, leaf_layout_payload(&w->layout, t).bytes, pack);
+}
+
+/* -0 becomes +0, as readers may compare bytes. */
+static void copy_floats(float *to, const float *from, int count) {
+    for (int i = 0; i < count; i++)
+        to[i] = from[i] + 0.0F;
+}
+
+status leaf_writer_put_topology(leaf_writer *w, leaf_packer *k, uint32_t t, const float bounds[6],
+                                const uint32_t counts[4], const void *payload, void *pack) {
+    assert(t < w->layout.treelets && w->layout.sets);
+    assert(!mesh_leaf_counts_fault(counts, w->header.treelet_tets, w->header.leaf_tets));
+    copy_floats(w->bounds[t], bounds, 6);
+    memcpy(w->counts[t], counts, sizeof w->counts[t]);
+    return put_payload(w, k, t, payload, mesh_leaf_shape(counts).topology_bytes, pack);
+}
+
+status leaf_writer_put_values(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
+                              const leaf_entry *entry, const void *payload, void *pack) {
+    assert(t < w->layout.treelets && set < w->layout.sets && w->counts[t][0]);
+    const size_t element = (size_t)set * w->layout.treelets + t;
+    copy_floats(w->own[element], entry->own, 2);
+    w->flags[element] = entry->flags;
+    return put_payload(w, k, leaf_layout_values(&w->layout, set, t), payload,
+                       mesh_leaf_shape(w->counts[t]).values_bytes, pack);
 }
 
 /* ---- finishing ---- */
 
+/* From the scratch file to their places. */
 static status copy_payloads(leaf_writer *w) {
     place_payloads(w);
-    for (uint32_t t = 0; t < w->layout.treelets; t++) {
-        size_t size = (size_t)w->sizes[t];
-        status st = out_file_read_at(w->scratch, w->scratch_at[t], w->copy_buffer, size);
+    for (uint32_t p = 0; p < w->layout.payloads; p++) {
+        size_t size = (size_t)w->sizes[p];
+        status st = out_file_read_at(w->scratch, w->scratch_at[p], w->copy_buffer, size);
         if (st == ST_OK)
-            st = out_file_write_at(w->out, w->offsets[t], w->copy_buffer, size);
+            st = out_file_write_at(w->out, w->offsets[p], w->copy_buffer, size);
         if (st != ST_OK)
             return st;
     }
@@ -303,13 +431,34 @@ static void merge_ranges(leaf_writer *w) {
     w->header.value_max = hi;
 }
 
+/* What the header says of a mesh follows from its treelets. */
+static void sum_up_mesh(leaf_writer *w) {
+    leaf_header *h = &w->header;
+    double lo = (double)INFINITY, hi = -(double)INFINITY;
+    memcpy(h->bounds, w->bounds[0], sizeof h->bounds);
+    for (uint32_t t = 0; t < w->layout.treelets; t++) {
+        h->tets += w->counts[t][0];
+        for (int a = 0; a < 3; a++) {
+            h->bounds[a] = fminf(h->bounds[a], w->bounds[t][a]);
+            h->bounds[a + 3] = fmaxf(h->bounds[a + 3], w->bounds[t][a + 3]);
+        }
+    }
+    for (size_t i = 0; i < (size_t)w->layout.treelets * w->layout.sets; i++) {
+        memcpy(w->ranges[i], w->own[i], sizeof w->own[i]);
+        lo = fmin(lo, (double)w->own[i][0]);
+        hi = fmax(hi, (double)w->own[i][1]);
+    }
+    h->value_min = lo;
+    h->value_max = hi;
+}
+
 static status write_sections(leaf_writer *w) {
-    const void *arrays[LEAF_SECTION_AXES] = {w->ranges, w->own,       w->flags, w->offsets,
-                                             w->sizes,  w->checksums, w->axes};
+    const void *arrays[LEAF_SECTION_LAST] = {w->ranges,    w->own,  w->flags,  w->offsets, w->sizes,
+                                             w->checksums, w->axes, w->bounds, w->counts};
     for (uint32_t i = 0; i < w->header.sections; i++) {
         leaf_section *s = &w->table[i];
-        s->checksum = hash_bytes(arrays[i], (size_t)s->bytes);
-        status st = out_file_write_at(w->out, s->offset, arrays[i], (size_t)s->bytes);
+        s->checksum = hash_bytes(arrays[s->kind - 1], (size_t)s->bytes);
+        status st = out_file_write_at(w->out, s->offset, arrays[s->kind - 1], (size_t)s->bytes);
         if (st != ST_OK)
             return st;
     }
@@ -320,7 +469,7 @@ static status write_sections(leaf_writer *w) {
  * zeros. */
 static status write_end(leaf_writer *w) {
     static const char zeros[512];
-    uint32_t last = w->layout.treelets - 1;
+    uint32_t last = w->layout.payloads - 1;
     for (uint64_t at = w->offsets[last] + w->sizes[last]; at < w->header.file_bytes;) {
         uint64_t left = w->header.file_bytes - at;
         size_t size = left < sizeof zeros ? (size_t)left : sizeof zeros;
@@ -336,7 +485,12 @@ static status write_header(leaf_writer *w, const leaf_facts *facts) {
     leaf_header *h = &w->header;
     h->non_finite = facts->non_finite;
     h->rounding_error = facts->rounding_error;
-    memcpy(h->provenance, facts->provenance, strnlen(facts->provenance, sizeof h->provenance - 1));
+    h->vertices = facts->vertices;
+    h->flat = facts->flat;
+    h->inverted = facts->inverted;
+    h->repeated = facts->repeated;
+    h->bad = facts->bad;
+    copy_text(h->provenance, sizeof h->provenance, facts->provenance);
     hash_id id = leaf_header_id(h, w->table);
     h->id[0] = id.lo;
     h->id[1] = id.hi;
@@ -346,16 +500,28 @@ static status write_header(leaf_writer *w, const leaf_facts *facts) {
     return st == ST_OK ? out_file_write_at(w->out, 0, h, sizeof *h) : st;
 }
 
-status leaf_writer_finish(leaf_writer *w, const leaf_facts *facts, leaf_header *header) {
-    status st = w->p.codec == LEAF_CODEC_RAW ? ST_OK : copy_payloads(w);
-    if (st == ST_OK) {
-        merge_ranges(w);
-        st = write_sections(w);
+static status write_all(leaf_writer *w, const leaf_facts *facts) {
+    status st = ST_OK;
+    if (w->layout.sets) {
+        leaf_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
+        st = allocate_copy(w);
     }
+    if (st == ST_OK && w->scratch)
+        st = copy_payloads(w);
+    if (st != ST_OK)
+        return st;
+    if (w->layout.sets)
+        sum_up_mesh(w);
+    else
+        merge_ranges(w);
+    st = write_sections(w);
     if (st == ST_OK)
         st = write_end(w);
-    if (st == ST_OK)
-        st = write_header(w, facts);
+    return st == ST_OK ? write_header(w, facts) : st;
+}
+
+status leaf_writer_finish(leaf_writer *w, const leaf_facts *facts, leaf_header *header) {
+    status st = write_all(w, facts);
     if (st == ST_OK) {
         if (header)
             *header = w->header;

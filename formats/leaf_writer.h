@@ -1,9 +1,13 @@
 /* leaf_writer.h - write a treelet file: payloads from many threads in any order, then the directory
  * and the header.
  *
- * The same payloads give the same bytes whatever the order and the threads. Raw payloads go
- * straight to their place; compressed ones, whose sizes place them, first to a scratch file beside
- * the output. The file appears under its name in leaf_writer_finish() alone, header last.
+ * The same payloads give the same bytes whatever the order and the threads. A grid's raw payloads
+ * go straight to their place; compressed ones and a mesh's, whose sizes place them, first to a
+ * scratch file beside the output. The file appears under its name in leaf_writer_finish() alone,
+ * header last.
+ *
+ * Of a mesh: leaf_writer_create_mesh(); of each treelet leaf_writer_put_topology(), then
+ * leaf_writer_put_values() of each set; leaf_writer_finish(). All else is the same.
  */
 #ifndef FORMATS_LEAF_WRITER_H
 #define FORMATS_LEAF_WRITER_H
@@ -43,7 +47,18 @@ typedef struct leaf_facts {
     uint64_t non_finite;
     double rounding_error;
     const char *provenance; /* without a path or a time; cut if too long */
+    /* Of a mesh, as in leaf_header: */
+    uint64_t vertices, flat, inverted, repeated, bad;
 } leaf_facts;
+
+/* What a mesh file is to be; of leaf_parameters, cells_log2 and halo do not matter then. */
+typedef struct leaf_mesh {
+    const char *name, *field; /* cut if too long */
+    uint32_t treelets;
+    uint32_t treelet_tets;  /* at most so many in a treelet: 1 .. LEAF_TREELET_TETS_MAX */
+    uint32_t leaf_tets;     /* at most so many in a leaf: 1 .. LEAF_LEAF_TETS_MAX */
+    uint32_t fields, steps; /* 1 or more; sets = fields * steps up to LEAF_SETS_MAX */
+} leaf_mesh;
 
 /* leaf_writer_create() - begin a file at path; ST_EXISTS unless force. g: as the input has it
  * (checked; copied as far as needed). leaf_writer_discard() removes what was begun; NULL is fine.
@@ -52,11 +67,18 @@ CHECKED status leaf_writer_create(mem *m, const char *path, bool force, const gr
                                   const leaf_parameters *p, leaf_writer **out);
 void leaf_writer_discard(leaf_writer *w);
 
-/* leaf_writer_memory() - bytes that a writer of this layout takes from its mem; for planning. */
+/* leaf_writer_create_mesh() - begin the file of a mesh; else the same. ST_UNSUPPORTED when there
+ * were 2^32 - 1 payloads or more. */
+CHECKED status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_mesh *mesh,
+                                       const leaf_parameters *p, leaf_writer **out);
+
+/* leaf_writer_memory() - bytes that a writer of this layout takes from its mem; for planning.
+ * leaf_writer_mesh_memory() - of a mesh; payload_max: bytes of its largest payload. */
 uint64_t leaf_writer_memory(const leaf_layout *l, leaf_codec codec);
+uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max);
 
 /* leaf_writer_pack_bytes() - room that a thread needs beside a payload to put it: 0 for the raw
- * codec. */
+ * codec. For a mesh: the bytes of the payload, likewise. */
 size_t leaf_writer_pack_bytes(const leaf_layout *l, leaf_codec codec);
 
 const leaf_layout *leaf_writer_layout(const leaf_writer *w);
@@ -67,15 +89,25 @@ typedef struct leaf_packer leaf_packer;
 CHECKED status leaf_packer_create(const leaf_writer *w, leaf_packer **out);
 void leaf_packer_destroy(const leaf_writer *w, leaf_packer *k); /* NULL is fine */
 
-/* leaf_packer_memory() - bytes that a packer comes to hold outside `mem`; m lends two payloads'
- * room to find out. */
-CHECKED status leaf_packer_memory(mem *m, const leaf_layout *l, const leaf_parameters *p,
+/* leaf_packer_memory() - bytes that a packer comes to hold outside `mem` for payloads of up to
+ * payload_max bytes; m lends two payloads' room to find out. */
+CHECKED status leaf_packer_memory(mem *m, size_t payload_max, const leaf_parameters *p,
                                   uint64_t *out);
 
 /* leaf_writer_put() - treelet t: its directory entry and its payload, leaf_layout_payload(t).bytes.
  * Each treelet exactly once; any thread, with a packer and a pack buffer of its own. */
 CHECKED status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t t, const leaf_entry *entry,
                                const void *payload, void *pack);
+
+/* leaf_writer_put_topology() - treelet t of a mesh: its bounds (exact), its counts (without a
+ * mesh_leaf_counts_fault()), and its topology, mesh_leaf_shape(counts).topology_bytes.
+ * leaf_writer_put_values() - its values in a set, .values_bytes, after its topology; entry->own is
+ * the range of its vertices' finite values. Each exactly once; threads as leaf_writer_put(). */
+CHECKED status leaf_writer_put_topology(leaf_writer *w, leaf_packer *k, uint32_t t,
+                                        const float bounds[6], const uint32_t counts[4],
+                                        const void *payload, void *pack);
+CHECKED status leaf_writer_put_values(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
+                                      const leaf_entry *entry, const void *payload, void *pack);
 
 /* leaf_writer_finish() - all treelets are there: merge ranges, place payloads, write directory and
  * header, publish. Consumes w in any case. header may be NULL; else it becomes the file's. */

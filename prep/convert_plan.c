@@ -160,7 +160,7 @@ status convert_plan_make(mem *m, const grid *g, const convert_options *o, conver
                                    sample_stored(g->type));
     uint64_t packer = 0;
     if (st == ST_OK)
-        st = leaf_packer_memory(m, &plan->layout, &o->file, &packer);
+        st = leaf_packer_memory(m, leaf_layout_payload_max(&plan->layout), &o->file, &packer);
     if (st != ST_OK)
         return st;
     plan_sizes(plan, g, o);
