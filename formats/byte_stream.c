@@ -66,6 +66,10 @@ const char *byte_stream_name(const byte_stream *s) {
     return s->name;
 }
 
+const char *byte_stream_path(const byte_stream *s) {
+    return s->fd == STDIN_FILENO ? "-" : s->name;
+}
+
 uint64_t byte_stream_position(const byte_stream *s) {
     return s->taken;
 }

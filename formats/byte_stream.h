@@ -25,6 +25,9 @@ void byte_stream_close(byte_stream *s); /* NULL is fine */
 /* byte_stream_name() - for messages: the path, or "standard input". */
 const char *byte_stream_name(const byte_stream *s);
 
+/* byte_stream_path() - as it was opened: the path, or "-". */
+const char *byte_stream_path(const byte_stream *s);
+
 /* byte_stream_position() - bytes taken so far. byte_stream_left() - bytes still to come; UINT64_MAX
  * when a pipe does not tell. */
 uint64_t byte_stream_position(const byte_stream *s);

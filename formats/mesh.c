@@ -1,0 +1,143 @@
+#include "formats/mesh.h"
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "formats/mesh_feed.h"
+#include "formats/mesh_reader.h"
+#include "formats/mesh_stream.h"
+
+struct mesh {
+    mem *m;
+    mesh_source source;
+    const mesh_reader *reader;
+    void *state;
+};
+
+/* What the formats are told by; the first that knows the file reads it. */
+static const mesh_reader *const readers[] = {&mesh_stream_reader};
+
+enum { READERS = sizeof readers / sizeof *readers };
+
+/* ---- recognising ---- */
+
+bool mesh_reader_suffix(const char *path, const char *suffix) {
+    size_t length = strlen(path), tail = strlen(suffix);
+    return length >= tail && strcasecmp(path + length - tail, suffix) == 0;
+}
+
+static const mesh_reader *find_reader(const char *path, const uint8_t *start, size_t size) {
+    for (int i = 0; i < READERS; i++)
+        if (readers[i]->known(path, start, size))
+            return readers[i];
+    return NULL;
+}
+
+/* The first bytes of a regular file; none of anything else: a pipe would lose them. */
+static size_t read_start(const char *path, uint8_t start[MESH_READER_PEEK]) {
+    struct stat info;
+    if (stat(path, &info) != 0 || !S_ISREG(info.st_mode))
+        return 0;
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    ssize_t got = fd < 0 ? 0 : read(fd, start, MESH_READER_PEEK);
+    if (fd >= 0)
+        close(fd);
+    return got < 0 ? 0 : (size_t)got;
+}
+
+bool mesh_recognise(const char *path) {
+    uint8_t start[MESH_READER_PEEK];
+    return find_reader(path, start, read_start(path, start)) != NULL;
+}
+
+status mesh_recognise_stream(byte_stream *s, bool *known) {
+    const uint8_t *start;
+    size_t size;
+    status st = byte_stream_peek(s, MESH_READER_PEEK, &start, &size);
+    if (st == ST_OK)
+        *known = find_reader(byte_stream_path(s), start, size) != NULL;
+    return st;
+}
+
+/* ---- opening ---- */
+
+static void name_mesh(mesh_source *source) {
+    if (strcmp(source->path, "-") == 0)
+        return;
+    const char *slash = strrchr(source->path, '/');
+    const char *name = slash ? slash + 1 : source->path;
+    const char *dot = strrchr(name, '.');
+    size_t length = dot ? (size_t)(dot - name) : strlen(name);
+    snprintf(source->name, sizeof source->name, "%.*s",
+             (int)(length < MESH_NAME_MAX ? length : MESH_NAME_MAX), name);
+}
+
+static status open_reader(mesh *x) {
+    mesh_source *source = &x->source;
+    const uint8_t *start;
+    size_t size;
+    status st = byte_stream_peek(source->data, MESH_READER_PEEK, &start, &size);
+    if (st != ST_OK)
+        return st;
+    x->reader = find_reader(source->path, start, size);
+    if (!x->reader)
+        return status_describe(ST_UNSUPPORTED, "%s: no mesh of a known format",
+                               byte_stream_name(source->data));
+    return x->reader->open(source, &x->state);
+}
+
+status mesh_open_stream(mem *m, byte_stream *s, const mesh_hints *hints, mesh **out) {
+    mesh *x = mem_zalloc(m, sizeof *x);
+    if (!x) {
+        byte_stream_close(s);
+        return ST_NOMEM;
+    }
+    x->m = m;
+    x->source = (mesh_source){.m = m, .path = byte_stream_path(s), .data = s};
+    if (hints)
+        x->source.hints = *hints;
+    name_mesh(&x->source);
+    status st = open_reader(x);
+    if (st != ST_OK) {
+        mesh_close(x);
+        return st;
+    }
+    *out = x;
+    return ST_OK;
+}
+
+status mesh_open(mem *m, const char *path, const mesh_hints *hints, mesh **out) {
+    byte_stream *s;
+    status st = byte_stream_open(m, path, &s);
+    return st == ST_OK ? mesh_open_stream(m, s, hints, out) : st;
+}
+
+void mesh_close(mesh *x) {
+    if (!x)
+        return;
+    if (x->reader)
+        x->reader->close(x->state);
+    byte_stream_close(x->source.data);
+    mem_free(x->m, x);
+}
+
+const char *mesh_name(const mesh *x) {
+    return x->source.name;
+}
+
+/* ---- reading ---- */
+
+status mesh_read(mesh *x, const mesh_sink *sink, mesh_report *report) {
+    mesh_feed feed;
+    status st = mesh_feed_begin(&feed, x->m, byte_stream_name(x->source.data), sink, report);
+    if (st == ST_OK)
+        st = x->reader->read(x->state, &feed);
+    if (st == ST_OK)
+        st = mesh_feed_end(&feed);
+    mesh_feed_release(&feed);
+    return st;
+}

@@ -1,0 +1,222 @@
+/* test_mesh_stream.c - the mesh stream: what is written is read, by file and by pipe; refusals that
+ * name the place; cut and damaged files; faults.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "formats/base/fault.h"
+#include "formats/mesh_stream.h"
+#include "tests/support/mesh_files.h"
+#include "tests/support/scratch.h"
+
+static const float xyz[5][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1.5f}};
+static const float values[5] = {1, -2, 3.25f, 1e30f, INFINITY};
+static const uint32_t tets[3][4] = {{0, 1, 2, 3}, {4, 3, 2, 1}, {1, 0, 2, 4}};
+
+static status write_mesh(mem *m, const char *path, const mesh_stream_header *h,
+                         const uint32_t (*ids)[4]) {
+    mesh_stream_writer *w;
+    status st = mesh_stream_create(m, path, true, h, &w);
+    if (st != ST_OK)
+        return st;
+    st = mesh_stream_points(w, 2, xyz);
+    if (st == ST_OK)
+        st = mesh_stream_points(w, 3, xyz + 2);
+    if (st == ST_OK)
+        st = mesh_stream_values(w, 5, values);
+    if (st == ST_OK)
+        st = mesh_stream_tets(w, h->tets, ids);
+    if (st == ST_OK)
+        return mesh_stream_commit(w);
+    mesh_stream_discard(w);
+    return st;
+}
+
+static const char *write_file(const char *name, const mesh_stream_header *h,
+                              const uint32_t (*ids)[4]) {
+    mem m;
+    mem_init(&m, 0);
+    const char *path = scratch_path(name);
+    assert_int_equal(write_mesh(&m, path, h, ids), ST_OK);
+    assert_int_equal(mem_used(&m), 0);
+    return path;
+}
+
+static const mesh_stream_header plain = {
+    .name = "five points", .field = "f", .points = 5, .tets = 3};
+
+static void check_plain(const mesh_copy *a) {
+    assert_int_equal(a->report.points, 5);
+    assert_int_equal(a->report.tets, 3);
+    assert_int_equal(a->report.bad_indices + a->report.repeated + a->report.skipped, 0);
+    assert_string_equal(a->report.field, "f");
+    assert_string_equal(a->name, "five points");
+    assert_memory_equal(a->xyz, xyz, sizeof xyz);
+    assert_memory_equal(a->values, values, sizeof values);
+    assert_memory_equal(a->tets, tets, sizeof tets);
+}
+
+static void test_round_trip(void **state) {
+    (void)state;
+    const char *path = write_file("a.mesh", &plain, tets);
+    assert_true(mesh_recognise(path));
+    check_plain(mesh_files_good(path, NULL));
+    const mesh_hints hints = {.field = "f", .component = 1};
+    check_plain(mesh_files_good(path, &hints));
+    mesh_files_truncate(path, NULL, 0);
+    mesh_files_faults(path, NULL);
+    assert_true(mesh_files_damage(path, NULL) > 0);
+}
+
+static void test_bytes(void **state) {
+    (void)state;
+    size_t size;
+    char *bytes = scratch_read(write_file("a.mesh", &plain, tets), &size);
+    static const char header[] =
+        "LEAFCAST MESH 1\nname: five points\nfield: f\npoints: 5\ntets: 3\n\n";
+    assert_int_equal(size, sizeof header - 1 + 5 * 16 + 3 * 16);
+    assert_memory_equal(bytes, header, sizeof header - 1);
+    static const unsigned char last[16] = {1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 4, 0, 0, 0};
+    assert_memory_equal(bytes + size - 16, last, 16);
+    free(bytes);
+}
+
+static void test_left_out(void **state) {
+    (void)state;
+    static const uint32_t ids[6][4] = {{0, 1, 2, 5},          {0, 1, 2, 3}, {3, 3, 1, 2},
+                                       {UINT32_MAX, 1, 2, 3}, {1, 2, 4, 1}, {4, 1, 2, 0}};
+    mesh_stream_header h = {.points = 5, .tets = 6};
+    const mesh_copy *a = mesh_files_good(write_file("a.mesh", &h, ids), NULL);
+    assert_int_equal(a->report.tets, 2);
+    assert_int_equal(a->report.bad_indices, 2);
+    assert_int_equal(a->report.repeated, 2);
+    assert_memory_equal(a->tets[0], ids[1], sizeof ids[1]);
+    assert_memory_equal(a->tets[1], ids[5], sizeof ids[5]);
+    assert_string_equal(a->name, "a");
+    assert_string_equal(a->report.field, "");
+}
+
+/* Standard input, put in place of the tests' own for a while. */
+static void from_pipe(const char *path, size_t cut, status want) {
+    size_t size;
+    char *bytes = scratch_read(path, &size);
+    int ends[2], kept = dup(STDIN_FILENO);
+    assert_int_equal(pipe(ends), 0);
+    assert_int_equal(write(ends[1], bytes, size - cut), size - cut);
+    close(ends[1]);
+    dup2(ends[0], STDIN_FILENO);
+    const mesh_copy *a;
+    assert_int_equal(mesh_files_read("-", NULL, &a), want);
+    if (want == ST_OK)
+        check_plain(a);
+    dup2(kept, STDIN_FILENO);
+    close(kept);
+    close(ends[0]);
+    free(bytes);
+}
+
+static void test_pipe(void **state) {
+    (void)state;
+    const char *path = write_file("a.mesh", &plain, tets);
+    from_pipe(path, 0, ST_OK);
+    from_pipe(path, 1, ST_CORRUPT);
+    from_pipe(path, 16 * 8 + 1, ST_CORRUPT);
+    assert_false(mesh_recognise("-"));
+}
+
+#define START "LEAFCAST MESH 1\n"
+
+static void test_refused(void **state) {
+    (void)state;
+    static const struct {
+        const char *text;
+        status st;
+        const char *said;
+    } cases[] = {
+        {"LEAFCAST MESH 2\npoints: 0\ntets: 0\n\n", ST_UNSUPPORTED, "expected \"LEAFCAST MESH 1\""},
+        {"LEAFCAST MESH \npoints: 0\ntets: 0\n\n", ST_UNSUPPORTED, "expected \"LEAFCAST MESH 1\""},
+        {"LEAFCAST MESH", ST_UNSUPPORTED, "no mesh of a known format"},
+        {START "points: 0\n\n", ST_CORRUPT, "line 3: \"\", expected lines"},
+        {START "points: 0\ntets: 0\n", ST_CORRUPT, "line 4: \"\", expected a line"},
+        {START "points: -1\ntets: 0\n\n", ST_CORRUPT, "line 2: \"points: -1\", expected a number"},
+        {START "points: 4294967295\ntets: 0\n\n", ST_CORRUPT, "line 2"},
+        {START "points: 1\npoints: 1\ntets: 0\n\n", ST_CORRUPT,
+         "line 3: \"points: 1\", expected each"},
+        {START "field: a\nfield: b\npoints: 0\ntets: 0\n\n", ST_CORRUPT, "line 3"},
+        {START "name: \npoints: 0\ntets: 0\n\n", ST_CORRUPT, "line 2: \"name:\""},
+        {START "colour: red\npoints: 0\ntets: 0\n\n", ST_CORRUPT, "expected name, field"},
+        {START "tets: 1\npoints: 1\n\n", ST_CORRUPT, "0 bytes behind the header, expected 32"},
+        {START "tets: 0\npoints: 0\n\nx", ST_CORRUPT, "1 bytes behind the header, expected 0"},
+        {START "tets: 0\npoints: 1\n\n\0\0\xc0\x7f", ST_CORRUPT, "behind the header"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        mesh_files_refused(scratch_text("b.mesh", cases[i].text), NULL, cases[i].st, cases[i].said);
+    const char *path = write_file("a.mesh", &plain, tets);
+    mesh_files_refused(path, &(mesh_hints){.field = "g"}, ST_UNSUPPORTED, "no field \"g\"");
+    mesh_files_refused(path, &(mesh_hints){.component = 2}, ST_UNSUPPORTED, "no vector arrays");
+    mesh_files_refused(path, &(mesh_hints){.cells_to_points = true}, ST_UNSUPPORTED,
+                       "no cell data");
+}
+
+static void test_not_finite(void **state) {
+    (void)state;
+    size_t size;
+    const char *path = write_file("a.mesh", &plain, tets);
+    char *bytes = scratch_read(path, &size);
+    const float nan = NAN;
+    memcpy(bytes + size - 3 * 16 - 5 * 16 + 3 * 12 + 4, &nan, 4);
+    mesh_files_refused(scratch_write("a.mesh", bytes, size), NULL, ST_CORRUPT,
+                       "a.mesh: point 3 (counted from 0) lies at (0, nan, 1)");
+    free(bytes);
+}
+
+static void test_empty(void **state) {
+    (void)state;
+    const mesh_copy *a =
+        mesh_files_good(scratch_text("b.mesh", START "tets: 0\npoints: 0\n\n"), NULL);
+    assert_int_equal(a->report.points + a->report.tets, 0);
+}
+
+/* A failed write leaves no file behind, and none replaced. */
+static void test_write_faults(void **state) {
+    (void)state;
+    static const fault_kind kinds[] = {FAULT_ALLOC, FAULT_WRITE};
+    for (int i = 0; i < 2; i++) {
+        const char *path = scratch_path("c.mesh");
+        bool fired = true;
+        for (long k = 1; fired; k++) {
+            mem m;
+            mem_init(&m, 0);
+            (void)remove(path);
+            size_t files = scratch_count();
+            fault_arm(kinds[i], k);
+            status st = write_mesh(&m, path, &plain, tets);
+            fired = fault_fired(kinds[i]);
+            fault_arm(kinds[i], 0);
+            /* The folder's path, wanted for its fsync, may lack memory: no fault of the file. */
+            bool done = !fired || (kinds[i] == FAULT_ALLOC && st == ST_OK);
+            assert_int_equal(st == ST_OK, done);
+            assert_int_equal(scratch_count(), files + done);
+            assert_int_equal(mem_used(&m), 0);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_bytes),
+        cmocka_unit_test(test_left_out),   cmocka_unit_test(test_pipe),
+        cmocka_unit_test(test_refused),    cmocka_unit_test(test_not_finite),
+        cmocka_unit_test(test_empty),      cmocka_unit_test(test_write_faults),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
