@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/mesh_leaf.h"
 #include "formats/sample.h"
 
 __attribute__((format(printf, 3, 4))) static status corrupt(const char *path, uint64_t at,
@@ -68,34 +69,71 @@ static status check_field(const char *path, size_t at, const char *name, uint32_
                            path, at, name, lo, hi, value);
 }
 
-static status check_parameters(const char *path, const leaf_header *h) {
+typedef struct field_limits {
+    size_t at;
+    const char *name;
+    uint32_t value, lo, hi;
+} field_limits;
+
 #define FIELD(name, lo, hi) \
     { offsetof(leaf_header, name), #name, h->name, lo, hi }
-    const struct {
-        size_t at;
-        const char *name;
-        uint32_t value, lo, hi;
-    } fields[] = {
-        FIELD(kind, LEAF_KIND_GRID, LEAF_KIND_GRID),
-        FIELD(sample_type, SAMPLE_U8, SAMPLE_F32),
-        FIELD(source_type, SAMPLE_U8, SAMPLE_F64),
-        FIELD(cells_log2, LEAF_CELLS_LOG2_MIN, LEAF_CELLS_LOG2_MAX),
-        FIELD(halo, 0, 1),
-        FIELD(block_log2, LEAF_BLOCK_LOG2, LEAF_BLOCK_LOG2),
-        FIELD(run_align_log2, 6, LEAF_RUN_ALIGN_LOG2_MAX),
-        FIELD(codec, LEAF_CODEC_RAW, LEAF_CODEC_ZSTD),
-        FIELD(rectilinear, 0, 1),
-        FIELD(fields, 1, 1),
-        FIELD(steps, 1, 1),
-        FIELD(sections, 1, LEAF_SECTIONS_MAX),
-    };
-#undef FIELD
-    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; i++) {
+
+static status check_fields(const char *path, const field_limits *fields, size_t count) {
+    for (size_t i = 0; i < count; i++) {
         status st = check_field(path, fields[i].at, fields[i].name, fields[i].value, fields[i].lo,
                                 fields[i].hi);
         if (st != ST_OK)
             return st;
     }
+    return ST_OK;
+}
+
+static status check_grid_parameters(const char *path, const leaf_header *h) {
+    const field_limits fields[] = {
+        FIELD(cells_log2, LEAF_CELLS_LOG2_MIN, LEAF_CELLS_LOG2_MAX),
+        FIELD(halo, 0, 1),
+        FIELD(block_log2, LEAF_BLOCK_LOG2, LEAF_BLOCK_LOG2),
+        FIELD(rectilinear, 0, 1),
+        FIELD(fields, 1, 1),
+        FIELD(steps, 1, 1),
+    };
+    return check_fields(path, fields, sizeof fields / sizeof fields[0]);
+}
+
+static status check_mesh_parameters(const char *path, const leaf_header *h) {
+    const field_limits fields[] = {
+        FIELD(sample_type, SAMPLE_F32, SAMPLE_F32),
+        FIELD(dims[0], 0, 0),
+        FIELD(dims[1], 0, 0),
+        FIELD(dims[2], 0, 0),
+        FIELD(levels, 1, 1),
+        FIELD(cells_log2, 0, 0),
+        FIELD(halo, 0, 0),
+        FIELD(block_log2, 0, 0),
+        FIELD(rectilinear, 0, 0),
+        FIELD(fields, 1, LEAF_SETS_MAX),
+        FIELD(steps, 1, LEAF_SETS_MAX / (h->fields ? h->fields : 1)),
+        FIELD(treelet_tets, 1, LEAF_TREELET_TETS_MAX),
+        FIELD(leaf_tets, 1, LEAF_LEAF_TETS_MAX),
+    };
+    return check_fields(path, fields, sizeof fields / sizeof fields[0]);
+}
+
+static status check_parameters(const char *path, const leaf_header *h) {
+    const field_limits fields[] = {
+        FIELD(kind, LEAF_KIND_GRID, LEAF_KIND_MESH),
+        FIELD(sample_type, SAMPLE_U8, SAMPLE_F32),
+        FIELD(source_type, SAMPLE_U8, SAMPLE_F64),
+        FIELD(run_align_log2, 6, LEAF_RUN_ALIGN_LOG2_MAX),
+        FIELD(codec, LEAF_CODEC_RAW, LEAF_CODEC_ZSTD),
+        FIELD(sections, 1, LEAF_SECTIONS_MAX),
+    };
+    status st = check_fields(path, fields, sizeof fields / sizeof fields[0]);
+    if (st == ST_OK)
+        st = h->kind == LEAF_KIND_MESH ? check_mesh_parameters(path, h)
+                                       : check_grid_parameters(path, h);
+    if (st != ST_OK)
+        return st;
     if (sample_stored((sample_type)h->source_type) != (sample_type)h->sample_type)
         return corrupt(path, offsetof(leaf_header, source_type),
                        "expected a type that is stored as %s, found %s",
@@ -103,6 +141,7 @@ static status check_parameters(const char *path, const leaf_header *h) {
                        sample_name((sample_type)h->source_type));
     return ST_OK;
 }
+#undef FIELD
 
 /* True when a range is ordered and finite, or the empty range. */
 static bool well_formed(double lo, double hi) {
@@ -110,13 +149,7 @@ static bool well_formed(double lo, double hi) {
            (lo == (double)INFINITY && hi == -(double)INFINITY);
 }
 
-static status check_values(const char *path, const leaf_header *h) {
-    if (!well_formed(h->value_min, h->value_max))
-        return corrupt(path, offsetof(leaf_header, value_min),
-                       "expected an ordered range, found %g .. %g", h->value_min, h->value_max);
-    if (!(h->rounding_error >= 0))
-        return corrupt(path, offsetof(leaf_header, rounding_error), "expected 0 or more, found %g",
-                       h->rounding_error);
+static status check_grid_values(const char *path, const leaf_header *h) {
     uint64_t samples = (uint64_t)h->dims[0] * h->dims[1] * h->dims[2];
     if (h->non_finite > samples || (h->non_finite && h->sample_type != SAMPLE_F32))
         return corrupt(path, offsetof(leaf_header, non_finite),
@@ -131,6 +164,43 @@ static status check_values(const char *path, const leaf_header *h) {
     if (!(fabs(det) > 0))
         return corrupt(path, offsetof(leaf_header, to_world), "expected an invertible matrix");
     return ST_OK;
+}
+
+/* What says how many there are of something that there cannot be more of than tets. */
+static status check_mesh_values(const char *path, const leaf_header *h) {
+    const struct {
+        size_t at;
+        const char *name;
+        uint64_t value, lo, hi;
+    } numbers[] = {
+        {offsetof(leaf_header, treelets), "treelets", h->treelets, 1, LEAF_NO_TREELET},
+        {offsetof(leaf_header, tets), "tets", h->tets, h->treelets, h->treelets * h->treelet_tets},
+        {offsetof(leaf_header, vertices), "vertices", h->vertices, 4, 4 * h->tets},
+        {offsetof(leaf_header, flat), "flat tets", h->flat, 0, h->tets},
+        {offsetof(leaf_header, inverted), "inverted tets", h->inverted, 0, h->tets},
+        {offsetof(leaf_header, non_finite), "values that are NaN or infinite", h->non_finite, 0,
+         h->vertices * h->fields * h->steps},
+    };
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+        if (numbers[i].value < numbers[i].lo || numbers[i].value > numbers[i].hi)
+            return corrupt(path, numbers[i].at, "expected %llu to %llu %s, found %llu",
+                           (unsigned long long)numbers[i].lo, (unsigned long long)numbers[i].hi,
+                           numbers[i].name, (unsigned long long)numbers[i].value);
+    for (int i = 0; i < 12; i++)
+        if (h->to_world[i] != (i % 5 == 0))
+            return corrupt(path, offsetof(leaf_header, to_world) + sizeof(double) * (size_t)i,
+                           "expected the identity, found %g", h->to_world[i]);
+    return ST_OK;
+}
+
+static status check_values(const char *path, const leaf_header *h) {
+    if (!well_formed(h->value_min, h->value_max))
+        return corrupt(path, offsetof(leaf_header, value_min),
+                       "expected an ordered range, found %g .. %g", h->value_min, h->value_max);
+    if (!(h->rounding_error >= 0))
+        return corrupt(path, offsetof(leaf_header, rounding_error), "expected 0 or more, found %g",
+                       h->rounding_error);
+    return h->kind == LEAF_KIND_MESH ? check_mesh_values(path, h) : check_grid_values(path, h);
 }
 
 static status check_zero(const char *path, const void *bytes, size_t size, uint64_t at) {
@@ -149,6 +219,17 @@ static status check_text(const char *path, const char *text, size_t size, uint64
     return check_zero(path, text + length, size - length, at + length);
 }
 
+/* From what only meshes have to the end of the page. */
+static status check_rest(const char *path, const leaf_header *h) {
+    const size_t mesh = offsetof(leaf_header, tets);
+    if (h->kind != LEAF_KIND_MESH)
+        return check_zero(path, (const char *)h + mesh, sizeof *h - mesh, mesh);
+    status st = check_text(path, h->field, sizeof h->field, offsetof(leaf_header, field));
+    return st == ST_OK
+               ? check_zero(path, h->reserved, sizeof h->reserved, offsetof(leaf_header, reserved))
+               : st;
+}
+
 status leaf_check_header(const char *path, const leaf_header *h, uint64_t file_bytes) {
     status st = check_frame(path, h, file_bytes);
     if (st == ST_OK)
@@ -162,12 +243,17 @@ status leaf_check_header(const char *path, const leaf_header *h, uint64_t file_b
                         offsetof(leaf_header, provenance));
     if (st == ST_OK)
         st = check_zero(path, &h->reserved0, sizeof h->reserved0, offsetof(leaf_header, reserved0));
-    if (st == ST_OK)
-        st = check_zero(path, h->reserved, sizeof h->reserved, offsetof(leaf_header, reserved));
-    return st;
+    return st == ST_OK ? check_rest(path, h) : st;
 }
 
-status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l) {
+static uint64_t directory_bytes(const leaf_header *h) {
+    uint64_t bytes = 0;
+    for (uint32_t kind = 1; kind <= LEAF_SECTION_LAST; kind++)
+        bytes += leaf_section_bytes(h, kind);
+    return bytes;
+}
+
+static status check_grid_layout(const char *path, const leaf_header *h, leaf_layout *l) {
     status st = leaf_layout_levels(l, h->dims, h->cells_log2, h->halo, (sample_type)h->sample_type);
     if (st != ST_OK)
         return status_describe(st, "%s: byte %zu: %s", path, offsetof(leaf_header, dims),
@@ -178,16 +264,35 @@ status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l)
     if (h->treelets != l->treelets)
         return corrupt(path, offsetof(leaf_header, treelets), "expected %u treelets, found %llu",
                        l->treelets, (unsigned long long)h->treelets);
-    uint64_t directory = 0;
-    for (uint32_t kind = 1; kind <= LEAF_SECTION_AXES; kind++)
-        directory += leaf_section_bytes(h, kind);
-    if (directory > h->file_bytes)
+    if (directory_bytes(h) > h->file_bytes)
         return corrupt(path, offsetof(leaf_header, dims),
                        "a grid of %u x %u x %u has a directory of %llu bytes, "
                        "which a file of %llu cannot hold",
-                       h->dims[0], h->dims[1], h->dims[2], (unsigned long long)directory,
+                       h->dims[0], h->dims[1], h->dims[2], (unsigned long long)directory_bytes(h),
                        (unsigned long long)h->file_bytes);
     return ST_OK;
+}
+
+/* fields, steps and treelets are in their ranges, so that no product overflows. */
+static status check_mesh_layout(const char *path, const leaf_header *h, leaf_layout *l) {
+    const uint32_t sets = h->fields * h->steps;
+    if (h->treelets * (1 + (uint64_t)sets) >= LEAF_NO_TREELET)
+        return corrupt(path, offsetof(leaf_header, treelets),
+                       "expected less than 2^32 - 1 payloads, found %llu treelets and %u sets",
+                       (unsigned long long)h->treelets, sets);
+    if (directory_bytes(h) > h->file_bytes)
+        return corrupt(path, offsetof(leaf_header, treelets),
+                       "a mesh of %llu treelets has a directory of %llu bytes, which a file of "
+                       "%llu cannot hold",
+                       (unsigned long long)h->treelets, (unsigned long long)directory_bytes(h),
+                       (unsigned long long)h->file_bytes);
+    leaf_layout_mesh(l, (uint32_t)h->treelets, sets);
+    return ST_OK;
+}
+
+status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l) {
+    return h->kind == LEAF_KIND_MESH ? check_mesh_layout(path, h, l)
+                                     : check_grid_layout(path, h, l);
 }
 
 /* ---- sections ---- */
@@ -219,7 +324,7 @@ static uint64_t aligned(uint64_t at) {
 /* One entry: its kind, and that it lies right behind `end`. */
 static status check_section(const char *path, const leaf_header *h, const leaf_section *s,
                             uint64_t entry, uint64_t *end) {
-    bool known = s->kind >= 1 && s->kind <= LEAF_SECTION_AXES;
+    bool known = s->kind >= 1 && s->kind <= LEAF_SECTION_LAST;
     if (!known && !(s->kind & LEAF_SECTION_ANCILLARY))
         return status_describe(
             ST_UNSUPPORTED, "%s: byte %llu: a section of kind %u, which this program does not know",
@@ -263,7 +368,7 @@ status leaf_check_sections(const char *path, const leaf_header *h, const leaf_se
             if (table[j].kind == table[i].kind)
                 return corrupt(path, entry, "a second section of kind %u", table[i].kind);
     }
-    for (uint32_t kind = 1; kind <= LEAF_SECTION_AXES; kind++) {
+    for (uint32_t kind = 1; kind <= LEAF_SECTION_LAST; kind++) {
         bool found = false;
         for (uint32_t i = 0; i < h->sections; i++)
             found |= table[i].kind == kind;
@@ -276,28 +381,38 @@ status leaf_check_sections(const char *path, const leaf_header *h, const leaf_se
 
 /* ---- directory ---- */
 
+/* Payload p, when the one before it ends at `end`. */
+static status check_payload(const char *path, const leaf_header *h, const leaf_layout *l,
+                            const leaf_directory *d, uint32_t p, uint64_t end) {
+    const uint64_t at = leaf_layout_payload_at(l, p, end, h->run_align_log2);
+    const uint64_t entry = (uint64_t)p * sizeof(uint64_t);
+    const uint64_t bytes = leaf_layout_payload_bytes(l, p), size = d->sizes[p];
+    char name[LEAF_NAME_MAX];
+    if (d->offsets[p] != at)
+        return corrupt(path, d->at[LEAF_SECTION_OFFSETS - 1] + entry,
+                       "expected %s at byte %llu, found %llu", leaf_layout_payload_name(l, p, name),
+                       (unsigned long long)at, (unsigned long long)d->offsets[p]);
+    if (!size || size > bytes || (h->codec == LEAF_CODEC_RAW && size != bytes))
+        return corrupt(path, d->at[LEAF_SECTION_SIZES - 1] + entry,
+                       "expected %s to have %s%llu bytes, found %llu",
+                       leaf_layout_payload_name(l, p, name),
+                       h->codec == LEAF_CODEC_RAW ? "" : "at most ", (unsigned long long)bytes,
+                       (unsigned long long)size);
+    if (at > h->file_bytes || size > h->file_bytes - at)
+        return corrupt(path, d->at[LEAF_SECTION_SIZES - 1] + entry, "%s ends behind the file's end",
+                       leaf_layout_payload_name(l, p, name));
+    return ST_OK;
+}
+
 static status check_payloads(const char *path, const leaf_header *h, const leaf_layout *l,
                              const leaf_directory *d) {
     uint64_t end = d->end, sum = 0;
-    for (uint32_t t = 0; t < l->treelets; t++) {
-        uint64_t at = leaf_layout_payload_at(l, t, end, h->run_align_log2);
-        uint64_t entry = (uint64_t)t * sizeof(uint64_t);
-        if (d->offsets[t] != at)
-            return corrupt(path, d->at[LEAF_SECTION_OFFSETS - 1] + entry,
-                           "expected treelet %u's payload at byte %llu, found %llu", t,
-                           (unsigned long long)at, (unsigned long long)d->offsets[t]);
-        uint64_t bytes = leaf_layout_payload(l, t).bytes;
-        if (!d->sizes[t] || d->sizes[t] > bytes ||
-            (h->codec == LEAF_CODEC_RAW && d->sizes[t] != bytes))
-            return corrupt(path, d->at[LEAF_SECTION_SIZES - 1] + entry,
-                           "expected treelet %u's payload to have %s%llu bytes, found %llu", t,
-                           h->codec == LEAF_CODEC_RAW ? "" : "at most ", (unsigned long long)bytes,
-                           (unsigned long long)d->sizes[t]);
-        if (at > h->file_bytes || d->sizes[t] > h->file_bytes - at)
-            return corrupt(path, d->at[LEAF_SECTION_SIZES - 1] + entry,
-                           "treelet %u's payload ends behind the file's end", t);
-        end = at + d->sizes[t];
-        sum += d->sizes[t];
+    for (uint32_t p = 0; p < l->payloads; p++) {
+        status st = check_payload(path, h, l, d, p, end);
+        if (st != ST_OK)
+            return st;
+        end = d->offsets[p] + d->sizes[p];
+        sum += d->sizes[p];
     }
     if (leaf_layout_aligned(end, h->run_align_log2) != h->file_bytes)
         return corrupt(path, offsetof(leaf_header, file_bytes),
@@ -348,35 +463,132 @@ static status check_ranges(const char *path, const leaf_layout *l, const leaf_di
     return ST_OK;
 }
 
+static status check_flags(const char *path, const leaf_header *h, const leaf_directory *d,
+                          size_t element) {
+    const uint8_t flags = d->flags[element];
+    if (!(flags & ~(unsigned)LEAF_FLAG_NON_FINITE) && (!flags || h->non_finite))
+        return ST_OK;
+    return corrupt(path, d->at[LEAF_SECTION_FLAGS - 1] + element,
+                   "treelet %zu cannot have the flags 0x%02x", element, flags);
+}
+
+/* What the header says of all values against what treelets say: their range, and that there are
+ * non-finite ones. */
+static status check_union(const char *path, const leaf_header *h, const double range[2],
+                          unsigned flags) {
+    if (h->value_min != range[0] || h->value_max != range[1])
+        return corrupt(path, offsetof(leaf_header, value_min),
+                       "expected the treelets' value range %g .. %g, found %g .. %g", range[0],
+                       range[1], h->value_min, h->value_max);
+    if (h->non_finite && !flags)
+        return corrupt(path, offsetof(leaf_header, non_finite),
+                       "%llu samples are NaN or infinite, but no treelet says so",
+                       (unsigned long long)h->non_finite);
+    return ST_OK;
+}
+
+static void widen(double range[2], const float own[2]) {
+    range[0] = fmin(range[0], (double)own[0]);
+    range[1] = fmax(range[1], (double)own[1]);
+}
+
+static status check_grid_directory(const char *path, const leaf_header *h, const leaf_layout *l,
+                                   const leaf_directory *d) {
+    double range[2] = {(double)INFINITY, -(double)INFINITY};
+    unsigned level0_flags = 0;
+    for (uint32_t t = l->treelets; t-- > 0;) {
+        status st = check_ranges(path, l, d, t);
+        if (st == ST_OK)
+            st = check_flags(path, h, d, t);
+        if (st != ST_OK)
+            return st;
+        if (l->level_of[t] == 0) {
+            widen(range, d->own[t]);
+            level0_flags |= d->flags[t];
+        }
+    }
+    return check_union(path, h, range, level0_flags);
+}
+
+/* ---- directory of a mesh ---- */
+
+status leaf_check_counts(const char *path, const leaf_header *h, const leaf_directory *d) {
+    uint64_t tets = 0, vertices = 0, most = 0;
+    for (uint64_t t = 0; t < h->treelets; t++) {
+        const uint32_t *c = d->counts[t];
+        const char *fault = mesh_leaf_counts_fault(c, h->treelet_tets, h->leaf_tets);
+        if (fault)
+            return corrupt(path, d->at[LEAF_SECTION_COUNTS - 1] + t * sizeof *d->counts,
+                           "treelet %llu of %u tets, %u vertices, %u nodes, %u leaves cannot have "
+                           "%s",
+                           (unsigned long long)t, c[0], c[1], c[2], c[3], fault);
+        tets += c[0];
+        vertices += c[1];
+        most = c[1] > most ? c[1] : most;
+    }
+    if (tets != h->tets)
+        return corrupt(path, offsetof(leaf_header, tets),
+                       "expected the treelets' %llu tets, found %llu", (unsigned long long)tets,
+                       (unsigned long long)h->tets);
+    if (h->vertices < most || h->vertices > vertices)
+        return corrupt(path, offsetof(leaf_header, vertices),
+                       "expected %llu to %llu vertices, as the treelets have, found %llu",
+                       (unsigned long long)most, (unsigned long long)vertices,
+                       (unsigned long long)h->vertices);
+    return ST_OK;
+}
+
+static status check_bounds(const char *path, const leaf_header *h, const leaf_layout *l,
+                           const leaf_directory *d) {
+    for (int a = 0; a < 3; a++) {
+        float lo = INFINITY, hi = -INFINITY;
+        for (uint32_t t = 0; t < l->treelets; t++) {
+            const float *b = d->bounds[t];
+            if (!isfinite(b[a]) || !isfinite(b[a + 3]) || b[a] > b[a + 3])
+                return corrupt(path, d->at[LEAF_SECTION_BOUNDS - 1] + t * sizeof *d->bounds,
+                               "treelet %u's bounds along %c, %g .. %g, are none", t, "xyz"[a],
+                               (double)b[a], (double)b[a + 3]);
+            lo = fminf(lo, b[a]);
+            hi = fmaxf(hi, b[a + 3]);
+        }
+        if (h->bounds[a] != lo || h->bounds[a + 3] != hi)
+            return corrupt(path, offsetof(leaf_header, bounds),
+                           "expected the treelets' bounds along %c, %g .. %g, found %g .. %g",
+                           "xyz"[a], (double)lo, (double)hi, (double)h -> bounds[a],
+                           (double)h -> bounds[a + 3]);
+    }
+    return ST_OK;
+}
+
+static status check_mesh_directory(const char *path, const leaf_header *h, const leaf_layout *l,
+                                   const leaf_directory *d) {
+    double range[2] = {(double)INFINITY, -(double)INFINITY};
+    unsigned flags = 0;
+    for (size_t i = 0; i < (size_t)l->treelets * l->sets; i++) {
+        const float *own = d->own[i];
+        if (!well_formed((double)own[0], (double)own[1]))
+            return corrupt(path, d->at[LEAF_SECTION_OWN - 1] + i * sizeof *d->own,
+                           "element %zu, %g .. %g, is no range", i, (double)own[0], (double)own[1]);
+        if (memcmp(own, d->ranges[i], sizeof *d->own) != 0)
+            return corrupt(path, d->at[LEAF_SECTION_RANGES - 1] + i * sizeof *d->ranges,
+                           "expected the own range %g .. %g, found %g .. %g", (double)own[0],
+                           (double)own[1], (double)d->ranges[i][0], (double)d->ranges[i][1]);
+        status st = check_flags(path, h, d, i);
+        if (st != ST_OK)
+            return st;
+        widen(range, own);
+        flags |= d->flags[i];
+    }
+    status st = check_union(path, h, range, flags);
+    return st == ST_OK ? check_bounds(path, h, l, d) : st;
+}
+
 status leaf_check_directory(const char *path, const leaf_header *h, const leaf_layout *l,
                             const leaf_directory *d) {
     status st = check_payloads(path, h, l, d);
     if (st != ST_OK)
         return st;
-    double lo = (double)INFINITY, hi = -(double)INFINITY;
-    unsigned level0_flags = 0;
-    for (uint32_t t = l->treelets; t-- > 0;) {
-        st = check_ranges(path, l, d, t);
-        if (st != ST_OK)
-            return st;
-        if (d->flags[t] & ~(unsigned)LEAF_FLAG_NON_FINITE || (d->flags[t] && !h->non_finite))
-            return corrupt(path, d->at[LEAF_SECTION_FLAGS - 1] + t,
-                           "treelet %u cannot have the flags 0x%02x", t, d->flags[t]);
-        if (l->level_of[t] == 0) {
-            lo = fmin(lo, (double)d->own[t][0]);
-            hi = fmax(hi, (double)d->own[t][1]);
-            level0_flags |= d->flags[t];
-        }
-    }
-    if (h->value_min != lo || h->value_max != hi)
-        return corrupt(path, offsetof(leaf_header, value_min),
-                       "expected the treelets' value range %g .. %g, found %g .. %g", lo, hi,
-                       h->value_min, h->value_max);
-    if (h->non_finite && !level0_flags)
-        return corrupt(path, offsetof(leaf_header, non_finite),
-                       "%llu samples are NaN or infinite, but no treelet says so",
-                       (unsigned long long)h->non_finite);
-    return ST_OK;
+    return l->sets ? check_mesh_directory(path, h, l, d) : check_grid_directory(path, h, l, d);
 }
 
 status leaf_check_axis(const char *path, const double *axis, uint32_t count, uint64_t at) {

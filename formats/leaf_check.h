@@ -19,8 +19,9 @@
  * file_bytes. ST_UNSUPPORTED for a later version, kind or feature, else ST_CORRUPT. */
 CHECKED status leaf_check_header(const char *path, const leaf_header *h, uint64_t file_bytes);
 
-/* leaf_check_layout() - levels and treelets are those that dims and B imply, and that many can be
- * in a file of this size. Fills *l as leaf_layout_levels() does. */
+/* leaf_check_layout() - levels and treelets are those that dims and B imply, and that many (of a
+ * mesh: as many payloads) can be in a file of this size. Fills *l as leaf_layout_levels() and
+ * leaf_layout_mesh() do. */
 CHECKED status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l);
 
 /* leaf_check_sections() - the id; kinds known and present once, sizes as the header implies, each
@@ -36,14 +37,20 @@ typedef struct leaf_directory {
     const uint8_t *flags;
     const uint64_t *offsets;
     const uint64_t *sizes;
-    uint64_t at[LEAF_SECTION_AXES]; /* where section kind k lies in the file is at[k - 1]; for
+    const float (*bounds)[6];       /* mesh */
+    const uint32_t (*counts)[4];    /* mesh */
+    uint64_t at[LEAF_SECTION_LAST]; /* where section kind k lies in the file is at[k - 1]; for
                                        messages */
     uint64_t end;                   /* of the sections */
 } leaf_directory;
 
+/* leaf_check_counts() - of a mesh, before l has them: each can be, and all add up to the header's.
+ */
+CHECKED status leaf_check_counts(const char *path, const leaf_header *h, const leaf_directory *d);
+
 /* leaf_check_directory() - payloads follow one another in treelet order as leaf_layout_payload_at()
  * says, up to the end of the file; ranges are well formed, and each merged one is exactly the union
- * of its own and its children's merged ones. */
+ * of its own and its children's merged ones. Of a mesh: bounds too, and their union. */
 CHECKED status leaf_check_directory(const char *path, const leaf_header *h, const leaf_layout *l,
                                     const leaf_directory *d);
 

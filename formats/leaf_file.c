@@ -17,7 +17,7 @@ typedef struct opening {
     leaf_file *f;
     leaf_section table[LEAF_SECTIONS_MAX];
     uint64_t end;                   /* of the sections */
-    uint64_t at[LEAF_SECTION_AXES]; /* of known section k: at[k - 1] */
+    uint64_t at[LEAF_SECTION_LAST]; /* of known section k: at[k - 1] */
 } opening;
 
 static status check_gap(leaf_file *f, uint64_t from, uint64_t to) {
@@ -99,25 +99,43 @@ static status check_ancillary(leaf_file *f, const leaf_section *s) {
     return st;
 }
 
+static status allocate_mesh(leaf_file *f) {
+    const size_t count = f->layout.treelets;
+    mesh_directory *mesh = f->mesh = mem_zalloc(f->m, sizeof *f->mesh);
+    if (!mesh)
+        return ST_NOMEM;
+    mesh->sets = f->layout.sets;
+    mesh->bounds = mem_array(f->m, count, sizeof *mesh->bounds);
+    mesh->counts = mem_array(f->m, count, sizeof *mesh->counts);
+    mesh->first_tet = mem_array(f->m, count + 1, sizeof *mesh->first_tet);
+    return mesh->bounds && mesh->counts && mesh->first_tet ? ST_OK : ST_NOMEM;
+}
+
 static status allocate_directory(leaf_file *f) {
-    size_t count = f->layout.treelets;
-    f->ranges = mem_array(f->m, count, sizeof *f->ranges);
-    f->own = mem_array(f->m, count, sizeof *f->own);
-    f->flags = mem_array(f->m, count, sizeof *f->flags);
-    f->offsets = mem_array(f->m, count, sizeof *f->offsets);
-    f->sizes = mem_array(f->m, count, sizeof *f->sizes);
-    f->checksums = mem_array(f->m, count, sizeof *f->checksums);
-    return f->ranges && f->own && f->flags && f->offsets && f->sizes && f->checksums ? ST_OK
-                                                                                     : ST_NOMEM;
+    const size_t payloads = f->layout.payloads;
+    const size_t ranges = (size_t)f->layout.treelets * (f->layout.sets ? f->layout.sets : 1);
+    f->ranges = mem_array(f->m, ranges, sizeof *f->ranges);
+    f->own = mem_array(f->m, ranges, sizeof *f->own);
+    f->flags = mem_array(f->m, ranges, sizeof *f->flags);
+    f->offsets = mem_array(f->m, payloads, sizeof *f->offsets);
+    f->sizes = mem_array(f->m, payloads, sizeof *f->sizes);
+    f->checksums = mem_array(f->m, payloads, sizeof *f->checksums);
+    if (!f->ranges || !f->own || !f->flags || !f->offsets || !f->sizes || !f->checksums)
+        return ST_NOMEM;
+    return f->layout.sets ? allocate_mesh(f) : ST_OK;
 }
 
 static status read_sections(opening *o) {
     leaf_file *f = o->f;
-    void *arrays[LEAF_SECTION_AXES + 1] = {
+    void *arrays[LEAF_SECTION_LAST + 1] = {
         [LEAF_SECTION_RANGES] = f->ranges, [LEAF_SECTION_OWN] = f->own,
         [LEAF_SECTION_FLAGS] = f->flags,   [LEAF_SECTION_OFFSETS] = f->offsets,
         [LEAF_SECTION_SIZES] = f->sizes,   [LEAF_SECTION_CHECKSUMS] = f->checksums,
     };
+    if (f->mesh) {
+        arrays[LEAF_SECTION_BOUNDS] = f->mesh->bounds;
+        arrays[LEAF_SECTION_COUNTS] = f->mesh->counts;
+    }
     uint64_t end = LEAF_HEADER_BYTES + f->header.sections * sizeof *o->table;
     const leaf_section *axes = NULL;
     for (uint32_t i = 0; i < f->header.sections; i++) {
@@ -126,9 +144,9 @@ static status read_sections(opening *o) {
         if (st != ST_OK)
             return st;
         end = s->offset + s->bytes;
-        if (s->kind <= LEAF_SECTION_AXES)
+        if (s->kind <= LEAF_SECTION_LAST)
             o->at[s->kind - 1] = s->offset;
-        if (s->kind > LEAF_SECTION_AXES)
+        if (s->kind > LEAF_SECTION_LAST)
             st = check_ancillary(f, s);
         else if (s->kind == LEAF_SECTION_AXES)
             axes = s;
@@ -140,8 +158,26 @@ static status read_sections(opening *o) {
     return read_axes(f, axes);
 }
 
+/* The layout of a mesh, once its counts are known to be sound. */
+static status lay_out_mesh(leaf_file *f) {
+    mesh_directory *mesh = f->mesh;
+    status st = leaf_layout_init_mesh(&f->layout, f->m, f->layout.treelets, mesh->sets);
+    if (st != ST_OK)
+        return st;
+    leaf_layout_set_counts(&f->layout, (const uint32_t(*)[4])mesh->counts);
+    for (uint32_t t = 0; t < f->layout.treelets; t++)
+        mesh->first_tet[t + 1] = mesh->first_tet[t] + mesh->counts[t][0];
+    return ST_OK;
+}
+
+static status lay_out_grid(leaf_file *f) {
+    return leaf_layout_init(&f->layout, f->m, f->header.dims, f->header.cells_log2, f->header.halo,
+                            (sample_type)f->header.sample_type);
+}
+
 static status check_directory(const opening *o) {
-    const leaf_file *f = o->f;
+    leaf_file *f = o->f;
+    const char *path = file_path(f->source);
     leaf_directory d = {
         .ranges = (const float(*)[2])f->ranges,
         .own = (const float(*)[2])f->own,
@@ -151,7 +187,15 @@ static status check_directory(const opening *o) {
         .end = o->end,
     };
     memcpy(d.at, o->at, sizeof d.at);
-    return leaf_check_directory(file_path(f->source), &f->header, &f->layout, &d);
+    status st = ST_OK;
+    if (f->mesh) {
+        d.bounds = (const float(*)[6])f->mesh->bounds;
+        d.counts = (const uint32_t(*)[4])f->mesh->counts;
+        st = leaf_check_counts(path, &f->header, &d);
+    }
+    if (st == ST_OK)
+        st = f->mesh ? lay_out_mesh(f) : lay_out_grid(f);
+    return st == ST_OK ? leaf_check_directory(path, &f->header, &f->layout, &d) : st;
 }
 
 status leaf_file_open(mem *m, const char *path, leaf_file **out) {
@@ -167,9 +211,6 @@ status leaf_file_open(mem *m, const char *path, leaf_file **out) {
         st = allocate_directory(f);
     if (st == ST_OK)
         st = read_sections(&o);
-    if (st == ST_OK)
-        st = leaf_layout_init(&f->layout, m, f->header.dims, f->header.cells_log2, f->header.halo,
-                              (sample_type)f->header.sample_type);
     if (st == ST_OK)
         st = check_directory(&o);
     if (st == ST_OK)
@@ -194,59 +235,68 @@ void leaf_file_close(leaf_file *f) {
     mem_free(f->m, f->sizes);
     mem_free(f->m, f->checksums);
     mem_free(f->m, f->axis[0]);
+    if (f->mesh) {
+        mem_free(f->m, f->mesh->bounds);
+        mem_free(f->m, f->mesh->counts);
+        mem_free(f->m, f->mesh->first_tet);
+        mem_free(f->m, f->mesh);
+    }
     file_close(f->source);
     mem_free(f->m, f);
 }
 
-bool leaf_file_is_raw(const leaf_file *f, uint32_t t) {
-    return f->sizes[t] == leaf_layout_payload(&f->layout, t).bytes;
+bool leaf_file_is_raw(const leaf_file *f, uint32_t p) {
+    return f->sizes[p] == leaf_layout_payload_bytes(&f->layout, p);
 }
 
-static status check_stored(const leaf_file *f, uint32_t t, const void *stored) {
-    uint64_t sum = hash_bytes(stored, (size_t)f->sizes[t]);
-    if (sum == f->checksums[t])
+static status check_stored(const leaf_file *f, uint32_t p, const void *stored) {
+    uint64_t sum = hash_bytes(stored, (size_t)f->sizes[p]);
+    char name[LEAF_NAME_MAX];
+    if (sum == f->checksums[p])
         return ST_OK;
     return status_describe(ST_CORRUPT,
-                           "%s: byte %llu: treelet %u's payload of %llu bytes has the checksum "
-                           "%016llx, expected %016llx",
-                           file_path(f->source), (unsigned long long)f->offsets[t], t,
-                           (unsigned long long)f->sizes[t], (unsigned long long)sum,
-                           (unsigned long long)f->checksums[t]);
+                           "%s: byte %llu: %s of %llu bytes has the checksum %016llx, expected "
+                           "%016llx",
+                           file_path(f->source), (unsigned long long)f->offsets[p],
+                           leaf_layout_payload_name(&f->layout, p, name),
+                           (unsigned long long)f->sizes[p], (unsigned long long)sum,
+                           (unsigned long long)f->checksums[p]);
 }
 
-static status decompress(const leaf_file *f, uint32_t t, const void *stored, void *payload) {
-    size_t bytes = leaf_layout_payload(&f->layout, t).bytes;
-    size_t got = ZSTD_decompress(payload, bytes, stored, (size_t)f->sizes[t]);
+static status decompress(const leaf_file *f, uint32_t p, const void *stored, void *payload) {
+    size_t bytes = leaf_layout_payload_bytes(&f->layout, p);
+    size_t got = ZSTD_decompress(payload, bytes, stored, (size_t)f->sizes[p]);
+    char name[LEAF_NAME_MAX];
     if (got == bytes)
         return ST_OK;
-    return status_describe(
-        ST_CORRUPT, "%s: byte %llu: treelet %u's payload does not decompress to %zu bytes: %s",
-        file_path(f->source), (unsigned long long)f->offsets[t], t, bytes,
-        ZSTD_isError(got) ? ZSTD_getErrorName(got) : "it is shorter");
+    return status_describe(ST_CORRUPT, "%s: byte %llu: %s does not decompress to %zu bytes: %s",
+                           file_path(f->source), (unsigned long long)f->offsets[p],
+                           leaf_layout_payload_name(&f->layout, p, name), bytes,
+                           ZSTD_isError(got) ? ZSTD_getErrorName(got) : "it is shorter");
 }
 
-status leaf_file_load(leaf_file *f, uint32_t t, void *stored, void *payload) {
-    bool raw = leaf_file_is_raw(f, t);
+status leaf_file_load(leaf_file *f, uint32_t p, void *stored, void *payload) {
+    bool raw = leaf_file_is_raw(f, p);
     assert(raw || stored);
     void *into = raw ? payload : stored;
-    status st = file_read_at(f->source, f->offsets[t], into, (size_t)f->sizes[t]);
+    status st = file_read_at(f->source, f->offsets[p], into, (size_t)f->sizes[p]);
     if (st == ST_OK)
-        st = check_stored(f, t, into);
+        st = check_stored(f, p, into);
     if (st == ST_OK && !raw)
-        st = decompress(f, t, stored, payload);
+        st = decompress(f, p, stored, payload);
     return st;
 }
 
-status leaf_file_decode(const leaf_file *f, uint32_t t, const void *stored, void *payload,
+status leaf_file_decode(const leaf_file *f, uint32_t p, const void *stored, void *payload,
                         const void **view) {
-    status st = check_stored(f, t, stored);
+    status st = check_stored(f, p, stored);
     if (st != ST_OK)
         return st;
-    if (leaf_file_is_raw(f, t)) {
+    if (leaf_file_is_raw(f, p)) {
         *view = stored;
         return ST_OK;
     }
-    st = decompress(f, t, stored, payload);
+    st = decompress(f, p, stored, payload);
     if (st == ST_OK)
         *view = payload;
     return st;

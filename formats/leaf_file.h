@@ -15,10 +15,19 @@
 #include "formats/leaf.h"
 #include "formats/leaf_layout.h"
 
+/* What the directory of a mesh has besides; an element a treelet. */
+typedef struct mesh_directory {
+    float (*bounds)[6];    /* lo x y z, hi x y z */
+    uint32_t (*counts)[4]; /* for mesh_leaf_shape() */
+    uint64_t *first_tet;   /* treelets + 1: number in the whole mesh of a treelet's first tet */
+    uint32_t sets;         /* of values: fields * steps */
+} mesh_directory;
+
 typedef struct leaf_file {
     leaf_header header;
     leaf_layout layout;
-    /* The directory, an element a treelet. */
+    /* The directory, an element a treelet; of a mesh: ranges, own, flags an element set * treelets
+     * + treelet; offsets, sizes, checksums an element a payload (leaf_layout_values()). */
     float (*ranges)[2]; /* merged */
     float (*own)[2];
     uint8_t *flags;
@@ -27,6 +36,7 @@ typedef struct leaf_file {
     uint64_t *checksums;
     /* Level-0 node coordinates in grid space, always there (0, 1, 2, ... for a regular grid). */
     double *axis[3];
+    mesh_directory *mesh; /* NULL: a grid */
     file *source;
     mem *m;
     uint64_t directory_bytes; /* in the file: header, section table, sections */
@@ -36,20 +46,23 @@ typedef struct leaf_file {
 CHECKED status leaf_file_open(mem *m, const char *path, leaf_file **out);
 void leaf_file_close(leaf_file *f); /* NULL is fine */
 
-/* leaf_file_is_raw() - whether treelet t's stored bytes are its payload as they are: always with
- * the raw codec, and with a compressed one for payloads that would not have got smaller. */
-bool leaf_file_is_raw(const leaf_file *f, uint32_t t);
+/* leaf_file_is_raw() - whether payload p's stored bytes are it as they are: always with the raw
+ * codec, and with a compressed one for payloads that would not have got smaller. Of a grid, p is
+ * the treelet; of a mesh, a topology or values (leaf_layout_values()). */
+bool leaf_file_is_raw(const leaf_file *f, uint32_t p);
 
-/* leaf_file_load() - read treelet t's stored bytes, check them, and decode into payload
- * (leaf_layout_payload(t).bytes; 64-byte aligned). stored: room for sizes[t] bytes; may be NULL
+/* leaf_file_load() - read payload p's stored bytes, check them, and decode into payload
+ * (leaf_layout_payload_bytes(p); 64-byte aligned). stored: room for sizes[p] bytes; may be NULL
  * when leaf_file_is_raw(), bytes are then read straight into payload. ST_CORRUPT names file, byte
- * and treelet. Thread-safe. */
-CHECKED status leaf_file_load(leaf_file *f, uint32_t t, void *stored, void *payload);
+ * and treelet. A mesh's topology is to pass mesh_leaf_check_loaded() before it is used.
+ * Thread-safe.
+ */
+CHECKED status leaf_file_load(leaf_file *f, uint32_t p, void *stored, void *payload);
 
 /* leaf_file_decode() - the same from bytes that are in memory already (a mapping): check, and
  * unless leaf_file_is_raw() decode into payload; *view becomes the payload (stored itself when
  * raw). Thread-safe. */
-CHECKED status leaf_file_decode(const leaf_file *f, uint32_t t, const void *stored, void *payload,
+CHECKED status leaf_file_decode(const leaf_file *f, uint32_t p, const void *stored, void *payload,
                                 const void **view);
 
 #endif

@@ -1,6 +1,7 @@
 #include "formats/leaf_layout.h"
 
 #include <assert.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "formats/grid.h"
@@ -112,7 +113,7 @@ status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t
     return ST_OK;
 }
 
-status leaf_layout_init_mesh(leaf_layout *l, mem *m, uint32_t treelets, uint32_t sets) {
+void leaf_layout_mesh(leaf_layout *l, uint32_t treelets, uint32_t sets) {
     assert(treelets > 0 && sets > 0 && (uint64_t)treelets * (1 + (uint64_t)sets) < LEAF_NO_TREELET);
     memset(l, 0, sizeof *l);
     l->levels = 1;
@@ -120,6 +121,10 @@ status leaf_layout_init_mesh(leaf_layout *l, mem *m, uint32_t treelets, uint32_t
     l->treelets = l->level[0].count = treelets;
     l->payloads = treelets * (1 + sets);
     l->sets = sets;
+}
+
+status leaf_layout_init_mesh(leaf_layout *l, mem *m, uint32_t treelets, uint32_t sets) {
+    leaf_layout_mesh(l, treelets, sets);
     status st = allocate(l, m);
     for (uint32_t t = 0; st == ST_OK && t < treelets; t++)
         l->first_child[t] = LEAF_NO_TREELET;
@@ -206,4 +211,15 @@ uint32_t leaf_layout_payload_max(const leaf_layout *l) {
         return l->payload_max;
     uint32_t b = 1u << l->cells_log2;
     return payload_of(l, (uint32_t[3]){b, b, b}).bytes;
+}
+
+const char *leaf_layout_payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
+    if (!l->sets)
+        snprintf(text, LEAF_NAME_MAX, "treelet %u's payload", p);
+    else if (p < l->treelets)
+        snprintf(text, LEAF_NAME_MAX, "treelet %u's topology", p);
+    else
+        snprintf(text, LEAF_NAME_MAX, "treelet %u's values of set %u", p % l->treelets,
+                 p / l->treelets - 1);
+    return text;
 }

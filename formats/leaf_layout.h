@@ -53,9 +53,10 @@ CHECKED status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], 
                                 uint32_t halo, sample_type type);
 void leaf_layout_release(leaf_layout *l);
 
-/* leaf_layout_init_mesh() - of a mesh file, whose counts come with leaf_layout_set_counts();
- * treelets
- * * (1 + sets) below 2^32 - 1. counts must outlive l, each without a mesh_leaf_counts_fault(). */
+/* leaf_layout_mesh() - of a mesh file, without allocating; treelets * (1 + sets) below 2^32 - 1.
+ * leaf_layout_init_mesh() - and the per-treelet arrays. leaf_layout_set_counts() - what sizes
+ * follow from: counts must outlive l, each without a mesh_leaf_counts_fault(). */
+void leaf_layout_mesh(leaf_layout *l, uint32_t treelets, uint32_t sets);
 CHECKED status leaf_layout_init_mesh(leaf_layout *l, mem *m, uint32_t treelets, uint32_t sets);
 void leaf_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]);
 
@@ -89,6 +90,11 @@ uint32_t leaf_layout_payload_max(const leaf_layout *l);
 static inline uint32_t leaf_layout_values(const leaf_layout *l, uint32_t set, uint32_t treelet) {
     return l->treelets * (1 + set) + treelet;
 }
+
+/* leaf_layout_payload_name() - for messages: "treelet 5's payload", "treelet 5's values of set 2".
+ * Returns text. */
+enum { LEAF_NAME_MAX = 64 };
+const char *leaf_layout_payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]);
 
 /* leaf_layout_aligned() - the first multiple of 2^log2 at or behind `at`. */
 static inline uint64_t leaf_layout_aligned(uint64_t at, uint32_t log2) {
