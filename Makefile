@@ -77,7 +77,7 @@ RUN := $(filter $(foreach t,$T,$B/tests/$t tests/cli/$t.sh),$(RUN))
 endif
 
 # ---- libraries -----------------------------------------------------------------------------------
-LIBS_PC := zlib libzstd jansson libxxhash
+LIBS_PC := zlib libzstd jansson libxxhash expat
 ifneq ($(filter-out list help clean setup test demo,$(or $(MAKECMDGOALS),all)),)
 MISSING := $(if $(shell command -v pkg-config),,pkg-config) \
            $(foreach p,$(LIBS_PC),$(shell pkg-config --exists $p 2>/dev/null || echo $p))
