@@ -1,0 +1,178 @@
+#include "render/mesh_walk.h"
+
+#include "formats/mesh_leaf.h"
+
+/* Kernel and boxes round differently; what is given away is a millionth of the distance. */
+static const double generosity = 0x1p-20;
+
+bool mesh_interval_of(const ray *r, const double lo[3], const double hi[3], mesh_interval *out) {
+    double t_in = -INFINITY, t_out = INFINITY;
+    for (int a = 0; a < 3; a++) {
+        if (r->d[a] == 0.0) {
+            if (r->o[a] < lo[a] || r->o[a] > hi[a])
+                return false;
+            continue;
+        }
+        const double near = ((r->d[a] < 0.0 ? hi : lo)[a] - r->o[a]) / r->d[a];
+        const double far = ((r->d[a] > 0.0 ? hi : lo)[a] - r->o[a]) / r->d[a];
+        t_in = near > t_in ? near : t_in;
+        t_out = far < t_out ? far : t_out;
+    }
+    const double slack = generosity * (fabs(t_in) + fabs(t_out));
+    out->t_in = t_in - slack > r->t0 ? t_in - slack : r->t0;
+    out->t_out = t_out + slack < r->t1 ? t_out + slack : r->t1;
+    /* With a slack that is not finite, everything may be. */
+    return !(t_in - slack > t_out + slack) && !(out->t_in > out->t_out);
+}
+
+tet mesh_walk_tet(const treelet *tr, uint32_t place) {
+    const uint16_t *v = mesh_leaf_tets(&tr->mesh, tr->payload)[place];
+    const float(*at)[3] = mesh_leaf_positions(&tr->mesh, tr->payload);
+    const float *values = mesh_leaf_values(&tr->mesh, tr->values);
+    tet x;
+    for (int k = 0; k < 4; k++) {
+        for (int a = 0; a < 3; a++)
+            x.p[k][a] = at[v[k]][a];
+        x.f[k] = values[v[k]];
+    }
+    return x;
+}
+
+/* What a treelet's codes mean for the isovalues. */
+typedef struct iso_codes {
+    quantized_iso of[ACTIVE_ISOS_MAX];
+    int count;
+} iso_codes;
+
+static iso_codes codes_of(const walk_scene *scene, const treelet *tr) {
+    const quantizer q = quantizer_of(tr->own[0], tr->own[1], SAMPLE_F32);
+    iso_codes c = {.count = scene->count};
+    for (int i = 0; i < scene->count; i++)
+        c.of[i] = quantizer_iso(&q, scene->isovalues[i]);
+    return c;
+}
+
+static bool holds_any(const iso_codes *c, uint8_t lo, uint8_t hi) {
+    for (int i = 0; i < c->count; i++)
+        if (quantize_holds(c->of[i], lo, hi))
+            return true;
+    return false;
+}
+
+/* ---- Leaves ---- */
+
+/* (t, iso, entering) */
+static int compare_crossings(const hit *a, const hit *b) {
+    if (a->t != b->t)
+        return a->t < b->t ? -1 : 1;
+    if (a->iso != b->iso)
+        return a->iso < b->iso ? -1 : 1;
+    return (int)a->entering - (int)b->entering;
+}
+
+bool mesh_walk_less(const hit *a, const hit *b) {
+    const int order = compare_crossings(a, b);
+    return order ? order < 0 : a->cell < b->cell;
+}
+
+/* The first hit with one isopolygon behind `after`: another crossing, whatever the tet. */
+static bool next_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t iso,
+                     const hit *after, hit *found) {
+    /* The kernel orders by (t, tet, iso): it is asked for everything from the same t on. */
+    hit last = {after->t, 0, -1, false};
+    while (isopolygon_hit(g, r, cell, iso, &last, found)) {
+        if (compare_crossings(after, found) < 0)
+            return true;
+        last = *found;
+    }
+    return false;
+}
+
+static bool test_tet(const walk_scene *scene, const treelet *tr, uint32_t place, const ray *r,
+                     const hit *after, hit *best, walk_counters *counters) {
+    const tet x = mesh_walk_tet(tr, place);
+    bool changed = false, active = false;
+    for (int i = 0; i < scene->count; i++) {
+        isopolygon g;
+        hit found;
+        if (!isopolygon_of(&x, scene->isovalues[i], &g))
+            continue;
+        active = true;
+        if (!next_hit(&g, r, tr->first_tet + place, i, after, &found))
+            continue;
+        counters->roots++;
+        if (mesh_walk_less(&found, best)) {
+            *best = found;
+            changed = true;
+        }
+    }
+    counters->cells += active;
+    return changed;
+}
+
+/* ---- Nodes ---- */
+
+typedef struct pending {
+    double t_in;
+    uint32_t child; /* as in mesh_node */
+} pending;
+
+/* Depth times siblings: a file's trees are no deeper, which is checked when they are loaded. */
+enum { STACK_MAX = MESH_DEPTH_MAX * (MESH_CHILDREN - 1) + 1 };
+
+/* What a walk does not change. */
+typedef struct walk_of {
+    const treelet *tr;
+    const ray *r;
+    mesh_frame planes;
+    iso_codes isos;
+} walk_of;
+
+/* Push a node's children that the ray meets before `nearest`, the first of them last. */
+static int push_children(const walk_of *w, uint32_t node, double nearest, pending stack[],
+                         int top) {
+    const mesh_node *n = &mesh_leaf_nodes(w->tr->payload)[node];
+    const mesh_codes *codes = &mesh_leaf_codes(w->tr->values)[node];
+    const int bottom = top;
+    for (int c = 0; c < MESH_CHILDREN && n->child[c] != MESH_NO_CHILD; c++) {
+        double lo[3], hi[3];
+        mesh_interval in;
+        if (!holds_any(&w->isos, codes->lo[c], codes->hi[c]))
+            continue;
+        for (int a = 0; a < 3; a++) {
+            lo[a] = (double)mesh_leaf_plane(&w->planes, a, n->lo[a][c]);
+            hi[a] = (double)mesh_leaf_plane(&w->planes, a, n->hi[a][c]);
+        }
+        if (!mesh_interval_of(w->r, lo, hi, &in) || in.t_in > nearest)
+            continue;
+        int at = top++;
+        for (; at > bottom && stack[at - 1].t_in < in.t_in; at--)
+            stack[at] = stack[at - 1];
+        stack[at] = (pending){in.t_in, n->child[c]};
+    }
+    return top;
+}
+
+bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const hit *after,
+               hit *best, walk_counters *counters) {
+    const walk_of w = {tr, r, mesh_leaf_frame(tr->bounds), codes_of(scene, tr)};
+    const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->payload);
+    pending stack[STACK_MAX];
+    bool changed = false;
+    int top = 0;
+    stack[top++] = (pending){-INFINITY, 0};
+    while (top > 0) {
+        const pending p = stack[--top];
+        if (p.t_in > best->t)
+            continue;
+        if (!(p.child & MESH_LEAF)) {
+            counters->nodes++;
+            top = push_children(&w, p.child, best->t, stack, top);
+            continue;
+        }
+        const uint32_t leaf = p.child & ~(uint32_t)MESH_LEAF;
+        for (uint32_t i = first[leaf]; i < first[leaf + 1]; i++)
+            changed |= test_tet(scene, tr, i, r, after, best, counters);
+    }
+    return changed;
+}

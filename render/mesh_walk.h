@@ -1,0 +1,35 @@
+/* mesh_walk.h - one ray through one treelet of a mesh: the nearest hit with the selected
+ * isosurfaces.
+ *
+ * The implicit BVH (W07 5): nodes whose value range holds no isovalue are passed over, the others
+ * are visited front to back as far as the ray meets their boxes; in the leaves every active tet
+ * goes to the kernel.
+ */
+#ifndef RENDER_MESH_WALK_H
+#define RENDER_MESH_WALK_H
+
+#include "render/tet_kernel.h"
+#include "render/walk.h"
+
+/* mesh_walk() - lower *best to the first hit in this treelet that is strictly after `after` in
+ * the order of mesh_tracer.h, if there is a lesser one. Returns whether it changed. */
+bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const hit *after,
+               hit *best, walk_counters *counters);
+
+/* mesh_walk_less() - the order of hits: (t, iso, entering, tet). */
+bool mesh_walk_less(const hit *a, const hit *b);
+
+/* mesh_walk_tet() - a tet of the treelet by its place there. */
+tet mesh_walk_tet(const treelet *tr, uint32_t place);
+
+/* The part of a ray's [t0, t1] in a box, generously: never less than the t of what the kernel finds
+ * in it. */
+typedef struct mesh_interval {
+    double t_in, t_out;
+} mesh_interval;
+
+/* mesh_interval_of() - false when the ray passes the box by. Monotone: what lies within another box
+ * begins no earlier. */
+bool mesh_interval_of(const ray *r, const double lo[3], const double hi[3], mesh_interval *out);
+
+#endif
