@@ -3,11 +3,12 @@
 #include <math.h>
 
 #include "render/shade.h"
+#include "render/urgency.h"
 
 /* What is left of the light behind surfaces that hide this much no longer counts: a twelfth bit. */
 static const float opaque_enough = 1.0f - 1.0f / 4096.0f;
 
-enum { NO_LIGHT = -1 };
+enum { NO_LIGHT = URGENCY_PRIMARY };
 
 pixel_ray pixel_ray_start(uint32_t pixel) {
     const hit before = hit_before_all();
@@ -28,8 +29,7 @@ pixel_ray pixel_ray_found(const frame *f, uint32_t pixel, const hit *h, const tr
     pixel_ray p = pixel_ray_start(pixel);
     p.found = primary_ray(f, pixel, direction, &r);
     p.search.best = *h;
-    p.search.point =
-        surface_at(&f->tracer->scene, &f->tracer->space, at, &r, h, f->tracer->analytic_normals);
+    p.search.point = tracer_surface(f->tracer, at, &r, h);
     return p;
 }
 
@@ -217,53 +217,6 @@ bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters) {
     }
     write_colour(f, p, counters);
     return true;
-}
-
-/* ---- Urgency ---- */
-
-/* The treelet of the level-0 grid that a coordinate falls into; outside, the one beyond. */
-static int64_t treelet_of(const tracer *tr, int a, double x) {
-    const level_planes *planes = &tr->scene.levels[0];
-    uint32_t lo = 0, hi = planes->cells[a];
-    if (!(x > planes->at[a][0]))
-        return -1;
-    if (!(x < planes->at[a][hi]))
-        return tr->layout->level[0].treelets[a];
-    while (hi - lo > 1) {
-        const uint32_t middle = lo + (hi - lo) / 2;
-        if (planes->at[a][middle] <= x)
-            lo = middle;
-        else
-            hi = middle;
-    }
-    return lo >> tr->layout->cells_log2;
-}
-
-static uint64_t urgency_of(const frame *f, uint32_t t, int32_t light_index) {
-    const tracer *tr = f->tracer;
-    const uint32_t level = tr->layout->level_of[t];
-    const leafcast_light *light = light_index == NO_LIGHT ? NULL : &f->scene->lights[light_index];
-    const int64_t far = (int64_t)1 << 24; /* more than any place */
-    double from[3], towards[3] = {0.0, 0.0, 0.0};
-    affine_point_to_grid(&tr->space, light && light->point ? light->vector : f->camera.eye, from);
-    if (light && !light->point)
-        affine_vector_to_grid(&tr->space, light->vector, towards);
-    int64_t rank = 0;
-    for (int a = 0; a < 3; a++) {
-        const int64_t place = (int64_t)tr->layout->place[t][a] << level;
-        if (light && !light->point) {
-            /* Along the light's direction. */
-            rank += towards[a] > 0.0 ? place : far - place;
-            continue;
-        }
-        /* A ray only moves away from the eye's treelet on every axis (and towards a light's), so
-         * the Manhattan distance rises. Of a coarse treelet: from the one of its level there. */
-        const int64_t size = (int64_t)1 << level;
-        const int64_t centre = (treelet_of(tr, a, from[a]) >> level) * size;
-        const int64_t distance = place > centre ? place - centre : centre - place;
-        rank += light ? far - distance : distance;
-    }
-    return (uint64_t)(light_index + 1) << 32 | (uint64_t)rank;
 }
 
 uint64_t pixel_ray_urgency(const frame *f, const pixel_ray *p) {

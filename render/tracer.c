@@ -1,5 +1,6 @@
 #include "render/tracer.h"
 
+#include "render/mesh_tracer.h"
 #include "render/octree_step.h"
 
 /* Cut [t0, t1] by n . (o + t d) + w >= 0. */
@@ -102,6 +103,11 @@ static int push_children(const tracer *tr, const ray *r, const pending *node, pe
     return top;
 }
 
+surface_point tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h) {
+    return tr->tree ? mesh_tracer_surface(tr, at, r, h)
+                    : surface_at(&tr->scene, &tr->space, at, r, h, tr->analytic_normals);
+}
+
 static void walk_resident(const tracer *tr, const ray *r, const treelet *at, const pending *node,
                           trace_state *state, walk_counters *counters) {
     if (!atomic_load_explicit(&tr->touched[node->t], memory_order_relaxed))
@@ -109,14 +115,15 @@ static void walk_resident(const tracer *tr, const ray *r, const treelet *at, con
     const unsigned octants = node->octants ? node->octants : 255u;
     if (tr->walk(&tr->scene, at, r, node->t_in, node->t_out, octants, &state->after, &state->best,
                  counters))
-        state->point =
-            surface_at(&tr->scene, &tr->space, at, r, &state->best, tr->analytic_normals);
+        state->point = tracer_surface(tr, at, r, &state->best);
 }
 
 enum { STACK_MAX = 4 * LEAF_LEVELS_MAX };
 
 trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
                          walk_counters *counters) {
+    if (tr->tree)
+        return mesh_tracer_next(tr, r, state, counters);
     double t_in = fmax(fmax(r->t0, state->after.t), state->t_from), t_out = r->t1;
     if (!box_interval(tr, r, &t_in, &t_out))
         return hit_exists(&state->best) ? TRACE_HIT : TRACE_MISS;

@@ -4,7 +4,7 @@
  * level that the ray meets is walked in turn. A ray that meets an active treelet which is not
  * resident suspends: its state says where to resume and what it has found so far. Since treelets
  * come front to back and a hit is final only when nothing unresolved can come before it, the answer
- * does not depend on what was resident when.
+ * does not depend on what was resident when. For meshes it is mesh_tracer.h that does so.
  */
 #ifndef RENDER_TRACER_H
 #define RENDER_TRACER_H
@@ -20,6 +20,7 @@ typedef struct tracer {
     walk_fn walk;
     const loader *treelets;
     const leaf_layout *layout;
+    const treelet_tree *tree; /* of a mesh; NULL for a grid */
     affine space;
     double box[2][3]; /* of the volume, grid space */
     bool analytic_normals;
@@ -55,5 +56,8 @@ trace_state trace_begin(const hit *after);
  * or the treelet state->blocked is needed. */
 trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
                          walk_counters *counters);
+
+/* tracer_surface() - the point of hit h on ray r, which lies in this treelet. */
+surface_point tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h);
 
 #endif

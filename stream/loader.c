@@ -33,11 +33,14 @@ struct loader_private {
     loader_stats stats;
     /* The selected isovalues; read-only while anything is traced or loaded. */
     double isovalues[ACTIVE_ISOS_MAX];
-    active_set set;
+    active_set isos;
     active_fn *compute;
     atomic_size_t masks; /* made */
     uint8_t *existing;   /* a treelet's octants that are there */
     uint8_t *held;       /* whether a treelet's subtree holds an isovalue: room for a sweep */
+    treelet_tree tree;   /* of a mesh */
+    uint32_t set;        /* of a mesh's values */
+    size_t place_bytes;
     reader *readers;
     int started;
 };
@@ -77,16 +80,25 @@ static loader_request queue_pop(struct loader_private *h) {
 
 /* ---- One treelet in and out ---- */
 
+static uint64_t stored_bytes(const loader *l, uint32_t t) {
+    const leaf_file *f = l->file;
+    return f->sizes[t] +
+           (l->tree ? f->sizes[leaf_layout_values(&f->layout, l->hidden->set, t)] : 0);
+}
+
 static void treelet_free(loader *l, treelet *tr) {
     if (!tr)
         return;
     if (tr->payload)
         source_evict(l->hidden->source, tr->id, tr->payload);
+    if (tr->values)
+        source_evict(l->hidden->source,
+                     leaf_layout_values(&l->file->layout, l->hidden->set, tr->id), tr->values);
     mem_free(l->m, tr);
 }
 
 /* The treelet and its masks share one block. */
-static status treelet_load(loader *l, uint32_t t, source_scratch *scratch, treelet **out) {
+static status grid_load(loader *l, uint32_t t, source_scratch *scratch, treelet **out) {
     const leaf_layout *layout = &l->file->layout;
     leaf_payload shape = leaf_layout_payload(layout, t);
     const size_t head = (sizeof(treelet) + 63) / 64 * 64;
@@ -105,6 +117,31 @@ static status treelet_load(loader *l, uint32_t t, source_scratch *scratch, treel
         return st;
     }
     tr->samples = (const char *)tr->payload + shape.samples_at;
+    loader_mask(l, tr);
+    *out = tr;
+    return ST_OK;
+}
+
+static status mesh_load(loader *l, uint32_t t, source_scratch *scratch, treelet **out) {
+    const leaf_file *f = l->file;
+    const uint32_t values = leaf_layout_values(&f->layout, l->hidden->set, t);
+    treelet *tr = mem_zalloc(l->m, sizeof *tr);
+    if (!tr)
+        return ST_NOMEM;
+    tr->id = t;
+    tr->mesh = mesh_leaf_shape(f->mesh->counts[t]);
+    tr->first_tet = f->mesh->first_tet[t];
+    tr->bounds = f->mesh->bounds[t];
+    tr->own = f->own[values - f->layout.treelets];
+    status st = source_load(l->hidden->source, t, scratch, &tr->payload);
+    if (st == ST_OK)
+        st = mesh_leaf_check_loaded(f, t, tr->payload);
+    if (st == ST_OK)
+        st = source_load(l->hidden->source, values, scratch, &tr->values);
+    if (st != ST_OK) {
+        treelet_free(l, tr);
+        return st;
+    }
     loader_mask(l, tr);
     *out = tr;
     return ST_OK;
@@ -175,7 +212,7 @@ static void *read_treelets(void *arg) {
 
         double start = clock_seconds();
         treelet *tr = NULL;
-        status st = treelet_load(l, t, &self->scratch, &tr);
+        status st = (l->tree ? mesh_load : grid_load)(l, t, &self->scratch, &tr);
         double seconds = clock_seconds() - start;
 
         pthread_mutex_lock(&h->lock);
@@ -183,7 +220,7 @@ static void *read_treelets(void *arg) {
         h->stats.load_s += seconds;
         if (st == ST_OK) {
             h->stats.loads++;
-            h->stats.bytes_read += l->file->sizes[t];
+            h->stats.bytes_read += stored_bytes(l, t);
             publish(l, tr);
         } else {
             h->state[t] = FAILED;
@@ -215,8 +252,10 @@ void loader_mask(const loader *l, treelet *tr) {
         if (seen != LOADER_MASKING &&
             atomic_compare_exchange_strong_explicit(&tr->masked, &seen, LOADER_MASKING,
                                                     memory_order_acquire, memory_order_relaxed)) {
-            h->compute(tr->masks, l->file, tr->id, tr->payload, &h->set);
-            atomic_fetch_add_explicit(&h->masks, 1, memory_order_relaxed);
+            if (tr->masks) {
+                h->compute(tr->masks, l->file, tr->id, tr->payload, &h->isos);
+                atomic_fetch_add_explicit(&h->masks, 1, memory_order_relaxed);
+            }
             atomic_store_explicit(&tr->masked, l->selection, memory_order_release);
             return;
         }
@@ -232,6 +271,32 @@ static uint8_t *existing_octants(mem *m, const leaf_layout *layout) {
     for (uint32_t t = 0; existing && t < layout->treelets; t++)
         existing[t] = leaf_layout_children(layout, t);
     return existing;
+}
+
+/* What a resident treelet costs at most. */
+static size_t place_bytes_of(const loader *l) {
+    const leaf_layout *layout = &l->file->layout;
+    size_t most = 0;
+    if (!l->tree)
+        most = leaf_layout_payload_max(layout) +
+               active_bytes(layout->cells_log2 - LEAF_BLOCK_LOG2);
+    for (uint32_t t = 0; l->tree && t < layout->treelets; t++) {
+        const size_t bytes = leaf_layout_payload_bytes(layout, t) +
+                             leaf_layout_payload_bytes(layout, layout->treelets + t);
+        most = bytes > most ? bytes : most;
+    }
+    return most + (l->tree ? 2 : 1) * source_overhead_bytes(l->hidden->source) + sizeof(treelet) +
+           256;
+}
+
+/* A mesh's directory as a tree. */
+static status grow_tree(loader *l) {
+    if (l->file->header.kind != LEAF_KIND_MESH)
+        return ST_OK;
+    status st = treelet_tree_init(&l->hidden->tree, l->m, l->file->mesh->bounds,
+                                  l->file->layout.treelets);
+    l->tree = &l->hidden->tree;
+    return st;
 }
 
 status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, cpu_isa isa,
@@ -264,9 +329,12 @@ status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, cpu_is
     if (!l->own || !l->children || !l->resident || !h->state || !h->queue || !h->places ||
         !h->spares || !h->existing || !h->held || !h->readers)
         goto fail;
-    st = source_open(m, f, kind, &h->source);
+    st = grow_tree(l);
+    if (st == ST_OK)
+        st = source_open(m, f, kind, &h->source);
     if (st != ST_OK)
         goto fail;
+    h->place_bytes = place_bytes_of(l);
     for (; h->started < workers; h->started++) {
         reader *r = &h->readers[h->started];
         r->owner = l;
@@ -308,6 +376,7 @@ void loader_destroy(loader *l) {
         pthread_cond_destroy(&h->work);
         pthread_mutex_destroy(&h->lock);
         source_close(h->source);
+        treelet_tree_release(&h->tree);
         mem_free(l->m, h->readers);
         mem_free(l->m, h->held);
         mem_free(l->m, h->existing);
@@ -361,7 +430,7 @@ static void sweep_ranges(loader *l) {
     uint64_t bytes = 0;
     uint32_t active = 0;
     for (uint32_t t = 0; t < treelets; t++) {
-        bytes += l->own[t] ? f->sizes[t] : 0;
+        bytes += l->own[t] ? stored_bytes(l, t) : 0;
         active += l->own[t];
     }
     l->bytes_active = bytes;
@@ -373,6 +442,8 @@ static void sweep_ranges(loader *l) {
             mask |= (unsigned)*child++ << __builtin_ctz(left);
         l->children[t] = (uint8_t)mask;
     }
+    if (l->tree)
+        treelet_tree_select(&l->hidden->tree, l->own);
 }
 
 /* Resident treelets that hold a surface are READY, the others SPARE. */
@@ -403,9 +474,9 @@ void loader_select(loader *l, const double *isovalues, int count) {
     const size_t bytes = (size_t)count * sizeof *isovalues;
     pthread_mutex_lock(&h->lock);
     rest(h);
-    if (count != h->set.count || memcmp(h->isovalues, isovalues, bytes) != 0) {
+    if (count != h->isos.count || memcmp(h->isovalues, isovalues, bytes) != 0) {
         memcpy(h->isovalues, isovalues, bytes);
-        h->set = (active_set){count, h->isovalues};
+        h->isos = (active_set){count, h->isovalues};
         l->selection++;
         sweep_ranges(l);
         sort_resident(l);
@@ -414,9 +485,7 @@ void loader_select(loader *l, const double *isovalues, int count) {
 }
 
 size_t loader_place_bytes(const loader *l) {
-    const uint32_t node_levels = l->file->layout.cells_log2 - LEAF_BLOCK_LOG2;
-    return source_resident_bytes(l->hidden->source) + active_bytes(node_levels) + sizeof(treelet) +
-           256;
+    return l->hidden->place_bytes;
 }
 
 void loader_set_capacity(loader *l, uint32_t places) {

@@ -22,19 +22,28 @@
 
 #include "formats/base/cpu.h"
 #include "formats/leaf_file.h"
+#include "formats/mesh_leaf.h"
 #include "stream/active.h"
 #include "stream/source.h"
+#include "stream/treelet_tree.h"
 
 /* A resident treelet. Only its masks ever change, and only from one selection to the next. */
 typedef struct treelet {
     uint32_t id;
+    const void *payload; /* of a mesh: its topology */
+    /* Of a grid: */
     uint32_t level;
     uint32_t first_cell[3]; /* of its level's grid */
     leaf_payload shape;
-    const void *payload;
     const void *samples; /* at the halo's first sample */
     active_masks *masks;
-    atomic_size_t masked; /* the selection that they are for, 0: none; or LOADER_MASKING */
+    /* Of a mesh: */
+    const void *values;
+    mesh_shape mesh;
+    uint64_t first_tet;  /* index of its first tet in the whole mesh */
+    const float *bounds; /* lo x y z, hi x y z */
+    const float *own;    /* range of its values: what their codes relate to */
+    atomic_size_t masked; /* the selection that masks are for, 0: none; or LOADER_MASKING */
 } treelet;
 
 #define LOADER_MASKING SIZE_MAX /* some thread is making them */
@@ -52,6 +61,7 @@ typedef struct loader {
     uint8_t *own;      /* 1: its own level holds a surface */
     uint8_t *children; /* octants whose subtree holds one, by the merged ranges */
     _Atomic(treelet *) *resident;
+    const treelet_tree *tree; /* of a mesh's treelets; NULL for a grid */
     size_t selection; /* how many different ones there were */
     uint64_t bytes_active;
     uint32_t treelets_active;

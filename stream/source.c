@@ -13,8 +13,8 @@
 #endif
 
 typedef struct backend {
-    status (*load)(source *s, uint32_t t, source_scratch *scratch, const void **payload);
-    void (*evict)(source *s, uint32_t t, const void *payload);
+    status (*load)(source *s, uint32_t p, source_scratch *scratch, const void **payload);
+    void (*evict)(source *s, uint32_t p, const void *payload);
 } backend;
 
 struct source {
@@ -28,13 +28,13 @@ struct source {
 
 /* ---- mapped ---- */
 
-static status mapped_load(source *s, uint32_t t, source_scratch *scratch, const void **payload) {
+static status mapped_load(source *s, uint32_t p, source_scratch *scratch, const void **payload) {
     (void)scratch;
-    const uint64_t from = s->file->offsets[t], to = from + s->file->sizes[t];
+    const uint64_t from = s->file->offsets[p], to = from + s->file->sizes[p];
     const uint64_t first = from / s->page * s->page;
     if (fault_hit(FAULT_READ))
-        return status_describe(ST_IO, "%s: treelet %u: reading its pages failed",
-                               file_path(s->file->source), t);
+        return status_describe(ST_IO, "%s: payload %u: reading its pages failed",
+                               file_path(s->file->source), p);
     /* One request for the whole range; populating page by page would wait for each. */
     (void)madvise(s->map + first, (size_t)(to - first), MADV_WILLNEED);
     while (madvise(s->map + first, (size_t)(to - first), MADV_POPULATE_READ) != 0) {
@@ -42,19 +42,19 @@ static status mapped_load(source *s, uint32_t t, source_scratch *scratch, const 
             continue;
         if (errno == EINVAL)
             break;
-        return status_describe(ST_IO, "%s: treelet %u: reading bytes %llu to %llu failed: %s",
-                               file_path(s->file->source), t, (unsigned long long)from,
+        return status_describe(ST_IO, "%s: payload %u: reading bytes %llu to %llu failed: %s",
+                               file_path(s->file->source), p, (unsigned long long)from,
                                (unsigned long long)to, strerror(errno));
     }
-    return leaf_file_decode(s->file, t, s->map + from, NULL, payload);
+    return leaf_file_decode(s->file, p, s->map + from, NULL, payload);
 }
 
-static void mapped_evict(source *s, uint32_t t, const void *payload) {
+static void mapped_evict(source *s, uint32_t p, const void *payload) {
     (void)payload;
     /* Only pages that hold no neighbour's bytes: giving back a shared page would fault it in again
      * under a ray. */
-    const uint64_t from = (s->file->offsets[t] + s->page - 1) / s->page * s->page;
-    const uint64_t to = (s->file->offsets[t] + s->file->sizes[t]) / s->page * s->page;
+    const uint64_t from = (s->file->offsets[p] + s->page - 1) / s->page * s->page;
+    const uint64_t to = (s->file->offsets[p] + s->file->sizes[p]) / s->page * s->page;
     if (to > from)
         (void)madvise(s->map + from, (size_t)(to - from), MADV_DONTNEED);
 }
@@ -63,11 +63,11 @@ static const backend mapped_backend = {mapped_load, mapped_evict};
 
 /* ---- arena ---- */
 
-static status arena_load(source *s, uint32_t t, source_scratch *scratch, const void **payload) {
-    void *block = mem_alloc(s->m, leaf_layout_payload_max(&s->file->layout));
+static status arena_load(source *s, uint32_t p, source_scratch *scratch, const void **payload) {
+    void *block = mem_alloc(s->m, leaf_layout_payload_bytes(&s->file->layout, p));
     if (!block)
         return ST_NOMEM;
-    status st = leaf_file_load(s->file, t, scratch->stored, block);
+    status st = leaf_file_load(s->file, p, scratch->stored, block);
     if (st != ST_OK) {
         mem_free(s->m, block);
         return st;
@@ -76,8 +76,8 @@ static status arena_load(source *s, uint32_t t, source_scratch *scratch, const v
     return ST_OK;
 }
 
-static void arena_evict(source *s, uint32_t t, const void *payload) {
-    (void)t;
+static void arena_evict(source *s, uint32_t p, const void *payload) {
+    (void)p;
     mem_free(s->m, (void *)(uintptr_t)payload);
 }
 
@@ -129,8 +129,8 @@ status source_scratch_init(source *s, source_scratch *scratch) {
     if (s->file->header.codec == LEAF_CODEC_RAW)
         return ST_OK;
     uint64_t largest = 0;
-    for (uint32_t t = 0; t < s->file->layout.treelets; t++)
-        largest = s->file->sizes[t] > largest ? s->file->sizes[t] : largest;
+    for (uint32_t p = 0; p < s->file->layout.payloads; p++)
+        largest = s->file->sizes[p] > largest ? s->file->sizes[p] : largest;
     scratch->stored = mem_alloc(s->m, (size_t)largest);
     return scratch->stored ? ST_OK : ST_NOMEM;
 }
@@ -140,18 +140,17 @@ void source_scratch_release(source *s, source_scratch *scratch) {
     scratch->stored = NULL;
 }
 
-status source_load(source *s, uint32_t t, source_scratch *scratch, const void **payload) {
-    return s->backend->load(s, t, scratch, payload);
+status source_load(source *s, uint32_t p, source_scratch *scratch, const void **payload) {
+    return s->backend->load(s, p, scratch, payload);
 }
 
-void source_evict(source *s, uint32_t t, const void *payload) {
-    s->backend->evict(s, t, payload);
+void source_evict(source *s, uint32_t p, const void *payload) {
+    s->backend->evict(s, p, payload);
 }
 
-size_t source_resident_bytes(const source *s) {
+size_t source_overhead_bytes(const source *s) {
     /* The mapped backend rounds to pages on both sides. */
-    return leaf_layout_payload_max(&s->file->layout) +
-           (s->kind == SOURCE_MAPPED ? 2 * s->page : 128);
+    return s->kind == SOURCE_MAPPED ? 2 * s->page : 128;
 }
 
 source_kind source_kind_of(const source *s) {

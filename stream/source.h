@@ -28,13 +28,13 @@ typedef struct source_scratch {
 CHECKED status source_scratch_init(source *s, source_scratch *scratch);
 void source_scratch_release(source *s, source_scratch *scratch);
 
-/* source_load() - make treelet t's payload resident and checked: *payload points at its bytes until
- * source_evict(). ST_CORRUPT names the treelet. */
-CHECKED status source_load(source *s, uint32_t t, source_scratch *scratch, const void **payload);
-void source_evict(source *s, uint32_t t, const void *payload);
+/* source_load() - make payload p (of the directory) resident and checked: *payload points at its bytes
+ * until source_evict(). ST_CORRUPT names it. */
+CHECKED status source_load(source *s, uint32_t p, source_scratch *scratch, const void **payload);
+void source_evict(source *s, uint32_t p, const void *payload);
 
-/* source_resident_bytes() - what a loaded treelet costs at most. */
-size_t source_resident_bytes(const source *s);
+/* source_overhead_bytes() - what a loaded payload costs at most beside its bytes. */
+size_t source_overhead_bytes(const source *s);
 
 source_kind source_kind_of(const source *s);
 
