@@ -5,10 +5,7 @@
 
 #include "formats/base/clock.h"
 #include "render/experiment.h"
-#include "render/frame.h"
-#include "render/intersect.h"
-#include "render/kernels.h"
-#include "render/level_planes.h"
+#include "render/leafcast_volume.h"
 
 _Static_assert((int)LEAFCAST_USAGE == (int)ST_USAGE && (int)LEAFCAST_CORRUPT == (int)ST_CORRUPT &&
                    (int)LEAFCAST_UNSUPPORTED == (int)ST_UNSUPPORTED &&
@@ -20,27 +17,7 @@ _Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ACTIVE_ISOS_MAX, "as many isov
 
 enum { LOADER_WORKERS = 2 };
 
-struct leafcast {
-    mem budget;
-    leafcast_options options;
-    leaf_file *file;
-    pool *threads;
-    loader *treelets;
-    level_planes_table planes;
-    affine space;
-    kernels kernels;
-    projection projection; /* of the frame that is being drawn */
-    leafcast_surface surfaces[LEAFCAST_SURFACES_MAX];
-    double isovalues[LEAFCAST_SURFACES_MAX];
-    int surface_count;
-    atomic_uchar *touched;
-    uint8_t *stop;          /* per treelet, for --lod pixel */
-    size_t base_bytes;      /* of the budget, before any treelet */
-    intersect_fn intersect; /* instead of the scene's, see experiment.h */
-    double opened_at, open_s, first_image_s;
-};
-
-static leafcast_status public_status(status st) {
+leafcast_status leafcast_public_status(status st) {
     switch (st) {
     case ST_OK:
     case ST_USAGE:
@@ -66,7 +43,7 @@ static status open_parts(leafcast *v, const char *path) {
         return status_describe(ST_USAGE, "this CPU or this build has no kernels called %s",
                                v->options.isa);
     status st = leaf_file_open(m, path, &v->file);
-    if (st == ST_OK)
+    if (st == ST_OK && !v->file->mesh)
         st = level_planes_init(&v->planes, m, v->file);
     if (st == ST_OK)
         st = pool_create(m, v->options.threads > 0 ? v->options.threads : pool_default_threads(),
@@ -99,7 +76,7 @@ leafcast_status leafcast_open(const char *path, const leafcast_options *options,
     status st = open_parts(v, path);
     if (st != ST_OK) {
         leafcast_close(v);
-        return public_status(st);
+        return leafcast_public_status(st);
     }
     v->opened_at = start;
     v->open_s = clock_seconds() - start;
@@ -114,11 +91,49 @@ void leafcast_close(leafcast *v) {
     mem_init(&outside, 0);
     loader_destroy(v->treelets);
     pool_destroy(v->threads);
-    level_planes_release(&v->planes);
+    if (v->file && !v->file->mesh)
+        level_planes_release(&v->planes);
     mem_free(&v->budget, v->stop);
     mem_free(&v->budget, v->touched);
     leaf_file_close(v->file);
     mem_free(&outside, v);
+}
+
+/* Where a grid is, and how large its cells are. */
+static void extent_of_grid(const leafcast *v, leafcast_info *info) {
+    const leaf_header *h = &v->file->header;
+    for (int a = 0; a < 3; a++) {
+        info->dims[a] = h->dims[a];
+        info->bounds[0][a] = INFINITY;
+        info->bounds[1][a] = -INFINITY;
+    }
+    for (int corner = 0; corner < 8; corner++) {
+        double grid[3], world[3];
+        for (int a = 0; a < 3; a++)
+            grid[a] = v->file->axis[a][corner >> a & 1 ? h->dims[a] - 1 : 0];
+        affine_point_to_world(&v->space, grid, world);
+        for (int a = 0; a < 3; a++) {
+            info->bounds[0][a] = fmin(info->bounds[0][a], world[a]);
+            info->bounds[1][a] = fmax(info->bounds[1][a], world[a]);
+        }
+    }
+    for (int a = 0; a < 3; a++) {
+        const double *axis = v->file->axis[a], edge = affine_unit(&v->space, a);
+        info->cell_size *= cbrt(edge * (axis[h->dims[a] - 1] - axis[0]) / (h->dims[a] - 1));
+    }
+}
+
+/* A mesh's; an edge as if six tets in its box made a cube. */
+static void extent_of_mesh(const leafcast *v, leafcast_info *info) {
+    const leaf_header *h = &v->file->header;
+    info->tets = h->tets;
+    info->vertices = h->vertices;
+    for (int a = 0; a < 3; a++) {
+        info->bounds[0][a] = (double)h->bounds[a];
+        info->bounds[1][a] = (double)h->bounds[a + 3];
+        info->cell_size *= cbrt(info->bounds[1][a] - info->bounds[0][a]);
+    }
+    info->cell_size *= cbrt(6.0 / (double)h->tets);
 }
 
 leafcast_info leafcast_describe(const leafcast *v) {
@@ -132,25 +147,7 @@ leafcast_info leafcast_describe(const leafcast *v) {
                           .cell_size = 1.0,
                           .file_bytes = h->file_bytes,
                           .payload_bytes = h->payload_bytes};
-    for (int a = 0; a < 3; a++) {
-        info.dims[a] = h->dims[a];
-        info.bounds[0][a] = INFINITY;
-        info.bounds[1][a] = -INFINITY;
-    }
-    for (int corner = 0; corner < 8; corner++) {
-        double grid[3], world[3];
-        for (int a = 0; a < 3; a++)
-            grid[a] = v->file->axis[a][corner >> a & 1 ? h->dims[a] - 1 : 0];
-        affine_point_to_world(&v->space, grid, world);
-        for (int a = 0; a < 3; a++) {
-            info.bounds[0][a] = fmin(info.bounds[0][a], world[a]);
-            info.bounds[1][a] = fmax(info.bounds[1][a], world[a]);
-        }
-    }
-    for (int a = 0; a < 3; a++) {
-        const double *axis = v->file->axis[a], edge = affine_unit(&v->space, a);
-        info.cell_size *= cbrt(edge * (axis[h->dims[a] - 1] - axis[0]) / (h->dims[a] - 1));
-    }
+    (v->file->mesh ? extent_of_mesh : extent_of_grid)(v, &info);
     return info;
 }
 
@@ -162,15 +159,15 @@ leafcast_surface leafcast_surface_default(double isovalue) {
 
 leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, int count) {
     if (count < 1 || count > LEAFCAST_SURFACES_MAX)
-        return public_status(status_describe(ST_USAGE,
+        return leafcast_public_status(status_describe(ST_USAGE,
                                              "%d isosurfaces: 1 to %d can be drawn at once", count,
                                              LEAFCAST_SURFACES_MAX));
     for (int i = 0; i < count; i++) {
         if (!isfinite(surfaces[i].isovalue))
-            return public_status(
+            return leafcast_public_status(
                 status_describe(ST_USAGE, "isovalue %d is not a finite number", i + 1));
         if (!(surfaces[i].opacity > 0.0f && surfaces[i].opacity <= 1.0f))
-            return public_status(status_describe(ST_USAGE, "opacity %d is not in (0, 1]", i + 1));
+            return leafcast_public_status(status_describe(ST_USAGE, "opacity %d is not in (0, 1]", i + 1));
     }
     for (int i = 0; i < count; i++) {
         v->surfaces[i] = surfaces[i];
@@ -259,13 +256,18 @@ static void stop_levels(leafcast *v, const camera *c) {
     }
 }
 
-static status tracer_of(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
+status leafcast_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
     const intersector *how = intersector_find(scene->intersector);
     const leaf_layout *layout = &v->file->layout;
     if (v->surface_count == 0)
         return status_describe(ST_USAGE, "no isosurface is selected");
     if (!how)
         return status_describe(ST_USAGE, "there is no such intersector");
+    if (v->file->mesh && scene->intersector != LEAFCAST_MARMITT)
+        return status_describe(ST_USAGE, "intersectors are for grids: in a mesh, surfaces are flat "
+                                         "within a tetrahedron, and met exactly");
+    if (v->file->mesh && scene->lod == LEAFCAST_LOD_LEVEL && scene->lod_level > 0)
+        return status_describe(ST_USAGE, "this mesh has no coarse levels");
     if (scene->light_count < 0 || scene->light_count > LEAFCAST_LIGHTS_MAX)
         return status_describe(ST_USAGE, "%d lights: 0 to %d are possible", scene->light_count,
                                LEAFCAST_LIGHTS_MAX);
@@ -278,19 +280,24 @@ static status tracer_of(leafcast *v, const leafcast_scene *scene, const camera *
                    .walk = v->kernels.walk,
                    .treelets = v->treelets,
                    .layout = layout,
+                   .tree = v->treelets->tree,
                    .space = v->space,
                    .analytic_normals = scene->analytic_normals,
                    .preview = scene->preview,
                    .touched = v->touched};
-    for (int a = 0; a < 3; a++) {
+    for (int a = 0; a < 3 && !tr->tree; a++) {
         tr->box[0][a] = v->file->axis[a][0];
         tr->box[1][a] = v->file->axis[a][v->file->header.dims[a] - 1];
+    }
+    for (int a = 0; a < 3 && tr->tree; a++) {
+        tr->box[0][a] = (double)v->file->header.bounds[a];
+        tr->box[1][a] = (double)v->file->header.bounds[a + 3];
     }
     if (scene->lod == LEAFCAST_LOD_LEVEL)
         tr->target_level =
             scene->lod_level < layout->levels ? scene->lod_level : layout->levels - 1;
     status st = clip_of(scene, tr);
-    if (st == ST_OK && scene->lod == LEAFCAST_LOD_PIXEL && c) {
+    if (st == ST_OK && scene->lod == LEAFCAST_LOD_PIXEL && c && !tr->tree) {
         stop_levels(v, c);
         tr->stop = v->stop;
     }
@@ -318,7 +325,8 @@ static status share_budget(leafcast *v, frame *f) {
     records = records < least ? least : records < UINT32_MAX / 2 ? records : UINT32_MAX / 2;
     if (v->budget.limit) {
         const size_t fixed =
-            v->base_bytes + image_bytes(&f->image, pixels) + projection_bytes(&v->file->layout) +
+            v->base_bytes + image_bytes(&f->image, pixels) +
+            (v->file->mesh ? 0 : projection_bytes(&v->file->layout)) +
             frame_bytes(treelets, (uint32_t)records, f->width, f->height, pool_threads(v->threads));
         const size_t needed = fixed + least * frame_record_bytes() + place;
         if (v->budget.limit < needed)
@@ -341,7 +349,7 @@ static status share_budget(leafcast *v, frame *f) {
 /* Tiles of rays, where there are kernels for them. An experiment's intersector wants single rays.
  */
 static status project(leafcast *v, frame *f) {
-    if (!v->kernels.tile || v->intersect)
+    if (!v->kernels.tile || v->intersect || v->file->mesh)
         return ST_OK;
     status st = projection_init(&v->projection, &v->budget, &v->file->layout, v->planes.levels,
                                 &v->space, &f->camera);
@@ -404,11 +412,11 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
     status st = camera_init(&f.camera, from);
     loader_forget_failures(v->treelets);
     if (st == ST_OK)
-        st = tracer_of(v, scene, &f.camera, &tr);
+        st = leafcast_tracer(v, scene, &f.camera, &tr);
     if (st == ST_OK)
         st = share_budget(v, &f);
     if (st != ST_OK)
-        return public_status(st);
+        return leafcast_public_status(st);
     for (uint32_t t = 0; t < v->file->layout.treelets; t++)
         atomic_store_explicit(&v->touched[t], 0, memory_order_relaxed);
     if (scene->sweep || scene->preview)
@@ -424,7 +432,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
         v->first_image_s = end - v->opened_at;
     if (stats)
         fill_stats(v, &counters, end - start, stats);
-    return public_status(st);
+    return leafcast_public_status(st);
 }
 
 void experiment_intersect(leafcast *v, intersect_fn intersect) {
@@ -433,144 +441,4 @@ void experiment_intersect(leafcast *v, intersect_fn intersect) {
 
 kernels *kernels_in_use(leafcast *v) {
     return &v->kernels;
-}
-
-/* ---- Probing ---- */
-
-/* Bring in the one treelet that a probe needs. */
-static status need(leafcast *v, uint32_t t) {
-    loader_request request = {t, 0};
-    return loader_admit(v->treelets, &request, 1);
-}
-
-/* The hit's treelet may have given way to one that starts where it ends: it is brought back. */
-static status samples_of_hit(leafcast *v, const tracer *tr, const uint32_t cell[3],
-                             float samples[8]) {
-    uint32_t place[3];
-    for (int a = 0; a < 3; a++)
-        place[a] = cell[a] >> v->file->layout.cells_log2;
-    const uint32_t t = leaf_layout_find(&v->file->layout, tr->target_level, place);
-    for (;;) {
-        const treelet *at = loader_lookup(v->treelets, t);
-        if (at) {
-            walk_cell_samples(&tr->scene, at, cell, samples);
-            return ST_OK;
-        }
-        status st = need(v, t);
-        if (st != ST_OK)
-            return st;
-    }
-}
-
-static status describe_hit(leafcast *v, const tracer *tr, const ray *r, const double origin[3],
-                           const double direction[3], const trace_state *state, leafcast_hit *out) {
-    const hit *h = &state->best;
-    const level_planes *planes = &v->planes.levels[tr->target_level];
-    *out = (leafcast_hit){.t = h->t, .surface = h->iso, .entering = h->entering};
-    surface_cell_of(planes, h->cell, out->cell);
-    double slope = 0.0;
-    for (int a = 0; a < 3; a++) {
-        const double x = r->o[a] + h->t * r->d[a];
-        out->point[a] = origin[a] + h->t * direction[a];
-        out->at[a] = fmin(
-            fmax((x - planes->at[a][out->cell[a]]) * planes->inverse[a][out->cell[a]], 0.0), 1.0);
-        out->gradient[a] = state->point.gradient[a];
-        out->normal[a] = (double)state->point.normal[a];
-        slope += state->point.gradient[a] * direction[a];
-    }
-    out->error_bound = slope != 0.0 ? state->point.error / fabs(slope) : INFINITY;
-    return samples_of_hit(v, tr, out->cell, out->samples);
-}
-
-leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, const double origin[3],
-                                   const double direction[3], leafcast_hit *hits, int max,
-                                   int *count) {
-    tracer tr;
-    ray r;
-    walk_counters counters = {0};
-    *count = 0;
-    double length = 0.0, place = 0.0;
-    for (int a = 0; a < 3; a++) {
-        length += fabs(direction[a]);
-        place += fabs(origin[a]);
-    }
-    if (!(length > 0.0 && length < INFINITY && place < INFINITY))
-        return public_status(status_describe(ST_USAGE, "a ray needs a finite origin and a finite "
-                                                       "direction that is not 0,0,0"));
-    status st = tracer_of(v, scene, NULL, &tr);
-    if (st != ST_OK)
-        return public_status(st);
-    tr.preview = false;
-    loader_forget_failures(v->treelets);
-    if (!tracer_ray(&tr, origin, direction, 0.0, INFINITY, &r))
-        return LEAFCAST_OK;
-    const hit before = hit_before_all();
-    trace_state state = trace_begin(&before);
-    while (*count < max) {
-        const trace_result result = tracer_next(&tr, &r, &state, &counters);
-        if (result == TRACE_MISS)
-            break;
-        if (result == TRACE_BLOCKED) {
-            st = need(v, state.blocked);
-            if (st != ST_OK)
-                return public_status(st);
-            continue;
-        }
-        st = describe_hit(v, &tr, &r, origin, direction, &state, &hits[*count]);
-        if (st != ST_OK)
-            return public_status(st);
-        ++*count;
-        const hit behind = state.best;
-        state = trace_begin(&behind);
-    }
-    return LEAFCAST_OK;
-}
-
-/* The cell that owns a coordinate: [i, i + 1), the last one its end too. */
-static uint32_t cell_owning(const double *axis, uint32_t nodes, double x) {
-    uint32_t lo = 0, hi = nodes - 1;
-    while (hi - lo > 1) {
-        const uint32_t middle = lo + (hi - lo) / 2;
-        if (axis[middle] <= x)
-            lo = middle;
-        else
-            hi = middle;
-    }
-    return lo;
-}
-
-leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcast_sample *sample) {
-    const level_planes *planes = &v->planes.levels[0];
-    const leaf_layout *layout = &v->file->layout;
-    double grid[3];
-    uint32_t place[3];
-    *sample = (leafcast_sample){.value = NAN};
-    affine_point_to_grid(&v->space, point, grid);
-    for (int a = 0; a < 3; a++) {
-        const double *axis = v->file->axis[a];
-        if (!(grid[a] >= axis[0] && grid[a] <= axis[planes->cells[a]]))
-            return LEAFCAST_OK;
-        sample->cell[a] = cell_owning(axis, planes->cells[a] + 1, grid[a]);
-        sample->at[a] =
-            (grid[a] - planes->at[a][sample->cell[a]]) * planes->inverse[a][sample->cell[a]];
-        place[a] = sample->cell[a] >> layout->cells_log2;
-    }
-    sample->inside = true;
-    sample->treelet = leaf_layout_find(layout, 0, place);
-    loader_forget_failures(v->treelets);
-    status st = ST_OK;
-    const treelet *tr = loader_lookup(v->treelets, sample->treelet);
-    for (; !tr && st == ST_OK; tr = loader_lookup(v->treelets, sample->treelet))
-        st = need(v, sample->treelet);
-    if (st == ST_OK) {
-        const walk_scene scene = {
-            .levels = v->planes.levels, .type = layout->type, .halo = layout->halo};
-        double gradient[3], inverse[3];
-        for (int a = 0; a < 3; a++)
-            inverse[a] = planes->inverse[a][sample->cell[a]];
-        walk_cell_samples(&scene, tr, sample->cell, sample->samples);
-        sample->value = surface_trilinear(sample->samples, sample->at, inverse, gradient);
-        affine_gradient_to_world(&v->space, gradient, sample->gradient);
-    }
-    return public_status(st);
 }

@@ -64,14 +64,15 @@ leafcast_status leafcast_open(const char *path, const leafcast_options *options,
 void leafcast_close(leafcast *volume); /* NULL is fine */
 
 typedef struct leafcast_info {
-    uint32_t dims[3]; /* nodes per axis, level 0 */
+    uint32_t dims[3];        /* nodes per axis, level 0; of a mesh: 0 */
+    uint64_t tets, vertices; /* of a mesh; of a grid: 0 */
     uint32_t levels;
     uint32_t treelets;       /* of all levels */
     const char *sample_type; /* "u8" ... */
     const char *name;
     double value_min, value_max;
     double bounds[2][3]; /* of the volume in world space, axis-aligned: minimum and maximum */
-    double cell_size;    /* geometric mean edge of a cell, world units */
+    double cell_size;    /* geometric mean edge of a cell, world units; of a mesh: about */
     uint64_t file_bytes, payload_bytes;
 } leafcast_info;
 
@@ -199,10 +200,14 @@ typedef struct leafcast_hit {
     double t, point[3];
     int surface;
     bool entering; /* from below the isovalue to above */
+    /* In a grid: */
     uint32_t cell[3];
-    double at[3];       /* position inside the cell, [0, 1] */
-    float samples[8];   /* corner x + 2y + 4z */
-    double gradient[3]; /* of the cell's trilinear form, world units */
+    double at[3];     /* position inside the cell, [0, 1] */
+    float samples[8]; /* corner x + 2y + 4z */
+    /* In a mesh: the tet, by its number in the file's order, and its vertices. */
+    uint64_t tet;
+    float vertices[4][3], values[4];
+    double gradient[3]; /* of the cell's trilinear form, or in the tet; world units */
     double normal[3];   /* the shading normal */
     double error_bound; /* of t, world units; INFINITY when the ray only grazes */
 } leafcast_hit;
@@ -220,10 +225,14 @@ void leafcast_pixel_ray(const leafcast_camera *camera, double x, double y, doubl
 
 typedef struct leafcast_sample {
     bool inside; /* of the volume */
+    /* In a grid: */
     uint32_t cell[3];
     double at[3];
     float samples[8];
-    double value;       /* trilinear; NaN where a sample is not finite */
+    /* In a mesh: the first tet that holds the point. */
+    uint64_t tet;
+    float vertices[4][3], values[4];
+    double value;       /* trilinear, or linear; NaN where a sample is not finite */
     double gradient[3]; /* world units */
     uint32_t treelet;
 } leafcast_sample;

@@ -1,5 +1,7 @@
 #include "render/mesh_walk.h"
 
+#include <string.h>
+
 #include "formats/mesh_leaf.h"
 
 /* Kernel and boxes round differently; what is given away is a millionth of the distance. */
@@ -175,4 +177,50 @@ bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const h
             changed |= test_tet(scene, tr, i, r, after, best, counters);
     }
     return changed;
+}
+
+/* ---- Points ---- */
+
+static void cross(const double a[3], const double b[3], double out[3]) {
+    for (int i = 0; i < 3; i++)
+        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+/* Six times the volume of the tet (a, b, c, d). */
+static double volume(const double a[3], const double b[3], const double c[3], const double d[3]) {
+    double u[3], v[3], w[3], n[3];
+    for (int i = 0; i < 3; i++) {
+        u[i] = b[i] - a[i];
+        v[i] = c[i] - a[i];
+        w[i] = d[i] - a[i];
+    }
+    cross(v, w, n);
+    return u[0] * n[0] + u[1] * n[1] + u[2] * n[2];
+}
+
+static bool holds_point(const tet *x, const double point[3], double weights[4]) {
+    static const double tolerance = 1e-12;
+    double p[4][3];
+    for (int k = 0; k < 4; k++)
+        for (int a = 0; a < 3; a++)
+            p[k][a] = (double)x->p[k][a];
+    const double all = volume(p[0], p[1], p[2], p[3]);
+    for (int k = 0; k < 4; k++) {
+        double q[4][3];
+        memcpy(q, p, sizeof q);
+        memcpy(q[k], point, sizeof q[k]);
+        weights[k] = volume(q[0], q[1], q[2], q[3]) / all;
+        if (!(weights[k] >= -tolerance && weights[k] <= 1.0 + tolerance))
+            return false;
+    }
+    return true;
+}
+
+bool mesh_walk_find(const treelet *tr, const double point[3], uint32_t *place, double weights[4]) {
+    for (*place = 0; *place < tr->mesh.tets; ++*place) {
+        const tet x = mesh_walk_tet(tr, *place);
+        if (holds_point(&x, point, weights))
+            return true;
+    }
+    return false;
 }

@@ -22,6 +22,10 @@ bool mesh_walk_less(const hit *a, const hit *b);
 /* mesh_walk_tet() - a tet of the treelet by its place there. */
 tet mesh_walk_tet(const treelet *tr, uint32_t place);
 
+/* mesh_walk_find() - the first tet that holds a point of its treelet's box, faces included (to
+ * rounding), and the point's barycentric coordinates there; flat ones hold none. */
+bool mesh_walk_find(const treelet *tr, const double point[3], uint32_t *place, double weights[4]);
+
 /* The part of a ray's [t0, t1] in a box, generously: never less than the t of what the kernel finds
  * in it. */
 typedef struct mesh_interval {

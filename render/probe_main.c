@@ -15,6 +15,7 @@ typedef struct probe_options {
     cli_common common;
     view_options view;
     const char *volume;
+    bool is_mesh; /* the file: known once it is open */
     bool at, point, ray;
     double pixel[2], where[3], line[6];
     int hits;
@@ -110,18 +111,32 @@ static json_t *reals(const double *x, int count) {
     return list;
 }
 
-static json_t *samples_of(const float samples[8]) {
-    double x[8];
-    for (int i = 0; i < 8; i++)
-        x[i] = (double)samples[i];
-    return reals(x, 8);
+static json_t *floats(const float *x, int count) {
+    json_t *list = json_array();
+    for (int i = 0; i < count; i++)
+        json_array_append_new(list, real((double)x[i]));
+    return list;
 }
 
 static json_t *cell_of(const uint32_t cell[3]) {
     return json_pack("[i,i,i]", (int)cell[0], (int)cell[1], (int)cell[2]);
 }
 
-static json_t *hit_json(const probe_options *o, const leafcast_hit *h) {
+/* Where in a grid or in a mesh: the keys of a hit and of a point. */
+static void set_cell(json_t *out, const uint32_t cell[3], const double at[3],
+                     const float samples[8]) {
+    json_object_set_new(out, "cell", cell_of(cell));
+    json_object_set_new(out, "position_in_cell", reals(at, 3));
+    json_object_set_new(out, "samples", floats(samples, 8));
+}
+
+static void set_tet(json_t *out, uint64_t tet, float vertices[4][3], const float values[4]) {
+    json_object_set_new(out, "tet", json_integer((json_int_t)tet));
+    json_object_set_new(out, "vertices", floats(&vertices[0][0], 12));
+    json_object_set_new(out, "values", floats(values, 4));
+}
+
+static json_t *hit_json(const probe_options *o, leafcast_hit *h) {
     json_t *out = json_object();
     json_object_set_new(out, "t", real(h->t));
     json_object_set_new(out, "error_bound", real(h->error_bound));
@@ -129,24 +144,26 @@ static json_t *hit_json(const probe_options *o, const leafcast_hit *h) {
     json_object_set_new(out, "id", json_integer(h->surface));
     json_object_set_new(out, "isovalue", real(o->view.surfaces[h->surface].isovalue));
     json_object_set_new(out, "side", json_string(h->entering ? "entering" : "leaving"));
-    json_object_set_new(out, "cell", cell_of(h->cell));
-    json_object_set_new(out, "position_in_cell", reals(h->at, 3));
-    json_object_set_new(out, "samples", samples_of(h->samples));
+    if (o->is_mesh)
+        set_tet(out, h->tet, h->vertices, h->values);
+    else
+        set_cell(out, h->cell, h->at, h->samples);
     json_object_set_new(out, "gradient", reals(h->gradient, 3));
     json_object_set_new(out, "normal", reals(h->normal, 3));
     return out;
 }
 
-static json_t *point_json(const double where[3], const leafcast_sample *s) {
+static json_t *point_json(const probe_options *o, const double where[3], leafcast_sample *s) {
     json_t *out = json_object();
     json_object_set_new(out, "point", reals(where, 3));
     json_object_set_new(out, "inside", json_boolean(s->inside));
     if (!s->inside)
         return out;
     json_object_set_new(out, "value", real(s->value));
-    json_object_set_new(out, "cell", cell_of(s->cell));
-    json_object_set_new(out, "position_in_cell", reals(s->at, 3));
-    json_object_set_new(out, "samples", samples_of(s->samples));
+    if (o->is_mesh)
+        set_tet(out, s->tet, s->vertices, s->values);
+    else
+        set_cell(out, s->cell, s->at, s->samples);
     json_object_set_new(out, "gradient", reals(s->gradient, 3));
     json_object_set_new(out, "treelet", json_integer(s->treelet));
     return out;
@@ -224,7 +241,7 @@ static status probe_point(const probe_options *o, leafcast *volume, json_t *answ
     status st = render_status(leafcast_probe_point(volume, o->where, &sample));
     if (st)
         return st;
-    json_t *found = point_json(o->where, &sample);
+    json_t *found = point_json(o, o->where, &sample);
     json_object_update(answer, found);
     json_decref(found);
     for (int i = 0; i < o->view.isos && sample.inside; i++) {
@@ -263,6 +280,8 @@ static status run(probe_options *o, json_t *answer) {
     const leafcast_options open = {.memory = o->common.memory, .threads = 1};
     leafcast *volume = NULL;
     status st = render_status(leafcast_open(o->volume, &open, &volume));
+    if (st == ST_OK)
+        o->is_mesh = leafcast_describe(volume).tets > 0;
     if (st == ST_OK)
         st = o->point ? probe_point(o, volume, answer) : probe_ray(o, volume, answer);
     leafcast_close(volume);

@@ -1,0 +1,38 @@
+/* leafcast_volume.h - what an open volume is made of: for the files that implement leafcast.h. */
+#ifndef RENDER_LEAFCAST_VOLUME_H
+#define RENDER_LEAFCAST_VOLUME_H
+
+#include "render/frame.h"
+#include "render/intersect.h"
+#include "render/kernels.h"
+#include "render/level_planes.h"
+
+struct leafcast {
+    mem budget;
+    leafcast_options options;
+    leaf_file *file;
+    pool *threads;
+    loader *treelets;
+    level_planes_table planes;
+    affine space;
+    kernels kernels;
+    projection projection; /* of the frame that is being drawn */
+    leafcast_surface surfaces[LEAFCAST_SURFACES_MAX];
+    double isovalues[LEAFCAST_SURFACES_MAX];
+    int surface_count;
+    atomic_uchar *touched;
+    uint8_t *stop;          /* per treelet, for --lod pixel */
+    size_t base_bytes;      /* of the budget, before any treelet */
+    intersect_fn intersect; /* instead of the scene's, see experiment.h */
+    double opened_at, open_s, first_image_s;
+};
+
+/* leafcast_public_status() - an internal status as the interface has it. */
+leafcast_status leafcast_public_status(status st);
+
+/* leafcast_tracer() - for rays through what is selected. c: the camera, for levels of detail by
+ * pixels; may be NULL. */
+CHECKED status leafcast_tracer(leafcast *v, const leafcast_scene *scene, const camera *c,
+                               tracer *tr);
+
+#endif
