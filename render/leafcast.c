@@ -159,15 +159,16 @@ leafcast_surface leafcast_surface_default(double isovalue) {
 
 leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, int count) {
     if (count < 1 || count > LEAFCAST_SURFACES_MAX)
-        return leafcast_public_status(status_describe(ST_USAGE,
-                                             "%d isosurfaces: 1 to %d can be drawn at once", count,
-                                             LEAFCAST_SURFACES_MAX));
+        return leafcast_public_status(
+            status_describe(ST_USAGE, "%d isosurfaces: 1 to %d can be drawn at once", count,
+                            LEAFCAST_SURFACES_MAX));
     for (int i = 0; i < count; i++) {
         if (!isfinite(surfaces[i].isovalue))
             return leafcast_public_status(
                 status_describe(ST_USAGE, "isovalue %d is not a finite number", i + 1));
         if (!(surfaces[i].opacity > 0.0f && surfaces[i].opacity <= 1.0f))
-            return leafcast_public_status(status_describe(ST_USAGE, "opacity %d is not in (0, 1]", i + 1));
+            return leafcast_public_status(
+                status_describe(ST_USAGE, "opacity %d is not in (0, 1]", i + 1));
     }
     for (int i = 0; i < count; i++) {
         v->surfaces[i] = surfaces[i];

@@ -39,11 +39,11 @@ static status cell_of_hit(leafcast *v, const tracer *tr, const ray *r, const hit
     return st;
 }
 
-static uint32_t treelet_of_tet(const leaf_file *f, uint64_t tet) {
+static uint32_t treelet_of_tet(const leaf_file *f, uint64_t number) {
     uint32_t lo = 0, hi = f->layout.treelets;
     while (hi - lo > 1) {
         const uint32_t middle = lo + (hi - lo) / 2;
-        if (f->mesh->first_tet[middle] <= tet)
+        if (f->mesh->first_tet[middle] <= number)
             lo = middle;
         else
             hi = middle;
@@ -94,8 +94,9 @@ leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, con
         place += fabs(origin[a]);
     }
     if (!(length > 0.0 && length < INFINITY && place < INFINITY))
-        return leafcast_public_status(status_describe(ST_USAGE, "a ray needs a finite origin and a finite "
-                                                       "direction that is not 0,0,0"));
+        return leafcast_public_status(status_describe(ST_USAGE,
+                                                      "a ray needs a finite origin and a finite "
+                                                      "direction that is not 0,0,0"));
     status st = leafcast_tracer(v, scene, NULL, &tr);
     if (st != ST_OK)
         return leafcast_public_status(st);
@@ -203,5 +204,6 @@ static status point_in_mesh(leafcast *v, const double point[3], leafcast_sample 
 leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcast_sample *sample) {
     *sample = (leafcast_sample){.value = NAN};
     loader_forget_failures(v->treelets);
-    return leafcast_public_status((v->file->mesh ? point_in_mesh : point_in_grid)(v, point, sample));
+    return leafcast_public_status(
+        (v->file->mesh ? point_in_mesh : point_in_grid)(v, point, sample));
 }

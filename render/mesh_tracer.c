@@ -72,19 +72,19 @@ trace_result mesh_tracer_next(const tracer *tr, const ray *r, trace_state *state
             if (at.t == LEAF_NO_TREELET)
                 return hit_exists(&state->best) ? TRACE_HIT : TRACE_MISS;
         }
-        const treelet *treelet = loader_lookup(tr->treelets, at.t);
-        if (!treelet && tr->preview) {
+        const treelet *here = loader_lookup(tr->treelets, at.t);
+        if (!here && tr->preview) {
             state->provisional = true;
             continue;
         }
-        if (!treelet) {
+        if (!here) {
             state->t_from = at.t_in;
             state->blocked = at.t;
             return TRACE_BLOCKED;
         }
         touch(tr, at.t);
-        if (mesh_walk(&tr->scene, treelet, r, &state->after, &state->best, counters))
-            state->point = mesh_tracer_surface(tr, treelet, r, &state->best);
+        if (mesh_walk(&tr->scene, here, r, &state->after, &state->best, counters))
+            state->point = mesh_tracer_surface(tr, here, r, &state->best);
     }
 }
 

@@ -8,6 +8,7 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/fault.h"
+#include "formats/mesh_leaf_check.h"
 
 typedef enum residence { ABSENT, QUEUED, LOADING, READY, SPARE, FAILED } residence;
 
@@ -278,8 +279,7 @@ static size_t place_bytes_of(const loader *l) {
     const leaf_layout *layout = &l->file->layout;
     size_t most = 0;
     if (!l->tree)
-        most = leaf_layout_payload_max(layout) +
-               active_bytes(layout->cells_log2 - LEAF_BLOCK_LOG2);
+        most = leaf_layout_payload_max(layout) + active_bytes(layout->cells_log2 - LEAF_BLOCK_LOG2);
     for (uint32_t t = 0; l->tree && t < layout->treelets; t++) {
         const size_t bytes = leaf_layout_payload_bytes(layout, t) +
                              leaf_layout_payload_bytes(layout, layout->treelets + t);
@@ -293,8 +293,8 @@ static size_t place_bytes_of(const loader *l) {
 static status grow_tree(loader *l) {
     if (l->file->header.kind != LEAF_KIND_MESH)
         return ST_OK;
-    status st = treelet_tree_init(&l->hidden->tree, l->m, l->file->mesh->bounds,
-                                  l->file->layout.treelets);
+    status st =
+        treelet_tree_init(&l->hidden->tree, l->m, l->file->mesh->bounds, l->file->layout.treelets);
     l->tree = &l->hidden->tree;
     return st;
 }
@@ -409,11 +409,11 @@ static void rest(struct loader_private *h) {
 }
 
 /* Of each range whether it holds an isovalue: compared as floats, without a branch. */
-static void holding(const float (*ranges)[2], uint32_t count, const active_set *set,
+static void holding(const float (*ranges)[2], uint32_t count, const active_set *isos,
                     uint8_t *held) {
     memset(held, 0, count);
-    for (int i = 0; i < set->count; i++) {
-        const float at = active_threshold(set->isovalues[i]);
+    for (int i = 0; i < isos->count; i++) {
+        const float at = active_threshold(isos->isovalues[i]);
         for (uint32_t t = 0; t < count; t++)
             held[t] |= (uint8_t)((ranges[t][0] < at) & (ranges[t][1] >= at));
     }
@@ -425,8 +425,9 @@ static void sweep_ranges(loader *l) {
     const leaf_file *f = l->file;
     const struct loader_private *h = l->hidden;
     const uint32_t treelets = f->layout.treelets, inner = f->layout.level[0].first;
-    holding((const float(*)[2])f->own, treelets, &h->set, l->own);
-    holding((const float(*)[2])f->ranges, treelets, &h->set, h->held);
+    const size_t first = (size_t)treelets * h->set;
+    holding((const float(*)[2])f->own + first, treelets, &h->isos, l->own);
+    holding((const float(*)[2])f->ranges + first, treelets, &h->isos, h->held);
     uint64_t bytes = 0;
     uint32_t active = 0;
     for (uint32_t t = 0; t < treelets; t++) {

@@ -40,9 +40,9 @@ typedef struct treelet {
     /* Of a mesh: */
     const void *values;
     mesh_shape mesh;
-    uint64_t first_tet;  /* index of its first tet in the whole mesh */
-    const float *bounds; /* lo x y z, hi x y z */
-    const float *own;    /* range of its values: what their codes relate to */
+    uint64_t first_tet;   /* index of its first tet in the whole mesh */
+    const float *bounds;  /* lo x y z, hi x y z */
+    const float *own;     /* range of its values: what their codes relate to */
     atomic_size_t masked; /* the selection that masks are for, 0: none; or LOADER_MASKING */
 } treelet;
 
@@ -62,7 +62,7 @@ typedef struct loader {
     uint8_t *children; /* octants whose subtree holds one, by the merged ranges */
     _Atomic(treelet *) *resident;
     const treelet_tree *tree; /* of a mesh's treelets; NULL for a grid */
-    size_t selection; /* how many different ones there were */
+    size_t selection;         /* how many different ones there were */
     uint64_t bytes_active;
     uint32_t treelets_active;
     struct loader_private *hidden;

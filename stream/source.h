@@ -28,8 +28,8 @@ typedef struct source_scratch {
 CHECKED status source_scratch_init(source *s, source_scratch *scratch);
 void source_scratch_release(source *s, source_scratch *scratch);
 
-/* source_load() - make payload p (of the directory) resident and checked: *payload points at its bytes
- * until source_evict(). ST_CORRUPT names it. */
+/* source_load() - make payload p (of the directory) resident and checked: *payload points at its
+ * bytes until source_evict(). ST_CORRUPT names it. */
 CHECKED status source_load(source *s, uint32_t p, source_scratch *scratch, const void **payload);
 void source_evict(source *s, uint32_t p, const void *payload);
 
