@@ -486,7 +486,7 @@ static void clip_plane(const ref_ray *ray, const double plane[4], real *t0, real
         *t1 = t < *t1 ? t : *t1;
 }
 
-static void clip_interval(const ref_clip *clip, const ref_ray *ray, real *t0, real *t1) {
+void ref_clip_interval(const ref_clip *clip, const ref_ray *ray, long double *t0, long double *t1) {
     *t0 = clip ? clip->t0 : 0;
     *t1 = clip ? clip->t1 : INFINITY;
     for (int i = 0; clip && i < clip->plane_count; i++)
@@ -505,7 +505,7 @@ static void run(query *q, const ref_ray *ray, const long double shift[3], const 
     for (int a = 0; a < 3; a++)
         q->ray.o[a] += shift ? shift[a] : 0;
     real t0, t1;
-    clip_interval(clip, ray, &t0, &t1);
+    ref_clip_interval(clip, ray, &t0, &t1);
     if (t0 <= t1)
         walk(q, t0, t1);
 }

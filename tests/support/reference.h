@@ -87,6 +87,10 @@ long double ref_value(const ref_volume *v, const long double p[3], double iso);
 /* ref_to_grid() - the ray in node coordinates, not yet rounded to double. */
 void ref_to_grid(const ref_volume *v, const ref_ray *ray, long double o[3], long double d[3]);
 
+/* ref_clip_interval() - [t0, t1] of the ray that the clip keeps, empty where t0 > t1. clip NULL:
+ * all t >= 0. */
+void ref_clip_interval(const ref_clip *clip, const ref_ray *ray, long double *t0, long double *t1);
+
 /* ---- one cell ---- */
 
 enum { REF_CELL_ROOTS_MAX = 3 };
