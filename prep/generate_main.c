@@ -1,4 +1,4 @@
-/* leafcast generate - analytic test volumes as NRRD. */
+/* leafcast generate - analytic test volumes as NRRD, or as meshes of tets. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,6 +7,7 @@
 #include "formats/base/cli.h"
 #include "formats/base/num.h"
 #include "prep/generate.h"
+#include "prep/tet_generate.h"
 
 typedef struct arguments {
     cli_common common;
@@ -15,15 +16,43 @@ typedef struct arguments {
     sample_type type;
     uint64_t seed;
     double spacing[3];
+    bool tets, typed; /* --type was given */
+    uint32_t copies[3];
+    double deform;
+    uint32_t steps;
 } arguments;
 
-enum { KEY_DIMS = 0x2000, KEY_TYPE, KEY_SEED, KEY_SPACING };
+enum {
+    KEY_DIMS = 0x2000,
+    KEY_TYPE,
+    KEY_SEED,
+    KEY_SPACING,
+    KEY_TETS,
+    KEY_DEFORM,
+    KEY_REPLICATE,
+    KEY_STEPS
+};
+enum { STEPS_MAX = 10000 };
 
 static const struct argp_option options[] = {
-    {"dims", KEY_DIMS, "N[,N,N]", 0, "samples per axis", 0},
-    {"type", KEY_TYPE, "TYPE", 0, "u8 (default), u16 or f32", 0},
-    {"seed", KEY_SEED, "S", 0, "seed of noise and attractor (default 1)", 0},
-    {"spacing", KEY_SPACING, "S[,S,S]", 0, "distance of samples (default 1)", 0},
+    {"dims", KEY_DIMS, "N[,N,N]", 0, "samples per axis", 1},
+    {"type", KEY_TYPE, "TYPE", 0, "u8 (default), u16 or f32", 1},
+    {"seed", KEY_SEED, "S", 0, "seed of noise and attractor (default 1)", 1},
+    {"spacing", KEY_SPACING, "S[,S,S]", 0, "distance of samples (default 1)", 1},
+    {NULL, 0, NULL, 0, "Meshes:", 2},
+    {"tets", KEY_TETS, NULL, 0,
+     "a mesh stream of tets, six to a cell of the samples' grid, with f32 values", 2},
+    {"deform", KEY_DEFORM, "AMOUNT", 0,
+     "swirl the inner points, and surfaces with them: no edge of a cell changes by more than "
+     "AMOUNT "
+     "(0 .. 0.9) of its length, no tet turns over, the box stays",
+     2},
+    {"replicate", KEY_REPLICATE, "N[,N,N]", 0,
+     "copies along each axis, side by side, each with points of its own", 2},
+    {"steps", KEY_STEPS, "N", 0,
+     "a series of N files in which --deform swings to and fro: F_0000.mesh, ..., or as %04d in -o "
+     "says; only the points differ",
+     2},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static void usage_unless(struct argp_state *state, status st) {
@@ -51,6 +80,32 @@ static void parse_dims(struct argp_state *state, arguments *a, const char *text)
     }
 }
 
+static void parse_copies(struct argp_state *state, arguments *a, const char *text) {
+    double counts[3];
+    parse_triple(state, text, "--replicate", ", x", counts);
+    for (int c = 0; c < 3; c++) {
+        if (!(counts[c] >= 1 && counts[c] <= TET_LATTICE_CELLS_MAX &&
+              counts[c] == (uint32_t)counts[c]))
+            argp_error(state, "--replicate: \"%s\": expected whole numbers from 1 to %d", text,
+                       TET_LATTICE_CELLS_MAX);
+        a->copies[c] = (uint32_t)counts[c];
+    }
+}
+
+static void parse_deform(struct argp_state *state, arguments *a, const char *text) {
+    usage_unless(state, num_double(text, "--deform", &a->deform));
+    if (!(a->deform > 0 && a->deform <= TET_LATTICE_DEFORM_MAX))
+        argp_error(state, "--deform: \"%s\": expected a number above 0, at most %g", text,
+                   TET_LATTICE_DEFORM_MAX);
+}
+
+static int64_t parse_int(struct argp_state *state, const char *text, const char *what, int64_t lo,
+                         int64_t hi) {
+    int64_t value = lo;
+    usage_unless(state, num_int(text, what, lo, hi, &value));
+    return value;
+}
+
 static void parse_field(struct argp_state *state, arguments *a, const char *name) {
     if (a->info)
         argp_error(state, "one FIELD at a time, not also \"%s\"", name);
@@ -63,25 +118,37 @@ static void parse_type(struct argp_state *state, arguments *a, const char *name)
     if (!sample_parse(name, &a->type) ||
         (a->type != SAMPLE_U8 && a->type != SAMPLE_U16 && a->type != SAMPLE_F32))
         argp_error(state, "--type: \"%s\" is not one of u8, u16, f32", name);
+    a->typed = true;
+}
+
+/* What makes no sense together. */
+static void check_arguments(struct argp_state *state, const arguments *a) {
+    if (!a->info || !a->dims[0] || !a->common.output)
+        argp_error(state, "a FIELD, --dims and -o are needed");
+    if (!a->tets && (a->deform > 0 || a->copies[0] > 0 || a->steps > 0))
+        argp_error(state, "--deform, --replicate and --steps are for meshes: --tets");
+    if (a->tets && a->typed && a->type != SAMPLE_F32)
+        argp_error(state, "--type: the values of --tets are f32");
+    if (a->steps > 0 && a->deform == 0)
+        argp_error(state, "--steps: --deform says how much the mesh moves");
+    if (a->steps > 0 && strcmp(a->common.output, "-") == 0)
+        argp_error(state, "-o -: --steps makes a file of each step");
 }
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
     arguments *a = state->input;
-    int64_t seed = 0;
     switch (key) {
     case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; break;
     case KEY_DIMS: parse_dims(state, a, arg); break;
     case KEY_TYPE: parse_type(state, a, arg); break;
-    case KEY_SEED:
-        usage_unless(state, num_int(arg, "--seed", 0, INT64_MAX, &seed));
-        a->seed = (uint64_t)seed;
-        break;
+    case KEY_SEED: a->seed = (uint64_t)parse_int(state, arg, "--seed", 0, INT64_MAX); break;
     case KEY_SPACING: parse_triple(state, arg, "--spacing", ", ", a->spacing); break;
+    case KEY_TETS: a->tets = true; break;
+    case KEY_DEFORM: parse_deform(state, a, arg); break;
+    case KEY_REPLICATE: parse_copies(state, a, arg); break;
+    case KEY_STEPS: a->steps = (uint32_t)parse_int(state, arg, "--steps", 1, STEPS_MAX); break;
     case ARGP_KEY_ARG: parse_field(state, a, arg); break;
-    case ARGP_KEY_END:
-        if (!a->info || !a->dims[0] || !a->common.output)
-            argp_error(state, "a FIELD, --dims and -o are needed");
-        break;
+    case ARGP_KEY_END: check_arguments(state, a); break;
     default: return ARGP_ERR_UNKNOWN;
     }
     return 0;
@@ -109,10 +176,10 @@ static const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {NU
 static const struct argp table = {
     .options = options,
     .parser = parse,
-    .args_doc = "FIELD --dims N[,N,N] -o F.nrrd",
-    .doc =
-        "Write an analytic test volume as NRRD (-o -: to standard output). It is streamed, never "
-        "held whole; the same arguments give the same bytes on any machine.\v",
+    .args_doc = "FIELD --dims N[,N,N] -o F.nrrd\nFIELD --tets --dims N[,N,N] -o F.mesh",
+    .doc = "Write an analytic test volume as NRRD, or with --tets as a mesh (-o -: to standard "
+           "output). It is streamed, never held whole; the same arguments give the same bytes on "
+           "any machine.\v",
     .children = children,
     .help_filter = help_filter,
 };
@@ -126,12 +193,27 @@ static grid make_grid(const arguments *a) {
     return g;
 }
 
+static status run_tets(arguments *a, mem *m) {
+    tet_generate_options how = {.info = a->info,
+                                .seed = a->seed,
+                                .shape = {.copies = {1, 1, 1}, .deform = a->deform},
+                                .threads = a->common.threads,
+                                .steps = a->steps};
+    memcpy(how.shape.dims, a->dims, sizeof a->dims);
+    memcpy(how.shape.spacing, a->spacing, sizeof a->spacing);
+    if (a->copies[0] > 0)
+        memcpy(how.shape.copies, a->copies, sizeof a->copies);
+    return tet_generate_files(m, &how, a->common.output, a->common.force, cli_progress(&a->common));
+}
+
 static status run(arguments *a) {
-    grid g = make_grid(a);
     if (strcmp(a->common.output, "-") == 0 && isatty(STDOUT_FILENO))
         return status_describe(ST_USAGE, "-o -: samples do not go to a terminal");
     mem m;
     mem_init(&m, a->common.memory);
+    if (a->tets)
+        return run_tets(a, &m);
+    grid g = make_grid(a);
     const generate_options how = {.info = a->info,
                                   .seed = a->seed,
                                   .threads = a->common.threads,
