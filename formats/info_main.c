@@ -2,6 +2,7 @@
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "formats/base/cli.h"
 #include "formats/base/num.h"
@@ -54,8 +55,8 @@ static const struct argp table = {
     .options = options,
     .parser = parse,
     .args_doc = "F.leaf",
-    .doc = "Say what is in a treelet file. An active treelet or cell is one with min < V <= max "
-           "over its samples.",
+    .doc = "Say what is in a treelet file. An active treelet, cell or tet is one with min < V <= "
+           "max over its samples.",
     .children = children,
 };
 
@@ -67,39 +68,70 @@ typedef struct facts {
     uint64_t histogram[HISTOGRAM_MAX]; /* payloads by log2 of their stored size */
     leaf_activity (*activity)[LEAF_LEVELS_MAX];
     char id[33];
+    leaf_mesh_parts parts; /* of a mesh */
 } facts;
 
 static int log2_of(uint64_t size) {
     return 63 - __builtin_clzll(size);
 }
 
+/* Of a mesh: positions, values and indices as a mesh stream has them. */
+static double raw_bytes(const leaf_file *f) {
+    const leaf_header *h = &f->header;
+    if (f->mesh)
+        return (double)h->vertices * (12 + 4 * (double)f->mesh->sets) + 16 * (double)h->tets;
+    return (double)h->dims[0] * h->dims[1] * h->dims[2] * (double)sample_size(f->layout.type);
+}
+
 static void collect(facts *x, const leaf_file *f) {
     const leaf_header *h = &f->header;
     x->f = f;
-    x->raw_bytes =
-        (double)h->dims[0] * h->dims[1] * h->dims[2] * (double)sample_size(f->layout.type);
+    x->raw_bytes = raw_bytes(f);
     snprintf(x->id, sizeof x->id, "%016llx%016llx", (unsigned long long)h->id[1],
              (unsigned long long)h->id[0]);
-    for (uint32_t t = 0; t < f->layout.treelets; t++) {
-        x->level_bytes[f->layout.level_of[t]] += f->sizes[t];
-        x->histogram[log2_of(f->sizes[t]) % HISTOGRAM_MAX]++;
+    for (uint32_t p = 0; p < f->layout.payloads; p++) {
+        x->level_bytes[f->mesh ? 0 : f->layout.level_of[p]] += f->sizes[p];
+        x->histogram[log2_of(f->sizes[p]) % HISTOGRAM_MAX]++;
     }
+    if (f->mesh)
+        x->parts = leaf_stats_mesh(f);
 }
 
 /* ---- text ---- */
 
-static void print_header(const facts *x) {
+static const char *codec_name(const leaf_header *h) {
+    return h->codec == LEAF_CODEC_RAW ? "raw" : "zstd";
+}
+
+static void print_common(const facts *x) {
     const leaf_header *h = &x->f->header;
-    char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
     printf("name        %s\n", h->name);
     printf("made by     %s\n", h->provenance);
     printf("id          %s\n", x->id);
+}
+
+static void print_values(const leaf_header *h, const char *of) {
+    char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
+    printf("values      %s .. %s\n", num_print(h->value_min, a), num_print(h->value_max, b));
+    if (h->non_finite)
+        printf("no data     %llu %s are NaN or infinite\n", (unsigned long long)h->non_finite, of);
+}
+
+static void print_bytes(const facts *x) {
+    const leaf_header *h = &x->f->header;
+    printf("directory   %llu bytes, %.1f a treelet\n", (unsigned long long)x->f->directory_bytes,
+           (double)x->f->directory_bytes / (double)h->treelets);
+    printf("payloads    %llu bytes\n", (unsigned long long)h->payload_bytes);
+}
+
+static void print_header(const facts *x) {
+    const leaf_header *h = &x->f->header;
+    char a[NUM_TEXT_MAX];
+    print_common(x);
     printf("grid        %u x %u x %u %s%s%s\n", h->dims[0], h->dims[1], h->dims[2],
            sample_name(x->f->layout.type), h->source_type != h->sample_type ? " from " : "",
            h->source_type != h->sample_type ? sample_name((sample_type)h->source_type) : "");
-    printf("values      %s .. %s\n", num_print(h->value_min, a), num_print(h->value_max, b));
-    if (h->non_finite)
-        printf("no data     %llu samples are NaN or infinite\n", (unsigned long long)h->non_finite);
+    print_values(h, "samples");
     if (h->source_type != h->sample_type)
         printf("rounding    at most %s\n", num_print(h->rounding_error, a));
     for (int r = 0; r < 3; r++) {
@@ -109,13 +141,18 @@ static void print_header(const facts *x) {
     }
     printf("space       %s\n", h->rectilinear ? "rectilinear" : "regular");
     printf("treelets    %u^3 cells, halo %u, blocks of %u^3, runs at %u, %s\n", 1u << h->cells_log2,
-           h->halo, 1u << h->block_log2, 1u << h->run_align_log2,
-           h->codec == LEAF_CODEC_RAW ? "raw" : "zstd");
+           h->halo, 1u << h->block_log2, 1u << h->run_align_log2, codec_name(h));
     printf("file        %llu bytes, %.3f of the samples\n", (unsigned long long)h->file_bytes,
            (double)h->file_bytes / x->raw_bytes);
-    printf("directory   %llu bytes, %.1f a treelet\n", (unsigned long long)x->f->directory_bytes,
-           (double)x->f->directory_bytes / (double)h->treelets);
-    printf("payloads    %llu bytes\n", (unsigned long long)h->payload_bytes);
+    print_bytes(x);
+}
+
+static void print_histogram(const facts *x) {
+    printf("\nstored size        payloads\n");
+    for (int i = 0; i < HISTOGRAM_MAX; i++)
+        if (x->histogram[i])
+            printf("%8llu .. %-8llu %8llu\n", 1ULL << i, (2ULL << i) - 1,
+                   (unsigned long long)x->histogram[i]);
 }
 
 static void print_levels(const facts *x) {
@@ -128,11 +165,88 @@ static void print_levels(const facts *x) {
         printf("%5u %18s %10u %14llu\n", i, dims, l->level[i].count,
                (unsigned long long)x->level_bytes[i]);
     }
-    printf("\nstored size        payloads\n");
-    for (int i = 0; i < HISTOGRAM_MAX; i++)
-        if (x->histogram[i])
-            printf("%8llu .. %-8llu %8llu\n", 1ULL << i, (2ULL << i) - 1,
-                   (unsigned long long)x->histogram[i]);
+    print_histogram(x);
+}
+
+/* ---- text: a mesh ---- */
+
+static void print_mesh_tets(const leaf_header *h) {
+    printf("mesh        %llu tets, %llu vertices\n", (unsigned long long)h->tets,
+           (unsigned long long)h->vertices);
+    if (h->flat || h->inverted)
+        printf("tets        %llu flat, %llu inverted\n", (unsigned long long)h->flat,
+               (unsigned long long)h->inverted);
+    if (h->repeated || h->bad)
+        printf("left out    %llu tets with a vertex twice, %llu with a vertex that is none\n",
+               (unsigned long long)h->repeated, (unsigned long long)h->bad);
+}
+
+static void print_mesh_header(const facts *x) {
+    const leaf_header *h = &x->f->header;
+    char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
+    print_common(x);
+    print_mesh_tets(h);
+    if (h->field[0])
+        printf("field       %s\n", h->field);
+    print_values(h, "values");
+    if (x->f->mesh->sets > 1)
+        printf("sets        %u fields at %u steps\n", h->fields, h->steps);
+    for (int i = 0; i < 3; i++)
+        printf("%s%s .. %s\n", i ? "            " : "bounds      ",
+               num_print((double)h->bounds[i], a), num_print((double)h->bounds[i + 3], b));
+    printf("treelets    %llu of up to %u tets, leaves of up to %u, runs at %u, %s\n",
+           (unsigned long long)h->treelets, h->treelet_tets, h->leaf_tets, 1u << h->run_align_log2,
+           codec_name(h));
+    printf("file        %llu bytes, %.2f a tet, %.3f of the mesh\n",
+           (unsigned long long)h->file_bytes, (double)h->file_bytes / (double)h->tets,
+           (double)h->file_bytes / x->raw_bytes);
+    print_bytes(x);
+}
+
+typedef struct mesh_part {
+    const char *name, *key;
+    uint64_t count, bytes;
+} mesh_part;
+
+enum { MESH_PARTS = 6 };
+
+static void list_parts(const facts *x, mesh_part parts[MESH_PARTS]) {
+    const leaf_mesh_parts *p = &x->parts;
+    const mesh_part all[MESH_PARTS] = {{"tets", "tets", x->f->header.tets, p->tets},
+                                       {"positions", "positions", p->vertices, p->positions},
+                                       {"nodes", "nodes", p->node_count, p->nodes},
+                                       {"values", "values", p->vertices, p->values},
+                                       {"value codes", "value_codes", p->node_count, p->codes},
+                                       {"padding", "padding", 0, p->padding}};
+    memcpy(parts, all, sizeof all);
+}
+
+static void print_mesh_parts(const facts *x) {
+    const double tets = (double)x->f->header.tets;
+    mesh_part parts[MESH_PARTS];
+    list_parts(x, parts);
+    printf("\npart                 count          bytes   a tet\n");
+    for (int i = 0; i < MESH_PARTS; i++)
+        printf("%-12s %13llu %14llu %7.3f\n", parts[i].name, (unsigned long long)parts[i].count,
+               (unsigned long long)parts[i].bytes, (double)parts[i].bytes / tets);
+    printf("\nstored                              bytes   a tet\n");
+    printf("%-12s %28llu %7.3f\n", "topology", (unsigned long long)x->parts.stored_topology,
+           (double)x->parts.stored_topology / tets);
+    printf("%-12s %28llu %7.3f\n", "values", (unsigned long long)x->parts.stored_values,
+           (double)x->parts.stored_values / tets);
+    print_histogram(x);
+}
+
+static void print_mesh_activity(const facts *x, double iso, const leaf_activity *level) {
+    char text[NUM_TEXT_MAX];
+    const leaf_header *h = &x->f->header;
+    printf(
+        "\nisovalue %s: %llu active tets, %.3f of all, %llu active treelets, %.3f of the payload "
+        "bytes, %.3f of the file\n",
+        num_print(iso, text), (unsigned long long)level->cells,
+        (double)level->cells / (double)h->tets, (unsigned long long)level->treelets,
+        (double)level->bytes / (double)h->payload_bytes,
+        (double)level->bytes / (double)h->file_bytes);
 }
 
 static leaf_activity total_of(const leaf_activity levels[LEAF_LEVELS_MAX]) {
@@ -191,6 +305,57 @@ static json_t *header_json(const facts *x) {
     return json;
 }
 
+static json_t *bounds_json(const leaf_header *h) {
+    json_t *bounds = json_array();
+    for (int i = 0; i < 6; i++)
+        json_array_append_new(bounds, json_real((double)h->bounds[i]));
+    return bounds;
+}
+
+static json_t *parts_json(const facts *x) {
+    mesh_part parts[MESH_PARTS];
+    list_parts(x, parts);
+    json_t *json = json_pack("{s:I, s:I}", "stored_topology", (json_int_t)x->parts.stored_topology,
+                             "stored_values", (json_int_t)x->parts.stored_values);
+    for (int i = 0; i < MESH_PARTS; i++)
+        json_object_set_new(json, parts[i].key, json_integer((json_int_t)parts[i].bytes));
+    return json;
+}
+
+static json_t *mesh_json(const facts *x) {
+    const leaf_header *h = &x->f->header;
+    json_t *json = json_pack(
+        "{s:s, s:s, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:I}", "name",
+        h->name, "provenance", h->provenance, "id", x->id, "field", h->field, "tets",
+        (json_int_t)h->tets, "vertices", (json_int_t)h->vertices, "flat", (json_int_t)h->flat,
+        "inverted", (json_int_t)h->inverted, "repeated", (json_int_t)h->repeated, "bad",
+        (json_int_t)h->bad, "fields", (json_int_t)h->fields, "steps", (json_int_t)h->steps,
+        "bounds", bounds_json(h), "value_min", json_number(h->value_min), "value_max",
+        json_number(h->value_max), "non_finite", (json_int_t)h->non_finite);
+    json_t *sizes = json_pack(
+        "{s:I, s:I, s:i, s:s, s:I, s:I, s:I, s:I, s:f, s:f, s:I, s:I, s:I, s:o}", "treelet_tets",
+        (json_int_t)h->treelet_tets, "leaf_tets", (json_int_t)h->leaf_tets, "run_align",
+        1 << h->run_align_log2, "codec", codec_name(h), "treelets", (json_int_t)h->treelets,
+        "file_bytes", (json_int_t)h->file_bytes, "directory_bytes",
+        (json_int_t)x->f->directory_bytes, "payload_bytes", (json_int_t)h->payload_bytes, "ratio",
+        (double)h->file_bytes / x->raw_bytes, "bytes_per_tet",
+        (double)h->file_bytes / (double)h->tets, "treelet_vertices", (json_int_t)x->parts.vertices,
+        "nodes", (json_int_t)x->parts.node_count, "leaves", (json_int_t)x->parts.leaves, "parts",
+        parts_json(x));
+    json_object_update(json, sizes);
+    json_decref(sizes);
+    return json;
+}
+
+static json_t *mesh_activity_json(const facts *x, double iso, const leaf_activity *level) {
+    const leaf_header *h = &x->f->header;
+    return json_pack("{s:o, s:I, s:I, s:I, s:f, s:f}", "iso", json_number(iso), "active_tets",
+                     (json_int_t)level->cells, "active_treelets", (json_int_t)level->treelets,
+                     "active_bytes", (json_int_t)level->bytes, "active_share",
+                     (double)level->bytes / (double)h->payload_bytes, "active_share_of_file",
+                     (double)level->bytes / (double)h->file_bytes);
+}
+
 static json_t *levels_json(const facts *x) {
     const leaf_layout *l = &x->f->layout;
     json_t *levels = json_array();
@@ -229,18 +394,37 @@ static json_t *activity_json(const facts *x, double iso,
 }
 
 static void print_json(const arguments *a, const facts *x) {
-    json_t *json = header_json(x);
-    json_object_set_new(json, "levels", levels_json(x));
+    const bool mesh = x->f->mesh != NULL;
+    json_t *json = mesh ? mesh_json(x) : header_json(x);
+    if (!mesh)
+        json_object_set_new(json, "levels", levels_json(x));
     json_object_set_new(json, "payload_sizes", histogram_json(x));
     if (a->iso_count) {
         json_t *isos = json_array();
         for (int i = 0; i < a->iso_count; i++)
-            json_array_append_new(isos, activity_json(x, a->isos[i], x->activity[i]));
+            json_array_append_new(isos, mesh ? mesh_activity_json(x, a->isos[i], x->activity[i])
+                                             : activity_json(x, a->isos[i], x->activity[i]));
         json_object_set_new(json, "isovalues", isos);
     }
     json_dumpf(json, stdout, JSON_INDENT(2));
     putchar('\n');
     json_decref(json);
+}
+
+static void print_text(const arguments *a, const facts *x) {
+    const bool mesh = x->f->mesh != NULL;
+    if (mesh) {
+        print_mesh_header(x);
+        print_mesh_parts(x);
+    } else {
+        print_header(x);
+        print_levels(x);
+    }
+    for (int i = 0; i < a->iso_count; i++)
+        if (mesh)
+            print_mesh_activity(x, a->isos[i], x->activity[i]);
+        else
+            print_activity(x, a->isos[i], x->activity[i]);
 }
 
 static status report(arguments *a, mem *m, leaf_file *f) {
@@ -255,12 +439,8 @@ static status report(arguments *a, mem *m, leaf_file *f) {
                                  x.activity[i]);
     if (st == ST_OK && a->common.json)
         print_json(a, &x);
-    if (st == ST_OK && !a->common.json) {
-        print_header(&x);
-        print_levels(&x);
-        for (int i = 0; i < a->iso_count; i++)
-            print_activity(&x, a->isos[i], x.activity[i]);
-    }
+    if (st == ST_OK && !a->common.json)
+        print_text(a, &x);
     mem_free(m, x.activity);
     return st;
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/base/pool.h"
+#include "formats/mesh_leaf_check.h"
 
 /* Which sides of the isovalue the samples of an edge, a face, a cell are on. */
 enum { SIDE_OUT = 1, SIDE_IN = 2, SIDE_NONE = 4, SIDE_BOTH = SIDE_OUT | SIDE_IN };
@@ -58,12 +59,46 @@ uint64_t leaf_stats_cells(const leaf_layout *l, uint32_t t, const void *payload,
     return count;
 }
 
+uint64_t leaf_stats_tets(const leaf_file *f, uint32_t t, const void *topology, const void *values,
+                         double iso) {
+    const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
+    const uint16_t(*tet)[4] = mesh_leaf_tets(&s, topology);
+    const float *value = mesh_leaf_values(&s, values);
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < s.tets; i++) {
+        unsigned sides = 0;
+        for (int c = 0; c < 4; c++) {
+            const float v = value[tet[i][c]];
+            sides |= !isfinite(v) ? SIDE_NONE : (double)v >= iso ? SIDE_IN : SIDE_OUT;
+        }
+        count += sides == SIDE_BOTH;
+    }
+    return count;
+}
+
+/* Behind the topology's room in the thread's payload, the values. */
+static status count_tets(const activity *a, uint32_t t, int worker) {
+    leaf_file *f = a->f;
+    char *topology = a->payloads[worker];
+    char *values = topology + leaf_layout_payload_max(&f->layout);
+    status st = leaf_file_load(f, t, a->stored[worker], topology);
+    if (st == ST_OK)
+        st = mesh_leaf_check_loaded(f, t, topology);
+    if (st == ST_OK)
+        st = leaf_file_load(f, leaf_layout_values(&f->layout, 0, t), a->stored[worker], values);
+    if (st == ST_OK)
+        a->cells[t] = leaf_stats_tets(f, t, topology, values, a->iso);
+    return st;
+}
+
 static status count_treelet(void *ctx, size_t index, int worker) {
     const activity *a = ctx;
     uint32_t t = (uint32_t)index;
     if (!holds(a->f, t, a->iso))
         return ST_OK;
     status st = progress_step(a->p, "count", (double)t / a->f->layout.treelets);
+    if (st == ST_OK && a->f->mesh)
+        return count_tets(a, t, worker);
     if (st == ST_OK)
         st = leaf_file_load(a->f, t, a->stored[worker], a->payloads[worker]);
     if (st == ST_OK)
@@ -73,14 +108,15 @@ static status count_treelet(void *ctx, size_t index, int worker) {
 
 static status allocate(activity *a, mem *m, int threads) {
     const leaf_layout *l = &a->f->layout;
+    const size_t room = leaf_layout_payload_max(l);
     a->cells = mem_array(m, l->treelets, sizeof *a->cells);
     a->payloads = mem_array(m, (size_t)threads, sizeof *a->payloads);
     a->stored = mem_array(m, (size_t)threads, sizeof *a->stored);
     if (!a->cells || !a->payloads || !a->stored)
         return ST_NOMEM;
     for (int i = 0; i < threads; i++) {
-        a->payloads[i] = mem_alloc(m, leaf_layout_payload_max(l));
-        a->stored[i] = mem_alloc(m, leaf_layout_payload_max(l));
+        a->payloads[i] = mem_alloc(m, a->f->mesh ? 2 * room : room);
+        a->stored[i] = mem_alloc(m, room);
         if (!a->payloads[i] || !a->stored[i])
             return ST_NOMEM;
     }
@@ -107,6 +143,8 @@ static void add_up(const activity *a, leaf_activity levels[LEAF_LEVELS_MAX]) {
             continue;
         level->treelets++;
         level->bytes += a->f->sizes[t];
+        if (a->f->mesh)
+            level->bytes += a->f->sizes[leaf_layout_values(&a->f->layout, 0, t)];
         level->cells += a->cells[t];
     }
 }
@@ -125,4 +163,29 @@ status leaf_stats_activity(mem *m, leaf_file *f, double iso, int threads, const 
     pool_destroy(workers);
     release(&a, m, threads);
     return st;
+}
+
+/* ---- what a mesh's payloads are made of ---- */
+
+leaf_mesh_parts leaf_stats_mesh(const leaf_file *f) {
+    const uint64_t sets = f->mesh->sets;
+    leaf_mesh_parts parts = {0};
+    uint64_t bytes = 0;
+    for (uint32_t t = 0; t < f->layout.treelets; t++) {
+        const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
+        parts.vertices += s.vertices;
+        parts.node_count += s.nodes;
+        parts.leaves += s.leaves;
+        parts.tets += s.tets * sizeof(uint16_t[4]);
+        bytes += s.topology_bytes + sets * s.values_bytes;
+    }
+    parts.nodes = parts.node_count * sizeof(mesh_node) +
+                  (parts.leaves + f->layout.treelets) * sizeof(uint16_t);
+    parts.positions = parts.vertices * sizeof(float[3]);
+    parts.codes = sets * parts.node_count * sizeof(mesh_codes);
+    parts.values = sets * parts.vertices * sizeof(float);
+    parts.padding = bytes - parts.nodes - parts.tets - parts.positions - parts.codes - parts.values;
+    for (uint32_t p = 0; p < f->layout.payloads; p++)
+        *(p < f->layout.treelets ? &parts.stored_topology : &parts.stored_values) += f->sizes[p];
+    return parts;
 }

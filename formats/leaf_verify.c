@@ -8,6 +8,7 @@
 
 #include "formats/base/hash.h"
 #include "formats/base/pool.h"
+#include "formats/mesh_leaf_check.h"
 #include "formats/quantize.h"
 
 enum { BLOCK = 1 << LEAF_BLOCK_LOG2, PROGRESS_STEP = 64 };
@@ -22,8 +23,10 @@ typedef struct verification {
     leaf_file *f;
     const progress *p;
     shared *edges;        /* per treelet */
-    uint32_t *non_finite; /* per treelet of level 0: of the samples that no treelet behind it has */
-    char **payloads, **stored; /* per thread */
+    uint64_t *non_finite; /* per treelet of level 0: of the samples that no treelet behind it has;
+                             of a mesh: of all its vertices' values */
+    /* Per thread; of a mesh, behind a payload's room: that of values, then scratch. */
+    char **payloads, **stored;
 } verification;
 
 /* One treelet while it is looked at. */
@@ -230,13 +233,18 @@ static uint32_t count_non_finite(const subject *s) {
     return count;
 }
 
+static status report(const verification *v, uint32_t t) {
+    return t % PROGRESS_STEP ? ST_OK
+                             : progress_step(v->p, "verify", (double)t / v->f->layout.treelets);
+}
+
 static status verify_treelet(void *ctx, size_t index, int worker) {
     const verification *v = ctx;
     leaf_file *f = v->f;
     uint32_t t = (uint32_t)index;
     status st = leaf_file_load(f, t, v->stored[worker], v->payloads[worker]);
-    if (st == ST_OK && t % PROGRESS_STEP == 0)
-        st = progress_step(v->p, "verify", (double)t / f->layout.treelets);
+    if (st == ST_OK)
+        st = report(v, t);
     if (st != ST_OK)
         return st;
     subject s = {.f = f,
@@ -265,6 +273,40 @@ static status verify_treelet(void *ctx, size_t index, int worker) {
     return ST_OK;
 }
 
+/* ---- a treelet of a mesh ---- */
+
+static uint32_t count_values(const leaf_file *f, uint32_t t, const void *values) {
+    const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < s.vertices; i++)
+        count += !isfinite(mesh_leaf_values(&s, values)[i]);
+    return count;
+}
+
+static status verify_mesh_treelet(void *ctx, size_t index, int worker) {
+    const verification *v = ctx;
+    leaf_file *f = v->f;
+    const size_t room = leaf_layout_payload_max(&f->layout);
+    const uint32_t t = (uint32_t)index;
+    char *topology = v->payloads[worker], *values = topology + room, *scratch = values + room;
+    status st = leaf_file_load(f, t, v->stored[worker], topology);
+    if (st == ST_OK)
+        st = report(v, t);
+    if (st == ST_OK)
+        st = mesh_leaf_check_loaded(f, t, topology);
+    if (st == ST_OK)
+        st = mesh_leaf_check_topology(f, t, topology, scratch);
+    for (uint32_t set = 0; set < f->mesh->sets && st == ST_OK; set++) {
+        const uint32_t p = leaf_layout_values(&f->layout, set, t);
+        st = leaf_file_load(f, p, v->stored[worker], values);
+        if (st == ST_OK)
+            st = mesh_leaf_check_values(f, set, t, topology, values, scratch);
+        if (st == ST_OK && (f->flags[p - f->layout.treelets] & LEAF_FLAG_NON_FINITE))
+            v->non_finite[t] += count_values(f, t, values);
+    }
+    return st;
+}
+
 /* ---- the whole ---- */
 
 /* Treelets that touch hold the same samples where they overlap; corners follow from faces, which
@@ -288,23 +330,30 @@ static status check_neighbours(const verification *v) {
     return ST_OK;
 }
 
+/* Treelets of a grid count each sample once; those of a mesh may share vertices. */
 static status check_count(const verification *v) {
-    uint64_t sum = 0;
-    for (uint32_t t = 0; t < v->f->layout.treelets; t++)
-        sum += v->non_finite[t];
-    if (sum == v->f->header.non_finite)
+    const uint64_t count = v->f->header.non_finite;
+    uint64_t most = 0, least = 0;
+    for (uint32_t t = 0; t < v->f->layout.treelets; t++) {
+        most += v->non_finite[t];
+        least = v->non_finite[t] > least ? v->non_finite[t] : least;
+    }
+    if (!v->f->mesh)
+        least = most;
+    if (count >= least && count <= most)
         return ST_OK;
-    return status_describe(ST_CORRUPT, "%s: byte %zu: expected %llu non-finite samples, found %llu",
-                           file_path(v->f->source), offsetof(leaf_header, non_finite),
-                           (unsigned long long)v->f->header.non_finite, (unsigned long long)sum);
+    return status_describe(
+        ST_CORRUPT, "%s: byte %zu: expected %llu to %llu non-finite samples, found %llu",
+        file_path(v->f->source), offsetof(leaf_header, non_finite), (unsigned long long)least,
+        (unsigned long long)most, (unsigned long long)count);
 }
 
 static status check_gaps(const verification *v) {
-    char bytes[512];
+    char bytes[512], name[LEAF_NAME_MAX];
     const leaf_file *f = v->f;
-    for (uint32_t t = 0; t < f->layout.treelets; t++) {
-        uint64_t at = f->offsets[t] + f->sizes[t];
-        uint64_t end = t + 1 < f->layout.treelets ? f->offsets[t + 1] : f->header.file_bytes;
+    for (uint32_t p = 0; p < f->layout.payloads; p++) {
+        uint64_t at = f->offsets[p] + f->sizes[p];
+        uint64_t end = p + 1 < f->layout.payloads ? f->offsets[p + 1] : f->header.file_bytes;
         while (at < end) {
             size_t size = end - at < sizeof bytes ? (size_t)(end - at) : sizeof bytes;
             status st = file_read_at(f->source, at, bytes, size);
@@ -312,9 +361,9 @@ static status check_gaps(const verification *v) {
                 return st;
             for (size_t i = 0; i < size; i++)
                 if (bytes[i])
-                    return status_describe(ST_CORRUPT,
-                                           "%s: byte %llu: expected 0 behind treelet %u",
-                                           file_path(f->source), (unsigned long long)(at + i), t);
+                    return status_describe(ST_CORRUPT, "%s: byte %llu: expected 0 behind %s",
+                                           file_path(f->source), (unsigned long long)(at + i),
+                                           leaf_layout_payload_name(&f->layout, p, name));
             at += size;
         }
     }
@@ -322,8 +371,10 @@ static status check_gaps(const verification *v) {
 }
 
 static status verify_all(verification *v, pool *workers) {
-    status st = pool_run(workers, v->f->layout.treelets, verify_treelet, v);
-    if (st == ST_OK)
+    const bool mesh = v->f->mesh != NULL;
+    status st =
+        pool_run(workers, v->f->layout.treelets, mesh ? verify_mesh_treelet : verify_treelet, v);
+    if (st == ST_OK && !mesh)
         st = check_neighbours(v);
     if (st == ST_OK)
         st = check_count(v);
@@ -332,16 +383,30 @@ static status verify_all(verification *v, pool *workers) {
     return st;
 }
 
+/* Room of a thread for what it decodes. */
+static size_t thread_bytes(const leaf_file *f) {
+    const size_t payload = leaf_layout_payload_max(&f->layout);
+    size_t scratch = 0;
+    if (!f->mesh)
+        return payload;
+    for (uint32_t t = 0; t < f->layout.treelets; t++) {
+        const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
+        const size_t bytes = mesh_leaf_check_scratch(&s);
+        scratch = bytes > scratch ? bytes : scratch;
+    }
+    return 2 * payload + scratch;
+}
+
 static status allocate(verification *v, mem *m, int threads) {
     const leaf_layout *l = &v->f->layout;
-    v->edges = mem_array(m, l->treelets, sizeof *v->edges);
+    v->edges = mem_array(m, v->f->mesh ? 1 : l->treelets, sizeof *v->edges);
     v->non_finite = mem_array(m, l->treelets, sizeof *v->non_finite);
     v->payloads = mem_array(m, (size_t)threads, sizeof *v->payloads);
     v->stored = mem_array(m, (size_t)threads, sizeof *v->stored);
     if (!v->edges || !v->non_finite || !v->payloads || !v->stored)
         return ST_NOMEM;
     for (int i = 0; i < threads; i++) {
-        v->payloads[i] = mem_alloc(m, leaf_layout_payload_max(l));
+        v->payloads[i] = mem_alloc(m, thread_bytes(v->f));
         v->stored[i] = mem_alloc(m, leaf_layout_payload_max(l));
         if (!v->payloads[i] || !v->stored[i])
             return ST_NOMEM;

@@ -5,6 +5,10 @@
  * recomputed from its samples, inner nodes from their children, halos that repeat the neighbour's
  * samples or the volume's border, the number of non-finite samples. Only what the levels' samples
  * should be is the writer's affair.
+ *
+ * Of a mesh: checksums, padding, trees (mesh_leaf_check.h), bounds and ranges exactly those of the
+ * vertices, every code recomputed, each vertex some tet's, as many non-finite values as can be.
+ * What the file cannot tell: which vertices treelets share, and so the header's count of them.
  */
 #ifndef FORMATS_LEAF_VERIFY_H
 #define FORMATS_LEAF_VERIFY_H
@@ -17,8 +21,8 @@
 #include "formats/leaf_file.h"
 
 /* leaf_verify() - ST_OK, or ST_CORRUPT naming file, byte (of the file, or within a compressed
- * treelet's payload) and what was expected. Memory: two payloads a thread and 52 bytes a treelet. p
- * may be NULL. */
+ * treelet's payload) and what was expected. Memory: two payloads a thread (of a mesh three,
+ * and up to 640 KiB) and 56 bytes a treelet. p may be NULL. */
 CHECKED status leaf_verify(mem *m, leaf_file *f, int threads, const progress *p);
 
 #endif

@@ -34,8 +34,8 @@ static const struct argp table = {
     .parser = parse,
     .args_doc = "F.leaf",
     .doc = "Check every byte of a treelet file: checksums, padding, ranges, the codes of every "
-           "tree against its samples, samples that "
-           "neighbours share. Exit code 0 if it is sound, 3 if not.",
+           "tree against its samples, samples that neighbours share; of a mesh, that boxes and "
+           "ranges are those of their tets. Exit code 0 if it is sound, 3 if not.",
     .children = children,
 };
 
