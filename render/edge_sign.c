@@ -156,6 +156,8 @@ static bool wholes_of(const double v[3], whole out[3]) {
 
 /* E = d . (P x Q) - d . (P x o) - d . (o x Q): no difference is ever taken of arguments. */
 edge_weight edge_exact(const double o[3], const double d[3], const double p[3], const double q[3]) {
+    if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2])
+        return (edge_weight){0.0, 0.0}; /* isovalues at vertices make many of these */
     whole wo[3], wd[3], wp[3], wq[3];
     if (!wholes_of(o, wo) || !wholes_of(d, wd) || !wholes_of(p, wp) || !wholes_of(q, wq))
         return (edge_weight){0.0, 0.0};

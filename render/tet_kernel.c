@@ -76,14 +76,17 @@ bool tet_is_active(const float f[4], double iso) {
     return inside_of(f, iso) != 0;
 }
 
+/* Never beyond a or b. As long as s < 1, the product is at least an ulp short of the difference (b
+ * - a) as rounded, which errs by half an ulp at most; so a plus the product, before it is rounded,
+ * lies between a and b, and so it does after. */
 static void cut_edge(const tet *x, int edge, double iso, double point[3]) {
     const int i = ends_of[edge][0], j = ends_of[edge][1];
     const double fa = (double)x->f[i], fb = (double)x->f[j];
     const double s = (iso - fa) / (fb - fa);
+    const bool whole = s >= 1.0;
     for (int k = 0; k < 3; k++) {
         const double a = (double)x->p[i][k], b = (double)x->p[j][k];
-        const double p = s < 1.0 ? a + s * (b - a) : b;
-        point[k] = kept_within(p, least(a, b), most(a, b));
+        point[k] = whole ? b : a + s * (b - a);
     }
 }
 

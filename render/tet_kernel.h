@@ -66,7 +66,8 @@ bool tet_is_active(const float f[4], double iso);
 /* isopolygon_of() - false, and *out untouched, when the tet is not active. iso is finite.
  *
  * The point between a and b, a of the lower id: a + s (b - a) with s = (iso - fa) / (fb - fa); b
- * itself where s = 1; kept within the box of a and b. So a vertex at the isovalue is the point. */
+ * itself where s = 1. It is a vertex that lies at the isovalue; it never leaves the box of a and b.
+ */
 bool isopolygon_of(const tet *x, double iso, isopolygon *out);
 
 /* isopolygon_hit() - the first hit of the ray that comes strictly after `after` in (t, cell, iso)

@@ -208,6 +208,32 @@ static void sixteen_cases(void **test) {
     }
 }
 
+/* Whatever the sizes: a point never leaves the box of its edge. */
+static void points_stay_on_edges(void **test) {
+    (void)test;
+    dice.state = SEED;
+    for (int i = 0; i < 4 * COUNT; i++) {
+        tet x;
+        for (int v = 0; v < 4; v++)
+            for (int k = 0; k < 3; k++)
+                x.p[v][k] =
+                    ldexpf((float)uniform(), (int)field_random_below(&dice, i % 2 ? 100 : 4));
+        /* s at, near or far from 1. */
+        memcpy(x.f, (float[4]){0, 1, -1, -1}, sizeof x.f);
+        x.f[0] = i % 3 ? (float)ldexp(uniform(), -(int)field_random_below(&dice, 60)) : 0.0f;
+        isopolygon g;
+        const double iso = i % 5 ? 1.0 - ldexp(1.0, -(int)field_random_below(&dice, 54)) : 1.0;
+        if (!isopolygon_of(&x, iso, &g))
+            continue;
+        for (int c = 0; c < g.count; c++)
+            for (int k = 0; k < 3; k++) {
+                const double a = (double)x.p[ends[g.edge[c]][0]][k];
+                const double b = (double)x.p[ends[g.edge[c]][1]][k];
+                assert_true(g.p[c][k] >= fmin(a, b) && g.p[c][k] <= fmax(a, b));
+            }
+    }
+}
+
 static const tet unit = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0, 0}};
 
 static ray ray_from(double ox, double oy, double oz, double dx, double dy, double dz) {
@@ -417,6 +443,7 @@ int main(void) {
         cmocka_unit_test(sixteen_cases),
         cmocka_unit_test(isovalue_at_a_vertex),
         cmocka_unit_test(no_data),
+        cmocka_unit_test(points_stay_on_edges),
         cmocka_unit_test(hits_by_formula),
         cmocka_unit_test(hits_in_order),
         cmocka_unit_test(errors_are_bounded),
