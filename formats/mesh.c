@@ -10,6 +10,7 @@
 #include "formats/mesh_feed.h"
 #include "formats/mesh_reader.h"
 #include "formats/mesh_stream.h"
+#include "formats/mesh_tetgen.h"
 #include "formats/mesh_vtk.h"
 #include "formats/mesh_vtu.h"
 
@@ -21,8 +22,8 @@ struct mesh {
 };
 
 /* What the formats are told by; the first that knows the file reads it. */
-static const mesh_reader *const readers[] = {&mesh_stream_reader, &mesh_vtk_reader,
-                                             &mesh_vtu_reader};
+static const mesh_reader *const readers[] = {&mesh_stream_reader, &mesh_tetgen_reader,
+                                             &mesh_vtk_reader, &mesh_vtu_reader};
 
 enum { READERS = sizeof readers / sizeof *readers };
 

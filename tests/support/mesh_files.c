@@ -5,8 +5,10 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zstd.h>
 
 #include "formats/base/fault.h"
 #include "tests/support/scratch.h"
@@ -104,6 +106,31 @@ void mesh_files_refused(const char *path, const mesh_hints *hints, status st, co
     if (got != st || !strstr(status_text(), said))
         fail_msg("status %d (\"%s\"), not %d (\"...%s...\")", (int)got, status_text(), (int)st,
                  said);
+}
+
+const char *mesh_files_stage(const char *set, const char *name) {
+    char packed[300];
+    snprintf(packed, sizeof packed, "%s/%s.zst", set, name);
+    bool is_packed = scratch_data(packed) != NULL;
+    if (!is_packed)
+        packed[strlen(packed) - 4] = 0;
+    const char *path = scratch_data(packed);
+    if (!path)
+        return NULL;
+    size_t size;
+    char *bytes = scratch_read(path, &size);
+    if (is_packed) {
+        unsigned long long raw = ZSTD_getFrameContentSize(bytes, size);
+        assert_true(raw != ZSTD_CONTENTSIZE_UNKNOWN && raw != ZSTD_CONTENTSIZE_ERROR);
+        char *all = malloc((size_t)raw);
+        assert_int_equal(ZSTD_decompress(all, (size_t)raw, bytes, size), raw);
+        free(bytes);
+        bytes = all;
+        size = (size_t)raw;
+    }
+    const char *staged = scratch_write(name, bytes, size);
+    free(bytes);
+    return staged;
 }
 
 /* ---- comparing ---- */

@@ -39,6 +39,10 @@ void mesh_files_refused(const char *path, const mesh_hints *hints, status st, co
 void mesh_files_same(const mesh_copy *a, const mesh_copy *b);
 mesh_copy *mesh_files_keep(const mesh_copy *a);
 
+/* mesh_files_stage() - a file of a set in the data folder, decompressed if it is NAME.zst, as a
+ * file of the scratch folder; NULL when it is not there. */
+const char *mesh_files_stage(const char *set, const char *name);
+
 /* mesh_files_volume() - the sum of the tets' signed volumes, and of their magnitudes. */
 double mesh_files_volume(const mesh_copy *a, double *magnitude);
 

@@ -1,0 +1,29 @@
+/* mesh_average.h - cell data taken to the points: the mean over the cells at a point.
+ *
+ * Each cell counts once at each of its points, as it stands in the file, before it is split. Sums
+ * are double, in the order of the cells. A point of no cell gets 0. 12 bytes a point.
+ */
+#ifndef FORMATS_MESH_AVERAGE_H
+#define FORMATS_MESH_AVERAGE_H
+
+#include "formats/mesh_feed.h"
+
+typedef struct mesh_average {
+    mem *m;
+    uint64_t points;
+    double *sums;
+    uint32_t *cells; /* at each point */
+} mesh_average;
+
+/* mesh_average_begin() - for so many points. Release in any case, also one that is all zeros. */
+CHECKED status mesh_average_begin(mesh_average *a, mem *m, uint64_t points);
+void mesh_average_release(mesh_average *a);
+
+/* mesh_average_add() - a cell's value; a cell with an id that is no point is passed over, as
+ * mesh_feed_cell() does. */
+void mesh_average_add(mesh_average *a, mesh_cell kind, const uint64_t *ids, double value);
+
+/* mesh_average_feed() - all values, when the last cell has been added. */
+CHECKED status mesh_average_feed(const mesh_average *a, mesh_feed *feed);
+
+#endif

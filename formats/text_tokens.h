@@ -1,0 +1,53 @@
+/* text_tokens.h - the words of a text file, one by one, with the line they stand on.
+ *
+ * Nothing is taken from the stream beyond the word asked for, so binary data may follow a line. For
+ * formats where lines matter (columns may be missing) and for those where they do not.
+ */
+#ifndef FORMATS_TEXT_TOKENS_H
+#define FORMATS_TEXT_TOKENS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/base/status.h"
+#include "formats/byte_stream.h"
+
+enum { TEXT_TOKEN_MAX = 255 };
+
+/* Start with {.s = stream, .line = 1}. */
+typedef struct text_tokens {
+    byte_stream *s;
+    uint64_t line; /* on which the stream stands, from 1 */
+    char comment;  /* what begins a comment up to the line's end; 0: nothing does */
+    bool commas;   /* commas and semicolons are blanks */
+    char token[TEXT_TOKEN_MAX + 1]; /* the last one; "" when there was none */
+} text_tokens;
+
+/* text_tokens_next() - the next word into token, on whatever line; "" at the end of the stream.
+ * ST_CORRUPT for one above TEXT_TOKEN_MAX bytes or with a NUL in it. */
+CHECKED status text_tokens_next(text_tokens *t);
+
+/* text_tokens_more() - whether another word stands on this line. */
+CHECKED status text_tokens_more(text_tokens *t, bool *more);
+
+/* text_tokens_rest() - the rest of this line, without blanks around it, at most size - 1 bytes
+ * (ST_CORRUPT above it); the stream then stands on the next one. */
+CHECKED status text_tokens_rest(text_tokens *t, char *text, size_t size);
+
+/* text_tokens_end_line() - the line ends here, or ST_CORRUPT; the stream then stands on the next
+ * one, in front of its first byte. */
+CHECKED status text_tokens_end_line(text_tokens *t);
+
+/* The next word as a number; `what` says what is expected ("x of point 3" is for the reader to
+ * tell). The second: a whole number in lo .. hi. */
+CHECKED status text_tokens_double(text_tokens *t, const char *what, double *out);
+CHECKED status text_tokens_int(text_tokens *t, const char *what, int64_t lo, int64_t hi,
+                               int64_t *out);
+
+/* text_tokens_fault() - ST_CORRUPT: file, line, the last word, and what was expected in its place.
+ */
+status text_tokens_fault(const text_tokens *t, const char *fmt, ...)
+    __attribute__((format(printf, 2, 3)));
+
+#endif
