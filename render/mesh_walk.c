@@ -40,27 +40,6 @@ tet mesh_walk_tet(const treelet *tr, uint32_t place) {
     return x;
 }
 
-/* What a treelet's codes mean for the isovalues. */
-typedef struct iso_codes {
-    quantized_iso of[ACTIVE_ISOS_MAX];
-    int count;
-} iso_codes;
-
-static iso_codes codes_of(const walk_scene *scene, const treelet *tr) {
-    const quantizer q = quantizer_of(tr->own[0], tr->own[1], SAMPLE_F32);
-    iso_codes c = {.count = scene->count};
-    for (int i = 0; i < scene->count; i++)
-        c.of[i] = quantizer_iso(&q, scene->isovalues[i]);
-    return c;
-}
-
-static bool holds_any(const iso_codes *c, uint8_t lo, uint8_t hi) {
-    for (int i = 0; i < c->count; i++)
-        if (quantize_holds(c->of[i], lo, hi))
-            return true;
-    return false;
-}
-
 /* ---- Leaves ---- */
 
 /* (t, iso, entering) */
@@ -127,20 +106,17 @@ typedef struct walk_of {
     const treelet *tr;
     const ray *r;
     mesh_frame planes;
-    iso_codes isos;
 } walk_of;
 
 /* Push a node's children that the ray meets before `nearest`, the first of them last. */
 static int push_children(const walk_of *w, uint32_t node, double nearest, pending stack[],
                          int top) {
     const mesh_node *n = &mesh_leaf_nodes(w->tr->payload)[node];
-    const mesh_codes *codes = &mesh_leaf_codes(w->tr->values)[node];
     const int bottom = top;
-    for (int c = 0; c < MESH_CHILDREN && n->child[c] != MESH_NO_CHILD; c++) {
+    for (unsigned left = w->tr->active->children[node]; left; left &= left - 1) {
+        const unsigned c = (unsigned)__builtin_ctz(left);
         double lo[3], hi[3];
         mesh_interval in;
-        if (!holds_any(&w->isos, codes->lo[c], codes->hi[c]))
-            continue;
         for (int a = 0; a < 3; a++) {
             lo[a] = (double)mesh_leaf_plane(&w->planes, a, n->lo[a][c]);
             hi[a] = (double)mesh_leaf_plane(&w->planes, a, n->hi[a][c]);
@@ -157,7 +133,7 @@ static int push_children(const walk_of *w, uint32_t node, double nearest, pendin
 
 bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const hit *after,
                hit *best, walk_counters *counters) {
-    const walk_of w = {tr, r, mesh_leaf_frame(tr->bounds), codes_of(scene, tr)};
+    const walk_of w = {tr, r, mesh_leaf_frame(tr->bounds)};
     const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->payload);
     pending stack[STACK_MAX];
     bool changed = false;
@@ -174,7 +150,8 @@ bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const h
         }
         const uint32_t leaf = p.child & ~(uint32_t)MESH_LEAF;
         for (uint32_t i = first[leaf]; i < first[leaf + 1]; i++)
-            changed |= test_tet(scene, tr, i, r, after, best, counters);
+            if (tr->active->tets[i / 64] >> i % 64 & 1u)
+                changed |= test_tet(scene, tr, i, r, after, best, counters);
     }
     return changed;
 }

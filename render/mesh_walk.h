@@ -1,7 +1,7 @@
 /* mesh_walk.h - one ray through one treelet of a mesh: the nearest hit with the selected
  * isosurfaces.
  *
- * The implicit BVH (W07 5): nodes whose value range holds no isovalue are passed over, the others
+ * The implicit BVH (W07 5): nodes without active tets below are passed over, the others
  * are visited front to back as far as the ray meets their boxes; in the leaves every active tet
  * goes to the kernel.
  */

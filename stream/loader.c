@@ -98,12 +98,13 @@ static void treelet_free(loader *l, treelet *tr) {
     mem_free(l->m, tr);
 }
 
-/* The treelet and its masks share one block. */
+/* A treelet and its masks share one block; these begin there. */
+enum { TREELET_HEAD = (sizeof(treelet) + 63) / 64 * 64 };
+
 static status grid_load(loader *l, uint32_t t, source_scratch *scratch, treelet **out) {
     const leaf_layout *layout = &l->file->layout;
     leaf_payload shape = leaf_layout_payload(layout, t);
-    const size_t head = (sizeof(treelet) + 63) / 64 * 64;
-    treelet *tr = mem_zalloc(l->m, head + active_bytes(shape.node_levels));
+    treelet *tr = mem_zalloc(l->m, TREELET_HEAD + active_bytes(shape.node_levels));
     if (!tr)
         return ST_NOMEM;
     tr->id = t;
@@ -111,7 +112,7 @@ static status grid_load(loader *l, uint32_t t, source_scratch *scratch, treelet 
     for (int a = 0; a < 3; a++)
         tr->first_cell[a] = layout->place[t][a] << layout->cells_log2;
     tr->shape = shape;
-    tr->masks = active_init((char *)tr + head, shape.node_levels);
+    tr->masks = active_init((char *)tr + TREELET_HEAD, shape.node_levels);
     status st = source_load(l->hidden->source, t, scratch, &tr->payload);
     if (st != ST_OK) {
         treelet_free(l, tr);
@@ -126,14 +127,15 @@ static status grid_load(loader *l, uint32_t t, source_scratch *scratch, treelet 
 static status mesh_load(loader *l, uint32_t t, source_scratch *scratch, treelet **out) {
     const leaf_file *f = l->file;
     const uint32_t values = leaf_layout_values(&f->layout, l->hidden->set, t);
-    treelet *tr = mem_zalloc(l->m, sizeof *tr);
+    const mesh_shape shape = mesh_leaf_shape(f->mesh->counts[t]);
+    treelet *tr = mem_zalloc(l->m, TREELET_HEAD + mesh_active_bytes(&shape));
     if (!tr)
         return ST_NOMEM;
     tr->id = t;
-    tr->mesh = mesh_leaf_shape(f->mesh->counts[t]);
+    tr->mesh = shape;
+    tr->active = mesh_active_init((char *)tr + TREELET_HEAD, &shape);
     tr->first_tet = f->mesh->first_tet[t];
     tr->bounds = f->mesh->bounds[t];
-    tr->own = f->own[values - f->layout.treelets];
     status st = source_load(l->hidden->source, t, scratch, &tr->payload);
     if (st == ST_OK)
         st = mesh_leaf_check_loaded(f, t, tr->payload);
@@ -253,10 +255,12 @@ void loader_mask(const loader *l, treelet *tr) {
         if (seen != LOADER_MASKING &&
             atomic_compare_exchange_strong_explicit(&tr->masked, &seen, LOADER_MASKING,
                                                     memory_order_acquire, memory_order_relaxed)) {
-            if (tr->masks) {
+            if (tr->masks)
                 h->compute(tr->masks, l->file, tr->id, tr->payload, &h->isos);
-                atomic_fetch_add_explicit(&h->masks, 1, memory_order_relaxed);
-            }
+            else
+                mesh_active_compute(tr->active, &tr->mesh, tr->payload, tr->values,
+                                    h->isos.isovalues, h->isos.count);
+            atomic_fetch_add_explicit(&h->masks, 1, memory_order_relaxed);
             atomic_store_explicit(&tr->masked, l->selection, memory_order_release);
             return;
         }
@@ -281,12 +285,12 @@ static size_t place_bytes_of(const loader *l) {
     if (!l->tree)
         most = leaf_layout_payload_max(layout) + active_bytes(layout->cells_log2 - LEAF_BLOCK_LOG2);
     for (uint32_t t = 0; l->tree && t < layout->treelets; t++) {
-        const size_t bytes = leaf_layout_payload_bytes(layout, t) +
-                             leaf_layout_payload_bytes(layout, layout->treelets + t);
+        const mesh_shape shape = mesh_leaf_shape(l->file->mesh->counts[t]);
+        const size_t bytes =
+            (size_t)shape.topology_bytes + shape.values_bytes + mesh_active_bytes(&shape);
         most = bytes > most ? bytes : most;
     }
-    return most + (l->tree ? 2 : 1) * source_overhead_bytes(l->hidden->source) + sizeof(treelet) +
-           256;
+    return most + (l->tree ? 2 : 1) * source_overhead_bytes(l->hidden->source) + TREELET_HEAD + 256;
 }
 
 /* A mesh's directory as a tree. */

@@ -24,6 +24,7 @@
 #include "formats/leaf_file.h"
 #include "formats/mesh_leaf.h"
 #include "stream/active.h"
+#include "stream/mesh_active.h"
 #include "stream/source.h"
 #include "stream/treelet_tree.h"
 
@@ -40,10 +41,10 @@ typedef struct treelet {
     /* Of a mesh: */
     const void *values;
     mesh_shape mesh;
-    uint64_t first_tet;   /* index of its first tet in the whole mesh */
-    const float *bounds;  /* lo x y z, hi x y z */
-    const float *own;     /* range of its values: what their codes relate to */
-    atomic_size_t masked; /* the selection that masks are for, 0: none; or LOADER_MASKING */
+    uint64_t first_tet;  /* index of its first tet in the whole mesh */
+    const float *bounds; /* lo x y z, hi x y z */
+    mesh_active *active;
+    atomic_size_t masked; /* the selection of masks or active, 0: none; or LOADER_MASKING */
 } treelet;
 
 #define LOADER_MASKING SIZE_MAX /* some thread is making them */

@@ -1,0 +1,29 @@
+/* mesh_active.h - which tets of a mesh's treelet hold a surface: derived data of a resident
+ * treelet, as active.h is for grids.
+ *
+ * Made for the frame's isovalues when a treelet is first looked at; exact but for tets with values
+ * that are not finite, which may count as active. 2 bytes a vertex and node and a bit a tet.
+ */
+#ifndef STREAM_MESH_ACTIVE_H
+#define STREAM_MESH_ACTIVE_H
+
+#include <stddef.h>
+
+#include "formats/mesh_leaf.h"
+
+typedef struct mesh_active {
+    uint8_t *children; /* a node: bit c: there are active tets below child c */
+    uint64_t *tets;    /* a bit a tet */
+    uint8_t *sides;    /* room for a byte a vertex while they are made */
+} mesh_active;
+
+/* mesh_active_bytes() - size of the block that mesh_active_init() lays out; 64-byte aligned. */
+size_t mesh_active_bytes(const mesh_shape *shape);
+mesh_active *mesh_active_init(void *block, const mesh_shape *shape);
+
+/* mesh_active_compute() - topology, values: the treelet's checked payloads; count >= 0 finite
+ * isovalues. */
+void mesh_active_compute(mesh_active *active, const mesh_shape *shape, const void *topology,
+                         const void *values, const double *isovalues, int count);
+
+#endif
