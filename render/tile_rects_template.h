@@ -28,6 +28,11 @@ typedef struct tile_place {
     float x, y;
 } tile_place;
 
+SIMD tile_place tile_place_of(const frame *f, uint32_t x0, uint32_t y0) {
+    return (tile_place){f->projection, (float)(x0 + 0.5 - 0.5 * f->camera.width),
+                        (float)(y0 + 0.5 - 0.5 * f->camera.height)};
+}
+
 /* One coordinate of the eight children: at their lower and at their upper planes. */
 typedef struct children_planes {
     vf lo[3], hi[3];

@@ -8,8 +8,8 @@
 #ifdef SIMD_NAME
 
 #include "render/kernels.h"
-#include "render/tile_rays_template.h"
 #include "render/tile_rects_template.h"
+#include "render/tile_state_template.h"
 
 /* Ray-cells, one a lane, on their way to the filter: d, planes and t as in tile_rays. */
 typedef struct near_queue {
@@ -22,16 +22,9 @@ typedef struct near_queue {
 } near_queue;
 
 typedef struct tile_walk {
-    const frame *f;
-    frame_counters *counters;
-    tile_outcome *out;
+    tile_state s;
     tile_place place;
-    uint32_t x0, y0; /* its first pixel */
-    bool has_rays;
-    tile_rays rays; /* made when the first are needed */
-    uint16_t asked[TILE];
-    uint16_t open[ROWS];    /* rays that still look for their surface; */
-    uint16_t pending[ROWS]; /* of which a cell waits in the batch */
+    uint16_t pending[ROWS]; /* rays of s.open of which a cell waits in the batch */
     bool filter;            /* the intersector is the one that the filter knows */
     near_queue queue;
     /* Ray-cells on their way to the cell kernel. */
@@ -40,12 +33,7 @@ typedef struct tile_walk {
     uint8_t ray_of[CELL_BATCH];
     uint32_t cell_of[CELL_BATCH][3];
     const treelet *treelet_of[CELL_BATCH];
-    /* What has been found. */
-    double t[TILE_RAYS]; /* INFINITY: nothing */
-    int32_t iso[TILE_RAYS];
-    bool entering[TILE_RAYS];
-    uint32_t cell[TILE_RAYS][3];
-    const treelet *at[TILE_RAYS];
+    uint32_t cell[TILE_RAYS][3]; /* of what has been found */
 } tile_walk;
 
 static unsigned row_mask(tile_rect r) {
@@ -62,22 +50,22 @@ static bool any_of(const uint16_t rows[], tile_rect r) {
 /* ---- The batch ---- */
 
 static uint64_t index_of(const tile_walk *w, const treelet *at, const uint32_t cell[3]) {
-    return walk_cell_index(&w->f->tracer->scene.levels[at->level], cell);
+    return walk_cell_index(&w->s.f->tracer->scene.levels[at->level], cell);
 }
 
 /* A hit of ray-cell k: nearer than what the ray has? */
 static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool entering) {
     const unsigned i = w->ray_of[k];
-    if (w->t[i] <= t) {
-        const hit known = {w->t[i], index_of(w, w->at[i], w->cell[i]), w->iso[i], false};
+    if (w->s.t[i] <= t) {
+        const hit known = {w->s.t[i], index_of(w, w->s.at[i], w->cell[i]), w->s.iso[i], false};
         const hit found = {t, index_of(w, w->treelet_of[k], w->cell_of[k]), iso, false};
         if (!hit_less(&found, &known))
             return;
     }
-    w->t[i] = t;
-    w->iso[i] = iso;
-    w->entering[i] = entering;
-    w->at[i] = w->treelet_of[k];
+    w->s.t[i] = t;
+    w->s.iso[i] = iso;
+    w->s.entering[i] = entering;
+    w->s.at[i] = w->treelet_of[k];
     for (int a = 0; a < 3; a++)
         w->cell[i][a] = w->cell_of[k][a];
 }
@@ -87,56 +75,44 @@ static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool enter
 static void flush(tile_walk *w) {
     if (w->waiting == 0)
         return;
-    const walk_scene *scene = &w->f->tracer->scene;
+    const walk_scene *scene = &w->s.f->tracer->scene;
     cell_batch_hits hits;
-    w->f->kernels->cells(&w->batch, (int)w->waiting, scene->isovalues, scene->count,
-                         w->f->scene->intersector, &hits);
+    w->s.f->kernels->cells(&w->batch, (int)w->waiting, scene->isovalues, scene->count,
+                           w->s.f->scene->intersector, &hits);
     for (uint32_t left = hits.found; left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left), i = w->ray_of[k];
         take_hit(w, k, hits.t[k], hits.iso[k], hits.entering >> k & 1u);
         if (!(hits.at_exit >> k & 1u))
-            w->open[i / TILE] &= (uint16_t) ~(1u << i % TILE);
+            w->s.open[i / TILE] &= (uint16_t) ~(1u << i % TILE);
         else
-            w->rays.near_t1[i / TILE * STRIDE + i % TILE] =
-                (float)(w->t[i] * w->f->projection->unscale);
+            w->s.rays.near_t1[i / TILE * STRIDE + i % TILE] =
+                (float)(w->s.t[i] * w->s.f->projection->unscale);
     }
-    w->counters->walk.roots += (unsigned)__builtin_popcount(hits.found);
+    w->s.counters->walk.roots += (unsigned)__builtin_popcount(hits.found);
     w->waiting = 0;
     for (unsigned y = 0; y < TILE; y++)
         w->pending[y] = 0;
 }
 
-/* Tiles that meet no active cell do without. */
-static void make_rays_once(tile_walk *w) {
-    if (w->has_rays)
-        return;
-    tile_rays_make(w->f, w->x0, w->y0, &w->rays);
-    w->has_rays = true;
-    for (unsigned y = 0; y < TILE; y++) {
-        w->rays.single[y] &= w->asked[y];
-        w->open[y] &= (uint16_t)~w->rays.single[y];
-    }
-}
-
 static bool is_open(const tile_walk *w, unsigned i) {
-    return w->open[i / TILE] >> i % TILE & 1u;
+    return w->s.open[i / TILE] >> i % TILE & 1u;
 }
 
 /* Let ray i wait for the cell kernel's answer. */
 static void add_to_batch(tile_walk *w, const treelet *at, const uint32_t cell[3],
                          const float samples[8], unsigned i) {
-    const level_planes *planes = &w->f->tracer->scene.levels[at->level];
+    const level_planes *planes = &w->s.f->tracer->scene.levels[at->level];
     cell_batch *b = &w->batch;
     const unsigned k = w->waiting++;
     for (int a = 0; a < 3; a++) {
-        b->d[a][k] = w->rays.d[a][i];
+        b->d[a][k] = w->s.rays.d[a][i];
         b->lo[a][k] = planes->at[a][cell[a]] - w->place.p->eye[a];
         b->hi[a][k] = planes->at[a][cell[a] + 1] - w->place.p->eye[a];
         b->inv[a][k] = planes->inverse[a][cell[a]];
         w->cell_of[k][a] = cell[a];
     }
-    b->t0[k] = w->rays.t0[i];
-    b->t1[k] = w->rays.t1[i];
+    b->t0[k] = w->s.rays.t0[i];
+    b->t1[k] = w->s.rays.t1[i];
     for (int s = 0; s < 8; s++)
         b->samples[s][k] = samples[s];
     w->ray_of[k] = (uint8_t)i;
@@ -272,7 +248,7 @@ SIMD unsigned window_open(const tile_walk *w, unsigned x, unsigned y, tile_rect 
     unsigned bits = 0;
     for (unsigned row = 0; row < WINDOW_Y; row++)
         if (y + row <= r.y1)
-            bits |= (w->open[y + row] & row_mask(r)) >> x << (4 * row) & 15u << (4 * row);
+            bits |= (w->s.open[y + row] & row_mask(r)) >> x << (4 * row) & 15u << (4 * row);
     return bits;
 }
 
@@ -286,8 +262,8 @@ SIMD unsigned window_pending(const tile_walk *w, unsigned x, unsigned y) {
 /* The rays of a window that visit a cell: filter those and add the rest to the batch. */
 SIMD void add_visitors(tile_walk *w, active_cell *c, const near_visit *v, unsigned x, unsigned y,
                        tile_rect r, unsigned bits) {
-    const walk_scene *scene = &w->f->tracer->scene;
-    w->counters->walk.cells += (unsigned)__builtin_popcount(bits);
+    const walk_scene *scene = &w->s.f->tracer->scene;
+    w->s.counters->walk.cells += (unsigned)__builtin_popcount(bits);
     if (!c->has_samples)
         walk_cell_samples(scene, c->at, c->cell, c->samples);
     c->has_samples = true;
@@ -295,7 +271,7 @@ SIMD void add_visitors(tile_walk *w, active_cell *c, const near_visit *v, unsign
         for (int i = 0; i < scene->count && !c->has_forms; i++)
             c->forms[i] = near_form_of(&c->near, c->samples, scene->isovalues[i]);
         c->has_forms = true;
-        bits &= may_cross_any(&w->rays, STRIDE * y + x, &c->near, v, c->forms, scene->count);
+        bits &= may_cross_any(&w->s.rays, STRIDE * y + x, &c->near, v, c->forms, scene->count);
     }
     if (bits & window_pending(w, x, y)) {
         flush(w);
@@ -306,7 +282,7 @@ SIMD void add_visitors(tile_walk *w, active_cell *c, const near_visit *v, unsign
         add_to_batch(w, c->at, c->cell, c->samples,
                      TILE * (y + lane / WINDOW_X) + x + lane % WINDOW_X);
     }
-    if (w->f->kernels->by_cell)
+    if (w->s.f->kernels->by_cell)
         flush(w);
 }
 
@@ -356,7 +332,7 @@ SIMD unsigned queue_may_cross(const near_queue *q, const double isovalues[], int
 
 /* Filter what has been queued, and add the rest to the batch. */
 static void queue_flush(tile_walk *w) {
-    const walk_scene *scene = &w->f->tracer->scene;
+    const walk_scene *scene = &w->s.f->tracer->scene;
     near_queue *q = &w->queue;
     unsigned left = (1u << q->count) - 1u;
     float samples[VF_N][8];
@@ -376,13 +352,15 @@ static void queue_flush(tile_walk *w) {
             flush(w);
         if (is_open(w, i))
             add_to_batch(w, q->at[k], q->cell[k], samples[k], i);
-        if (w->f->kernels->by_cell)
+        if (w->s.f->kernels->by_cell)
             flush(w);
     }
 }
 
-/* One active cell and the rays of its rectangle. */
-static void walk_cell(tile_walk *w, const treelet *at, const uint32_t cell[3], tile_rect r) {
+/* One active cell and the rays of its rectangle. Inlined, its loops are short of registers: frames
+ * of large cells take x 1.2. */
+static __attribute__((noinline)) void walk_cell(tile_walk *w, const treelet *at,
+                                                const uint32_t cell[3], tile_rect r) {
     active_cell c;
     cell_begin(&c, at, w->place.p->at[at->level], cell);
     queue_flush(w); /* its cells are nearer */
@@ -391,7 +369,7 @@ static void walk_cell(tile_walk *w, const treelet *at, const uint32_t cell[3], t
             near_visit v;
             unsigned bits = window_open(w, x, y, r);
             if (bits)
-                bits &= visits(&w->rays, STRIDE * y + x, &c.near, &v);
+                bits &= visits(&w->s.rays, STRIDE * y + x, &c.near, &v);
             if (bits)
                 add_visitors(w, &c, &v, x, y, r, bits);
         }
@@ -436,9 +414,9 @@ SIMD void queue_add(tile_walk *w, const treelet *at, const plane_projection *con
                     const uint32_t cell[3], unsigned i, float t_in, float t_out) {
     near_queue *q = &w->queue;
     const unsigned k = q->count++, padded = i / TILE * STRIDE + i % TILE;
-    walk_cell_prefetch(&w->f->tracer->scene, at, cell);
+    walk_cell_prefetch(&w->s.f->tracer->scene, at, cell);
     for (int a = 0; a < 3; a++) {
-        q->d[a][k] = w->rays.near_d[a][padded];
+        q->d[a][k] = w->s.rays.near_d[a][padded];
         q->lo[a][k] = planes[a][cell[a]].from_eye;
         q->hi[a][k] = planes[a][cell[a] + 1].from_eye;
         q->inv[a][k] = planes[a][cell[a]].inverse;
@@ -448,7 +426,7 @@ SIMD void queue_add(tile_walk *w, const treelet *at, const plane_projection *con
     q->t_out[k] = t_out;
     q->at[k] = at;
     q->ray[k] = (uint8_t)i;
-    w->counters->walk.cells++;
+    w->s.counters->walk.cells++;
     if (q->count == VF_N)
         queue_flush(w);
 }
@@ -474,12 +452,12 @@ static void walk_group(tile_walk *w, const treelet *at, const uint32_t first_cel
     for (unsigned v = 0; v < VECTORS_OF_8; v++)
         planes[v] = group_planes_of(projected, first_cell, v * VF_N);
     for (unsigned y = r.y0; y <= r.y1; y++) {
-        for (unsigned left = w->open[y] & row_mask(r); left; left &= left - 1) {
+        for (unsigned left = w->s.open[y] & row_mask(r); left; left &= left - 1) {
             const unsigned x = (unsigned)__builtin_ctz(left);
             float t_in[VECTORS_OF_8 * VF_N], t_out[VECTORS_OF_8 * VF_N];
             unsigned visited = 0;
             for (unsigned v = 0; v < VECTORS_OF_8; v++)
-                visited |= group_visits(&w->rays, STRIDE * y + x, &planes[v], t_in + v * VF_N,
+                visited |= group_visits(&w->s.rays, STRIDE * y + x, &planes[v], t_in + v * VF_N,
                                         t_out + v * VF_N)
                            << v * VF_N;
             for (unsigned places = in_order(visited & active, first); places;
@@ -514,15 +492,15 @@ static unsigned last_place(unsigned places) {
 static bool wanted(tile_walk *w, tile_rect r) {
     unsigned open = 0, idle = 0;
     for (unsigned y = r.y0; y <= r.y1; y++) {
-        open |= w->open[y];
-        idle |= (unsigned)(w->open[y] & ~w->pending[y]);
+        open |= w->s.open[y];
+        idle |= (unsigned)(w->s.open[y] & ~w->pending[y]);
     }
     if (!(open & row_mask(r)))
         return false;
     if (idle & row_mask(r))
         return true;
     flush(w);
-    return any_of(w->open, r);
+    return any_of(w->s.open, r);
 }
 
 /* A node of a treelet's tree: a cube of 2^size cells. */
@@ -538,12 +516,12 @@ enum { TREE_STACK_MAX = 8 * (LEAF_CELLS_LOG2_MAX + 1), DIRECTORY_STACK_MAX = 8 *
 static unsigned open_rays(const tile_walk *w, tile_rect r) {
     unsigned count = 0;
     for (unsigned y = r.y0; y <= r.y1; y++)
-        count += (unsigned)__builtin_popcount(w->open[y] & row_mask(r));
+        count += (unsigned)__builtin_popcount(w->s.open[y] & row_mask(r));
     return count;
 }
 
 static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect) {
-    const level_planes *planes = &w->f->tracer->scene.levels[at->level];
+    const level_planes *planes = &w->s.f->tracer->scene.levels[at->level];
     const plane_projection *const *projected = w->place.p->at[at->level];
     tree_node stack[TREE_STACK_MAX];
     int top = 0;
@@ -557,16 +535,16 @@ static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect) {
             continue;
         const uint32_t half = 1u << (node.size - 1);
         if (half == 1)
-            make_rays_once(w);
+            tile_state_rays(&w->s);
         if (half == 1 && open_rays(w, node.rect) <= GROUP_RAYS_MAX) {
             const unsigned first = first_octant(w, planes, node.cell, 1);
             const unsigned active = walk_children(at, node.size, node.morton);
-            w->counters->walk.nodes++;
+            w->s.counters->walk.nodes++;
             walk_group(w, at, node.cell, active, first, node.rect);
             continue;
         }
         tile_rects rects;
-        w->counters->walk.nodes++;
+        w->s.counters->walk.nodes++;
         tile_rects_of(&w->place, projected, node.cell, half, &node.rect, &rects);
         const unsigned children = walk_children(at, node.size, node.morton) & rects.alive;
         const unsigned first = first_octant(w, planes, node.cell, half);
@@ -595,15 +573,16 @@ static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect) {
 /* The open rays of row y in the rectangle that pass treelet t: by their own intervals, since
  * rectangles are generous. A cell that the kernel lets a ray visit lies within. */
 static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect r) {
-    const leaf_layout *layout = w->f->tracer->layout;
-    const level_planes *planes = &w->f->tracer->scene.levels[layout->level_of[t]];
+    const leaf_layout *layout = w->s.f->tracer->layout;
+    const level_planes *planes = &w->s.f->tracer->scene.levels[layout->level_of[t]];
     unsigned passing = 0;
-    for (unsigned left = w->open[y] & row_mask(r); left; left &= left - 1) {
+    for (unsigned left = w->s.open[y] & row_mask(r); left; left &= left - 1) {
         const unsigned x = (unsigned)__builtin_ctz(left), i = TILE * y + x;
         /* Behind what a ray has already, nothing is of use to it. */
-        double t_in = w->rays.t0[i], t_out = w->t[i] < w->rays.t1[i] ? w->t[i] : w->rays.t1[i];
+        double t_in = w->s.rays.t0[i],
+               t_out = w->s.t[i] < w->s.rays.t1[i] ? w->s.t[i] : w->s.rays.t1[i];
         for (int a = 0; a < 3; a++) {
-            const double d = w->rays.d[a][i], eye = w->place.p->eye[a];
+            const double d = w->s.rays.d[a][i], eye = w->place.p->eye[a];
             /* The last treelet's cells end before it does. */
             const uint32_t first = layout->place[t][a] << layout->cells_log2;
             const uint32_t end = first + (1u << layout->cells_log2);
@@ -621,10 +600,10 @@ static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect 
 
 /* Remember that rays came into a treelet. */
 static void touch(tile_walk *w, uint32_t t, tile_rect r) {
-    atomic_uchar *touched = &w->f->tracer->touched[t];
+    atomic_uchar *touched = &w->s.f->tracer->touched[t];
     if (atomic_load_explicit(touched, memory_order_relaxed))
         return;
-    make_rays_once(w);
+    tile_state_rays(&w->s);
     queue_flush(w);
     flush(w);
     for (unsigned y = r.y0; y <= r.y1; y++)
@@ -637,21 +616,21 @@ static void touch(tile_walk *w, uint32_t t, tile_rect r) {
 /* Rays that pass a treelet which is not there go no further. */
 static void miss_treelet(tile_walk *w, uint32_t t, tile_rect r) {
     unsigned any = 0;
-    make_rays_once(w);
+    tile_state_rays(&w->s);
     queue_flush(w);
     flush(w);
     for (unsigned y = r.y0; y <= r.y1; y++) {
         const unsigned passing = rays_into(w, t, y, r);
-        w->out->waits[y] |= (uint16_t)passing;
-        w->open[y] &= (uint16_t)~passing;
+        w->s.out->waits[y] |= (uint16_t)passing;
+        w->s.open[y] &= (uint16_t)~passing;
         any |= passing;
     }
-    if (any && w->out->absent_count < TILE_ABSENT_MAX)
-        w->out->absent[w->out->absent_count++] = t;
+    if (any && w->s.out->absent_count < TILE_ABSENT_MAX)
+        w->s.out->absent[w->s.out->absent_count++] = t;
 }
 
 static void walk_drawn(tile_walk *w, uint32_t t, tile_rect r) {
-    const loader *treelets = w->f->tracer->treelets;
+    const loader *treelets = w->s.f->tracer->treelets;
     if (!treelets->own[t])
         return;
     const treelet *at = loader_lookup(treelets, t);
@@ -669,7 +648,7 @@ typedef struct directory_node {
 } directory_node;
 
 static void walk_directory(tile_walk *w, tile_rect rect) {
-    const tracer *tr = w->f->tracer;
+    const tracer *tr = w->s.f->tracer;
     const leaf_layout *layout = tr->layout;
     const uint32_t half = 1u << (layout->cells_log2 - 1);
     directory_node stack[DIRECTORY_STACK_MAX];
@@ -688,7 +667,7 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
         for (int a = 0; a < 3; a++)
             first[a] = layout->place[node.t][a] << layout->cells_log2;
         tile_rects rects;
-        w->counters->walk.nodes++;
+        w->s.counters->walk.nodes++;
         tile_rects_of(&w->place, w->place.p->at[level], first, half, &node.rect, &rects);
         const unsigned children = tr->treelets->children[node.t] & rects.alive;
         const unsigned existing = leaf_layout_children(layout, node.t);
@@ -707,28 +686,13 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
 /* All of a tile's rays up to their first surfaces. */
 static void tile_walk_run(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0,
                           const uint16_t asked[TILE], tile_outcome *out, frame_counters *counters) {
-    w->f = f;
-    w->out = out;
-    out->absent_count = 0;
-    w->counters = counters;
-    w->place = (tile_place){f->projection, (float)(x0 + 0.5 - 0.5 * f->camera.width),
-                            (float)(y0 + 0.5 - 0.5 * f->camera.height)};
+    tile_state_begin(&w->s, f, x0, y0, asked, out, counters);
+    w->place = tile_place_of(f, x0, y0);
     w->filter = f->scene->intersector == LEAFCAST_MARMITT;
     w->waiting = 0;
     w->queue = (near_queue){.count = 0};
-    w->x0 = x0;
-    w->y0 = y0;
-    w->has_rays = false;
-    for (unsigned y = 0; y < ROWS; y++) {
-        w->open[y] = y < TILE ? asked[y] : 0;
+    for (unsigned y = 0; y < ROWS; y++)
         w->pending[y] = 0;
-    }
-    for (unsigned y = 0; y < TILE; y++) {
-        w->asked[y] = w->open[y];
-        w->rays.single[y] = out->waits[y] = 0;
-    }
-    for (unsigned i = 0; i < TILE_RAYS; i++)
-        w->t[i] = INFINITY;
     const uint8_t packet = f->kernels->packet;
     for (uint8_t y = 0; y < TILE; y += packet)
         for (uint8_t x = 0; x < TILE; x += packet)
