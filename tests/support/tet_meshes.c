@@ -183,7 +183,7 @@ typedef struct recipe {
 
 static const recipe recipes[] = {
     {"sphere", unit, sphere, 0.3, -1, 0},
-    {"plane", unit, plane, 8, 0, OPEN},
+    {"plane", unit, plane, 3.5, 0, OPEN},
     {"waves", jittered, waves, 0.1, -1, 0},
     {"noise", unit, noise, 0.6, -1, 0},
     {"noise-turned", turned, noise, 0.6, -1, 0},
