@@ -154,8 +154,10 @@ static edge_weight weight_of(const sight *s, int i, int j, bool exact) {
     return w;
 }
 
-static double t_of(const sight *s, int i) {
-    return dot(s->r->d, s->a[i]) / dot(s->r->d, s->r->d);
+/* How far along the ray a point lies, in units of d . d: t is that over d . d, which keeps order.
+ */
+static double along_of(const sight *s, int i) {
+    return dot(s->r->d, s->a[i]);
 }
 
 /* The part of a range that a weight with this error may miss. */
@@ -166,7 +168,7 @@ static double slip_of(double range, double error, double sum) {
 /* On the edge from i to j: by how far off the ray its ends lie. Symmetric in i and j to the bit. */
 static void cross_edge(const sight *s, int i, int j, crossing *out) {
     double off[2][3], far[2];
-    const double ti = t_of(s, i), tj = t_of(s, j);
+    const double ti = along_of(s, i), tj = along_of(s, j);
     cross(s->r->d, s->a[i], off[0]);
     cross(s->r->d, s->a[j], off[1]);
     for (int k = 0; k < 2; k++)
@@ -183,16 +185,11 @@ static void cross_edge(const sight *s, int i, int j, crossing *out) {
 
 static void cross_inside(const sight *s, const uint8_t c[3], const edge_weight w[3],
                          crossing *out) {
-    double t[3], sum = 0.0, error = 0.0;
-    for (int k = 0; k < 3; k++) {
-        t[k] = t_of(s, c[k]);
-        sum += fabs(w[k].value);
-        error += w[k].bound;
-    }
-    const double lo = least(t[0], least(t[1], t[2])), hi = most(t[0], most(t[1], t[2]));
-    const double beyond = fabs(w[1].value) * (t[1] - t[0]) + fabs(w[2].value) * (t[2] - t[0]);
-    out->t = kept_within(t[0] + beyond / sum, lo, hi);
-    out->slip = slip_of(hi - lo, 2.0 * error, sum);
+    const double t0 = along_of(s, c[0]), t1 = along_of(s, c[1]), t2 = along_of(s, c[2]);
+    const double w0 = fabs(w[0].value), w1 = fabs(w[1].value), w2 = fabs(w[2].value);
+    const double sum = w0 + w1 + w2, lo = least(t0, least(t1, t2)), hi = most(t0, most(t1, t2));
+    out->t = kept_within(t0 + (w1 * (t1 - t0) + w2 * (t2 - t0)) / sum, lo, hi);
+    out->slip = slip_of(hi - lo, 2.0 * (w[0].bound + w[1].bound + w[2].bound), sum);
 }
 
 /* Whether the ray's line crosses a triangle of the polygon: its weights are all of one sign. */
@@ -221,12 +218,15 @@ static bool cross_triangle(const sight *s, const uint8_t c[3], crossing *out) {
     if (held == 7) {
         cross_inside(s, c, w, out);
     } else if ((held & (held - 1)) == 0) {
-        out->t = t_of(s, c[held >> 1]);
+        out->t = along_of(s, c[held >> 1]);
         out->slip = 0.0;
     } else {
         const int gone = held == 6 ? 0 : held == 5 ? 1 : 2;
         cross_edge(s, c[(gone + 1) % 3], c[(gone + 2) % 3], out);
     }
+    const double square = dot(s->r->d, s->r->d);
+    out->t /= square;
+    out->slip /= square;
     return true;
 }
 

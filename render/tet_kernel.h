@@ -91,6 +91,15 @@ static inline bool tet_double(const hit *a, const hit *b) {
     return a->t == b->t && a->iso == b->iso && a->entering == b->entering;
 }
 
+/* tet_less() - the order (t, iso, entering, cell), in which doubles lie side by side. */
+static inline bool tet_less(const hit *a, const hit *b) {
+    if (a->t != b->t)
+        return a->t < b->t;
+    if (a->iso != b->iso)
+        return a->iso < b->iso;
+    return a->entering != b->entering ? b->entering : a->cell < b->cell;
+}
+
 /* tet_gradient() - the gradient of f in the tet, world space, right to 1e-4 of its terms (mostly to
  * 1e-15). False, and gradient untouched, where the tet is too flat for that, or a value not finite.
  */

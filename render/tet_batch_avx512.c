@@ -1,0 +1,1 @@
+#include "render/tet_batch_template.h"

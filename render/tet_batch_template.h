@@ -1,0 +1,197 @@
+/* tet_batch_template.h - tet_batch.h for the ISA of the translation unit that includes it.
+ *
+ * A vector of rays at a time. What the rays of one origin have in common, the polygon's edges as
+ * the origin sees them, is done once; then an edge function is a scalar product. Sums and products
+ * are those of edge_near() and isopolygon_hit(), in their order, so the bits are the same. Rays
+ * whose signs these leave in doubt go to the scalar truth.
+ */
+#ifndef RENDER_TET_BATCH_TEMPLATE_H
+#define RENDER_TET_BATCH_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/edge_sign.h"
+#include "render/tet_batch.h"
+
+void SIMD_NAME(tet_batch)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays,
+                          int first, int end);
+
+/* Edges by their points: of triangle 0 1 2 come first, of 0 2 3 last. */
+enum { EDGE_12, EDGE_20, EDGE_01, EDGE_23, EDGE_30, EDGES };
+
+typedef struct seen_edge {
+    vd normal[3]; /* a x e */
+    vd terms[3];  /* the sum of the moduli of its two products */
+} seen_edge;
+
+/* A polygon as origins see it. */
+typedef struct seen {
+    vd a[4][3];
+    seen_edge edge[EDGES];
+} seen;
+
+typedef struct weights {
+    vd modulus;
+    md above, below; /* surely */
+} weights;
+
+/* The edge function is taken from the lower tet edge's point; from where to where only changes its
+ * sign, to the bit. */
+SIMD void see_edge(const isopolygon *g, int i, int j, const vd a[4][3], seen_edge *out) {
+    const vd *from = a[g->edge[i] > g->edge[j] ? j : i];
+    vd e[3];
+    for (int k = 0; k < 3; k++)
+        e[k] = d_set(g->p[j][k]) - d_set(g->p[i][k]);
+    for (int k = 0; k < 3; k++) {
+        const int l = (k + 1) % 3, m = (k + 2) % 3;
+        const vd up = from[l] * e[m], down = from[m] * e[l];
+        out->normal[k] = up - down;
+        out->terms[k] = d_abs(up) + d_abs(down);
+    }
+}
+
+SIMD void see(const isopolygon *g, const vd o[3], seen *out) {
+    for (int i = 0; i < g->count; i++)
+        for (int k = 0; k < 3; k++)
+            out->a[i][k] = d_set(g->p[i][k]) - o[k];
+    see_edge(g, 1, 2, out->a, &out->edge[EDGE_12]);
+    see_edge(g, 2, 0, out->a, &out->edge[EDGE_20]);
+    see_edge(g, 0, 1, out->a, &out->edge[EDGE_01]);
+    if (g->count < 4)
+        return;
+    see_edge(g, 2, 3, out->a, &out->edge[EDGE_23]);
+    see_edge(g, 3, 0, out->a, &out->edge[EDGE_30]);
+}
+
+SIMD vd dot(const vd a[3], const vd b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* edge_near() */
+SIMD weights weigh(const vd d[3], const vd moduli[3], const seen_edge *e) {
+    const vd value = dot(d, e->normal);
+    const vd bound = d_set(EDGE_BOUND) * dot(moduli, e->terms) + d_set(EDGE_SMALLEST);
+    return (weights){d_abs(value), d_gt(value, bound), d_lt(value, d_set(0.0) - bound)};
+}
+
+SIMD weights against(weights w) {
+    return (weights){w.modulus, w.below, w.above};
+}
+
+typedef struct verdict {
+    md enters, leaves, doubtful;
+} verdict;
+
+SIMD verdict judge(weights w0, weights w1, weights w2) {
+    const md above = md_or(w0.above, md_or(w1.above, w2.above));
+    const md below = md_or(w0.below, md_or(w1.below, w2.below));
+    const md all = md_of_bits((1u << VD_N) - 1);
+    verdict v;
+    v.enters = md_and(w0.above, md_and(w1.above, w2.above));
+    v.leaves = md_and(w0.below, md_and(w1.below, w2.below));
+    v.doubtful = md_and_not(md_and_not(all, md_and(above, below)), md_or(v.enters, v.leaves));
+    return v;
+}
+
+/* cross_inside() of the scalar kernel. */
+SIMD vd cross_at(const vd d[3], const vd a0[3], const vd a1[3], const vd a2[3], weights w0,
+                 weights w1, weights w2) {
+    const vd t0 = dot(d, a0), t1 = dot(d, a1), t2 = dot(d, a2);
+    const vd sum = w0.modulus + w1.modulus + w2.modulus;
+    const vd lo = d_min(t0, d_min(t1, t2)), hi = d_max(t0, d_max(t1, t2));
+    const vd t = t0 + (w1.modulus * (t1 - t0) + w2.modulus * (t2 - t0)) / sum;
+    return d_max(lo, d_min(t, hi)) / dot(d, d);
+}
+
+typedef struct hit_of {
+    uint64_t cell;
+    int32_t iso;
+} hit_of;
+
+/* Rays at + bit: enter or leave at t. */
+SIMD void offer(tet_rays *rays, int at, hit_of of, unsigned hits, unsigned enters, vd t) {
+    double ts[VD_N];
+    d_store(ts, t);
+    for (; hits; hits &= hits - 1) {
+        const int k = __builtin_ctz(hits);
+        const hit h = {ts[k], of.cell, of.iso, enters >> k & 1};
+        tet_batch_offer(rays, at + k, &h);
+    }
+}
+
+/* The triangle with these corners, unless another of the ray's is hit, too. */
+SIMD void meet(tet_rays *rays, int at, hit_of of, const vd d[3], const vd a0[3], const vd a1[3],
+               const vd a2[3], weights w0, weights w1, weights w2, verdict v, unsigned wanted) {
+    const md hits = md_or(v.enters, v.leaves);
+    if (!(md_bits(hits) & wanted))
+        return;
+    const vd t = cross_at(d, a0, a1, a2, w0, w1, w2);
+    const md within = md_and(d_ge(t, d_load(rays->from + at)), d_le(t, d_load(rays->to + at)));
+    const unsigned counted = md_bits(md_and(hits, within)) & wanted;
+    if (counted)
+        offer(rays, at, of, counted, md_bits(v.enters), t);
+}
+
+/* A vector of rays; wanted: those that are asked for. */
+SIMD void test_rays(const isopolygon *g, const seen *s, tet_rays *rays, int at, hit_of of,
+                    unsigned wanted) {
+    const vd d[3] = {d_load(rays->d[0] + at), d_load(rays->d[1] + at), d_load(rays->d[2] + at)};
+    const vd moduli[3] = {d_abs(d[0]), d_abs(d[1]), d_abs(d[2])};
+    const weights w12 = weigh(d, moduli, &s->edge[EDGE_12]);
+    const weights w20 = weigh(d, moduli, &s->edge[EDGE_20]);
+    const weights w01 = weigh(d, moduli, &s->edge[EDGE_01]);
+    const verdict v = judge(w12, w20, w01);
+    unsigned doubtful = md_bits(v.doubtful);
+    if (g->count == 4) {
+        const weights w23 = weigh(d, moduli, &s->edge[EDGE_23]);
+        const weights w30 = weigh(d, moduli, &s->edge[EDGE_30]);
+        const weights w02 = against(w20);
+        const verdict v2 = judge(w23, w30, w02);
+        /* A quadrilateral that is hit twice is bent: not here. */
+        doubtful |= md_bits(v2.doubtful) |
+                    (md_bits(md_or(v.enters, v.leaves)) & md_bits(md_or(v2.enters, v2.leaves)));
+        meet(rays, at, of, d, s->a[0], s->a[2], s->a[3], w23, w30, w02, v2, wanted & ~doubtful);
+    }
+    meet(rays, at, of, d, s->a[0], s->a[1], s->a[2], w12, w20, w01, v, wanted & ~doubtful);
+    for (unsigned left = doubtful & wanted; left; left &= left - 1) {
+        const int lane = at + __builtin_ctz(left);
+        if (rays->from[lane] <= rays->to[lane])
+            tet_batch_one(g, of.cell, of.iso, rays, lane);
+    }
+}
+
+SIMD void see_from(const isopolygon *g, const tet_rays *rays, int at, seen *s) {
+    const vd o[3] = {d_load(rays->o[0] + at), d_load(rays->o[1] + at), d_load(rays->o[2] + at)};
+    see(g, o, s);
+}
+
+SIMD void see_from_one(const isopolygon *g, const tet_rays *rays, int at, seen *s) {
+    const vd o[3] = {d_set(rays->o[0][at]), d_set(rays->o[1][at]), d_set(rays->o[2][at])};
+    see(g, o, s);
+}
+
+void SIMD_NAME(tet_batch)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays,
+                          int first, int end) {
+    const hit_of of = {cell, iso_index};
+    const unsigned all = (1u << VD_N) - 1;
+    seen s;
+    if (first >= end)
+        return;
+    if (rays->one_origin)
+        see_from_one(g, rays, first, &s);
+    for (int at = first & -VD_N; at < end; at += VD_N) {
+        unsigned wanted = all;
+        if (at < first)
+            wanted &= all << (first - at);
+        if (at + VD_N > end)
+            wanted &= all >> (at + VD_N - end);
+        if (!rays->one_origin)
+            see_from(g, rays, at, &s);
+        test_rays(g, &s, rays, at, of, wanted);
+    }
+}
+
+#endif
+#endif
