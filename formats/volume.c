@@ -129,9 +129,7 @@ static status skip_decoded(volume *v) {
 
 static status open_volume(volume *v, const char *path, const volume_hints *hints) {
     volume_layout *l = &v->layout;
-    status st = byte_stream_open(v->m, path, &l->data);
-    if (st == ST_OK)
-        st = open_header(l, path, hints);
+    status st = open_header(l, path, hints);
     if (st == ST_OK)
         st = volume_layout_check(l);
     if (st == ST_OK)
@@ -149,13 +147,18 @@ static status open_volume(volume *v, const char *path, const volume_hints *hints
     return st == ST_OK ? skip_decoded(v) : st;
 }
 
-status volume_open(mem *m, const char *path, const volume_hints *hints, volume **out) {
+/* path: s may be closed for another one, of the file that a header names. */
+static status open_named(mem *m, const char *path, byte_stream *s, const volume_hints *hints,
+                         volume **out) {
     static const volume_hints none;
     volume *v = mem_zalloc(m, sizeof *v);
-    if (!v)
+    if (!v) {
+        byte_stream_close(s);
         return ST_NOMEM;
+    }
     v->m = m;
     v->layout.m = m;
+    v->layout.data = s;
     status st = open_volume(v, path, hints ? hints : &none);
     if (st != ST_OK) {
         volume_close(v);
@@ -163,6 +166,23 @@ status volume_open(mem *m, const char *path, const volume_hints *hints, volume *
     }
     *out = v;
     return ST_OK;
+}
+
+status volume_open(mem *m, const char *path, const volume_hints *hints, volume **out) {
+    byte_stream *s;
+    status st = byte_stream_open(m, path, &s);
+    return st == ST_OK ? open_named(m, path, s, hints, out) : st;
+}
+
+status volume_open_stream(mem *m, byte_stream *s, const volume_hints *hints, volume **out) {
+    char *path = mem_copy_text(m, byte_stream_path(s));
+    if (!path) {
+        byte_stream_close(s);
+        return ST_NOMEM;
+    }
+    status st = open_named(m, path, s, hints, out);
+    mem_free(m, path);
+    return st;
 }
 
 void volume_close(volume *v) {

@@ -15,6 +15,7 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
+#include "formats/byte_stream.h"
 #include "formats/grid.h"
 
 typedef struct volume volume;
@@ -39,6 +40,10 @@ typedef struct volume_hints {
 /* volume_open() - path, or "-" for NRRD on standard input. hints may be NULL. ST_CORRUPT,
  * ST_UNSUPPORTED (also for a file of no known format) or ST_IO, naming file and line. */
 CHECKED status volume_open(mem *m, const char *path, const volume_hints *hints, volume **out);
+
+/* volume_open_stream() - the same of a stream of which nothing was taken; it is taken over, and
+ * closed in any case. */
+CHECKED status volume_open_stream(mem *m, byte_stream *s, const volume_hints *hints, volume **out);
 void volume_close(volume *v); /* NULL is fine */
 
 const grid *volume_grid(const volume *v);

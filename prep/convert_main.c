@@ -1,5 +1,6 @@
-/* leafcast convert - a volume to a treelet file. */
+/* leafcast convert - a volume or a mesh to a treelet file. */
 #include <jansson.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -10,6 +11,7 @@
 #include "formats/base/num.h"
 #include "formats/volume.h"
 #include "prep/convert.h"
+#include "prep/mesh_convert.h"
 
 enum { MEMORY_DEFAULT_MIB = 2048, ZSTD_LEVEL_DEFAULT = 3, ZSTD_LEVEL_MAX = 22 };
 
@@ -17,6 +19,8 @@ typedef struct arguments {
     cli_common common;
     const char *input;
     volume_hints hints;
+    mesh_hints mesh;
+    uint32_t treelet_tets, leaf_tets;
     leaf_parameters file;
     bool dry_run;
 } arguments;
@@ -35,7 +39,12 @@ enum {
     KEY_ORIGIN,
     KEY_AXIS_X,
     KEY_AXIS_Y,
-    KEY_AXIS_Z
+    KEY_AXIS_Z,
+    KEY_FIELD,
+    KEY_COMPONENT,
+    KEY_CELLS_TO_POINTS,
+    KEY_TREELET_TETS,
+    KEY_LEAF_TETS
 };
 
 static const struct argp_option options[] = {
@@ -58,6 +67,13 @@ static const struct argp_option options[] = {
      "text file with one coordinate per sample: a rectilinear grid", 2},
     {"axis-y", KEY_AXIS_Y, "FILE", 0, NULL, 2},
     {"axis-z", KEY_AXIS_Z, "FILE", 0, NULL, 2},
+    {NULL, 0, NULL, 0, "Meshes:", 3},
+    {"field", KEY_FIELD, "NAME", 0, "the array to take (default: the first of the points)", 3},
+    {"component", KEY_COMPONENT, "N", 0, "of vectors: 1, 2, ..; default: their magnitude", 3},
+    {"cells-to-points", KEY_CELLS_TO_POINTS, NULL, 0,
+     "take an array of the cells, averaged to the points", 3},
+    {"treelet-tets", KEY_TREELET_TETS, "N", 0, "at most so many in a treelet (default 4096)", 3},
+    {"leaf-tets", KEY_LEAF_TETS, "N", 0, "at most so many in a leaf of its tree (default 12)", 3},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static void usage_unless(struct argp_state *state, status st) {
@@ -146,6 +162,18 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     case KEY_AXIS_X:
     case KEY_AXIS_Y:
     case KEY_AXIS_Z: a->hints.axis_file[key - KEY_AXIS_X] = arg; break;
+    case KEY_FIELD: a->mesh.field = arg; break;
+    case KEY_COMPONENT:
+        a->mesh.component = (int)parse_int(state, arg, "--component", 1, INT_MAX);
+        break;
+    case KEY_CELLS_TO_POINTS: a->mesh.cells_to_points = true; break;
+    case KEY_TREELET_TETS:
+        a->treelet_tets =
+            (uint32_t)parse_int(state, arg, "--treelet-tets", 1, LEAF_TREELET_TETS_MAX);
+        break;
+    case KEY_LEAF_TETS:
+        a->leaf_tets = (uint32_t)parse_int(state, arg, "--leaf-tets", 1, LEAF_LEAF_TETS_MAX);
+        break;
     case ARGP_KEY_ARG: parse_input(state, a, arg); break;
     case ARGP_KEY_END:
         if (!a->input || (!a->common.output && !a->dry_run))
@@ -161,14 +189,13 @@ static const struct argp table = {
     .options = options,
     .parser = parse,
     .args_doc = "INPUT -o F.leaf",
-    .doc = "Convert a volume to a treelet file. INPUT: NRRD, MHD/MHA, raw samples (dimensions in "
-           "the file's name, in a JSON "
-           "beside it, or given), or - for NRRD on standard input."
+    .doc = "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, raw samples "
+           "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
+           "TetGen (.node, .ele), VTK (.vtk, .vtu), Gmsh (.msh), a mesh stream; or - for NRRD or a "
+           "mesh on standard input."
            "\vThe input is read once. Memory stays below --memory (default 2G) whatever its size; "
-           "where that is too little to hold two "
-           "slabs in half of it, slabs go through a temporary file beside the output. The output's "
-           "bytes depend on neither "
-           "--memory nor --threads.",
+           "what does not fit (of a volume: two slabs in half of it) goes through temporary files "
+           "beside the output. The output's bytes depend on neither --memory nor --threads.",
     .children = children,
 };
 
@@ -316,20 +343,153 @@ static status convert_volume(arguments *a, mem *m, volume *v, double start) {
     return ST_OK;
 }
 
-static status run(arguments *a) {
-    mem m;
-    mem_init(&m, a->common.memory ? a->common.memory : (uint64_t)MEMORY_DEFAULT_MIB << 20);
-    volume *v = NULL;
-    double start = clock_seconds();
-    status st = volume_open(&m, a->input, &a->hints, &v);
+/* ---- meshes ---- */
+
+static unsigned long long whole(uint64_t n) {
+    return (unsigned long long)n;
+}
+
+static void print_input(const mesh_report *r) {
+    static const char *const kinds[] = {"hexahedra", "wedges", "pyramids", "voxels"};
+    printf("input       %llu points, %llu tets\n", whole(r->points), whole(r->tets));
+    if (*r->field)
+        printf("field       %s\n", r->field);
+    for (int i = 0; i < MESH_SPLIT_KINDS; i++)
+        if (r->split[i])
+            printf("split       %llu %s\n", whole(r->split[i]), kinds[i]);
+    if (r->skipped)
+        printf("passed over %llu cells without a volume\n", whole(r->skipped));
+}
+
+static void print_mesh_plan(const mesh_plan *plan) {
+    printf("memory      %.1f MiB, at least %.1f MiB\n", (double)plan->memory / 0x1p20,
+           (double)plan->memory_least / 0x1p20);
+    printf("spilled     %.1f MiB\n", (double)plan->spill_bytes / 0x1p20);
+}
+
+static void print_mesh(const mesh_result *r, double seconds) {
+    const leaf_header *h = &r->header;
+    char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX];
+    printf("file        %.1f MiB, %.2f bytes a tet\n", (double)h->file_bytes / 0x1p20,
+           (double)h->file_bytes / (double)h->tets);
+    printf("mesh        %llu tets, %llu vertices, %llu treelets\n", whole(h->tets),
+           whole(h->vertices), whole(h->treelets));
+    printf("values      %s .. %s\n", num_print(h->value_min, lo), num_print(h->value_max, hi));
+    if (h->non_finite)
+        printf("no data     %llu values are NaN or infinite\n", whole(h->non_finite));
+    if (h->flat || h->inverted)
+        printf("kept        %llu flat tets, %llu inverted ones\n", whole(h->flat),
+               whole(h->inverted));
+    if (h->repeated || h->bad)
+        printf(
+            "left out    %llu tets with a vertex twice, %llu cells with an id that is no point\n",
+            whole(h->repeated), whole(h->bad));
+    printf("id          %016llx%016llx\n", whole(h->id[1]), whole(h->id[0]));
+    printf("time        %.2f s (read %.2f, sort %.2f, build %.2f), %.2f million tets a second\n",
+           seconds, r->read_s, r->sort_s, r->build_s, (double)h->tets / 1e6 / seconds);
+    printf("memory      %.1f MiB at most, %.1f MiB spilled\n", (double)peak_rss() / 0x1p20,
+           (double)r->plan.spill_bytes / 0x1p20);
+}
+
+static json_t *mesh_plan_json(const mesh_result *r) {
+    const mesh_report *in = &r->report;
+    return json_pack(
+        "{s:I, s:I, s:s, s:[I,I,I,I], s:I, s:I, s:I, s:I}", "input_points", (json_int_t)in->points,
+        "input_tets", (json_int_t)in->tets, "field", in->field, "split", (json_int_t)in->split[0],
+        (json_int_t)in->split[1], (json_int_t)in->split[2], (json_int_t)in->split[3], "skipped",
+        (json_int_t)in->skipped, "memory_planned", (json_int_t)r->plan.memory, "memory_least",
+        (json_int_t)r->plan.memory_least, "spill_bytes", (json_int_t)r->plan.spill_bytes);
+}
+
+static void add_mesh(json_t *json, const mesh_result *r, double seconds) {
+    const leaf_header *h = &r->header;
+    char id[33];
+    snprintf(id, sizeof id, "%016llx%016llx", whole(h->id[1]), whole(h->id[0]));
+    json_t *more =
+        json_pack("{s:I, s:I, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:s}", "file_bytes",
+                  (json_int_t)h->file_bytes, "tets", (json_int_t)h->tets, "vertices",
+                  (json_int_t)h->vertices, "treelets", (json_int_t)h->treelets, "bytes_per_tet",
+                  (double)h->file_bytes / (double)h->tets, "flat", (json_int_t)h->flat, "inverted",
+                  (json_int_t)h->inverted, "repeated", (json_int_t)h->repeated, "bad",
+                  (json_int_t)h->bad, "non_finite", (json_int_t)h->non_finite, "value_min",
+                  json_number(h->value_min), "value_max", json_number(h->value_max), "id", id);
+    json_t *times = json_pack("{s:f, s:f, s:f, s:f, s:f, s:I}", "seconds", seconds, "read_s",
+                              r->read_s, "sort_s", r->sort_s, "build_s", r->build_s, "tets_per_s",
+                              (double)h->tets / seconds, "peak_rss_bytes", (json_int_t)peak_rss());
+    json_object_update(json, more);
+    json_object_update(json, times);
+    json_decref(more);
+    json_decref(times);
+}
+
+static void report_mesh(const arguments *a, const mesh_result *r, double seconds) {
+    if (a->common.json) {
+        json_t *json = mesh_plan_json(r);
+        if (!a->dry_run)
+            add_mesh(json, r, seconds);
+        json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+        putchar('\n');
+        json_decref(json);
+        return;
+    }
+    print_input(&r->report);
+    if (a->dry_run)
+        print_mesh_plan(&r->plan);
+    else
+        print_mesh(r, seconds);
+}
+
+static status convert_mesh(arguments *a, mem *m, mesh *x, double start) {
+    const mesh_options o = {.file = a->file,
+                            .treelet_tets = a->treelet_tets,
+                            .leaf_tets = a->leaf_tets,
+                            .memory = m->limit,
+                            .threads = a->common.threads,
+                            .force = a->common.force};
+    mesh_result r;
+    const progress *p = cli_progress(&a->common);
+    status st = a->dry_run ? mesh_convert_dry(m, x, &o, p, &r)
+                           : mesh_convert_run(m, x, a->common.output, &o, p, &r);
     if (st == ST_OK)
-        st = convert_volume(a, &m, v, start);
+        report_mesh(a, &r, clock_seconds() - start);
+    return st;
+}
+
+/* ---- what it is ---- */
+
+static status convert_stream(arguments *a, mem *m, byte_stream *s, bool is_mesh, double start) {
+    volume *v = NULL;
+    mesh *x = NULL;
+    status st =
+        is_mesh ? mesh_open_stream(m, s, &a->mesh, &x) : volume_open_stream(m, s, &a->hints, &v);
+    if (st == ST_OK)
+        st = is_mesh ? convert_mesh(a, m, x, start) : convert_volume(a, m, v, start);
+    mesh_close(x);
     volume_close(v);
     return st;
 }
 
+static status run(arguments *a) {
+    mem m;
+    mem_init(&m, a->common.memory ? a->common.memory : (uint64_t)MEMORY_DEFAULT_MIB << 20);
+    double start = clock_seconds();
+    byte_stream *s = NULL;
+    status st = byte_stream_open(&m, a->input, &s);
+    bool is_mesh = false;
+    if (st == ST_OK)
+        st = mesh_recognise_stream(s, &is_mesh);
+    if (st != ST_OK) {
+        byte_stream_close(s);
+        return st;
+    }
+    return convert_stream(a, &m, s, is_mesh, start);
+}
+
 int main(int argc, char **argv) {
-    arguments a = {.common = {.verb = "convert"}, .file = leaf_parameters_default()};
+    arguments a = {.common = {.verb = "convert"},
+                   .treelet_tets = MESH_TREELET_TETS,
+                   .leaf_tets = MESH_LEAF_TETS,
+                   .file = leaf_parameters_default()};
     cli_parse(&table, &a.common, argc, argv, &a);
     return cli_finish(&a.common, run(&a));
 }

@@ -1,0 +1,364 @@
+#include "prep/mesh_convert.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/base/clock.h"
+#include "formats/base/file.h"
+#include "formats/base/pool.h"
+#include "prep/mesh_cut.h"
+#include "prep/mesh_keys.h"
+#include "prep/mesh_treelet.h"
+
+#ifndef LEAFCAST_VERSION
+#define LEAFCAST_VERSION "0"
+#endif
+
+enum { BATCH_PER_THREAD = 32 }; /* treelets that are built between two looks at the progress */
+
+/* Where the stages begin and end, of the whole job. */
+static const double READ_END = 0.25, KEYS_END = 0.4, SORT_END = 0.5;
+
+/* One thread's tools and counts. */
+typedef struct bench {
+    mesh_treelet_builder *builder;
+    mesh_pages points, values;
+    leaf_packer *packer;
+    void *pack;
+    uint64_t flat, positive, negative;
+} bench;
+
+/* Treelets that are built at once: that number i has the records first[i] .. first[i + 1]. */
+typedef struct batch {
+    const mesh_record *records;
+    size_t *first;
+    size_t count, most;
+    uint32_t treelet; /* index of the first */
+} batch;
+
+typedef struct conversion {
+    mem *m;
+    const mesh_options *o;
+    const progress *p;
+    mesh_gather *g;
+    mesh_plan plan;
+    pool *workers;
+    mesh_runs *runs;
+    uint64_t tets; /* kept */
+    leaf_writer *writer;
+    bench *benches;
+    batch batch;
+} conversion;
+
+mesh_options mesh_options_default(void) {
+    return (mesh_options){.file = leaf_parameters_default(),
+                          .treelet_tets = MESH_TREELET_TETS,
+                          .leaf_tets = MESH_LEAF_TETS,
+                          .memory = (uint64_t)1 << 62,
+                          .threads = 1};
+}
+
+/* ---- sorting ---- */
+
+static status spill(conversion *c) {
+    status st = c->plan.spill_tets ? mesh_spool_spill(&c->g->tets) : ST_OK;
+    if (st == ST_OK && c->plan.spill_points)
+        st = mesh_spool_spill(&c->g->points);
+    if (st == ST_OK && c->plan.spill_points)
+        st = mesh_spool_spill(&c->g->values);
+    return st == ST_OK ? mesh_gather_end(c->g) : st;
+}
+
+static status sort_tets(conversion *c, const char *output, leaf_facts *facts) {
+    mesh_keys_report seen;
+    status st = mesh_runs_create(c->m, c->workers, output, &c->plan.runs, &c->runs);
+    if (st == ST_OK)
+        st = mesh_keys_make(c->m, c->workers, c->g, c->plan.keys_window, c->runs, READ_END,
+                            KEYS_END, &seen);
+    mesh_spool_release(&c->g->tets);
+    if (st == ST_OK)
+        st = mesh_runs_end(c->runs);
+    if (st != ST_OK)
+        return st;
+    c->tets = seen.tets;
+    facts->vertices = seen.vertices;
+    facts->repeated += seen.repeated;
+    facts->bad += seen.bad;
+    if (seen.tets == 0)
+        return status_describe(ST_CORRUPT, "the mesh has no tetrahedron that could be kept");
+    return progress_step(c->p, "sort", SORT_END);
+}
+
+/* ---- cutting ---- */
+
+/* Calls back with one batch of treelets after the other, in order. */
+static status for_each_batch(conversion *c, status (*take)(conversion *c)) {
+    batch *b = &c->batch;
+    uint64_t before = 0, done = 0;
+    size_t used = 0;
+    b->treelet = 0;
+    for (bool last = false; done < c->tets;) {
+        size_t count;
+        status st = mesh_runs_window(c->runs, used, &b->records, &count, &last);
+        b->count = 0;
+        for (used = 0; b->count < b->most && used < count;) {
+            if (!last && count - used <= c->o->treelet_tets)
+                break;
+            const uint64_t *key = done > 0 ? &before : NULL;
+            b->first[b->count++] = used;
+            used += mesh_cut_next(b->records + used, count - used, key, c->o->treelet_tets);
+            done += used - b->first[b->count - 1];
+            before = b->records[used - 1].key;
+        }
+        b->first[b->count] = used;
+        if (st == ST_OK)
+            st = take(c);
+        if (st != ST_OK)
+            return st;
+        b->treelet += (uint32_t)b->count;
+    }
+    return ST_OK;
+}
+
+static status count_batch(conversion *c) {
+    return c->batch.treelet > UINT32_MAX / 4
+               ? status_describe(ST_UNSUPPORTED, "too many treelets; make them larger")
+               : ST_OK;
+}
+
+/* ---- building ---- */
+
+static status build_one(void *ctx, size_t index, int worker) {
+    const conversion *c = ctx;
+    bench *k = &c->benches[worker];
+    const batch *b = &c->batch;
+    mesh_treelet t;
+    status st =
+        mesh_treelet_build(k->builder, b->records + b->first[index],
+                           b->first[index + 1] - b->first[index], &k->points, &k->values, &t);
+    if (st != ST_OK)
+        return st;
+    k->flat += t.flat;
+    k->positive += t.positive;
+    k->negative += t.negative;
+    const uint32_t treelet = b->treelet + (uint32_t)index;
+    st = leaf_writer_put_topology(c->writer, k->packer, treelet, t.bounds, t.counts, t.topology,
+                                  k->pack);
+    return st == ST_OK ? leaf_writer_put_values(c->writer, k->packer, 0, treelet, &t.entry,
+                                                t.values, k->pack)
+                       : st;
+}
+
+static status build_batch(conversion *c) {
+    status st = pool_run(c->workers, c->batch.count, build_one, c);
+    const double done = (double)(c->batch.treelet + c->batch.count) / (double)c->plan.treelets;
+    return st == ST_OK ? progress_step(c->p, "build", SORT_END + (1 - SORT_END) * done) : st;
+}
+
+static status create_benches(conversion *c) {
+    c->benches = mem_array(c->m, (size_t)c->o->threads, sizeof *c->benches);
+    if (!c->benches)
+        return ST_NOMEM;
+    const mesh_options *o = c->o;
+    for (int i = 0; i < o->threads; i++) {
+        bench *k = &c->benches[i];
+        status st = mesh_treelet_create(c->m, o->treelet_tets, o->leaf_tets, &k->builder);
+        if (st == ST_OK)
+            st = mesh_pages_init(&k->points, &c->g->points, c->plan.points_window);
+        if (st == ST_OK)
+            st = mesh_pages_init(&k->values, &c->g->values, c->plan.values_window);
+        if (st == ST_OK)
+            st = leaf_packer_create(c->writer, &k->packer);
+        if (st == ST_OK && k->packer) {
+            k->pack = mem_alloc(c->m, mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets));
+            st = k->pack ? ST_OK : ST_NOMEM;
+        }
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+static void release_benches(conversion *c, leaf_facts *facts) {
+    uint64_t positive = 0, negative = 0;
+    for (int i = 0; c->benches && i < c->o->threads; i++) {
+        bench *k = &c->benches[i];
+        facts->flat += k->flat;
+        positive += k->positive;
+        negative += k->negative;
+        mesh_treelet_destroy(k->builder);
+        mesh_pages_release(&k->points);
+        mesh_pages_release(&k->values);
+        if (k->packer)
+            leaf_packer_destroy(c->writer, k->packer);
+        mem_free(c->m, k->pack);
+    }
+    mem_free(c->m, c->benches);
+    c->benches = NULL;
+    /* Formats differ in what they hold to be upright: it is what most tets are. */
+    facts->inverted = positive < negative ? positive : negative;
+}
+
+static status build_treelets(conversion *c, const char *name, const char *field,
+                             const char *output) {
+    c->batch.most = (size_t)c->o->threads * BATCH_PER_THREAD;
+    c->batch.first = mem_array(c->m, c->batch.most + 1, sizeof *c->batch.first);
+    if (!c->batch.first)
+        return ST_NOMEM;
+    status st = for_each_batch(c, count_batch);
+    const uint32_t treelets = c->batch.treelet;
+    if (st == ST_OK)
+        st = mesh_plan_check(c->o, &c->plan, treelets);
+    if (st != ST_OK)
+        return st;
+    c->plan.treelets = treelets;
+    const leaf_mesh parts = {.name = name,
+                             .field = field,
+                             .treelets = treelets,
+                             .treelet_tets = c->o->treelet_tets,
+                             .leaf_tets = c->o->leaf_tets,
+                             .fields = 1,
+                             .steps = 1};
+    st = leaf_writer_create_mesh(c->m, output, c->o->force, &parts, &c->o->file, &c->writer);
+    if (st == ST_OK)
+        st = create_benches(c);
+    if (st == ST_OK)
+        st = mesh_runs_rewind(c->runs);
+    return st == ST_OK ? for_each_batch(c, build_batch) : st;
+}
+
+/* ---- all of it ---- */
+
+static void describe_origin(const mesh_options *o, const mesh_report *r, char *text, size_t size) {
+    char codec[32] = "raw";
+    if (o->file.codec == LEAF_CODEC_ZSTD)
+        snprintf(codec, sizeof codec, "zstd:%d", o->file.zstd_level);
+    uint64_t split = 0;
+    for (int i = 0; i < MESH_SPLIT_KINDS; i++)
+        split += r->split[i];
+    char cells[64] = "";
+    if (split)
+        snprintf(cells, sizeof cells, ", %llu cells split", (unsigned long long)split);
+    snprintf(text, size,
+             "leafcast %s convert, from a mesh: Morton treelets of %u tets, leaves of %u%s, %s",
+             LEAFCAST_VERSION, o->treelet_tets, o->leaf_tets, cells, codec);
+}
+
+/* Everything but the writer, which leaf_writer_finish() consumes. */
+static void release(conversion *c, leaf_facts *facts) {
+    release_benches(c, facts);
+    mesh_runs_destroy(c->runs);
+    mem_free(c->m, c->batch.first);
+    pool_destroy(c->workers);
+    mesh_gather_release(c->g);
+}
+
+status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, const char *output,
+                             const mesh_options *o, const progress *p, mesh_result *result) {
+    conversion c = {.m = m, .o = o, .p = p, .g = g};
+    const mesh_report *r = &result->report;
+    leaf_facts facts = {
+        .non_finite = g->non_finite, .repeated = r->repeated, .bad = r->bad_indices};
+    double start = clock_seconds();
+    status st = mesh_plan_make(m, g, o, &c.plan);
+    if (st == ST_OK)
+        st = spill(&c);
+    if (st == ST_OK)
+        st = pool_create(m, o->threads, &c.workers);
+    if (st == ST_OK)
+        st = sort_tets(&c, output, &facts);
+    result->sort_s = clock_seconds() - start;
+    start = clock_seconds();
+    if (st == ST_OK)
+        st = build_treelets(&c, name, r->field, output);
+    release(&c, &facts);
+    result->plan = c.plan;
+    if (st != ST_OK) {
+        leaf_writer_discard(c.writer);
+        return st;
+    }
+    char provenance[256];
+    describe_origin(o, r, provenance, sizeof provenance);
+    facts.provenance = provenance;
+    st = leaf_writer_finish(c.writer, &facts, &result->header);
+    result->build_s = clock_seconds() - start;
+    return st;
+}
+
+/* At once, not after an hour: whether the output may be written. */
+static status check_output(mem *m, const char *output, bool force) {
+    out_file *probe = NULL;
+    status st = out_file_create(m, output, force, &probe);
+    out_file_discard(probe);
+    return st;
+}
+
+static status check_budget(mem *m, const mesh_options *o) {
+    uint64_t least = 0;
+    status st = mesh_plan_least(m, o, &least);
+    return st == ST_OK && least > o->memory ? mesh_plan_refuse(o, least) : st;
+}
+
+status mesh_convert_run(mem *m, mesh *x, const char *output, const mesh_options *o,
+                        const progress *p, mesh_result *result) {
+    mesh_gather g = {0};
+    *result = (mesh_result){0};
+    const double start = clock_seconds();
+    status st = check_output(m, output, o->force);
+    if (st == ST_OK)
+        st = check_budget(m, o);
+    if (st != ST_OK)
+        return st;
+    mesh_gather_init(&g, m, output, (size_t)(o->memory / 2), p);
+    const mesh_sink sink = mesh_gather_sink(&g);
+    st = mesh_read(x, &sink, &result->report);
+    if (st != ST_OK) {
+        mesh_gather_release(&g);
+        return st;
+    }
+    result->read_s = clock_seconds() - start;
+    return mesh_convert_gathered(m, &g, mesh_name(x), output, o, p, result);
+}
+
+/* ---- a dry run ---- */
+
+static status count_points(void *ctx, uint64_t first, size_t count, const float (*xyz)[3]) {
+    mesh_gather *g = ctx;
+    (void)first, (void)xyz;
+    g->points.count += count;
+    return progress_step(g->p, "read", 0);
+}
+
+static status count_values(void *ctx, uint64_t first, size_t count, const float *values) {
+    mesh_gather *g = ctx;
+    (void)first, (void)values;
+    g->values.count += count;
+    return progress_step(g->p, "read", 0);
+}
+
+static status count_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
+    mesh_gather *g = ctx;
+    (void)ids;
+    g->tets.count += count;
+    return progress_step(g->p, "read", 0);
+}
+
+/* As mesh_spool would have it in memory. */
+static void pretend_held(mesh_spool *s) {
+    s->chunk_count = (size_t)(s->count >> MESH_SPOOL_LOG2) + 1;
+}
+
+status mesh_convert_dry(mem *m, mesh *x, const mesh_options *o, const progress *p,
+                        mesh_result *result) {
+    mesh_gather g;
+    mesh_gather_init(&g, m, "", 0, p);
+    const mesh_sink sink = {
+        .ctx = &g, .points = count_points, .values = count_values, .tets = count_tets};
+    *result = (mesh_result){0};
+    status st = mesh_read(x, &sink, &result->report);
+    pretend_held(&g.points);
+    pretend_held(&g.values);
+    pretend_held(&g.tets);
+    return st == ST_OK ? mesh_plan_make(m, &g, o, &result->plan) : st;
+}

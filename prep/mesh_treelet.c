@@ -1,0 +1,312 @@
+#include "prep/mesh_treelet.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "prep/mesh_tree.h"
+#include "prep/mesh_vertices.h"
+
+/* Codes of a box and a range of values: lo of x, y, z, value, then 255 - hi of the same. So what
+ * holds two of them has the smaller of each byte. */
+typedef struct codes {
+    uint8_t byte[8];
+} codes;
+
+struct mesh_treelet_builder {
+    mem *m;
+    uint32_t treelet_tets;
+    mesh_vertices vertices;
+    mesh_tree tree;
+    codes *vertex_codes;
+    codes *node_codes;
+    char *topology, *values;
+};
+
+/* ---- sizes ---- */
+
+static mesh_shape largest_shape(uint32_t treelet_tets, uint32_t leaf_tets) {
+    const uint32_t counts[4] = {treelet_tets, 4 * treelet_tets,
+                                mesh_tree_nodes_max(treelet_tets, leaf_tets), treelet_tets};
+    return mesh_leaf_shape(counts);
+}
+
+size_t mesh_treelet_payload_max(uint32_t treelet_tets, uint32_t leaf_tets) {
+    return largest_shape(treelet_tets, leaf_tets).topology_bytes;
+}
+
+uint64_t mesh_treelet_memory(uint32_t treelet_tets, uint32_t leaf_tets) {
+    const mesh_shape s = largest_shape(treelet_tets, leaf_tets);
+    return sizeof(mesh_treelet_builder) + mesh_vertices_memory(treelet_tets) +
+           mesh_tree_memory(treelet_tets, leaf_tets) +
+           ((uint64_t)s.vertices + s.nodes) * sizeof(codes) + s.topology_bytes + s.values_bytes +
+           1024;
+}
+
+status mesh_treelet_create(mem *m, uint32_t treelet_tets, uint32_t leaf_tets,
+                           mesh_treelet_builder **out) {
+    mesh_treelet_builder *b = mem_zalloc(m, sizeof *b);
+    if (!b)
+        return ST_NOMEM;
+    const mesh_shape s = largest_shape(treelet_tets, leaf_tets);
+    b->m = m;
+    b->treelet_tets = treelet_tets;
+    status st = mesh_vertices_init(&b->vertices, m, treelet_tets);
+    if (st == ST_OK)
+        st = mesh_tree_init(&b->tree, m, treelet_tets, leaf_tets);
+    if (st == ST_OK) {
+        b->vertex_codes = mem_alloc(m, s.vertices * sizeof *b->vertex_codes);
+        b->node_codes = mem_alloc(m, s.nodes * sizeof *b->node_codes);
+        b->topology = mem_alloc(m, s.topology_bytes);
+        b->values = mem_alloc(m, s.values_bytes);
+        if (!b->vertex_codes || !b->node_codes || !b->topology || !b->values)
+            st = ST_NOMEM;
+    }
+    if (st != ST_OK) {
+        mesh_treelet_destroy(b);
+        return st;
+    }
+    *out = b;
+    return ST_OK;
+}
+
+void mesh_treelet_destroy(mesh_treelet_builder *b) {
+    if (!b)
+        return;
+    mesh_vertices_release(&b->vertices);
+    mesh_tree_release(&b->tree);
+    mem_free(b->m, b->vertex_codes);
+    mem_free(b->m, b->node_codes);
+    mem_free(b->m, b->topology);
+    mem_free(b->m, b->values);
+    mem_free(b->m, b);
+}
+
+/* ---- vertices ---- */
+
+static status fetch(mesh_treelet_builder *b, mesh_pages *points, mesh_pages *values,
+                    float (*position)[3], float *value) {
+    for (uint32_t i = 0; i < b->vertices.count; i++) {
+        const uint32_t id = mesh_vertices_id(&b->vertices, i);
+        const void *p = mesh_pages_at(points, id);
+        if (!p)
+            return points->st;
+        memcpy(position[i], p, sizeof position[i]);
+        const void *v = mesh_pages_at(values, id);
+        if (!v)
+            return values->st;
+        memcpy(&value[i], v, sizeof value[i]);
+    }
+    return ST_OK;
+}
+
+static void find_ranges(const float (*position)[3], const float *value, uint32_t count,
+                        mesh_treelet *out) {
+    float *lo = out->bounds, *hi = out->bounds + 3;
+    out->entry = (leaf_entry){.own = {INFINITY, -INFINITY}};
+    for (int a = 0; a < 3; a++)
+        lo[a] = hi[a] = position[0][a];
+    for (uint32_t i = 0; i < count; i++) {
+        for (int a = 0; a < 3; a++) {
+            const float x = position[i][a];
+            lo[a] = x < lo[a] ? x : lo[a];
+            hi[a] = x > hi[a] ? x : hi[a];
+        }
+        if (!isfinite(value[i])) {
+            out->entry.flags |= LEAF_FLAG_NON_FINITE;
+            continue;
+        }
+        out->entry.own[0] = fminf(out->entry.own[0], value[i]);
+        out->entry.own[1] = fmaxf(out->entry.own[1], value[i]);
+    }
+    /* -0 becomes +0: which of the two came out would be chance. */
+    for (int a = 0; a < 6; a++)
+        out->bounds[a] += 0.0F;
+    out->entry.own[0] += 0.0F;
+    out->entry.own[1] += 0.0F;
+}
+
+/* mesh_leaf_code_lo() and mesh_leaf_code_hi() of a place within the bounds, from a guess instead of
+ * a search: one step or two from it. */
+static void code_place(const mesh_frame *f, int axis, double per_step, float at, uint8_t *lo,
+                       uint8_t *hi) {
+    const double guess = ((double)at - (double)f->lo[axis]) * per_step;
+    int code = guess < 255 ? (int)guess : 255;
+    while (code < 255 && mesh_leaf_plane(f, axis, code) < at)
+        code++;
+    while (code > 0 && mesh_leaf_plane(f, axis, code - 1) >= at)
+        code--;
+    *hi = (uint8_t)code;
+    if (code > 0 && mesh_leaf_plane(f, axis, code) != at)
+        for (code--; code > 0; code--)
+            if (mesh_leaf_plane(f, axis, code - 1) != mesh_leaf_plane(f, axis, code))
+                break;
+    *lo = (uint8_t)code;
+}
+
+static void code_vertices(codes *to, const float (*position)[3], const float *value, uint32_t count,
+                          const mesh_treelet *t) {
+    const mesh_frame f = mesh_leaf_frame(t->bounds);
+    const quantizer q = quantizer_of(t->entry.own[0], t->entry.own[1], SAMPLE_F32);
+    double per_step[3];
+    for (int a = 0; a < 3; a++)
+        per_step[a] = f.step[a] > 0 ? 1.0 / (double)f.step[a] : 0;
+    for (uint32_t i = 0; i < count; i++) {
+        uint8_t lo[4], hi[4];
+        for (int a = 0; a < 3; a++)
+            code_place(&f, a, per_step[a], position[i][a], &lo[a], &hi[a]);
+        const bool finite = isfinite(value[i]);
+        lo[3] = finite ? quantizer_floor(&q, (double)value[i]) : 255;
+        hi[3] = finite ? quantizer_ceil(&q, (double)value[i]) : 0;
+        for (int k = 0; k < 4; k++) {
+            to[i].byte[k] = lo[k];
+            to[i].byte[4 + k] = (uint8_t)(255 - hi[k]);
+        }
+    }
+}
+
+/* ---- tets ---- */
+
+static inline void order(uint16_t *a, uint16_t *b) {
+    const uint16_t low = *a < *b ? *a : *b, high = *a < *b ? *b : *a;
+    *a = low;
+    *b = high;
+}
+
+static inline void place_tet(uint16_t to[4], const uint16_t corners[4]) {
+    memcpy(to, corners, sizeof(uint16_t[4]));
+    order(&to[0], &to[1]);
+    order(&to[2], &to[3]);
+    order(&to[0], &to[2]);
+    order(&to[1], &to[3]);
+    order(&to[1], &to[2]);
+}
+
+/* The sign of a tet's volume; 0 where rounding may have made it. */
+static inline int orientation(const float (*position)[3], const uint16_t corners[4]) {
+    double e[3][3];
+    for (int k = 0; k < 3; k++)
+        for (int a = 0; a < 3; a++)
+            e[k][a] = (double)position[corners[k + 1]][a] - (double)position[corners[0]][a];
+    double volume = 0, most = 0;
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        const double plus = e[1][b] * e[2][c], minus = e[1][c] * e[2][b];
+        volume += e[0][a] * (plus - minus);
+        most += fabs(e[0][a]) * (fabs(plus) + fabs(minus));
+    }
+    /* The error bound of this sum, rounded up (Shewchuk 1997, o3derrboundA). */
+    const double error = 0x1p-50 * most;
+    return volume > error ? 1 : volume < -error ? -1 : 0;
+}
+
+static void place_tets(const mesh_treelet_builder *b, uint16_t (*to)[4], const float (*position)[3],
+                       uint32_t count, mesh_treelet *out) {
+    for (uint32_t t = 0; t < count; t++) {
+        place_tet(to[t], b->vertices.corners[t]);
+        const int sign = orientation(position, b->vertices.corners[t]);
+        out->positive += sign > 0;
+        out->negative += sign < 0;
+        out->flat += sign == 0;
+    }
+}
+
+/* ---- the tree's codes ---- */
+
+static inline codes join(codes a, codes b) {
+    for (int i = 0; i < 8; i++)
+        a.byte[i] = a.byte[i] < b.byte[i] ? a.byte[i] : b.byte[i];
+    return a;
+}
+
+static codes join_tets(const mesh_treelet_builder *b, const uint16_t (*tets)[4], uint32_t first,
+                       uint32_t end) {
+    codes all;
+    memset(&all, 255, sizeof all);
+    for (uint32_t t = first; t < end; t++)
+        for (int c = 0; c < 4; c++)
+            all = join(all, b->vertex_codes[tets[t][c]]);
+    return all;
+}
+
+static void set_child(mesh_node *n, mesh_codes *v, uint32_t c, codes box) {
+    for (int a = 0; a < 3; a++) {
+        n->lo[a][c] = box.byte[a];
+        n->hi[a][c] = (uint8_t)(255 - box.byte[4 + a]);
+    }
+    v->lo[c] = box.byte[3];
+    v->hi[c] = (uint8_t)(255 - box.byte[7]);
+}
+
+/* Children come behind their parents, so the last node goes first. */
+static void code_nodes(mesh_treelet_builder *b, const mesh_shape *s) {
+    mesh_node *nodes = (mesh_node *)b->topology;
+    mesh_codes *values = (mesh_codes *)b->values;
+    const uint16_t(*tets)[4] = mesh_leaf_tets(s, b->topology);
+    for (uint32_t i = s->nodes; i-- > 0;) {
+        const mesh_tree_node *n = &b->tree.node[i];
+        codes all;
+        memset(&all, 255, sizeof all);
+        memset(nodes[i].lo, 255, sizeof nodes[i].lo);
+        memset(nodes[i].hi, 0, sizeof nodes[i].hi);
+        memcpy(nodes[i].child, n->child, sizeof nodes[i].child);
+        memset(values[i].lo, 255, sizeof values[i].lo);
+        memset(values[i].hi, 0, sizeof values[i].hi);
+        for (uint32_t c = 0; c < n->children; c++) {
+            const codes box = n->child[c] & MESH_LEAF
+                                  ? join_tets(b, tets, n->first[c], n->first[c + 1])
+                                  : b->node_codes[n->child[c]];
+            set_child(&nodes[i], &values[i], c, box);
+            all = join(all, box);
+        }
+        b->node_codes[i] = all;
+    }
+}
+
+static void place_leaves(const mesh_tree *t, uint16_t *first, uint32_t tets) {
+    for (uint32_t i = 0; i < t->nodes; i++)
+        for (uint32_t c = 0; c < t->node[i].children; c++)
+            if (t->node[i].child[c] & MESH_LEAF)
+                first[t->node[i].child[c] & ~MESH_LEAF] = (uint16_t)t->node[i].first[c];
+    first[t->leaves] = (uint16_t)tets;
+}
+
+/* ---- all of it ---- */
+
+static void clear_pads(const mesh_treelet_builder *b, const mesh_shape *s) {
+    const uint32_t ends[] = {s->leaf_first_at + (s->leaves + 1) * (uint32_t)sizeof(uint16_t),
+                             s->tets_at + s->tets * (uint32_t)sizeof(uint16_t[4]),
+                             s->positions_at + s->vertices * (uint32_t)sizeof(float[3])};
+    const uint32_t next[] = {s->tets_at, s->positions_at, s->topology_bytes};
+    for (int i = 0; i < 3; i++)
+        memset(b->topology + ends[i], 0, next[i] - ends[i]);
+    const uint32_t codes_end = s->nodes * (uint32_t)sizeof(mesh_codes),
+                   values_end = s->values_at + s->vertices * (uint32_t)sizeof(float);
+    memset(b->values + codes_end, 0, s->values_at - codes_end);
+    memset(b->values + values_end, 0, s->values_bytes - values_end);
+}
+
+status mesh_treelet_build(mesh_treelet_builder *b, const mesh_record *records, size_t count,
+                          mesh_pages *points, mesh_pages *values, mesh_treelet *out) {
+    assert(count > 0 && count <= b->treelet_tets);
+    mesh_vertices_number(&b->vertices, records, count);
+    mesh_tree_build(&b->tree, records, count);
+    *out = (mesh_treelet){
+        .counts = {(uint32_t)count, b->vertices.count, b->tree.nodes, b->tree.leaves},
+        .topology = b->topology,
+        .values = b->values};
+    const mesh_shape s = mesh_leaf_shape(out->counts);
+    clear_pads(b, &s);
+    float(*position)[3] = (float(*)[3])(b->topology + s.positions_at);
+    float *value = (float *)(b->values + s.values_at);
+    status st = fetch(b, points, values, position, value);
+    if (st != ST_OK)
+        return st;
+    find_ranges((const float(*)[3])position, value, s.vertices, out);
+    code_vertices(b->vertex_codes, (const float(*)[3])position, value, s.vertices, out);
+    place_tets(b, (uint16_t(*)[4])(b->topology + s.tets_at), (const float(*)[3])position,
+               (uint32_t)count, out);
+    place_leaves(&b->tree, (uint16_t *)(b->topology + s.leaf_first_at), (uint32_t)count);
+    code_nodes(b, &s);
+    return ST_OK;
+}
