@@ -123,6 +123,14 @@ static void collect_vertices(built *b) {
             b->id[b->counts[1]++] = b->id[i];
 }
 
+static span part_of(const built *b, span all, size_t k, size_t parts) {
+    const size_t count = all.end - all.first, most = b->c->mesh.leaf_tets;
+    if (b->c->chain)
+        return k ? (span){all.first + most, all.end}
+                 : (span){all.first, count < most ? all.end : all.first + most};
+    return (span){all.first + count * k / parts, all.first + count * (k + 1) / parts};
+}
+
 /* Breadth first; a leaf is named by its first tet until all are known. */
 static void split(built *b) {
     span node[NODES_MAX] = {b->all};
@@ -131,14 +139,14 @@ static void split(built *b) {
     for (uint32_t n = 0; n < b->counts[2]; n++) {
         const size_t count = node[n].end - node[n].first;
         size_t parts = (count + most - 1) / most;
-        parts = parts > MESH_CHILDREN ? MESH_CHILDREN : parts;
+        const size_t limit = b->c->chain ? 2 : MESH_CHILDREN;
+        parts = parts > limit ? limit : parts;
         for (size_t k = 0; k < MESH_CHILDREN; k++) {
             b->node[n].child[k] = MESH_NO_CHILD;
             b->part[n][k] = (span){0, 0};
             if (k >= parts)
                 continue;
-            const span s = {node[n].first + count * k / parts,
-                            node[n].first + count * (k + 1) / parts};
+            const span s = part_of(b, node[n], k, parts);
             b->part[n][k] = s;
             if (s.end - s.first <= most) {
                 b->counts[3]++;

@@ -15,6 +15,7 @@ typedef struct mesh_case {
     uint32_t (*ids)[4];
     leaf_mesh mesh; /* but for treelets; fields and steps as set by mesh_leaves_cube() */
     leaf_parameters file;
+    int chain; /* trees as deep as can be: a leaf and the rest, at every node */
 } mesh_case;
 
 /* mesh_leaves_cube() - n^3 cells of 6 tets each with jittered vertices, in the order of the cells,
@@ -29,7 +30,7 @@ void mesh_leaves_release(mesh_case *c);
  * path. */
 const char *mesh_leaves_make(const mesh_case *c, const char *name);
 
-/* mesh_leaves_try() - the same with a mem and whether topologies are put last first; the status. */
+/* mesh_leaves_try() - the same, with a mem, or with the last treelet first; the status. */
 status mesh_leaves_try(mem *m, const mesh_case *c, const char *path, int backwards);
 
 #endif

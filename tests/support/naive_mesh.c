@@ -1,0 +1,601 @@
+/* naive_mesh.c - section numbers are those of formats/FORMAT.md. */
+#include "tests/support/naive_mesh.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+#include <zstd.h>
+
+static bool wrong(naive_mesh *mesh, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static bool wrong(naive_mesh *mesh, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    vsnprintf(mesh->why, sizeof mesh->why, format, args);
+    va_end(args);
+    return false;
+}
+
+/* ---- numbers in bytes ---- */
+
+static uint64_t number(const unsigned char *at, int bytes) {
+    uint64_t value = 0;
+    for (int b = bytes - 1; b >= 0; b--)
+        value = value << 8 | at[b];
+    return value;
+}
+
+static float float_of(uint64_t number_) {
+    uint32_t bits = (uint32_t)number_;
+    float value;
+    memcpy(&value, &bits, 4);
+    return value;
+}
+
+static float real32(const unsigned char *at) {
+    return float_of(number(at, 4));
+}
+
+static double real64(const unsigned char *at) {
+    uint64_t bits = number(at, 8);
+    double value;
+    memcpy(&value, &bits, 8);
+    return value;
+}
+
+static uint64_t up_to(uint64_t value, uint64_t multiple) {
+    return (value + multiple - 1) / multiple * multiple;
+}
+
+static bool zeros(const unsigned char *bytes, uint64_t from, uint64_t to) {
+    for (uint64_t i = from; i < to; i++)
+        if (bytes[i] != 0)
+            return false;
+    return true;
+}
+
+static bool minus_zero(float value) {
+    return value == 0 && signbit(value);
+}
+
+/* ---- the header: 2 and 6 ---- */
+
+static bool good_text(const unsigned char *at, uint64_t size) {
+    const unsigned char *end = memchr(at, 0, size);
+    return end && zeros(at, (uint64_t)(end - at), size);
+}
+
+static bool check_hashes(naive_mesh *mesh, uint64_t sections) {
+    size_t size = 4096 + 32 * sections;
+    unsigned char *copy = malloc(size);
+    if (!copy)
+        return wrong(mesh, "no memory");
+    memcpy(copy, mesh->bytes, size);
+    memset(copy + 248, 0, 8);
+    bool good = XXH3_64bits(copy, 4096) == number(mesh->bytes + 248, 8);
+    memset(copy + 232, 0, 16);
+    XXH128_hash_t id = XXH3_128bits(copy, size);
+    good = good && id.low64 == number(mesh->bytes + 232, 8) &&
+           id.high64 == number(mesh->bytes + 240, 8);
+    free(copy);
+    return good || wrong(mesh, "the header's checksum or id");
+}
+
+static bool read_header(naive_mesh *mesh) {
+    static const unsigned char magic[8] = {0x89, 0x4c, 0x45, 0x41, 0x46, 0x0d, 0x0a, 0x1a};
+    /* offset, lowest and highest value of 4-byte fields */
+    static const uint64_t ranges[][3] = {
+        {8, 1, 1},      {12, 2, 2},    {16, 5, 5},       {20, 5, 8},   {24, 0, 0},
+        {28, 0, 0},     {32, 0, 0},    {36, 1, 1},       {40, 0, 0},   {44, 0, 0},
+        {48, 0, 0},     {52, 6, 21},   {56, 0, 1},       {60, 0, 0},   {64, 1, 65536},
+        {68, 1, 65536}, {72, 1, 64},   {76, 0, 0},       {84, 0, 0},   {1348, 0, 0},
+        {1356, 0, 0},   {1388, 1, 64}, {1384, 1, 16384}, {1396, 0, 0}, {1404, 0, 0},
+    };
+    const unsigned char *b = mesh->bytes;
+    if (mesh->size < 4096 || memcmp(b, magic, 8) != 0)
+        return wrong(mesh, "no magic");
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+        uint64_t value = number(b + ranges[i][0], 4);
+        if (value < ranges[i][1] || value > ranges[i][2])
+            return wrong(mesh, "header field at %d is %llu", (int)ranges[i][0],
+                         (unsigned long long)value);
+    }
+    mesh->run_align_log2 = (int)number(b + 52, 4);
+    mesh->codec = (int)number(b + 56, 4);
+    mesh->fields = (long)number(b + 64, 4);
+    mesh->steps = (long)number(b + 68, 4);
+    mesh->sets = mesh->fields * mesh->steps;
+    mesh->treelets = (long)number(b + 80, 4);
+    mesh->tets = (long)number(b + 1344, 4);
+    mesh->vertices = (long)number(b + 1352, 4);
+    mesh->treelet_tets = (long)number(b + 1384, 4);
+    mesh->leaf_tets = (long)number(b + 1388, 4);
+    if (mesh->sets > 65536 || mesh->treelets < 1 || (size_t)mesh->treelets > mesh->size)
+        return wrong(mesh, "%ld treelets, %ld sets", mesh->treelets, mesh->sets);
+    if (number(b + 1392, 8) > (uint64_t)mesh->tets || number(b + 1400, 8) > (uint64_t)mesh->tets)
+        return wrong(mesh, "more flat or inverted tets than tets");
+    for (int i = 0; i < 12; i++)
+        if (real64(b + 136 + 8 * i) != (i == 0 || i == 5 || i == 10 ? 1 : 0))
+            return wrong(mesh, "to_world is not the identity");
+    if (!(real64(b + 128) >= 0))
+        return wrong(mesh, "rounding error");
+    if (number(b + 96, 8) != mesh->size)
+        return wrong(mesh, "file_bytes");
+    uint64_t sections = number(b + 72, 4);
+    if (mesh->size < 4096 + 32 * sections || !zeros(b, 1488, 4096) || !good_text(b + 256, 64) ||
+        !good_text(b + 320, 1024) || !good_text(b + 1424, 64))
+        return wrong(mesh, "section table cut off, or reserved bytes, or a text");
+    return check_hashes(mesh, sections);
+}
+
+/* ---- sections: 3 and 6 ---- */
+
+enum { RANGES = 1, OWN, FLAGS, OFFSETS, SIZES, CHECKSUMS, AXES, BOUNDS, COUNTS, KINDS };
+
+static bool find_sections(naive_mesh *mesh, const unsigned char *where[KINDS], uint64_t *end) {
+    const uint64_t n = (uint64_t)mesh->treelets, sets = (uint64_t)mesh->sets;
+    const uint64_t want[KINDS] = {0,
+                                  8 * n * sets,
+                                  8 * n * sets,
+                                  n * sets,
+                                  8 * n * (1 + sets),
+                                  8 * n * (1 + sets),
+                                  8 * n * (1 + sets),
+                                  0,
+                                  24 * n,
+                                  16 * n};
+    uint64_t sections = number(mesh->bytes + 72, 4);
+    *end = 4096 + 32 * sections;
+    for (uint64_t i = 0; i < sections; i++) {
+        const unsigned char *entry = mesh->bytes + 4096 + 32 * i;
+        uint64_t kind = number(entry, 4), offset = number(entry + 8, 8),
+                 bytes = number(entry + 16, 8);
+        if (number(entry + 4, 4) != 1 || offset != up_to(*end, 64) || offset > mesh->size ||
+            bytes > mesh->size - offset || !zeros(mesh->bytes, *end, offset))
+            return wrong(mesh, "section %d is out of place", (int)i);
+        if (XXH3_64bits(mesh->bytes + offset, bytes) != number(entry + 24, 8))
+            return wrong(mesh, "checksum of section %d", (int)i);
+        *end = offset + bytes;
+        if (kind >> 30 & 1)
+            continue;
+        if (kind < 1 || kind >= KINDS || kind == AXES || where[kind] || bytes != want[kind])
+            return wrong(mesh, "section kind %d", (int)kind);
+        where[kind] = mesh->bytes + offset;
+    }
+    for (int kind = 1; kind < KINDS; kind++)
+        if (kind != AXES && !where[kind])
+            return wrong(mesh, "no section of kind %d", kind);
+    return true;
+}
+
+static uint64_t node_bytes(const naive_part *t) {
+    return 64 * (uint64_t)t->nodes;
+}
+
+/* The places of a topology's parts: leaf_first, tets, positions, end. */
+static void topology_places(const naive_part *t, uint64_t at[4]) {
+    at[0] = node_bytes(t);
+    at[1] = up_to(at[0] + 2 * (uint64_t)(t->leaves + 1), 64);
+    at[2] = up_to(at[1] + 8 * (uint64_t)t->tets, 64);
+    at[3] = up_to(at[2] + 12 * (uint64_t)t->vertices, 64);
+}
+
+static uint64_t values_at(const naive_part *t) {
+    return up_to(16 * (uint64_t)t->nodes, 64);
+}
+
+static uint64_t payload_bytes(const naive_mesh *mesh, long p) {
+    const naive_part *t = &mesh->part[p % mesh->treelets];
+    uint64_t at[4];
+    topology_places(t, at);
+    return p < mesh->treelets ? at[3] : up_to(values_at(t) + 4 * (uint64_t)t->vertices, 64);
+}
+
+static bool read_counts(naive_mesh *mesh, const unsigned char *counts,
+                        const unsigned char *bounds) {
+    float all[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
+    long tets = 0, vertices = 0;
+    for (long i = 0; i < mesh->treelets; i++) {
+        naive_part *t = &mesh->part[i];
+        t->tets = (long)number(counts + 16 * i, 4);
+        t->vertices = (long)number(counts + 16 * i + 4, 4);
+        t->nodes = (long)number(counts + 16 * i + 8, 4);
+        t->leaves = (long)number(counts + 16 * i + 12, 4);
+        if (t->tets < 1 || t->tets > mesh->treelet_tets || t->vertices < 4 ||
+            t->vertices > 4 * t->tets || t->leaves > t->tets ||
+            t->tets > t->leaves * mesh->leaf_tets || t->nodes < 1 ||
+            (t->nodes > 1 && t->nodes >= t->leaves) || t->leaves > 7 * t->nodes + 1)
+            return wrong(mesh, "treelet %ld: counts", i);
+        tets += t->tets;
+        vertices += t->vertices;
+        if (t->vertices > mesh->vertices)
+            return wrong(mesh, "treelet %ld: more vertices than the mesh", i);
+        for (int a = 0; a < 6; a++) {
+            t->bounds[a] = real32(bounds + 24 * i + 4 * a);
+            if (!isfinite(t->bounds[a]) || minus_zero(t->bounds[a]))
+                return wrong(mesh, "treelet %ld: bounds", i);
+            if (a < 3 ? t->bounds[a] < all[a] : t->bounds[a] > all[a])
+                all[a] = t->bounds[a];
+        }
+    }
+    if (tets != mesh->tets || vertices < mesh->vertices)
+        return wrong(mesh, "tets or vertices do not add up");
+    for (int a = 0; a < 6; a++)
+        if (all[a] != real32(mesh->bytes + 1360 + 4 * a))
+            return wrong(mesh, "bounds of the whole");
+    return true;
+}
+
+/* Offsets, sizes and checksums of all payloads, and what is between them. */
+static bool check_places(naive_mesh *mesh, const unsigned char *const where[KINDS], uint64_t end) {
+    uint64_t stored = 0;
+    for (long p = 0; p < mesh->treelets * (1 + mesh->sets); p++) {
+        uint64_t offset = number(where[OFFSETS] + 8 * p, 8), size = number(where[SIZES] + 8 * p, 8);
+        uint64_t align = p % mesh->treelets == 0 ? UINT64_C(1) << mesh->run_align_log2 : 64;
+        if (offset != up_to(end, align))
+            return wrong(mesh, "payload %ld: offset", p);
+        if (size < 1 || size > payload_bytes(mesh, p) ||
+            (mesh->codec == 0 && size != payload_bytes(mesh, p)))
+            return wrong(mesh, "payload %ld: size", p);
+        if (offset > mesh->size || size > mesh->size - offset || !zeros(mesh->bytes, end, offset))
+            return wrong(mesh, "payload %ld: place or padding", p);
+        if (XXH3_64bits(mesh->bytes + offset, size) != number(where[CHECKSUMS] + 8 * p, 8))
+            return wrong(mesh, "payload %ld: checksum", p);
+        end = offset + size;
+        stored += size;
+    }
+    if (stored != number(mesh->bytes + 88, 8))
+        return wrong(mesh, "payload_bytes");
+    return (mesh->size == up_to(end, UINT64_C(1) << mesh->run_align_log2) &&
+            zeros(mesh->bytes, end, mesh->size)) ||
+           wrong(mesh, "the end of the file");
+}
+
+/* ---- topology: 6 ---- */
+
+/* A treelet while it is read; node and child of leaf and inner node. */
+typedef struct reading {
+    naive_mesh *mesh;
+    naive_part *t;
+    long index;
+    const unsigned char *topology;
+    long *first;      /* of leaves */
+    long (*spans)[2]; /* of nodes: their tets */
+} reading;
+
+static long child_of(const reading *r, long node, int c) {
+    return (long)number(r->topology + 64 * node + 48 + 2 * c, 2);
+}
+
+static bool read_parts(reading *r) {
+    naive_part *t = r->t;
+    uint64_t at[4];
+    topology_places(t, at);
+    const unsigned char *b = r->topology;
+    if (!zeros(b, at[0] + 2 * (uint64_t)(t->leaves + 1), at[1]) ||
+        !zeros(b, at[1] + 8 * (uint64_t)t->tets, at[2]) ||
+        !zeros(b, at[2] + 12 * (uint64_t)t->vertices, at[3]))
+        return wrong(r->mesh, "treelet %ld: padding", r->index);
+    for (long l = 0; l <= t->leaves; l++) {
+        r->first[l] = (long)number(b + at[0] + 2 * (uint64_t)l, 2);
+        long tets = l ? r->first[l] - r->first[l - 1] : 1;
+        if (tets < 1 || tets > r->mesh->leaf_tets || (l == 0 && r->first[0] != 0))
+            return wrong(r->mesh, "treelet %ld: leaf %ld", r->index, l);
+    }
+    if (r->first[t->leaves] != t->tets)
+        return wrong(r->mesh, "treelet %ld: the last leaf", r->index);
+    bool *used = calloc((size_t)t->vertices, sizeof *used);
+    bool good = used != NULL;
+    for (long i = 0; good && i < t->tets; i++)
+        for (int k = 0; good && k < 4; k++) {
+            long v = (long)number(b + at[1] + 8 * (uint64_t)i + 2 * (uint64_t)k, 2);
+            good = v < t->vertices && (k == 0 || v > t->tet[i][k - 1]);
+            t->tet[i][k] = v;
+            if (good)
+                used[v] = true;
+        }
+    for (long v = 0; good && v < t->vertices; v++) {
+        good = used[v];
+        for (int a = 0; a < 3; a++)
+            t->positions[v][a] = real32(b + at[2] + 12 * (uint64_t)v + 4 * (uint64_t)a);
+    }
+    free(used);
+    return good || wrong(r->mesh, "treelet %ld: tets or vertices", r->index);
+}
+
+/* Goes down in order of the children; false where leaves do not come in order. */
+static bool descend(reading *r, long node, int depth, long *leaf) {
+    if (depth > 64)
+        return false;
+    r->spans[node][0] = *leaf < r->t->leaves ? r->first[*leaf] : 0;
+    for (int c = 0; c < 8; c++) {
+        long child = child_of(r, node, c);
+        if (child == 0xffff)
+            continue;
+        if (child >= 0x8000) {
+            if (child - 0x8000 != *leaf || *leaf >= r->t->leaves)
+                return false;
+            ++*leaf;
+        } else if (!descend(r, child, depth + 1, leaf)) {
+            return false;
+        }
+    }
+    r->spans[node][1] = r->first[*leaf];
+    return true;
+}
+
+static bool check_tree(reading *r) {
+    long met = 0, leaf = 0;
+    for (long node = 0; node < r->t->nodes; node++) {
+        int present = 0;
+        for (int c = 0; c < 8; c++) {
+            long child = child_of(r, node, c);
+            if (child == 0xffff)
+                continue;
+            if (present != c)
+                return wrong(r->mesh, "treelet %ld: node %ld: a gap", r->index, node);
+            present++;
+            if (child < 0x8000 && (child != ++met || child <= node || child >= r->t->nodes))
+                return wrong(r->mesh, "treelet %ld: node %ld: child %d", r->index, node, c);
+        }
+        if (present < 2 && r->t->leaves > 1)
+            return wrong(r->mesh, "treelet %ld: node %ld: too few children", r->index, node);
+    }
+    return (met == r->t->nodes - 1 && descend(r, 0, 1, &leaf) && leaf == r->t->leaves) ||
+           wrong(r->mesh, "treelet %ld: the tree", r->index);
+}
+
+/* The tets of a child, [span[0], span[1]); false: no child. */
+static bool child_span(const reading *r, long node, int c, long span[2]) {
+    long child = child_of(r, node, c);
+    if (child == 0xffff)
+        return false;
+    const long leaf = child - 0x8000;
+    span[0] = leaf >= 0 ? r->first[leaf] : r->spans[child][0];
+    span[1] = leaf >= 0 ? r->first[leaf + 1] : r->spans[child][1];
+    return true;
+}
+
+static float plane(float lo, float step, int code) {
+    volatile float product = (float)code * step; /* rounded by itself */
+    return lo + product;
+}
+
+/* By trying one after the other, from an estimate that is surely too small. */
+static float step_of(float lo, float hi) {
+    if (hi <= lo)
+        return 0;
+    double about = ((double)hi - (double)lo) / 255;
+    uint32_t bits = 256;
+    for (uint32_t bit = UINT32_C(1) << 30; bit >= 256; bit >>= 1)
+        if ((double)float_of(bits + bit) < about / 4 && bits + bit < 0x7f800000)
+            bits += bit;
+    bits &= ~UINT32_C(255);
+    while (!(plane(lo, float_of(bits), 255) >= hi))
+        bits += 256;
+    return float_of(bits);
+}
+
+static int code_hi(float lo, float step, float at) {
+    int code = 0;
+    while (plane(lo, step, code) < at)
+        code++;
+    return code;
+}
+
+static int code_lo(float lo, float step, float at) {
+    int best = 0;
+    for (int code = 0; code < 256; code++)
+        if (plane(lo, step, code) <= at && plane(lo, step, code) > plane(lo, step, best))
+            best = code;
+    return best;
+}
+
+/* One axis of all children's boxes. */
+static bool check_planes(reading *r, int a) {
+    const naive_part *t = r->t;
+    const float low = t->bounds[a], step = step_of(low, t->bounds[a + 3]);
+    for (long node = 0; node < t->nodes; node++)
+        for (int c = 0; c < 8; c++) {
+            long span[2];
+            int want[2] = {255, 0};
+            if (child_span(r, node, c, span)) {
+                float least = INFINITY, most = -INFINITY;
+                for (long i = span[0]; i < span[1]; i++)
+                    for (int k = 0; k < 4; k++) {
+                        float at = t->positions[t->tet[i][k]][a];
+                        least = at < least ? at : least;
+                        most = at > most ? at : most;
+                    }
+                want[0] = code_lo(low, step, least);
+                want[1] = code_hi(low, step, most);
+            }
+            for (int side = 0; side < 2; side++)
+                if (r->topology[64 * node + 24 * side + 8 * a + c] != want[side])
+                    return wrong(r->mesh, "treelet %ld: node %ld: child %d: %s code of axis %d",
+                                 r->index, node, c, side ? "upper" : "lower", a);
+        }
+    return true;
+}
+
+static bool check_bounds(reading *r) {
+    for (int a = 0; a < 3; a++) {
+        float least = INFINITY, most = -INFINITY;
+        for (long v = 0; v < r->t->vertices; v++) {
+            float at = r->t->positions[v][a];
+            if (!isfinite(at))
+                return wrong(r->mesh, "treelet %ld: vertex %ld", r->index, v);
+            least = at < least ? at : least;
+            most = at > most ? at : most;
+        }
+        if (least != r->t->bounds[a] || most != r->t->bounds[a + 3])
+            return wrong(r->mesh, "treelet %ld: bounds along axis %d", r->index, a);
+    }
+    return true;
+}
+
+/* ---- values: 6 and 4 ---- */
+
+/* Smallest and largest finite value of tets' vertices; whether all are finite. */
+static bool finite_range(const reading *r, const float *value, const long span[2], float *least,
+                         float *most) {
+    bool all = true;
+    *least = INFINITY;
+    *most = -INFINITY;
+    for (long i = span[0]; i < span[1]; i++)
+        for (int k = 0; k < 4; k++) {
+            float v = value[r->t->tet[i][k]];
+            if (!isfinite(v)) {
+                all = false;
+                continue;
+            }
+            *least = v < *least ? v : *least;
+            *most = v > *most ? v : *most;
+        }
+    return all;
+}
+
+static double map(const float own[2], double value) {
+    double lo = (double)own[0], hi = (double)own[1];
+    double scale = hi <= lo ? 0 : 255 / (hi - lo), g = (value - lo) * scale;
+    return g < 0 ? 0 : g > 255 ? 255 : g;
+}
+
+static bool check_values(reading *r, long set, const unsigned char *b,
+                         const unsigned char *const where[KINDS]) {
+    const long element = set * r->mesh->treelets + r->index;
+    const float *value = r->t->values + set * r->t->vertices;
+    const uint64_t at = values_at(r->t);
+    float own[2], range[2];
+    for (int i = 0; i < 2; i++) {
+        own[i] = real32(where[OWN] + 8 * element + 4 * i);
+        if (minus_zero(own[i]) || number(where[OWN] + 8 * element + 4 * i, 4) !=
+                                      number(where[RANGES] + 8 * element + 4 * i, 4))
+            return wrong(r->mesh, "element %ld of OWN or RANGES", element);
+    }
+    if (!zeros(b, 16 * (uint64_t)r->t->nodes, at) ||
+        !zeros(b, at + 4 * (uint64_t)r->t->vertices, up_to(at + 4 * (uint64_t)r->t->vertices, 64)))
+        return wrong(r->mesh, "treelet %ld, set %ld: padding", r->index, set);
+    for (long v = 0; v < r->t->vertices; v++)
+        r->t->values[set * r->t->vertices + v] = real32(b + at + 4 * (uint64_t)v);
+    const long all[2] = {0, r->t->tets};
+    bool finite = finite_range(r, value, all, &range[0], &range[1]);
+    if (range[0] != own[0] || range[1] != own[1] || where[FLAGS][element] != (finite ? 0 : 1))
+        return wrong(r->mesh, "treelet %ld, set %ld: own range or flags", r->index, set);
+    for (long node = 0; node < r->t->nodes; node++)
+        for (int c = 0; c < 8; c++) {
+            long span[2];
+            int lo = 255, hi = 0;
+            if (child_span(r, node, c, span)) {
+                finite_range(r, value, span, &range[0], &range[1]);
+                if (range[0] <= range[1]) {
+                    lo = (int)floor(map(own, (double)range[0]));
+                    hi = (int)ceil(map(own, (double)range[1]));
+                }
+            }
+            if (b[16 * node + c] != lo || b[16 * node + 8 + c] != hi)
+                return wrong(r->mesh, "treelet %ld, set %ld: codes of node %ld", r->index, set,
+                             node);
+        }
+    return true;
+}
+
+/* ---- loading ---- */
+
+static unsigned char *payload_of(const naive_mesh *mesh, const unsigned char *const where[KINDS],
+                                 long p) {
+    uint64_t offset = number(where[OFFSETS] + 8 * p, 8), size = number(where[SIZES] + 8 * p, 8);
+    uint64_t want = payload_bytes(mesh, p);
+    unsigned char *payload = malloc(want);
+    if (payload && size == want)
+        memcpy(payload, mesh->bytes + offset, want);
+    else if (payload && ZSTD_decompress(payload, want, mesh->bytes + offset, size) != want) {
+        free(payload);
+        payload = NULL;
+    }
+    return payload;
+}
+
+static bool read_treelet(naive_mesh *mesh, long index, const unsigned char *const where[KINDS]) {
+    naive_part *t = &mesh->part[index];
+    unsigned char *topology = payload_of(mesh, where, index);
+    t->positions = malloc((size_t)t->vertices * sizeof *t->positions);
+    t->values = malloc((size_t)(t->vertices * mesh->sets) * sizeof *t->values);
+    t->tet = malloc((size_t)t->tets * sizeof *t->tet);
+    reading r = {.mesh = mesh, .t = t, .index = index, .topology = topology};
+    r.first = malloc((size_t)(t->leaves + 1) * sizeof *r.first);
+    r.spans = malloc((size_t)t->nodes * sizeof *r.spans);
+    bool good = (topology && t->positions && t->values && t->tet && r.first && r.spans) ||
+                wrong(mesh, "treelet %ld cannot be decoded", index);
+    good = good && read_parts(&r) && check_tree(&r) && check_bounds(&r);
+    for (int a = 0; good && a < 3; a++)
+        good = check_planes(&r, a);
+    for (long set = 0; good && set < mesh->sets; set++) {
+        unsigned char *values = payload_of(mesh, where, mesh->treelets * (1 + set) + index);
+        good = values ? check_values(&r, set, values, where)
+                      : wrong(mesh, "treelet %ld, set %ld cannot be decoded", index, set);
+        free(values);
+    }
+    free(r.first);
+    free(r.spans);
+    free(topology);
+    return good;
+}
+
+/* What the header says of all values. */
+static bool check_union(naive_mesh *mesh, const unsigned char *const where[KINDS]) {
+    double least = INFINITY, most = -INFINITY;
+    uint64_t strange = 0, claimed = number(mesh->bytes + 104, 8);
+    for (long i = 0; i < mesh->treelets * mesh->sets; i++) {
+        least = fmin(least, (double)real32(where[OWN] + 8 * i));
+        most = fmax(most, (double)real32(where[OWN] + 8 * i + 4));
+    }
+    for (long i = 0; i < mesh->treelets; i++)
+        for (long v = 0; v < mesh->part[i].vertices * mesh->sets; v++)
+            strange += !isfinite(mesh->part[i].values[v]);
+    if (least != real64(mesh->bytes + 112) || most != real64(mesh->bytes + 120))
+        return wrong(mesh, "value_min, value_max");
+    return (claimed <= strange && (claimed > 0) == (strange > 0)) || wrong(mesh, "non_finite");
+}
+
+static bool read_file(naive_mesh *mesh, const char *path) {
+    FILE *in = fopen(path, "rb");
+    if (!in)
+        return wrong(mesh, "cannot be opened");
+    fseek(in, 0, SEEK_END);
+    long size = ftell(in);
+    rewind(in);
+    mesh->size = size > 0 ? (size_t)size : 0;
+    mesh->bytes = malloc(mesh->size + 1);
+    bool good = mesh->bytes && fread(mesh->bytes, 1, mesh->size, in) == mesh->size;
+    fclose(in);
+    return good || wrong(mesh, "cannot be read");
+}
+
+bool naive_mesh_load(naive_mesh *mesh, const char *path) {
+    const unsigned char *where[KINDS] = {NULL};
+    uint64_t end;
+    memset(mesh, 0, sizeof *mesh);
+    if (!read_file(mesh, path) || !read_header(mesh) || !find_sections(mesh, where, &end))
+        return false;
+    mesh->part = calloc((size_t)mesh->treelets, sizeof *mesh->part);
+    if (!mesh->part)
+        return wrong(mesh, "no memory");
+    bool good = read_counts(mesh, where[COUNTS], where[BOUNDS]) && check_places(mesh, where, end);
+    for (long i = 0; good && i < mesh->treelets; i++)
+        good = read_treelet(mesh, i, where);
+    return good && check_union(mesh, where);
+}
+
+void naive_mesh_release(naive_mesh *mesh) {
+    for (long i = 0; mesh->part && i < mesh->treelets; i++) {
+        free(mesh->part[i].positions);
+        free(mesh->part[i].values);
+        free(mesh->part[i].tet);
+    }
+    free(mesh->part);
+    free(mesh->bytes);
+    memset(mesh, 0, sizeof *mesh);
+}
