@@ -45,6 +45,20 @@ static double scale_of(const affine *space) {
     return scalbn(1.0, -ilogb(largest));
 }
 
+/* Each entry is rounded once and two sums are: |error| of x <= 3 u sum |x| and of w <= 3 u sum |w|,
+ * u = 2^-24, where sum |x| <= reach sum far and sum |w| <= sum far. Of x / w then 3 u (reach + |x /
+ * w|) sum far / w, and the reciprocal's 2^-21; doubled and rounded up. rounded: how much more the
+ * entries are. */
+static void set_bounds(projection *p, const camera *c, double worst, double rounded) {
+    const double u = rounded * ldexp(1.0, -24), half = 0.5 * fmax(c->width, c->height);
+    const double reach = 0.5 * c->height / sqrt(fmin(dot(c->right, c->right), dot(c->up, c->up)));
+    p->margin = (float)(8.0 * u / (double)projection_depth_share * (reach + half) +
+                        ldexp(half, -20) + 1e-4);
+    p->plane_error = (float)(8.0 * u * (reach + half));
+    /* The reciprocal wants numbers of ordinary size. */
+    p->usable = worst < 1e15 && p->margin < 4.0f;
+}
+
 status projection_init(projection *p, mem *m, const leaf_layout *layout,
                        const level_planes levels[], const affine *space, const camera *c) {
     *p = (projection){.m = m,
@@ -81,17 +95,30 @@ status projection_init(projection *p, mem *m, const leaf_layout *layout,
             }
         }
     }
-    /* Each entry is rounded once and two sums are: |error| of x <= 3 u sum |x| and of w <= 3 u sum
-     * |w|, u = 2^-24, where sum |x| <= reach sum far and sum |w| <= sum far. Of x / w then 3 u
-     * (reach + |x / w|) sum far / w, and the reciprocal's 2^-21; doubled and rounded up. */
-    const double u = ldexp(1.0, -24), half = 0.5 * fmax(c->width, c->height);
-    const double reach = 0.5 * c->height / sqrt(fmin(dot(c->right, c->right), dot(c->up, c->up)));
-    p->margin = (float)(8.0 * u / (double)projection_depth_share * (reach + half) +
-                        ldexp(half, -20) + 1e-4);
-    p->plane_error = (float)(8.0 * u * (reach + half));
-    /* The reciprocal wants numbers of ordinary size. */
-    p->usable = worst < 1e15 && p->margin < 4.0f;
+    set_bounds(p, c, worst, 1.0);
     return ST_OK;
+}
+
+void projection_init_mesh(projection *p, const float bounds[6], const camera *c) {
+    affine world;
+    const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    double worst = 0.0;
+    affine_init(&world, identity);
+    *p = (projection){.centre = {(float)(0.5 * c->width), (float)(0.5 * c->height)},
+                      .scale = 1.0,
+                      .unscale = 1.0};
+    for (int a = 0; a < 3; a++) {
+        const axis_projection axis = axis_of(&world, c, a);
+        const double entries[4] = {axis.x, axis.y, axis.w, axis.far};
+        p->eye[a] = c->eye[a];
+        for (int i = 0; i < 4; i++)
+            p->axis[a][i] = (float)entries[i];
+        worst = fmax(worst, (fabs(axis.x) + fabs(axis.y) + axis.far) *
+                                fmax(fabs((double)bounds[a] - c->eye[a]),
+                                     fabs((double)bounds[a + 3] - c->eye[a])));
+    }
+    /* Entries are products of two rounded numbers, rounded. */
+    set_bounds(p, c, worst, 2.0);
 }
 
 void projection_release(projection *p) {

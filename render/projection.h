@@ -4,6 +4,9 @@
  * entries, one a plane through it and axis. So the corners of any box of cells cost a few additions
  * each. All is relative to the eye, taken in double and then rounded to float: errors stay a tiny
  * part of a pixel however far from the origin, or the eye from the volume.
+ *
+ * Of a grid all planes between cells have their entries. A mesh has planes of its own for every
+ * box; theirs are products of `axis` and the distance from the eye.
  */
 #ifndef RENDER_PROJECTION_H
 #define RENDER_PROJECTION_H
@@ -23,10 +26,11 @@ typedef struct plane_projection {
 } plane_projection;
 
 typedef struct projection {
-    const plane_projection *at[LEAF_LEVELS_MAX][3];
-    bool usable;     /* false: numbers beyond float; nothing else is set then */
-    double eye[3];   /* grid space */
-    float centre[2]; /* of the picture: pixels from its left and top edge */
+    const plane_projection *at[LEAF_LEVELS_MAX][3]; /* of a grid */
+    float axis[3][4]; /* of a mesh, world space: x, y, w, far of a plane at 1 from the eye */
+    bool usable;      /* false: numbers beyond float; nothing else is set then */
+    double eye[3];    /* grid space */
+    float centre[2];  /* of the picture: pixels from its left and top edge */
     /* x / w of a corner is right to margin pixels within the picture, where w is at least
      * depth_share of the sum of its far; beyond the picture it does not come in. */
     float margin;
@@ -44,6 +48,10 @@ static const float projection_depth_share = 1.0f / 16.0f;
 /* projection_init() - of all planes of a file's levels, allocated from m. */
 CHECKED status projection_init(projection *p, mem *m, const leaf_layout *layout,
                                const level_planes levels[], const affine *space, const camera *c);
+
+/* projection_init_mesh() - of planes anywhere, which are projected when they are met. bounds: of
+ * the mesh, lo x y z, hi x y z. Allocates nothing. */
+void projection_init_mesh(projection *p, const float bounds[6], const camera *c);
 void projection_release(projection *p);
 
 /* projection_bytes() - what it allocates. */

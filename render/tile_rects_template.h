@@ -50,31 +50,31 @@ SIMD void children_axis(children_planes *c, int a, unsigned lane, float first, f
     c->hi[a] = f_select(upper, f_set(last), f_set(middle));
 }
 
+/* All that the corners of the children are sums of; far: the sum of the largest on each axis. */
+typedef struct children_entries {
+    children_planes x, y, w;
+    vf far;
+} children_entries;
+
 /* Whether the children's boxes lie wholly outside x - c w >= 0 (sign 1) or <= 0 (sign -1), by the
  * corner that comes nearest to the inside. */
-SIMD mf outside(const plane_projection *const node[3][3], bool vertical, float c, float sign,
-                float error, unsigned lane) {
-    vf most = f_set(error);
-    for (int a = 0; a < 3; a++) {
-        children_planes planes;
-        float at[3];
-        for (int i = 0; i < 3; i++)
-            at[i] = sign * ((vertical ? node[a][i]->y : node[a][i]->x) - c * node[a][i]->w);
-        children_axis(&planes, a, lane, at[0], at[1], at[2]);
-        most = most + f_max(planes.lo[a], planes.hi[a]);
-    }
+SIMD mf outside(const children_planes *x, const children_planes *w, float c, float sign, vf error) {
+    vf most = error;
+    for (int a = 0; a < 3; a++)
+        most = most + f_max(f_set(sign) * (x->lo[a] - f_set(c) * w->lo[a]),
+                            f_set(sign) * (x->hi[a] - f_set(c) * w->hi[a]));
     return f_lt(most, f_set(0.0f));
 }
 
 /* Children that reach behind the eye or past its sides cover no rectangle of their own: all of the
  * parent's, unless they are outside the tile's pyramid. */
-SIMD mf outside_tile(const tile_place *tile, const plane_projection *const node[3][3], float far,
-                     unsigned lane) {
-    const float error = tile->p->plane_error * far, m = 0.5f;
-    mf out = outside(node, false, tile->x - m, 1.0f, error, lane);
-    out = mf_or(out, outside(node, false, tile->x + (TILE - 1) + m, -1.0f, error, lane));
-    out = mf_or(out, outside(node, true, tile->y - m, 1.0f, error, lane));
-    return mf_or(out, outside(node, true, tile->y + (TILE - 1) + m, -1.0f, error, lane));
+SIMD mf outside_tile(const tile_place *tile, const children_entries *e) {
+    const float m = 0.5f;
+    const vf error = f_set(tile->p->plane_error) * e->far;
+    mf out = outside(&e->x, &e->w, tile->x - m, 1.0f, error);
+    out = mf_or(out, outside(&e->x, &e->w, tile->x + (TILE - 1) + m, -1.0f, error));
+    out = mf_or(out, outside(&e->y, &e->w, tile->y - m, 1.0f, error));
+    return mf_or(out, outside(&e->y, &e->w, tile->y + (TILE - 1) + m, -1.0f, error));
 }
 
 /* Smallest and largest x / w, y / w and w over the eight corners of VF_N children. */
@@ -110,6 +110,33 @@ SIMD children_extent extent_of(const children_planes *x, const children_planes *
     return e;
 }
 
+/* The rectangles of VF_N children, from `lane` on. */
+SIMD void tile_rects_of_entries(const tile_place *tile, const children_entries *c, unsigned lane,
+                                const tile_rect *parent, tile_rects *rects) {
+    const children_extent e = extent_of(&c->x, &c->y, &c->w);
+    const mf whole = f_lt(e.w0, c->far * f_set(projection_depth_share));
+    const float margin = tile->p->margin;
+    const vf left = f_set(parent->x0), right = f_set(parent->x1);
+    const vf top = f_set(parent->y0), bottom = f_set(parent->y1);
+    vf x0 = f_max(f_ceil(e.x0 - f_set(tile->x + margin)), left);
+    vf x1 = f_min(f_floor(e.x1 - f_set(tile->x - margin)), right);
+    vf y0 = f_max(f_ceil(e.y0 - f_set(tile->y + margin)), top);
+    vf y1 = f_min(f_floor(e.y1 - f_set(tile->y - margin)), bottom);
+    mf alive = mf_and(f_le(x0, x1), f_le(y0, y1));
+    if (mf_bits(whole)) {
+        x0 = f_select(whole, left, x0);
+        x1 = f_select(whole, right, x1);
+        y0 = f_select(whole, top, y0);
+        y1 = f_select(whole, bottom, y1);
+        alive = mf_or(alive, whole);
+        alive = mf_and_not(alive, f_lt(e.w1, f_set(-tile->p->plane_error) * c->far));
+        alive = mf_and_not(alive, mf_and(whole, outside_tile(tile, c)));
+    }
+    const vi packed = f_to_int(x0) | f_to_int(x1) << 8 | f_to_int(y0) << 16 | f_to_int(y1) << 24;
+    memcpy(rects->of + lane, &packed, sizeof packed);
+    rects->alive |= mf_bits(alive) << lane;
+}
+
 /* The children of the node whose planes of a level begin at `first` and are half a node apart. */
 SIMD void tile_rects_of(const tile_place *tile, const plane_projection *const planes[3],
                         const uint32_t first[3], uint32_t half, const tile_rect *parent,
@@ -123,35 +150,13 @@ SIMD void tile_rects_of(const tile_place *tile, const plane_projection *const pl
     }
     rects->alive = 0;
     for (unsigned lane = 0; lane < 8; lane += VF_N) {
-        children_planes x, y, w;
+        children_entries c = {.far = f_set(far)};
         for (int a = 0; a < 3; a++) {
-            children_axis(&x, a, lane, node[a][0]->x, node[a][1]->x, node[a][2]->x);
-            children_axis(&y, a, lane, node[a][0]->y, node[a][1]->y, node[a][2]->y);
-            children_axis(&w, a, lane, node[a][0]->w, node[a][1]->w, node[a][2]->w);
+            children_axis(&c.x, a, lane, node[a][0]->x, node[a][1]->x, node[a][2]->x);
+            children_axis(&c.y, a, lane, node[a][0]->y, node[a][1]->y, node[a][2]->y);
+            children_axis(&c.w, a, lane, node[a][0]->w, node[a][1]->w, node[a][2]->w);
         }
-        const children_extent e = extent_of(&x, &y, &w);
-        const mf whole = f_lt(e.w0, f_set(far * projection_depth_share));
-        const float margin = tile->p->margin;
-        const vf left = f_set(parent->x0), right = f_set(parent->x1);
-        const vf top = f_set(parent->y0), bottom = f_set(parent->y1);
-        vf x0 = f_max(f_ceil(e.x0 - f_set(tile->x + margin)), left);
-        vf x1 = f_min(f_floor(e.x1 - f_set(tile->x - margin)), right);
-        vf y0 = f_max(f_ceil(e.y0 - f_set(tile->y + margin)), top);
-        vf y1 = f_min(f_floor(e.y1 - f_set(tile->y - margin)), bottom);
-        mf alive = mf_and(f_le(x0, x1), f_le(y0, y1));
-        if (mf_bits(whole)) {
-            x0 = f_select(whole, left, x0);
-            x1 = f_select(whole, right, x1);
-            y0 = f_select(whole, top, y0);
-            y1 = f_select(whole, bottom, y1);
-            alive = mf_or(alive, whole);
-            alive = mf_and_not(alive, f_lt(e.w1, f_set(-tile->p->plane_error * far)));
-            alive = mf_and_not(alive, mf_and(whole, outside_tile(tile, node, far, lane)));
-        }
-        const vi packed =
-            f_to_int(x0) | f_to_int(x1) << 8 | f_to_int(y0) << 16 | f_to_int(y1) << 24;
-        memcpy(rects->of + lane, &packed, sizeof packed);
-        rects->alive |= mf_bits(alive) << lane;
+        tile_rects_of_entries(tile, &c, lane, parent, rects);
     }
     rects->alive &= 255u;
 }
