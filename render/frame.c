@@ -138,7 +138,8 @@ static void begin_tile(drawing *d, uint32_t tile, uint32_t x0, uint32_t y0, tile
         memset(todo->waits, 0, sizeof todo->waits);
         return;
     }
-    f->kernels->tile(f, x0, y0, d->to_do[tile], todo, counters);
+    (f->tracer->tree ? f->kernels->mesh_tile : f->kernels->tile)(f, x0, y0, d->to_do[tile], todo,
+                                                                 counters);
     if (wait_for_treelets(d, tile, todo))
         return;
     for (uint32_t y = 0; y < TILE; y++)

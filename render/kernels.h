@@ -6,6 +6,7 @@
 #define RENDER_KERNELS_H
 
 #include "render/cell_batch.h"
+#include "render/mesh_tile.h"
 #include "render/tile.h"
 
 typedef struct kernels {
@@ -14,6 +15,7 @@ typedef struct kernels {
     walk_fn walk;        /* one ray through one treelet */
     cell_batch_fn cells; /* many ray-cells */
     tile_fn tile;        /* a tile of primary rays; NULL: one by one */
+    tile_fn mesh_tile;   /* ... through a mesh */
     uint8_t packet;      /* pixels on a side that walk together: TILE, or less of it */
     bool by_cell;        /* a batch never holds ray-cells of more than one cell */
 } kernels;

@@ -350,8 +350,13 @@ static status share_budget(leafcast *v, frame *f) {
 /* Tiles of rays, where there are kernels for them. An experiment's intersector wants single rays.
  */
 static status project(leafcast *v, frame *f) {
-    if (!v->kernels.tile || v->intersect || v->file->mesh)
+    if (!v->kernels.tile || v->intersect)
         return ST_OK;
+    if (v->file->mesh) {
+        projection_init_mesh(&v->projection, v->file->header.bounds, &f->camera);
+        f->projection = v->projection.usable ? &v->projection : NULL;
+        return ST_OK;
+    }
     status st = projection_init(&v->projection, &v->budget, &v->file->layout, v->planes.levels,
                                 &v->space, &f->camera);
     if (st == ST_OK && v->projection.usable)

@@ -337,6 +337,28 @@ static double t_error(const sight *s, const hit *h) {
     return slip + 8.0 * DBL_EPSILON * terms / dot(s->r->d, s->r->d);
 }
 
+/* The gradient; where there is none, the polygon's normal (false), or nothing. */
+static bool gradient_of(const tet *x, const isopolygon *g, double gradient[3]) {
+    if (tet_gradient(x, gradient))
+        return true;
+    if (!normal_of(g, gradient))
+        gradient[0] = gradient[1] = gradient[2] = 0.0;
+    return false;
+}
+
+static void normal_against(const double gradient[3], float normal[3]) {
+    double unit[3];
+    const bool any = unit_of(gradient, unit);
+    for (int k = 0; k < 3; k++)
+        normal[k] = any ? (float)-unit[k] : 0.0f;
+}
+
+void tet_normal(const tet *x, const isopolygon *g, float normal[3]) {
+    double gradient[3];
+    (void)gradient_of(x, g, gradient);
+    normal_against(gradient, normal);
+}
+
 surface_point tet_surface(const tet *x, const ray *r, double iso, const hit *h) {
     surface_point point = {.span = shortest_edge(x), .error = INFINITY};
     isopolygon g;
@@ -344,16 +366,11 @@ surface_point tet_surface(const tet *x, const ray *r, double iso, const hit *h) 
         return point;
     sight s;
     sight_of(&g, r, &s);
-    double unit[3], range = 0.0;
-    if (tet_gradient(x, point.gradient)) {
+    double range = 0.0;
+    if (gradient_of(x, &g, point.gradient))
         for (int i = 0; i < 4; i++)
             range = most(range, fabs((double)x->f[i] - iso));
-    } else if (normal_of(&g, unit)) {
-        memcpy(point.gradient, unit, sizeof unit);
-    }
-    if (unit_of(point.gradient, unit))
-        for (int k = 0; k < 3; k++)
-            point.normal[k] = (float)-unit[k];
+    normal_against(point.gradient, point.normal);
     /* t moves the point along the ray; the ends and the ray's points are rounded; so is s. */
     point.error = fabs(dot(point.gradient, r->d)) * t_error(&s, h) + 8.0 * DBL_EPSILON * range;
     for (int k = 0; k < 3; k++) {

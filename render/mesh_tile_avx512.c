@@ -1,0 +1,1 @@
+#include "render/mesh_tile_template.h"
