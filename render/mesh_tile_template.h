@@ -7,9 +7,9 @@
 
 #ifdef SIMD_NAME
 
-#include "render/edge_sign.h"
 #include "render/mesh_tile.h"
 #include "render/mesh_walk.h"
+#include "render/tet_sight_template.h"
 #include "render/tile_rects_template.h"
 #include "render/tile_shade_template.h"
 
@@ -33,7 +33,7 @@ static unsigned pixels_of(tile_rect r) {
 static const float SURELY = 1.0f - 0x1p-20f;
 
 /* Whether an open ray of the rectangle has nothing in front of a distance (squared). */
-SIMD bool seen(const mesh_tile *w, tile_rect r, float near2) {
+SIMD bool in_sight(const mesh_tile *w, tile_rect r, float near2) {
     const unsigned columns = pixels_of(r);
     const vd at = d_set(near2 > 0.0f ? sqrt((double)(near2 * SURELY)) : 0.0);
     for (unsigned y = r.y0; y <= r.y1; y++) {
@@ -112,34 +112,13 @@ SIMD unsigned by_distance(const float near2[16], unsigned left, uint8_t order[8]
 
 /* ---- Isopolygons ---- */
 
-/* An isopolygon as the eye sees it. Its edges' functions of a ray's direction are d . n, erring by
- * at most EDGE_BOUND |d| . m + EDGE_SMALLEST: edge_near() with what no ray changes taken out. Edges
- * are (1, 2), (2, 0), (0, 1), (2, 3), (3, 0). */
 typedef struct seen_polygon {
     isopolygon g;
-    double a[4][3]; /* its points from the eye */
-    double n[5][3], m[5][3];
+    seen from_eye;
     const treelet *at;
     uint32_t tet;
     int32_t iso;
 } seen_polygon;
-
-static const uint8_t ends_of_edge[5][2] = {{1, 2}, {2, 0}, {0, 1}, {2, 3}, {3, 0}};
-
-/* As weight_of() of the kernel: from the lower tet edge to the higher. */
-static void see_edge(seen_polygon *s, int k) {
-    const int i = ends_of_edge[k][0], j = ends_of_edge[k][1];
-    const bool swap = s->g.edge[i] > s->g.edge[j];
-    const double *p = s->g.p[swap ? j : i], *q = s->g.p[swap ? i : j];
-    const double *a = s->a[swap ? j : i];
-    const double e[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
-    for (int c = 0; c < 3; c++) {
-        const int c1 = (c + 1) % 3, c2 = (c + 2) % 3;
-        const double plus = a[c1] * e[c2], minus = a[c2] * e[c1];
-        s->n[k][c] = swap ? -(plus - minus) : plus - minus;
-        s->m[k][c] = fabs(plus) + fabs(minus);
-    }
-}
 
 typedef float four_floats __attribute__((vector_size(16)));
 
@@ -149,12 +128,13 @@ static float least_of(four_floats v) {
 }
 
 /* The pixels of r whose centres the polygon can cover; false: none. */
-static bool cover_of(const mesh_tile *w, const seen_polygon *s, tile_rect *r) {
+static bool cover_of(const mesh_tile *w, const isopolygon *g, tile_rect *r) {
     const projection *p = w->place.p;
     four_floats x = {0}, y = {0}, z = {0}, far = {0};
     for (int c = 0; c < 3; c++) {
-        const four_floats at = {(float)s->a[0][c], (float)s->a[1][c], (float)s->a[2][c],
-                                (float)s->a[3][c]};
+        const double eye = w->eye[c];
+        const four_floats at = {(float)(g->p[0][c] - eye), (float)(g->p[1][c] - eye),
+                                (float)(g->p[2][c] - eye), (float)(g->p[3][c] - eye)};
         const four_floats size = {fabsf(at[0]), fabsf(at[1]), fabsf(at[2]), fabsf(at[3])};
         x += p->axis[c][0] * at;
         y += p->axis[c][1] * at;
@@ -178,59 +158,6 @@ static bool cover_of(const mesh_tile *w, const seen_polygon *s, tile_rect *r) {
 }
 
 /* ---- Rays and polygons ---- */
-
-SIMD vd dot_d(const vd a[3], const double b[3]) {
-    return a[0] * d_set(b[0]) + a[1] * d_set(b[1]) + a[2] * d_set(b[2]);
-}
-
-/* What is sure about VD_N rays and a polygon or triangle. */
-typedef struct sure_hits {
-    vd t;
-    unsigned hit, entering, doubtful;
-} sure_hits;
-
-/* The weight that an edge gives to the corner opposite. */
-typedef struct near_weight {
-    vd value;
-    md above, below;
-} near_weight;
-
-SIMD near_weight weight_of_edge(const seen_polygon *s, int k, const vd d[3], const vd size[3],
-                                bool turned) {
-    const vd value = dot_d(d, s->n[k]);
-    const vd bound = d_set(EDGE_BOUND) * dot_d(size, s->m[k]) + d_set(EDGE_SMALLEST);
-    const md above = d_gt(value, bound), below = d_lt(value, d_set(-0.0) - bound);
-    if (turned)
-        return (near_weight){d_set(-0.0) - value, below, above};
-    return (near_weight){value, above, below};
-}
-
-/* cross_triangle() of the kernel, VD_N rays at a time: corners c, the edges opposite; the last of
- * the second triangle is the first one's diagonal, turned. */
-SIMD sure_hits cross_surely(const seen_polygon *s, int triangle, const vd d[3], const vd size[3],
-                            vd squared) {
-    static const uint8_t corners[2][3] = {{0, 1, 2}, {0, 2, 3}};
-    static const uint8_t opposite[2][3] = {{0, 1, 2}, {3, 4, 1}};
-    near_weight w[3];
-    vd t[3];
-    for (int k = 0; k < 3; k++) {
-        w[k] = weight_of_edge(s, opposite[triangle][k], d, size, triangle == 1 && k == 2);
-        t[k] = dot_d(d, s->a[corners[triangle][k]]) / squared;
-    }
-    const unsigned above = md_bits(md_and(w[0].above, md_and(w[1].above, w[2].above)));
-    const unsigned below = md_bits(md_and(w[0].below, md_and(w[1].below, w[2].below)));
-    const unsigned any_above = md_bits(md_or(w[0].above, md_or(w[1].above, w[2].above)));
-    const unsigned any_below = md_bits(md_or(w[0].below, md_or(w[1].below, w[2].below)));
-    const unsigned lanes = (1u << VD_N) - 1u;
-    sure_hits out = {.hit = above | below,
-                     .entering = above,
-                     .doubtful = ~(above | below) & ~(any_above & any_below) & lanes};
-    const vd v0 = d_abs(w[0].value), v1 = d_abs(w[1].value), v2 = d_abs(w[2].value);
-    const vd lo = d_min(t[0], d_min(t[1], t[2])), hi = d_max(t[0], d_max(t[1], t[2]));
-    const vd beyond = v1 * (t[1] - t[0]) + v2 * (t[2] - t[0]);
-    out.t = d_max(lo, d_min(t[0] + beyond / (v0 + v1 + v2), hi));
-    return out;
-}
 
 /* A hit of ray i: before what it has? */
 static void take_surface(mesh_tile *w, const seen_polygon *s, unsigned i, double t, bool entering) {
@@ -263,33 +190,46 @@ static void take_scalar(mesh_tile *w, const seen_polygon *s, unsigned i) {
         take_surface(w, s, i, found.t, found.entering);
 }
 
+/* Hits that are sure, and before what the rays have; enters: along the normal. */
+SIMD void take_sure(mesh_tile *w, const seen_polygon *s, unsigned i, unsigned hits, unsigned enters,
+                    vd t) {
+    const tile_rays *rays = &w->s.rays;
+    const md after = d_ge(t, d_load(rays->t0 + i)), before = d_le(t, d_load(rays->t1 + i));
+    const md nearer = d_le(t, d_load(w->s.t + i));
+    double ts[VD_N];
+    d_store(ts, t);
+    for (hits &= md_bits(md_and(nearer, md_and(after, before))); hits; hits &= hits - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(hits);
+        take_surface(w, s, i + k, ts[k], enters >> k & 1u);
+    }
+}
+
 /* VD_N rays of a row, from ray i on; lanes: which of them. */
 SIMD void meet_polygon(mesh_tile *w, const seen_polygon *s, unsigned i, unsigned lanes) {
+    const seen *e = &s->from_eye;
     const tile_rays *rays = &w->s.rays;
     const vd d[3] = {d_load(rays->d[0] + i), d_load(rays->d[1] + i), d_load(rays->d[2] + i)};
-    const vd size[3] = {d_abs(d[0]), d_abs(d[1]), d_abs(d[2])};
-    const vd squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    const vd t0 = d_load(rays->t0 + i), t1 = d_load(rays->t1 + i);
-    sure_hits first = cross_surely(s, 0, d, size, squared);
-    unsigned doubtful = first.doubtful;
-    first.hit &= md_bits(md_and(d_ge(first.t, t0), d_le(first.t, t1)));
+    const vd moduli[3] = {d_abs(d[0]), d_abs(d[1]), d_abs(d[2])};
+    const weights w12 = weigh(d, moduli, &e->edge[EDGE_12]);
+    const weights w20 = weigh(d, moduli, &e->edge[EDGE_20]);
+    const weights w01 = weigh(d, moduli, &e->edge[EDGE_01]);
+    const verdict v = judge(w12, w20, w01);
+    const unsigned hits = md_bits(md_or(v.enters, v.leaves)) & lanes;
+    unsigned doubtful = md_bits(v.doubtful);
     if (s->g.count == 4) {
-        const sure_hits second = cross_surely(s, 1, d, size, squared);
-        const unsigned also = second.hit & md_bits(md_and(d_ge(second.t, t0), d_le(second.t, t1)));
-        /* In (t, triangle) order. */
-        const unsigned takes = also & (~first.hit | md_bits(d_lt(second.t, first.t)));
-        first.t = d_select(md_of_bits(takes), second.t, first.t);
-        first.entering = (first.entering & ~takes) | (second.entering & takes);
-        first.hit |= takes;
-        doubtful |= second.doubtful;
+        const weights w23 = weigh(d, moduli, &e->edge[EDGE_23]);
+        const weights w30 = weigh(d, moduli, &e->edge[EDGE_30]), w02 = against(w20);
+        const verdict v2 = judge(w23, w30, w02);
+        const unsigned hits2 = md_bits(md_or(v2.enters, v2.leaves)) & lanes;
+        /* A quadrilateral that is hit twice is bent: not here. */
+        doubtful |= md_bits(v2.doubtful) | (hits & hits2);
+        if (hits2 & ~doubtful)
+            take_sure(w, s, i, hits2 & ~doubtful, md_bits(v2.enters),
+                      cross_at(d, e->a[0], e->a[2], e->a[3], w23, w30, w02));
     }
-    unsigned sure = first.hit & ~doubtful & lanes & md_bits(d_le(first.t, d_load(w->s.t + i)));
-    double t[VD_N];
-    d_store(t, first.t);
-    for (; sure; sure &= sure - 1) {
-        const unsigned k = (unsigned)__builtin_ctz(sure);
-        take_surface(w, s, i + k, t[k], first.entering >> k & 1u);
-    }
+    if (hits & ~doubtful)
+        take_sure(w, s, i, hits & ~doubtful, md_bits(v.enters),
+                  cross_at(d, e->a[0], e->a[1], e->a[2], w12, w20, w01));
     for (unsigned left = doubtful & lanes; left; left &= left - 1)
         take_scalar(w, s, i + (unsigned)__builtin_ctz(left));
 }
@@ -310,6 +250,7 @@ static void walk_polygon(mesh_tile *w, seen_polygon *s, tile_rect r) {
 
 static void walk_tet(mesh_tile *w, const treelet *at, uint32_t place, tile_rect r) {
     const walk_scene *scene = &w->s.f->tracer->scene;
+    const vd eye[3] = {d_set(w->eye[0]), d_set(w->eye[1]), d_set(w->eye[2])};
     const tet x = mesh_walk_tet(at, place);
     w->s.counters->walk.cells++;
     for (int i = 0; i < scene->count; i++) {
@@ -317,16 +258,12 @@ static void walk_tet(mesh_tile *w, const treelet *at, uint32_t place, tile_rect 
         if (!isopolygon_of(&x, scene->isovalues[i], &s.g))
             continue;
         tile_rect covered = r;
-        for (int k = 0; k < 4; k++)
-            for (int c = 0; c < 3; c++)
-                s.a[k][c] = s.g.p[k][c] - w->eye[c];
-        if (!cover_of(w, &s, &covered))
+        if (!cover_of(w, &s.g, &covered))
             continue;
         s.at = at;
         s.tet = place;
         s.iso = i;
-        for (int k = 0; k < (s.g.count == 3 ? 3 : 5); k++)
-            see_edge(&s, k);
+        see(&s.g, eye, &s.from_eye);
         walk_polygon(w, &s, covered);
     }
 }
@@ -386,7 +323,7 @@ static void walk_treelet_of_mesh(mesh_tile *w, const treelet *at, tile_rect rect
     stack[top++] = (mesh_pending){0, 0, rect, near2};
     while (top > 0) {
         const mesh_pending p = stack[--top];
-        if (!seen(w, p.rect, p.near2))
+        if (!in_sight(w, p.rect, p.near2))
             continue;
         if (p.i & MESH_LEAF) {
             const uint32_t leaf = p.i & ~(uint32_t)MESH_LEAF;
@@ -477,7 +414,7 @@ static void walk_mesh(mesh_tile *w, tile_rect rect) {
         stack[top++] = (mesh_pending){tree->levels - 1, 0, rect, 0.0f};
     while (top > 0) {
         const mesh_pending p = stack[--top];
-        if (!seen(w, p.rect, p.near2))
+        if (!in_sight(w, p.rect, p.near2))
             continue;
         if (p.level == 0) {
             walk_resident_treelet(w, &p);

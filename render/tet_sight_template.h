@@ -1,0 +1,106 @@
+/* tet_sight_template.h - isopolygons as vectors of rays see them; included by the units of an ISA
+ * (see formats/base/simd.h).
+ *
+ * Sums and products are those of edge_near() and isopolygon_hit(), in their order, so the bits are
+ * the same. What a polygon's edges have in common for the rays of one origin is made once.
+ */
+#ifndef RENDER_TET_SIGHT_TEMPLATE_H
+#define RENDER_TET_SIGHT_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/edge_sign.h"
+#include "render/tet_kernel.h"
+
+/* Edges by their points: of triangle 0 1 2 come first, of 0 2 3 last. */
+enum { EDGE_12, EDGE_20, EDGE_01, EDGE_23, EDGE_30, EDGES };
+
+typedef struct seen_edge {
+    vd normal[3]; /* a x e */
+    vd terms[3];  /* the sum of the moduli of its two products */
+} seen_edge;
+
+/* A polygon as origins see it. */
+typedef struct seen {
+    vd a[4][3];
+    seen_edge edge[EDGES];
+} seen;
+
+typedef struct weights {
+    vd modulus;
+    md above, below; /* surely */
+} weights;
+
+/* The edge function is taken from the lower tet edge's point; from where to where only changes its
+ * sign, to the bit. */
+SIMD void see_edge(const isopolygon *g, int i, int j, const vd a[4][3], seen_edge *out) {
+    const vd *from = a[g->edge[i] > g->edge[j] ? j : i];
+    vd e[3];
+    for (int k = 0; k < 3; k++)
+        e[k] = d_set(g->p[j][k]) - d_set(g->p[i][k]);
+    for (int k = 0; k < 3; k++) {
+        const int l = (k + 1) % 3, m = (k + 2) % 3;
+        const vd up = from[l] * e[m], down = from[m] * e[l];
+        out->normal[k] = up - down;
+        out->terms[k] = d_abs(up) + d_abs(down);
+    }
+}
+
+SIMD void see(const isopolygon *g, const vd o[3], seen *out) {
+    for (int i = 0; i < g->count; i++)
+        for (int k = 0; k < 3; k++)
+            out->a[i][k] = d_set(g->p[i][k]) - o[k];
+    see_edge(g, 1, 2, out->a, &out->edge[EDGE_12]);
+    see_edge(g, 2, 0, out->a, &out->edge[EDGE_20]);
+    see_edge(g, 0, 1, out->a, &out->edge[EDGE_01]);
+    if (g->count < 4)
+        return;
+    see_edge(g, 2, 3, out->a, &out->edge[EDGE_23]);
+    see_edge(g, 3, 0, out->a, &out->edge[EDGE_30]);
+}
+
+SIMD vd dot(const vd a[3], const vd b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* edge_near() */
+SIMD weights weigh(const vd d[3], const vd moduli[3], const seen_edge *e) {
+    const vd value = dot(d, e->normal);
+    const vd bound = d_set(EDGE_BOUND) * dot(moduli, e->terms) + d_set(EDGE_SMALLEST);
+    return (weights){d_abs(value), d_gt(value, bound), d_lt(value, d_set(0.0) - bound)};
+}
+
+SIMD weights against(weights w) {
+    return (weights){w.modulus, w.below, w.above};
+}
+
+/* What is sure about rays and a triangle. */
+typedef struct verdict {
+    md enters, leaves, doubtful;
+} verdict;
+
+SIMD verdict judge(weights w0, weights w1, weights w2) {
+    const md above = md_or(w0.above, md_or(w1.above, w2.above));
+    const md below = md_or(w0.below, md_or(w1.below, w2.below));
+    const md all = md_of_bits((1u << VD_N) - 1);
+    verdict v;
+    v.enters = md_and(w0.above, md_and(w1.above, w2.above));
+    v.leaves = md_and(w0.below, md_and(w1.below, w2.below));
+    v.doubtful = md_and_not(md_and_not(all, md_and(above, below)), md_or(v.enters, v.leaves));
+    return v;
+}
+
+/* cross_inside() of the scalar kernel. */
+SIMD vd cross_at(const vd d[3], const vd a0[3], const vd a1[3], const vd a2[3], weights w0,
+                 weights w1, weights w2) {
+    const vd t0 = dot(d, a0), t1 = dot(d, a1), t2 = dot(d, a2);
+    const vd sum = w0.modulus + w1.modulus + w2.modulus;
+    const vd lo = d_min(t0, d_min(t1, t2)), hi = d_max(t0, d_max(t1, t2));
+    const vd t = t0 + (w1.modulus * (t1 - t0) + w2.modulus * (t2 - t0)) / sum;
+    return d_max(lo, d_min(t, hi)) / dot(d, d);
+}
+
+#endif
+#endif
