@@ -16,8 +16,11 @@ static void normalize(double v[3]) {
         v[a] /= length;
 }
 
-ref_camera ref_standard_view(const ref_volume *v, double distance, int width, int height) {
-    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+void ref_world_box(const ref_volume *v, double lower[3], double upper[3]) {
+    for (int a = 0; a < 3; a++) {
+        lower[a] = INFINITY;
+        upper[a] = -INFINITY;
+    }
     for (int corner = 0; corner < 8; corner++) {
         double node[3];
         for (int a = 0; a < 3; a++) {
@@ -31,6 +34,10 @@ ref_camera ref_standard_view(const ref_volume *v, double distance, int width, in
             upper[a] = fmax(upper[a], x);
         }
     }
+}
+
+ref_camera ref_view_of_box(const double lower[3], const double upper[3], double distance, int width,
+                           int height) {
     ref_camera camera = {.up = {0, 0, 1}, .fov = 45, .width = width, .height = height};
     double direction[3] = {1, 0.6, 0.8}, edge = 0;
     normalize(direction);
@@ -41,6 +48,12 @@ ref_camera ref_standard_view(const ref_volume *v, double distance, int width, in
         camera.eye[a] = camera.look_at[a] + distance * edge * direction[a];
     }
     return camera;
+}
+
+ref_camera ref_standard_view(const ref_volume *v, double distance, int width, int height) {
+    double lower[3], upper[3];
+    ref_world_box(v, lower, upper);
+    return ref_view_of_box(lower, upper, distance, width, height);
 }
 
 ref_ray ref_primary_ray(const ref_camera *camera, int x, int y) {

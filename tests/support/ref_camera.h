@@ -11,9 +11,15 @@ typedef struct ref_camera {
     int width, height;
 } ref_camera;
 
-/* ref_standard_view() - fov 45, up +z, looking at the centre of the world bounding box from
- * `distance` times its longest edge in the direction (1, 0.6, 0.8). The standard view has
- * distance 2.2, the close view 1.1. */
+/* ref_world_box() - the world bounding box of a volume. */
+void ref_world_box(const ref_volume *v, double lower[3], double upper[3]);
+
+/* ref_view_of_box() - fov 45, up +z, looking at the box's centre from `distance` times its longest
+ * edge in the direction (1, 0.6, 0.8). The standard view has distance 2.2, the close view 1.1. */
+ref_camera ref_view_of_box(const double lower[3], const double upper[3], double distance, int width,
+                           int height);
+
+/* ref_standard_view() - that of a volume's world box. */
 ref_camera ref_standard_view(const ref_volume *v, double distance, int width, int height);
 
 /* ref_primary_ray() - through the centre of pixel (x, y), y down; unit direction. */

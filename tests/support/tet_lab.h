@@ -14,7 +14,7 @@
  *
  *   touches  a ray through a corner of the surface (where f = iso on an edge of the mesh), which
  *            the reference takes to pass beside it: the kernel sees that corner; or, where both see
- *            it, once from each side
+ *            it, more than once
  *
  * A ray that begins on a surface is judged by what lies behind that.
  */
