@@ -125,8 +125,9 @@ static status parse_type(const scan *s, int word, vtk_type *out) {
 }
 
 /* An array that starts where the stream stands. */
-static vtk_array array_here(const scan *s, vtk_type type) {
+static vtk_array array_here(const scan *s, vtk_type type, const char *role) {
     return (vtk_array){.path = s->g->source->path,
+                       .role = role,
                        .type = type,
                        .coding = s->text ? VTK_TEXT : VTK_BARE,
                        .big_endian = true,
@@ -135,8 +136,8 @@ static vtk_array array_here(const scan *s, vtk_type type) {
 }
 
 static status cut_short(const vtk_array *a, uint64_t got, uint64_t count) {
-    return vtk_array_fault(a, ST_CORRUPT, "the file ends after %llu of %llu numbers",
-                           (unsigned long long)got, (unsigned long long)count);
+    return vtk_array_fault(a, ST_CORRUPT, "%llu numbers, expected %llu", (unsigned long long)got,
+                           (unsigned long long)count);
 }
 
 /* The length of one string among bytes: its first two bits say how long the length is. */
@@ -200,7 +201,7 @@ static void decode_name(char *name) {
 
 /* An array of the points or cells whose numbers start here; its name is the line's word. */
 static status add_array(scan *s, char *name, vtk_type type, uint64_t components, uint64_t tuples) {
-    vtk_array a = array_here(s, type);
+    vtk_array a = array_here(s, type, "array");
     uint64_t count;
     if (components < 1 || components > UINT32_MAX)
         return fault(s, ST_CORRUPT, "array \"%.60s\": %llu components", name,
@@ -244,7 +245,7 @@ static status on_points(scan *s) {
         st = parse_type(s, 2, &type);
     if (st != ST_OK)
         return st;
-    s->p->position = array_here(s, type);
+    s->p->position = array_here(s, type, "POINTS");
     s->p->position.components = 3;
     return skip_numbers(s, &s->p->position, 3 * s->p->points);
 }
@@ -259,7 +260,7 @@ static status read_part(scan *s, const char *keyword, uint64_t count, vtk_array 
         st = parse_type(s, 1, &type);
     if (st != ST_OK)
         return st;
-    *out = array_here(s, type);
+    *out = array_here(s, type, keyword);
     return skip_numbers(s, out, count);
 }
 
@@ -278,7 +279,7 @@ static status on_cells(scan *s) {
     c->ids_size = second;
     c->count = first;
     if (s->major < 5) {
-        c->ids = array_here(s, VTK_I32);
+        c->ids = array_here(s, VTK_I32, "CELLS");
         return skip_numbers(s, &c->ids, second);
     }
     c->from_zero = true;
@@ -299,7 +300,7 @@ static status on_cell_types(scan *s) {
                    (unsigned long long)count, (unsigned long long)s->p->cells.count);
     if (st != ST_OK)
         return st;
-    s->p->cells.types = array_here(s, VTK_I32);
+    s->p->cells.types = array_here(s, VTK_I32, "CELL_TYPES");
     return skip_numbers(s, &s->p->cells.types, count);
 }
 
@@ -410,7 +411,7 @@ static status on_table(scan *s) {
     status st = need_words(s, 3, "LOOKUP_TABLE name size");
     if (st == ST_OK)
         st = parse_count(s, 2, &count);
-    vtk_array a = array_here(s, VTK_U8);
+    vtk_array a = array_here(s, VTK_U8, "LOOKUP_TABLE");
     return st == ST_OK ? skip_numbers(s, &a, 4 * count) : st;
 }
 

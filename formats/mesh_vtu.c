@@ -171,6 +171,7 @@ static status parse_format(scan *s, const char **attributes, vtk_array *a) {
 static status parse_array(scan *s, const char **attributes, vtk_array *a) {
     uint64_t components = 1;
     *a = (vtk_array){.path = s->g->source->path,
+                     .role = "array",
                      .big_endian = s->big_endian,
                      .head64 = s->head64,
                      .zlib = s->zlib,
@@ -194,6 +195,7 @@ static status on_cells_array(scan *s, const char *name, const vtk_array *a) {
     if (to[which]->type != VTK_ABSENT)
         return fault(s, ST_CORRUPT, "%s comes twice", name);
     *to[which] = *a;
+    to[which]->role = names[which];
     return ST_OK;
 }
 
@@ -211,6 +213,7 @@ static status on_array(scan *s, place parent, const char **attributes) {
         if (s->piece->position.type != VTK_ABSENT)
             return fault(s, ST_CORRUPT, "the points come twice");
         s->piece->position = a;
+        s->piece->position.role = "points";
         return ST_OK;
     }
     a.name = mem_copy_text(s->g->m, name ? name : "");

@@ -6,6 +6,12 @@ static bool is_gap(uint8_t c) {
     return c == ' ' || (c >= '\t' && c <= '\r');
 }
 
+/* nan and inf are numbers. */
+static bool starts_word(uint8_t c) {
+    bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    return letter && !(c == 'n' || c == 'N' || c == 'i' || c == 'I');
+}
+
 /* Pass over blanks; *more is false at the end, or before a '<'. */
 static status skip_gap(byte_stream *s, bool *more) {
     for (;;) {
@@ -52,11 +58,14 @@ status token_stream_skip(byte_stream *s, uint64_t count, uint64_t *got) {
     for (*got = 0; *got < count; ++*got) {
         bool more, inside = true;
         status st = skip_gap(s, &more);
-        if (st != ST_OK || !more)
+        const uint8_t *data;
+        size_t size;
+        if (st == ST_OK && more)
+            st = byte_stream_peek(s, 1, &data, &size);
+        if (st != ST_OK || !more || starts_word(data[0]))
             return st;
         while (inside) {
-            const uint8_t *data;
-            size_t size, i = 0;
+            size_t i = 0;
             st = byte_stream_peek(s, 1, &data, &size);
             if (st != ST_OK)
                 return st;

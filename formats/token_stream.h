@@ -14,7 +14,8 @@ enum { TOKEN_STREAM_MAX = 64 }; /* bytes of a word, NUL included */
  * stays. ST_CORRUPT for a longer one. */
 CHECKED status token_stream_next(byte_stream *s, char token[TOKEN_STREAM_MAX]);
 
-/* token_stream_skip() - pass over count words of any length; *got is smaller at the end only. */
+/* token_stream_skip() - pass over count words of any length; *got is smaller at the end, or before
+ * a word that starts with a letter no number starts with, which stays. */
 CHECKED status token_stream_skip(byte_stream *s, uint64_t count, uint64_t *got);
 
 /* token_stream_double() - the number that a word is, correctly rounded, also nan and inf; false

@@ -29,7 +29,8 @@ status vtk_array_fault(const vtk_array *a, status st, const char *fmt, ...) {
     va_start(args, fmt);
     vsnprintf(text, sizeof text, fmt, args);
     va_end(args);
-    return status_describe(
-        st, "%s: %s %llu: array \"%.60s\": %s", a->path, a->line ? "line" : "byte",
-        (unsigned long long)(a->line ? a->line : a->at), a->name ? a->name : "", text);
+    const char *quote = a->name ? "\"" : "";
+    return status_describe(st, "%s: %s %llu: %s%s%.60s%s: %s", a->path, a->line ? "line" : "byte",
+                           (unsigned long long)(a->line ? a->line : a->at), a->name ? "array " : "",
+                           quote, a->name ? a->name : a->role, quote, text);
 }

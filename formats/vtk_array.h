@@ -37,7 +37,8 @@ typedef enum vtk_coding {
 
 typedef struct vtk_array {
     const char *path; /* of the file; not owned */
-    char *name;       /* owned by the grid; NULL for points and cells */
+    char *name;       /* of a field; owned by the grid */
+    const char *role; /* of any other array, for messages: "points", "cells", .. */
     vtk_type type;
     vtk_coding coding;
     bool big_endian;

@@ -10,7 +10,7 @@
 
 #include "formats/mesh.h"
 
-enum { MESH_FILES_ROOM = 1 << 17 };
+enum { MESH_FILES_ROOM = 1 << 18 };
 
 /* What came of a mesh. `points` etc. are in the report. */
 typedef struct mesh_copy {
