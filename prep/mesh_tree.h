@@ -1,8 +1,8 @@
 /* mesh_tree.h - the tree over a treelet's tets: who is whose child, not yet where.
  *
- * Ranges of tets in Morton order, split where the first bit in which their keys differ changes, or
- * in the middle where all keys are the same. A node opens the range with the most tets until it has
- * 8 children, or all of them are small enough for leaves.
+ * First two children a node: ranges of tets in Morton order, split where the first bit in which
+ * their keys differ changes, or in the middle where all keys are the same, down to leaves. Then up
+ * to 8: the nodes that are left are as few as can be.
  */
 #ifndef PREP_MESH_TREE_H
 #define PREP_MESH_TREE_H
@@ -21,12 +21,15 @@ typedef struct mesh_tree_node {
     uint32_t children;
 } mesh_tree_node;
 
+typedef struct mesh_tree_pair mesh_tree_pair;
+
 typedef struct mesh_tree {
     mem *m;
     uint32_t leaf_tets;
     uint32_t nodes, leaves;
     mesh_tree_node *node;
-    uint16_t *leaf_at; /* scratch: an element a tet and one more */
+    mesh_tree_pair *pairs; /* scratch */
+    uint16_t *pair_of;     /* scratch: of each node */
 } mesh_tree;
 
 /* mesh_tree_nodes_max() - no tree over so many tets has more nodes. */

@@ -6,6 +6,7 @@
 
 #include "prep/mesh_tree.h"
 #include "prep/mesh_vertices.h"
+#include "prep/mesh_volume.h"
 
 /* Codes of a box and a range of values: lo of x, y, z, value, then 255 - hi of the same. So what
  * holds two of them has the smaller of each byte. */
@@ -182,29 +183,13 @@ static inline void place_tet(uint16_t to[4], const uint16_t corners[4]) {
     order(&to[1], &to[2]);
 }
 
-/* The sign of a tet's volume; 0 where rounding may have made it. */
-static inline int orientation(const float (*position)[3], const uint16_t corners[4]) {
-    double e[3][3];
-    for (int k = 0; k < 3; k++)
-        for (int a = 0; a < 3; a++)
-            e[k][a] = (double)position[corners[k + 1]][a] - (double)position[corners[0]][a];
-    double volume = 0, most = 0;
-    for (int a = 0; a < 3; a++) {
-        const int b = (a + 1) % 3, c = (a + 2) % 3;
-        const double plus = e[1][b] * e[2][c], minus = e[1][c] * e[2][b];
-        volume += e[0][a] * (plus - minus);
-        most += fabs(e[0][a]) * (fabs(plus) + fabs(minus));
-    }
-    /* The error bound of this sum, rounded up (Shewchuk 1997, o3derrboundA). */
-    const double error = 0x1p-50 * most;
-    return volume > error ? 1 : volume < -error ? -1 : 0;
-}
-
 static void place_tets(const mesh_treelet_builder *b, uint16_t (*to)[4], const float (*position)[3],
                        uint32_t count, mesh_treelet *out) {
     for (uint32_t t = 0; t < count; t++) {
         place_tet(to[t], b->vertices.corners[t]);
-        const int sign = orientation(position, b->vertices.corners[t]);
+        const uint16_t *v = b->vertices.corners[t];
+        const int sign =
+            mesh_volume_sign(position[v[0]], position[v[1]], position[v[2]], position[v[3]]);
         out->positive += sign > 0;
         out->negative += sign < 0;
         out->flat += sign == 0;

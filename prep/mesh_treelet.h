@@ -22,8 +22,7 @@ typedef struct mesh_treelet {
     uint32_t counts[4];
     leaf_entry entry;
     const void *topology, *values; /* the builder's, until its next treelet */
-    /* Tets whose volume is 0 as far as doubles can tell; the others by its sign: positive where the
-     * last vertex lies on the side from which the first three run counter-clockwise. */
+    /* Tets by the sign of their volume (mesh_volume.h). */
     uint64_t flat, positive, negative;
 } mesh_treelet;
 

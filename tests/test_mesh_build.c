@@ -18,6 +18,7 @@
 #include "prep/mesh_cut.h"
 #include "prep/mesh_morton.h"
 #include "prep/mesh_tree.h"
+#include "prep/mesh_volume.h"
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/mesh_cases.h"
@@ -543,15 +544,17 @@ static void test_trees(void **state) {
     (void)state;
     static mesh_record records[16384];
     field_random r = {FIELD_SEED};
+    uint32_t deepest = 0;
     for (int n = 0; n < 600; n++) {
-        const uint32_t count = 1 + (uint32_t)(field_random_bits(&r) % (n % 10 ? 300 : 16384));
+        const uint32_t count = 1 + (uint32_t)(field_random_bits(&r) % (n % 6 ? 600 : 16384));
         const uint32_t leaf_tets = 1 + (uint32_t)(field_random_bits(&r) % 16);
         for (uint32_t i = 0; i < count; i++) {
             const uint64_t bits = field_random_bits(&r) >> 1;
             /* Spread; a chain, a bit a level; chains with crowds at their ends; all the same. */
             const uint64_t one = UINT64_C(1) << (62 - i % 63);
-            const uint64_t keys[4] = {bits, one, bits % 3 ? one | bits % one : one, 5};
-            records[i] = (mesh_record){.key = keys[n % 4]};
+            const uint64_t keys[5] = {bits, one, bits % 3 ? one | bits % one : one, 5,
+                                      one | bits % (one < 8 ? one : 8)};
+            records[i] = (mesh_record){.key = keys[n % 5]};
         }
         qsort(records, count, sizeof *records, compare_keys);
         mesh_tree t;
@@ -560,11 +563,50 @@ static void test_trees(void **state) {
         assert_true(mem_used(&m) - before <= mesh_tree_memory(count, leaf_tets));
         mesh_tree_build(&t, records, count);
         assert_true(t.nodes <= mesh_tree_nodes_max(count, leaf_tets));
+        deepest = depth_of(&t, 0) > deepest ? depth_of(&t, 0) : deepest;
         assert_true(depth_of(&t, 0) <= MESH_DEPTH_MAX);
         const uint32_t counts[4] = {count, 4, t.nodes, t.leaves};
         assert_null(mesh_leaf_counts_fault(counts, count, leaf_tets));
         mesh_tree_release(&t);
     }
+    assert_true(deepest > MESH_DEPTH_MAX / 2);
+}
+
+/* Against exact sums: lattice points in one plane, one of them a little above or below it. */
+static void test_volume(void **state) {
+    (void)state;
+    field_random r = {FIELD_SEED};
+    for (int n = 0; n < 20000; n++) {
+        int64_t p[4][3], e[3][3];
+        float at[4][3];
+        const int bits = 3 + n % 16;
+        for (int k = 0; k < 4; k++)
+            for (int a = 0; a < 3; a++)
+                p[k][a] = (int64_t)(field_random_bits(&r) % (UINT64_C(1) << bits));
+        for (int a = 0; a < 3 && n % 3; a++)
+            p[3][a] = p[0][a] + (p[1][a] - p[0][a]) * 3 - (p[2][a] - p[0][a]) * 2;
+        p[3][n % 2] += n % 3 == 2 ? (n & 16 ? 1 : -1) : 0;
+        const float scale = n % 5 ? 0x1p-20F : 0x1p100F;
+        for (int k = 0; k < 4; k++)
+            for (int a = 0; a < 3; a++) {
+                at[k][a] = (float)p[k][a] * scale;
+                if (k > 0)
+                    e[k - 1][a] = p[k][a] - p[0][a];
+            }
+        int64_t sum = 0;
+        for (int a = 0; a < 3; a++)
+            sum += e[0][a] *
+                   (e[1][(a + 1) % 3] * e[2][(a + 2) % 3] - e[1][(a + 2) % 3] * e[2][(a + 1) % 3]);
+        const int expected = sum > 0 ? 1 : sum < 0 ? -1 : 0;
+        assert_int_equal(mesh_volume_sign(at[0], at[1], at[2], at[3]), expected);
+        assert_int_equal(mesh_volume_sign(at[1], at[0], at[2], at[3]), -expected);
+    }
+    /* Edges too far apart in size for integers. */
+    const float low[3] = {0, 0, 0}, x[3] = {1e30F, 0, 0}, y[3] = {0, 1, 0}, z[3] = {0, 0, 1e-30F};
+    assert_int_equal(mesh_volume_sign(low, x, y, z), 1);
+    assert_int_equal(mesh_volume_sign(low, y, x, z), -1);
+    assert_int_equal(mesh_volume_sign(low, x, x, z), 0);
+    assert_int_equal(mesh_volume_sign(low, low, y, z), 0);
 }
 
 static int set_up(void **state) {
@@ -583,6 +625,7 @@ int main(void) {
         cmocka_unit_test_setup(test_faults, set_up),
         cmocka_unit_test_setup(test_stream, set_up),
         cmocka_unit_test_setup(test_trees, set_up),
+        cmocka_unit_test_setup(test_volume, set_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
