@@ -2,7 +2,7 @@
 
 #include <assert.h>
 #include <math.h>
-#include <stdatomic.h>
+#include <pthread.h>
 #include <string.h>
 #include <zstd.h>
 
@@ -29,10 +29,16 @@ struct leaf_writer {
     /* Where payloads wait until all sizes are known: compressed ones, and a mesh's. NULL: they are
      * known from the start. */
     out_file *scratch;
-    uint64_t *scratch_at;
-    atomic_ullong scratch_end;
+    uint64_t *scratch_at; /* or NOT_THERE */
     void *copy_buffer;
+    /* Guarded by the lock: */
+    pthread_mutex_t lock;
+    uint64_t scratch_end;
+    uint32_t placed;   /* payloads whose place is known, as all before them have been put */
+    uint64_t next_end; /* where the last of these ends */
 };
+
+#define NOT_THERE UINT64_MAX
 
 struct leaf_packer {
     ZSTD_CCtx *context;
@@ -118,6 +124,11 @@ static void fill_mesh(leaf_writer *w, const leaf_mesh *mesh) {
     copy_text(h->field, sizeof h->field, mesh->field);
 }
 
+static uint64_t sections_end(const leaf_writer *w) {
+    const leaf_section *last = &w->table[w->header.sections - 1];
+    return last->offset + last->bytes;
+}
+
 /* Which sections there are, and where; their sizes are known from the start. */
 static void place_sections(leaf_writer *w) {
     leaf_header *h = &w->header;
@@ -130,12 +141,12 @@ static void place_sections(leaf_writer *w) {
         w->table[i].offset = leaf_layout_aligned(end, LEAF_ALIGN_LOG2);
         end = w->table[i].offset + w->table[i].bytes;
     }
+    w->next_end = end;
 }
 
 /* With all sizes known, the payloads' places. */
 static void place_payloads(leaf_writer *w) {
-    const leaf_section *last = &w->table[w->header.sections - 1];
-    uint64_t end = last->offset + last->bytes;
+    uint64_t end = sections_end(w);
     w->header.payload_bytes = 0;
     for (uint32_t p = 0; p < w->layout.payloads; p++) {
         w->offsets[p] = leaf_layout_payload_at(&w->layout, p, end, w->p.run_align_log2);
@@ -195,6 +206,7 @@ static leaf_writer *new_writer(mem *m, const leaf_parameters *p) {
         return NULL;
     w->m = m;
     w->p = *p;
+    (void)pthread_mutex_init(&w->lock, NULL); /* cannot fail on Linux */
     return w;
 }
 
@@ -277,6 +289,7 @@ void leaf_writer_discard(leaf_writer *w) {
     mem_free(w->m, w->axes);
     mem_free(w->m, w->bounds);
     mem_free(w->m, w->counts);
+    (void)pthread_mutex_destroy(&w->lock);
     mem_free(w->m, w);
 }
 
@@ -348,16 +361,35 @@ static size_t pack_payload(leaf_packer *k, const void *payload, size_t bytes, vo
     return ZSTD_isError(size) ? bytes : size;
 }
 
+/* Where a payload of this size goes: true: to offsets[p], as all before it have been put; false: to
+ * scratch_at[p]. Places become known in order; that of one that waits in the scratch file is only
+ * needed for those behind it. */
+static bool place_put(leaf_writer *w, uint32_t p, size_t size) {
+    pthread_mutex_lock(&w->lock);
+    const bool direct = p == w->placed;
+    w->sizes[p] = size;
+    w->scratch_at[p] = direct ? NOT_THERE : w->scratch_end;
+    if (!direct)
+        w->scratch_end += size;
+    for (uint32_t n = w->placed; n < w->layout.payloads && w->sizes[n]; n++) {
+        w->offsets[n] = leaf_layout_payload_at(&w->layout, n, w->next_end, w->p.run_align_log2);
+        w->next_end = w->offsets[n] + w->sizes[n];
+        w->placed = n + 1;
+    }
+    pthread_mutex_unlock(&w->lock);
+    return direct;
+}
+
 static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void *payload,
                           size_t size, void *pack) {
     const void *stored = payload;
     if (k)
         size = pack_payload(k, payload, size, pack, &stored);
-    w->sizes[p] = size;
     w->checksums[p] = hash_bytes(stored, size);
     if (!w->scratch)
         return out_file_write_at(w->out, w->offsets[p], stored, size);
-    w->scratch_at[p] = atomic_fetch_add(&w->scratch_end, size);
+    if (place_put(w, p, size))
+        return out_file_write_at(w->out, w->offsets[p], stored, size);
     return out_file_write_at(w->scratch, w->scratch_at[p], stored, size);
 }
 
@@ -401,6 +433,8 @@ static status copy_payloads(leaf_writer *w) {
     place_payloads(w);
     for (uint32_t p = 0; p < w->layout.payloads; p++) {
         size_t size = (size_t)w->sizes[p];
+        if (w->scratch_at[p] == NOT_THERE)
+            continue;
         status st = out_file_read_at(w->scratch, w->scratch_at[p], w->copy_buffer, size);
         if (st == ST_OK)
             st = out_file_write_at(w->out, w->offsets[p], w->copy_buffer, size);

@@ -2,9 +2,9 @@
  * and the header.
  *
  * The same payloads give the same bytes whatever the order and the threads. A grid's raw payloads
- * go straight to their place; compressed ones and a mesh's, whose sizes place them, first to a
- * scratch file beside the output. The file appears under its name in leaf_writer_finish() alone,
- * header last.
+ * go straight to their place; compressed ones and a mesh's, whose sizes place them, only where all
+ * before them have been put, else first to a scratch file beside the output. The file appears under
+ * its name in leaf_writer_finish() alone, header last.
  *
  * Of a mesh: leaf_writer_create_mesh(); of each treelet leaf_writer_put_topology(), then
  * leaf_writer_put_values() of each set; leaf_writer_finish(). All else is the same.

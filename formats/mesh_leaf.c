@@ -1,6 +1,7 @@
 #include "formats/mesh_leaf.h"
 
 #include <assert.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "formats/leaf.h"
@@ -71,8 +72,8 @@ mesh_frame mesh_leaf_frame(const float bounds[6]) {
     return f;
 }
 
-/* The smallest code whose plane is >= at. */
-static int first_at_or_above(const mesh_frame *f, int axis, float at) {
+/* The smallest code whose plane is >= at, which that of 255 is. */
+static int search(const mesh_frame *f, int axis, float at) {
     int first = 0, end = 255;
     while (first < end) {
         const int middle = (first + end) / 2;
@@ -84,6 +85,22 @@ static int first_at_or_above(const mesh_frame *f, int axis, float at) {
     return first;
 }
 
+static bool is_first(const mesh_frame *f, int axis, int code, float at) {
+    return mesh_leaf_plane(f, axis, code) >= at &&
+           (code == 0 || mesh_leaf_plane(f, axis, code - 1) < at);
+}
+
+/* The same, by a guess that is mostly right. */
+static int first_at_or_above(const mesh_frame *f, int axis, float at) {
+    const float guess = (at - f->lo[axis]) / f->step[axis];
+    if (!(guess < 255))
+        return search(f, axis, at);
+    const int code = (int)guess;
+    if (is_first(f, axis, code + 1, at))
+        return code + 1;
+    return is_first(f, axis, code, at) ? code : search(f, axis, at);
+}
+
 uint8_t mesh_leaf_code_hi(const mesh_frame *f, int axis, float at) {
     assert(at >= f->lo[axis] && at <= mesh_leaf_plane(f, axis, 255));
     return (uint8_t)first_at_or_above(f, axis, at);
@@ -92,8 +109,9 @@ uint8_t mesh_leaf_code_hi(const mesh_frame *f, int axis, float at) {
 uint8_t mesh_leaf_code_lo(const mesh_frame *f, int axis, float at) {
     assert(at >= f->lo[axis] && at <= mesh_leaf_plane(f, axis, 255));
     const int code = first_at_or_above(f, axis, at);
-    if (mesh_leaf_plane(f, axis, code) == at || code == 0)
+    if (code == 0 || mesh_leaf_plane(f, axis, code) == at)
         return (uint8_t)code;
     /* The highest plane below `at` is that of the code before; others may share it. */
-    return (uint8_t)first_at_or_above(f, axis, mesh_leaf_plane(f, axis, code - 1));
+    const float below = mesh_leaf_plane(f, axis, code - 1);
+    return (uint8_t)(is_first(f, axis, code - 1, below) ? code - 1 : search(f, axis, below));
 }
