@@ -166,6 +166,43 @@ static void every_ray_crosses_once(void **test) {
     assert_true(doubles > rays / 4);
 }
 
+/* Exactly through vertices that lie at the isovalue, aslant: no sum there is without rounding, and
+ * still all tets around agree. */
+static void check_aslant(const float vertex[3]) {
+    ray r = ray_of(0, 0, 0, 0, 0, 1);
+    for (int k = 0; k < 2; k++)
+        r.d[k] = 0x1p-20 * (double)(field_random_below(&dice, 1 << 17) - (1 << 16));
+    for (int k = 0; k < 3; k++)
+        r.o[k] = (double)vertex[k] - 5.0 * r.d[k]; /* exact */
+    shoot(&r);
+    if (it.single != 1 || it.raw < 3 || it.hits[0].t != 5.0)
+        fail_msg("aslant through %a %a %a along %a %a (seed %d): %d hits, %d of them doubles",
+                 (double)vertex[0], (double)vertex[1], (double)vertex[2], r.d[0], r.d[1], SEED,
+                 it.raw, it.raw - it.single);
+}
+
+static void rays_aslant_through_vertices(void **test) {
+    (void)test;
+    const double offsets[3] = {0.0, 1000.0, -65536.0};
+    int rays = 0;
+    dice.state = SEED;
+    for (int round = 0; round < 9; round++) {
+        const double offset = offsets[round / 3];
+        make_graph(true, offset);
+        choose(8.0 * (1 + round % 3)); /* a layer of nodes */
+        for (int i = 0; i < it.count; i++)
+            for (int v = 0; v < 4; v++) {
+                const float *p = it.tets[i].p[v];
+                bool inner = (double)it.tets[i].f[v] == it.iso;
+                for (int k = 0; k < 2; k++)
+                    inner &= (double)p[k] > offset + 0.5 && (double)p[k] < offset + GRAPH - 0.5;
+                for (int n = 0; inner && n < 4; n++, rays++)
+                    check_aslant(p);
+            }
+    }
+    assert_true(rays > 1000);
+}
+
 /* ---- closed surfaces of any shape ------------------------------------------------------------ */
 
 /* Small whole numbers inside, all outside at the ends: closed surfaces, with plateaus. */
@@ -377,9 +414,9 @@ static void flat_tet_between(void **test) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_ray_crosses_once), cmocka_unit_test(closed_surfaces),
-        cmocka_unit_test(rays_at_random),         cmocka_unit_test(fan_around_an_edge),
-        cmocka_unit_test(flat_tet_between),
+        cmocka_unit_test(every_ray_crosses_once), cmocka_unit_test(rays_aslant_through_vertices),
+        cmocka_unit_test(closed_surfaces),        cmocka_unit_test(rays_at_random),
+        cmocka_unit_test(fan_around_an_edge),     cmocka_unit_test(flat_tet_between),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
