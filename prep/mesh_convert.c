@@ -294,10 +294,25 @@ static status check_output(mem *m, const char *output, bool force) {
     return st;
 }
 
-static status check_budget(mem *m, const mesh_options *o) {
+/* Read everything, keep nothing, and plan. */
+static status plan_counted(mem *m, mesh *x, const mesh_options *o, const progress *p,
+                           mesh_result *result) {
+    mesh_gather g;
+    mesh_gather_init(&g, m, "", 0, p);
+    const mesh_sink sink = mesh_gather_counter(&g);
+    status st = mesh_read(x, &sink, &result->report);
+    return st == ST_OK ? mesh_plan_make(m, &g, o, &result->plan) : st;
+}
+
+/* A budget that is too small for any mesh cannot even gather this one; what it needs is told. */
+static status check_budget(mem *m, mesh *x, const mesh_options *o, const progress *p,
+                           mesh_result *result) {
     uint64_t least = 0;
     status st = mesh_plan_least(m, o, &least);
-    return st == ST_OK && least > o->memory ? mesh_plan_refuse(o, least) : st;
+    if (st != ST_OK || least <= o->memory)
+        return st;
+    st = plan_counted(m, x, o, p, result);
+    return st == ST_OK ? mesh_plan_refuse(o, least) : st;
 }
 
 status mesh_convert_run(mem *m, mesh *x, const char *output, const mesh_options *o,
@@ -307,7 +322,7 @@ status mesh_convert_run(mem *m, mesh *x, const char *output, const mesh_options 
     const double start = clock_seconds();
     status st = check_output(m, output, o->force);
     if (st == ST_OK)
-        st = check_budget(m, o);
+        st = check_budget(m, x, o, p, result);
     if (st != ST_OK)
         return st;
     mesh_gather_init(&g, m, output, (size_t)(o->memory / 2), p);
@@ -321,44 +336,8 @@ status mesh_convert_run(mem *m, mesh *x, const char *output, const mesh_options 
     return mesh_convert_gathered(m, &g, mesh_name(x), output, o, p, result);
 }
 
-/* ---- a dry run ---- */
-
-static status count_points(void *ctx, uint64_t first, size_t count, const float (*xyz)[3]) {
-    mesh_gather *g = ctx;
-    (void)first, (void)xyz;
-    g->points.count += count;
-    return progress_step(g->p, "read", 0);
-}
-
-static status count_values(void *ctx, uint64_t first, size_t count, const float *values) {
-    mesh_gather *g = ctx;
-    (void)first, (void)values;
-    g->values.count += count;
-    return progress_step(g->p, "read", 0);
-}
-
-static status count_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
-    mesh_gather *g = ctx;
-    (void)ids;
-    g->tets.count += count;
-    return progress_step(g->p, "read", 0);
-}
-
-/* As mesh_spool would have it in memory. */
-static void pretend_held(mesh_spool *s) {
-    s->chunk_count = (size_t)(s->count >> MESH_SPOOL_LOG2) + 1;
-}
-
 status mesh_convert_dry(mem *m, mesh *x, const mesh_options *o, const progress *p,
                         mesh_result *result) {
-    mesh_gather g;
-    mesh_gather_init(&g, m, "", 0, p);
-    const mesh_sink sink = {
-        .ctx = &g, .points = count_points, .values = count_values, .tets = count_tets};
     *result = (mesh_result){0};
-    status st = mesh_read(x, &sink, &result->report);
-    pretend_held(&g.points);
-    pretend_held(&g.values);
-    pretend_held(&g.tets);
-    return st == ST_OK ? mesh_plan_make(m, &g, o, &result->plan) : st;
+    return plan_counted(m, x, o, p, result);
 }

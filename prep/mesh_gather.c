@@ -17,6 +17,8 @@ void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling
 }
 
 void mesh_gather_release(mesh_gather *g) {
+    if (g->counted)
+        return;
     mesh_spool_release(&g->points);
     mesh_spool_release(&g->values);
     mesh_spool_release(&g->tets);
@@ -67,4 +69,36 @@ status mesh_gather_end(mesh_gather *g) {
     if (st == ST_OK)
         st = mesh_spool_end(&g->values);
     return st == ST_OK ? mesh_spool_end(&g->tets) : st;
+}
+
+/* ---- counting ---- */
+
+static status count_in(mesh_gather *g, mesh_spool *s, size_t count) {
+    s->count += count;
+    s->chunk_count = (size_t)(s->count >> MESH_SPOOL_LOG2) + 1;
+    return progress_step(g->p, "read", 0);
+}
+
+static status count_points(void *ctx, uint64_t first, size_t count, const float (*xyz)[3]) {
+    mesh_gather *g = ctx;
+    (void)first, (void)xyz;
+    return count_in(g, &g->points, count);
+}
+
+static status count_values(void *ctx, uint64_t first, size_t count, const float *values) {
+    mesh_gather *g = ctx;
+    (void)first, (void)values;
+    return count_in(g, &g->values, count);
+}
+
+static status count_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
+    mesh_gather *g = ctx;
+    (void)ids;
+    return count_in(g, &g->tets, count);
+}
+
+mesh_sink mesh_gather_counter(mesh_gather *g) {
+    g->counted = true;
+    return (mesh_sink){
+        .ctx = g, .points = count_points, .values = count_values, .tets = count_tets};
 }

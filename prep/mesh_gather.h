@@ -6,6 +6,7 @@
 #ifndef PREP_MESH_GATHER_H
 #define PREP_MESH_GATHER_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "formats/base/progress.h"
@@ -16,6 +17,7 @@ typedef struct mesh_gather {
     mesh_spool points, values, tets; /* float[3], float, uint32_t[4] */
     float bounds[6];                 /* of all points: lo x y z, hi x y z */
     uint64_t non_finite;             /* values that are NaN or inf */
+    bool counted;                    /* nothing is kept, but how much there would be */
     const progress *p;
 } mesh_gather;
 
@@ -30,6 +32,10 @@ size_t mesh_gather_least(void);
 
 /* mesh_gather_sink() - what to give to mesh_read(). */
 mesh_sink mesh_gather_sink(mesh_gather *g);
+
+/* mesh_gather_counter() - the same, to count what would come: for a plan alone. Of the spools,
+ * `count` and the number of chunks are as if all were held. No mesh_gather_end(). */
+mesh_sink mesh_gather_counter(mesh_gather *g);
 
 /* mesh_gather_end() - everything has come. */
 CHECKED status mesh_gather_end(mesh_gather *g);

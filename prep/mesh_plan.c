@@ -93,7 +93,8 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
 }
 
 static status needs_of(mem *m, const mesh_gather *g, const mesh_options *o, needs *n) {
-    const uint64_t held = held_bytes(&g->points) + held_bytes(&g->values) + held_bytes(&g->tets);
+    const uint64_t held =
+        g->counted ? 0 : held_bytes(&g->points) + held_bytes(&g->values) + held_bytes(&g->tets);
     *n = (needs){.o = o, .g = g};
     n->others = FIXED_BYTES + (uint64_t)o->threads * THREAD_BYTES + room_above(mem_used(m), held);
     /* Treelets are full to 70 % on average; where much of a mesh is sparse, less. */
