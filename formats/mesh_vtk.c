@@ -12,6 +12,7 @@
 #include "formats/vtk_grid.h"
 
 enum { WORDS_MAX = 8 };
+#define COUNT_MAX ((int64_t)1 << 47) /* times components: no overflow */
 
 /* The pass over the file that finds the arrays. */
 typedef struct scan {
@@ -75,7 +76,7 @@ static status need_words(const scan *s, int count, const char *form) {
 
 static status parse_count(const scan *s, int word, uint64_t *out) {
     int64_t value = 0;
-    if (num_int(s->word[word], "", 0, INT64_MAX >> 8, &value) != ST_OK)
+    if (num_int(s->word[word], "", 0, COUNT_MAX, &value) != ST_OK)
         return fault(s, ST_CORRUPT, "%s: \"%.40s\", expected a number of them", s->word[0],
                      s->word[word]);
     *out = (uint64_t)value;

@@ -11,6 +11,7 @@
 #include "formats/vtk_grid.h"
 
 enum { TAG_MAX = 1 << 20, DEPTH_MAX = 64 };
+#define COUNT_MAX ((int64_t)1 << 47) /* times components: no overflow */
 
 /* What an element is to us; its children are read accordingly. */
 typedef enum place {
@@ -76,7 +77,7 @@ static status count_attribute(const scan *s, const char **attributes, const char
         return fault(s, ST_CORRUPT, "expected the attribute %s", name);
     while (text && (*text == ' ' || *text == '\t' || *text == '\n'))
         text++;
-    if (text && num_int(text, "", least, INT64_MAX >> 8, &value) != ST_OK)
+    if (text && num_int(text, "", least, COUNT_MAX, &value) != ST_OK)
         return fault(s, ST_CORRUPT, "%s=\"%.40s\", expected a whole number from %lld on", name,
                      text, (long long)least);
     *out = (uint64_t)value;
