@@ -117,10 +117,10 @@ static void leave_start(const place *p, answer *x) {
         return;
     tet_ref_mesh raw = lab_mesh_reference(&p->m);
     for (size_t i = 0; i < x->truth_count; i++)
-        if (x->truth[i].t * x->truth[i].cells_per_t > 1e-6)
+        if (fabs(x->truth[i].t) * x->truth[i].cells_per_t > 1e-6)
             x->truth[truths++] = x->truth[i];
     for (size_t i = 0; i < x->hit_count; i++)
-        if (x->hits[i].t * length > 1e-6 * tet_ref_local_edge(&raw, x->hits[i].cell))
+        if (fabs(x->hits[i].t) * length > 1e-6 * tet_ref_local_edge(&raw, x->hits[i].cell))
             x->hits[hits++] = x->hits[i];
     x->on_surface = truths < x->truth_count || hits < x->hit_count;
     x->truth_count = truths;
