@@ -171,7 +171,7 @@ edge_weight edge_exact(const double o[3], const double d[3], const double p[3], 
 }
 
 /* The same sum for four points: [b c d] - [a c d] + [a b d] - [a b c]. */
-static int exact_sign_of_tet(const double p[4][3]) {
+int edge_exact_of_tet(const double p[4][3]) {
     whole w[4][3];
     for (int i = 0; i < 4; i++)
         if (!wholes_of(p[i], w[i]))
@@ -184,21 +184,4 @@ static int exact_sign_of_tet(const double p[4][3]) {
     add_determinant(&s, w[0], w[1], w[2], true);
     const double value = value_of(&s);
     return (value > 0.0) - (value < 0.0);
-}
-
-/* edge_near() with its first argument rounded, too: 8 factors where the proof there has 7. Twice
- * the bound is more than enough. */
-int edge_sign_of_tet(const float a[3], const float b[3], const float c[3], const float d[3]) {
-    const float *from[4] = {a, b, c, d};
-    double p[4][3], e[3][3];
-    for (int i = 0; i < 4; i++)
-        for (int k = 0; k < 3; k++)
-            p[i][k] = (double)from[i][k];
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            e[i][k] = p[i + 1][k] - p[0][k];
-    const edge_weight near = edge_near(e[0], e[1], e[2]);
-    if (fabs(near.value) > 2.0 * near.bound)
-        return near.value > 0.0 ? 1 : -1;
-    return exact_sign_of_tet((const double(*)[3])p);
 }

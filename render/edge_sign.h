@@ -68,7 +68,21 @@ static inline edge_weight edge_sign(const double o[3], const double d[3], const 
     return fabs(near.value) > near.bound ? near : edge_exact(o, d, p, q);
 }
 
-/* edge_sign_of_tet() - the exact sign of (b - a) . ((c - a) x (d - a)): 1, 0 (flat), -1. */
-int edge_sign_of_tet(const float a[3], const float b[3], const float c[3], const float d[3]);
+/* edge_sign_of_tet() - the exact sign of (b - a) . ((c - a) x (d - a)) for points a, b, c, d whose
+ * coordinates are floats: 1, 0 (flat), -1.
+ *
+ * edge_near() with its first argument rounded, too: 8 factors where the proof there has 7. Twice
+ * the bound is more than enough. */
+int edge_exact_of_tet(const double p[4][3]);
+static inline int edge_sign_of_tet(const double p[4][3]) {
+    double e[3][3];
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            e[i][k] = p[i + 1][k] - p[0][k];
+    const edge_weight near = edge_near(e[0], e[1], e[2]);
+    if (fabs(near.value) > 2.0 * near.bound)
+        return near.value > 0.0 ? 1 : -1;
+    return edge_exact_of_tet(p);
+}
 
 #endif

@@ -79,15 +79,14 @@ bool tet_is_active(const float f[4], double iso) {
 /* Never beyond a or b. As long as s < 1, the product is at least an ulp short of the difference (b
  * - a) as rounded, which errs by half an ulp at most; so a plus the product, before it is rounded,
  * lies between a and b, and so it does after. */
-static void cut_edge(const tet *x, int edge, double iso, double point[3]) {
+static void cut_edge(const double p[4][3], const float f[4], int edge, double iso,
+                     double point[3]) {
     const int i = ends_of[edge][0], j = ends_of[edge][1];
-    const double fa = (double)x->f[i], fb = (double)x->f[j];
+    const double fa = (double)f[i], fb = (double)f[j];
     const double s = (iso - fa) / (fb - fa);
     const bool whole = s >= 1.0;
-    for (int k = 0; k < 3; k++) {
-        const double a = (double)x->p[i][k], b = (double)x->p[j][k];
-        point[k] = whole ? b : a + s * (b - a);
-    }
+    for (int k = 0; k < 3; k++)
+        point[k] = whole ? p[j][k] : p[i][k] + s * (p[j][k] - p[i][k]);
 }
 
 /* The other way around: the diagonal stays. */
@@ -102,12 +101,16 @@ bool isopolygon_of(const tet *x, double iso, isopolygon *out) {
     const unsigned inside = inside_of(x->f, iso);
     if (inside == 0)
         return false;
+    double p[4][3];
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3; k++)
+            p[i][k] = (double)x->p[i][k];
     out->count = cases[inside].count;
     memcpy(out->edge, cases[inside].edge, sizeof out->edge);
-    if (edge_sign_of_tet(x->p[0], x->p[1], x->p[2], x->p[3]) < 0)
+    if (edge_sign_of_tet((const double(*)[3])p) < 0)
         turn_over(out->edge, out->count);
     for (int i = 0; i < out->count; i++)
-        cut_edge(x, out->edge[i], iso, out->p[i]);
+        cut_edge((const double(*)[3])p, x->f, out->edge[i], iso, out->p[i]);
     if (out->count == 3)
         memcpy(out->p[3], out->p[2], sizeof out->p[3]);
     return true;

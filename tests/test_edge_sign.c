@@ -257,6 +257,17 @@ static void not_finite(void **test) {
     }
 }
 
+static int sign_of_tet(const float a[3], const float b[3], const float c[3], const float d[3]) {
+    double p[4][3];
+    for (int k = 0; k < 3; k++) {
+        p[0][k] = (double)a[k];
+        p[1][k] = (double)b[k];
+        p[2][k] = (double)c[k];
+        p[3][k] = (double)d[k];
+    }
+    return edge_sign_of_tet((const double(*)[3])p);
+}
+
 static void orientation(void **test) {
     (void)test;
     int flat = 0;
@@ -279,8 +290,8 @@ static void orientation(void **test) {
                 w[v][k] = difference_of(big_of((double)p[v + 1][k]), big_of((double)p[0][k]));
         const big truth = determinant_of(w[0], w[1], w[2]);
         const int sign = sign_of_big(&truth);
-        if (edge_sign_of_tet(p[0], p[1], p[2], p[3]) != sign ||
-            edge_sign_of_tet(p[1], p[0], p[2], p[3]) != -sign)
+        if (sign_of_tet(p[0], p[1], p[2], p[3]) != sign ||
+            sign_of_tet(p[1], p[0], p[2], p[3]) != -sign)
             fail_msg("tet %d (seed %d): sign is %d", i, SEED, sign);
         flat += sign == 0;
     }
