@@ -252,7 +252,6 @@ static void walk_tet(mesh_tile *w, const treelet *at, uint32_t place, tile_rect 
     const walk_scene *scene = &w->s.f->tracer->scene;
     const vd eye[3] = {d_set(w->eye[0]), d_set(w->eye[1]), d_set(w->eye[2])};
     const tet x = mesh_walk_tet(at, place);
-    w->s.counters->walk.cells++;
     for (int i = 0; i < scene->count; i++) {
         seen_polygon s;
         if (!isopolygon_of(&x, scene->isovalues[i], &s.g))
@@ -268,16 +267,96 @@ static void walk_tet(mesh_tile *w, const treelet *at, uint32_t place, tile_rect 
     }
 }
 
-static void walk_leaf(mesh_tile *w, const treelet *at, uint32_t first, uint32_t end, tile_rect r) {
+/* Active tets of a leaf, a lane each. */
+typedef struct tet_lanes {
+    _Alignas(64) float p[4][3][VF_N]; /* their vertices */
+    uint32_t place[VF_N];
+    unsigned count;
+} tet_lanes;
+
+typedef struct tet_covers {
+    tile_rect rect[VF_N];
+    _Alignas(64) float depth[VF_N]; /* none of their points is nearer */
+} tet_covers;
+
+/* What the tets can cover of r: lanes of those that cover anything.
+ *
+ * Positions are taken from the treelet's lower corner, and so is the eye's, in double: what errs is
+ * a few units of 2^-24 of the distance and of the treelet's size. So tets nearer than its sixteenth
+ * cover all of r. */
+SIMD unsigned covers_of(const mesh_tile *w, const treelet *at, const tet_lanes *l,
+                        const tile_rect *r, tet_covers *out) {
+    const projection *p = w->place.p;
+    const vf most = f_set(INFINITY), least = f_set(-INFINITY);
+    children_extent e = {most, least, most, least, most, least};
+    vf far = f_set(0.0f);
+    float size = 0.0f;
+    for (int a = 0; a < 3; a++)
+        size += p->axis[a][3] * (at->bounds[a + 3] - at->bounds[a]);
+    for (int v = 0; v < 4; v++) {
+        vf x = f_set(0.0f), y = x, z = x, away = f_set(size);
+        for (int a = 0; a < 3; a++) {
+            const float lo = at->bounds[a];
+            const vf eye = f_set((float)(w->eye[a] - (double)lo));
+            const vf q = (f_load(l->p[v][a]) - f_set(lo)) - eye;
+            x = x + f_set(p->axis[a][0]) * q;
+            y = y + f_set(p->axis[a][1]) * q;
+            z = z + f_set(p->axis[a][2]) * q;
+            away = away + f_set(p->axis[a][3]) * f_abs(q);
+        }
+        far = f_max(far, away);
+        extend(&e, x, y, z);
+    }
+    const mf whole = f_lt(e.w0, far * f_set(projection_depth_share));
+    mf alive;
+    const vi packed = rects_of_extent(&w->place, &e, whole, r, &alive);
+    memcpy(out->rect, &packed, sizeof packed);
+    f_store(out->depth, f_select(whole, f_set(0.0f), e.w0 - f_set(0x1p-19f) * far));
+    return mf_bits(alive) & ((1u << l->count) - 1u);
+}
+
+static void walk_lanes(mesh_tile *w, const treelet *at, tet_lanes *l, const tile_rect *r) {
+    tet_covers covers;
+    for (unsigned k = l->count; k < VF_N; k++)
+        for (int v = 0; v < 4; v++)
+            for (int a = 0; a < 3; a++)
+                l->p[v][a][k] = l->p[v][a][0];
+    for (unsigned left = covers_of(w, at, l, r, &covers); left; left &= left - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(left);
+        if (in_sight(w, covers.rect[k], covers.depth[k] * covers.depth[k]))
+            walk_tet(w, at, l->place[k], covers.rect[k]);
+    }
+    w->s.counters->walk.cells += l->count;
+    l->count = 0;
+}
+
+SIMD void add_lane(const treelet *at, uint32_t place, tet_lanes *l) {
+    const uint16_t *v = mesh_leaf_tets(&at->mesh, at->payload)[place];
+    const float(*p)[3] = mesh_leaf_positions(&at->mesh, at->payload);
+    for (int k = 0; k < 4; k++)
+        for (int a = 0; a < 3; a++)
+            l->p[k][a][l->count] = p[v[k]][a];
+    l->place[l->count++] = place;
+}
+
+static void walk_leaf(mesh_tile *w, const treelet *at, uint32_t first, uint32_t end,
+                      const tile_rect *r) {
+    tet_lanes lanes;
+    lanes.count = 0;
     for (uint32_t word = first / 64; word * 64 < end; word++) {
         uint64_t bits = at->active->tets[word];
         if (word == first / 64)
             bits &= UINT64_MAX << first % 64;
         if (end - word * 64 < 64)
             bits &= (UINT64_C(1) << (end - word * 64)) - 1;
-        for (; bits; bits &= bits - 1)
-            walk_tet(w, at, word * 64 + (uint32_t)__builtin_ctzll(bits), r);
+        for (; bits; bits &= bits - 1) {
+            add_lane(at, word * 64 + (uint32_t)__builtin_ctzll(bits), &lanes);
+            if (lanes.count == VF_N)
+                walk_lanes(w, at, &lanes, r);
+        }
     }
+    if (lanes.count > 0)
+        walk_lanes(w, at, &lanes, r);
 }
 
 /* ---- Nodes ---- */
@@ -327,7 +406,7 @@ static void walk_treelet_of_mesh(mesh_tile *w, const treelet *at, tile_rect rect
             continue;
         if (p.i & MESH_LEAF) {
             const uint32_t leaf = p.i & ~(uint32_t)MESH_LEAF;
-            walk_leaf(w, at, first[leaf], first[leaf + 1], p.rect);
+            walk_leaf(w, at, first[leaf], first[leaf + 1], &p.rect);
             continue;
         }
         near_boxes b = {{{0}}, {{0}}};

@@ -110,29 +110,39 @@ SIMD children_extent extent_of(const children_planes *x, const children_planes *
     return e;
 }
 
-/* The rectangles of VF_N children, from `lane` on. */
-SIMD void tile_rects_of_entries(const tile_place *tile, const children_entries *c, unsigned lane,
-                                const tile_rect *parent, tile_rects *rects) {
-    const children_extent e = extent_of(&c->x, &c->y, &c->w);
-    const mf whole = f_lt(e.w0, c->far * f_set(projection_depth_share));
+/* The rectangles of what reaches that far in the picture, within another; *alive: those that are
+ * not empty. Where `whole`, it is the other. */
+SIMD vi rects_of_extent(const tile_place *tile, const children_extent *e, mf whole,
+                        const tile_rect *within, mf *alive) {
     const float margin = tile->p->margin;
-    const vf left = f_set(parent->x0), right = f_set(parent->x1);
-    const vf top = f_set(parent->y0), bottom = f_set(parent->y1);
-    vf x0 = f_max(f_ceil(e.x0 - f_set(tile->x + margin)), left);
-    vf x1 = f_min(f_floor(e.x1 - f_set(tile->x - margin)), right);
-    vf y0 = f_max(f_ceil(e.y0 - f_set(tile->y + margin)), top);
-    vf y1 = f_min(f_floor(e.y1 - f_set(tile->y - margin)), bottom);
-    mf alive = mf_and(f_le(x0, x1), f_le(y0, y1));
+    const vf left = f_set(within->x0), right = f_set(within->x1);
+    const vf top = f_set(within->y0), bottom = f_set(within->y1);
+    vf x0 = f_max(f_ceil(e->x0 - f_set(tile->x + margin)), left);
+    vf x1 = f_min(f_floor(e->x1 - f_set(tile->x - margin)), right);
+    vf y0 = f_max(f_ceil(e->y0 - f_set(tile->y + margin)), top);
+    vf y1 = f_min(f_floor(e->y1 - f_set(tile->y - margin)), bottom);
+    *alive = mf_and(f_le(x0, x1), f_le(y0, y1));
     if (mf_bits(whole)) {
         x0 = f_select(whole, left, x0);
         x1 = f_select(whole, right, x1);
         y0 = f_select(whole, top, y0);
         y1 = f_select(whole, bottom, y1);
-        alive = mf_or(alive, whole);
+        *alive = mf_or(*alive, whole);
+    }
+    return f_to_int(x0) | f_to_int(x1) << 8 | f_to_int(y0) << 16 | f_to_int(y1) << 24;
+}
+
+/* The rectangles of VF_N children, from `lane` on. */
+SIMD void tile_rects_of_entries(const tile_place *tile, const children_entries *c, unsigned lane,
+                                const tile_rect *parent, tile_rects *rects) {
+    const children_extent e = extent_of(&c->x, &c->y, &c->w);
+    const mf whole = f_lt(e.w0, c->far * f_set(projection_depth_share));
+    mf alive;
+    const vi packed = rects_of_extent(tile, &e, whole, parent, &alive);
+    if (mf_bits(whole)) {
         alive = mf_and_not(alive, f_lt(e.w1, f_set(-tile->p->plane_error) * c->far));
         alive = mf_and_not(alive, mf_and(whole, outside_tile(tile, c)));
     }
-    const vi packed = f_to_int(x0) | f_to_int(x1) << 8 | f_to_int(y0) << 16 | f_to_int(y1) << 24;
     memcpy(rects->of + lane, &packed, sizeof packed);
     rects->alive |= mf_bits(alive) << lane;
 }
