@@ -394,7 +394,6 @@ SIMD void boxes_of_node(const mesh_frame *planes, const mesh_node *node, near_bo
 }
 
 static void walk_treelet_of_mesh(mesh_tile *w, const treelet *at, tile_rect rect, float near2) {
-    const mesh_frame planes = mesh_leaf_frame(at->bounds);
     const mesh_node *nodes = mesh_leaf_nodes(at->payload);
     const uint16_t *first = mesh_leaf_first(&at->mesh, at->payload);
     mesh_pending stack[TREELET_STACK_MAX];
@@ -412,7 +411,7 @@ static void walk_treelet_of_mesh(mesh_tile *w, const treelet *at, tile_rect rect
         near_boxes b = {{{0}}, {{0}}};
         box_rects boxes;
         w->s.counters->walk.nodes++;
-        boxes_of_node(&planes, &nodes[p.i], &b);
+        boxes_of_node(&at->planes, &nodes[p.i], &b);
         rects_of_boxes(w, &b, &p.rect, &boxes);
         const int bottom = top;
         top = push_boxes(&boxes, boxes.rects.alive & at->active->children[p.i], stack, top);
@@ -446,17 +445,11 @@ static unsigned rays_through(const mesh_tile *w, uint32_t t, unsigned y, tile_re
     return passing;
 }
 
-/* Remember that rays came into a treelet. */
-static void touch_treelet(mesh_tile *w, uint32_t t, tile_rect r) {
+/* Remember that rays came into a treelet: as far as rectangles tell. */
+SIMD void touch_treelet(const mesh_tile *w, uint32_t t) {
     atomic_uchar *touched = &w->s.f->tracer->touched[t];
-    if (atomic_load_explicit(touched, memory_order_relaxed))
-        return;
-    for (unsigned y = r.y0; y <= r.y1; y++) {
-        if (rays_through(w, t, y, r)) {
-            atomic_store_explicit(touched, 1, memory_order_relaxed);
-            return;
-        }
-    }
+    if (!atomic_load_explicit(touched, memory_order_relaxed))
+        atomic_store_explicit(touched, 1, memory_order_relaxed);
 }
 
 /* Rays that pass a treelet which is not there go no further. */
@@ -480,7 +473,7 @@ static void walk_resident_treelet(mesh_tile *w, const mesh_pending *p) {
         wait_for_treelet(w, p->i, p->rect);
         return;
     }
-    touch_treelet(w, p->i, p->rect);
+    touch_treelet(w, p->i);
     walk_treelet_of_mesh(w, at, p->rect, p->near2);
 }
 

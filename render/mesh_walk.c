@@ -105,7 +105,6 @@ enum { STACK_MAX = MESH_DEPTH_MAX * (MESH_CHILDREN - 1) + 1 };
 typedef struct walk_of {
     const treelet *tr;
     const ray *r;
-    mesh_frame planes;
 } walk_of;
 
 /* Push a node's children that the ray meets before `nearest`, the first of them last. */
@@ -118,8 +117,8 @@ static int push_children(const walk_of *w, uint32_t node, double nearest, pendin
         double lo[3], hi[3];
         mesh_interval in;
         for (int a = 0; a < 3; a++) {
-            lo[a] = (double)mesh_leaf_plane(&w->planes, a, n->lo[a][c]);
-            hi[a] = (double)mesh_leaf_plane(&w->planes, a, n->hi[a][c]);
+            lo[a] = (double)mesh_leaf_plane(&w->tr->planes, a, n->lo[a][c]);
+            hi[a] = (double)mesh_leaf_plane(&w->tr->planes, a, n->hi[a][c]);
         }
         if (!mesh_interval_of(w->r, lo, hi, &in) || in.t_in > nearest)
             continue;
@@ -133,7 +132,7 @@ static int push_children(const walk_of *w, uint32_t node, double nearest, pendin
 
 bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const hit *after,
                hit *best, walk_counters *counters) {
-    const walk_of w = {tr, r, mesh_leaf_frame(tr->bounds)};
+    const walk_of w = {tr, r};
     const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->payload);
     pending stack[STACK_MAX];
     bool changed = false;

@@ -136,6 +136,7 @@ static status mesh_load(loader *l, uint32_t t, source_scratch *scratch, treelet 
     tr->active = mesh_active_init((char *)tr + TREELET_HEAD, &shape);
     tr->first_tet = f->mesh->first_tet[t];
     tr->bounds = f->mesh->bounds[t];
+    tr->planes = mesh_leaf_frame(tr->bounds);
     status st = source_load(l->hidden->source, t, scratch, &tr->payload);
     if (st == ST_OK)
         st = mesh_leaf_check_loaded(f, t, tr->payload);

@@ -43,6 +43,7 @@ typedef struct treelet {
     mesh_shape mesh;
     uint64_t first_tet;  /* index of its first tet in the whole mesh */
     const float *bounds; /* lo x y z, hi x y z */
+    mesh_frame planes;   /* what its nodes' codes mean */
     mesh_active *active;
     atomic_size_t masked; /* the selection of masks or active, 0: none; or LOADER_MASKING */
 } treelet;
