@@ -6,6 +6,7 @@
 
 #include "formats/base/clock.h"
 #include "render/peer_embree.h"
+#include "render/peer_tets.h"
 #include "render/peer_vtk.h"
 
 const char peer_race_headings[] =
@@ -41,7 +42,8 @@ struct race {
     leafcast_camera camera;
     leafcast_image ours, peer; /* with z: to be compared */
     leafcast_image colours;    /* without: what is timed */
-    peer_field field;
+    peer_field field;          /* of a grid */
+    peer_tets tets;            /* of a mesh of tetrahedra; else without a file */
     peer_mesh mesh;
     peer_embree *bvh[2];
     double extract_s, build_s[2];
@@ -101,12 +103,17 @@ static status turn_embree(race *r, contestant *c) {
     return draw_embree(r, c, r->bvh[c->quality], c->rays_alone ? &nothing : &r->colours);
 }
 
+static status extract(race *r, double isovalue, peer_mesh *mesh) {
+    return r->tets.file ? peer_tets_extract(r->m, &r->tets, isovalue, r->threads, mesh)
+                        : peer_mesh_extract(r->m, &r->field, isovalue, r->threads, mesh);
+}
+
 /* A mesh and a BVH for a picture. */
 static status turn_embree_fresh(race *r, contestant *c) {
     peer_mesh mesh = {.m = r->m};
     peer_embree *bvh = NULL;
     const double start = clock_seconds();
-    status st = peer_mesh_extract(r->m, &r->field, next_isovalue(r, c), r->threads, &mesh);
+    status st = extract(r, next_isovalue(r, c), &mesh);
     const double extracted = clock_seconds();
     if (st == ST_OK)
         st = peer_embree_create(r->m, &mesh, r->o->threads, c->quality == HIGH, &bvh);
@@ -193,8 +200,7 @@ static status set_up_embree(race *r, peer_race_missing *missing) {
         snprintf(missing->embree, sizeof missing->embree, "%s", status_text());
         return st == ST_UNSUPPORTED ? ST_OK : st;
     }
-    status st =
-        peer_mesh_extract(r->m, &r->field, r->o->view->surfaces[0].isovalue, r->threads, &r->mesh);
+    status st = extract(r, r->o->view->surfaces[0].isovalue, &r->mesh);
     r->extract_s = clock_seconds() - start;
     if (st == ST_OK && r->mesh.triangles == 0)
         st = status_describe(ST_USAGE, "%s: the isovalue has no surface", r->o->path);
@@ -207,6 +213,10 @@ static status set_up_embree(race *r, peer_race_missing *missing) {
 }
 
 static status set_up_vtk(race *r, peer_race_missing *missing) {
+    if (r->tets.file) {
+        snprintf(missing->vtk, sizeof missing->vtk, "VTK's flying edges are for grids");
+        return ST_OK;
+    }
     status st = peer_vtk_start(r->m, &r->field, r->o->threads, &r->vtk);
     if (st != ST_UNSUPPORTED)
         return st;
@@ -227,7 +237,9 @@ static status set_up(race *r, peer_race_missing *missing) {
     if (st == ST_OK)
         st = progress_step(r->o->progress, "loading", 0.0);
     if (st == ST_OK)
-        st = peer_field_load(r->m, r->o->path, r->threads, &r->field);
+        st = leafcast_describe(r->steady).tets > 0
+                 ? peer_tets_load(r->m, r->o->path, r->threads, &r->tets)
+                 : peer_field_load(r->m, r->o->path, r->threads, &r->field);
     if (st == ST_OK)
         st = set_up_embree(r, missing);
     if (st == ST_OK)
@@ -247,6 +259,7 @@ static void tear_down(race *r) {
         peer_embree_destroy(r->bvh[i]);
     peer_mesh_release(&r->mesh);
     peer_field_release(&r->field);
+    peer_tets_release(&r->tets);
     mem_free(r->m, r->ours.r);
     mem_free(r->m, r->ours.z);
     mem_free(r->m, r->peer.r);
