@@ -16,10 +16,19 @@
 void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
                           tile_outcome *out, frame_counters *counters);
 
+/* Active tets of a treelet, a lane each, on their way to covers_of(). */
+typedef struct tet_lanes {
+    _Alignas(64) float p[4][3][VF_N]; /* their vertices */
+    float within[4][VF_N];            /* the rectangles of their leaves: x0 x1 y0 y1 */
+    uint32_t place[VF_N];
+    unsigned count;
+} tet_lanes;
+
 typedef struct mesh_tile {
     tile_state s;
     tile_place place;
     double eye[3];
+    tet_lanes lanes;
     uint32_t tet[TILE_RAYS]; /* of what has been found: its place in its treelet */
 } mesh_tile;
 
@@ -267,25 +276,20 @@ static void walk_tet(mesh_tile *w, const treelet *at, uint32_t place, tile_rect 
     }
 }
 
-/* Active tets of a leaf, a lane each. */
-typedef struct tet_lanes {
-    _Alignas(64) float p[4][3][VF_N]; /* their vertices */
-    uint32_t place[VF_N];
-    unsigned count;
-} tet_lanes;
-
 typedef struct tet_covers {
     tile_rect rect[VF_N];
     _Alignas(64) float depth[VF_N]; /* none of their points is nearer */
 } tet_covers;
 
-/* What the tets can cover of r: lanes of those that cover anything.
+/* What the tets can cover of their leaves' rectangles: lanes of those that cover anything.
  *
  * Positions are taken from the treelet's lower corner, and so is the eye's, in double: what errs is
  * a few units of 2^-24 of the distance and of the treelet's size. So tets nearer than its sixteenth
- * cover all of r. */
-SIMD unsigned covers_of(const mesh_tile *w, const treelet *at, const tet_lanes *l,
-                        const tile_rect *r, tet_covers *out) {
+ * cover all of it. */
+SIMD unsigned covers_of(const mesh_tile *w, const treelet *at, tet_covers *out) {
+    const tet_lanes *l = &w->lanes;
+    const rect_lanes within = {f_load(l->within[0]), f_load(l->within[1]), f_load(l->within[2]),
+                               f_load(l->within[3])};
     const projection *p = w->place.p;
     const vf most = f_set(INFINITY), least = f_set(-INFINITY);
     children_extent e = {most, least, most, least, most, least};
@@ -309,54 +313,50 @@ SIMD unsigned covers_of(const mesh_tile *w, const treelet *at, const tet_lanes *
     }
     const mf whole = f_lt(e.w0, far * f_set(projection_depth_share));
     mf alive;
-    const vi packed = rects_of_extent(&w->place, &e, whole, r, &alive);
+    const vi packed = rects_of_extent(&w->place, &e, whole, within, &alive);
     memcpy(out->rect, &packed, sizeof packed);
     f_store(out->depth, f_select(whole, f_set(0.0f), e.w0 - f_set(0x1p-19f) * far));
     return mf_bits(alive) & ((1u << l->count) - 1u);
 }
 
-static void walk_lanes(mesh_tile *w, const treelet *at, tet_lanes *l, const tile_rect *r) {
+static void walk_lanes(mesh_tile *w, const treelet *at) {
     tet_covers covers;
-    for (unsigned k = l->count; k < VF_N; k++)
-        for (int v = 0; v < 4; v++)
-            for (int a = 0; a < 3; a++)
-                l->p[v][a][k] = l->p[v][a][0];
-    for (unsigned left = covers_of(w, at, l, r, &covers); left; left &= left - 1) {
+    for (unsigned left = covers_of(w, at, &covers); left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left);
         if (in_sight(w, covers.rect[k], covers.depth[k] * covers.depth[k]))
-            walk_tet(w, at, l->place[k], covers.rect[k]);
+            walk_tet(w, at, w->lanes.place[k], covers.rect[k]);
     }
-    w->s.counters->walk.cells += l->count;
-    l->count = 0;
+    w->s.counters->walk.cells += w->lanes.count;
+    w->lanes.count = 0;
 }
 
-SIMD void add_lane(const treelet *at, uint32_t place, tet_lanes *l) {
+static void add_lane(mesh_tile *w, const treelet *at, uint32_t place, const tile_rect *r) {
     const uint16_t *v = mesh_leaf_tets(&at->mesh, at->payload)[place];
     const float(*p)[3] = mesh_leaf_positions(&at->mesh, at->payload);
+    tet_lanes *l = &w->lanes;
     for (int k = 0; k < 4; k++)
         for (int a = 0; a < 3; a++)
             l->p[k][a][l->count] = p[v[k]][a];
+    l->within[0][l->count] = r->x0;
+    l->within[1][l->count] = r->x1;
+    l->within[2][l->count] = r->y0;
+    l->within[3][l->count] = r->y1;
     l->place[l->count++] = place;
+    if (l->count == VF_N)
+        walk_lanes(w, at);
 }
 
 static void walk_leaf(mesh_tile *w, const treelet *at, uint32_t first, uint32_t end,
                       const tile_rect *r) {
-    tet_lanes lanes;
-    lanes.count = 0;
     for (uint32_t word = first / 64; word * 64 < end; word++) {
         uint64_t bits = at->active->tets[word];
         if (word == first / 64)
             bits &= UINT64_MAX << first % 64;
         if (end - word * 64 < 64)
             bits &= (UINT64_C(1) << (end - word * 64)) - 1;
-        for (; bits; bits &= bits - 1) {
-            add_lane(at, word * 64 + (uint32_t)__builtin_ctzll(bits), &lanes);
-            if (lanes.count == VF_N)
-                walk_lanes(w, at, &lanes, r);
-        }
+        for (; bits; bits &= bits - 1)
+            add_lane(w, at, word * 64 + (uint32_t)__builtin_ctzll(bits), r);
     }
-    if (lanes.count > 0)
-        walk_lanes(w, at, &lanes, r);
 }
 
 /* ---- Nodes ---- */
@@ -418,6 +418,8 @@ static void walk_treelet_of_mesh(mesh_tile *w, const treelet *at, tile_rect rect
         for (int k = bottom; k < top; k++)
             stack[k].i = nodes[p.i].child[stack[k].i];
     }
+    if (w->lanes.count > 0)
+        walk_lanes(w, at);
 }
 
 /* ---- Treelets ---- */
@@ -556,6 +558,7 @@ void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const uint16
     tile_pixels pixels;
     tile_state_begin(&w.s, f, x0, y0, asked, out, counters);
     w.place = tile_place_of(f, x0, y0);
+    w.lanes = (tet_lanes){.count = 0};
     for (int a = 0; a < 3; a++)
         w.eye[a] = f->projection->eye[a];
     walk_mesh(&w, (tile_rect){0, TILE - 1, 0, TILE - 1});

@@ -110,23 +110,30 @@ SIMD children_extent extent_of(const children_planes *x, const children_planes *
     return e;
 }
 
-/* The rectangles of what reaches that far in the picture, within another; *alive: those that are
- * not empty. Where `whole`, it is the other. */
+/* A rectangle a lane. */
+typedef struct rect_lanes {
+    vf x0, x1, y0, y1;
+} rect_lanes;
+
+SIMD rect_lanes rect_lanes_of(const tile_rect *r) {
+    return (rect_lanes){f_set(r->x0), f_set(r->x1), f_set(r->y0), f_set(r->y1)};
+}
+
+/* The rectangles of what reaches that far in the picture, within others; *alive: those that are not
+ * empty. Where `whole`, they are the others. */
 SIMD vi rects_of_extent(const tile_place *tile, const children_extent *e, mf whole,
-                        const tile_rect *within, mf *alive) {
+                        rect_lanes within, mf *alive) {
     const float margin = tile->p->margin;
-    const vf left = f_set(within->x0), right = f_set(within->x1);
-    const vf top = f_set(within->y0), bottom = f_set(within->y1);
-    vf x0 = f_max(f_ceil(e->x0 - f_set(tile->x + margin)), left);
-    vf x1 = f_min(f_floor(e->x1 - f_set(tile->x - margin)), right);
-    vf y0 = f_max(f_ceil(e->y0 - f_set(tile->y + margin)), top);
-    vf y1 = f_min(f_floor(e->y1 - f_set(tile->y - margin)), bottom);
+    vf x0 = f_max(f_ceil(e->x0 - f_set(tile->x + margin)), within.x0);
+    vf x1 = f_min(f_floor(e->x1 - f_set(tile->x - margin)), within.x1);
+    vf y0 = f_max(f_ceil(e->y0 - f_set(tile->y + margin)), within.y0);
+    vf y1 = f_min(f_floor(e->y1 - f_set(tile->y - margin)), within.y1);
     *alive = mf_and(f_le(x0, x1), f_le(y0, y1));
     if (mf_bits(whole)) {
-        x0 = f_select(whole, left, x0);
-        x1 = f_select(whole, right, x1);
-        y0 = f_select(whole, top, y0);
-        y1 = f_select(whole, bottom, y1);
+        x0 = f_select(whole, within.x0, x0);
+        x1 = f_select(whole, within.x1, x1);
+        y0 = f_select(whole, within.y0, y0);
+        y1 = f_select(whole, within.y1, y1);
         *alive = mf_or(*alive, whole);
     }
     return f_to_int(x0) | f_to_int(x1) << 8 | f_to_int(y0) << 16 | f_to_int(y1) << 24;
@@ -138,7 +145,7 @@ SIMD void tile_rects_of_entries(const tile_place *tile, const children_entries *
     const children_extent e = extent_of(&c->x, &c->y, &c->w);
     const mf whole = f_lt(e.w0, c->far * f_set(projection_depth_share));
     mf alive;
-    const vi packed = rects_of_extent(tile, &e, whole, parent, &alive);
+    const vi packed = rects_of_extent(tile, &e, whole, rect_lanes_of(parent), &alive);
     if (mf_bits(whole)) {
         alive = mf_and_not(alive, f_lt(e.w1, f_set(-tile->p->plane_error) * c->far));
         alive = mf_and_not(alive, mf_and(whole, outside_tile(tile, c)));
