@@ -1,7 +1,7 @@
 /* First by the highest bits in which keys differ, all threads together, from `records` to `spare`:
  * each thread counts, then moves, a stretch of its own. Then bucket by bucket, a thread each, back
- * to `records`: digits of 8 bits from the lowest on (LSD). A bucket that holds most of it all is
- * sorted by all threads again. */
+ * to `records`: some digits of 8 bits at a time, from the lowest of them on (LSD). A bucket that
+ * holds most of it all is sorted by all threads again. */
 #include "prep/mesh_sort.h"
 
 #include <stdbool.h>
@@ -12,7 +12,7 @@ enum {
     BUCKETS = 1 << TOP_BITS,
     DIGIT_BITS = 8,
     DIGITS = 1 << DIGIT_BITS,
-    PASSES_MAX = 8,
+    PASSES_MAX = 3,
     PARTS_PER_THREAD = 4,
     INSERTION_MAX = 24,
     SHARED_MIN = 1 << 15 /* a bucket of so many, or of 1/8 of all, is worth all threads */
@@ -94,22 +94,16 @@ static void move_by_digit(const mesh_record *from, mesh_record *to, size_t count
         to[next[from[i].key >> shift & (DIGITS - 1)]++] = from[i];
 }
 
-/* The lowest `bits` bits are still to be looked at. `at` holds the records; they end up in `home`,
- * and both are overwritten. count < 2^32. */
-static void sort_bucket(mesh_record *at, mesh_record *home, size_t count, int bits) {
-    if (count <= INSERTION_MAX) {
-        insert(at, home, count);
-        return;
-    }
-    const int passes = (bits + DIGIT_BITS - 1) / DIGIT_BITS;
+/* By the bits [low, low + passes * DIGIT_BITS) alone, from `at` to `home`; both are overwritten. */
+static void sort_by_digits(mesh_record *at, mesh_record *home, size_t count, int low, int passes) {
     uint32_t counts[PASSES_MAX][DIGITS];
     memset(counts, 0, (size_t)passes * sizeof counts[0]);
     for (size_t i = 0; i < count; i++)
         for (int p = 0; p < passes; p++)
-            counts[p][at[i].key >> p * DIGIT_BITS & (DIGITS - 1)]++;
+            counts[p][at[i].key >> (low + p * DIGIT_BITS) & (DIGITS - 1)]++;
     mesh_record *from = at, *to = home;
     for (int p = 0; p < passes; p++) {
-        const int shift = p * DIGIT_BITS;
+        const int shift = low + p * DIGIT_BITS;
         if (counts[p][from[0].key >> shift & (DIGITS - 1)] == count)
             continue;
         move_by_digit(from, to, count, shift, counts[p]);
@@ -119,6 +113,26 @@ static void sort_bucket(mesh_record *at, mesh_record *home, size_t count, int bi
     }
     if (from != home)
         memcpy(home, from, count * sizeof *home);
+}
+
+/* The lowest `bits` bits are still to be looked at. `at` holds the records; they end up in `home`,
+ * and both are overwritten. count < 2^32. The first digits tell nearly all keys of a bucket apart;
+ * the few that they do not are sorted by the rest. */
+static void sort_bucket(mesh_record *at, mesh_record *home, size_t count, int bits) {
+    if (count <= INSERTION_MAX) {
+        insert(at, home, count);
+        return;
+    }
+    const int low = bits > PASSES_MAX * DIGIT_BITS ? bits - PASSES_MAX * DIGIT_BITS : 0;
+    sort_by_digits(at, home, count, low, (bits - low + DIGIT_BITS - 1) / DIGIT_BITS);
+    for (size_t first = 0, end; low > 0 && first < count; first = end) {
+        for (end = first + 1; end < count && home[end].key >> low == home[first].key >> low;)
+            end++;
+        if (end - first > 1) {
+            memcpy(at + first, home + first, (end - first) * sizeof *at);
+            sort_bucket(at + first, home + first, end - first, low);
+        }
+    }
 }
 
 /* ---- all threads together ---- */
