@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "formats/mesh_feed.h"
+#include "formats/mesh_gmsh.h"
 #include "formats/mesh_reader.h"
 #include "formats/mesh_stream.h"
 #include "formats/mesh_tetgen.h"
@@ -23,7 +24,7 @@ struct mesh {
 
 /* What the formats are told by; the first that knows the file reads it. */
 static const mesh_reader *const readers[] = {&mesh_stream_reader, &mesh_tetgen_reader,
-                                             &mesh_vtk_reader, &mesh_vtu_reader};
+                                             &mesh_gmsh_reader, &mesh_vtk_reader, &mesh_vtu_reader};
 
 enum { READERS = sizeof readers / sizeof *readers };
 

@@ -23,7 +23,9 @@ static bool came_before(const uint64_t *ids, int i) {
     return false;
 }
 
-void mesh_average_add(mesh_average *a, mesh_cell kind, const uint64_t *ids, double value) {
+/* The values lie so many places apart. */
+static void add(mesh_average *a, mesh_cell kind, const uint64_t *ids, const double *values,
+                int step) {
     int count = mesh_split_vertices(kind);
     for (int i = 0; i < count; i++)
         if (ids[i] >= a->points)
@@ -31,9 +33,21 @@ void mesh_average_add(mesh_average *a, mesh_cell kind, const uint64_t *ids, doub
     for (int i = 0; i < count; i++) {
         if (came_before(ids, i))
             continue;
-        a->sums[ids[i]] += value;
+        a->sums[ids[i]] += values[i * step];
         a->cells[ids[i]]++;
     }
+}
+
+void mesh_average_add(mesh_average *a, mesh_cell kind, const uint64_t *ids, double value) {
+    add(a, kind, ids, &value, 0);
+}
+
+void mesh_average_add_each(mesh_average *a, mesh_cell kind, const uint64_t *ids,
+                           const float *values) {
+    double wide[8];
+    for (int i = 0; i < mesh_split_vertices(kind); i++)
+        wide[i] = (double)values[i];
+    add(a, kind, ids, wide, 1);
 }
 
 status mesh_average_feed(const mesh_average *a, mesh_feed *feed) {

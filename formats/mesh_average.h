@@ -23,6 +23,10 @@ void mesh_average_release(mesh_average *a);
  * mesh_feed_cell() does. */
 void mesh_average_add(mesh_average *a, mesh_cell kind, const uint64_t *ids, double value);
 
+/* mesh_average_add_each() - the same with a value for each of the cell's vertices. */
+void mesh_average_add_each(mesh_average *a, mesh_cell kind, const uint64_t *ids,
+                           const float *values);
+
 /* mesh_average_feed() - all values, when the last cell has been added. */
 CHECKED status mesh_average_feed(const mesh_average *a, mesh_feed *feed);
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/base/num.h"
+#include "formats/token_stream.h"
 
 static bool is_gap(const text_tokens *t, uint8_t c) {
     return c == ' ' || (c >= '\t' && c <= '\r') || (t->commas && (c == ',' || c == ';'));
@@ -131,7 +132,7 @@ status text_tokens_rest(text_tokens *t, char *text, size_t size) {
 
 status text_tokens_double(text_tokens *t, const char *what, double *out) {
     status st = text_tokens_next(t);
-    if (st == ST_OK && num_double(t->token, "", out) != ST_OK)
+    if (st == ST_OK && !token_stream_double(t->token, out))
         return fault_at(t, what);
     return st;
 }

@@ -245,7 +245,7 @@ size_t mesh_files_damage(const char *path, const mesh_hints *hints) {
     const char *name = strrchr(path, '/') + 1;
     static const char masks[] = {1, 0x10, (char)0xff};
     for (size_t n = 0; n < size; n++)
-        for (size_t i = 0; i < sizeof masks; i++) {
+        for (size_t i = size < 1000 ? 0 : n % 3; i < sizeof masks; i += size < 1000 ? 1 : 3) {
             data[n] ^= masks[i];
             scratch_write(name, data, size);
             unnoticed += mesh_files_read(path, hints, &a) == ST_OK;
