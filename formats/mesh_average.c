@@ -1,12 +1,42 @@
 #include "formats/mesh_average.h"
 
+#include <string.h>
+
 #include "formats/mesh_split.h"
 
-status mesh_average_begin(mesh_average *a, mem *m, uint64_t points) {
-    *a = (mesh_average){.m = m, .points = points};
-    a->sums = mem_array(m, (size_t)points, sizeof *a->sums);
-    a->cells = a->sums ? mem_array(m, (size_t)points, sizeof *a->cells) : NULL;
+enum { WINDOW_MIN = 1 << 10, WINDOW_MAX = 1 << 24 };
+
+static status begin(mesh_average *a, mem *m, uint64_t points, uint64_t room) {
+    *a = (mesh_average){.m = m, .points = points, .room = (size_t)room, .count = (size_t)room};
+    a->sums = mem_array(m, a->room, sizeof *a->sums);
+    a->cells = a->sums ? mem_array(m, a->room, sizeof *a->cells) : NULL;
     return a->cells ? ST_OK : ST_NOMEM;
+}
+
+status mesh_average_begin(mesh_average *a, mem *m, uint64_t points) {
+    return begin(a, m, points, points);
+}
+
+status mesh_average_begin_rounds(mesh_average *a, mem *m, uint64_t points) {
+    uint64_t most = WINDOW_MAX;
+    if (m->limit > 0) {
+        size_t used = mem_used(m), left = m->limit > used ? m->limit - used : 0;
+        size_t fitting = left / 4 / (sizeof *a->sums + sizeof *a->cells);
+        most = fitting < most ? fitting : most;
+    }
+    most = most < WINDOW_MIN ? WINDOW_MIN : most;
+    return begin(a, m, points, points < most ? points : most);
+}
+
+bool mesh_average_next(mesh_average *a) {
+    a->first += a->count;
+    if (a->first >= a->points)
+        return false;
+    uint64_t left = a->points - a->first;
+    a->count = left < a->room ? (size_t)left : a->room;
+    memset(a->sums, 0, a->count * sizeof *a->sums);
+    memset(a->cells, 0, a->count * sizeof *a->cells);
+    return true;
 }
 
 void mesh_average_release(mesh_average *a) {
@@ -31,10 +61,11 @@ static void add(mesh_average *a, mesh_cell kind, const uint64_t *ids, const doub
         if (ids[i] >= a->points)
             return;
     for (int i = 0; i < count; i++) {
-        if (came_before(ids, i))
+        uint64_t at = ids[i] - a->first;
+        if (ids[i] < a->first || at >= a->count || came_before(ids, i))
             continue;
-        a->sums[ids[i]] += values[i * step];
-        a->cells[ids[i]]++;
+        a->sums[at] += values[i * step];
+        a->cells[at]++;
     }
 }
 
@@ -52,7 +83,7 @@ void mesh_average_add_each(mesh_average *a, mesh_cell kind, const uint64_t *ids,
 
 status mesh_average_feed(const mesh_average *a, mesh_feed *feed) {
     status st = ST_OK;
-    for (uint64_t i = 0; st == ST_OK && i < a->points; i++)
+    for (size_t i = 0; st == ST_OK && i < a->count; i++)
         st = mesh_feed_value(feed, a->cells[i] ? a->sums[i] / a->cells[i] : 0);
     return st;
 }
