@@ -39,6 +39,7 @@ typedef struct batch {
 
 typedef struct conversion {
     mem *m;
+    const char *name; /* of the data set */
     const mesh_options *o;
     const progress *p;
     mesh_gather *g;
@@ -86,7 +87,11 @@ static status sort_tets(conversion *c, const char *output, leaf_facts *facts) {
     facts->repeated += seen.repeated;
     facts->bad += seen.bad;
     if (seen.tets == 0)
-        return status_describe(ST_CORRUPT, "the mesh has no tetrahedron that could be kept");
+        return status_describe(ST_CORRUPT,
+                               "%s: %llu tets with an id that is no point, %llu with a vertex "
+                               "twice, and no tet besides",
+                               *c->name ? c->name : "the mesh", (unsigned long long)facts->bad,
+                               (unsigned long long)facts->repeated);
     return progress_step(c->p, "sort", SORT_END);
 }
 
@@ -200,8 +205,7 @@ static void release_benches(conversion *c, leaf_facts *facts) {
     facts->inverted = positive < negative ? positive : negative;
 }
 
-static status build_treelets(conversion *c, const char *name, const char *field,
-                             const char *output) {
+static status build_treelets(conversion *c, const char *field, const char *output) {
     c->batch.most = (size_t)c->o->threads * BATCH_PER_THREAD;
     c->batch.first = mem_array(c->m, c->batch.most + 1, sizeof *c->batch.first);
     if (!c->batch.first)
@@ -213,7 +217,7 @@ static status build_treelets(conversion *c, const char *name, const char *field,
     if (st != ST_OK)
         return st;
     c->plan.treelets = treelets;
-    const leaf_mesh parts = {.name = name,
+    const leaf_mesh parts = {.name = c->name,
                              .field = field,
                              .treelets = treelets,
                              .treelet_tets = c->o->treelet_tets,
@@ -256,7 +260,7 @@ static void release(conversion *c, leaf_facts *facts) {
 
 status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, const char *output,
                              const mesh_options *o, const progress *p, mesh_result *result) {
-    conversion c = {.m = m, .o = o, .p = p, .g = g};
+    conversion c = {.m = m, .name = name, .o = o, .p = p, .g = g};
     const mesh_report *r = &result->report;
     leaf_facts facts = {
         .non_finite = g->non_finite, .repeated = r->repeated, .bad = r->bad_indices};
@@ -271,7 +275,7 @@ status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, const cha
     result->sort_s = clock_seconds() - start;
     start = clock_seconds();
     if (st == ST_OK)
-        st = build_treelets(&c, name, r->field, output);
+        st = build_treelets(&c, r->field, output);
     release(&c, &facts);
     result->plan = c.plan;
     if (st != ST_OK) {
