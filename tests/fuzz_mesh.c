@@ -1,10 +1,12 @@
-/* fuzz_vtk.c - hostile VTK grids: the first byte chooses legacy or XML and what is asked for, the
- * others are the file. What is handed over must keep the promises of mesh.h.
+/* fuzz_mesh.c - hostile meshes: the first byte chooses the format and what is asked for, the others
+ * are the file; of TetGen both, with a $ between .node and .ele. What is handed over must keep the
+ * promises of mesh.h.
  */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "formats/mesh.h"
@@ -43,24 +45,24 @@ static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
     return ST_OK;
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    const mesh_sink sink = {NULL, take_points, take_values, take_tets};
-    char path[64];
-    if (size == 0)
-        return 0;
-    const mesh_hints hints = {.component = data[0] >> 1 & 1, .cells_to_points = data[0] >> 2 & 1};
-    snprintf(path, sizeof path, "/dev/shm/leafcast-fuzz-%d.%s", (int)getpid(),
-             data[0] & 1 ? "vtu" : "vtk");
+enum { PATH_ROOM = 64 };
+
+static void write_file(char path[PATH_ROOM], const char *suffix, const uint8_t *data, size_t size) {
+    snprintf(path, PATH_ROOM, "/dev/shm/leafcast-fuzz-%d.%s", (int)getpid(), suffix);
     FILE *f = fopen(path, "wb");
-    if (!f || fwrite(data + 1, 1, size - 1, f) != size - 1)
+    if (!f || fwrite(data, 1, size, f) != size)
         abort();
     fclose(f);
+}
+
+static void read_mesh(const char *path, const mesh_hints *hints) {
+    const mesh_sink sink = {NULL, take_points, take_values, take_tets};
     mem m;
     mesh *x = NULL;
     mesh_report report;
     mem_init(&m, (size_t)16 << 20);
     points = values = 0;
-    status st = mesh_open(&m, path, &hints, &x);
+    status st = mesh_open(&m, path, hints, &x);
     if (st == ST_OK)
         st = mesh_read(x, &sink, &report);
     if (st == ST_OK)
@@ -69,6 +71,23 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         require(*status_text());
     mesh_close(x);
     require(mem_used(&m) == 0);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    static const char *const suffixes[] = {"vtk", "vtu", "mesh", "msh", "node"};
+    char path[PATH_ROOM], other[PATH_ROOM] = "";
+    if (size == 0)
+        return 0;
+    const char *suffix = suffixes[(data[0] & 0xf) % 5];
+    const mesh_hints hints = {.component = data[0] >> 4 & 1, .cells_to_points = data[0] >> 5 & 1};
+    const uint8_t *end = data + size;
+    const uint8_t *cut = strcmp(suffix, "node") == 0 ? memchr(data + 1, '$', size - 1) : NULL;
+    if (cut)
+        write_file(other, "ele", cut + 1, (size_t)(end - cut - 1));
+    write_file(path, suffix, data + 1, (size_t)((cut ? cut : end) - data - 1));
+    read_mesh(path, &hints);
     remove(path);
+    if (cut)
+        remove(other);
     return 0;
 }
