@@ -1,0 +1,6 @@
+/* mesh_tile_wide.c - mesh_tile_template.h with vectors as wide as those of AVX-512, in plain C. */
+#include "tests/support/mesh_tile_wide.h"
+
+#include "tests/support/simd_wide.h"
+
+#include "render/mesh_tile_template.h"

@@ -1,0 +1,212 @@
+/* test_mesh_tile.c - pictures of meshes: tiles of rays give the bits of single rays, whatever the
+ * ISA, the view, the scene, the threads, the treelets and their number at a time; and these are
+ * what the reference says. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/mesh_stream.h"
+#include "prep/mesh_convert.h"
+#include "render/kernels.h"
+#include "tests/support/fixture.h"
+#include "tests/support/mesh_tile_wide.h"
+#include "tests/support/pictures.h"
+#include "tests/support/scratch.h"
+#include "tests/support/tet_judge.h"
+#include "tests/support/tet_meshes.h"
+
+#ifdef __SANITIZE_ADDRESS__
+enum { CUBES = 4, SCENES = 12, STEP = 23 };
+#else
+enum { CUBES = 6, SCENES = 18, STEP = 7 };
+#endif
+
+/* A lab mesh as a treelet file with treelets of so many tets. */
+static const char *leaf_of(const lab_mesh *lab, uint32_t treelet_tets) {
+    const char *input = scratch_path("mesh"), *output = scratch_path("leaf");
+    mem m;
+    mesh_stream_writer *w;
+    mesh *x;
+    mesh_result result;
+    mesh_options o = mesh_options_default();
+    const mesh_stream_header head = {"lab", "f", lab->point_count, lab->tet_count};
+    mem_init(&m, 0);
+    o.force = true;
+    o.treelet_tets = treelet_tets;
+    assert_int_equal(mesh_stream_create(&m, input, true, &head, &w), ST_OK);
+    assert_int_equal(mesh_stream_points(w, lab->point_count, (const float(*)[3])lab->points),
+                     ST_OK);
+    assert_int_equal(mesh_stream_values(w, lab->point_count, lab->values), ST_OK);
+    assert_int_equal(mesh_stream_tets(w, lab->tet_count, (const uint32_t(*)[4])lab->tets), ST_OK);
+    assert_int_equal(mesh_stream_commit(w), ST_OK);
+    assert_int_equal(mesh_open(&m, input, NULL, &x), ST_OK);
+    assert_int_equal(mesh_convert_run(&m, x, output, &o, NULL, &result), ST_OK);
+    mesh_close(x);
+    return output;
+}
+
+static void open_wide(picture_volumes *v, const char *path, int threads) {
+    pictures_open_one(v, path, "scalar", threads);
+    kernels_in_use(v->of[v->count - 1])->mesh_tile = mesh_tile_wide;
+    v->name[v->count - 1] = "wide";
+}
+
+static picture_volumes open_all(const char *path, int threads) {
+    picture_volumes v = pictures_open(path, threads);
+    open_wide(&v, path, threads);
+    return v;
+}
+
+/* ---- The same bits ---- */
+
+static void test_every_mesh(void **state) {
+    (void)state;
+    field_random r = {77};
+    int hits = 0;
+    for (int i = 0; i < lab_mesh_count(); i++) {
+        lab_mesh lab;
+        assert_true(lab_mesh_make(&lab, lab_mesh_name(i), CUBES, 7));
+        picture_volumes v = open_all(leaf_of(&lab, 300), 1);
+        const leafcast_surface s = leafcast_surface_default(lab.iso);
+        const leafcast_scene scene = leafcast_scene_default();
+        pictures_select(&v, &s, 1);
+        for (int kind = 0; kind < PICTURE_VIEWS; kind++) {
+            const leafcast_camera c = pictures_view(v.of[0], kind % PICTURE_VIEWS, &r);
+            hits += pictures_alike(&v, &scene, &c, lab.name);
+        }
+        pictures_close(&v);
+        lab_mesh_release(&lab);
+    }
+    print_message("%d surfaces\n", hits);
+    assert_true(hits > 100000);
+}
+
+static void test_every_scene(void **state) {
+    (void)state;
+    static const char *const names[] = {"sphere", "noise"};
+    field_random r = {5};
+    int hits = 0;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        lab_mesh lab;
+        assert_true(lab_mesh_make(&lab, names[i], CUBES + 4, 7));
+        picture_volumes v = open_all(leaf_of(&lab, 700), 2);
+        const leafcast_info info = leafcast_describe(v.of[0]);
+        for (int kind = 0; kind < SCENES; kind++) {
+            leafcast_surface s[3];
+            for (int k = 0; k < 3; k++) {
+                s[k] = leafcast_surface_default(lab.iso + 0.1 * k);
+                s[k].rgb[k] = 0.1f;
+                s[k].opacity = kind % 4 == 3 ? 0.4f : 1.0f;
+            }
+            pictures_select(&v, s, 1 + kind % 3);
+            leafcast_scene scene = pictures_scene(kind, &info);
+            scene.intersector = LEAFCAST_MARMITT;
+            scene.lod = LEAFCAST_LOD_EXACT;
+            const leafcast_camera c = pictures_view(v.of[0], kind % PICTURE_VIEWS, &r);
+            hits += pictures_alike(&v, &scene, &c, names[i]);
+        }
+        pictures_close(&v);
+        lab_mesh_release(&lab);
+    }
+    print_message("%d surfaces\n", hits);
+    assert_true(hits > 500 * SCENES);
+}
+
+/* However the mesh is cut, and however few treelets are there at a time. */
+static void test_treelets(void **state) {
+    (void)state;
+    static picture want, got;
+    static const uint32_t sizes[] = {16384, 700, 100};
+    lab_mesh lab;
+    leafcast_stats stats;
+    bool first = true;
+    assert_true(lab_mesh_make(&lab, "noise", CUBES + 4, 7));
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        const char *path = leaf_of(&lab, sizes[i]);
+        for (uint32_t limit = 0; limit < 20; limit += limit < 2 ? 1 : 17) {
+            for (int isa = 0; isa <= (int)cpu_best(); isa++) {
+                const leafcast_options o = {
+                    .isa = cpu_isa_name((cpu_isa)isa), .threads = 2, .treelet_limit = limit};
+                leafcast *v = fixture_open(path, &o);
+                const leafcast_surface s = leafcast_surface_default(lab.iso);
+                const leafcast_scene scene = leafcast_scene_default();
+                assert_int_equal(leafcast_select(v, &s, 1), LEAFCAST_OK);
+                const leafcast_camera c =
+                    leafcast_standard_view(v, 1.1, PICTURE_WIDTH, PICTURE_HEIGHT);
+                pictures_draw(v, &scene, &c, first ? &want : &got, &stats);
+                if (!first)
+                    assert_memory_equal(&want, &got, sizeof want);
+                first = false;
+                leafcast_close(v);
+            }
+        }
+    }
+    lab_mesh_release(&lab);
+}
+
+/* ---- The truth ---- */
+
+/* Some of the pixels; what they found goes into the tally. */
+static void judge_picture(const tet_ref *reference, double iso, leafcast *v,
+                          const leafcast_camera *c, ref_tally *tally) {
+    static picture p;
+    leafcast_stats stats;
+    const leafcast_scene scene = leafcast_scene_default();
+    pictures_draw(v, &scene, c, &p, &stats);
+    for (int i = 0; i < PICTURE_PIXELS; i += STEP) {
+        ref_ray look;
+        leafcast_pixel_ray(c, i % PICTURE_WIDTH + 0.5, i / PICTURE_WIDTH + 0.5, look.o, look.d);
+        (void)tet_judge_pixel(tally, reference, &look, &iso, 1, NULL, p.z[i]);
+    }
+}
+
+static void test_against_reference(void **state) {
+    (void)state;
+    field_random r = {11};
+    ref_tally tally = {0};
+    for (int i = 0; i < lab_mesh_count(); i++) {
+        lab_mesh lab;
+        assert_true(lab_mesh_make(&lab, lab_mesh_name(i), CUBES, 3));
+        const tet_ref_mesh ours = lab_mesh_reference(&lab);
+        tet_ref *reference = tet_ref_create(&ours);
+        leafcast *v = fixture_open(leaf_of(&lab, 500), NULL);
+        const leafcast_surface s = leafcast_surface_default(lab.iso);
+        assert_non_null(reference);
+        assert_int_equal(leafcast_select(v, &s, 1), LEAFCAST_OK);
+        for (int kind = 0; kind < PICTURE_VIEWS; kind++) {
+            const uint64_t faults = tally.missed + tally.false_hits + tally.too_far;
+            const leafcast_camera c = pictures_view(v, kind, &r);
+            judge_picture(reference, lab.iso, v, &c, &tally);
+            if (tally.missed + tally.false_hits + tally.too_far > faults)
+                print_message("%s, view %d: %llu missed, %llu false, %llu too far in all\n",
+                              lab.name, kind, (unsigned long long)tally.missed,
+                              (unsigned long long)tally.false_hits,
+                              (unsigned long long)tally.too_far);
+        }
+        leafcast_close(v);
+        tet_ref_destroy(reference);
+        lab_mesh_release(&lab);
+    }
+    print_message("%llu rays, %llu surfaces, %llu in the grazing band, worst %.2g edges\n",
+                  (unsigned long long)tally.rays, (unsigned long long)tally.hits,
+                  (unsigned long long)tally.grazing, tally.worst);
+    assert_true(tally.hits > 100000 / STEP);
+    assert_int_equal(tally.missed, 0);
+    assert_int_equal(tally.false_hits, 0);
+    assert_int_equal(tally.too_far, 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_mesh),
+        cmocka_unit_test(test_every_scene),
+        cmocka_unit_test(test_treelets),
+        cmocka_unit_test(test_against_reference),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
