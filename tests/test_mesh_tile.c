@@ -75,15 +75,15 @@ static void test_every_mesh(void **state) {
         const leafcast_surface s = leafcast_surface_default(lab.iso);
         const leafcast_scene scene = leafcast_scene_default();
         pictures_select(&v, &s, 1);
-        for (int kind = 0; kind < PICTURE_VIEWS; kind++) {
-            const leafcast_camera c = pictures_view(v.of[0], kind % PICTURE_VIEWS, &r);
+        for (int kind = i % 2; kind < PICTURE_VIEWS; kind += 2) {
+            const leafcast_camera c = pictures_view(v.of[0], kind, &r);
             hits += pictures_alike(&v, &scene, &c, lab.name);
         }
         pictures_close(&v);
         lab_mesh_release(&lab);
     }
     print_message("%d surfaces\n", hits);
-    assert_true(hits > 100000);
+    assert_true(hits > 50000);
 }
 
 static void test_every_scene(void **state) {
@@ -178,7 +178,7 @@ static void test_against_reference(void **state) {
         const leafcast_surface s = leafcast_surface_default(lab.iso);
         assert_non_null(reference);
         assert_int_equal(leafcast_select(v, &s, 1), LEAFCAST_OK);
-        for (int kind = 0; kind < PICTURE_VIEWS; kind++) {
+        for (int kind = (i + 1) % 2; kind < PICTURE_VIEWS; kind += 2) {
             const uint64_t faults = tally.missed + tally.false_hits + tally.too_far;
             const leafcast_camera c = pictures_view(v, kind, &r);
             judge_picture(reference, lab.iso, v, &c, &tally);
@@ -195,7 +195,7 @@ static void test_against_reference(void **state) {
     print_message("%llu rays, %llu surfaces, %llu in the grazing band, worst %.2g edges\n",
                   (unsigned long long)tally.rays, (unsigned long long)tally.hits,
                   (unsigned long long)tally.grazing, tally.worst);
-    assert_true(tally.hits > 100000 / STEP);
+    assert_true(tally.hits > 50000 / STEP);
     assert_int_equal(tally.missed, 0);
     assert_int_equal(tally.false_hits, 0);
     assert_int_equal(tally.too_far, 0);
