@@ -390,7 +390,8 @@ int main(int argc, char **argv) {
                "Without --eye the camera looks at the middle of the volume from the direction "
                "(1, 0.6, 0.8), 2.2 (standard) or 1.1 (close) times its longest edge away. Vectors "
                "are in world space. The picture is exact unless --lod, --preview or --intersector "
-               "say otherwise.",
+               "say otherwise. A mesh of tetrahedra has no levels of detail and no intersector but "
+               "the exact one.",
         .children = children};
     view_options_init(&o.view);
     cli_parse(&table, &o.common, argc, argv, &o);
