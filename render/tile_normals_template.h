@@ -18,6 +18,12 @@ SIMD four four_set(double a) {
     return (four){a, a, a, a};
 }
 
+SIMD four four_load(const double *from) {
+    four a;
+    memcpy(&a, from, sizeof a);
+    return a;
+}
+
 SIMD four mix_four(four a, four b, double s) {
     return four_set(1.0 - s) * a + four_set(s) * b;
 }
@@ -28,23 +34,21 @@ enum { KNOWN_CELLS = 32 };
 typedef struct known_cell {
     const treelet *at;
     uint32_t cell[3];
-    four gradients[8];
+    double gradients[8][4];
 } known_cell;
 
 /* The gradients at the corners of the cell that ray i hit. */
-static const four *corners_of(const tile_walk *w, unsigned i, known_cell *known) {
+static const known_cell *corners_of(const tile_walk *w, unsigned i, known_cell *known) {
     const uint32_t *cell = w->cell[i];
     known_cell *k = &known[(cell[0] + 5 * cell[1] + 11 * cell[2]) % KNOWN_CELLS];
     if (k->at == w->s.at[i] && k->cell[0] == cell[0] && k->cell[1] == cell[1] &&
         k->cell[2] == cell[2])
-        return k->gradients;
-    double gradients[8][4];
-    surface_gradients(&w->s.f->tracer->scene, w->s.at[i], cell, gradients);
-    memcpy(k->gradients, gradients, sizeof gradients);
+        return k;
+    surface_gradients(&w->s.f->tracer->scene, w->s.at[i], cell, k->gradients);
     k->at = w->s.at[i];
     for (int a = 0; a < 3; a++)
         k->cell[a] = cell[a];
-    return k->gradients;
+    return k;
 }
 
 /* The gradients that the normals of VD_N pixels are taken from; lanes without a hit: any. */
@@ -70,7 +74,10 @@ SIMD void gradients_at(const tile_walk *w, unsigned i, unsigned hits, bool centr
         double g[4] = {1.0, 1.0, 1.0, 0.0};
         const double x = at[0][k], y = at[1][k], z = at[2][k];
         if ((hits >> k & 1u) && central) {
-            const four *c = corners_of(w, i + k, known);
+            const known_cell *corners = corners_of(w, i + k, known);
+            four c[8];
+            for (int corner = 0; corner < 8; corner++)
+                c[corner] = four_load(corners->gradients[corner]);
             const four low = mix_four(mix_four(c[0], c[1], x), mix_four(c[2], c[3], x), y);
             const four high = mix_four(mix_four(c[4], c[5], x), mix_four(c[6], c[7], x), y);
             const four mixed = mix_four(low, high, z);

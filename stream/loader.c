@@ -151,6 +151,12 @@ static status mesh_load(loader *l, uint32_t t, source_scratch *scratch, treelet 
     return ST_OK;
 }
 
+static status treelet_load(loader *l, uint32_t t, source_scratch *scratch, treelet **out) {
+    if (l->tree)
+        return mesh_load(l, t, scratch, out);
+    return grid_load(l, t, scratch, out);
+}
+
 static void publish(loader *l, treelet *tr) {
     struct loader_private *h = l->hidden;
     h->state[tr->id] = READY;
@@ -216,7 +222,7 @@ static void *read_treelets(void *arg) {
 
         double start = clock_seconds();
         treelet *tr = NULL;
-        status st = (l->tree ? mesh_load : grid_load)(l, t, &self->scratch, &tr);
+        status st = treelet_load(l, t, &self->scratch, &tr);
         double seconds = clock_seconds() - start;
 
         pthread_mutex_lock(&h->lock);
