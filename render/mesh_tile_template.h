@@ -60,30 +60,29 @@ SIMD bool in_sight(const mesh_tile *w, tile_rect r, float near2) {
 
 /* ---- Boxes ---- */
 
-/* Up to eight boxes, their planes as seen from the eye. */
+/* Eight boxes, their planes as seen from the eye. AVX-512 has lanes that are idle. */
+enum { BOX_LANES = VF_N > 8 ? VF_N : 8 };
+
 typedef struct near_boxes {
-    _Alignas(64) float lo[3][16], hi[3][16];
+    _Alignas(64) float lo[3][BOX_LANES], hi[3][BOX_LANES];
 } near_boxes;
 
 typedef struct box_rects {
     tile_rects rects;
-    _Alignas(64) float near2[16]; /* squares of their distances */
+    _Alignas(64) float near2[BOX_LANES]; /* squares of their distances */
 } box_rects;
 
-/* planes: as float, of which the eye's coordinates are taken in double. */
-SIMD void from_eye(float planes[16], double eye) {
-    for (int k = 0; k < 8; k += VD_N)
-        d_store_floats(planes + k, d_of_floats(planes + k) - d_set(eye));
+/* Lanes without a box: nothing out of the ordinary comes in. */
+SIMD void leave_idle(near_boxes *b, unsigned from) {
+    for (int a = 0; a < 3; a++)
+        for (unsigned c = from; c < BOX_LANES; c++)
+            b->lo[a][c] = b->hi[a][c] = 0.0f;
 }
 
-SIMD void rects_of_boxes(const mesh_tile *w, near_boxes *b, const tile_rect *parent,
+SIMD void rects_of_boxes(const mesh_tile *w, const near_boxes *b, const tile_rect *parent,
                          box_rects *out) {
     const projection *p = w->place.p;
     out->rects.alive = 0;
-    for (int a = 0; a < 3; a++) {
-        from_eye(b->lo[a], w->eye[a]);
-        from_eye(b->hi[a], w->eye[a]);
-    }
     for (unsigned lane = 0; lane < 8; lane += VF_N) {
         const vf zero = f_set(0.0f);
         children_entries c = {.far = zero};
@@ -107,7 +106,7 @@ SIMD void rects_of_boxes(const mesh_tile *w, near_boxes *b, const tile_rect *par
 }
 
 /* The children in `left`, the farthest first. */
-SIMD unsigned by_distance(const float near2[16], unsigned left, uint8_t order[8]) {
+SIMD unsigned by_distance(const float near2[BOX_LANES], unsigned left, uint8_t order[8]) {
     unsigned count = 0;
     for (; left; left &= left - 1) {
         const unsigned c = (unsigned)__builtin_ctz(left);
@@ -124,6 +123,7 @@ SIMD unsigned by_distance(const float near2[16], unsigned left, uint8_t order[8]
 typedef struct seen_polygon {
     isopolygon g;
     seen from_eye;
+    vd error[EDGES]; /* of the edge functions, for all rays: their directions are of unit length */
     const treelet *at;
     uint32_t tet;
     int32_t iso;
@@ -218,16 +218,15 @@ SIMD void meet_polygon(mesh_tile *w, const seen_polygon *s, unsigned i, unsigned
     const seen *e = &s->from_eye;
     const tile_rays *rays = &w->s.rays;
     const vd d[3] = {d_load(rays->d[0] + i), d_load(rays->d[1] + i), d_load(rays->d[2] + i)};
-    const vd moduli[3] = {d_abs(d[0]), d_abs(d[1]), d_abs(d[2])};
-    const weights w12 = weigh(d, moduli, &e->edge[EDGE_12]);
-    const weights w20 = weigh(d, moduli, &e->edge[EDGE_20]);
-    const weights w01 = weigh(d, moduli, &e->edge[EDGE_01]);
+    const weights w12 = weigh(d, &e->edge[EDGE_12], s->error[EDGE_12]);
+    const weights w20 = weigh(d, &e->edge[EDGE_20], s->error[EDGE_20]);
+    const weights w01 = weigh(d, &e->edge[EDGE_01], s->error[EDGE_01]);
     const verdict v = judge(w12, w20, w01);
     const unsigned hits = md_bits(md_or(v.enters, v.leaves)) & lanes;
     unsigned doubtful = md_bits(v.doubtful);
     if (s->g.count == 4) {
-        const weights w23 = weigh(d, moduli, &e->edge[EDGE_23]);
-        const weights w30 = weigh(d, moduli, &e->edge[EDGE_30]), w02 = against(w20);
+        const weights w23 = weigh(d, &e->edge[EDGE_23], s->error[EDGE_23]);
+        const weights w30 = weigh(d, &e->edge[EDGE_30], s->error[EDGE_30]), w02 = against(w20);
         const verdict v2 = judge(w23, w30, w02);
         const unsigned hits2 = md_bits(md_or(v2.enters, v2.leaves)) & lanes;
         /* A quadrilateral that is hit twice is bent: not here. */
@@ -257,9 +256,17 @@ static void walk_polygon(mesh_tile *w, seen_polygon *s, tile_rect r) {
 
 /* ---- Leaves ---- */
 
+static void see_polygon(const mesh_tile *w, seen_polygon *s) {
+    const vd eye[3] = {d_set(w->eye[0]), d_set(w->eye[1]), d_set(w->eye[2])};
+    /* More than a component that is rounded. */
+    const vd most[3] = {d_set(1.0 + 0x1p-40), d_set(1.0 + 0x1p-40), d_set(1.0 + 0x1p-40)};
+    see(&s->g, eye, &s->from_eye);
+    for (int k = 0; k < (s->g.count == 3 ? EDGE_23 : EDGES); k++)
+        s->error[k] = error_of(most, &s->from_eye.edge[k]);
+}
+
 static void walk_tet(mesh_tile *w, const treelet *at, uint32_t place, tile_rect r) {
     const walk_scene *scene = &w->s.f->tracer->scene;
-    const vd eye[3] = {d_set(w->eye[0]), d_set(w->eye[1]), d_set(w->eye[2])};
     const tet x = mesh_walk_tet(at, place);
     for (int i = 0; i < scene->count; i++) {
         seen_polygon s;
@@ -271,7 +278,7 @@ static void walk_tet(mesh_tile *w, const treelet *at, uint32_t place, tile_rect 
         s.at = at;
         s.tet = place;
         s.iso = i;
-        see(&s.g, eye, &s.from_eye);
+        see_polygon(w, &s);
         walk_polygon(w, &s, covered);
     }
 }
@@ -383,17 +390,38 @@ SIMD int push_boxes(const box_rects *boxes, unsigned left, mesh_pending *stack, 
     return top;
 }
 
-/* Unused lanes repeat what there is: nothing out of the ordinary comes in. */
-SIMD void boxes_of_node(const mesh_frame *planes, const mesh_node *node, near_boxes *b) {
+/* What turns a treelet's codes into planes as seen from the eye. */
+typedef struct eye_frame {
+    float lo[3], hi[3], step[3];
+} eye_frame;
+
+/* A plane of mesh_leaf_plane() errs by a unit u = 2^-24 of itself, the treelet's corner as seen
+ * from the eye by one of that, and the sum by one of itself. Boxes are larger by twice as much. */
+SIMD eye_frame eye_frame_of(const mesh_tile *w, const treelet *at) {
+    eye_frame f;
+    for (int a = 0; a < 3; a++) {
+        const float lo = at->planes.lo[a], size = 256.0f * at->planes.step[a];
+        const float corner = (float)((double)lo - w->eye[a]);
+        const float slack = 0x1p-23f * (fabsf(lo) + 2.0f * (fabsf(corner) + size));
+        f.lo[a] = corner - slack;
+        f.hi[a] = corner + slack;
+        f.step[a] = at->planes.step[a];
+    }
+    return f;
+}
+
+SIMD void boxes_of_node(const eye_frame *f, const mesh_node *node, near_boxes *b) {
     for (int a = 0; a < 3; a++) {
         for (int c = 0; c < MESH_CHILDREN; c++) {
-            b->lo[a][c] = planes->lo[a] + (float)node->lo[a][c] * planes->step[a];
-            b->hi[a][c] = planes->lo[a] + (float)node->hi[a][c] * planes->step[a];
+            b->lo[a][c] = f->lo[a] + (float)node->lo[a][c] * f->step[a];
+            b->hi[a][c] = f->hi[a] + (float)node->hi[a][c] * f->step[a];
         }
     }
+    leave_idle(b, MESH_CHILDREN);
 }
 
 static void walk_treelet_of_mesh(mesh_tile *w, const treelet *at, tile_rect rect, float near2) {
+    const eye_frame planes = eye_frame_of(w, at);
     const mesh_node *nodes = mesh_leaf_nodes(at->payload);
     const uint16_t *first = mesh_leaf_first(&at->mesh, at->payload);
     mesh_pending stack[TREELET_STACK_MAX];
@@ -408,10 +436,10 @@ static void walk_treelet_of_mesh(mesh_tile *w, const treelet *at, tile_rect rect
             walk_leaf(w, at, first[leaf], first[leaf + 1], &p.rect);
             continue;
         }
-        near_boxes b = {{{0}}, {{0}}};
+        near_boxes b;
         box_rects boxes;
         w->s.counters->walk.nodes++;
-        boxes_of_node(&at->planes, &nodes[p.i], &b);
+        boxes_of_node(&planes, &nodes[p.i], &b);
         rects_of_boxes(w, &b, &p.rect, &boxes);
         const int bottom = top;
         top = push_boxes(&boxes, boxes.rects.alive & at->active->children[p.i], stack, top);
@@ -495,17 +523,18 @@ static void walk_mesh(mesh_tile *w, tile_rect rect) {
             continue;
         }
         uint32_t count, first = treelet_tree_children(tree, p.level, p.i, &count);
-        near_boxes b = {{{0}}, {{0}}};
+        near_boxes b;
         box_rects boxes;
         unsigned active = 0;
         for (uint32_t c = 0; c < count; c++) {
             const float *bounds = tree->bounds[p.level - 1][first + c];
             active |= (unsigned)tree->active[p.level - 1][first + c] << c;
             for (int a = 0; a < 3; a++) {
-                b.lo[a][c] = bounds[a];
-                b.hi[a][c] = bounds[a + 3];
+                b.lo[a][c] = (float)((double)bounds[a] - w->eye[a]);
+                b.hi[a][c] = (float)((double)bounds[a + 3] - w->eye[a]);
             }
         }
+        leave_idle(&b, count);
         w->s.counters->walk.nodes++;
         rects_of_boxes(w, &b, &p.rect, &boxes);
         const int bottom = top;

@@ -47,19 +47,23 @@ SIMD void meet(tet_rays *rays, int at, hit_of of, const vd d[3], const vd a0[3],
         offer(rays, at, of, counted, md_bits(v.enters), t);
 }
 
+SIMD weights weigh_ray(const vd d[3], const vd moduli[3], const seen_edge *e) {
+    return weigh(d, e, error_of(moduli, e));
+}
+
 /* A vector of rays; wanted: those that are asked for. */
 SIMD void test_rays(const isopolygon *g, const seen *s, tet_rays *rays, int at, hit_of of,
                     unsigned wanted) {
     const vd d[3] = {d_load(rays->d[0] + at), d_load(rays->d[1] + at), d_load(rays->d[2] + at)};
     const vd moduli[3] = {d_abs(d[0]), d_abs(d[1]), d_abs(d[2])};
-    const weights w12 = weigh(d, moduli, &s->edge[EDGE_12]);
-    const weights w20 = weigh(d, moduli, &s->edge[EDGE_20]);
-    const weights w01 = weigh(d, moduli, &s->edge[EDGE_01]);
+    const weights w12 = weigh_ray(d, moduli, &s->edge[EDGE_12]);
+    const weights w20 = weigh_ray(d, moduli, &s->edge[EDGE_20]);
+    const weights w01 = weigh_ray(d, moduli, &s->edge[EDGE_01]);
     const verdict v = judge(w12, w20, w01);
     unsigned doubtful = md_bits(v.doubtful);
     if (g->count == 4) {
-        const weights w23 = weigh(d, moduli, &s->edge[EDGE_23]);
-        const weights w30 = weigh(d, moduli, &s->edge[EDGE_30]);
+        const weights w23 = weigh_ray(d, moduli, &s->edge[EDGE_23]);
+        const weights w30 = weigh_ray(d, moduli, &s->edge[EDGE_30]);
         const weights w02 = against(w20);
         const verdict v2 = judge(w23, w30, w02);
         /* A quadrilateral that is hit twice is bent: not here. */

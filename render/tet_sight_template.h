@@ -65,11 +65,15 @@ SIMD vd dot(const vd a[3], const vd b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* edge_near() */
-SIMD weights weigh(const vd d[3], const vd moduli[3], const seen_edge *e) {
+/* What edge_near() of rays may err by; moduli: of their directions, or more. */
+SIMD vd error_of(const vd moduli[3], const seen_edge *e) {
+    return d_set(EDGE_BOUND) * dot(moduli, e->terms) + d_set(EDGE_SMALLEST);
+}
+
+/* edge_near(); error: at least error_of(). A larger one leaves more in doubt, and no bit else. */
+SIMD weights weigh(const vd d[3], const seen_edge *e, vd error) {
     const vd value = dot(d, e->normal);
-    const vd bound = d_set(EDGE_BOUND) * dot(moduli, e->terms) + d_set(EDGE_SMALLEST);
-    return (weights){d_abs(value), d_gt(value, bound), d_lt(value, d_set(0.0) - bound)};
+    return (weights){d_abs(value), d_gt(value, error), d_lt(value, d_set(0.0) - error)};
 }
 
 SIMD weights against(weights w) {
