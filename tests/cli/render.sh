@@ -170,7 +170,8 @@ ok "quietly but for the errors" [ "$(wc -l <"$tmp/err")" = 3 ]
 wrong "takes its outputs from its lines" "$leaf" --iso 1 --script - -o x.png
 
 # ---- stopping ----
-timeout --preserve-status -s INT 1 "$leafcast" render "$leaf" --iso 128 --size 2000x2000 --repeat 1000 --depth-f64 "$tmp/stop.f64" 2>"$tmp/err"
+# The process alone: timeout would signal its group as well, and a second Ctrl-C ends it at once.
+timeout --foreground --preserve-status -s INT 1 "$leafcast" render "$leaf" --iso 128 --size 2000x2000 --repeat 1000 --depth-f64 "$tmp/stop.f64" 2>"$tmp/err"
 rc=$?
 ok "Ctrl-C: exit 130 (got $rc)" [ "$rc" = 130 ]
 ok "says so" says 'stopped by signal 2' err
