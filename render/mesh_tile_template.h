@@ -34,16 +34,12 @@ typedef struct mesh_tile {
 
 /* ---- Who is behind what ---- */
 
-static unsigned pixels_of(tile_rect r) {
-    return (2u << r.x1) - (1u << r.x0);
-}
-
 /* Distances are compared as squares: less than a float's rounding of both is given away. */
 static const float SURELY = 1.0f - 0x1p-20f;
 
 /* Whether an open ray of the rectangle has nothing in front of a distance (squared). */
 SIMD bool in_sight(const mesh_tile *w, tile_rect r, float near2) {
-    const unsigned columns = pixels_of(r);
+    const unsigned columns = row_mask(r);
     const vd at = d_set(near2 > 0.0f ? sqrt((double)(near2 * SURELY)) : 0.0);
     for (unsigned y = r.y0; y <= r.y1; y++) {
         const unsigned open = w->s.open[y] & columns;
@@ -175,7 +171,7 @@ static void take_surface(mesh_tile *w, const seen_polygon *s, unsigned i, double
         const hit known = {f->t[i], f->at[i] ? f->at[i]->first_tet + w->tet[i] : 0, f->iso[i],
                            f->entering[i]};
         const hit found = {t, s->at->first_tet + s->tet, s->iso, entering};
-        if (!mesh_walk_less(&found, &known))
+        if (!tet_less(&found, &known))
             return;
     }
     f->t[i] = t;
@@ -243,7 +239,7 @@ SIMD void meet_polygon(mesh_tile *w, const seen_polygon *s, unsigned i, unsigned
 }
 
 static void walk_polygon(mesh_tile *w, seen_polygon *s, tile_rect r) {
-    const unsigned columns = pixels_of(r);
+    const unsigned columns = row_mask(r);
     for (unsigned y = r.y0; y <= r.y1; y++) {
         const unsigned open = w->s.open[y] & columns;
         for (unsigned x = r.x0 & ~(VD_N - 1u); x <= r.x1; x += VD_N) {
@@ -461,7 +457,7 @@ static unsigned rays_through(const mesh_tile *w, uint32_t t, unsigned y, tile_re
         lo[a] = (double)bounds[a];
         hi[a] = (double)bounds[a + 3];
     }
-    for (unsigned left = w->s.open[y] & pixels_of(r); left; left &= left - 1) {
+    for (unsigned left = w->s.open[y] & row_mask(r); left; left &= left - 1) {
         const unsigned x = (unsigned)__builtin_ctz(left), i = TILE * y + x;
         ray look = {.t0 = w->s.rays.t0[i], .t1 = w->s.rays.t1[i]};
         mesh_interval in;

@@ -42,27 +42,14 @@ tet mesh_walk_tet(const treelet *tr, uint32_t place) {
 
 /* ---- Leaves ---- */
 
-/* (t, iso, entering) */
-static int compare_crossings(const hit *a, const hit *b) {
-    if (a->t != b->t)
-        return a->t < b->t ? -1 : 1;
-    if (a->iso != b->iso)
-        return a->iso < b->iso ? -1 : 1;
-    return (int)a->entering - (int)b->entering;
-}
-
-bool mesh_walk_less(const hit *a, const hit *b) {
-    const int order = compare_crossings(a, b);
-    return order ? order < 0 : a->cell < b->cell;
-}
-
 /* The first hit with one isopolygon behind `after`: another crossing, whatever the tet. */
 static bool next_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t iso,
                      const hit *after, hit *found) {
     /* The kernel orders by (t, tet, iso): it is asked for everything from the same t on. */
     hit last = {after->t, 0, -1, false};
+    const hit behind = {after->t, UINT64_MAX, after->iso, after->entering};
     while (isopolygon_hit(g, r, cell, iso, &last, found)) {
-        if (compare_crossings(after, found) < 0)
+        if (tet_less(&behind, found))
             return true;
         last = *found;
     }
@@ -82,7 +69,7 @@ static bool test_tet(const walk_scene *scene, const treelet *tr, uint32_t place,
         if (!next_hit(&g, r, tr->first_tet + place, i, after, &found))
             continue;
         counters->roots++;
-        if (mesh_walk_less(&found, best)) {
+        if (tet_less(&found, best)) {
             *best = found;
             changed = true;
         }

@@ -16,9 +16,6 @@
 bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const hit *after,
                hit *best, walk_counters *counters);
 
-/* mesh_walk_less() - the order of hits: (t, iso, entering, tet). */
-bool mesh_walk_less(const hit *a, const hit *b);
-
 /* mesh_walk_tet() - a tet of the treelet by its place there. */
 tet mesh_walk_tet(const treelet *tr, uint32_t place);
 

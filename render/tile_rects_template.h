@@ -17,6 +17,11 @@ typedef struct tile_rect {
     uint8_t x0, x1, y0, y1;
 } tile_rect;
 
+/* Its pixels in a row, a bit each. */
+static inline unsigned row_mask(tile_rect r) {
+    return (2u << r.x1) - (1u << r.x0);
+}
+
 typedef struct tile_rects {
     tile_rect of[16]; /* the octants' */
     unsigned alive;   /* those that are not empty */

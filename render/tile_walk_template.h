@@ -36,10 +36,6 @@ typedef struct tile_walk {
     uint32_t cell[TILE_RAYS][3]; /* of what has been found */
 } tile_walk;
 
-static unsigned row_mask(tile_rect r) {
-    return (2u << r.x1) - (1u << r.x0);
-}
-
 static bool any_of(const uint16_t rows[], tile_rect r) {
     unsigned any = 0;
     for (unsigned y = r.y0; y <= r.y1; y++)
