@@ -7,11 +7,10 @@
 
 #ifdef SIMD_NAME
 
+#include "render/mesh_shade_template.h"
 #include "render/mesh_tile.h"
-#include "render/mesh_walk.h"
 #include "render/tet_sight_template.h"
 #include "render/tile_rects_template.h"
-#include "render/tile_shade_template.h"
 
 void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
                           tile_outcome *out, frame_counters *counters);
@@ -542,61 +541,16 @@ static void walk_mesh(mesh_tile *w, tile_rect rect) {
     }
 }
 
-/* ---- Pixels ---- */
-
-/* Neighbouring rays hit the same tets. */
-enum { KNOWN_TETS = 64 };
-
-typedef struct known_tet {
-    const treelet *at;
-    uint32_t tet;
-    int32_t iso;
-    float normal[3];
-} known_tet;
-
-static void normals_of_tets(const mesh_tile *w, tile_pixels *p) {
-    const walk_scene *scene = &w->s.f->tracer->scene;
-    known_tet known[KNOWN_TETS];
-    for (int k = 0; k < KNOWN_TETS; k++)
-        known[k].at = NULL;
-    for (unsigned i = 0; i < TILE_RAYS; i++) {
-        if (!(w->s.t[i] < INFINITY))
-            continue;
-        known_tet *k = &known[(w->tet[i] + (unsigned)w->s.iso[i]) % KNOWN_TETS];
-        if (k->at != w->s.at[i] || k->tet != w->tet[i] || k->iso != w->s.iso[i]) {
-            const tet x = mesh_walk_tet(w->s.at[i], w->tet[i]);
-            isopolygon g;
-            k->at = w->s.at[i];
-            k->tet = w->tet[i];
-            k->iso = w->s.iso[i];
-            if (isopolygon_of(&x, scene->isovalues[k->iso], &g))
-                tet_normal(&x, &g, k->normal);
-        }
-        for (int a = 0; a < 3; a++)
-            p->normal[a][i] = k->normal[a];
-    }
-}
-
 void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
                           tile_outcome *out, frame_counters *counters) {
     mesh_tile w;
-    tile_pixels pixels;
     tile_state_begin(&w.s, f, x0, y0, asked, out, counters);
     w.place = tile_place_of(f, x0, y0);
     w.lanes = (tet_lanes){.count = 0};
     for (int a = 0; a < 3; a++)
         w.eye[a] = f->projection->eye[a];
     walk_mesh(&w, (tile_rect){0, TILE - 1, 0, TILE - 1});
-    clear_pixels(f, &pixels);
-    const bool together = shaded_together(f);
-    if (together) {
-        normals_of_tets(&w, &pixels);
-        shade_tile(&w.s, &pixels);
-    }
-    write_tile(&w.s, together, &pixels);
-    for (unsigned i = 0; i < TILE_RAYS && !together; i++)
-        if (out->found[i / TILE] >> i % TILE & 1u)
-            out->hits[i].cell = w.s.at[i]->first_tet + w.tet[i];
+    mesh_shade(&w.s, w.tet);
 }
 
 #endif
