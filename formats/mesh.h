@@ -74,8 +74,8 @@ CHECKED status mesh_recognise_stream(byte_stream *s, bool *known);
 
 /* mesh_open() - path, or "-" for a mesh on standard input. hints may be NULL; its text must live as
  * long as the mesh. ST_CORRUPT, ST_UNSUPPORTED (also for a file of no known format) or ST_IO,
- * naming file and place. mesh_open_stream() - of a stream, which is taken over, and closed in any
- * case. */
+ * naming file and place; ST_USAGE when there is no array as the hints want, naming those there are.
+ * mesh_open_stream() - of a stream, which is taken over, and closed in any case. */
 CHECKED status mesh_open(mem *m, const char *path, const mesh_hints *hints, mesh **out);
 CHECKED status mesh_open_stream(mem *m, byte_stream *s, const mesh_hints *hints, mesh **out);
 void mesh_close(mesh *x); /* NULL is fine */

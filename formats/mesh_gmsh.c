@@ -7,6 +7,7 @@
 #include "formats/gmsh_file.h"
 #include "formats/id_map.h"
 #include "formats/mesh_average.h"
+#include "formats/mesh_choice.h"
 #include "formats/mesh_split.h"
 
 enum { NODES_MAX = 56, SKIPPED = -1, REFUSED = -2 };
@@ -68,29 +69,21 @@ static bool is_wanted(const gmsh_array *a, const mesh_hints *hints) {
 }
 
 static status no_array(const gmsh_state *s) {
-    char names[300] = "";
-    size_t length = 0;
-    for (size_t i = 0; i < s->file.count && length < sizeof names; i++)
-        if ((s->file.arrays[i].owner == GMSH_ELEMENTS) == s->hints->cells_to_points)
-            length += (size_t)snprintf(names + length, sizeof names - length, " \"%s\"",
-                                       s->file.arrays[i].name);
-    return status_describe(ST_UNSUPPORTED, "%s: no %s data \"%s\"; there are:%s", s->file.path,
-                           s->hints->cells_to_points ? "cell" : "point",
-                           s->hints->field ? s->hints->field : "", names[0] ? names : " none");
+    mesh_choice_names points = {0}, cells = {0};
+    for (size_t i = 0; i < s->file.count; i++) {
+        const gmsh_array *a = &s->file.arrays[i];
+        mesh_choice_add(a->owner == GMSH_ELEMENTS ? &cells : &points, a->name);
+    }
+    return mesh_choice_missing(s->file.path, s->hints, &points, &cells);
 }
 
 static status choose_array(gmsh_state *s) {
     for (size_t i = 0; i < s->file.count && !s->array; i++)
         if (is_wanted(&s->file.arrays[i], s->hints))
             s->array = &s->file.arrays[i];
-    if (!s->array && (s->hints->field || s->hints->cells_to_points))
-        return no_array(s);
-    int components = s->array ? s->array->components : 1;
-    if (s->hints->component > components)
-        return status_describe(ST_UNSUPPORTED, "%s: \"%s\" has %d components, expected %d",
-                               s->file.path, s->array ? s->array->name : "", components,
-                               s->hints->component);
-    return ST_OK;
+    return s->array
+               ? mesh_choice_component(s->file.path, s->hints, s->array->name, s->array->components)
+               : no_array(s);
 }
 
 static status gmsh_open(mesh_source *source, void **state) {

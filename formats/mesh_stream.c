@@ -8,6 +8,7 @@
 
 #include "formats/base/file.h"
 #include "formats/base/num.h"
+#include "formats/mesh_choice.h"
 
 #define MAGIC   "LEAFCAST MESH "
 #define VERSION "1"
@@ -209,14 +210,13 @@ static status check_length(const stream_state *s) {
 }
 
 static status check_field(const stream_state *s, const mesh_hints *hints) {
-    if (hints->cells_to_points)
-        return status_describe(ST_UNSUPPORTED, "%s: a mesh stream has no cell data", s->file);
-    if (hints->component > 1)
-        return status_describe(ST_UNSUPPORTED, "%s: a mesh stream has no vector arrays", s->file);
-    if (hints->field && strcmp(hints->field, s->header.field) != 0)
-        return status_describe(ST_UNSUPPORTED, "%s: no field \"%s\", there is \"%s\"", s->file,
-                               hints->field, s->header.field);
-    return ST_OK;
+    const char *field = s->header.field;
+    mesh_choice_names points = {0}, cells = {0};
+    if (field[0])
+        mesh_choice_add(&points, field);
+    if (hints->cells_to_points || (hints->field && strcmp(hints->field, field) != 0))
+        return mesh_choice_missing(s->file, hints, &points, &cells);
+    return mesh_choice_component(s->file, hints, field, 1);
 }
 
 static status stream_open(mesh_source *source, void **state) {

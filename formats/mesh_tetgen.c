@@ -5,6 +5,7 @@
 
 #include "formats/base/num.h"
 #include "formats/mesh_average.h"
+#include "formats/mesh_choice.h"
 #include "formats/text_tokens.h"
 
 enum { ATTRIBUTES_MAX = 4096 };
@@ -79,13 +80,24 @@ static int64_t column_number(const char *field, const char *prefix) {
     return num_int(digits, "", 1, ATTRIBUTES_MAX, &k) == ST_OK ? k : 0;
 }
 
-static status no_field(const tetgen_state *s, const char *field) {
-    if (s->hints->cells_to_points)
-        return status_describe(ST_UNSUPPORTED, "%s: no cell array \"%s\", there are %d: region1 ..",
-                               byte_stream_name(s->tets.s), field, (int)s->cell_columns);
-    return status_describe(ST_UNSUPPORTED, "%s: no field \"%s\", there are %d: attr1 ..%s",
-                           byte_stream_name(s->nodes.s), field, (int)s->attributes,
-                           s->markers ? ", and marker" : "");
+static void add_columns(mesh_choice_names *names, const char *prefix, int64_t count) {
+    for (int k = 1; k <= count; k++) {
+        char name[MESH_NAME_MAX + 1];
+        snprintf(name, sizeof name, "%s%d", prefix, k);
+        mesh_choice_add(names, name);
+    }
+}
+
+/* Markers are taken by name alone, so a file with nothing else has no field. */
+static status no_field(const tetgen_state *s) {
+    mesh_choice_names points = {0}, cells = {0};
+    const mesh_hints *hints = s->hints;
+    add_columns(&points, "attr", s->attributes);
+    if (s->markers && (hints->field || hints->cells_to_points || s->cell_columns))
+        mesh_choice_add(&points, "marker");
+    add_columns(&cells, "region", s->cell_columns);
+    const text_tokens *t = hints->cells_to_points ? &s->tets : &s->nodes;
+    return mesh_choice_missing(byte_stream_name(t->s), hints, &points, &cells);
 }
 
 static status choose_field(tetgen_state *s) {
@@ -93,22 +105,19 @@ static status choose_field(tetgen_state *s) {
     bool cells = hints->cells_to_points;
     const char *prefix = cells ? "region" : "attr";
     int64_t columns = cells ? s->cell_columns : s->attributes, k = 1;
-    if (hints->component > 1)
-        return status_describe(ST_UNSUPPORTED, "%s: TetGen has no vector arrays",
-                               byte_stream_name(s->nodes.s));
     s->column = -1;
     if (hints->field && !cells && strcmp(hints->field, "marker") == 0 && s->markers) {
         s->column = (int)s->attributes;
         strcpy(s->field, "marker");
-        return ST_OK;
+        return mesh_choice_component(byte_stream_name(s->nodes.s), hints, s->field, 1);
     }
     if (hints->field && !(cells && strcmp(hints->field, "region") == 0))
         k = column_number(hints->field, prefix);
     if (k < 1 || k > columns)
-        return hints->field || cells ? no_field(s, hints->field ? hints->field : prefix) : ST_OK;
+        return no_field(s);
     s->column = (int)k - 1;
     snprintf(s->field, sizeof s->field, "%s%d", prefix, (int)k);
-    return ST_OK;
+    return mesh_choice_component(byte_stream_name(s->nodes.s), hints, s->field, 1);
 }
 
 /* ---- opening ---- */

@@ -4,10 +4,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "formats/mesh_choice.h"
 #include "formats/vtk_average.h"
 #include "formats/vtk_cursor.h"
 
-enum { COMPONENTS_MAX = 4096, LIST_MAX = 400 };
+enum { COMPONENTS_MAX = 4096 };
 
 /* Room for one more item; the array may move. */
 static status grow(mem *m, void **items, size_t *room, size_t count, size_t size) {
@@ -68,32 +69,15 @@ static const vtk_array *find_anywhere(const vtk_grid *g, vtk_owner owner, const 
     return a;
 }
 
-/* The names of the arrays, for a message. */
-static const char *list_fields(const vtk_grid *g, vtk_owner owner, char list[LIST_MAX]) {
-    size_t length = 0;
-    strcpy(list, "none");
-    for (size_t i = 0; g->count > 0 && i < g->pieces[0].count[owner]; i++) {
-        const char *name = g->pieces[0].fields[owner][i].name;
-        if (length + strlen(name) + 8 > LIST_MAX) {
-            snprintf(list + length, LIST_MAX - length, ", ..");
-            break;
-        }
-        length +=
-            (size_t)snprintf(list + length, LIST_MAX - length, "%s\"%s\"", i ? ", " : "", name);
-    }
-    return list;
-}
-
-static status no_field(const vtk_grid *g, vtk_owner owner) {
-    static const char *const whose[] = {"points", "cells"};
-    char list[LIST_MAX], others[LIST_MAX];
-    const char *name = g->source->hints.field;
-    vtk_owner other = owner == VTK_OF_POINTS ? VTK_OF_CELLS : VTK_OF_POINTS;
-    return status_describe(
-        ST_USAGE, "%s: no array %s%s%s of the %s, which have %s; the %s have %s%s", g->source->path,
-        name ? "\"" : "", name ? name : "of numbers", name ? "\"" : "", whose[owner],
-        list_fields(g, owner, list), whose[other], list_fields(g, other, others),
-        owner == VTK_OF_POINTS ? " (averaged to the points when asked)" : "");
+static status no_field(const vtk_grid *g) {
+    mesh_choice_names names[VTK_OWNERS] = {0};
+    for (size_t i = 0; i < g->count; i++)
+        for (int o = 0; o < VTK_OWNERS; o++)
+            for (size_t k = 0; k < g->pieces[i].count[o]; k++)
+                if (is_numeric(&g->pieces[i].fields[o][k]))
+                    mesh_choice_add(&names[o], g->pieces[i].fields[o][k].name);
+    return mesh_choice_missing(g->source->path, &g->source->hints, &names[VTK_OF_POINTS],
+                               &names[VTK_OF_CELLS]);
 }
 
 /* The chosen array, in each piece that has use for one. */
@@ -122,18 +106,14 @@ static status choose_field(vtk_grid *g) {
     const mesh_hints *hints = &g->source->hints;
     g->owner = hints->cells_to_points ? VTK_OF_CELLS : VTK_OF_POINTS;
     const vtk_array *chosen = find_anywhere(g, g->owner, hints->field);
-    bool any = find_anywhere(g, VTK_OF_POINTS, NULL) || find_anywhere(g, VTK_OF_CELLS, NULL);
-    if (!chosen && !any && !hints->field)
-        return ST_OK;
     if (!chosen)
-        return no_field(g, g->owner);
+        return no_field(g);
     if (chosen->components > COMPONENTS_MAX)
         return vtk_array_fault(chosen, ST_UNSUPPORTED, "%u components, at most %d are supported",
                                chosen->components, COMPONENTS_MAX);
-    if (hints->component < 0 || (uint32_t)hints->component > chosen->components)
-        return vtk_array_fault(chosen, ST_USAGE, "has no component %d but 1 to %u",
-                               hints->component, chosen->components);
-    return choose_in_pieces(g, chosen);
+    status st =
+        mesh_choice_component(g->source->path, hints, chosen->name, (int)chosen->components);
+    return st == ST_OK ? choose_in_pieces(g, chosen) : st;
 }
 
 static status check_piece(const vtk_grid *g, const vtk_piece *p) {

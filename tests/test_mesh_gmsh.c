@@ -327,13 +327,13 @@ static void test_variants(void **state) {
 static void test_refused_hints(void **state) {
     (void)state;
     const char *path = write_variant(3);
-    mesh_files_refused(path, &(mesh_hints){.field = "density"}, ST_UNSUPPORTED,
-                       "a.msh: no point data \"density\"; there are: \"the temperature\" \"speed\" "
-                       "\"stress\"");
-    mesh_files_refused(path, &(mesh_hints){.field = "speed", .cells_to_points = true},
-                       ST_UNSUPPORTED, "no cell data \"speed\"; there are: \"density\"");
-    mesh_files_refused(path, &(mesh_hints){.field = "speed", .component = 4}, ST_UNSUPPORTED,
-                       "\"speed\" has 3 components, expected 4");
+    mesh_files_refused(path, &(mesh_hints){.field = "density"}, ST_USAGE,
+                       "a.msh: no array \"density\" of the points, which have \"the temperature\", "
+                       "\"speed\", \"stress\"; the cells have \"density\" (--cells-to-points");
+    mesh_files_refused(path, &(mesh_hints){.field = "speed", .cells_to_points = true}, ST_USAGE,
+                       "no array \"speed\" of the cells, which have \"density\"; the points have");
+    mesh_files_refused(path, &(mesh_hints){.field = "speed", .component = 4}, ST_USAGE,
+                       "\"speed\" has no component 4 but 1 to 3");
 }
 
 static void test_sweeps(void **state) {

@@ -161,10 +161,10 @@ static void test_refused(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         mesh_files_refused(scratch_text("b.mesh", cases[i].text), NULL, cases[i].st, cases[i].said);
     const char *path = write_file("a.mesh", &plain, tets);
-    mesh_files_refused(path, &(mesh_hints){.field = "g"}, ST_UNSUPPORTED, "no field \"g\"");
-    mesh_files_refused(path, &(mesh_hints){.component = 2}, ST_UNSUPPORTED, "no vector arrays");
-    mesh_files_refused(path, &(mesh_hints){.cells_to_points = true}, ST_UNSUPPORTED,
-                       "no cell data");
+    mesh_files_refused(path, &(mesh_hints){.field = "g"}, ST_USAGE, "no array \"g\" of the points");
+    mesh_files_refused(path, &(mesh_hints){.component = 2}, ST_USAGE, "no component 2 but 1 to 1");
+    mesh_files_refused(path, &(mesh_hints){.cells_to_points = true}, ST_USAGE,
+                       "no array of numbers of the cells, which have none");
 }
 
 static void test_not_finite(void **state) {

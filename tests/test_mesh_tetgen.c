@@ -21,7 +21,8 @@ static const uint32_t tets[2][4] = {{0, 1, 2, 3}, {4, 3, 2, 1}};
     "# five points\n5  3  2  1\n"                             \
     "1 0 0 0  0.5 10 -1\n2\t1.0 0 0  1.5 20 0 # the second\n" \
     "\n3 0 1 0  2.5 30 1\r\n4 0, 0, 1  3.5 nan 2\n5 1e0 1 0.1  4.5 50 3\n# the end\n"
-#define ELE "2 4 2\n1 1 2 3 4  7 -1\n2  5 4 3 2  8 -3\n# the end"
+#define ELE  "2 4 2\n1 1 2 3 4  7 -1\n2  5 4 3 2  8 -3\n# the end"
+#define BARE "1 4 0\n1 1 2 3 4\n" /* no attributes */
 
 static const char *write_pair(const char *node, const char *ele) {
     scratch_text("a.ele", ele);
@@ -99,24 +100,25 @@ static void test_refused(void **state) {
         status st;
         const char *said;
     } cases[] = {
-        {"", ELE, ST_CORRUPT, "a.node: line 1: nothing more here, expected the number of points"},
-        {"x", ELE, ST_CORRUPT, "a.node: line 1: \"x\", expected the number of points"},
-        {"-1", ELE, ST_CORRUPT, "a.node: line 1: \"-1\""},
-        {"4294967295 3", ELE, ST_CORRUPT, "expected the number of points"},
-        {"5 2 0 0\n", ELE, ST_UNSUPPORTED, "a.node: points of 2 dimensions"},
-        {"5 3 -1 0\n", ELE, ST_CORRUPT, "expected the number of attributes"},
-        {"5 3 0 2\n", ELE, ST_CORRUPT, "expected the number of markers"},
-        {"5 3 0 0 0\n", ELE, ST_CORRUPT, "expected the end of the line"},
-        {"1 3 0 0\n2 0 0 0\n", ELE, ST_CORRUPT, "line 2: \"2\", expected 0 or 1"},
-        {"2 3 0 0\n1 0 0 0\n3 0 0 0\n", ELE, ST_CORRUPT, "line 3: \"3\", expected id 2"},
-        {"2 3 0 0\n1 0 0 0\n", ELE, ST_CORRUPT, "line 3: nothing more here, expected an id"},
-        {"1 3 0 0\n1 0 0\n2", ELE, ST_CORRUPT, "line 2: nothing more here, expected a coordinate"},
-        {"1 3 0 0\n1 0 zero 0\n", ELE, ST_CORRUPT, "line 2: \"zero\", expected a coordinate"},
-        {"1 3 0 0\n1 0 nan 0\n", ELE, ST_CORRUPT, "point 0 (counted from 0) lies at (0, nan, 0)"},
-        {"1 3 0 0\n1 0 1e39 0\n", ELE, ST_CORRUPT, "point 0 (counted from 0) lies at (0, inf, 0)"},
-        {"1 3 0 0\n1 0 0 0 0\n", ELE, ST_CORRUPT, "line 2: \"0\", expected the end of the line"},
-        {"1 3 1 0\n1 0 0 0\n", ELE, ST_CORRUPT, "line 2: nothing more here, expected an attribute"},
-        {"1 3 0 0\n1 0 0 0\n2 0 0 0\n", ELE, ST_CORRUPT, "line 3: \"2\", expected the end: "},
+        {"", BARE, ST_CORRUPT, "a.node: line 1: nothing more here, expected the number of points"},
+        {"x", BARE, ST_CORRUPT, "a.node: line 1: \"x\", expected the number of points"},
+        {"-1", BARE, ST_CORRUPT, "a.node: line 1: \"-1\""},
+        {"4294967295 3", BARE, ST_CORRUPT, "expected the number of points"},
+        {"5 2 0 0\n", BARE, ST_UNSUPPORTED, "a.node: points of 2 dimensions"},
+        {"5 3 -1 0\n", BARE, ST_CORRUPT, "expected the number of attributes"},
+        {"5 3 0 2\n", BARE, ST_CORRUPT, "expected the number of markers"},
+        {"5 3 0 0 0\n", BARE, ST_CORRUPT, "expected the end of the line"},
+        {"1 3 0 0\n2 0 0 0\n", BARE, ST_CORRUPT, "line 2: \"2\", expected 0 or 1"},
+        {"2 3 0 0\n1 0 0 0\n3 0 0 0\n", BARE, ST_CORRUPT, "line 3: \"3\", expected id 2"},
+        {"2 3 0 0\n1 0 0 0\n", BARE, ST_CORRUPT, "line 3: nothing more here, expected an id"},
+        {"1 3 0 0\n1 0 0\n2", BARE, ST_CORRUPT, "line 2: nothing more here, expected a coordinate"},
+        {"1 3 0 0\n1 0 zero 0\n", BARE, ST_CORRUPT, "line 2: \"zero\", expected a coordinate"},
+        {"1 3 0 0\n1 0 nan 0\n", BARE, ST_CORRUPT, "point 0 (counted from 0) lies at (0, nan, 0)"},
+        {"1 3 0 0\n1 0 1e39 0\n", BARE, ST_CORRUPT, "point 0 (counted from 0) lies at (0, inf, 0)"},
+        {"1 3 0 0\n1 0 0 0 0\n", BARE, ST_CORRUPT, "line 2: \"0\", expected the end of the line"},
+        {"1 3 1 0\n1 0 0 0\n", BARE, ST_CORRUPT,
+         "line 2: nothing more here, expected an attribute"},
+        {"1 3 0 0\n1 0 0 0\n2 0 0 0\n", BARE, ST_CORRUPT, "line 3: \"2\", expected the end: "},
         {NODE, "", ST_CORRUPT, "a.ele: line 1: nothing more here, expected the number of tets"},
         {NODE, "1 10 0\n", ST_UNSUPPORTED, "a.ele: tets of 10 nodes, expected 4"},
         {NODE, "1 4 0\n1 1 2 3", ST_CORRUPT, "a.ele: line 2: nothing more here, expected the id"},
@@ -135,16 +137,20 @@ static void test_refused(void **state) {
 static void test_refused_hints(void **state) {
     (void)state;
     const char *path = write_pair(NODE, ELE);
-    mesh_files_refused(path, &(mesh_hints){.field = "attr3"}, ST_UNSUPPORTED,
-                       "a.node: no field \"attr3\", there are 2: attr1 .., and marker");
-    mesh_files_refused(path, &(mesh_hints){.field = "speed"}, ST_UNSUPPORTED, "no field \"speed\"");
-    mesh_files_refused(path, &(mesh_hints){.component = 2}, ST_UNSUPPORTED, "no vector arrays");
-    mesh_files_refused(path, &(mesh_hints){.field = "attr1", .cells_to_points = true},
-                       ST_UNSUPPORTED, "a.ele: no cell array \"attr1\"");
+    mesh_files_refused(path, &(mesh_hints){.field = "attr3"}, ST_USAGE,
+                       "a.node: no array \"attr3\" of the points, which have \"attr1\", \"attr2\", "
+                       "\"marker\"; the cells have \"region1\", \"region2\" (--cells-to-points");
+    mesh_files_refused(path, &(mesh_hints){.field = "speed"}, ST_USAGE, "no array \"speed\"");
+    mesh_files_refused(path, &(mesh_hints){.component = 2}, ST_USAGE,
+                       "\"attr1\" has no component 2 but 1 to 1");
+    mesh_files_refused(path, &(mesh_hints){.field = "marker", .component = 2}, ST_USAGE,
+                       "\"marker\" has no component 2");
+    mesh_files_refused(path, &(mesh_hints){.field = "attr1", .cells_to_points = true}, ST_USAGE,
+                       "a.ele: no array \"attr1\" of the cells");
     (void)remove(scratch_path("a.ele"));
     mesh_files_refused(path, NULL, ST_IO, "a.ele");
     static const char nul[] = "1 3 0 0\n1 0 0\0 0\n";
-    scratch_text("a.ele", ELE);
+    scratch_text("a.ele", BARE);
     mesh_files_refused(scratch_write("a.node", nul, sizeof nul - 1), NULL, ST_CORRUPT,
                        "a.node: line 2: no text at byte");
 }

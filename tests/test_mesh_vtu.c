@@ -238,7 +238,7 @@ static void test_fields_refused(void **state) {
     mesh_files_refused(a, &(mesh_hints){.field = "beta"}, ST_USAGE,
                        "no array \"beta\" of the points, which have \"alpha\", \"v\", \"n\"");
     mesh_files_refused(a, &(mesh_hints){.field = "q"}, ST_USAGE,
-                       "the cells have \"q\", \"w\" (averaged to the points when asked)");
+                       "the cells have \"q\", \"w\" (--cells-to-points takes them");
     mesh_files_refused(a, &(mesh_hints){.field = "v", .cells_to_points = true}, ST_USAGE,
                        "of the cells, which have \"q\", \"w\"");
     mesh_files_refused(a, &(mesh_hints){.field = "v", .component = 4}, ST_USAGE,
