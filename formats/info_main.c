@@ -75,11 +75,13 @@ static int log2_of(uint64_t size) {
     return 63 - __builtin_clzll(size);
 }
 
-/* Of a mesh: positions, values and indices as a mesh stream has them. */
+/* Of a mesh: positions, values and indices as mesh streams have them, indices once. */
 static double raw_bytes(const leaf_file *f) {
     const leaf_header *h = &f->header;
     if (f->mesh)
-        return (double)h->vertices * (12 + 4 * (double)f->mesh->sets) + 16 * (double)h->tets;
+        return (double)h->vertices *
+                   (12 * (1 + (double)f->layout.moved_steps) + 4 * (double)f->mesh->sets) +
+               16 * (double)h->tets;
     return (double)h->dims[0] * h->dims[1] * h->dims[2] * (double)sample_size(f->layout.type);
 }
 
@@ -181,16 +183,65 @@ static void print_mesh_tets(const leaf_header *h) {
                (unsigned long long)h->repeated, (unsigned long long)h->bad);
 }
 
+/* Range of a field's values at a step: of its treelets. */
+static void set_range(const leaf_file *f, uint32_t set, double range[2]) {
+    const uint32_t n = f->layout.treelets;
+    range[0] = (double)INFINITY;
+    range[1] = -(double)INFINITY;
+    for (uint32_t t = 0; t < n; t++) {
+        const float *own = f->own[(size_t)set * n + t];
+        range[0] = fmin(range[0], (double)own[0]);
+        range[1] = fmax(range[1], (double)own[1]);
+    }
+}
+
+static void field_range(const leaf_file *f, uint32_t field, double range[2]) {
+    range[0] = (double)INFINITY;
+    range[1] = -(double)INFINITY;
+    for (uint32_t step = 0; step < f->mesh->steps; step++) {
+        double own[2];
+        set_range(f, leaf_layout_set(&f->layout, field, step), own);
+        range[0] = fmin(range[0], own[0]);
+        range[1] = fmax(range[1], own[1]);
+    }
+}
+
+/* The name of a lone field; of several, their ranges too. */
+static void print_fields(const facts *x) {
+    const mesh_directory *mesh = x->f->mesh;
+    if (mesh->fields == 1) {
+        if (mesh->names[0][0])
+            printf("field       %s\n", mesh->names[0]);
+        return;
+    }
+    for (uint32_t i = 0; i < mesh->fields; i++) {
+        char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
+        double range[2];
+        field_range(x->f, i, range);
+        printf("%s%s: %s .. %s\n", i ? "            " : "fields      ", mesh->names[i],
+               num_print(range[0], a), num_print(range[1], b));
+    }
+}
+
+static void print_steps(const facts *x) {
+    const mesh_directory *mesh = x->f->mesh;
+    char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
+    if (mesh->steps > 1)
+        printf("steps       %u, times %s .. %s%s\n", mesh->steps, num_print(mesh->times[0], a),
+               num_print(mesh->times[mesh->steps - 1], b),
+               x->f->layout.moved_steps ? ", vertices move" : "");
+}
+
 static void print_mesh_header(const facts *x) {
     const leaf_header *h = &x->f->header;
     char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
     print_common(x);
     print_mesh_tets(h);
-    if (h->field[0])
-        printf("field       %s\n", h->field);
+    print_fields(x);
     print_values(h, "values");
-    if (x->f->mesh->sets > 1)
-        printf("sets        %u fields at %u steps\n", h->fields, h->steps);
+    print_steps(x);
+    if (h->gradients)
+        printf("gradients   of every field and step\n");
     for (int i = 0; i < 3; i++)
         printf("%s%s .. %s\n", i ? "            " : "bounds      ",
                num_print((double)h->bounds[i], a), num_print((double)h->bounds[i + 3], b));
@@ -208,16 +259,20 @@ typedef struct mesh_part {
     uint64_t count, bytes;
 } mesh_part;
 
-enum { MESH_PARTS = 6 };
+enum { MESH_PARTS = 9 };
 
 static void list_parts(const facts *x, mesh_part parts[MESH_PARTS]) {
     const leaf_mesh_parts *p = &x->parts;
-    const mesh_part all[MESH_PARTS] = {{"tets", "tets", x->f->header.tets, p->tets},
-                                       {"positions", "positions", p->vertices, p->positions},
-                                       {"nodes", "nodes", p->node_count, p->nodes},
-                                       {"values", "values", p->vertices, p->values},
-                                       {"value codes", "value_codes", p->node_count, p->codes},
-                                       {"padding", "padding", 0, p->padding}};
+    const mesh_part all[MESH_PARTS] = {
+        {"tets", "tets", x->f->header.tets, p->tets},
+        {"positions", "positions", p->vertices, p->positions},
+        {"nodes", "nodes", p->node_count, p->nodes},
+        {"values", "values", p->vertices, p->values},
+        {"value codes", "value_codes", p->node_count, p->codes},
+        {"gradients", "gradients", p->gradients ? p->vertices : 0, p->gradients},
+        {"later boxes", "moved_boxes", p->moved ? p->node_count : 0, p->moved_boxes},
+        {"later places", "moved", p->moved ? p->vertices : 0, p->moved},
+        {"padding", "padding", 0, p->padding}};
     memcpy(parts, all, sizeof all);
 }
 
@@ -227,13 +282,17 @@ static void print_mesh_parts(const facts *x) {
     list_parts(x, parts);
     printf("\npart                 count          bytes   a tet\n");
     for (int i = 0; i < MESH_PARTS; i++)
-        printf("%-12s %13llu %14llu %7.3f\n", parts[i].name, (unsigned long long)parts[i].count,
-               (unsigned long long)parts[i].bytes, (double)parts[i].bytes / tets);
+        if (parts[i].bytes || !parts[i].count)
+            printf("%-12s %13llu %14llu %7.3f\n", parts[i].name, (unsigned long long)parts[i].count,
+                   (unsigned long long)parts[i].bytes, (double)parts[i].bytes / tets);
     printf("\nstored                              bytes   a tet\n");
-    printf("%-12s %28llu %7.3f\n", "topology", (unsigned long long)x->parts.stored_topology,
-           (double)x->parts.stored_topology / tets);
-    printf("%-12s %28llu %7.3f\n", "values", (unsigned long long)x->parts.stored_values,
-           (double)x->parts.stored_values / tets);
+    const char *const names[] = {"topology", "values", "gradients", "positions"};
+    const uint64_t stored[] = {x->parts.stored_topology, x->parts.stored_values,
+                               x->parts.stored_gradients, x->parts.stored_positions};
+    for (int i = 0; i < 4; i++)
+        if (stored[i])
+            printf("%-12s %28llu %7.3f\n", names[i], (unsigned long long)stored[i],
+                   (double)stored[i] / tets);
     print_histogram(x);
 }
 
@@ -315,11 +374,38 @@ static json_t *bounds_json(const leaf_header *h) {
 static json_t *parts_json(const facts *x) {
     mesh_part parts[MESH_PARTS];
     list_parts(x, parts);
-    json_t *json = json_pack("{s:I, s:I}", "stored_topology", (json_int_t)x->parts.stored_topology,
-                             "stored_values", (json_int_t)x->parts.stored_values);
+    json_t *json =
+        json_pack("{s:I, s:I, s:I, s:I}", "stored_topology", (json_int_t)x->parts.stored_topology,
+                  "stored_values", (json_int_t)x->parts.stored_values, "stored_gradients",
+                  (json_int_t)x->parts.stored_gradients, "stored_positions",
+                  (json_int_t)x->parts.stored_positions);
     for (int i = 0; i < MESH_PARTS; i++)
         json_object_set_new(json, parts[i].key, json_integer((json_int_t)parts[i].bytes));
     return json;
+}
+
+/* Per field: name, and range of its values at each step. */
+static json_t *fields_json(const leaf_file *f) {
+    json_t *fields = json_array();
+    for (uint32_t i = 0; i < f->mesh->fields; i++) {
+        json_t *ranges = json_array();
+        for (uint32_t step = 0; step < f->mesh->steps; step++) {
+            double range[2];
+            set_range(f, leaf_layout_set(&f->layout, i, step), range);
+            json_array_append_new(
+                ranges, json_pack("[o, o]", json_number(range[0]), json_number(range[1])));
+        }
+        json_array_append_new(
+            fields, json_pack("{s:s, s:o}", "name", f->mesh->names[i], "step_ranges", ranges));
+    }
+    return fields;
+}
+
+static json_t *times_json(const leaf_file *f) {
+    json_t *times = json_array();
+    for (uint32_t step = 0; step < f->mesh->steps; step++)
+        json_array_append_new(times, json_real(f->mesh->times[step]));
+    return times;
 }
 
 static json_t *mesh_json(const facts *x) {
@@ -344,6 +430,10 @@ static json_t *mesh_json(const facts *x) {
         parts_json(x));
     json_object_update(json, sizes);
     json_decref(sizes);
+    json_object_set_new(json, "gradients", json_boolean(h->gradients));
+    json_object_set_new(json, "moving", json_boolean(h->moving));
+    json_object_set_new(json, "field_list", fields_json(x->f));
+    json_object_set_new(json, "times", times_json(x->f));
     return json;
 }
 

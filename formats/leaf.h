@@ -4,8 +4,8 @@
  *   LEAF_HEADER_BYTES  section table: header.sections entries of 32 bytes
  *   ...                directory sections, each at a multiple of 64
  *   ...                payload runs, each at a multiple of 2^run_align_log2: the payloads of one
- *                      family of siblings (grid), or all topologies, or all values of one set
- *                      (mesh), each at a multiple of 64 inside the run
+ *                      family of siblings (grid), or of one block (mesh: all topologies, all
+ *                      values of one set, ..), each at a multiple of 64 inside the run
  *
  * All little endian. Everything not named is zero, and checked to be.
  *
@@ -15,7 +15,8 @@
  *
  * A treelet of a tetrahedral mesh is a subtree of the bounding volume hierarchy over its tets with
  * them and their vertices (W07 5): one payload of topology, and one of values for each set (a field
- * at a time step). mesh_leaf.h has what is in these payloads.
+ * at a time step); then, where the file has them, one of gradients for each set, and one of
+ * positions for each step but the first. mesh_leaf.h has what is in these payloads.
  */
 #ifndef FORMATS_LEAF_H
 #define FORMATS_LEAF_H
@@ -66,8 +67,8 @@ typedef struct leaf_header {   /* offset size */
     uint32_t run_align_log2;   /*   52    4  12: 4096 */
     uint32_t codec;            /*   56    4  leaf_codec */
     uint32_t rectilinear;      /*   60    4  grid: 1: section AXES is there */
-    uint32_t fields;           /*   64    4  grid: 1 for now */
-    uint32_t steps;            /*   68    4  grid: 1 for now */
+    uint32_t fields;           /*   64    4  grid: 1 for now; mesh: section FIELDS has their names */
+    uint32_t steps;            /*   68    4  grid: 1 for now; mesh: section TIMES has their times */
     uint32_t sections;         /*   72    4  entries of the section table */
     uint32_t reserved0;        /*   76    4 */
     uint64_t treelets;         /*   80    8  grid: of all levels; implied by dims and B */
@@ -85,7 +86,7 @@ typedef struct leaf_header {   /* offset size */
     /* mesh: */
     uint64_t tets;             /* 1344    8  sum of COUNTS */
     uint64_t vertices;         /* 1352    8  of the tets, each once, over the whole mesh */
-    float bounds[6];           /* 1360   24  of the whole mesh: lo x y z, hi x y z */
+    float bounds[6];           /* 1360   24  of the whole mesh, at all steps: lo x y z, hi x y z */
     uint32_t treelet_tets;     /* 1384    4  at most so many in a treelet */
     uint32_t leaf_tets;        /* 1388    4  at most so many in a leaf of its tree */
     uint64_t flat;             /* 1392    8  tets among them without a volume */
@@ -93,7 +94,9 @@ typedef struct leaf_header {   /* offset size */
     uint64_t repeated;         /* 1408    8  left out: tets of the input with a vertex twice, */
     uint64_t bad;              /* 1416    8    and with an index that is no vertex's */
     char field[64];            /* 1424   64  name of the first field, as name */
-    uint8_t reserved[2608];    /* 1488 2608 */
+    uint32_t gradients;        /* 1488    4  1: each set has gradients too, else 0 */
+    uint32_t moving;           /* 1492    4  1: steps behind the first have positions, else 0 */
+    uint8_t reserved[2600];    /* 1496 2600 */
 } leaf_header;
 
 typedef struct leaf_section {  /* offset size */
@@ -117,10 +120,13 @@ _Static_assert(sizeof(leaf_section) == 32, "leaf_section is 32 bytes");
  * 2y + 4z. So siblings are neighbours, and the root is treelet 0. Which children exist, and every
  * treelet's place, follows from dims and B alone.
  *
- * Meshes: n treelets in the order of their tets, fields * steps sets of values; set = step * fields
- * + field. Payload p < n is the topology of treelet p; n + set * n + t holds the values of set and
- * treelet t. RANGES, OWN, FLAGS: an element set * n + t; OFFSETS, SIZES, CHECKSUMS: an element a
- * payload; BOUNDS, COUNTS: an element a treelet. */
+ * Meshes: n treelets in the order of their tets, fields * steps sets of values; set = field * steps
+ * + step. Payloads come in blocks of n, payload block * n + t being treelet t's: one block of
+ * topologies, a block of values for each set, with header.gradients a block of gradients for each
+ * set, with header.moving a block of positions for each step 1 .. steps - 1 (leaf_layout_values()
+ * and so on). RANGES, OWN, FLAGS: an element set * n + t; OFFSETS, SIZES, CHECKSUMS: an element a
+ * payload; BOUNDS: an element step * n + t with header.moving, else a treelet; COUNTS: an element a
+ * treelet. */
 typedef enum leaf_section_kind {
     LEAF_SECTION_RANGES = 1,  /* float[2]: lo, hi over the treelet's finite samples and all its
                                  descendants'; of a mesh as OWN */
@@ -130,11 +136,14 @@ typedef enum leaf_section_kind {
     LEAF_SECTION_OFFSETS = 4, /* uint64_t: payload's offset in the file */
     LEAF_SECTION_SIZES = 5,   /* uint64_t: payload's stored bytes */
     LEAF_SECTION_CHECKSUMS = 6, /* uint64_t: XXH3-64 of the stored bytes */
-    LEAF_SECTION_AXES = 7,   /* grid: double[dims[0] + dims[1] + dims[2]]: node coordinates in grid
-                                space, level 0 */
-    LEAF_SECTION_BOUNDS = 8, /* mesh: float[6]: lo x y z, hi x y z of the treelet's vertices */
-    LEAF_SECTION_COUNTS = 9, /* mesh: uint32_t[4]: tets, vertices, nodes, leaves */
-    LEAF_SECTION_LAST = 9,   /* of those known here */
+    LEAF_SECTION_AXES = 7,    /* grid: double[dims[0] + dims[1] + dims[2]]: node coordinates in grid
+                                 space, level 0 */
+    LEAF_SECTION_BOUNDS = 8,  /* mesh: float[6]: lo x y z, hi x y z of the treelet's vertices */
+    LEAF_SECTION_COUNTS = 9,  /* mesh: uint32_t[4]: tets, vertices, nodes, leaves */
+    LEAF_SECTION_FIELDS = 10, /* mesh, may be missing: char[64]: name of a field, as header.field */
+    LEAF_SECTION_TIMES = 11,  /* mesh of two steps or more, may be missing: double: time of a step,
+                                 ascending */
+    LEAF_SECTION_LAST = 11,   /* of those known here */
     LEAF_SECTION_ANCILLARY =
         1 << 30 /* set in kinds that a reader may pass over; others it must know */
 } leaf_section_kind;

@@ -115,6 +115,8 @@ static status check_mesh_parameters(const char *path, const leaf_header *h) {
         FIELD(steps, 1, LEAF_SETS_MAX / (h->fields ? h->fields : 1)),
         FIELD(treelet_tets, 1, LEAF_TREELET_TETS_MAX),
         FIELD(leaf_tets, 1, LEAF_LEAF_TETS_MAX),
+        FIELD(gradients, 0, 1),
+        FIELD(moving, 0, h->steps > 1 ? 1 : 0),
     };
     return check_fields(path, fields, sizeof fields / sizeof fields[0]);
 }
@@ -249,7 +251,8 @@ status leaf_check_header(const char *path, const leaf_header *h, uint64_t file_b
 static uint64_t directory_bytes(const leaf_header *h) {
     uint64_t bytes = 0;
     for (uint32_t kind = 1; kind <= LEAF_SECTION_LAST; kind++)
-        bytes += leaf_section_bytes(h, kind);
+        if (!leaf_section_optional(kind))
+            bytes += leaf_section_bytes(h, kind);
     return bytes;
 }
 
@@ -274,19 +277,27 @@ static status check_grid_layout(const char *path, const leaf_header *h, leaf_lay
 }
 
 /* fields, steps and treelets are in their ranges, so that no product overflows. */
+static leaf_blocks blocks_of(const leaf_header *h) {
+    return (leaf_blocks){.treelets = (uint32_t)h->treelets,
+                         .fields = h->fields,
+                         .steps = h->steps,
+                         .gradients = h->gradients,
+                         .moving = h->moving};
+}
+
 static status check_mesh_layout(const char *path, const leaf_header *h, leaf_layout *l) {
-    const uint32_t sets = h->fields * h->steps;
-    if (h->treelets * (1 + (uint64_t)sets) >= LEAF_NO_TREELET)
+    const leaf_blocks blocks = blocks_of(h);
+    if (leaf_blocks_payloads(&blocks) >= LEAF_NO_TREELET)
         return corrupt(path, offsetof(leaf_header, treelets),
                        "expected less than 2^32 - 1 payloads, found %llu treelets and %u sets",
-                       (unsigned long long)h->treelets, sets);
+                       (unsigned long long)h->treelets, h->fields * h->steps);
     if (directory_bytes(h) > h->file_bytes)
         return corrupt(path, offsetof(leaf_header, treelets),
                        "a mesh of %llu treelets has a directory of %llu bytes, which a file of "
                        "%llu cannot hold",
                        (unsigned long long)h->treelets, (unsigned long long)directory_bytes(h),
                        (unsigned long long)h->file_bytes);
-    leaf_layout_mesh(l, (uint32_t)h->treelets, sets);
+    leaf_layout_mesh(l, &blocks);
     return ST_OK;
 }
 
@@ -297,10 +308,15 @@ status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l)
 
 /* ---- sections ---- */
 
+bool leaf_section_optional(uint32_t kind) {
+    return kind == LEAF_SECTION_FIELDS || kind == LEAF_SECTION_TIMES;
+}
+
 uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
     const bool mesh = h->kind == LEAF_KIND_MESH;
+    const leaf_blocks blocks = blocks_of(h);
     const uint64_t sets = mesh ? (uint64_t)h->fields * h->steps : 1;
-    const uint64_t payloads = h->treelets * (mesh ? 1 + sets : 1);
+    const uint64_t payloads = mesh ? leaf_blocks_payloads(&blocks) : h->treelets;
     switch (kind) {
     case LEAF_SECTION_RANGES:
     case LEAF_SECTION_OWN: return h->treelets * sets * sizeof(float[2]);
@@ -311,8 +327,11 @@ uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
     case LEAF_SECTION_AXES:
         return h->rectilinear ? ((uint64_t)h->dims[0] + h->dims[1] + h->dims[2]) * sizeof(double)
                               : 0;
-    case LEAF_SECTION_BOUNDS: return mesh ? h->treelets * sizeof(float[6]) : 0;
+    case LEAF_SECTION_BOUNDS:
+        return mesh ? h->treelets * (h->moving ? h->steps : 1) * sizeof(float[6]) : 0;
     case LEAF_SECTION_COUNTS: return mesh ? h->treelets * sizeof(uint32_t[4]) : 0;
+    case LEAF_SECTION_FIELDS: return mesh ? h->fields * sizeof(char[64]) : 0;
+    case LEAF_SECTION_TIMES: return mesh && h->steps > 1 ? h->steps * sizeof(double) : 0;
     default: return 0;
     }
 }
@@ -372,7 +391,7 @@ status leaf_check_sections(const char *path, const leaf_header *h, const leaf_se
         bool found = false;
         for (uint32_t i = 0; i < h->sections; i++)
             found |= table[i].kind == kind;
-        if (!found && leaf_section_bytes(h, kind))
+        if (!found && !leaf_section_optional(kind) && leaf_section_bytes(h, kind))
             return corrupt(path, LEAF_HEADER_BYTES, "expected a section of kind %u, found none",
                            kind);
     }
@@ -540,14 +559,16 @@ status leaf_check_counts(const char *path, const leaf_header *h, const leaf_dire
 
 static status check_bounds(const char *path, const leaf_header *h, const leaf_layout *l,
                            const leaf_directory *d) {
+    const size_t count = l->treelets * (size_t)(1 + l->moved_steps);
     for (int a = 0; a < 3; a++) {
         float lo = INFINITY, hi = -INFINITY;
-        for (uint32_t t = 0; t < l->treelets; t++) {
-            const float *b = d->bounds[t];
+        for (size_t i = 0; i < count; i++) {
+            const float *b = d->bounds[i];
             if (!isfinite(b[a]) || !isfinite(b[a + 3]) || b[a] > b[a + 3])
-                return corrupt(path, d->at[LEAF_SECTION_BOUNDS - 1] + t * sizeof *d->bounds,
-                               "treelet %u's bounds along %c, %g .. %g, are none", t, "xyz"[a],
-                               (double)b[a], (double)b[a + 3]);
+                return corrupt(path, d->at[LEAF_SECTION_BOUNDS - 1] + i * sizeof *d->bounds,
+                               "treelet %zu's bounds along %c at step %zu, %g .. %g, are none",
+                               i % l->treelets, "xyz"[a], i / l->treelets, (double)b[a],
+                               (double)b[a + 3]);
             lo = fminf(lo, b[a]);
             hi = fmaxf(hi, b[a + 3]);
         }
@@ -589,6 +610,19 @@ status leaf_check_directory(const char *path, const leaf_header *h, const leaf_l
     if (st != ST_OK)
         return st;
     return l->sets ? check_mesh_directory(path, h, l, d) : check_grid_directory(path, h, l, d);
+}
+
+status leaf_check_names(const char *path, const leaf_header *h, const char (*names)[64],
+                        uint64_t at) {
+    for (uint32_t i = 0; i < h->fields; i++) {
+        status st = check_text(path, names[i], sizeof names[i], at + i * sizeof names[i]);
+        if (st != ST_OK)
+            return st;
+    }
+    if (memcmp(names[0], h->field, sizeof h->field) == 0)
+        return ST_OK;
+    return corrupt(path, at, "expected the header's first field \"%s\", found \"%s\"", h->field,
+                   names[0]);
 }
 
 status leaf_check_axis(const char *path, const double *axis, uint32_t count, uint64_t at) {

@@ -8,6 +8,7 @@
 #ifndef FORMATS_LEAF_CHECK_H
 #define FORMATS_LEAF_CHECK_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "formats/base/hash.h"
@@ -58,8 +59,15 @@ CHECKED status leaf_check_directory(const char *path, const leaf_header *h, cons
  * file. */
 CHECKED status leaf_check_axis(const char *path, const double *axis, uint32_t count, uint64_t at);
 
-/* leaf_section_bytes() - the size that a section of this kind must have; 0 for an unknown kind. */
+/* leaf_check_names() - of a mesh's fields, section FIELDS at `at`: texts; the first is the
+ * header's. */
+CHECKED status leaf_check_names(const char *path, const leaf_header *h, const char (*names)[64],
+                                uint64_t at);
+
+/* leaf_section_bytes() - the size that a section of this kind must have; 0 for an unknown kind, and
+ * one that this file has not. leaf_section_optional() - whether it may be missing all the same. */
 uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind);
+bool leaf_section_optional(uint32_t kind);
 
 /* leaf_header_checksum(), leaf_header_id() - as a sound header has them. */
 uint64_t leaf_header_checksum(const leaf_header *h);

@@ -105,10 +105,19 @@ static status allocate_mesh(leaf_file *f) {
     if (!mesh)
         return ST_NOMEM;
     mesh->sets = f->layout.sets;
-    mesh->bounds = mem_array(f->m, count, sizeof *mesh->bounds);
+    mesh->fields = f->header.fields;
+    mesh->steps = f->header.steps;
+    mesh->bounds = mem_array(f->m, count * (1 + f->layout.moved_steps), sizeof *mesh->bounds);
     mesh->counts = mem_array(f->m, count, sizeof *mesh->counts);
     mesh->first_tet = mem_array(f->m, count + 1, sizeof *mesh->first_tet);
-    return mesh->bounds && mesh->counts && mesh->first_tet ? ST_OK : ST_NOMEM;
+    mesh->names = mem_array(f->m, mesh->fields, sizeof *mesh->names);
+    mesh->times = mem_array(f->m, mesh->steps, sizeof *mesh->times);
+    if (!mesh->bounds || !mesh->counts || !mesh->first_tet || !mesh->names || !mesh->times)
+        return ST_NOMEM;
+    memcpy(mesh->names[0], f->header.field, sizeof *mesh->names);
+    for (uint32_t s = 0; s < mesh->steps; s++)
+        mesh->times[s] = s;
+    return ST_OK;
 }
 
 static status allocate_directory(leaf_file *f) {
@@ -135,6 +144,8 @@ static status read_sections(opening *o) {
     if (f->mesh) {
         arrays[LEAF_SECTION_BOUNDS] = f->mesh->bounds;
         arrays[LEAF_SECTION_COUNTS] = f->mesh->counts;
+        arrays[LEAF_SECTION_FIELDS] = f->mesh->names;
+        arrays[LEAF_SECTION_TIMES] = f->mesh->times;
     }
     uint64_t end = LEAF_HEADER_BYTES + f->header.sections * sizeof *o->table;
     const leaf_section *axes = NULL;
@@ -161,7 +172,12 @@ static status read_sections(opening *o) {
 /* The layout of a mesh, once its counts are known to be sound. */
 static status lay_out_mesh(leaf_file *f) {
     mesh_directory *mesh = f->mesh;
-    status st = leaf_layout_init_mesh(&f->layout, f->m, f->layout.treelets, mesh->sets);
+    const leaf_blocks blocks = {.treelets = f->layout.treelets,
+                                .fields = mesh->fields,
+                                .steps = mesh->steps,
+                                .gradients = f->layout.gradient_sets > 0,
+                                .moving = f->layout.moved_steps > 0};
+    status st = leaf_layout_init_mesh(&f->layout, f->m, &blocks);
     if (st != ST_OK)
         return st;
     leaf_layout_set_counts(&f->layout, (const uint32_t(*)[4])mesh->counts);
@@ -173,6 +189,18 @@ static status lay_out_mesh(leaf_file *f) {
 static status lay_out_grid(leaf_file *f) {
     return leaf_layout_init(&f->layout, f->m, f->header.dims, f->header.cells_log2, f->header.halo,
                             (sample_type)f->header.sample_type);
+}
+
+/* Names and times, where the file has them. */
+static status check_labels(const opening *o) {
+    mesh_directory *mesh = o->f->mesh;
+    const char *path = file_path(o->f->source);
+    const uint64_t names = o->at[LEAF_SECTION_FIELDS - 1], times = o->at[LEAF_SECTION_TIMES - 1];
+    mesh->has_times = times > 0;
+    status st = ST_OK;
+    if (names)
+        st = leaf_check_names(path, &o->f->header, (const char(*)[64])mesh->names, names);
+    return st == ST_OK && times ? leaf_check_axis(path, mesh->times, mesh->steps, times) : st;
 }
 
 static status check_directory(const opening *o) {
@@ -191,7 +219,9 @@ static status check_directory(const opening *o) {
     if (f->mesh) {
         d.bounds = (const float(*)[6])f->mesh->bounds;
         d.counts = (const uint32_t(*)[4])f->mesh->counts;
-        st = leaf_check_counts(path, &f->header, &d);
+        st = check_labels(o);
+        if (st == ST_OK)
+            st = leaf_check_counts(path, &f->header, &d);
     }
     if (st == ST_OK)
         st = f->mesh ? lay_out_mesh(f) : lay_out_grid(f);
@@ -239,6 +269,8 @@ void leaf_file_close(leaf_file *f) {
         mem_free(f->m, f->mesh->bounds);
         mem_free(f->m, f->mesh->counts);
         mem_free(f->m, f->mesh->first_tet);
+        mem_free(f->m, f->mesh->names);
+        mem_free(f->m, f->mesh->times);
         mem_free(f->m, f->mesh);
     }
     file_close(f->source);

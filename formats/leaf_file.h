@@ -17,10 +17,15 @@
 
 /* What the directory of a mesh has besides; an element a treelet. */
 typedef struct mesh_directory {
-    float (*bounds)[6];    /* lo x y z, hi x y z */
+    float (*bounds)[6];    /* lo x y z, hi x y z; where vertices move an element step * treelets +
+                              treelet (leaf_layout_bounds()), so that those of step 0 are first */
     uint32_t (*counts)[4]; /* for mesh_leaf_shape() */
     uint64_t *first_tet;   /* treelets + 1: number in the whole mesh of a treelet's first tet */
-    uint32_t sets;         /* of values: fields * steps */
+    uint32_t sets;         /* of values: fields * steps; set = field * steps + step */
+    uint32_t fields, steps;
+    char (*names)[64]; /* of fields; without FIELDS the first has the header's, others "" */
+    double *times;     /* of steps; without TIMES 0, 1, 2 .. */
+    bool has_times;    /* section TIMES was there */
 } mesh_directory;
 
 typedef struct leaf_file {
@@ -54,8 +59,8 @@ bool leaf_file_is_raw(const leaf_file *f, uint32_t p);
 /* leaf_file_load() - read payload p's stored bytes, check them, and decode into payload
  * (leaf_layout_payload_bytes(p); 64-byte aligned). stored: room for sizes[p] bytes; may be NULL
  * when leaf_file_is_raw(), bytes are then read straight into payload. ST_CORRUPT names file, byte
- * and treelet. A mesh's topology is to pass mesh_leaf_check_loaded() before it is used.
- * Thread-safe.
+ * and treelet. A mesh's topology is to pass mesh_leaf_check_loaded() before it is used, positions
+ * mesh_leaf_check_moved(). Thread-safe.
  */
 CHECKED status leaf_file_load(leaf_file *f, uint32_t p, void *stored, void *payload);
 

@@ -113,20 +113,29 @@ status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t
     return ST_OK;
 }
 
-void leaf_layout_mesh(leaf_layout *l, uint32_t treelets, uint32_t sets) {
-    assert(treelets > 0 && sets > 0 && (uint64_t)treelets * (1 + (uint64_t)sets) < LEAF_NO_TREELET);
+uint64_t leaf_blocks_payloads(const leaf_blocks *b) {
+    const uint64_t sets = (uint64_t)b->fields * b->steps;
+    return b->treelets * (1 + sets + (b->gradients ? sets : 0) + (b->moving ? b->steps - 1 : 0));
+}
+
+void leaf_layout_mesh(leaf_layout *l, const leaf_blocks *b) {
+    assert(b->treelets > 0 && b->fields > 0 && b->steps > (b->moving ? 1U : 0U));
+    assert(leaf_blocks_payloads(b) < LEAF_NO_TREELET);
     memset(l, 0, sizeof *l);
     l->levels = 1;
     l->type = SAMPLE_F32;
-    l->treelets = l->level[0].count = treelets;
-    l->payloads = treelets * (1 + sets);
-    l->sets = sets;
+    l->treelets = l->level[0].count = b->treelets;
+    l->payloads = (uint32_t)leaf_blocks_payloads(b);
+    l->sets = b->fields * b->steps;
+    l->steps = b->steps;
+    l->gradient_sets = b->gradients ? l->sets : 0;
+    l->moved_steps = b->moving ? b->steps - 1 : 0;
 }
 
-status leaf_layout_init_mesh(leaf_layout *l, mem *m, uint32_t treelets, uint32_t sets) {
-    leaf_layout_mesh(l, treelets, sets);
+status leaf_layout_init_mesh(leaf_layout *l, mem *m, const leaf_blocks *b) {
+    leaf_layout_mesh(l, b);
     status st = allocate(l, m);
-    for (uint32_t t = 0; st == ST_OK && t < treelets; t++)
+    for (uint32_t t = 0; st == ST_OK && t < l->treelets; t++)
         l->first_child[t] = LEAF_NO_TREELET;
     return st;
 }
@@ -137,7 +146,8 @@ void leaf_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]) {
     for (uint32_t t = 0; t < l->treelets; t++) {
         const mesh_shape s = mesh_leaf_shape(counts[t]);
         l->payload_max = s.topology_bytes > l->payload_max ? s.topology_bytes : l->payload_max;
-        l->payload_max = s.values_bytes > l->payload_max ? s.values_bytes : l->payload_max;
+        assert(s.values_bytes <= s.topology_bytes && s.gradients_bytes <= s.topology_bytes &&
+               s.positions_bytes <= s.topology_bytes);
     }
 }
 
@@ -203,7 +213,13 @@ uint32_t leaf_layout_payload_bytes(const leaf_layout *l, uint32_t p) {
     if (!l->sets)
         return leaf_layout_payload(l, p).bytes;
     const mesh_shape s = mesh_leaf_shape(l->counts[p % l->treelets]);
-    return p < l->treelets ? s.topology_bytes : s.values_bytes;
+    uint32_t index;
+    switch (leaf_layout_block_of(l, p, &index)) {
+    case LEAF_BLOCK_TOPOLOGY: return s.topology_bytes;
+    case LEAF_BLOCK_VALUES: return s.values_bytes;
+    case LEAF_BLOCK_GRADIENTS: return s.gradients_bytes;
+    default: return s.positions_bytes;
+    }
 }
 
 uint32_t leaf_layout_payload_max(const leaf_layout *l) {
@@ -213,13 +229,35 @@ uint32_t leaf_layout_payload_max(const leaf_layout *l) {
     return payload_of(l, (uint32_t[3]){b, b, b}).bytes;
 }
 
+leaf_block leaf_layout_block_of(const leaf_layout *l, uint32_t p, uint32_t *index) {
+    const uint32_t block = p / l->treelets;
+    assert(l->sets && p < l->payloads);
+    *index = 0;
+    if (block == 0)
+        return LEAF_BLOCK_TOPOLOGY;
+    *index = block - 1;
+    if (*index < l->sets)
+        return LEAF_BLOCK_VALUES;
+    *index -= l->sets;
+    if (*index < l->gradient_sets)
+        return LEAF_BLOCK_GRADIENTS;
+    *index -= l->gradient_sets;
+    ++*index;
+    return LEAF_BLOCK_POSITIONS;
+}
+
 const char *leaf_layout_payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
-    if (!l->sets)
+    static const char *const formats[] = {
+        [LEAF_BLOCK_TOPOLOGY] = "treelet %u's topology",
+        [LEAF_BLOCK_VALUES] = "treelet %u's values of set %u",
+        [LEAF_BLOCK_GRADIENTS] = "treelet %u's gradients of set %u",
+        [LEAF_BLOCK_POSITIONS] = "treelet %u's positions of step %u"};
+    uint32_t index;
+    if (!l->sets) {
         snprintf(text, LEAF_NAME_MAX, "treelet %u's payload", p);
-    else if (p < l->treelets)
-        snprintf(text, LEAF_NAME_MAX, "treelet %u's topology", p);
-    else
-        snprintf(text, LEAF_NAME_MAX, "treelet %u's values of set %u", p % l->treelets,
-                 p / l->treelets - 1);
+        return text;
+    }
+    const leaf_block block = leaf_layout_block_of(l, p, &index);
+    snprintf(text, LEAF_NAME_MAX, formats[block], p % l->treelets, index);
     return text;
 }

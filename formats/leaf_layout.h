@@ -8,6 +8,7 @@
 #define FORMATS_LEAF_LAYOUT_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "formats/base/mem.h"
@@ -29,8 +30,11 @@ typedef struct leaf_layout {
     uint32_t cells_log2, halo, levels;
     sample_type type;
     uint32_t treelets;           /* of all levels */
-    uint32_t payloads;           /* of a mesh treelets * (1 + sets), else as many as treelets */
+    uint32_t payloads;           /* of a mesh treelets * blocks, else as many as treelets */
     uint32_t sets;               /* mesh: fields * steps; else 0 */
+    uint32_t steps;              /* mesh; else 0 */
+    uint32_t gradient_sets;      /* mesh: sets, or 0 where there are no gradients */
+    uint32_t moved_steps;        /* mesh: steps - 1, or 0 where vertices stay in place */
     const uint32_t (*counts)[4]; /* mesh: section COUNTS; of the file or the writer */
     uint32_t payload_max;        /* mesh */
     leaf_level level[LEAF_LEVELS_MAX];
@@ -53,11 +57,20 @@ CHECKED status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], 
                                 uint32_t halo, sample_type type);
 void leaf_layout_release(leaf_layout *l);
 
-/* leaf_layout_mesh() - of a mesh file, without allocating; treelets * (1 + sets) below 2^32 - 1.
+/* What there is of a mesh, in blocks of a payload a treelet (leaf.h). */
+typedef struct leaf_blocks {
+    uint32_t treelets, fields, steps; /* 1 or more; fields * steps up to LEAF_SETS_MAX */
+    bool gradients, moving;
+} leaf_blocks;
+
+/* leaf_blocks_payloads() - how many payloads: 2^32 - 1 or more are too many for a file. */
+uint64_t leaf_blocks_payloads(const leaf_blocks *b);
+
+/* leaf_layout_mesh() - of a mesh file, without allocating; leaf_blocks_payloads() below 2^32 - 1.
  * leaf_layout_init_mesh() - and the per-treelet arrays. leaf_layout_set_counts() - what sizes
  * follow from: counts must outlive l, each without a mesh_leaf_counts_fault(). */
-void leaf_layout_mesh(leaf_layout *l, uint32_t treelets, uint32_t sets);
-CHECKED status leaf_layout_init_mesh(leaf_layout *l, mem *m, uint32_t treelets, uint32_t sets);
+void leaf_layout_mesh(leaf_layout *l, const leaf_blocks *b);
+CHECKED status leaf_layout_init_mesh(leaf_layout *l, mem *m, const leaf_blocks *b);
 void leaf_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]);
 
 /* leaf_layout_find() - the treelet at a place of a level: descends from the root, so O(levels). */
@@ -79,17 +92,47 @@ typedef struct leaf_payload {
 leaf_payload leaf_layout_payload(const leaf_layout *l, uint32_t treelet);
 
 /* leaf_layout_payload_bytes() - of payload p before compression; p as in the directory: a grid's
- * treelet, a mesh's topologies and then its values. */
+ * treelet, a mesh's blocks of topologies, values, gradients, positions. */
 uint32_t leaf_layout_payload_bytes(const leaf_layout *l, uint32_t p);
 
 /* leaf_layout_payload_max() - bytes of a full treelet's payload (mesh: of the largest); no other's
  * is larger. */
 uint32_t leaf_layout_payload_max(const leaf_layout *l);
 
-/* leaf_layout_values() - the payload that holds the values of a mesh's treelet in a set. */
+/* leaf_layout_set() - the set of a field at a step. */
+static inline uint32_t leaf_layout_set(const leaf_layout *l, uint32_t of_field, uint32_t step) {
+    return of_field * l->steps + step;
+}
+
+/* leaf_layout_values() - the payload that holds the values of a mesh's treelet in a set.
+ * leaf_layout_gradients() - its gradients in a set, below gradient_sets. leaf_layout_positions() -
+ * its positions at a step from 1 up to moved_steps; those of step 0, and of every step where
+ * nothing moves, are in the topology. */
 static inline uint32_t leaf_layout_values(const leaf_layout *l, uint32_t set, uint32_t treelet) {
     return l->treelets * (1 + set) + treelet;
 }
+static inline uint32_t leaf_layout_gradients(const leaf_layout *l, uint32_t set, uint32_t treelet) {
+    return l->treelets * (1 + l->sets + set) + treelet;
+}
+static inline uint32_t leaf_layout_positions(const leaf_layout *l, uint32_t step,
+                                             uint32_t treelet) {
+    return l->treelets * (l->sets + l->gradient_sets + step) + treelet;
+}
+
+/* leaf_layout_bounds() - the element of BOUNDS of a treelet at a step. */
+static inline size_t leaf_layout_bounds(const leaf_layout *l, uint32_t step, uint32_t treelet) {
+    return (l->moved_steps ? (size_t)step * l->treelets : 0) + treelet;
+}
+
+/* What a mesh's payload holds; leaf_layout_block_of() - of payload p, and of which set (values,
+ * gradients) or step (positions). */
+typedef enum leaf_block {
+    LEAF_BLOCK_TOPOLOGY,
+    LEAF_BLOCK_VALUES,
+    LEAF_BLOCK_GRADIENTS,
+    LEAF_BLOCK_POSITIONS
+} leaf_block;
+leaf_block leaf_layout_block_of(const leaf_layout *l, uint32_t p, uint32_t *index);
 
 /* leaf_layout_payload_name() - for messages: "treelet 5's payload", "treelet 5's values of set 2".
  * Returns text. */
@@ -105,7 +148,7 @@ static inline uint64_t leaf_layout_aligned(uint64_t at, uint32_t log2) {
 /* leaf_layout_payload_at() - where payload p lies when the one before it (for p = 0: the last
  * section) ends at `end`: at the next multiple of LEAF_ALIGN, or of 2^run_align_log2 for the first
  * of a run. That is, in a grid, the child in octant 0, which every parent has; in a mesh the first
- * treelet's topology, and its values in each set. */
+ * treelet's payload in each block. */
 static inline uint64_t leaf_layout_payload_at(const leaf_layout *l, uint32_t p, uint64_t end,
                                               uint32_t run_align_log2) {
     bool first;

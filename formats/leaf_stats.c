@@ -177,15 +177,26 @@ leaf_mesh_parts leaf_stats_mesh(const leaf_file *f) {
         parts.node_count += s.nodes;
         parts.leaves += s.leaves;
         parts.tets += s.tets * sizeof(uint16_t[4]);
-        bytes += s.topology_bytes + sets * s.values_bytes;
+        bytes += s.topology_bytes + sets * s.values_bytes +
+                 f->layout.gradient_sets * (uint64_t)s.gradients_bytes +
+                 f->layout.moved_steps * (uint64_t)s.positions_bytes;
     }
     parts.nodes = parts.node_count * sizeof(mesh_node) +
                   (parts.leaves + f->layout.treelets) * sizeof(uint16_t);
     parts.positions = parts.vertices * sizeof(float[3]);
     parts.codes = sets * parts.node_count * sizeof(mesh_codes);
     parts.values = sets * parts.vertices * sizeof(float);
-    parts.padding = bytes - parts.nodes - parts.tets - parts.positions - parts.codes - parts.values;
+    parts.gradients = f->layout.gradient_sets * parts.vertices * sizeof(float[3]);
+    parts.moved_boxes = f->layout.moved_steps * parts.node_count * sizeof(mesh_boxes);
+    parts.moved = f->layout.moved_steps * parts.vertices * sizeof(float[3]);
+    parts.padding = bytes - parts.nodes - parts.tets - parts.positions - parts.codes -
+                    parts.values - parts.gradients - parts.moved_boxes - parts.moved;
+    uint64_t *const stored[] = {[LEAF_BLOCK_TOPOLOGY] = &parts.stored_topology,
+                                [LEAF_BLOCK_VALUES] = &parts.stored_values,
+                                [LEAF_BLOCK_GRADIENTS] = &parts.stored_gradients,
+                                [LEAF_BLOCK_POSITIONS] = &parts.stored_positions};
+    uint32_t index;
     for (uint32_t p = 0; p < f->layout.payloads; p++)
-        *(p < f->layout.treelets ? &parts.stored_topology : &parts.stored_values) += f->sizes[p];
+        *stored[leaf_layout_block_of(&f->layout, p, &index)] += f->sizes[p];
     return parts;
 }

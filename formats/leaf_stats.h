@@ -30,14 +30,17 @@ uint64_t leaf_stats_tets(const leaf_file *f, uint32_t t, const void *topology, c
 
 /* What the payloads of a mesh are made of: bytes before compression. */
 typedef struct leaf_mesh_parts {
-    uint64_t nodes;     /* boxes and children of the trees, and where leaves begin */
-    uint64_t tets;      /* their vertex indices */
-    uint64_t positions; /* of vertices, once a treelet */
-    uint64_t codes;     /* value ranges of the trees, all sets */
-    uint64_t values;    /* of vertices, all sets */
+    uint64_t nodes;       /* boxes and children of the trees, and where leaves begin */
+    uint64_t tets;        /* their vertex indices */
+    uint64_t positions;   /* of vertices, once a treelet */
+    uint64_t codes;       /* value ranges of the trees, all sets */
+    uint64_t values;      /* of vertices, all sets */
+    uint64_t gradients;   /* of vertices, all sets */
+    uint64_t moved_boxes; /* boxes of the trees at the steps behind the first */
+    uint64_t moved;       /* positions of vertices at these */
     uint64_t padding;
-    uint64_t vertices, node_count, leaves;   /* sums of COUNTS */
-    uint64_t stored_topology, stored_values; /* bytes in the file */
+    uint64_t vertices, node_count, leaves; /* sums of COUNTS */
+    uint64_t stored_topology, stored_values, stored_gradients, stored_positions; /* in the file */
 } leaf_mesh_parts;
 
 leaf_mesh_parts leaf_stats_mesh(const leaf_file *f);

@@ -283,6 +283,27 @@ static uint32_t count_values(const leaf_file *f, uint32_t t, const void *values)
     return count;
 }
 
+/* Payload p of a treelet, but for its topology. */
+static status verify_block(const verification *v, uint32_t p, const char *topology,
+                           const char *payload, char *scratch) {
+    leaf_file *f = v->f;
+    const uint32_t t = p % f->layout.treelets;
+    uint32_t index;
+    status st;
+    switch (leaf_layout_block_of(&f->layout, p, &index)) {
+    case LEAF_BLOCK_VALUES:
+        st = mesh_leaf_check_values(f, index, t, topology, payload, scratch);
+        if (st == ST_OK && (f->flags[p - f->layout.treelets] & LEAF_FLAG_NON_FINITE))
+            v->non_finite[t] += count_values(f, t, payload);
+        return st;
+    case LEAF_BLOCK_GRADIENTS: return mesh_leaf_check_gradients(f, index, t, payload);
+    default:
+        st = mesh_leaf_check_moved(f, index, t, payload);
+        return st == ST_OK ? mesh_leaf_check_positions(f, index, t, topology, payload, scratch)
+                           : st;
+    }
+}
+
 static status verify_mesh_treelet(void *ctx, size_t index, int worker) {
     const verification *v = ctx;
     leaf_file *f = v->f;
@@ -296,13 +317,11 @@ static status verify_mesh_treelet(void *ctx, size_t index, int worker) {
         st = mesh_leaf_check_loaded(f, t, topology);
     if (st == ST_OK)
         st = mesh_leaf_check_topology(f, t, topology, scratch);
-    for (uint32_t set = 0; set < f->mesh->sets && st == ST_OK; set++) {
-        const uint32_t p = leaf_layout_values(&f->layout, set, t);
+    for (uint32_t p = t + f->layout.treelets; p < f->layout.payloads && st == ST_OK;
+         p += f->layout.treelets) {
         st = leaf_file_load(f, p, v->stored[worker], values);
         if (st == ST_OK)
-            st = mesh_leaf_check_values(f, set, t, topology, values, scratch);
-        if (st == ST_OK && (f->flags[p - f->layout.treelets] & LEAF_FLAG_NON_FINITE))
-            v->non_finite[t] += count_values(f, t, values);
+            st = verify_block(v, p, topology, values, scratch);
     }
     return st;
 }

@@ -25,6 +25,8 @@ struct leaf_writer {
     double *axes; /* rectilinear: all three, one after the other */
     float (*bounds)[6];
     uint32_t (*counts)[4];
+    char (*names)[64]; /* or NULL, as times */
+    double *times;
     out_file *out;
     /* Where payloads wait until all sizes are known: compressed ones, and a mesh's. NULL: they are
      * known from the start. */
@@ -70,11 +72,22 @@ uint64_t leaf_writer_memory(const leaf_layout *l, leaf_codec codec) {
     return bytes + l->treelets * each;
 }
 
+static leaf_blocks blocks_of(const leaf_mesh *mesh) {
+    return (leaf_blocks){.treelets = mesh->treelets,
+                         .fields = mesh->fields,
+                         .steps = mesh->steps,
+                         .gradients = mesh->gradients,
+                         .moving = mesh->moving};
+}
+
 uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max) {
+    const leaf_blocks blocks = blocks_of(mesh);
     const uint64_t sets = (uint64_t)mesh->fields * mesh->steps;
     const uint64_t each = LAYOUT_BYTES + MESH_BYTES + sets * RANGE_BYTES +
-                          (1 + sets) * (PAYLOAD_BYTES + sizeof(uint64_t));
-    return sizeof(leaf_writer) + 4096 + payload_max + mesh->treelets * each;
+                          (mesh->moving ? mesh->steps - 1 : 0) * sizeof(float[6]);
+    return sizeof(leaf_writer) + 4096 + payload_max + mesh->treelets * each +
+           mesh->fields * sizeof(char[64]) + mesh->steps * sizeof(double) +
+           leaf_blocks_payloads(&blocks) * (PAYLOAD_BYTES + sizeof(uint64_t));
 }
 
 /* ---- creating ---- */
@@ -120,6 +133,8 @@ static void fill_mesh(leaf_writer *w, const leaf_mesh *mesh) {
     h->to_world[0] = h->to_world[5] = h->to_world[10] = 1;
     h->treelet_tets = mesh->treelet_tets;
     h->leaf_tets = mesh->leaf_tets;
+    h->gradients = mesh->gradients;
+    h->moving = mesh->moving;
     copy_text(h->name, sizeof h->name, mesh->name);
     copy_text(h->field, sizeof h->field, mesh->field);
 }
@@ -130,10 +145,18 @@ static uint64_t sections_end(const leaf_writer *w) {
 }
 
 /* Which sections there are, and where; their sizes are known from the start. */
+static bool has_section(const leaf_writer *w, uint32_t kind) {
+    if (!leaf_section_bytes(&w->header, kind))
+        return false;
+    return kind == LEAF_SECTION_FIELDS  ? w->names != NULL
+           : kind == LEAF_SECTION_TIMES ? w->times != NULL
+                                        : true;
+}
+
 static void place_sections(leaf_writer *w) {
     leaf_header *h = &w->header;
     for (uint32_t kind = 1; kind <= LEAF_SECTION_LAST; kind++)
-        if (leaf_section_bytes(h, kind))
+        if (has_section(w, kind))
             w->table[h->sections++] =
                 (leaf_section){.kind = kind, .version = 1, .bytes = leaf_section_bytes(h, kind)};
     uint64_t end = LEAF_HEADER_BYTES + h->sections * sizeof *w->table;
@@ -183,9 +206,27 @@ static status allocate_axes(leaf_writer *w, const grid *g) {
 }
 
 static status allocate_mesh(leaf_writer *w) {
-    w->bounds = mem_array(w->m, w->layout.treelets, sizeof *w->bounds);
+    const size_t steps = 1 + w->layout.moved_steps;
+    w->bounds = mem_array(w->m, w->layout.treelets * steps, sizeof *w->bounds);
     w->counts = mem_array(w->m, w->layout.treelets, sizeof *w->counts);
     return w->bounds && w->counts ? ST_OK : ST_NOMEM;
+}
+
+static status copy_labels(leaf_writer *w, const leaf_mesh *mesh) {
+    if (mesh->names) {
+        w->names = mem_array(w->m, mesh->fields, sizeof *w->names);
+        if (!w->names)
+            return ST_NOMEM;
+        for (uint32_t i = 0; i < mesh->fields; i++)
+            copy_text(w->names[i], sizeof w->names[i], mesh->names[i]);
+    }
+    if (mesh->times && mesh->steps > 1) {
+        w->times = mem_array(w->m, mesh->steps, sizeof *w->times);
+        if (!w->times)
+            return ST_NOMEM;
+        memcpy(w->times, mesh->times, mesh->steps * sizeof *w->times);
+    }
+    return ST_OK;
 }
 
 /* A scratch file, for payloads whose sizes place them only in the end. */
@@ -245,19 +286,23 @@ status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
 status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_mesh *mesh,
                                const leaf_parameters *p, leaf_writer **out) {
     const uint64_t sets = (uint64_t)mesh->fields * mesh->steps;
+    const leaf_blocks blocks = blocks_of(mesh);
     assert(mesh->treelets > 0 && sets > 0 && sets <= LEAF_SETS_MAX);
+    assert(!mesh->names || strncmp(mesh->names[0], mesh->field, sizeof(char[63])) == 0);
     assert(mesh->treelet_tets > 0 && mesh->treelet_tets <= LEAF_TREELET_TETS_MAX);
     assert(mesh->leaf_tets > 0 && mesh->leaf_tets <= LEAF_LEAF_TETS_MAX);
-    if (mesh->treelets * (1 + sets) >= LEAF_NO_TREELET)
+    if (leaf_blocks_payloads(&blocks) >= LEAF_NO_TREELET)
         return status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
     leaf_writer *w = new_writer(m, p);
     if (!w)
         return ST_NOMEM;
-    status st = leaf_layout_init_mesh(&w->layout, m, mesh->treelets, (uint32_t)sets);
+    status st = leaf_layout_init_mesh(&w->layout, m, &blocks);
     if (st == ST_OK)
         st = allocate(w, mesh->treelets * sets);
     if (st == ST_OK)
         st = allocate_mesh(w);
+    if (st == ST_OK)
+        st = copy_labels(w, mesh);
     if (st == ST_OK)
         st = out_file_create(m, path, force, &w->out);
     if (st == ST_OK)
@@ -289,6 +334,8 @@ void leaf_writer_discard(leaf_writer *w) {
     mem_free(w->m, w->axes);
     mem_free(w->m, w->bounds);
     mem_free(w->m, w->counts);
+    mem_free(w->m, w->names);
+    mem_free(w->m, w->times);
     (void)pthread_mutex_destroy(&w->lock);
     mem_free(w->m, w);
 }
@@ -426,6 +473,22 @@ status leaf_writer_put_values(leaf_writer *w, leaf_packer *k, uint32_t set, uint
                        mesh_leaf_shape(w->counts[t]).values_bytes, pack);
 }
 
+status leaf_writer_put_gradients(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
+                                 const void *payload, void *pack) {
+    assert(t < w->layout.treelets && set < w->layout.gradient_sets && w->counts[t][0]);
+    return put_payload(w, k, leaf_layout_gradients(&w->layout, set, t), payload,
+                       mesh_leaf_shape(w->counts[t]).gradients_bytes, pack);
+}
+
+status leaf_writer_put_positions(leaf_writer *w, leaf_packer *k, uint32_t step, uint32_t t,
+                                 const float bounds[6], const void *payload, void *pack) {
+    assert(t < w->layout.treelets && step > 0 && step <= w->layout.moved_steps);
+    assert(w->counts[t][0]);
+    copy_floats(w->bounds[leaf_layout_bounds(&w->layout, step, t)], bounds, 6);
+    return put_payload(w, k, leaf_layout_positions(&w->layout, step, t), payload,
+                       mesh_leaf_shape(w->counts[t]).positions_bytes, pack);
+}
+
 /* ---- finishing ---- */
 
 /* From the scratch file to their places. */
@@ -470,13 +533,13 @@ static void sum_up_mesh(leaf_writer *w) {
     leaf_header *h = &w->header;
     double lo = (double)INFINITY, hi = -(double)INFINITY;
     memcpy(h->bounds, w->bounds[0], sizeof h->bounds);
-    for (uint32_t t = 0; t < w->layout.treelets; t++) {
+    for (uint32_t t = 0; t < w->layout.treelets; t++)
         h->tets += w->counts[t][0];
+    for (size_t i = 0; i < (size_t)w->layout.treelets * (1 + w->layout.moved_steps); i++)
         for (int a = 0; a < 3; a++) {
-            h->bounds[a] = fminf(h->bounds[a], w->bounds[t][a]);
-            h->bounds[a + 3] = fmaxf(h->bounds[a + 3], w->bounds[t][a + 3]);
+            h->bounds[a] = fminf(h->bounds[a], w->bounds[i][a]);
+            h->bounds[a + 3] = fmaxf(h->bounds[a + 3], w->bounds[i][a + 3]);
         }
-    }
     for (size_t i = 0; i < (size_t)w->layout.treelets * w->layout.sets; i++) {
         memcpy(w->ranges[i], w->own[i], sizeof w->own[i]);
         lo = fmin(lo, (double)w->own[i][0]);
@@ -487,8 +550,9 @@ static void sum_up_mesh(leaf_writer *w) {
 }
 
 static status write_sections(leaf_writer *w) {
-    const void *arrays[LEAF_SECTION_LAST] = {w->ranges,    w->own,  w->flags,  w->offsets, w->sizes,
-                                             w->checksums, w->axes, w->bounds, w->counts};
+    const void *arrays[LEAF_SECTION_LAST] = {w->ranges, w->own,       w->flags, w->offsets,
+                                             w->sizes,  w->checksums, w->axes,  w->bounds,
+                                             w->counts, w->names,     w->times};
     for (uint32_t i = 0; i < w->header.sections; i++) {
         leaf_section *s = &w->table[i];
         s->checksum = hash_bytes(arrays[s->kind - 1], (size_t)s->bytes);

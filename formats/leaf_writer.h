@@ -7,7 +7,8 @@
  * its name in leaf_writer_finish() alone, header last.
  *
  * Of a mesh: leaf_writer_create_mesh(); of each treelet leaf_writer_put_topology(), then
- * leaf_writer_put_values() of each set; leaf_writer_finish(). All else is the same.
+ * leaf_writer_put_values() of each set, and gradients of each set and positions of each step behind
+ * the first if the file is to have them; leaf_writer_finish(). All else is the same.
  */
 #ifndef FORMATS_LEAF_WRITER_H
 #define FORMATS_LEAF_WRITER_H
@@ -53,11 +54,15 @@ typedef struct leaf_facts {
 
 /* What a mesh file is to be; of leaf_parameters, cells_log2 and halo do not matter then. */
 typedef struct leaf_mesh {
-    const char *name, *field; /* cut if too long */
+    const char *name, *field; /* of the data set, of the first field; cut if too long */
+    const char *const *names; /* of all fields, the first one's being `field`; NULL: untold */
+    const double *times;      /* of all steps, ascending; NULL: untold */
     uint32_t treelets;
     uint32_t treelet_tets;  /* at most so many in a treelet: 1 .. LEAF_TREELET_TETS_MAX */
     uint32_t leaf_tets;     /* at most so many in a leaf: 1 .. LEAF_LEAF_TETS_MAX */
     uint32_t fields, steps; /* 1 or more; sets = fields * steps up to LEAF_SETS_MAX */
+    bool gradients;         /* each set has them, too */
+    bool moving;            /* steps behind the first have positions; steps is 2 or more then */
 } leaf_mesh;
 
 /* leaf_writer_create() - begin a file at path; ST_EXISTS unless force. g: as the input has it
@@ -102,12 +107,18 @@ CHECKED status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t t, const
 /* leaf_writer_put_topology() - treelet t of a mesh: its bounds (exact), its counts (without a
  * mesh_leaf_counts_fault()), and its topology, mesh_leaf_shape(counts).topology_bytes.
  * leaf_writer_put_values() - its values in a set, .values_bytes, after its topology; entry->own is
- * the range of its vertices' finite values. Each exactly once; threads as leaf_writer_put(). */
+ * the range of its vertices' finite values. leaf_writer_put_gradients() - its gradients in a set,
+ * .gradients_bytes, likewise. leaf_writer_put_positions() - its positions at a step behind the
+ * first, .positions_bytes, and their bounds. Each exactly once; threads as leaf_writer_put(). */
 CHECKED status leaf_writer_put_topology(leaf_writer *w, leaf_packer *k, uint32_t t,
                                         const float bounds[6], const uint32_t counts[4],
                                         const void *payload, void *pack);
 CHECKED status leaf_writer_put_values(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
                                       const leaf_entry *entry, const void *payload, void *pack);
+CHECKED status leaf_writer_put_gradients(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
+                                         const void *payload, void *pack);
+CHECKED status leaf_writer_put_positions(leaf_writer *w, leaf_packer *k, uint32_t step, uint32_t t,
+                                         const float bounds[6], const void *payload, void *pack);
 
 /* leaf_writer_finish() - all treelets are there: merge ranges, place payloads, write directory and
  * header, publish. Consumes w in any case. header may be NULL; else it becomes the file's. */

@@ -21,6 +21,9 @@ mesh_shape mesh_leaf_shape(const uint32_t counts[4]) {
     s.topology_bytes = aligned(s.positions_at + s.vertices * (uint32_t)sizeof(float[3]));
     s.values_at = aligned(s.nodes * (uint32_t)sizeof(mesh_codes));
     s.values_bytes = aligned(s.values_at + s.vertices * (uint32_t)sizeof(float));
+    s.gradients_bytes = aligned(s.vertices * (uint32_t)sizeof(float[3]));
+    s.moved_at = aligned(s.nodes * (uint32_t)sizeof(mesh_boxes));
+    s.positions_bytes = aligned(s.moved_at + s.vertices * (uint32_t)sizeof(float[3]));
     return s;
 }
 

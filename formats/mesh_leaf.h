@@ -6,6 +6,12 @@
  *              float positions[vertices][3]   in ascending order of the mesh's vertex ids
  *   values     mesh_codes[nodes]              value ranges of each node's children
  *              float values[vertices]
+ *   gradients  float gradients[vertices][3]   of a set, over the whole mesh: of each vertex the
+ *                                             mean of its tets' gradients, weighted by volume (M08
+ *                                             6.3.4); finite; 0 0 0: there is none
+ *   positions  mesh_boxes[nodes]              at a step behind the first: boxes of each node's
+ *                                             children, instead of mesh_node's
+ *              float positions[vertices][3]
  *
  * Each part ends with zeros up to a multiple of 64, so that every part is 64-byte aligned. Vertices
  * are numbered within the treelet, in the order of their ids in the whole mesh: a face that two
@@ -17,9 +23,9 @@
  * two children or more, unless the whole treelet is one leaf; a path from the root has at most
  * MESH_DEPTH_MAX nodes.
  *
- * A child's box is coded in 8 bits an axis and side, relative to the treelet's BOUNDS, and its
- * values' range relative to the treelet's own range (quantize.h, as f32). Both contain what is in
- * the child by construction: mesh_leaf_plane() and quantizer_map() are monotone, and the only
+ * A child's box is coded in 8 bits an axis and side, relative to the treelet's BOUNDS of the step,
+ * and its values' range relative to the treelet's own range (quantize.h, as f32). Both contain what
+ * is in the child by construction: mesh_leaf_plane() and quantizer_map() are monotone, and the only
  * functions that writer and readers use.
  */
 #ifndef FORMATS_MESH_LEAF_H
@@ -48,10 +54,16 @@ typedef struct mesh_codes {            /* offset size */
     uint8_t hi[MESH_CHILDREN];         /*  8   8  quantizer_ceil() of the largest; absent, or no
                                                   finite value: lo = 255, hi = 0 */
 } mesh_codes;
+
+typedef struct mesh_boxes {            /* offset size */
+    uint8_t lo[3][MESH_CHILDREN];      /*  0  24  as in mesh_node */
+    uint8_t hi[3][MESH_CHILDREN];      /* 24  24 */
+} mesh_boxes;
 /* clang-format on */
 
 _Static_assert(sizeof(mesh_node) == 64, "mesh_node is a cache line");
 _Static_assert(sizeof(mesh_codes) == 16, "mesh_codes is 16 bytes");
+_Static_assert(sizeof(mesh_boxes) == 48, "mesh_boxes is 48 bytes");
 
 /* Where the parts of a treelet's payloads are. */
 typedef struct mesh_shape {
@@ -60,6 +72,9 @@ typedef struct mesh_shape {
     uint32_t topology_bytes;
     uint32_t values_at; /* from the values' start; codes: 0 */
     uint32_t values_bytes;
+    uint32_t gradients_bytes;
+    uint32_t moved_at; /* positions from the start of a step's; boxes: 0 */
+    uint32_t positions_bytes;
 } mesh_shape;
 
 /* mesh_leaf_shape() - counts: an element of COUNTS (tets, vertices, nodes, leaves), within the
@@ -90,6 +105,15 @@ static inline const mesh_codes *mesh_leaf_codes(const void *values) {
 static inline const float *mesh_leaf_values(const mesh_shape *s, const void *values) {
     return (const float *)((const char *)values + s->values_at);
 }
+static inline const float (*mesh_leaf_gradients(const void *gradients))[3] {
+    return (const float(*)[3])gradients;
+}
+static inline const mesh_boxes *mesh_leaf_moved_boxes(const void *positions) {
+    return positions;
+}
+static inline const float (*mesh_leaf_moved(const mesh_shape *s, const void *positions))[3] {
+    return (const float(*)[3])((const char *)positions + s->moved_at);
+}
 
 /* ---- planes ---- */
 
@@ -98,8 +122,8 @@ typedef struct mesh_frame {
     float lo[3], step[3];
 } mesh_frame;
 
-/* mesh_leaf_frame() - of a treelet's BOUNDS. step: the smallest float >= 0 with 16 significant bits
- * (the last 8 of its 32 are zero) whose plane 255 is not below hi. */
+/* mesh_leaf_frame() - of a treelet's BOUNDS at a step of time. step: the smallest float >= 0 with
+ * 16 significant bits (the last 8 of its 32 are zero) whose plane 255 is not below hi. */
 mesh_frame mesh_leaf_frame(const float bounds[6]);
 
 /* mesh_leaf_plane() - where a code lies: monotone, plane 0 is lo, plane 255 is at or beyond hi;

@@ -137,9 +137,7 @@ static bool outside(const float *p, const float *bounds) {
            !(p[0] <= bounds[3]) | !(p[1] <= bounds[4]) | !(p[2] <= bounds[5]);
 }
 
-static status check_positions(const subject *x) {
-    const float(*p)[3] = mesh_leaf_positions(&x->s, x->bytes);
-    const float *bounds = x->f->mesh->bounds[x->t];
+static status check_positions(const subject *x, const float (*p)[3], const float bounds[6]) {
     unsigned bad = 0;
     for (uint32_t v = 0; v < x->s.vertices; v++)
         bad |= outside(p[v], bounds);
@@ -159,7 +157,15 @@ status mesh_leaf_check_loaded(const leaf_file *f, uint32_t t, const void *topolo
         st = check_leaves(&x);
     if (st == ST_OK)
         st = check_tets(&x);
-    return st == ST_OK ? check_positions(&x) : st;
+    return st == ST_OK
+               ? check_positions(&x, mesh_leaf_positions(&x.s, topology), f->mesh->bounds[t])
+               : st;
+}
+
+status mesh_leaf_check_moved(const leaf_file *f, uint32_t step, uint32_t t, const void *positions) {
+    const subject x = subject_of(f, t, leaf_layout_positions(&f->layout, step, t), NULL, positions);
+    return check_positions(&x, mesh_leaf_moved(&x.s, positions),
+                           f->mesh->bounds[leaf_layout_bounds(&f->layout, step, t)]);
 }
 
 /* ---- all that can be recomputed ---- */
@@ -216,24 +222,34 @@ static void child_box(const subject *x, const void *topology, uint16_t child, co
         }
 }
 
-static status check_boxes(const subject *x, float *boxes) {
-    const mesh_frame frame = mesh_leaf_frame(x->f->mesh->bounds[x->t]);
-    const float *at = mesh_leaf_positions(&x->s, x->bytes)[0];
+/* Where the positions of a step and the codes of their boxes are: in the topology, or apart. */
+typedef struct placement {
+    const float (*positions)[3];
+    const float *bounds;
+    const char *codes; /* mesh_boxes, `stride` bytes apart */
+    size_t stride;
+} placement;
+
+static status check_boxes(const subject *x, const placement *p, const void *topology,
+                          float *boxes) {
+    const mesh_frame frame = mesh_leaf_frame(p->bounds);
+    const float *at = p->positions[0];
     for (uint32_t n = x->s.nodes; n-- > 0;) {
-        const mesh_node *node = &x->nodes[n];
+        const uint16_t *child = x->nodes[n].child;
+        const mesh_boxes *codes = (const mesh_boxes *)(p->codes + n * p->stride);
         float *all = boxes + (size_t)n * 6, box[6];
         empty_box(all, 3);
         for (int c = 0; c < MESH_CHILDREN; c++) {
-            const bool absent = node->child[c] == MESH_NO_CHILD;
+            const bool absent = child[c] == MESH_NO_CHILD;
             if (!absent) {
-                child_box(x, x->bytes, node->child[c], at, 3, boxes, box);
+                child_box(x, topology, child[c], at, 3, boxes, box);
                 widen(all, 3, box, box + 3);
             }
             for (int a = 0; a < 3; a++) {
-                status st = check_code(x, &node->lo[a][c], "lower",
+                status st = check_code(x, &codes->lo[a][c], "lower",
                                        absent ? 255 : mesh_leaf_code_lo(&frame, a, box[a]));
                 if (st == ST_OK)
-                    st = check_code(x, &node->hi[a][c], "upper",
+                    st = check_code(x, &codes->hi[a][c], "upper",
                                     absent ? 0 : mesh_leaf_code_hi(&frame, a, box[a + 3]));
                 if (st != ST_OK)
                     return st;
@@ -243,9 +259,9 @@ static status check_boxes(const subject *x, float *boxes) {
     return ST_OK;
 }
 
-static status check_bounds(const subject *x) {
-    const float(*p)[3] = mesh_leaf_positions(&x->s, x->bytes);
-    const float *bounds = x->f->mesh->bounds[x->t];
+static status check_bounds(const subject *x, const placement *at) {
+    const float(*p)[3] = at->positions;
+    const float *bounds = at->bounds;
     float box[6];
     empty_box(box, 3);
     for (uint32_t v = 0; v < x->s.vertices; v++)
@@ -274,16 +290,48 @@ status mesh_leaf_check_topology(const leaf_file *f, uint32_t t, const void *topo
                                 void *scratch) {
     const subject x = subject_of(f, t, t, topology, topology);
     const mesh_shape *s = &x.s;
+    const placement p = {.positions = mesh_leaf_positions(s, topology),
+                         .bounds = f->mesh->bounds[t],
+                         .codes = topology,
+                         .stride = sizeof(mesh_node)};
     status st = check_zero(&x, s->leaf_first_at + (s->leaves + 1) * sizeof(uint16_t), s->tets_at);
     if (st == ST_OK)
         st = check_zero(&x, s->tets_at + s->tets * sizeof(uint16_t[4]), s->positions_at);
     if (st == ST_OK)
         st = check_zero(&x, s->positions_at + s->vertices * sizeof(float[3]), s->topology_bytes);
     if (st == ST_OK)
-        st = check_bounds(&x);
+        st = check_bounds(&x, &p);
     if (st == ST_OK)
         st = check_used(&x, (uint8_t *)scratch + s->nodes * sizeof(float[6]));
-    return st == ST_OK ? check_boxes(&x, scratch) : st;
+    return st == ST_OK ? check_boxes(&x, &p, topology, scratch) : st;
+}
+
+status mesh_leaf_check_positions(const leaf_file *f, uint32_t step, uint32_t t,
+                                 const void *topology, const void *positions, void *scratch) {
+    const subject x =
+        subject_of(f, t, leaf_layout_positions(&f->layout, step, t), topology, positions);
+    const mesh_shape *s = &x.s;
+    const placement p = {.positions = mesh_leaf_moved(s, positions),
+                         .bounds = f->mesh->bounds[leaf_layout_bounds(&f->layout, step, t)],
+                         .codes = positions,
+                         .stride = sizeof(mesh_boxes)};
+    status st = check_zero(&x, s->nodes * sizeof(mesh_boxes), s->moved_at);
+    if (st == ST_OK)
+        st = check_zero(&x, s->moved_at + s->vertices * sizeof(float[3]), s->positions_bytes);
+    if (st == ST_OK)
+        st = check_bounds(&x, &p);
+    return st == ST_OK ? check_boxes(&x, &p, topology, scratch) : st;
+}
+
+status mesh_leaf_check_gradients(const leaf_file *f, uint32_t set, uint32_t t,
+                                 const void *gradients) {
+    const subject x = subject_of(f, t, leaf_layout_gradients(&f->layout, set, t), NULL, gradients);
+    const float(*g)[3] = mesh_leaf_gradients(gradients);
+    for (uint32_t v = 0; v < x.s.vertices; v++)
+        for (int a = 0; a < 3; a++)
+            if (!isfinite(g[v][a]))
+                return wrong(&x, &g[v][a], "expected a finite number, found %g", (double)g[v][a]);
+    return check_zero(&x, x.s.vertices * sizeof(float[3]), x.s.gradients_bytes);
 }
 
 static status check_range(const subject *x, uint32_t set) {

@@ -33,9 +33,12 @@ typedef struct image {
 
 static mem m;
 
-/* Four treelets, two sets, some values missing. */
+/* Four treelets, two sets, some values missing; with all that a file can have. */
+enum { SECTIONS = 10, BLOCKS = 1 + 2 + 2 + 1 };
+
 static image make(leaf_codec codec) {
     mesh_case c = mesh_leaves_cube(3, 1, 2, 7, 15);
+    mesh_leaves_extend(&c, 8);
     c.file.codec = codec;
     c.file.run_align_log2 = 9;
     image i = {0};
@@ -49,7 +52,7 @@ static image make(leaf_codec codec) {
 }
 
 static void *section(const image *i, uint32_t kind) {
-    for (uint32_t n = 0; n < 8; n++)
+    for (uint32_t n = 0; n < SECTIONS; n++)
         if (i->table[n].kind == kind)
             return i->bytes + i->table[n].offset;
     fail_msg("no section %u", kind);
@@ -162,7 +165,8 @@ static void test_lying_header(void **state) {
                                       33, 65, 255, 4096, 1 << 20, 0x7fc00000, 1u << 31, UINT32_MAX};
     for (size_t at = 8; at < offsetof(leaf_header, reserved); at += 4) {
         /* id and checksum are sealed; texts may be any. */
-        if ((at >= 232 && at < 1344) || at >= offsetof(leaf_header, field))
+        if ((at >= 232 && at < 1344) ||
+            (at >= offsetof(leaf_header, field) && at < offsetof(leaf_header, gradients)))
             continue;
         /* The rounding error may be any that is none below 0. */
         if (at >= offsetof(leaf_header, rounding_error) && at < offsetof(leaf_header, to_world))
@@ -190,7 +194,7 @@ static void test_lying_header(void **state) {
     seal(&i);
     check_refused(&i, false, "rounding_error");
     *i.header = sound;
-    i.header->reserved[2607] = 1;
+    i.header->reserved[sizeof sound.reserved - 1] = 1;
     seal(&i);
     check_refused(&i, false, "reserved bytes");
     free(i.bytes);
@@ -209,6 +213,8 @@ static void test_lying_sizes(void **state) {
             i.header->tets = treelets[n];
             i.header->fields = sets[k][0];
             i.header->steps = sets[k][1];
+            i.header->gradients = n & 1;
+            i.header->moving = n >> 1 & 1;
             for (uint32_t s = 0; s < i.header->sections; s++)
                 i.table[s].bytes = leaf_section_bytes(i.header, i.table[s].kind);
             seal(&i);
@@ -222,10 +228,10 @@ static void test_lying_sizes(void **state) {
 static void test_lying_table(void **state) {
     (void)state;
     image i = make(LEAF_CODEC_RAW);
-    leaf_section sound[8];
+    leaf_section sound[SECTIONS];
     memcpy(sound, i.table, sizeof sound);
     static const uint64_t values[] = {0, 1, 7, 8, 9, 63, 64, 4096, 1ULL << 32, UINT64_MAX};
-    for (int n = 0; n < 8; n++)
+    for (int n = 0; n < SECTIONS; n++)
         for (size_t k = 0; k < 5 * (sizeof values / sizeof values[0]); k++) {
             uint64_t v = values[k / 5];
             leaf_section *s = &i.table[n];
@@ -236,7 +242,10 @@ static void test_lying_table(void **state) {
             case 3: s->offset += v; break;
             default: s->bytes = v; break;
             }
-            if (memcmp(sound, i.table, sizeof sound) != 0) {
+            /* Names and times may be missing, and what is to be passed over may be anything. */
+            const bool fine =
+                (s->kind & LEAF_SECTION_ANCILLARY) && leaf_section_optional(sound[n].kind);
+            if (!fine && memcmp(sound, i.table, sizeof sound) != 0) {
                 seal(&i);
                 check_refused(&i, false, "section table");
             }
@@ -271,11 +280,11 @@ static void test_lying_directory(void **state) {
     for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
         image i = make((leaf_codec)codec);
         const uint32_t n = (uint32_t)i.header->treelets;
-        check_numbers(&i, LEAF_SECTION_OFFSETS, 2 * 3 * n, true);
-        check_numbers(&i, LEAF_SECTION_SIZES, 2 * 3 * n, true);
+        check_numbers(&i, LEAF_SECTION_OFFSETS, 2 * BLOCKS * n, true);
+        check_numbers(&i, LEAF_SECTION_SIZES, 2 * BLOCKS * n, true);
         check_numbers(&i, LEAF_SECTION_RANGES, 2 * 2 * n, true);
         check_numbers(&i, LEAF_SECTION_OWN, 2 * 2 * n, true);
-        check_numbers(&i, LEAF_SECTION_BOUNDS, 6 * n, false);
+        check_numbers(&i, LEAF_SECTION_BOUNDS, 2 * 6 * n, false);
         check_numbers(&i, LEAF_SECTION_COUNTS, 4 * n, false);
         uint8_t *flags = section(&i, LEAF_SECTION_FLAGS);
         for (uint32_t t = 0; t < 2 * n; t++)
@@ -289,6 +298,27 @@ static void test_lying_directory(void **state) {
     }
 }
 
+static void test_lying_labels(void **state) {
+    (void)state;
+    image i = make(LEAF_CODEC_RAW);
+    char *name = section(&i, LEAF_SECTION_FIELDS), sound[64];
+    double *times = section(&i, LEAF_SECTION_TIMES);
+    memcpy(sound, name, sizeof sound);
+    for (int n = 0; n < 3; n++) {
+        memset(name + (n == 1 ? 8 : 0), 'x', n == 0 ? 64 : 1); /* endless, hidden, another */
+        seal(&i);
+        check_refused(&i, false, "a field's name");
+        memcpy(name, sound, sizeof sound);
+    }
+    static const double wrong[][2] = {{1, 1}, {1, 0}, {NAN, 1}, {0, NAN}, {0, INFINITY}};
+    for (size_t n = 0; n < sizeof wrong / sizeof wrong[0]; n++) {
+        memcpy(times, wrong[n], sizeof wrong[n]);
+        seal(&i);
+        check_refused(&i, false, "times");
+    }
+    free(i.bytes);
+}
+
 /* Payloads that are wrong with checksums that are right: both readers say the same of each. */
 static void test_lying_payloads(void **state) {
     (void)state;
@@ -297,7 +327,7 @@ static void test_lying_payloads(void **state) {
     const uint64_t *sizes = section(&i, LEAF_SECTION_SIZES);
     uint64_t *checksums = section(&i, LEAF_SECTION_CHECKSUMS);
     int passed = 0, found = 0;
-    for (uint64_t p = 0; p < 3 * i.header->treelets; p++) {
+    for (uint64_t p = 0; p < BLOCKS * i.header->treelets; p++) {
         const uint64_t checksum = checksums[p];
         for (uint64_t at = p % 3; at < sizes[p]; at += p ? 3 : 1) {
             char *byte = i.bytes + offsets[p] + at;
@@ -319,8 +349,9 @@ static void test_lying_payloads(void **state) {
         }
         checksums[p] = checksum;
     }
-    /* Low bits of positions and values that are no extremes are just others. */
-    assert_true(passed > 100 && found > passed);
+    /* Low bits of positions and values that are no extremes are just others, and any of gradients.
+     */
+    assert_true(passed > 1000 && found > 2000);
     free(i.bytes);
 }
 
@@ -417,6 +448,7 @@ int main(void) {
         cmocka_unit_test_setup(test_lying_sizes, set_up),
         cmocka_unit_test_setup(test_lying_table, set_up),
         cmocka_unit_test_setup(test_lying_directory, set_up),
+        cmocka_unit_test_setup(test_lying_labels, set_up),
         cmocka_unit_test_setup(test_lying_payloads, set_up),
         cmocka_unit_test_setup(test_any_topology, set_up),
     };

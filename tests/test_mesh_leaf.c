@@ -124,6 +124,12 @@ static void check_same(const mesh_case *c, const naive_mesh *mesh) {
                     for (long set = 0; same && set < mesh->sets; set++)
                         same = memcmp(&p->values[set * p->vertices + v],
                                       &c->values[(size_t)set * c->points + id], 4) == 0;
+                    for (long set = 0; same && set < mesh->gradient_sets; set++)
+                        same = memcmp(p->gradients[set * p->vertices + v],
+                                      c->gradients[(size_t)set * c->points + id], 12) == 0;
+                    for (long step = 1; same && step < mesh->places; step++)
+                        same = memcmp(p->positions[step * p->vertices + v],
+                                      c->moved[((size_t)step - 1) * c->points + id], 12) == 0;
                     found += same;
                 }
             assert_int_equal(found, 4);
@@ -138,6 +144,10 @@ static void check_case(const mesh_case *c) {
     if (!naive_mesh_load(&mesh, path))
         fail_msg("%zu tets: %s", c->tets, mesh.why);
     check_same(c, &mesh);
+    assert_int_equal(mesh.gradient_sets, c->mesh.gradients ? mesh.sets : 0);
+    assert_int_equal(mesh.places, c->mesh.moving ? mesh.steps : 1);
+    assert_int_equal(mesh.names != NULL, c->mesh.names != NULL);
+    assert_int_equal(mesh.times != NULL, c->mesh.times && mesh.steps > 1);
     naive_mesh_release(&mesh);
     assert_int_equal(mem_used(&m), 0);
 }
@@ -149,6 +159,11 @@ static void test_round_trips(void **state) {
             mesh_case c = mesh_leaves_cube(n, n > 3 ? 2 : 1, n > 2 ? 3 : 1, n, n > 4 ? 20 : 0);
             c.file.codec = (leaf_codec)codec;
             c.file.run_align_log2 = n % 2 ? 6 : 12;
+            check_case(&c);
+            mesh_leaves_extend(&c, n);
+            check_case(&c);
+            c.mesh.gradients = n % 2;
+            c.mesh.moving = c.mesh.moving && !c.mesh.gradients;
             check_case(&c);
             mesh_leaves_release(&c);
         }
@@ -214,6 +229,7 @@ static void test_same_bytes(void **state) {
     (void)state;
     for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
         mesh_case c = mesh_leaves_cube(4, 2, 2, 3, 10);
+        mesh_leaves_extend(&c, 4);
         c.file.codec = (leaf_codec)codec;
         size_t size[2];
         char *bytes[2];
@@ -235,7 +251,8 @@ static void test_same_bytes(void **state) {
 static void test_writing_faults(void **state) {
     (void)state;
     static const fault_kind kinds[] = {FAULT_ALLOC, FAULT_WRITE, FAULT_READ};
-    mesh_case c = mesh_leaves_cube(3, 1, 1, 1, 0);
+    mesh_case c = mesh_leaves_cube(3, 1, 2, 1, 0);
+    mesh_leaves_extend(&c, 2);
     const char *path = scratch_path("fault.leaf");
     const size_t before = scratch_count();
     for (size_t n = 0; n < sizeof kinds / sizeof kinds[0]; n++)
@@ -263,6 +280,7 @@ static void test_reading_faults(void **state) {
     (void)state;
     static const fault_kind kinds[] = {FAULT_ALLOC, FAULT_READ, FAULT_THREAD};
     mesh_case c = mesh_leaves_cube(2, 1, 2, 1, 0);
+    mesh_leaves_extend(&c, 2);
     c.file.codec = LEAF_CODEC_ZSTD;
     const char *path = mesh_leaves_make(&c, "fault.leaf");
     for (size_t n = 0; n < sizeof kinds / sizeof kinds[0]; n++)
@@ -313,10 +331,53 @@ static void test_directory(void **state) {
     mesh_leaves_release(&c);
 }
 
+/* What a file has besides: where each block is, names and times; and what stands for them in files
+ * that have none. */
+static void test_blocks(void **state) {
+    (void)state;
+    static const char *const parts[] = {
+        "topology",           "values of set 0",    "values of set 1",    "values of set 2",
+        "values of set 3",    "gradients of set 0", "gradients of set 1", "gradients of set 2",
+        "gradients of set 3", "positions of step 1"};
+    mesh_case c = mesh_leaves_cube(3, 2, 2, 5, 0);
+    leaf_file *f = open_sound(mesh_leaves_make(&c, "plain.leaf"));
+    assert_string_equal(f->mesh->names[0], "waves");
+    assert_string_equal(f->mesh->names[1], "");
+    assert_true(f->mesh->times[0] == 0 && f->mesh->times[1] == 1 && !f->mesh->has_times);
+    assert_int_equal(f->layout.gradient_sets + f->layout.moved_steps, 0);
+    leaf_file_close(f);
+    mesh_leaves_extend(&c, 1);
+    f = open_sound(mesh_leaves_make(&c, "blocks.leaf"));
+    assert_string_equal(f->mesh->names[1], "ripples");
+    assert_true(f->mesh->times[0] == -1.5 && f->mesh->times[1] == 0 && f->mesh->has_times);
+    const leaf_layout *l = &f->layout;
+    assert_int_equal(leaf_layout_set(l, 1, 1), 3);
+    assert_int_equal(l->payloads, sizeof parts / sizeof parts[0] * l->treelets);
+    for (uint32_t p = 0; p < l->payloads; p++) {
+        const uint32_t t = p % l->treelets;
+        uint32_t index, at = t;
+        char name[LEAF_NAME_MAX], expected[LEAF_NAME_MAX];
+        const leaf_block block = leaf_layout_block_of(l, p, &index);
+        if (block == LEAF_BLOCK_VALUES)
+            at = leaf_layout_values(l, index, t);
+        if (block == LEAF_BLOCK_GRADIENTS)
+            at = leaf_layout_gradients(l, index, t);
+        if (block == LEAF_BLOCK_POSITIONS)
+            at = leaf_layout_positions(l, index, t);
+        assert_int_equal(at, p);
+        snprintf(expected, sizeof expected, "treelet %u's %s", t, parts[p / l->treelets]);
+        assert_string_equal(leaf_layout_payload_name(l, p, name), expected);
+        assert_int_equal(f->sizes[p], leaf_layout_payload_bytes(l, p));
+    }
+    leaf_file_close(f);
+    mesh_leaves_release(&c);
+}
+
 /* Active tets by all of them; treelets by their tets. */
 static void test_activity(void **state) {
     (void)state;
     mesh_case c = mesh_leaves_cube(5, 1, 2, 5, 30);
+    mesh_leaves_extend(&c, 6);
     leaf_file *f = open_sound(mesh_leaves_make(&c, "active.leaf"));
     uint64_t some = 0;
     for (double iso = -3; iso < 14; iso += 0.5) {
@@ -338,9 +399,13 @@ static void test_activity(void **state) {
     }
     assert_true(some > 10);
     const leaf_mesh_parts p = leaf_stats_mesh(f);
-    assert_int_equal(p.nodes + p.tets + p.positions + p.codes + p.values + p.padding,
+    assert_int_equal(p.nodes + p.tets + p.positions + p.codes + p.values + p.gradients +
+                         p.moved_boxes + p.moved + p.padding,
                      f->header.payload_bytes);
-    assert_int_equal(p.stored_topology + p.stored_values, f->header.payload_bytes);
+    assert_int_equal(p.gradients, 2 * p.positions);
+    assert_int_equal(p.moved, p.positions);
+    assert_int_equal(p.stored_topology + p.stored_values + p.stored_gradients + p.stored_positions,
+                     f->header.payload_bytes);
     assert_int_equal(p.tets, 8 * c.tets);
     assert_true(p.padding < 64ULL * 5 * f->layout.payloads);
     leaf_file_close(f);
@@ -364,6 +429,7 @@ int main(void) {
         cmocka_unit_test_setup(test_writing_faults, set_up),
         cmocka_unit_test_setup(test_reading_faults, set_up),
         cmocka_unit_test_setup(test_directory, set_up),
+        cmocka_unit_test_setup(test_blocks, set_up),
         cmocka_unit_test_setup(test_activity, set_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -76,10 +76,34 @@ mesh_case mesh_leaves_cube(uint32_t n, uint32_t fields, uint32_t steps, uint64_t
     return c;
 }
 
+void mesh_leaves_extend(mesh_case *c, uint64_t seed) {
+    static const char *const names[] = {"waves", "ripples", "", "speed of the fourth"};
+    static const double times[] = {-1.5, 0, 1e-3, 7, 1e9};
+    const size_t sets = (size_t)c->mesh.fields * c->mesh.steps, moves = c->mesh.steps - 1;
+    field_random r = {seed};
+    assert_true(c->mesh.fields <= 4 && c->mesh.steps <= 5);
+    c->mesh.names = names;
+    c->mesh.times = times;
+    c->mesh.gradients = true;
+    c->mesh.moving = moves > 0;
+    c->gradients = malloc(sets * c->points * sizeof *c->gradients);
+    c->moved = malloc((moves + 1) * c->points * sizeof *c->moved);
+    assert_true(c->gradients && c->moved);
+    for (size_t i = 0; i < sets * c->points; i++)
+        for (int a = 0; a < 3; a++)
+            c->gradients[i][a] = (float)field_random_in(&r, -9, 9);
+    for (size_t i = 0; i < moves * c->points; i++)
+        for (int a = 0; a < 3; a++)
+            c->moved[i][a] = c->xyz[i % c->points][a] * 1.25F + (float)(i / c->points) +
+                             (float)field_random_in(&r, -0.2, 0.2);
+}
+
 void mesh_leaves_release(mesh_case *c) {
     free(c->xyz);
     free(c->values);
     free(c->ids);
+    free(c->gradients);
+    free(c->moved);
 }
 
 /* ---- a treelet ---- */
@@ -178,33 +202,43 @@ static void number_leaves(built *b, uint16_t *first) {
     assert_int_equal(leaf, b->counts[3]);
 }
 
-static void box_of(const built *b, span s, float box[6]) {
+static void box_of(const built *b, span s, const float (*xyz)[3], float box[6]) {
     for (int a = 0; a < 3; a++) {
         box[a] = INFINITY;
         box[a + 3] = -INFINITY;
         for (size_t t = s.first; t < s.end; t++)
             for (int i = 0; i < 4; i++) {
-                const float at = b->c->xyz[b->c->ids[t][i]][a];
+                const float at = xyz[b->c->ids[t][i]][a];
                 box[a] = fminf(box[a], at);
                 box[a + 3] = fmaxf(box[a + 3], at);
             }
     }
 }
 
-static void code_boxes(built *b) {
-    box_of(b, b->all, b->bounds);
+/* Of the positions of a step; one mesh_boxes for each node. */
+static void code_boxes(built *b, const float (*xyz)[3], mesh_boxes *boxes) {
+    box_of(b, b->all, xyz, b->bounds);
     const mesh_frame f = mesh_leaf_frame(b->bounds);
     for (uint32_t n = 0; n < b->counts[2]; n++)
         for (int k = 0; k < MESH_CHILDREN; k++) {
             float box[6];
             const bool absent = b->node[n].child[k] == MESH_NO_CHILD;
             if (!absent)
-                box_of(b, b->part[n][k], box);
+                box_of(b, b->part[n][k], xyz, box);
             for (int a = 0; a < 3; a++) {
-                b->node[n].lo[a][k] = absent ? 255 : mesh_leaf_code_lo(&f, a, box[a]);
-                b->node[n].hi[a][k] = absent ? 0 : mesh_leaf_code_hi(&f, a, box[a + 3]);
+                boxes[n].lo[a][k] = absent ? 255 : mesh_leaf_code_lo(&f, a, box[a]);
+                boxes[n].hi[a][k] = absent ? 0 : mesh_leaf_code_hi(&f, a, box[a + 3]);
             }
         }
+}
+
+static void code_nodes(built *b) {
+    static mesh_boxes boxes[NODES_MAX];
+    code_boxes(b, (const float(*)[3])b->c->xyz, boxes);
+    for (uint32_t n = 0; n < b->counts[2]; n++) {
+        memcpy(b->node[n].lo, boxes[n].lo, sizeof boxes[n].lo);
+        memcpy(b->node[n].hi, boxes[n].hi, sizeof boxes[n].hi);
+    }
 }
 
 static void new_bytes(built *b, size_t size) {
@@ -220,7 +254,7 @@ static void build_topology(built *b) {
     const mesh_shape s = mesh_leaf_shape(b->counts);
     new_bytes(b, s.topology_bytes);
     number_leaves(b, (uint16_t *)(b->bytes + s.leaf_first_at));
-    code_boxes(b);
+    code_nodes(b);
     memcpy(b->bytes, b->node, s.nodes * sizeof *b->node);
     uint16_t *tet = (uint16_t *)(b->bytes + s.tets_at);
     for (uint32_t i = 0; i < s.tets; i++) {
@@ -270,7 +304,45 @@ static leaf_entry build_values(built *b, uint32_t set) {
     return own;
 }
 
+/* Three numbers a vertex, from `at` in the payload on. */
+static void put_triples(built *b, uint32_t at, const float (*triples)[3]) {
+    for (uint32_t v = 0; v < b->counts[1]; v++)
+        memcpy(b->bytes + at + v * sizeof *triples, triples[b->id[v]], sizeof *triples);
+}
+
+static void build_gradients(built *b, uint32_t set) {
+    new_bytes(b, mesh_leaf_shape(b->counts).gradients_bytes);
+    put_triples(b, 0, (const float(*)[3])b->c->gradients + set * b->c->points);
+}
+
+static void build_positions(built *b, uint32_t step) {
+    const float(*xyz)[3] = (const float(*)[3])b->c->moved + (step - 1) * b->c->points;
+    const mesh_shape s = mesh_leaf_shape(b->counts);
+    new_bytes(b, s.positions_bytes);
+    code_boxes(b, xyz, (mesh_boxes *)b->bytes);
+    put_triples(b, s.moved_at, xyz);
+}
+
 /* ---- the file ---- */
+
+/* What there is behind the topology. */
+static status put_sets(leaf_writer *w, leaf_packer *k, built *b, uint32_t t, char *pack) {
+    const leaf_mesh *mesh = &b->c->mesh;
+    status st = ST_OK;
+    for (uint32_t set = 0; set < mesh->fields * mesh->steps && st == ST_OK; set++) {
+        leaf_entry e = build_values(b, set);
+        st = leaf_writer_put_values(w, k, set, t, &e, b->bytes, pack);
+        if (st == ST_OK && mesh->gradients) {
+            build_gradients(b, set);
+            st = leaf_writer_put_gradients(w, k, set, t, b->bytes, pack);
+        }
+    }
+    for (uint32_t step = 1; step < mesh->steps && mesh->moving && st == ST_OK; step++) {
+        build_positions(b, step);
+        st = leaf_writer_put_positions(w, k, step, t, b->bounds, b->bytes, pack);
+    }
+    return st;
+}
 
 static status put_treelet(leaf_writer *w, leaf_packer *k, const mesh_case *c, uint32_t t) {
     static built b;
@@ -281,10 +353,8 @@ static status put_treelet(leaf_writer *w, leaf_packer *k, const mesh_case *c, ui
     b.all = (span){t * size, end < c->tets ? end : c->tets};
     build_topology(&b);
     status st = leaf_writer_put_topology(w, k, t, b.bounds, b.counts, b.bytes, pack);
-    for (uint32_t set = 0; set < c->mesh.fields * c->mesh.steps && st == ST_OK; set++) {
-        leaf_entry e = build_values(&b, set);
-        st = leaf_writer_put_values(w, k, set, t, &e, b.bytes, pack);
-    }
+    if (st == ST_OK)
+        st = put_sets(w, k, &b, t, pack);
     free(b.id);
     free(b.bytes);
     free(pack);

@@ -12,6 +12,8 @@ typedef struct mesh_case {
     size_t points, tets;
     float (*xyz)[3];
     float *values; /* set after set, `points` each */
+    /* Where mesh.gradients and mesh.moving say so, likewise: of each set; of steps 1, 2, .. */
+    float (*gradients)[3], (*moved)[3];
     uint32_t (*ids)[4];
     leaf_mesh mesh; /* but for treelets; fields and steps as set by mesh_leaves_cube() */
     leaf_parameters file;
@@ -24,6 +26,10 @@ typedef struct mesh_case {
 mesh_case mesh_leaves_cube(uint32_t n, uint32_t fields, uint32_t steps, uint64_t seed,
                            int non_finite);
 void mesh_leaves_release(mesh_case *c);
+
+/* mesh_leaves_extend() - what a file may have besides: gradients (any finite numbers), positions
+ * that move from step to step if there are steps, names of the fields, times of the steps. */
+void mesh_leaves_extend(mesh_case *c, uint64_t seed);
 
 /* mesh_leaves_make() - treelets of `treelet_tets` tets in order, trees of equal parts, to the
  * scratch file of this name; fails the test on an error and on memory not given back. Returns the

@@ -87,11 +87,11 @@ static bool read_header(naive_mesh *mesh) {
     static const unsigned char magic[8] = {0x89, 0x4c, 0x45, 0x41, 0x46, 0x0d, 0x0a, 0x1a};
     /* offset, lowest and highest value of 4-byte fields */
     static const uint64_t ranges[][3] = {
-        {8, 1, 1},      {12, 2, 2},    {16, 5, 5},       {20, 5, 8},   {24, 0, 0},
-        {28, 0, 0},     {32, 0, 0},    {36, 1, 1},       {40, 0, 0},   {44, 0, 0},
-        {48, 0, 0},     {52, 6, 21},   {56, 0, 1},       {60, 0, 0},   {64, 1, 65536},
-        {68, 1, 65536}, {72, 1, 64},   {76, 0, 0},       {84, 0, 0},   {1348, 0, 0},
-        {1356, 0, 0},   {1388, 1, 64}, {1384, 1, 16384}, {1396, 0, 0}, {1404, 0, 0},
+        {8, 1, 1},    {12, 2, 2},   {16, 5, 5},     {20, 5, 8},     {24, 0, 0},       {28, 0, 0},
+        {32, 0, 0},   {36, 1, 1},   {40, 0, 0},     {44, 0, 0},     {48, 0, 0},       {52, 6, 21},
+        {56, 0, 1},   {60, 0, 0},   {64, 1, 65536}, {68, 1, 65536}, {72, 1, 64},      {76, 0, 0},
+        {84, 0, 0},   {1348, 0, 0}, {1356, 0, 0},   {1388, 1, 64},  {1384, 1, 16384}, {1396, 0, 0},
+        {1404, 0, 0}, {1488, 0, 1}, {1492, 0, 1},
     };
     const unsigned char *b = mesh->bytes;
     if (mesh->size < 4096 || memcmp(b, magic, 8) != 0)
@@ -112,6 +112,10 @@ static bool read_header(naive_mesh *mesh) {
     mesh->vertices = (long)number(b + 1352, 4);
     mesh->treelet_tets = (long)number(b + 1384, 4);
     mesh->leaf_tets = (long)number(b + 1388, 4);
+    mesh->gradient_sets = number(b + 1488, 4) ? mesh->sets : 0;
+    mesh->places = number(b + 1492, 4) ? mesh->steps : 1;
+    if (number(b + 1492, 4) && mesh->steps < 2)
+        return wrong(mesh, "one step that moves");
     if (mesh->sets > 65536 || mesh->treelets < 1 || (size_t)mesh->treelets > mesh->size)
         return wrong(mesh, "%ld treelets, %ld sets", mesh->treelets, mesh->sets);
     if (number(b + 1392, 8) > (uint64_t)mesh->tets || number(b + 1400, 8) > (uint64_t)mesh->tets)
@@ -124,7 +128,7 @@ static bool read_header(naive_mesh *mesh) {
     if (number(b + 96, 8) != mesh->size)
         return wrong(mesh, "file_bytes");
     uint64_t sections = number(b + 72, 4);
-    if (mesh->size < 4096 + 32 * sections || !zeros(b, 1488, 4096) || !good_text(b + 256, 64) ||
+    if (mesh->size < 4096 + 32 * sections || !zeros(b, 1496, 4096) || !good_text(b + 256, 64) ||
         !good_text(b + 320, 1024) || !good_text(b + 1424, 64))
         return wrong(mesh, "section table cut off, or reserved bytes, or a text");
     return check_hashes(mesh, sections);
@@ -132,20 +136,40 @@ static bool read_header(naive_mesh *mesh) {
 
 /* ---- sections: 3 and 6 ---- */
 
-enum { RANGES = 1, OWN, FLAGS, OFFSETS, SIZES, CHECKSUMS, AXES, BOUNDS, COUNTS, KINDS };
+enum {
+    RANGES = 1,
+    OWN,
+    FLAGS,
+    OFFSETS,
+    SIZES,
+    CHECKSUMS,
+    AXES,
+    BOUNDS,
+    COUNTS,
+    FIELDS,
+    TIMES,
+    KINDS
+};
+
+static long payload_count(const naive_mesh *mesh) {
+    return mesh->treelets * (mesh->sets + mesh->gradient_sets + mesh->places);
+}
 
 static bool find_sections(naive_mesh *mesh, const unsigned char *where[KINDS], uint64_t *end) {
     const uint64_t n = (uint64_t)mesh->treelets, sets = (uint64_t)mesh->sets;
+    const uint64_t payloads = (uint64_t)payload_count(mesh), steps = (uint64_t)mesh->steps;
     const uint64_t want[KINDS] = {0,
                                   8 * n * sets,
                                   8 * n * sets,
                                   n * sets,
-                                  8 * n * (1 + sets),
-                                  8 * n * (1 + sets),
-                                  8 * n * (1 + sets),
+                                  8 * payloads,
+                                  8 * payloads,
+                                  8 * payloads,
                                   0,
-                                  24 * n,
-                                  16 * n};
+                                  24 * n * (uint64_t)mesh->places,
+                                  16 * n,
+                                  64 * (uint64_t)mesh->fields,
+                                  steps > 1 ? 8 * steps : 0};
     uint64_t sections = number(mesh->bytes + 72, 4);
     *end = 4096 + 32 * sections;
     for (uint64_t i = 0; i < sections; i++) {
@@ -160,12 +184,12 @@ static bool find_sections(naive_mesh *mesh, const unsigned char *where[KINDS], u
         *end = offset + bytes;
         if (kind >> 30 & 1)
             continue;
-        if (kind < 1 || kind >= KINDS || kind == AXES || where[kind] || bytes != want[kind])
+        if (kind < 1 || kind >= KINDS || where[kind] || bytes != want[kind] || !bytes)
             return wrong(mesh, "section kind %d", (int)kind);
         where[kind] = mesh->bytes + offset;
     }
     for (int kind = 1; kind < KINDS; kind++)
-        if (kind != AXES && !where[kind])
+        if (kind != AXES && kind != FIELDS && kind != TIMES && !where[kind])
             return wrong(mesh, "no section of kind %d", kind);
     return true;
 }
@@ -186,11 +210,55 @@ static uint64_t values_at(const naive_part *t) {
     return up_to(16 * (uint64_t)t->nodes, 64);
 }
 
+static uint64_t moved_at(const naive_part *t) {
+    return up_to(48 * (uint64_t)t->nodes, 64);
+}
+
+/* The first payload of each block but that of topologies. */
+static long values_payload(const naive_mesh *mesh, long set) {
+    return mesh->treelets * (1 + set);
+}
+
+static long gradients_payload(const naive_mesh *mesh, long set) {
+    return mesh->treelets * (1 + mesh->sets + set);
+}
+
+static long positions_payload(const naive_mesh *mesh, long step) {
+    return mesh->treelets * (mesh->sets + mesh->gradient_sets + step);
+}
+
 static uint64_t payload_bytes(const naive_mesh *mesh, long p) {
     const naive_part *t = &mesh->part[p % mesh->treelets];
+    const uint64_t vertices = (uint64_t)t->vertices;
     uint64_t at[4];
     topology_places(t, at);
-    return p < mesh->treelets ? at[3] : up_to(values_at(t) + 4 * (uint64_t)t->vertices, 64);
+    if (p < values_payload(mesh, 0))
+        return at[3];
+    if (p < gradients_payload(mesh, 0))
+        return up_to(values_at(t) + 4 * vertices, 64);
+    return up_to((p < positions_payload(mesh, 1) ? 0 : moved_at(t)) + 12 * vertices, 64);
+}
+
+/* Names of fields, times of steps. */
+static bool read_labels(naive_mesh *mesh, const unsigned char *names, const unsigned char *times) {
+    if (names)
+        mesh->names = malloc((size_t)mesh->fields * sizeof *mesh->names);
+    if (times)
+        mesh->times = malloc((size_t)mesh->steps * sizeof *mesh->times);
+    if ((names && !mesh->names) || (times && !mesh->times))
+        return wrong(mesh, "no memory");
+    for (long i = 0; names && i < mesh->fields; i++) {
+        if (!good_text(names + 64 * i, 64))
+            return wrong(mesh, "name of field %ld", i);
+        memcpy(mesh->names[i], names + 64 * i, 64);
+    }
+    for (long i = 0; times && i < mesh->steps; i++) {
+        mesh->times[i] = real64(times + 8 * i);
+        if (!isfinite(mesh->times[i]) || (i > 0 && !(mesh->times[i] > mesh->times[i - 1])))
+            return wrong(mesh, "time of step %ld", i);
+    }
+    return !names || memcmp(names, mesh->bytes + 1424, 64) == 0 ||
+           wrong(mesh, "name of the first field");
 }
 
 static bool read_counts(naive_mesh *mesh, const unsigned char *counts,
@@ -212,12 +280,17 @@ static bool read_counts(naive_mesh *mesh, const unsigned char *counts,
         vertices += t->vertices;
         if (t->vertices > mesh->vertices)
             return wrong(mesh, "treelet %ld: more vertices than the mesh", i);
-        for (int a = 0; a < 6; a++) {
-            t->bounds[a] = real32(bounds + 24 * i + 4 * a);
-            if (!isfinite(t->bounds[a]) || minus_zero(t->bounds[a]))
+        t->bounds = malloc((size_t)mesh->places * sizeof *t->bounds);
+        if (!t->bounds)
+            return wrong(mesh, "no memory");
+        for (long n = 0; n < 6 * mesh->places; n++) {
+            const int a = (int)(n % 6);
+            const float at = real32(bounds + 24 * (n / 6 * mesh->treelets + i) + 4 * a);
+            t->bounds[n / 6][a] = at;
+            if (!isfinite(at) || minus_zero(at))
                 return wrong(mesh, "treelet %ld: bounds", i);
-            if (a < 3 ? t->bounds[a] < all[a] : t->bounds[a] > all[a])
-                all[a] = t->bounds[a];
+            if (a < 3 ? at < all[a] : at > all[a])
+                all[a] = at;
         }
     }
     if (tets != mesh->tets || vertices < mesh->vertices)
@@ -231,7 +304,7 @@ static bool read_counts(naive_mesh *mesh, const unsigned char *counts,
 /* Offsets, sizes and checksums of all payloads, and what is between them. */
 static bool check_places(naive_mesh *mesh, const unsigned char *const where[KINDS], uint64_t end) {
     uint64_t stored = 0;
-    for (long p = 0; p < mesh->treelets * (1 + mesh->sets); p++) {
+    for (long p = 0; p < payload_count(mesh); p++) {
         uint64_t offset = number(where[OFFSETS] + 8 * p, 8), size = number(where[SIZES] + 8 * p, 8);
         uint64_t align = p % mesh->treelets == 0 ? UINT64_C(1) << mesh->run_align_log2 : 64;
         if (offset != up_to(end, align))
@@ -393,10 +466,11 @@ static int code_lo(float lo, float step, float at) {
     return best;
 }
 
-/* One axis of all children's boxes. */
-static bool check_planes(reading *r, int a) {
+/* One axis of all children's boxes at a step of time; codes `stride` bytes apart. */
+static bool check_planes(reading *r, long place, int a, const unsigned char *codes, long stride) {
     const naive_part *t = r->t;
-    const float low = t->bounds[a], step = step_of(low, t->bounds[a + 3]);
+    const float(*positions)[3] = (const float(*)[3])t->positions + place * t->vertices;
+    const float low = t->bounds[place][a], step = step_of(low, t->bounds[place][a + 3]);
     for (long node = 0; node < t->nodes; node++)
         for (int c = 0; c < 8; c++) {
             long span[2];
@@ -405,7 +479,7 @@ static bool check_planes(reading *r, int a) {
                 float least = INFINITY, most = -INFINITY;
                 for (long i = span[0]; i < span[1]; i++)
                     for (int k = 0; k < 4; k++) {
-                        float at = t->positions[t->tet[i][k]][a];
+                        float at = positions[t->tet[i][k]][a];
                         least = at < least ? at : least;
                         most = at > most ? at : most;
                     }
@@ -413,27 +487,62 @@ static bool check_planes(reading *r, int a) {
                 want[1] = code_hi(low, step, most);
             }
             for (int side = 0; side < 2; side++)
-                if (r->topology[64 * node + 24 * side + 8 * a + c] != want[side])
-                    return wrong(r->mesh, "treelet %ld: node %ld: child %d: %s code of axis %d",
-                                 r->index, node, c, side ? "upper" : "lower", a);
+                if (codes[stride * node + 24 * side + 8 * a + c] != want[side])
+                    return wrong(r->mesh,
+                                 "treelet %ld, step %ld: node %ld: child %d: %s code of axis %d",
+                                 r->index, place, node, c, side ? "upper" : "lower", a);
         }
     return true;
 }
 
-static bool check_bounds(reading *r) {
+static bool check_bounds(reading *r, long place) {
+    const float(*positions)[3] = (const float(*)[3])r->t->positions + place * r->t->vertices;
     for (int a = 0; a < 3; a++) {
         float least = INFINITY, most = -INFINITY;
         for (long v = 0; v < r->t->vertices; v++) {
-            float at = r->t->positions[v][a];
+            float at = positions[v][a];
             if (!isfinite(at))
                 return wrong(r->mesh, "treelet %ld: vertex %ld", r->index, v);
             least = at < least ? at : least;
             most = at > most ? at : most;
         }
-        if (least != r->t->bounds[a] || most != r->t->bounds[a + 3])
-            return wrong(r->mesh, "treelet %ld: bounds along axis %d", r->index, a);
+        if (least != r->t->bounds[place][a] || most != r->t->bounds[place][a + 3])
+            return wrong(r->mesh, "treelet %ld, step %ld: bounds along axis %d", r->index, place,
+                         a);
     }
     return true;
+}
+
+/* Bounds and boxes of the positions of a step, which have been read. */
+static bool check_place(reading *r, long place, const unsigned char *codes, long stride) {
+    bool good = check_bounds(r, place);
+    for (int a = 0; good && a < 3; a++)
+        good = check_planes(r, place, a, codes, stride);
+    return good;
+}
+
+static void read_triples(const unsigned char *b, float (*to)[3], long count) {
+    for (long i = 0; i < 3 * count; i++)
+        to[i / 3][i % 3] = real32(b + 4 * i);
+}
+
+static bool check_moved(reading *r, long step, const unsigned char *b) {
+    const uint64_t at = moved_at(r->t), end = at + 12 * (uint64_t)r->t->vertices;
+    if (!zeros(b, 48 * (uint64_t)r->t->nodes, at) || !zeros(b, end, up_to(end, 64)))
+        return wrong(r->mesh, "treelet %ld, step %ld: padding", r->index, step);
+    read_triples(b + at, r->t->positions + step * r->t->vertices, r->t->vertices);
+    return check_place(r, step, b, 48);
+}
+
+static bool check_gradients(reading *r, long set, const unsigned char *b) {
+    const uint64_t end = 12 * (uint64_t)r->t->vertices;
+    float(*to)[3] = r->t->gradients + set * r->t->vertices;
+    read_triples(b, to, r->t->vertices);
+    for (long i = 0; i < 3 * r->t->vertices; i++)
+        if (!isfinite(to[i / 3][i % 3]))
+            return wrong(r->mesh, "treelet %ld, set %ld: gradient %ld", r->index, set, i / 3);
+    return zeros(b, end, up_to(end, 64)) ||
+           wrong(r->mesh, "treelet %ld, set %ld: padding of gradients", r->index, set);
 }
 
 /* ---- values: 6 and 4 ---- */
@@ -518,26 +627,40 @@ static unsigned char *payload_of(const naive_mesh *mesh, const unsigned char *co
     return payload;
 }
 
+/* Payload p of the treelet, but for its topology. */
+static bool check_payload(reading *r, long p, const unsigned char *const where[KINDS]) {
+    const naive_mesh *mesh = r->mesh;
+    const long block = p / mesh->treelets;
+    unsigned char *payload = payload_of(mesh, where, p);
+    bool good;
+    if (!payload)
+        return wrong(r->mesh, "payload %ld cannot be decoded", p);
+    if (p < gradients_payload(mesh, 0))
+        good = check_values(r, block - 1, payload, where);
+    else if (p < positions_payload(mesh, 1))
+        good = check_gradients(r, block - 1 - mesh->sets, payload);
+    else
+        good = check_moved(r, block - mesh->sets - mesh->gradient_sets, payload);
+    free(payload);
+    return good;
+}
+
 static bool read_treelet(naive_mesh *mesh, long index, const unsigned char *const where[KINDS]) {
     naive_part *t = &mesh->part[index];
     unsigned char *topology = payload_of(mesh, where, index);
-    t->positions = malloc((size_t)t->vertices * sizeof *t->positions);
+    t->positions = malloc((size_t)(t->vertices * mesh->places) * sizeof *t->positions);
     t->values = malloc((size_t)(t->vertices * mesh->sets) * sizeof *t->values);
+    t->gradients = malloc((size_t)(t->vertices * mesh->gradient_sets + 1) * sizeof *t->gradients);
     t->tet = malloc((size_t)t->tets * sizeof *t->tet);
     reading r = {.mesh = mesh, .t = t, .index = index, .topology = topology};
     r.first = malloc((size_t)(t->leaves + 1) * sizeof *r.first);
     r.spans = malloc((size_t)t->nodes * sizeof *r.spans);
-    bool good = (topology && t->positions && t->values && t->tet && r.first && r.spans) ||
-                wrong(mesh, "treelet %ld cannot be decoded", index);
-    good = good && read_parts(&r) && check_tree(&r) && check_bounds(&r);
-    for (int a = 0; good && a < 3; a++)
-        good = check_planes(&r, a);
-    for (long set = 0; good && set < mesh->sets; set++) {
-        unsigned char *values = payload_of(mesh, where, mesh->treelets * (1 + set) + index);
-        good = values ? check_values(&r, set, values, where)
-                      : wrong(mesh, "treelet %ld, set %ld cannot be decoded", index, set);
-        free(values);
-    }
+    bool good =
+        (topology && t->positions && t->values && t->gradients && t->tet && r.first && r.spans) ||
+        wrong(mesh, "treelet %ld cannot be decoded", index);
+    good = good && read_parts(&r) && check_tree(&r) && check_place(&r, 0, topology, 64);
+    for (long p = mesh->treelets + index; good && p < payload_count(mesh); p += mesh->treelets)
+        good = check_payload(&r, p, where);
     free(r.first);
     free(r.spans);
     free(topology);
@@ -583,7 +706,8 @@ bool naive_mesh_load(naive_mesh *mesh, const char *path) {
     mesh->part = calloc((size_t)mesh->treelets, sizeof *mesh->part);
     if (!mesh->part)
         return wrong(mesh, "no memory");
-    bool good = read_counts(mesh, where[COUNTS], where[BOUNDS]) && check_places(mesh, where, end);
+    bool good = read_labels(mesh, where[FIELDS], where[TIMES]) &&
+                read_counts(mesh, where[COUNTS], where[BOUNDS]) && check_places(mesh, where, end);
     for (long i = 0; good && i < mesh->treelets; i++)
         good = read_treelet(mesh, i, where);
     return good && check_union(mesh, where);
@@ -594,7 +718,11 @@ void naive_mesh_release(naive_mesh *mesh) {
         free(mesh->part[i].positions);
         free(mesh->part[i].values);
         free(mesh->part[i].tet);
+        free(mesh->part[i].bounds);
+        free(mesh->part[i].gradients);
     }
+    free(mesh->names);
+    free(mesh->times);
     free(mesh->part);
     free(mesh->bytes);
     memset(mesh, 0, sizeof *mesh);

@@ -13,15 +13,19 @@
 
 typedef struct naive_part { /* a treelet */
     long tets, vertices, nodes, leaves;
-    float bounds[6];
-    float (*positions)[3];
-    float *values; /* set after set, `vertices` each */
+    float (*bounds)[6];    /* of each step, or of the first alone where nothing moves */
+    float (*positions)[3]; /* likewise, `vertices` each */
+    float *values;         /* set after set, `vertices` each */
+    float (*gradients)[3]; /* likewise, or none */
     long (*tet)[4];
 } naive_part;
 
 typedef struct naive_mesh {
     long tets, vertices, treelets, sets, treelet_tets, leaf_tets, fields, steps;
+    long gradient_sets, places; /* sets or 0; steps or 1: how many positions a vertex has */
     int run_align_log2, codec;
+    char (*names)[64]; /* of fields, or NULL */
+    double *times;     /* of steps, or NULL */
     naive_part *part;
     unsigned char *bytes; /* the file */
     size_t size;
