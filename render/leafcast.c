@@ -1,9 +1,11 @@
 #include "render/leafcast.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "formats/base/num.h"
 #include "render/experiment.h"
 #include "render/leafcast_volume.h"
 
@@ -36,6 +38,10 @@ const char *leafcast_error_text(void) {
 
 /* ---- Opening ---- */
 
+static mesh_schema schema_of(const leafcast_options *o) {
+    return o->schema == LEAFCAST_SCHEMA_TREES ? MESH_TREES : MESH_REFIT;
+}
+
 static status open_parts(leafcast *v, const char *path) {
     static const source_kind kinds[] = {SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA};
     mem *m = &v->budget;
@@ -48,9 +54,12 @@ static status open_parts(leafcast *v, const char *path) {
     if (st == ST_OK)
         st = pool_create(m, v->options.threads > 0 ? v->options.threads : pool_default_threads(),
                          &v->threads);
+    const loader_options loading = {.source = kinds[v->options.backend],
+                                    .schema = schema_of(&v->options),
+                                    .workers = LOADER_WORKERS,
+                                    .isa = v->kernels.isa};
     if (st == ST_OK)
-        st = loader_create(m, v->file, kinds[v->options.backend], LOADER_WORKERS, v->kernels.isa,
-                           &v->treelets);
+        st = loader_create(m, v->file, &loading, &v->treelets);
     if (st != ST_OK)
         return st;
     v->touched = mem_array(m, v->file->layout.treelets, sizeof *v->touched);
@@ -139,6 +148,9 @@ static void extent_of_mesh(const leafcast *v, leafcast_info *info) {
 leafcast_info leafcast_describe(const leafcast *v) {
     const leaf_header *h = &v->file->header;
     leafcast_info info = {.levels = h->levels,
+                          .fields = h->fields,
+                          .steps = h->steps,
+                          .moving = v->file->layout.moved_steps > 0,
                           .treelets = v->file->layout.treelets,
                           .sample_type = sample_name((sample_type)h->sample_type),
                           .name = h->name,
@@ -178,6 +190,48 @@ leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, i
     loader_select(v->treelets, v->isovalues, count);
     loader_reset_statistics(v->treelets);
     return LEAFCAST_OK;
+}
+
+leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) {
+    const leaf_header *h = &v->file->header;
+    if (field >= h->fields || step >= h->steps)
+        return leafcast_public_status(
+            status_describe(ST_USAGE, "field %u at step %u: there are %u fields and %u steps",
+                            field, step, h->fields, h->steps));
+    v->field = field;
+    v->step = step;
+    if (v->file->mesh)
+        loader_select_set(v->treelets, leaf_layout_set(&v->file->layout, field, step));
+    loader_reset_statistics(v->treelets);
+    return LEAFCAST_OK;
+}
+
+const char *leafcast_field_name(const leafcast *v, uint32_t field) {
+    return v->file->mesh && field < v->file->header.fields ? v->file->mesh->names[field] : "";
+}
+
+double leafcast_step_time(const leafcast *v, uint32_t step) {
+    return v->file->mesh && step < v->file->header.steps ? v->file->mesh->times[step]
+                                                         : (double)step;
+}
+
+leafcast_status leafcast_find_field(const leafcast *v, const char *name, uint32_t *field) {
+    const uint32_t fields = v->file->header.fields;
+    int64_t number = 0;
+    for (*field = 0; *field < fields; ++*field)
+        if (strcmp(leafcast_field_name(v, *field), name) == 0)
+            return LEAFCAST_OK;
+    if (num_int(name, "field", 0, (int64_t)fields - 1, &number) == ST_OK) {
+        *field = (uint32_t)number;
+        return LEAFCAST_OK;
+    }
+    char list[512] = "";
+    for (uint32_t i = 0; i < fields && strlen(list) + 80 < sizeof list; i++)
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "",
+                 leafcast_field_name(v, i));
+    return leafcast_public_status(status_describe(
+        ST_USAGE, "no field is called \"%s\", nor has that number; there are %u: %s", name, fields,
+        list));
 }
 
 leafcast_scene leafcast_scene_default(void) {
@@ -322,7 +376,7 @@ static status share_budget(leafcast *v, frame *f) {
     const uint32_t treelets = v->file->layout.treelets;
     const uint32_t least = frame_records_min(pool_threads(v->threads));
     const size_t pixels = (size_t)f->width * f->height, place = loader_place_bytes(v->treelets);
-    size_t places = treelets, records = (pixels + 255) / 256 * 256 * 2;
+    size_t places = treelets, shelf = SIZE_MAX, records = (pixels + 255) / 256 * 256 * 2;
     records = records < least ? least : records < UINT32_MAX / 2 ? records : UINT32_MAX / 2;
     if (v->budget.limit) {
         const size_t fixed =
@@ -338,12 +392,16 @@ static status share_budget(leafcast *v, frame *f) {
         const size_t rest = v->budget.limit - fixed, beside = rest - place;
         const size_t most = (rest / 4 < beside ? rest / 4 : beside) / frame_record_bytes();
         records = most < least ? least : most < records ? most : records;
-        places = (rest - records * frame_record_bytes()) / place;
+        const size_t left = rest - records * frame_record_bytes();
+        places = left / place < treelets ? left / place : treelets;
+        shelf = left - places * place;
     }
-    if (v->options.treelet_limit && places > v->options.treelet_limit)
-        places = v->options.treelet_limit;
+    if (v->options.treelet_limit) {
+        places = places < v->options.treelet_limit ? places : v->options.treelet_limit;
+        shelf = 0;
+    }
     f->records_max = (uint32_t)records;
-    loader_set_capacity(v->treelets, (uint32_t)(places < treelets ? places : treelets));
+    loader_set_capacity(v->treelets, (uint32_t)places, shelf);
     return ST_OK;
 }
 
@@ -369,8 +427,9 @@ static void fill_stats(leafcast *v, const frame_counters *c, double render_s,
     const loader_stats l = loader_statistics(v->treelets);
     uint64_t visible = 0;
     for (uint32_t t = 0; t < v->file->layout.treelets; t++)
-        visible +=
-            atomic_load_explicit(&v->touched[t], memory_order_relaxed) ? v->file->sizes[t] : 0;
+        visible += atomic_load_explicit(&v->touched[t], memory_order_relaxed)
+                       ? loader_stored_bytes(v->treelets, t)
+                       : 0;
     *stats = (leafcast_stats){.open_s = v->open_s,
                               .first_image_s = v->first_image_s,
                               .load_s = l.load_s,
@@ -385,6 +444,7 @@ static void fill_stats(leafcast *v, const frame_counters *c, double render_s,
                               .bytes_active = v->treelets->bytes_active,
                               .bytes_visible = visible,
                               .bytes_read = l.bytes_read,
+                              .bytes_resident = l.bytes_resident,
                               .bytes_peak = mem_peak(&v->budget),
                               .nodes = c->walk.nodes,
                               .cells = c->walk.cells,

@@ -49,6 +49,15 @@ typedef enum leafcast_backend {
     LEAFCAST_BACKEND_ARENA   /* treelets are read (and decompressed) into memory of our own */
 } leafcast_backend;
 
+/* How another time step of a mesh comes in; the pictures are the same. */
+typedef enum leafcast_schema {
+    LEAFCAST_SCHEMA_AUTO = 0,
+    /* W07 6.1: every step's trees are read with its vertices, and stay, as far as memory goes. */
+    LEAFCAST_SCHEMA_TREES = 1,
+    /* W07 6.2: one tree; vertices alone are read, and the tree is refit. */
+    LEAFCAST_SCHEMA_REFIT = 2
+} leafcast_schema;
+
 typedef struct leafcast_options {
     /* Bytes for everything: directory, treelets, rays; 0: as much as the scene needs. */
     uint64_t memory;
@@ -56,6 +65,7 @@ typedef struct leafcast_options {
     uint32_t treelet_limit;
     int threads; /* render threads; 0: the CPUs this process may use */
     leafcast_backend backend;
+    leafcast_schema schema;
     const char *isa; /* kernels by name ("scalar"); NULL or "auto": the best this CPU has */
 } leafcast_options;
 
@@ -66,12 +76,15 @@ void leafcast_close(leafcast *volume); /* NULL is fine */
 typedef struct leafcast_info {
     uint32_t dims[3];        /* nodes per axis, level 0; of a mesh: 0 */
     uint64_t tets, vertices; /* of a mesh; of a grid: 0 */
+    uint32_t fields, steps;
+    bool moving; /* a mesh whose vertices move from step to step */
     uint32_t levels;
     uint32_t treelets;       /* of all levels */
     const char *sample_type; /* "u8" ... */
     const char *name;
-    double value_min, value_max;
-    double bounds[2][3]; /* of the volume in world space, axis-aligned: minimum and maximum */
+    double value_min, value_max; /* of all fields and steps */
+    double bounds[2][3]; /* of the volume in world space, axis-aligned: minimum and maximum; of a
+                            moving mesh over all steps */
     double cell_size;    /* geometric mean edge of a cell, world units; of a mesh: about */
     uint64_t file_bytes, payload_bytes;
 } leafcast_info;
@@ -93,6 +106,17 @@ leafcast_surface leafcast_surface_default(double isovalue);
 /* leafcast_select() - the isosurfaces that the next pictures show: an isovalue sweep over the
  * directory; loading starts. count 1 .. LEAFCAST_SURFACES_MAX, isovalues finite. */
 leafcast_status leafcast_select(leafcast *volume, const leafcast_surface *surfaces, int count);
+
+/* leafcast_select_set() - which field at which time step the next pictures show, and probes see; 0
+ * and 0 until this is called. The isosurfaces stay selected. */
+leafcast_status leafcast_select_set(leafcast *volume, uint32_t field, uint32_t step);
+
+/* leafcast_field_name() - "" where the file has no name for it; lives as long as the volume.
+ * leafcast_find_field() - by name, or where no field is called so, by number; LEAFCAST_USAGE lists
+ * those there are. leafcast_step_time() - as the file says; the step's number where it does not. */
+const char *leafcast_field_name(const leafcast *volume, uint32_t field);
+leafcast_status leafcast_find_field(const leafcast *volume, const char *name, uint32_t *field);
+double leafcast_step_time(const leafcast *volume, uint32_t step);
 
 typedef struct leafcast_light {
     bool point;       /* position, else direction */
@@ -175,10 +199,12 @@ typedef struct leafcast_stats {
     /* Wall clock; load_s: summed over the loader's workers. */
     double open_s, first_image_s, load_s, render_s;
     uint64_t rays, primary_rays, shadow_rays;
-    /* Loaded, and bytes_read: since the isovalues were selected; a treelet twice counts twice. */
+    /* Loaded, and bytes_read: since the isovalues or the step were selected; a treelet twice counts
+     * twice. */
     uint64_t treelets_total, treelets_active, treelets_loaded;
     uint64_t bytes_file, bytes_active, bytes_visible, bytes_read;
-    uint64_t bytes_peak; /* of the memory budget */
+    uint64_t bytes_resident; /* of treelets, those of other isovalues and steps included */
+    uint64_t bytes_peak;     /* of the memory budget */
     /* Traversal steps; cells handed to the intersector; hits it found. */
     uint64_t nodes, cells, roots;
     uint64_t provisional_pixels, ill_conditioned;

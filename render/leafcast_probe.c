@@ -175,8 +175,9 @@ static status point_in_grid(leafcast *v, const double point[3], leafcast_sample 
 
 /* Treelets are looked at in order, so that of the tets that share a point it is the first. */
 static status point_in_mesh(leafcast *v, const double point[3], leafcast_sample *sample) {
-    for (uint32_t t = 0; t < v->file->layout.treelets; t++) {
-        const float *bounds = v->file->mesh->bounds[t];
+    const leaf_layout *layout = &v->file->layout;
+    for (uint32_t t = 0; t < layout->treelets; t++) {
+        const float *bounds = v->file->mesh->bounds[leaf_layout_bounds(layout, v->step, t)];
         bool within = true;
         for (int a = 0; a < 3; a++)
             within &= (double)bounds[a] <= point[a] && point[a] <= (double)bounds[a + 3];

@@ -20,6 +20,7 @@ struct leafcast {
     leafcast_surface surfaces[LEAFCAST_SURFACES_MAX];
     double isovalues[LEAFCAST_SURFACES_MAX];
     int surface_count;
+    uint32_t field, step; /* of a mesh */
     atomic_uchar *touched;
     uint8_t *stop;          /* per treelet, for --lod pixel */
     size_t base_bytes;      /* of the budget, before any treelet */

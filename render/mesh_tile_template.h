@@ -334,7 +334,7 @@ static void walk_lanes(mesh_tile *w, const treelet *at) {
 
 static void add_lane(mesh_tile *w, const treelet *at, uint32_t place, const tile_rect *r) {
     const uint16_t *v = mesh_leaf_tets(&at->mesh, at->payload)[place];
-    const float(*p)[3] = mesh_leaf_positions(&at->mesh, at->payload);
+    const float(*p)[3] = at->positions;
     tet_lanes *l = &w->lanes;
     for (int k = 0; k < 4; k++)
         for (int a = 0; a < 3; a++)
@@ -417,7 +417,7 @@ SIMD void boxes_of_node(const eye_frame *f, const mesh_node *node, near_boxes *b
 
 static void walk_treelet_of_mesh(mesh_tile *w, const treelet *at, tile_rect rect, float near2) {
     const eye_frame planes = eye_frame_of(w, at);
-    const mesh_node *nodes = mesh_leaf_nodes(at->payload);
+    const mesh_node *nodes = at->nodes;
     const uint16_t *first = mesh_leaf_first(&at->mesh, at->payload);
     mesh_pending stack[TREELET_STACK_MAX];
     int top = 0;

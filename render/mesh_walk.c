@@ -29,7 +29,7 @@ bool mesh_interval_of(const ray *r, const double lo[3], const double hi[3], mesh
 
 tet mesh_walk_tet(const treelet *tr, uint32_t place) {
     const uint16_t *v = mesh_leaf_tets(&tr->mesh, tr->payload)[place];
-    const float(*at)[3] = mesh_leaf_positions(&tr->mesh, tr->payload);
+    const float(*at)[3] = tr->positions;
     const float *values = mesh_leaf_values(&tr->mesh, tr->values);
     tet x;
     for (int k = 0; k < 4; k++) {
@@ -97,7 +97,7 @@ typedef struct walk_of {
 /* Push a node's children that the ray meets before `nearest`, the first of them last. */
 static int push_children(const walk_of *w, uint32_t node, double nearest, pending stack[],
                          int top) {
-    const mesh_node *n = &mesh_leaf_nodes(w->tr->payload)[node];
+    const mesh_node *n = &w->tr->nodes[node];
     const int bottom = top;
     for (unsigned left = w->tr->active->children[node]; left; left &= left - 1) {
         const unsigned c = (unsigned)__builtin_ctz(left);

@@ -8,18 +8,25 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/fault.h"
-#include "formats/mesh_leaf_check.h"
+#include "stream/shelf.h"
 
-typedef enum residence { ABSENT, QUEUED, LOADING, READY, SPARE, FAILED } residence;
+typedef enum residence { ABSENT, QUEUED, LOADING, READY, FAILED } residence;
 
 typedef struct reader {
     loader *owner;
-    source_scratch scratch;
+    mesh_scratch scratch;
     pthread_t thread;
 } reader;
 
+/* A mesh's topology, which treelets of several sets share. */
+typedef struct shared {
+    const void *topology;
+    uint32_t users;
+} shared;
+
 struct loader_private {
     source *source;
+    mesh_store store;
     pthread_mutex_t lock;
     pthread_cond_t work, done;
     /* Guarded by lock: */
@@ -27,8 +34,11 @@ struct loader_private {
     loader_request *queue; /* binary heap, smallest urgency first */
     size_t queued;
     treelet **places; /* READY ones, oldest first */
-    treelet **spares; /* SPARE ones; they have places only as long as nothing else needs them */
-    uint32_t filled, spare, loading, capacity;
+    shelf shelf;      /* ABSENT ones; they stay only as long as nothing else needs their memory */
+    shared *shared;   /* of a mesh, a treelet */
+    uint32_t filled, loading, capacity;
+    size_t bytes, room; /* of all treelets; that they may have */
+    uint64_t published; /* treelets that became READY */
     bool quit, sweeping;
     status_note failure;
     loader_stats stats;
@@ -40,7 +50,7 @@ struct loader_private {
     uint8_t *existing;   /* a treelet's octants that are there */
     uint8_t *held;       /* whether a treelet's subtree holds an isovalue: room for a sweep */
     treelet_tree tree;   /* of a mesh */
-    uint32_t set;        /* of a mesh's values */
+    uint32_t set;        /* of a mesh's values; 0: of a grid */
     size_t place_bytes;
     reader *readers;
     int started;
@@ -81,30 +91,19 @@ static loader_request queue_pop(struct loader_private *h) {
 
 /* ---- One treelet in and out ---- */
 
-static uint64_t stored_bytes(const loader *l, uint32_t t) {
-    const leaf_file *f = l->file;
-    return f->sizes[t] +
-           (l->tree ? f->sizes[leaf_layout_values(&f->layout, l->hidden->set, t)] : 0);
+uint64_t loader_stored_bytes(const loader *l, uint32_t t) {
+    return l->tree ? mesh_resident_stored(&l->hidden->store, l->hidden->set, t) : l->file->sizes[t];
 }
 
-static void treelet_free(loader *l, treelet *tr) {
-    if (!tr)
-        return;
-    if (tr->payload)
-        source_evict(l->hidden->source, tr->id, tr->payload);
-    if (tr->values)
-        source_evict(l->hidden->source,
-                     leaf_layout_values(&l->file->layout, l->hidden->set, tr->id), tr->values);
-    mem_free(l->m, tr);
-}
-
-/* A treelet and its masks share one block; these begin there. */
+/* A treelet of a grid and its masks share one block; these begin there. */
 enum { TREELET_HEAD = (sizeof(treelet) + 63) / 64 * 64 };
 
-static status grid_load(loader *l, uint32_t t, source_scratch *scratch, treelet **out) {
+static status grid_load(loader *l, uint32_t t, source_scratch *scratch, treelet **out,
+                        uint64_t *read) {
     const leaf_layout *layout = &l->file->layout;
     leaf_payload shape = leaf_layout_payload(layout, t);
-    treelet *tr = mem_zalloc(l->m, TREELET_HEAD + active_bytes(shape.node_levels));
+    const size_t block = TREELET_HEAD + active_bytes(shape.node_levels);
+    treelet *tr = mem_zalloc(l->m, block);
     if (!tr)
         return ST_NOMEM;
     tr->id = t;
@@ -113,95 +112,165 @@ static status grid_load(loader *l, uint32_t t, source_scratch *scratch, treelet 
         tr->first_cell[a] = layout->place[t][a] << layout->cells_log2;
     tr->shape = shape;
     tr->masks = active_init((char *)tr + TREELET_HEAD, shape.node_levels);
+    tr->bytes = block + shape.bytes + source_overhead_bytes(l->hidden->source) + 128;
     status st = source_load(l->hidden->source, t, scratch, &tr->payload);
     if (st != ST_OK) {
-        treelet_free(l, tr);
+        mem_free(l->m, tr);
         return st;
     }
+    *read += l->file->sizes[t];
     tr->samples = (const char *)tr->payload + shape.samples_at;
-    loader_mask(l, tr);
     *out = tr;
     return ST_OK;
 }
 
-static status mesh_load(loader *l, uint32_t t, source_scratch *scratch, treelet **out) {
-    const leaf_file *f = l->file;
-    const uint32_t values = leaf_layout_values(&f->layout, l->hidden->set, t);
-    const mesh_shape shape = mesh_leaf_shape(f->mesh->counts[t]);
-    treelet *tr = mem_zalloc(l->m, TREELET_HEAD + mesh_active_bytes(&shape));
-    if (!tr)
-        return ST_NOMEM;
-    tr->id = t;
-    tr->mesh = shape;
-    tr->active = mesh_active_init((char *)tr + TREELET_HEAD, &shape);
-    tr->first_tet = f->mesh->first_tet[t];
-    tr->bounds = f->mesh->bounds[t];
-    tr->planes = mesh_leaf_frame(tr->bounds);
-    status st = source_load(l->hidden->source, t, scratch, &tr->payload);
-    if (st == ST_OK)
-        st = mesh_leaf_check_loaded(f, t, tr->payload);
-    if (st == ST_OK)
-        st = source_load(l->hidden->source, values, scratch, &tr->values);
-    if (st != ST_OK) {
-        treelet_free(l, tr);
+/* *tr: NULL, or one that the shelf had, without its set. Stays what it is when this fails. */
+static status mesh_load(loader *l, uint32_t t, const void *topology, mesh_scratch *scratch,
+                        treelet **tr, uint64_t *read) {
+    const mesh_store *store = &l->hidden->store;
+    status st = *tr ? ST_OK : mesh_resident_create(store, t, tr);
+    if (st != ST_OK)
         return st;
-    }
-    loader_mask(l, tr);
-    *out = tr;
-    return ST_OK;
+    if (!(*tr)->payload)
+        (*tr)->payload = topology;
+    st = mesh_resident_topology(store, *tr, scratch, read);
+    return st == ST_OK ? mesh_resident_load(store, *tr, l->hidden->set, scratch, read) : st;
 }
 
-static status treelet_load(loader *l, uint32_t t, source_scratch *scratch, treelet **out) {
-    if (l->tree)
-        return mesh_load(l, t, scratch, out);
-    return grid_load(l, t, scratch, out);
+/* Under the lock: what is there of a mesh's topology, for one more user. */
+static const void *share_topology(struct loader_private *h, uint32_t t) {
+    if (!h->shared)
+        return NULL;
+    h->shared[t].users++;
+    return h->shared[t].topology;
+}
+
+/* Under the lock: one user less. */
+static void release_topology(struct loader_private *h, uint32_t t) {
+    if (--h->shared[t].users > 0 || !h->shared[t].topology)
+        return;
+    source_evict(h->source, t, h->shared[t].topology);
+    h->bytes -= mesh_resident_topology_bytes(&h->store, t);
+    h->shared[t].topology = NULL;
+}
+
+/* Under the lock: a treelet's topology is there for others, too. */
+static void offer(struct loader_private *h, const treelet *tr) {
+    if (!h->shared || h->shared[tr->id].topology || !tr->payload)
+        return;
+    h->shared[tr->id].topology = tr->payload;
+    h->bytes += mesh_resident_topology_bytes(&h->store, tr->id);
+}
+
+/* Under the lock. */
+static void treelet_free(loader *l, treelet *tr) {
+    struct loader_private *h = l->hidden;
+    if (h->shared) {
+        mesh_resident_destroy(&h->store, tr);
+        return;
+    }
+    source_evict(h->source, tr->id, tr->payload);
+    mem_free(l->m, tr);
 }
 
 static void publish(loader *l, treelet *tr) {
     struct loader_private *h = l->hidden;
     h->state[tr->id] = READY;
     h->places[h->filled++] = tr;
+    h->published++;
     atomic_store_explicit(&l->resident[tr->id], tr, memory_order_release);
 }
 
-/* Give a treelet back; its place is the caller's to close. */
-static void evict(loader *l, treelet *tr) {
+/* Give a treelet back that is neither READY nor on the shelf. */
+static void discard(loader *l, treelet *tr) {
+    struct loader_private *h = l->hidden;
+    const uint32_t t = tr->id;
+    h->bytes -= tr->bytes;
+    treelet_free(l, tr);
+    if (h->shared)
+        release_topology(h, t);
+}
+
+/* Take a treelet out of the rays' sight; its place is the caller's to close. */
+static void withdraw(loader *l, treelet *tr) {
     atomic_store_explicit(&l->resident[tr->id], NULL, memory_order_relaxed);
     l->hidden->state[tr->id] = ABSENT;
-    treelet_free(l, tr);
 }
 
-/* Give spare ones back until so many more treelets have places. */
+/* Empty the shelf until so many more treelets have room. */
 static void make_room(loader *l, uint32_t more) {
     struct loader_private *h = l->hidden;
-    while (h->spare > 0 && h->filled + h->loading + h->spare + more > h->capacity)
-        evict(l, h->spares[--h->spare]);
-}
-
-/* Take a treelet out of the rays' sight, as it is. */
-static void lay_aside(loader *l, treelet *tr) {
-    struct loader_private *h = l->hidden;
-    atomic_store_explicit(&l->resident[tr->id], NULL, memory_order_relaxed);
-    h->state[tr->id] = SPARE;
-    h->spares[h->spare++] = tr;
-}
-
-/* A spare one is wanted after all. */
-static void take_back(loader *l, uint32_t t) {
-    struct loader_private *h = l->hidden;
-    uint32_t i = 0;
-    while (h->spares[i]->id != t)
-        i++;
-    publish(l, h->spares[i]);
-    h->spares[i] = h->spares[--h->spare];
+    const size_t wanted = (size_t)(h->loading + more) * h->place_bytes;
+    while (h->shelf.oldest && (h->bytes > h->room || h->room - h->bytes < wanted)) {
+        treelet *tr = h->shelf.oldest;
+        shelf_remove(&h->shelf, tr);
+        discard(l, tr);
+    }
 }
 
 static void evict_oldest(loader *l, uint32_t count) {
     struct loader_private *h = l->hidden;
-    for (uint32_t i = 0; i < count; i++)
-        evict(l, h->places[i]);
+    for (uint32_t i = 0; i < count; i++) {
+        withdraw(l, h->places[i]);
+        discard(l, h->places[i]);
+    }
     h->filled -= count;
     memmove(h->places, h->places + count, h->filled * sizeof *h->places);
+}
+
+/* What the shelf has of a treelet in the selected set: READY then. */
+static bool take_back(loader *l, uint32_t t) {
+    struct loader_private *h = l->hidden;
+    treelet *tr = shelf_find(&h->shelf, t, h->set);
+    if (!tr)
+        return false;
+    shelf_remove(&h->shelf, tr);
+    publish(l, tr);
+    return true;
+}
+
+/* Under the lock, which is given back while it reads. */
+static void bring_in(loader *l, uint32_t t, mesh_scratch *scratch) {
+    struct loader_private *h = l->hidden;
+    uint64_t read = 0;
+    treelet *tr = shelf_find(&h->shelf, t, TREELET_NO_SET);
+    const void *topology = tr ? tr->payload : share_topology(h, t);
+    if (tr) {
+        shelf_remove(&h->shelf, tr);
+        h->bytes -= tr->bytes;
+    }
+    make_room(l, 1);
+    h->state[t] = LOADING;
+    h->loading++;
+    pthread_mutex_unlock(&h->lock);
+
+    double start = clock_seconds();
+    status st = l->tree ? mesh_load(l, t, topology, scratch, &tr, &read)
+                        : grid_load(l, t, &scratch->source, &tr, &read);
+    if (st == ST_OK)
+        loader_mask(l, tr);
+    double seconds = clock_seconds() - start;
+
+    pthread_mutex_lock(&h->lock);
+    h->loading--;
+    h->stats.load_s += seconds;
+    h->stats.bytes_read += read;
+    if (tr) {
+        h->bytes += tr->bytes;
+        offer(h, tr);
+    }
+    if (st == ST_OK) {
+        h->stats.loads++;
+        publish(l, tr);
+        return;
+    }
+    h->state[t] = FAILED;
+    if (h->failure.st == ST_OK)
+        status_note_take(&h->failure, st);
+    if (tr)
+        discard(l, tr);
+    else if (h->shared)
+        release_topology(h, t);
 }
 
 static void *read_treelets(void *arg) {
@@ -214,29 +283,9 @@ static void *read_treelets(void *arg) {
             pthread_cond_wait(&h->work, &h->lock);
         if (h->quit)
             break;
-        uint32_t t = queue_pop(h).t;
-        make_room(l, 1);
-        h->state[t] = LOADING;
-        h->loading++;
-        pthread_mutex_unlock(&h->lock);
-
-        double start = clock_seconds();
-        treelet *tr = NULL;
-        status st = treelet_load(l, t, &self->scratch, &tr);
-        double seconds = clock_seconds() - start;
-
-        pthread_mutex_lock(&h->lock);
-        h->loading--;
-        h->stats.load_s += seconds;
-        if (st == ST_OK) {
-            h->stats.loads++;
-            h->stats.bytes_read += stored_bytes(l, t);
-            publish(l, tr);
-        } else {
-            h->state[t] = FAILED;
-            if (h->failure.st == ST_OK)
-                status_note_take(&h->failure, st);
-        }
+        const uint32_t t = queue_pop(h).t;
+        if (!take_back(l, t))
+            bring_in(l, t, &self->scratch);
         pthread_cond_broadcast(&h->done);
     }
     pthread_mutex_unlock(&h->lock);
@@ -289,29 +338,48 @@ static uint8_t *existing_octants(mem *m, const leaf_layout *layout) {
 static size_t place_bytes_of(const loader *l) {
     const leaf_layout *layout = &l->file->layout;
     size_t most = 0;
-    if (!l->tree)
-        most = leaf_layout_payload_max(layout) + active_bytes(layout->cells_log2 - LEAF_BLOCK_LOG2);
     for (uint32_t t = 0; l->tree && t < layout->treelets; t++) {
-        const mesh_shape shape = mesh_leaf_shape(l->file->mesh->counts[t]);
-        const size_t bytes =
-            (size_t)shape.topology_bytes + shape.values_bytes + mesh_active_bytes(&shape);
+        const size_t bytes = mesh_resident_bytes(&l->hidden->store, t);
         most = bytes > most ? bytes : most;
     }
-    return most + (l->tree ? 2 : 1) * source_overhead_bytes(l->hidden->source) + TREELET_HEAD + 256;
+    if (l->tree)
+        return most;
+    return leaf_layout_payload_max(layout) + active_bytes(layout->cells_log2 - LEAF_BLOCK_LOG2) +
+           source_overhead_bytes(l->hidden->source) + TREELET_HEAD + 256;
 }
 
 /* A mesh's directory as a tree. */
 static status grow_tree(loader *l) {
+    struct loader_private *h = l->hidden;
     if (l->file->header.kind != LEAF_KIND_MESH)
         return ST_OK;
-    status st =
-        treelet_tree_init(&l->hidden->tree, l->m, l->file->mesh->bounds, l->file->layout.treelets);
-    l->tree = &l->hidden->tree;
+    h->shared = mem_array(l->m, l->file->layout.treelets, sizeof *h->shared);
+    if (!h->shared)
+        return ST_NOMEM;
+    status st = treelet_tree_init(&h->tree, l->m, l->file->mesh->bounds, l->file->layout.treelets);
+    l->tree = &h->tree;
     return st;
 }
 
-status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, cpu_isa isa,
-                     loader **out) {
+/* The threads that read. */
+static status start_readers(loader *l, int workers) {
+    struct loader_private *h = l->hidden;
+    for (; h->started < workers; h->started++) {
+        reader *r = &h->readers[h->started];
+        r->owner = l;
+        status st = mesh_scratch_init(&h->store, &r->scratch);
+        if (st != ST_OK)
+            return st;
+        if (fault_hit(FAULT_THREAD) || pthread_create(&r->thread, NULL, read_treelets, r) != 0) {
+            mesh_scratch_release(&h->store, &r->scratch);
+            return status_describe(ST_FAILED, "loader thread %d of %d could not be created",
+                                   h->started + 1, workers);
+        }
+    }
+    return ST_OK;
+}
+
+status loader_create(mem *m, leaf_file *f, const loader_options *o, loader **out) {
     const size_t n = f->layout.treelets;
     status st = ST_NOMEM;
     loader *l = mem_zalloc(m, sizeof *l);
@@ -326,39 +394,30 @@ status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, cpu_is
     pthread_cond_init(&h->work, NULL);
     pthread_cond_init(&h->done, NULL);
     h->capacity = 1;
-    h->compute = active_for(isa);
+    h->compute = active_for(o->isa);
     l->own = mem_array(m, n, 1);
     l->children = mem_array(m, n, 1);
     l->resident = mem_array(m, n, sizeof *l->resident);
     h->state = mem_array(m, n, 1);
     h->queue = mem_array(m, n, sizeof *h->queue);
     h->places = mem_array(m, n, sizeof *h->places);
-    h->spares = mem_array(m, n, sizeof *h->spares);
+    shelf_init(&h->shelf, m, (uint32_t)n);
     h->existing = existing_octants(m, &f->layout);
     h->held = mem_array(m, n, 1);
-    h->readers = mem_array(m, (size_t)workers, sizeof *h->readers);
+    h->readers = mem_array(m, (size_t)o->workers, sizeof *h->readers);
     if (!l->own || !l->children || !l->resident || !h->state || !h->queue || !h->places ||
-        !h->spares || !h->existing || !h->held || !h->readers)
+        !h->shelf.of || !h->existing || !h->held || !h->readers)
         goto fail;
     st = grow_tree(l);
     if (st == ST_OK)
-        st = source_open(m, f, kind, &h->source);
+        st = source_open(m, f, o->source, &h->source);
     if (st != ST_OK)
         goto fail;
-    h->place_bytes = place_bytes_of(l);
-    for (; h->started < workers; h->started++) {
-        reader *r = &h->readers[h->started];
-        r->owner = l;
-        st = source_scratch_init(h->source, &r->scratch);
-        if (st != ST_OK)
-            goto fail;
-        if (fault_hit(FAULT_THREAD) || pthread_create(&r->thread, NULL, read_treelets, r) != 0) {
-            source_scratch_release(h->source, &r->scratch);
-            st = status_describe(ST_FAILED, "loader thread %d of %d could not be created",
-                                 h->started + 1, workers);
-            goto fail;
-        }
-    }
+    h->store = (mesh_store){.m = m, .file = f, .source = h->source, .schema = o->schema};
+    h->room = h->place_bytes = place_bytes_of(l);
+    st = start_readers(l, o->workers);
+    if (st != ST_OK)
+        goto fail;
     *out = l;
     return ST_OK;
 fail:
@@ -377,12 +436,13 @@ void loader_destroy(loader *l) {
         pthread_mutex_unlock(&h->lock);
         for (int i = 0; i < h->started; i++) {
             pthread_join(h->readers[i].thread, NULL);
-            source_scratch_release(h->source, &h->readers[i].scratch);
+            mesh_scratch_release(&h->store, &h->readers[i].scratch);
         }
         if (h->places)
             evict_oldest(l, h->filled);
-        while (h->spare > 0)
-            evict(l, h->spares[--h->spare]);
+        h->room = 0;
+        if (h->shelf.of)
+            make_room(l, 1);
         pthread_cond_destroy(&h->done);
         pthread_cond_destroy(&h->work);
         pthread_mutex_destroy(&h->lock);
@@ -391,7 +451,8 @@ void loader_destroy(loader *l) {
         mem_free(l->m, h->readers);
         mem_free(l->m, h->held);
         mem_free(l->m, h->existing);
-        mem_free(l->m, h->spares);
+        shelf_release(&h->shelf, l->m);
+        mem_free(l->m, h->shared);
         mem_free(l->m, h->places);
         mem_free(l->m, h->queue);
         mem_free(l->m, h->state);
@@ -442,7 +503,7 @@ static void sweep_ranges(loader *l) {
     uint64_t bytes = 0;
     uint32_t active = 0;
     for (uint32_t t = 0; t < treelets; t++) {
-        bytes += l->own[t] ? stored_bytes(l, t) : 0;
+        bytes += l->own[t] ? loader_stored_bytes(l, t) : 0;
         active += l->own[t];
     }
     l->bytes_active = bytes;
@@ -458,27 +519,31 @@ static void sweep_ranges(loader *l) {
         treelet_tree_select(&l->hidden->tree, l->own);
 }
 
-/* Resident treelets that hold a surface are READY, the others SPARE. */
+/* Resident treelets that hold a surface are READY, the others on the shelf. */
 static void sort_resident(loader *l) {
     struct loader_private *h = l->hidden;
     const uint32_t filled = h->filled;
-    uint32_t spare = 0;
     h->filled = 0;
     for (uint32_t i = 0; i < filled; i++) {
         treelet *tr = h->places[i];
-        if (l->own[tr->id])
+        if (l->own[tr->id] && tr->set == h->set) {
             h->places[h->filled++] = tr;
-        else
-            lay_aside(l, tr);
+            continue;
+        }
+        withdraw(l, tr);
+        shelf_put(&h->shelf, tr);
     }
-    for (uint32_t i = 0; i < h->spare; i++) {
-        treelet *tr = h->spares[i];
-        if (l->own[tr->id])
-            publish(l, tr);
-        else
-            h->spares[spare++] = tr;
+    for (treelet *tr = h->shelf.newest, *older; tr && h->filled < h->capacity; tr = older) {
+        older = tr->older;
+        if (tr->set == h->set && l->own[tr->id])
+            (void)take_back(l, tr->id);
     }
-    h->spare = spare;
+}
+
+/* Another selection. With the lock held. */
+static void select_anew(loader *l) {
+    sweep_ranges(l);
+    sort_resident(l);
 }
 
 void loader_select(loader *l, const double *isovalues, int count) {
@@ -490,8 +555,34 @@ void loader_select(loader *l, const double *isovalues, int count) {
         memcpy(h->isovalues, isovalues, bytes);
         h->isos = (active_set){count, h->isovalues};
         l->selection++;
-        sweep_ranges(l);
-        sort_resident(l);
+        select_anew(l);
+    }
+    pthread_mutex_unlock(&h->lock);
+}
+
+/* What is on the shelf keeps its topology alone. */
+static void strip_shelf(loader *l) {
+    struct loader_private *h = l->hidden;
+    for (treelet *tr = h->shelf.oldest; tr; tr = tr->newer) {
+        h->bytes -= tr->bytes;
+        mesh_resident_strip(&h->store, tr);
+        h->bytes += tr->bytes;
+    }
+}
+
+void loader_select_set(loader *l, uint32_t set) {
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    rest(h);
+    if (set != h->set) {
+        const leaf_layout *layout = &l->file->layout;
+        h->set = set;
+        if (layout->moved_steps)
+            treelet_tree_move(&h->tree, (const treelet_bounds *)l->file->mesh->bounds +
+                                            leaf_layout_bounds(layout, set % layout->steps, 0));
+        select_anew(l);
+        if (h->store.schema == MESH_REFIT)
+            strip_shelf(l);
     }
     pthread_mutex_unlock(&h->lock);
 }
@@ -500,13 +591,15 @@ size_t loader_place_bytes(const loader *l) {
     return l->hidden->place_bytes;
 }
 
-void loader_set_capacity(loader *l, uint32_t places) {
+void loader_set_capacity(loader *l, uint32_t places, size_t beside) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
-    h->capacity = places > 0 ? places : 1;
     rest(h);
-    make_room(l, 0);
+    h->capacity = places > 0 ? places : 1;
+    h->room = h->capacity * h->place_bytes;
+    h->room = beside < SIZE_MAX - h->room ? h->room + beside : SIZE_MAX;
     evict_oldest(l, h->filled > h->capacity ? h->filled - h->capacity : 0);
+    make_room(l, 0);
     pthread_mutex_unlock(&h->lock);
 }
 
@@ -559,8 +652,8 @@ status loader_admit(loader *l, loader_request *requests, size_t count) {
     quiesce(h);
     bool ready = false;
     for (size_t i = 0; i < count; i++) {
-        if (h->state[requests[i].t] == SPARE)
-            take_back(l, requests[i].t);
+        if (h->state[requests[i].t] == ABSENT && h->filled < h->capacity)
+            (void)take_back(l, requests[i].t);
         ready = ready || h->state[requests[i].t] == READY;
     }
     if (!ready) {
@@ -575,8 +668,8 @@ status loader_admit(loader *l, loader_request *requests, size_t count) {
     if (h->sweeping && h->filled + h->queued < h->capacity)
         sweep_locked(l);
     pthread_cond_broadcast(&h->work);
-    const uint64_t before = h->stats.loads;
-    while (!ready && h->stats.loads == before && h->failure.st == ST_OK)
+    const uint64_t before = h->published;
+    while (!ready && h->published == before && h->failure.st == ST_OK)
         pthread_cond_wait(&h->done, &h->lock);
     status st = h->failure.st == ST_OK ? ST_OK : status_note_raise(&h->failure);
     pthread_mutex_unlock(&h->lock);
@@ -625,6 +718,7 @@ loader_stats loader_statistics(loader *l) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     loader_stats s = h->stats;
+    s.bytes_resident = h->bytes;
     s.masks = atomic_load_explicit(&h->masks, memory_order_relaxed);
     pthread_mutex_unlock(&h->lock);
     return s;

@@ -8,8 +8,10 @@
  * selection takes them away, which only happens while no ray is being traced.
  *
  * Another selection costs no more than its sweep: whoever looks a READY treelet up first makes its
- * new masks, and treelets that hold none of the new isovalues go to SPARE, where they keep what
- * they have read until their place is needed or their isovalue comes back.
+ * new masks, and treelets that hold none of the new isovalues go to a shelf, where they keep what
+ * they have read until their place is needed or their isovalue comes back. So do those of a mesh's
+ * other fields and time steps, with their masks (schema trees); or a step's vertices give way to
+ * the next one's, and the tree is refit (mesh_resident.h).
  *
  * Render threads look treelets up with one acquire load of the treelet and one of its masks' state,
  * and may call loader_want(); everything else belongs to the thread that owns the loader.
@@ -22,38 +24,18 @@
 
 #include "formats/base/cpu.h"
 #include "formats/leaf_file.h"
-#include "formats/mesh_leaf.h"
-#include "stream/active.h"
-#include "stream/mesh_active.h"
+#include "stream/mesh_resident.h"
 #include "stream/source.h"
+#include "stream/treelet.h"
 #include "stream/treelet_tree.h"
-
-/* A resident treelet. Only its masks ever change, and only from one selection to the next. */
-typedef struct treelet {
-    uint32_t id;
-    const void *payload; /* of a mesh: its topology */
-    /* Of a grid: */
-    uint32_t level;
-    uint32_t first_cell[3]; /* of its level's grid */
-    leaf_payload shape;
-    const void *samples; /* at the halo's first sample */
-    active_masks *masks;
-    /* Of a mesh: */
-    const void *values;
-    mesh_shape mesh;
-    uint64_t first_tet;  /* index of its first tet in the whole mesh */
-    const float *bounds; /* lo x y z, hi x y z */
-    mesh_frame planes;   /* what its nodes' codes mean */
-    mesh_active *active;
-    atomic_size_t masked; /* the selection of masks or active, 0: none; or LOADER_MASKING */
-} treelet;
 
 #define LOADER_MASKING SIZE_MAX /* some thread is making them */
 
 typedef struct loader_stats {
     uint64_t loads, bytes_read;
-    double load_s;  /* summed over workers */
-    uint64_t masks; /* made, of treelets just read and of resident ones */
+    double load_s;           /* summed over workers */
+    uint64_t masks;          /* made, of treelets just read and of resident ones */
+    uint64_t bytes_resident; /* now: of all treelets, drawn or not */
 } loader_stats;
 
 typedef struct loader {
@@ -70,22 +52,35 @@ typedef struct loader {
     struct loader_private *hidden;
 } loader;
 
-/* loader_create() - workers >= 1 threads that read; isa: for active_for(). Nothing is selected yet.
- */
-CHECKED status loader_create(mem *m, leaf_file *f, source_kind kind, int workers, cpu_isa isa,
-                             loader **out);
+/* How to read. */
+typedef struct loader_options {
+    source_kind source;
+    mesh_schema schema; /* of a mesh's steps */
+    int workers;        /* threads that read, at least 1 */
+    cpu_isa isa;        /* for active_for() */
+} loader_options;
+
+/* loader_create() - nothing is selected yet; of a mesh, its first set is. */
+CHECKED status loader_create(mem *m, leaf_file *f, const loader_options *o, loader **out);
 void loader_destroy(loader *l); /* waits for reads under way; NULL is fine */
 
 /* loader_select() - the isovalues of the coming frames. One pass over the directory, and none when
  * they are the same as before. */
 void loader_select(loader *l, const double *isovalues, int count);
 
-/* loader_place_bytes() - memory that one resident treelet costs; with this the caller turns a
- * budget into places. */
-size_t loader_place_bytes(const loader *l);
+/* loader_select_set() - the set of a mesh's values, and the step, that the coming frames show. A
+ * pass over the directory, and none when it is the same as before. */
+void loader_select_set(loader *l, uint32_t set);
 
-/* loader_set_capacity() - at most so many treelets, at least 1; evicts what is too many. */
-void loader_set_capacity(loader *l, uint32_t places);
+/* loader_place_bytes() - memory that one resident treelet costs; with this the caller turns a
+ * budget into places. loader_stored_bytes() - what the file holds of a treelet in the selected set.
+ */
+size_t loader_place_bytes(const loader *l);
+uint64_t loader_stored_bytes(const loader *l, uint32_t t);
+
+/* loader_set_capacity() - at most so many treelets that are drawn, at least 1, and the shelf in
+ * what they leave of their memory and `beside` bytes; evicts what is too many. */
+void loader_set_capacity(loader *l, uint32_t places, size_t beside);
 uint32_t loader_capacity(const loader *l);
 
 /* loader_mask() - what loader_lookup() calls for a treelet whose masks are of another selection:

@@ -148,6 +148,10 @@ void source_evict(source *s, uint32_t p, const void *payload) {
     s->backend->evict(s, p, payload);
 }
 
+status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *to) {
+    return file_read_at(s->file->source, s->file->offsets[p] + from, to, bytes);
+}
+
 size_t source_overhead_bytes(const source *s) {
     /* The mapped backend rounds to pages on both sides. */
     return s->kind == SOURCE_MAPPED ? 2 * s->page : 128;

@@ -33,6 +33,10 @@ void source_scratch_release(source *s, source_scratch *scratch);
 CHECKED status source_load(source *s, uint32_t p, source_scratch *scratch, const void **payload);
 void source_evict(source *s, uint32_t p, const void *payload);
 
+/* source_read() - bytes from `from` on of a payload that leaf_file_is_raw(), unchecked, by either
+ * backend. */
+CHECKED status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *to);
+
 /* source_overhead_bytes() - what a loaded payload costs at most beside its bytes. */
 size_t source_overhead_bytes(const source *s);
 

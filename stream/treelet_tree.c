@@ -38,10 +38,14 @@ status treelet_tree_init(treelet_tree *tree, mem *m, const treelet_bounds bounds
         next += tree->count[level];
         flags += tree->count[level];
     }
+    treelet_tree_move(tree, bounds);
+    return ST_OK;
+}
+
+void treelet_tree_move(treelet_tree *tree, const treelet_bounds bounds[]) {
     memcpy(tree->bounds[0], bounds, tree->count[0] * sizeof(treelet_bounds));
     for (uint32_t level = 1; level < tree->levels; level++)
         merge_level(tree, level);
-    return ST_OK;
 }
 
 void treelet_tree_release(treelet_tree *tree) {

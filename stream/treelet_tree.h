@@ -32,6 +32,9 @@ CHECKED status treelet_tree_init(treelet_tree *tree, mem *m, const treelet_bound
                                  uint32_t count);
 void treelet_tree_release(treelet_tree *tree);
 
+/* treelet_tree_move() - other bounds of the same treelets. */
+void treelet_tree_move(treelet_tree *tree, const treelet_bounds bounds[]);
+
 /* treelet_tree_select() - own: for each treelet whether it holds a surface. */
 void treelet_tree_select(treelet_tree *tree, const uint8_t own[]);
 

@@ -40,8 +40,9 @@ static void stage_open(stage *s, sample_type type, cpu_isa isa) {
     s->stored = mem_alloc(&s->m, leaf_layout_payload_max(&s->f->layout));
     s->payload = mem_alloc(&s->m, leaf_layout_payload_max(&s->f->layout));
     s->truth = active_init(mem_alloc(&s->m, active_bytes(s->levels)), s->levels);
-    assert_int_equal(loader_create(&s->m, s->f, SOURCE_ARENA, WORKERS, isa, &s->l), ST_OK);
-    loader_set_capacity(s->l, s->f->layout.treelets);
+    const loader_options options = {.source = SOURCE_ARENA, .workers = WORKERS, .isa = isa};
+    assert_int_equal(loader_create(&s->m, s->f, &options, &s->l), ST_OK);
+    loader_set_capacity(s->l, s->f->layout.treelets, 0);
 }
 
 static void stage_close(stage *s) {
@@ -261,7 +262,7 @@ static void test_kept(void **state) {
     loader_select(s.l, &nowhere, 1);
     assert_int_equal(loader_admit(s.l, &request, 1), ST_OK);
     const size_t before = mem_used(&s.m);
-    loader_set_capacity(s.l, 3);
+    loader_set_capacity(s.l, 3, 0);
     assert_int_equal(ready(&s), 1);
     assert_true(mem_used(&s.m) + (active - 3) * active_bytes(s.levels) < before);
     loader_select(s.l, &here, 1);
@@ -276,7 +277,7 @@ static void test_room(void **state) {
     stage_open(&s, SAMPLE_U8, cpu_best());
     const size_t bare = mem_used(&s.m);
     enum { PLACES = 5 };
-    loader_set_capacity(s.l, PLACES);
+    loader_set_capacity(s.l, PLACES, 0);
     field_random r = {FIELD_SEED};
     for (int i = 0; i < 200; i++) {
         const double iso = 5.0 * (double)field_random_below(&r, 51);

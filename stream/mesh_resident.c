@@ -1,0 +1,253 @@
+#include "stream/mesh_resident.h"
+
+#include <string.h>
+
+#include "formats/mesh_leaf_check.h"
+#include "stream/mesh_refit.h"
+
+/* ---- sizes ---- */
+
+static uint32_t step_of(const mesh_store *s, uint32_t set) {
+    return set % s->file->layout.steps;
+}
+
+static bool moves(const mesh_store *s) {
+    return s->file->layout.moved_steps > 0;
+}
+
+/* A treelet, its masks and, where vertices move, its nodes share a block. */
+enum { HEAD = (sizeof(treelet) + 63) / 64 * 64 };
+
+static size_t nodes_at(const mesh_shape *shape) {
+    return HEAD + (mesh_active_bytes(shape) + 63) / 64 * 64;
+}
+
+static size_t block_bytes(const mesh_store *s, const mesh_shape *shape) {
+    return nodes_at(shape) + (moves(s) ? shape->nodes * sizeof(mesh_node) : 0);
+}
+
+size_t mesh_resident_topology_bytes(const mesh_store *s, uint32_t t) {
+    const mesh_shape shape = mesh_leaf_shape(s->file->mesh->counts[t]);
+    return shape.topology_bytes + source_overhead_bytes(s->source);
+}
+
+static size_t values_bytes(const mesh_store *s, const mesh_shape *shape) {
+    return shape->values_bytes + source_overhead_bytes(s->source);
+}
+
+static size_t moved_bytes(const mesh_store *s, const mesh_shape *shape) {
+    return shape->positions_bytes + source_overhead_bytes(s->source);
+}
+
+size_t mesh_resident_bytes(const mesh_store *s, uint32_t t) {
+    const mesh_shape shape = mesh_leaf_shape(s->file->mesh->counts[t]);
+    return mesh_resident_topology_bytes(s, t) + block_bytes(s, &shape) + values_bytes(s, &shape) +
+           (moves(s) ? moved_bytes(s, &shape) : 0) + 256;
+}
+
+uint64_t mesh_resident_stored(const mesh_store *s, uint32_t set, uint32_t t) {
+    const leaf_file *f = s->file;
+    const uint32_t step = step_of(s, set);
+    uint64_t bytes = f->sizes[t] + f->sizes[leaf_layout_values(&f->layout, set, t)];
+    if (moves(s) && step > 0)
+        bytes += f->sizes[leaf_layout_positions(&f->layout, step, t)];
+    return bytes;
+}
+
+/* ---- scratch ---- */
+
+status mesh_scratch_init(const mesh_store *s, mesh_scratch *scratch) {
+    *scratch = (mesh_scratch){0};
+    status st = source_scratch_init(s->source, &scratch->source);
+    size_t most = 0;
+    for (uint32_t t = 0; s->file->mesh && t < s->file->layout.treelets; t++) {
+        const mesh_shape shape = mesh_leaf_shape(s->file->mesh->counts[t]);
+        const size_t bytes = mesh_refit_scratch(&shape);
+        most = bytes > most ? bytes : most;
+    }
+    if (st != ST_OK || s->schema != MESH_REFIT || most == 0)
+        return st;
+    scratch->refit = mem_alloc(s->m, most);
+    if (scratch->refit)
+        return ST_OK;
+    source_scratch_release(s->source, &scratch->source);
+    return ST_NOMEM;
+}
+
+void mesh_scratch_release(const mesh_store *s, mesh_scratch *scratch) {
+    mem_free(s->m, scratch->refit);
+    source_scratch_release(s->source, &scratch->source);
+}
+
+/* ---- one treelet ---- */
+
+status mesh_resident_create(const mesh_store *s, uint32_t t, treelet **out) {
+    const leaf_file *f = s->file;
+    const mesh_shape shape = mesh_leaf_shape(f->mesh->counts[t]);
+    treelet *tr = mem_zalloc(s->m, block_bytes(s, &shape));
+    if (!tr)
+        return ST_NOMEM;
+    tr->id = t;
+    tr->set = TREELET_NO_SET;
+    tr->mesh = shape;
+    tr->active = mesh_active_init((char *)tr + HEAD, &shape);
+    tr->first_tet = f->mesh->first_tet[t];
+    tr->bytes = block_bytes(s, &shape) + 128;
+    *out = tr;
+    return ST_OK;
+}
+
+/* Give a payload back: to the source, or where it is our own. */
+static void give_back(const mesh_store *s, const treelet *tr, uint32_t p, const void *payload) {
+    if (payload && tr->refit)
+        mem_free(s->m, (void *)(uintptr_t)payload);
+    else if (payload)
+        source_evict(s->source, p, payload);
+}
+
+void mesh_resident_strip(const mesh_store *s, treelet *tr) {
+    const leaf_layout *l = &s->file->layout;
+    if (tr->set == TREELET_NO_SET)
+        return;
+    give_back(s, tr, leaf_layout_values(l, tr->set, tr->id), tr->values);
+    if (tr->moved)
+        give_back(s, tr, leaf_layout_positions(l, step_of(s, tr->set), tr->id), tr->moved);
+    tr->values = tr->moved = NULL;
+    tr->set = TREELET_NO_SET;
+    tr->bytes = block_bytes(s, &tr->mesh) + 128;
+    atomic_store_explicit(&tr->masked, 0, memory_order_relaxed);
+}
+
+void mesh_resident_destroy(const mesh_store *s, treelet *tr) {
+    if (!tr)
+        return;
+    mesh_resident_strip(s, tr);
+    mem_free(s->m, tr);
+}
+
+/* ---- reading ---- */
+
+status mesh_resident_topology(const mesh_store *s, treelet *tr, mesh_scratch *scratch,
+                              uint64_t *read) {
+    if (tr->payload)
+        return ST_OK;
+    const void *topology;
+    status st = source_load(s->source, tr->id, &scratch->source, &topology);
+    if (st != ST_OK)
+        return st;
+    *read += s->file->sizes[tr->id];
+    st = mesh_leaf_check_loaded(s->file, tr->id, topology);
+    if (st == ST_OK)
+        tr->payload = topology;
+    else
+        source_evict(s->source, tr->id, topology);
+    return st;
+}
+
+/* Read payload p into memory of our own: from byte `from` on where that can be; *whole tells. */
+static status read_own(const mesh_store *s, uint32_t p, uint32_t from, mesh_scratch *scratch,
+                       char **payload, bool *whole, uint64_t *read) {
+    leaf_file *f = s->file;
+    const uint32_t bytes = leaf_layout_payload_bytes(&f->layout, p);
+    *whole = !leaf_file_is_raw(f, p);
+    *payload = mem_alloc(s->m, bytes);
+    if (!*payload)
+        return ST_NOMEM;
+    status st = *whole ? leaf_file_load(f, p, scratch->source.stored, *payload)
+                       : source_read(s->source, p, from, bytes - from, *payload + from);
+    if (st == ST_OK)
+        *read += *whole ? f->sizes[p] : bytes - from;
+    return st;
+}
+
+/* A completed payload must be the file's. */
+static status check_own(const mesh_store *s, uint32_t p, const void *payload) {
+    const void *view;
+    return leaf_file_decode(s->file, p, payload, NULL, &view);
+}
+
+static status refit_values(const mesh_store *s, treelet *tr, uint32_t set, mesh_scratch *scratch,
+                           uint64_t *read) {
+    const leaf_file *f = s->file;
+    const size_t element = (size_t)set * f->layout.treelets + tr->id;
+    const uint32_t p = leaf_layout_values(&f->layout, set, tr->id);
+    char *payload = NULL;
+    bool whole;
+    status st = read_own(s, p, tr->mesh.values_at, scratch, &payload, &whole, read);
+    tr->values = payload;
+    if (st != ST_OK || whole)
+        return st;
+    mesh_refit_values(&tr->mesh, tr->payload, f->own[element],
+                      !(f->flags[element] & LEAF_FLAG_NON_FINITE), payload, scratch->refit);
+    return check_own(s, p, payload);
+}
+
+static status refit_moved(const mesh_store *s, treelet *tr, uint32_t step, mesh_scratch *scratch,
+                          uint64_t *read) {
+    const leaf_layout *l = &s->file->layout;
+    const uint32_t p = leaf_layout_positions(l, step, tr->id);
+    char *payload = NULL;
+    bool whole;
+    status st = read_own(s, p, tr->mesh.moved_at, scratch, &payload, &whole, read);
+    tr->moved = payload;
+    if (st == ST_OK)
+        st = mesh_leaf_check_moved(s->file, step, tr->id, payload);
+    if (st != ST_OK || whole)
+        return st;
+    mesh_refit_boxes(&tr->mesh, tr->payload, tr->bounds, payload, scratch->refit);
+    return check_own(s, p, payload);
+}
+
+static status load_values(const mesh_store *s, treelet *tr, uint32_t set, mesh_scratch *scratch,
+                          uint64_t *read) {
+    const uint32_t p = leaf_layout_values(&s->file->layout, set, tr->id);
+    status st = source_load(s->source, p, &scratch->source, &tr->values);
+    *read += st == ST_OK ? s->file->sizes[p] : 0;
+    return st;
+}
+
+static status load_moved(const mesh_store *s, treelet *tr, uint32_t step, mesh_scratch *scratch,
+                         uint64_t *read) {
+    const uint32_t p = leaf_layout_positions(&s->file->layout, step, tr->id);
+    status st = source_load(s->source, p, &scratch->source, &tr->moved);
+    if (st != ST_OK)
+        return st;
+    *read += s->file->sizes[p];
+    return mesh_leaf_check_moved(s->file, step, tr->id, tr->moved);
+}
+
+/* Which vertices and boxes it has now: those of its topology, or of its own. */
+static void place(treelet *tr) {
+    tr->nodes = mesh_leaf_nodes(tr->payload);
+    tr->positions = mesh_leaf_positions(&tr->mesh, tr->payload);
+    if (!tr->moved)
+        return;
+    const mesh_boxes *boxes = mesh_leaf_moved_boxes(tr->moved);
+    mesh_node *nodes = (mesh_node *)((char *)tr + nodes_at(&tr->mesh));
+    for (uint32_t n = 0; n < tr->mesh.nodes; n++) {
+        memcpy(nodes[n].lo, boxes[n].lo, sizeof nodes[n].lo);
+        memcpy(nodes[n].hi, boxes[n].hi, sizeof nodes[n].hi);
+        memcpy(nodes[n].child, tr->nodes[n].child, sizeof nodes[n].child);
+    }
+    tr->nodes = nodes;
+    tr->positions = mesh_leaf_moved(&tr->mesh, tr->moved);
+}
+
+status mesh_resident_load(const mesh_store *s, treelet *tr, uint32_t set, mesh_scratch *scratch,
+                          uint64_t *read) {
+    const uint32_t step = step_of(s, set);
+    tr->set = set;
+    tr->refit = s->schema == MESH_REFIT;
+    tr->bounds = s->file->mesh->bounds[leaf_layout_bounds(&s->file->layout, step, tr->id)];
+    tr->planes = mesh_leaf_frame(tr->bounds);
+    status st = (tr->refit ? refit_values : load_values)(s, tr, set, scratch, read);
+    if (st == ST_OK && moves(s) && step > 0)
+        st = (tr->refit ? refit_moved : load_moved)(s, tr, step, scratch, read);
+    if (st != ST_OK) {
+        mesh_resident_strip(s, tr);
+        return st;
+    }
+    tr->bytes += values_bytes(s, &tr->mesh) + (tr->moved ? moved_bytes(s, &tr->mesh) : 0);
+    place(tr);
+    return ST_OK;
+}
