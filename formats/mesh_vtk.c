@@ -7,7 +7,7 @@
 #include <strings.h>
 
 #include "formats/base/num.h"
-#include "formats/token_stream.h"
+#include "formats/text_tokens.h"
 #include "formats/vtk_cursor.h"
 #include "formats/vtk_grid.h"
 
@@ -175,7 +175,8 @@ static status skip_numbers(scan *s, const vtk_array *a, uint64_t count) {
         return skip_strings(s, a, count);
     if (s->text) {
         uint64_t got;
-        status st = token_stream_skip(s->s, count, &got);
+        text_tokens text = {.s = s->s, .stop = '<'};
+        status st = text_tokens_skip(&text, count, &got);
         return st == ST_OK && got < count ? cut_short(a, got, count) : st;
     }
     uint64_t width = vtk_array_width(a->type), left = byte_stream_left(s->s), size;

@@ -1,22 +1,36 @@
 #include "formats/text_tokens.h"
 
+#include <assert.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "formats/base/num.h"
-#include "formats/token_stream.h"
+#include "formats/text_number.h"
 
 static bool is_gap(const text_tokens *t, uint8_t c) {
     return c == ' ' || (c >= '\t' && c <= '\r') || (t->commas && (c == ',' || c == ';'));
 }
 
+/* What a word is made of, in the one test that nearly all its bytes take. */
+static bool is_word(const text_tokens *t, uint8_t c) {
+    if (c > '<' && c != (uint8_t)t->comment && c != (uint8_t)t->stop)
+        return true;
+    return c != 0 && !is_gap(t, c) && c != (uint8_t)t->comment && c != (uint8_t)t->stop;
+}
+
+static status fault_in(const text_tokens *t, const char *said) {
+    unsigned long long line = t->line, byte = byte_stream_position(t->s);
+    return status_describe(ST_CORRUPT, "%s: %s %llu: %s", byte_stream_name(t->s),
+                           line ? "line" : "byte", line ? line : byte, said);
+}
+
 static status fault_at(const text_tokens *t, const char *expected) {
-    if (!t->token[0])
-        return status_describe(ST_CORRUPT, "%s: line %llu: nothing more here, expected %s",
-                               byte_stream_name(t->s), (unsigned long long)t->line, expected);
-    return status_describe(ST_CORRUPT, "%s: line %llu: \"%.60s\", expected %s",
-                           byte_stream_name(t->s), (unsigned long long)t->line, t->token, expected);
+    char said[500];
+    if (t->token[0])
+        snprintf(said, sizeof said, "\"%.60s\", expected %s", t->token, expected);
+    else
+        snprintf(said, sizeof said, "nothing more here, expected %s", expected);
+    return fault_in(t, said);
 }
 
 status text_tokens_fault(const text_tokens *t, const char *fmt, ...) {
@@ -43,12 +57,12 @@ static status skip_gaps(text_tokens *t, bool one_line, bool *found) {
             if (c == '\n') {
                 if (one_line)
                     break;
-                t->line++;
+                t->line += t->line > 0;
                 comment = false;
             } else if (t->comment && c == (uint8_t)t->comment) {
                 comment = true;
             } else if (!comment && !is_gap(t, c)) {
-                *found = true;
+                *found = !t->stop || c != (uint8_t)t->stop;
                 break;
             }
         }
@@ -69,24 +83,88 @@ static status take_token(text_tokens *t) {
     status st = byte_stream_peek(t->s, TEXT_TOKEN_MAX + 1, &data, &size);
     if (st != ST_OK)
         return st;
-    while (length < size && length <= TEXT_TOKEN_MAX && data[length] && !is_gap(t, data[length]) &&
-           !(t->comment && data[length] == (uint8_t)t->comment))
+    while (length < size && length <= TEXT_TOKEN_MAX && is_word(t, data[length]))
         length++;
-    if (length > TEXT_TOKEN_MAX || (length < size && !data[length]))
-        return status_describe(ST_CORRUPT, "%s: line %llu: no text at byte %llu",
-                               byte_stream_name(t->s), (unsigned long long)t->line,
-                               (unsigned long long)byte_stream_position(t->s));
+    if (length > TEXT_TOKEN_MAX || (length < size && !data[length])) {
+        char said[100];
+        snprintf(said, sizeof said, "no text at byte %llu",
+                 (unsigned long long)byte_stream_position(t->s));
+        return fault_in(t, said);
+    }
     memcpy(t->token, data, length);
     t->token[length] = 0;
     byte_stream_take(t->s, length);
     return ST_OK;
 }
 
+/* The usual case, in one go: blanks without a comment, and a word that ends in sight. */
+static status next_in_sight(text_tokens *t, bool *done) {
+    const uint8_t *data;
+    size_t size, i = 0, lines = 0;
+    status st = byte_stream_peek(t->s, TEXT_TOKEN_MAX + 1, &data, &size);
+    if (st != ST_OK)
+        return st;
+    for (; i < size && is_gap(t, data[i]); i++)
+        lines += data[i] == '\n';
+    size_t from = i;
+    while (i < size && is_word(t, data[i]))
+        i++;
+    size_t length = i - from;
+    *done = length > 0 && length <= TEXT_TOKEN_MAX && i < size && data[i];
+    if (!*done)
+        return ST_OK;
+    memcpy(t->token, data + from, length);
+    t->token[length] = 0;
+    t->line += t->line > 0 ? lines : 0;
+    byte_stream_take(t->s, i);
+    return ST_OK;
+}
+
 status text_tokens_next(text_tokens *t) {
-    bool found;
+    bool done = false;
     t->token[0] = 0;
-    status st = skip_gaps(t, false, &found);
-    return st == ST_OK && found ? take_token(t) : st;
+    status st = next_in_sight(t, &done);
+    if (st != ST_OK || done)
+        return st;
+    st = skip_gaps(t, false, &done);
+    return st == ST_OK && done ? take_token(t) : st;
+}
+
+/* nan and inf are numbers. */
+static bool starts_text(uint8_t c) {
+    bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    return letter && !(c == 'n' || c == 'N' || c == 'i' || c == 'I');
+}
+
+/* How many bytes to pass over. */
+static size_t skip_in_sight(text_tokens *t, const uint8_t *data, size_t size, uint64_t count,
+                            uint64_t *got, bool *inside) {
+    for (size_t i = 0; i < size; i++) {
+        bool gap = is_gap(t, data[i]);
+        bool stop = t->stop && data[i] == (uint8_t)t->stop;
+        if (stop || (*inside ? gap && *got == count : starts_text(data[i])))
+            return i;
+        t->line += t->line > 0 && data[i] == '\n';
+        *got += !gap && !*inside;
+        *inside = !gap;
+    }
+    return size;
+}
+
+status text_tokens_skip(text_tokens *t, uint64_t count, uint64_t *got) {
+    bool inside = false;
+    size_t passed = 0, size = 0;
+    assert(!t->comment);
+    *got = 0;
+    while (passed == size && count > 0) {
+        const uint8_t *data;
+        status st = byte_stream_peek(t->s, 1, &data, &size);
+        if (st != ST_OK || size == 0)
+            return st;
+        passed = skip_in_sight(t, data, size, count, got, &inside);
+        byte_stream_take(t->s, passed);
+    }
+    return ST_OK;
 }
 
 status text_tokens_end_line(text_tokens *t) {
@@ -118,9 +196,11 @@ status text_tokens_rest(text_tokens *t, char *text, size_t size) {
         st = byte_stream_peek(t->s, 1, &data, &held);
         if (st != ST_OK || held == 0 || *data == '\n')
             break;
-        if (length + 1 == size || !*data)
-            return status_describe(ST_CORRUPT, "%s: line %llu: expected a text of up to %zu bytes",
-                                   byte_stream_name(t->s), (unsigned long long)t->line, size - 1);
+        if (length + 1 == size || !*data) {
+            char said[100];
+            snprintf(said, sizeof said, "expected a text of up to %zu bytes", size - 1);
+            return fault_in(t, said);
+        }
         text[length++] = (char)*data;
         byte_stream_take(t->s, 1);
     }
@@ -132,14 +212,14 @@ status text_tokens_rest(text_tokens *t, char *text, size_t size) {
 
 status text_tokens_double(text_tokens *t, const char *what, double *out) {
     status st = text_tokens_next(t);
-    if (st == ST_OK && !token_stream_double(t->token, out))
+    if (st == ST_OK && !text_number_double(t->token, out))
         return fault_at(t, what);
     return st;
 }
 
 status text_tokens_int(text_tokens *t, const char *what, int64_t lo, int64_t hi, int64_t *out) {
     status st = text_tokens_next(t);
-    if (st == ST_OK && num_int(t->token, "", lo, hi, out) != ST_OK)
+    if (st == ST_OK && !text_number_int(t->token, lo, hi, out))
         return fault_at(t, what);
     return st;
 }

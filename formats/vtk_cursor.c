@@ -4,7 +4,8 @@
 #include <string.h>
 
 #include "formats/byte_stream.h"
-#include "formats/token_stream.h"
+#include "formats/text_number.h"
+#include "formats/text_tokens.h"
 #include "formats/vtk_bytes.h"
 
 enum { CURSOR_BYTES = 1 << 14 };
@@ -16,6 +17,7 @@ struct vtk_cursor {
     uint64_t left;     /* numbers not yet handed out; VTK_CURSOR_ANY for text of any length */
     uint64_t taken;    /* numbers handed out */
     byte_stream *from; /* text and bare bytes */
+    text_tokens text;  /* in it */
     vtk_bytes *bytes;  /* the others */
     size_t begin, end; /* of buffer[], in numbers */
     uint8_t buffer[CURSOR_BYTES];
@@ -46,6 +48,7 @@ static status open_plain(vtk_cursor *c, uint64_t count) {
     if (st == ST_OK)
         st = byte_stream_skip(c->from, c->array->at);
     c->left = count;
+    c->text = (text_tokens){.s = c->from, .stop = '<'};
     if (st != ST_OK || c->array->coding == VTK_TEXT)
         return st;
     uint64_t room = byte_stream_left(c->from) / c->width;
@@ -86,22 +89,22 @@ void vtk_cursor_close(vtk_cursor *c) {
 
 /* ---- text ---- */
 
-static status next_word(vtk_cursor *c, char token[TOKEN_STREAM_MAX]) {
-    status st = token_stream_next(c->from, token);
-    return st == ST_OK && !*token ? too_few(c, c->taken, c->taken + 1) : st;
+static status next_word(vtk_cursor *c) {
+    status st = text_tokens_next(&c->text);
+    return st == ST_OK && !c->text.token[0] ? too_few(c, c->taken, c->taken + 1) : st;
 }
 
-static status bad_word(const vtk_cursor *c, const char *token, const char *expected) {
-    return vtk_array_fault(c->array, ST_CORRUPT, "before byte %llu: \"%s\", expected a %snumber",
-                           (unsigned long long)byte_stream_position(c->from), token, expected);
+static status bad_word(const vtk_cursor *c, const char *expected) {
+    return vtk_array_fault(c->array, ST_CORRUPT, "before byte %llu: \"%.60s\", expected a %snumber",
+                           (unsigned long long)byte_stream_position(c->from), c->text.token,
+                           expected);
 }
 
 static status text_doubles(vtk_cursor *c, size_t count, double *out) {
-    char token[TOKEN_STREAM_MAX];
     for (size_t i = 0; i < count; i++, c->taken++) {
-        status st = next_word(c, token);
-        if (st == ST_OK && !token_stream_double(token, &out[i]))
-            st = bad_word(c, token, "");
+        status st = next_word(c);
+        if (st == ST_OK && !text_number_double(c->text.token, &out[i]))
+            st = bad_word(c, "");
         if (st != ST_OK)
             return st;
     }
@@ -109,11 +112,10 @@ static status text_doubles(vtk_cursor *c, size_t count, double *out) {
 }
 
 static status text_whole(vtk_cursor *c, size_t count, uint64_t *out) {
-    char token[TOKEN_STREAM_MAX];
     for (size_t i = 0; i < count; i++, c->taken++) {
-        status st = next_word(c, token);
-        if (st == ST_OK && !token_stream_whole(token, &out[i]))
-            st = bad_word(c, token, "whole ");
+        status st = next_word(c);
+        if (st == ST_OK && !text_number_whole(c->text.token, &out[i]))
+            st = bad_word(c, "whole ");
         if (st != ST_OK)
             return st;
     }
@@ -255,12 +257,11 @@ status vtk_cursor_whole(vtk_cursor *c, size_t count, uint64_t *out) {
 status vtk_cursor_finish(vtk_cursor *c) {
     const vtk_array *a = c->array;
     if (a->coding == VTK_TEXT && a->line > 0) {
-        char token[TOKEN_STREAM_MAX];
-        status st = token_stream_next(c->from, token);
-        if (st != ST_OK || !*token)
+        status st = text_tokens_next(&c->text);
+        if (st != ST_OK || !c->text.token[0])
             return st;
-        return vtk_array_fault(a, ST_CORRUPT, "\"%s\" behind its last number, expected %llu", token,
-                               (unsigned long long)c->taken);
+        return vtk_array_fault(a, ST_CORRUPT, "\"%.60s\" behind its last number, expected %llu",
+                               c->text.token, (unsigned long long)c->taken);
     }
     return a->coding != VTK_TEXT && c->left > 0 ? too_few(c, c->taken + c->left, c->taken) : ST_OK;
 }
