@@ -241,6 +241,11 @@ static status run(bench_options *o) {
     const bool all = strcmp(name, "all") == 0;
     if (!suite && !all)
         return status_describe(ST_USAGE, "no suite \"%s\"; --help lists them", name);
+    if ((job->view.field[0] && !(suite && suite->series)) || job->view.step)
+        return status_describe(ST_USAGE,
+                               "%s: suites draw the first field at the first step; "
+                               "bench time --field NAME draws all steps",
+                               job->view.step ? "--step" : "--field");
     job->brief = o->form == BRIEF || (all && o->form != FULL);
     job->runs = job->runs ? job->runs : job->brief ? 3 : 9;
     job->threads = o->common.threads;

@@ -60,7 +60,9 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     case ARGP_KEY_NO_ARGS: argp_error(state, "which treelet file?"); return 0;
     default: break;
     }
-    const status st = set_option(o, key, arg);
+    status st = set_option(o, key, arg);
+    if (st == ST_OK && o->view.field[0])
+        st = status_describe(ST_USAGE, "--field: peers draw a file's first field");
     if (st == ST_AGAIN)
         return ARGP_ERR_UNKNOWN;
     if (st)

@@ -9,11 +9,11 @@
 #include "render/bench_nodes.h"
 #include "render/bench_pareto.h"
 #include "render/bench_threads.h"
+#include "render/bench_time.h"
 #include "render/bench_walk.h"
 
 status bench_suite_subject(bench_job *job, const char *const *names, const char *const *brief_names,
                            int i, bench_subject *out) {
-    const char *name = (job->brief ? brief_names : names)[i];
     out->view = job->view;
     if (job->target) {
         if (i > 0)
@@ -23,6 +23,7 @@ status bench_suite_subject(bench_job *job, const char *const *names, const char 
         out->path = job->target;
         return view_options_check(&out->view);
     }
+    const char *name = (job->brief ? brief_names : names)[i];
     if (!name)
         return ST_AGAIN;
     bench_stored stored;
@@ -242,6 +243,14 @@ static const bench_suite SUITES[] = {
      .run = bench_isovalue,
      .labels = 2,
      .charts = {{"us/treelet", "+-", false}, {"new/same", NULL, false}}},
+    {.name = "time",
+     .takes = "F.leaf --iso V",
+     .about = "a new time step of a mesh in every frame, both schemas (W07 8.5)",
+     .run = bench_time,
+     .alone = true,
+     .series = true,
+     .labels = 2,
+     .charts = {{"fps", "+-", false}, {"MB/step", NULL, false}, {"resident MB", NULL, false}}},
     {.name = "walk",
      .takes = "[F.leaf --iso V]",
      .about = "experiment E1: below 4^3 cells",

@@ -38,6 +38,7 @@ typedef struct bench_suite {
     status (*run)(bench_job *job);
     bool picture;                           /* -o is a picture, not the table */
     bool alone;                             /* not part of `all` */
+    bool series;                            /* of a field's time steps */
     int labels;                             /* columns that name a row */
     const bench_count *counts;              /* columns that have a baseline; NULL: none */
     bench_chart charts[BENCH_SUITE_CHARTS]; /* bars; ends at a NULL column */

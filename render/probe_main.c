@@ -276,12 +276,29 @@ static json_t *rerun_line(int argc, char **argv) {
     return json_string(line);
 }
 
+/* The field and step; said where there is more than one. */
+static status select_set(const probe_options *o, leafcast *volume, json_t *answer) {
+    const leafcast_info info = leafcast_describe(volume);
+    uint32_t field;
+    status st = view_options_field(&o->view, volume, &field);
+    if (st == ST_OK)
+        st = render_status(leafcast_select_set(volume, field, o->view.step));
+    if (st != ST_OK || (info.fields == 1 && info.steps == 1))
+        return st;
+    json_object_set_new(answer, "field", json_string(leafcast_field_name(volume, field)));
+    json_object_set_new(answer, "step", json_integer(o->view.step));
+    json_object_set_new(answer, "time", real(leafcast_step_time(volume, o->view.step)));
+    return ST_OK;
+}
+
 static status run(probe_options *o, json_t *answer) {
     const leafcast_options open = {.memory = o->common.memory, .threads = 1};
     leafcast *volume = NULL;
     status st = render_status(leafcast_open(o->volume, &open, &volume));
     if (st == ST_OK)
         o->is_mesh = leafcast_describe(volume).tets > 0;
+    if (st == ST_OK)
+        st = select_set(o, volume, answer);
     if (st == ST_OK)
         st = o->point ? probe_point(o, volume, answer) : probe_ray(o, volume, answer);
     leafcast_close(volume);

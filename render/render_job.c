@@ -141,6 +141,20 @@ static status select_surfaces(render_job *job, const view_options *view) {
     return st;
 }
 
+/* Likewise the field and the time step. */
+static status select_set(render_job *job, const view_options *view) {
+    uint32_t field;
+    status st = view_options_field(view, job->volume, &field);
+    if (st != ST_OK || (field == job->field && view->step == job->step))
+        return st;
+    st = render_status(leafcast_select_set(job->volume, field, view->step));
+    if (st == ST_OK) {
+        job->field = field;
+        job->step = view->step;
+    }
+    return st;
+}
+
 /* A picture's part in the whole job. */
 typedef struct part {
     const progress *watch;
@@ -188,11 +202,16 @@ static size_t numbers_text(char *text, size_t n, const double *x, int count) {
     return n;
 }
 
+static bool several(const render_job *job) {
+    return job->info.fields > 1 || job->info.steps > 1;
+}
+
 /* What one needs to draw the picture again. */
 static status write_picture(render_job *job, const script_frame *frame,
                             const leafcast_camera *camera) {
     char isos[META_TEXT_MAX] = "", eye[META_TEXT_MAX] = "", look_at[META_TEXT_MAX] = "";
-    char up[META_TEXT_MAX] = "", fov[META_TEXT_MAX] = "";
+    char up[META_TEXT_MAX] = "", fov[META_TEXT_MAX] = "", step[META_TEXT_MAX] = "";
+    const double number = job->step;
     size_t n = 0;
     for (int i = 0; i < frame->view.isos; i++)
         n = numbers_text(isos, n, &frame->view.surfaces[i].isovalue, 1);
@@ -200,15 +219,20 @@ static status write_picture(render_job *job, const script_frame *frame,
     numbers_text(look_at, 0, camera->look_at, 3);
     numbers_text(up, 0, camera->up, 3);
     numbers_text(fov, 0, &camera->fov, 1);
+    numbers_text(step, 0, &number, 1);
     const char *slash = strrchr(job->source, '/');
     const image_meta meta[] = {{"volume", slash ? slash + 1 : job->source},
                                {"isovalues", isos},
                                {"eye", eye},
                                {"look_at", look_at},
                                {"up", up},
-                               {"fov", fov}};
+                               {"fov", fov},
+                               {"field", leafcast_field_name(job->volume, job->field)},
+                               {"step", step}};
+    /* The last two only where there is more than one. */
+    const size_t count = sizeof meta / sizeof *meta - (several(job) ? 0 : 2);
     return image_out_write(&job->m, frame->output, job->force, job->width, job->height, &job->image,
-                           meta, sizeof meta / sizeof *meta);
+                           meta, count);
 }
 
 status render_job_draw(render_job *job, const script_frame *frame, render_stats *stats) {
@@ -218,6 +242,8 @@ status render_job_draw(render_job *job, const script_frame *frame, render_stats 
     if (st == ST_OK)
         st = select_surfaces(job, &frame->view);
     if (st == ST_OK)
+        st = select_set(job, &frame->view);
+    if (st == ST_OK)
         st = trace(job, &frame->view, &camera, &stats->trace);
     const double traced = clock_seconds();
     if (st == ST_OK && frame->depth[0])
@@ -225,6 +251,11 @@ status render_job_draw(render_job *job, const script_frame *frame, render_stats 
                              (size_t)job->width * job->height);
     if (st == ST_OK && frame->output[0])
         st = write_picture(job, frame, &camera);
+    if (several(job)) {
+        stats->field = leafcast_field_name(job->volume, job->field);
+        stats->step = job->step;
+        stats->time = leafcast_step_time(job->volume, job->step);
+    }
     stats->write_s = clock_seconds() - traced;
     stats->peak_rss_bytes = render_stats_peak_rss();
     return st;

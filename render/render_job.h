@@ -24,6 +24,7 @@ typedef struct render_job {
     uint32_t width, height;
     leafcast_surface selected[LEAFCAST_SURFACES_MAX];
     int selected_count;
+    uint32_t field, step;
 } render_job;
 
 /* render_status() - a public status as an internal one; the description is the same. */

@@ -15,12 +15,26 @@ typedef struct render_options {
     view_options view;
     leafcast_options open;
     const char *volume, *depth, *stats, *script, *iso_list, *camera_path;
+    bool series; /* --steps: */
+    uint32_t first_step, last_step;
     int repeat;
 } render_options;
 
 /* ---- flags ---- */
 
-enum { DEPTH = 0x3000, STATS, REPEAT, ISO_LIST, CAMERA_PATH, SCRIPT, BACKEND, TREELET_LIMIT, ISA };
+enum {
+    DEPTH = 0x3000,
+    STATS,
+    REPEAT,
+    ISO_LIST,
+    CAMERA_PATH,
+    SCRIPT,
+    STEPS,
+    BACKEND,
+    SCHEMA,
+    TREELET_LIMIT,
+    ISA
+};
 
 static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Outputs (-o takes .png or .exr):", 1},
@@ -30,6 +44,7 @@ static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Many pictures (-o out.png becomes out_0000.png ...):", 50},
     {"iso-list", ISO_LIST, "V1,V2,...", 0, "a picture for each isovalue; V:V is a picture with two",
      0},
+    {"steps", STEPS, "A:B", 0, "a picture for each time step of a mesh from A to B", 0},
     {"camera-path", CAMERA_PATH, "FILE", 0,
      "a picture for each entry of a JSON array: [{\"eye\": [1,2,3]}, ...]", 0},
     {"script", SCRIPT, "FILE", 0,
@@ -38,6 +53,11 @@ static const struct argp_option OPTIONS[] = {
      0},
     {NULL, 0, NULL, 0, "Machine:", 60},
     {"backend", BACKEND, "NAME", 0, "how treelets come in: auto, mapped or arena", 0},
+    {"schema", SCHEMA, "N", 0,
+     "how another time step of a mesh comes in, 1: each step's trees are read, and stay beside "
+     "those "
+     "of other steps; 2: one tree, refit to vertices that are read (2)",
+     0},
     {"treelet-limit", TREELET_LIMIT, "N", 0,
      "never hold more than N treelets (0: what memory allows); for experiments", 0},
     {"isa", ISA, "NAME", 0, "instructions to use: auto, scalar, sse42, avx2, avx512", 0},
@@ -54,6 +74,23 @@ static status set_backend(leafcast_options *open, const char *text) {
     return status_describe(ST_USAGE, "--backend: \"%s\" is none of auto, mapped, arena", text);
 }
 
+static status set_steps(render_options *o, const char *text) {
+    double ends[2];
+    status st = num_doubles(text, "--steps", ":", 2, ends);
+    for (int i = 0; i < 2 && st == ST_OK; i++)
+        if (!(ends[i] >= 0.0 && ends[i] <= UINT16_MAX && ends[i] == floor(ends[i])))
+            st = status_describe(ST_USAGE, "--steps: \"%s\" is not A:B, each 0 to %d", text,
+                                 UINT16_MAX);
+    if (st == ST_OK && ends[1] < ends[0])
+        st = status_describe(ST_USAGE, "--steps: \"%s\" ends before it begins", text);
+    if (st != ST_OK)
+        return st;
+    o->series = true;
+    o->first_step = (uint32_t)ends[0];
+    o->last_step = (uint32_t)ends[1];
+    return ST_OK;
+}
+
 static status set_option(render_options *o, int key, const char *text) {
     int64_t n = 0;
     status st = ST_OK;
@@ -63,7 +100,12 @@ static status set_option(render_options *o, int key, const char *text) {
     case SCRIPT: o->script = text; return ST_OK;
     case ISO_LIST: o->iso_list = text; return ST_OK;
     case CAMERA_PATH: o->camera_path = text; return ST_OK;
+    case STEPS: return set_steps(o, text);
     case BACKEND: return set_backend(&o->open, text);
+    case SCHEMA:
+        st = num_int(text, "--schema", 1, 2, &n);
+        o->open.schema = (leafcast_schema)n;
+        return st;
     case ISA: o->open.isa = text; return ST_OK;
     case REPEAT:
         st = num_int(text, "--repeat", 1, 10000, &n);
@@ -77,9 +119,13 @@ static status set_option(render_options *o, int key, const char *text) {
     }
 }
 
+static bool is_sequence(const render_options *o) {
+    return o->iso_list || o->series || o->camera_path;
+}
+
 /* What must hold over all flags. */
 static status check_options(const render_options *o) {
-    const bool sequence = o->iso_list || o->camera_path;
+    const bool sequence = is_sequence(o);
     const bool output = o->common.output || o->depth || o->stats || o->common.json;
     if (!o->volume)
         return status_describe(ST_USAGE, "which treelet file?");
@@ -91,7 +137,7 @@ static status check_options(const render_options *o) {
         return status_describe(ST_USAGE, "nothing to write: -o FILE.png");
     if (o->iso_list && o->view.isos > 0)
         return status_describe(ST_USAGE, "either --iso or --iso-list");
-    if (!o->script && !sequence && o->view.isos == 0)
+    if (!o->script && !o->iso_list && !o->camera_path && o->view.isos == 0)
         return status_describe(ST_USAGE, "which isosurface? --iso V");
     return ST_OK;
 }
@@ -234,26 +280,34 @@ static status name_outputs(const render_options *o, bool many, int index, script
     return st;
 }
 
-/* Picture `index` of the command line; in order, since the list of isovalues is eaten up. */
+static int steps_of(const render_options *o) {
+    return o->series ? (int)(o->last_step - o->first_step) + 1 : 1;
+}
+
+/* Picture `index` of the command line: for each isovalue, step by step, view by view. In order,
+ * since the list of isovalues is eaten up. */
 static status describe_frame(const render_options *o, sequence *s, int index, script_frame *frame) {
     const int views = s->path ? (int)json_array_size(s->path) : 1;
+    const bool next = index % (views * steps_of(o)) == 0;
     status st = ST_OK;
     if (index == 0)
         s->isos = o->iso_list;
-    view_options isos = index % views == 0 ? o->view : frame->view;
-    if (o->iso_list && index % views == 0)
+    view_options isos = next ? o->view : frame->view;
+    if (o->iso_list && next)
         st = next_isos(&s->isos, &isos);
     /* Every entry of the path starts from the command line. */
     frame->view = o->view;
     memcpy(frame->view.surfaces, isos.surfaces, sizeof isos.surfaces);
     frame->view.isos = isos.isos;
+    if (o->series)
+        frame->view.step = o->first_step + (uint32_t)(index / views % steps_of(o));
     if (st == ST_OK && s->path) {
         char what[64];
         snprintf(what, sizeof what, "--camera-path: entry %d", index % views + 1);
         st = script_apply(frame, json_array_get(s->path, (size_t)(index % views)), what);
     }
     if (st == ST_OK)
-        st = name_outputs(o, o->iso_list || s->path, index, frame);
+        st = name_outputs(o, is_sequence(o), index, frame);
     return st;
 }
 
@@ -261,6 +315,7 @@ static status count_frames(const render_options *o, sequence *s) {
     s->count = 1;
     for (const char *at = o->iso_list ? o->iso_list : ""; *at; at++)
         s->count += *at == ',';
+    s->count *= steps_of(o);
     if (!o->camera_path)
         return ST_OK;
     status st = script_load_path(o->camera_path, &s->path);
@@ -301,12 +356,20 @@ static status draw_sequence(render_options *o, render_job *job, sequence *s, scr
     }
     if (st || !o->stats)
         return st;
-    if (s->count == 1 && !o->iso_list && !s->path)
+    if (!is_sequence(o))
         return write_stats(o, json_array_get(all, 0));
     json_t *frames = json_pack("{s:O}", "frames", all);
     st = write_stats(o, frames);
     json_decref(frames);
     return st;
+}
+
+/* Before the first picture is drawn. */
+static status check_steps(const render_options *o, const render_job *job) {
+    if (!o->series || o->last_step < job->info.steps)
+        return ST_OK;
+    return status_describe(ST_USAGE, "--steps: there is no step %u: %s has %u", o->last_step,
+                           o->volume, job->info.steps);
 }
 
 static status run_sequence(render_options *o, render_job *job) {
@@ -318,6 +381,8 @@ static status run_sequence(render_options *o, render_job *job) {
         st = check_sequence(o, job, &s, &frame);
     if (st == ST_OK)
         st = render_job_open(job, o->volume, &o->open);
+    if (st == ST_OK)
+        st = check_steps(o, job);
     if (st == ST_OK)
         st = draw_sequence(o, job, &s, &frame, all);
     json_decref(all);

@@ -36,6 +36,11 @@ json_t *render_stats_json(const render_stats *s, const view_options *view, const
     if (*output)
         json_object_set_new(root, "output", json_string(output));
     json_object_set_new(root, "isovalues", isovalues(view));
+    if (s->field) {
+        json_object_set_new(root, "field", json_string(s->field));
+        json_object_set_new(root, "step", json_integer(s->step));
+        json_object_set_new(root, "time", json_real(s->time));
+    }
     json_object_set_new(root, "size",
                         json_pack("[i,i]", (int)view->camera.width, (int)view->camera.height));
     json_object_set_new(root, "time_s",
@@ -52,9 +57,10 @@ json_t *render_stats_json(const render_stats *s, const view_options *view, const
                                   count_of(t->treelets_active), "loaded",
                                   count_of(t->treelets_loaded)));
     json_object_set_new(root, "bytes",
-                        json_pack("{s:o, s:o, s:o, s:o}", "file", count_of(t->bytes_file), "active",
-                                  count_of(t->bytes_active), "visible", count_of(t->bytes_visible),
-                                  "read", count_of(t->bytes_read)));
+                        json_pack("{s:o, s:o, s:o, s:o, s:o}", "file", count_of(t->bytes_file),
+                                  "active", count_of(t->bytes_active), "visible",
+                                  count_of(t->bytes_visible), "read", count_of(t->bytes_read),
+                                  "resident", count_of(t->bytes_resident)));
     json_object_set_new(root, "peak_rss_bytes", count_of(s->peak_rss_bytes));
     json_object_set_new(root, "peak_budget_bytes", count_of(t->bytes_peak));
     json_object_set_new(root, "nodes", count_of(t->nodes));

@@ -11,6 +11,9 @@ typedef struct render_stats {
     leafcast_stats trace;
     double write_s;          /* pictures and depth files */
     uint64_t peak_rss_bytes; /* of the process so far */
+    const char *field; /* of a mesh with several fields or steps, else NULL: what was drawn, */
+    uint32_t step;
+    double time; /* of the step */
     int repeats; /* the picture was drawn so often; trace is the one of median render time */
 } render_stats;
 

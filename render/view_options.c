@@ -33,7 +33,9 @@ enum {
     LOD,
     PREVIEW,
     SWEEP,
-    INTERSECTOR
+    INTERSECTOR,
+    FIELD,
+    STEP
 };
 
 const struct argp_option view_options_table[] = {
@@ -67,6 +69,9 @@ const struct argp_option view_options_table[] = {
     {"background", BACKGROUND, "COLOR", 0, "also R,G,B,A or #rrggbbaa (0,0,0,0: transparent)", 0},
 
     {NULL, 0, NULL, 0, "What is drawn:", 40},
+    {"field", FIELD, "NAME", 0, "of a mesh with several: this one, by name or number (the first)",
+     0},
+    {"step", STEP, "K", 0, "of a mesh's time steps this one, from 0 on (0)", 0},
     {"clip-box", CLIP_BOX, "X0,Y0,Z0,X1,Y1,Z1", 0, "only what is inside this box", 0},
     {"clip-plane", CLIP_PLANE, "A,B,C,D", 0, "only where Ax + By + Cz + D >= 0. Repeatable", 0},
     {"lod", LOD, "LEVEL", 0,
@@ -77,14 +82,23 @@ const struct argp_option view_options_table[] = {
      "midpoint, linear, neubauer, schwarze, marmitt-3 or marmitt (the exact one)", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
+/* A verb's own option of this name hides the view's. */
+static bool has_own(const struct argp_option *own, const char *name) {
+    for (; name && (own->name || own->doc); own++)
+        if (own->name && strcmp(own->name, name) == 0)
+            return true;
+    return false;
+}
+
 void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own) {
-    const struct argp_option *const parts[] = {own, view_options_table};
     int n = 0;
-    for (int i = 0; i < 2; i++)
-        for (const struct argp_option *o = parts[i]; o->name || o->doc; o++) {
-            assert(n < VIEW_OPTIONS_ROOM - 1);
+    for (const struct argp_option *o = own; o->name || o->doc; o++)
+        out[n++] = *o;
+    for (const struct argp_option *o = view_options_table; o->name || o->doc; o++) {
+        assert(n < VIEW_OPTIONS_ROOM - 1);
+        if (!has_own(own, o->name))
             out[n++] = *o;
-        }
+    }
     out[n] = (struct argp_option){0};
 }
 
@@ -195,6 +209,21 @@ static status parse_intersector(const char *text, leafcast_scene *scene) {
     status st = parse_name(text, "--intersector", names, INTERSECTOR_COUNT, &which);
     if (st == ST_OK)
         scene->intersector = intersector_at(which)->id;
+    return st;
+}
+
+static status parse_field(const char *text, view_options *v) {
+    if (!*text || strlen(text) >= sizeof v->field)
+        return status_describe(ST_USAGE, "--field: \"%s\" is no field's name", text);
+    memcpy(v->field, text, strlen(text) + 1);
+    return ST_OK;
+}
+
+static status parse_step(const char *text, view_options *v) {
+    int64_t step = 0;
+    status st = num_int(text, "--step", 0, UINT16_MAX, &step);
+    if (st == ST_OK)
+        v->step = (uint32_t)step;
     return st;
 }
 
@@ -364,6 +393,10 @@ status view_options_set(view_options *v, int key, const char *text) {
         st = set_light(v, key, text);
     if (st == ST_AGAIN)
         st = set_extent(v, key, text);
+    if (st == ST_AGAIN && key == FIELD)
+        st = parse_field(text, v);
+    if (st == ST_AGAIN && key == STEP)
+        st = parse_step(text, v);
     return st;
 }
 
@@ -390,6 +423,8 @@ void view_options_clear(view_options *v, int key) {
     case LOOK_AT: v->look_at = false; break;
     case UP: v->up = false; break;
     case FOV: v->fov = false; break;
+    case FIELD: v->field[0] = 0; break;
+    case STEP: v->step = 0; break;
     default: break; /* the others have one value, which is replaced */
     }
 }
@@ -433,4 +468,9 @@ leafcast_camera view_options_camera(const view_options *v, const leafcast *volum
         c.up[2] = 0.0;
     }
     return c;
+}
+
+status view_options_field(const view_options *v, const leafcast *volume, uint32_t *field) {
+    *field = 0;
+    return v->field[0] ? (status)leafcast_find_field(volume, v->field, field) : ST_OK;
 }

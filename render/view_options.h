@@ -1,5 +1,5 @@
 /* view_options.h - the flags that say what a picture shows: isosurfaces, camera, light, shading,
- * clipping, level of detail.
+ * clipping, level of detail, field and time step.
  *
  * One table for all verbs that look at a volume, and for the JSON of render --script, whose keys
  * are the flags' names.
@@ -13,6 +13,8 @@
 #include "formats/base/status.h"
 #include "render/leafcast.h"
 
+enum { VIEW_FIELD_MAX = 64 };
+
 typedef struct view_options {
     leafcast_surface
         surfaces[LEAFCAST_SURFACES_MAX]; /* view_options_check() has filled in what was not given */
@@ -20,13 +22,16 @@ typedef struct view_options {
     leafcast_scene scene;
     leafcast_camera camera; /* width and height, and what the flags below say was given */
     bool eye, look_at, up, fov;
-    double distance; /* of --view, in longest edges */
+    double distance;            /* of --view, in longest edges */
+    char field[VIEW_FIELD_MAX]; /* "": the first */
+    uint32_t step;
 } view_options;
 
 /* The table, for argp. */
 extern const struct argp_option view_options_table[];
 
-/* view_options_join() - a verb's own options, then the table, for argp. */
+/* view_options_join() - a verb's own options, then the table but for what has the name of one of
+ * them, for argp. */
 enum { VIEW_OPTIONS_ROOM = 64 };
 void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own);
 
@@ -51,5 +56,8 @@ CHECKED status view_options_check(view_options *v);
 /* view_options_camera() - the camera for this volume: the standard or close view with whatever was
  * given put in its place. */
 leafcast_camera view_options_camera(const view_options *v, const leafcast *volume);
+
+/* view_options_field() - the number of the field that is meant. */
+CHECKED status view_options_field(const view_options *v, const leafcast *volume, uint32_t *field);
 
 #endif

@@ -89,6 +89,19 @@ static void test_script_replaces(void **state) {
     assert_true(f.view.scene.lights[1].vector[1] == 1 && !f.view.scene.shadows);
 }
 
+/* Field and step: a line's own, or the command line's again. */
+static void test_script_steps(void **state) {
+    (void)state;
+    script_frame f = start();
+    assert_true(f.view.step == 0 && !f.view.field[0]);
+    assert_int_equal(apply(&f, "{\"field\": \"speed of it\", \"step\": 12}"), ST_OK);
+    assert_string_equal(f.view.field, "speed of it");
+    assert_int_equal(f.view.step, 12);
+    assert_int_equal(apply(&f, "{\"field\": 3, \"step\": \"7\"}"), ST_OK);
+    assert_string_equal(f.view.field, "3");
+    assert_int_equal(f.view.step, 7);
+}
+
 static void test_script_refuses(void **state) {
     (void)state;
     const char *wrong[][2] = {
@@ -104,6 +117,9 @@ static void test_script_refuses(void **state) {
         {"{\"camera\": {\"camera\": {\"camera\": {\"camera\": {}}}}}", "not a JSON object"},
         {"{\"opacity\": [0]}", "--opacity"},
         {"{\"light\": [0, 0, 0]}", "--light"},
+        {"{\"field\": \"\"}", "--field"},
+        {"{\"step\": -1}", "--step"},
+        {"{\"step\": 1.5}", "--step"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         script_frame f = start();
@@ -197,13 +213,10 @@ static void test_median(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_colours),
-        cmocka_unit_test(test_script_says_all),
-        cmocka_unit_test(test_script_replaces),
-        cmocka_unit_test(test_script_refuses),
-        cmocka_unit_test(test_sequence_names),
-        cmocka_unit_test(test_lines),
-        cmocka_unit_test(test_a_waiting_reader_stops),
+        cmocka_unit_test(test_colours),         cmocka_unit_test(test_script_says_all),
+        cmocka_unit_test(test_script_replaces), cmocka_unit_test(test_script_steps),
+        cmocka_unit_test(test_script_refuses),  cmocka_unit_test(test_sequence_names),
+        cmocka_unit_test(test_lines),           cmocka_unit_test(test_a_waiting_reader_stops),
         cmocka_unit_test(test_median),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
