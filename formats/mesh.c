@@ -20,6 +20,8 @@ struct mesh {
     mesh_source source;
     const mesh_reader *reader;
     void *state;
+    const mesh_feed *feed; /* while it is read */
+    double share;          /* told last */
 };
 
 /* What the formats are told by; the first that knows the file reads it. */
@@ -136,13 +138,22 @@ const char *mesh_name(const mesh *x) {
 
 /* ---- reading ---- */
 
+double mesh_share(mesh *x) {
+    const double share = x->feed ? mesh_feed_share(x->feed) : x->share;
+    x->share = share > x->share ? share : x->share;
+    return x->share;
+}
+
 status mesh_read(mesh *x, const mesh_sink *sink, mesh_report *report) {
     mesh_feed feed;
     status st = mesh_feed_begin(&feed, x->m, byte_stream_name(x->source.data), sink, report);
+    x->feed = &feed;
     if (st == ST_OK)
         st = x->reader->read(x->state, &feed);
     if (st == ST_OK)
         st = mesh_feed_end(&feed);
+    x->feed = NULL;
+    x->share = 1;
     mesh_feed_release(&feed);
     return st;
 }

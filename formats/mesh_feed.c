@@ -30,6 +30,19 @@ status mesh_feed_expect(mesh_feed *f, uint64_t points) {
     return ST_OK;
 }
 
+void mesh_feed_expect_cells(mesh_feed *f, uint64_t cells) {
+    f->cells += cells;
+}
+
+double mesh_feed_share(const mesh_feed *f) {
+    const double point = sizeof *f->xyz, value = sizeof *f->values, cell = sizeof *f->tets;
+    const double cells = f->cells ? (double)f->cells : 5 * (double)f->points;
+    const double all = (point + value) * (double)f->points + cell * cells;
+    const double seen = point * (double)f->points_given + value * (double)f->values_given +
+                        cell * (double)(f->cells_seen + f->report->skipped);
+    return seen < all ? seen / all : f->points > 0;
+}
+
 /* ---- points and values ---- */
 
 static status flush_points(mesh_feed *f) {
@@ -140,6 +153,7 @@ static status keep_tet(mesh_feed *f, const uint32_t ids[4]) {
 
 status mesh_feed_cell(mesh_feed *f, mesh_cell kind, const uint64_t *ids) {
     uint32_t small[8], tets[MESH_SPLIT_TETS][4];
+    f->cells_seen++;
     for (int i = 0; i < mesh_split_vertices(kind); i++) {
         if (ids[i] >= f->points) {
             f->report->bad_indices++;
@@ -158,6 +172,7 @@ status mesh_feed_cell(mesh_feed *f, mesh_cell kind, const uint64_t *ids) {
 
 status mesh_feed_tets(mesh_feed *f, const uint32_t (*ids)[4], size_t count) {
     status st = ST_OK;
+    f->cells_seen += count;
     for (size_t i = 0; st == ST_OK && i < count; i++) {
         const uint32_t *t = ids[i];
         if (t[0] < f->points && t[1] < f->points && t[2] < f->points && t[3] < f->points)

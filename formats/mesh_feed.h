@@ -19,7 +19,9 @@ typedef struct mesh_feed {
     const char *name; /* of the file, for messages */
     const mesh_sink *sink;
     mesh_report *report;
-    uint64_t points;                     /* in the whole mesh */
+    uint64_t points; /* in the whole mesh */
+    uint64_t cells;  /* likewise, as far as is known */
+    uint64_t cells_seen;
     uint64_t points_given, values_given; /* to the sink */
     size_t points_held, values_held, tets_held;
     float (*xyz)[3];
@@ -35,6 +37,14 @@ void mesh_feed_release(mesh_feed *f);
 /* mesh_feed_expect() - the number of points, known before the first cell. ST_UNSUPPORTED above
  * MESH_POINTS_MAX. */
 CHECKED status mesh_feed_expect(mesh_feed *f, uint64_t points);
+
+/* mesh_feed_expect_cells() - so many more, for mesh_feed_share() alone: what is in the file may
+ * differ, and those that are passed over may count or not. */
+void mesh_feed_expect_cells(mesh_feed *f, uint64_t cells);
+
+/* mesh_feed_share() - how much of the mesh has come, 0 to 1, by the bytes it takes; where no reader
+ * has said how many cells there are, as if there were five to a point. */
+double mesh_feed_share(const mesh_feed *f);
 
 /* The next points, in order of id; not more than were expected. */
 CHECKED status mesh_feed_point(mesh_feed *f, const double xyz[3]);

@@ -384,6 +384,7 @@ static status read_elements_2(gmsh_reading *r, gmsh_cursor *c) {
     element_type type = {0};
     bool binary = r->file->binary;
     status st = gmsh_cursor_line(c, "the number of elements", &count);
+    mesh_feed_expect_cells(r->feed, count);
     for (uint64_t i = 0; st == ST_OK && i < count; i++) {
         if (!binary)
             st = gmsh_cursor_int(c, "an element's number", &id);
@@ -439,6 +440,7 @@ static status read_element_block(gmsh_reading *r, gmsh_cursor *c, uint64_t *left
 static status read_elements_4(gmsh_reading *r, gmsh_cursor *c) {
     uint64_t blocks = 0, left = 0;
     status st = read_block_header(c, &blocks, &left);
+    mesh_feed_expect_cells(r->feed, left);
     for (uint64_t i = 0; st == ST_OK && i < blocks; i++)
         st = read_element_block(r, c, &left);
     if (st == ST_OK && left > 0)

@@ -300,6 +300,7 @@ static status stream_read(void *state, mesh_feed *feed) {
     void *buffer = mem_array(s->m, CHUNK, 16);
     status st = buffer ? mesh_feed_expect(feed, s->header.points) : ST_NOMEM;
     strcpy(feed->report->field, s->header.field);
+    mesh_feed_expect_cells(feed, s->header.tets);
     if (st == ST_OK)
         st = read_arrays(s, feed, buffer);
     if (st == ST_OK)

@@ -272,6 +272,7 @@ static status tetgen_read(void *state, mesh_feed *feed) {
     tetgen_state *s = state;
     mesh_average average = {0};
     strcpy(feed->report->field, s->field);
+    mesh_feed_expect_cells(feed, (uint64_t)s->cells);
     status st = mesh_feed_expect(feed, (uint64_t)s->points);
     if (st == ST_OK && s->hints->cells_to_points)
         st = mesh_average_begin(&average, s->m, (uint64_t)s->points);

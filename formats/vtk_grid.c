@@ -263,6 +263,8 @@ status vtk_grid_read(void *state, mesh_feed *feed) {
         snprintf(feed->report->field, sizeof feed->report->field, "%s", chosen->name);
     uint64_t first = 0;
     status st = mesh_feed_expect(feed, g->points);
+    for (size_t i = 0; i < g->count; i++)
+        mesh_feed_expect_cells(feed, g->pieces[i].cells.count);
     for (size_t i = 0; st == ST_OK && i < g->count; i++) {
         const vtk_piece *p = &g->pieces[i];
         st = read_points(g, p, feed);

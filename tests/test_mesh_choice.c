@@ -1,15 +1,17 @@
 /* test_mesh_choice.c - which array is taken, the same in all formats: of the points; else none,
- * when there is none at all; those of the cells only when asked.
+ * when there is none at all; those of the cells only when asked. And how much of a mesh has come.
  */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 
 #include <cmocka.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "formats/mesh_choice.h"
+#include "formats/mesh_feed.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/scratch.h"
 
@@ -138,6 +140,63 @@ static void test_refused(void **state) {
     }
 }
 
+/* ---- how much has come ---- */
+
+static mesh_feed feed;
+static double told[100];
+static int tellings;
+
+static status tell(void) {
+    assert_in_range(tellings, 0, 99);
+    told[tellings++] = mesh_feed_share(&feed);
+    return ST_OK;
+}
+
+static status tell_points(void *ctx, uint64_t first, size_t count, const float (*xyz)[3]) {
+    (void)ctx, (void)first, (void)count, (void)xyz;
+    return tell();
+}
+
+static status tell_values(void *ctx, uint64_t first, size_t count, const float *v) {
+    (void)ctx, (void)first, (void)count, (void)v;
+    return tell();
+}
+
+static status tell_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
+    (void)ctx, (void)count, (void)ids;
+    return tell();
+}
+
+/* Four chunks of points, of values and of cells: 12, 4 and 16 bytes each. */
+static void test_share(void **state) {
+    (void)state;
+    enum { COUNT = 4 * MESH_FEED_CHUNK };
+    static const uint32_t id[1][4] = {{0, 1, 2, 3}};
+    for (int known = 0; known < 2; known++) {
+        mem m;
+        mesh_report report;
+        const mesh_sink sink = {NULL, tell_points, tell_values, tell_tets};
+        mem_init(&m, 0);
+        tellings = 0;
+        assert_int_equal(mesh_feed_begin(&feed, &m, "a", &sink, &report), ST_OK);
+        assert_int_equal(mesh_feed_expect(&feed, COUNT), ST_OK);
+        if (known)
+            mesh_feed_expect_cells(&feed, COUNT);
+        for (int i = 0; i < COUNT; i++)
+            assert_int_equal(mesh_feed_point(&feed, (double[3]){0}), ST_OK);
+        assert_int_equal(mesh_feed_zeros(&feed), ST_OK);
+        for (int i = 0; i < COUNT; i++)
+            assert_int_equal(mesh_feed_tets(&feed, id, 1), ST_OK);
+        assert_int_equal(mesh_feed_end(&feed), ST_OK);
+        assert_int_equal(tellings, 12);
+        for (int i = 0; i < 12; i++) {
+            double bytes = i < 4 ? 12 * (i + 1) : i < 8 ? 48 + 4 * (i - 3) : 64 + 16 * (i - 7);
+            assert_true(fabs(told[i] - bytes / (known ? 128 : 64 + 5 * 64)) < 1e-12);
+        }
+        mesh_feed_release(&feed);
+    }
+}
+
 /* Each name once, and a long list is cut behind a whole name. */
 static void test_names(void **state) {
     (void)state;
@@ -164,10 +223,9 @@ static void test_names(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_taken),
-        cmocka_unit_test(test_cells_alone),
-        cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_names),
+        cmocka_unit_test(test_taken),   cmocka_unit_test(test_cells_alone),
+        cmocka_unit_test(test_refused), cmocka_unit_test(test_names),
+        cmocka_unit_test(test_share),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

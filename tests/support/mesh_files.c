@@ -17,6 +17,15 @@
 
 static mesh_copy copy;
 static uint64_t points, values, tets; /* received */
+static mesh *reading;
+static double share; /* of it, told last */
+
+static void check_share(void) {
+    const double now = mesh_share(reading);
+    if (!(now >= share && now > 0 && now <= 1))
+        fail_msg("%g of the mesh has come, %g before that", now, share);
+    share = now;
+}
 
 static status take_points(void *ctx, uint64_t first, size_t count, const float (*xyz)[3]) {
     (void)ctx;
@@ -25,6 +34,7 @@ static status take_points(void *ctx, uint64_t first, size_t count, const float (
                  (unsigned long long)points);
     if (count > MESH_FILES_ROOM - points)
         return status_describe(ST_FAILED, "too large for this test");
+    check_share();
     memcpy(copy.xyz[points], xyz, count * sizeof *xyz);
     points += count;
     return ST_OK;
@@ -37,6 +47,7 @@ static status take_values(void *ctx, uint64_t first, size_t count, const float *
                  (unsigned long long)values);
     if (count > MESH_FILES_ROOM - values)
         return status_describe(ST_FAILED, "too large for this test");
+    check_share();
     memcpy(copy.values + values, v, count * sizeof *v);
     values += count;
     return ST_OK;
@@ -46,6 +57,7 @@ static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
     (void)ctx;
     if (count > MESH_FILES_ROOM - tets)
         return status_describe(ST_FAILED, "too large for this test");
+    check_share();
     memcpy(copy.tets[tets], ids, count * sizeof *ids);
     tets += count;
     return ST_OK;
@@ -80,7 +92,10 @@ status mesh_files_read(const char *path, const mesh_hints *hints, const mesh_cop
     status st = mesh_open(&m, path, hints, &x);
     if (st == ST_OK) {
         strcpy(copy.name, mesh_name(x));
+        share = mesh_share(reading = x);
+        assert_true(share == 0);
         st = mesh_read(x, &sink, &copy.report);
+        assert_true(st != ST_OK || mesh_share(x) == 1);
     }
     mesh_close(x);
     if (mem_used(&m) != 0)
