@@ -282,7 +282,7 @@ static void print_mesh_parts(const facts *x) {
     list_parts(x, parts);
     printf("\npart                 count          bytes   a tet\n");
     for (int i = 0; i < MESH_PARTS; i++)
-        if (parts[i].bytes || !parts[i].count)
+        if (parts[i].bytes || i + 1 == MESH_PARTS)
             printf("%-12s %13llu %14llu %7.3f\n", parts[i].name, (unsigned long long)parts[i].count,
                    (unsigned long long)parts[i].bytes, (double)parts[i].bytes / tets);
     printf("\nstored                              bytes   a tet\n");

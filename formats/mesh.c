@@ -136,6 +136,10 @@ const char *mesh_name(const mesh *x) {
     return x->source.name;
 }
 
+void mesh_fields(const mesh *x, void (*take)(void *ctx, const char *name), void *ctx) {
+    x->reader->fields(x->state, take, ctx);
+}
+
 /* ---- reading ---- */
 
 double mesh_share(mesh *x) {

@@ -87,6 +87,11 @@ const char *mesh_name(const mesh *x);
  * Never less than before. */
 double mesh_share(mesh *x);
 
+/* mesh_fields() - give `take` the name of each array that could have been asked for, in the order
+ * of the file: of the points, or of the cells where the hints say so. A name may come again. The
+ * first is the one that is taken when none is asked for. Before mesh_read(). */
+void mesh_fields(const mesh *x, void (*take)(void *ctx, const char *name), void *ctx);
+
 /* mesh_read() - hand it all over; once. ST_CORRUPT names file, place and what was expected. */
 CHECKED status mesh_read(mesh *x, const mesh_sink *sink, mesh_report *report);
 

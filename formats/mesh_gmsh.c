@@ -489,4 +489,12 @@ static status gmsh_read(void *state, mesh_feed *feed) {
     return st;
 }
 
-const mesh_reader mesh_gmsh_reader = {"Gmsh", gmsh_known, gmsh_open, gmsh_read, gmsh_close};
+static void gmsh_fields(const void *state, void (*take)(void *ctx, const char *name), void *ctx) {
+    const gmsh_state *s = state;
+    for (size_t i = 0; i < s->file.count; i++)
+        if ((s->file.arrays[i].owner == GMSH_ELEMENTS) == s->hints->cells_to_points)
+            take(ctx, s->file.arrays[i].name);
+}
+
+const mesh_reader mesh_gmsh_reader = {"Gmsh",    gmsh_known, gmsh_open,
+                                      gmsh_read, gmsh_close, gmsh_fields};

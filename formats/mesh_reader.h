@@ -28,6 +28,8 @@ typedef struct mesh_reader {
     status (*open)(mesh_source *source, void **state);
     status (*read)(void *state, mesh_feed *feed); /* once */
     void (*close)(void *state);                   /* NULL is fine */
+    /* mesh_fields(), of one that is open */
+    void (*fields)(const void *state, void (*take)(void *ctx, const char *name), void *ctx);
 } mesh_reader;
 
 /* mesh_reader_suffix() - whether a path ends like this (".vtu"), in any case of letters. */

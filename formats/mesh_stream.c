@@ -309,5 +309,11 @@ static status stream_read(void *state, mesh_feed *feed) {
     return st;
 }
 
-const mesh_reader mesh_stream_reader = {"mesh stream", stream_known, stream_open, stream_read,
-                                        stream_close};
+static void stream_fields(const void *state, void (*take)(void *ctx, const char *name), void *ctx) {
+    const stream_state *s = state;
+    if (s->header.field[0])
+        take(ctx, s->header.field);
+}
+
+const mesh_reader mesh_stream_reader = {"mesh stream", stream_known, stream_open,
+                                        stream_read,   stream_close, stream_fields};

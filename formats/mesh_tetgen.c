@@ -282,5 +282,15 @@ static status tetgen_read(void *state, mesh_feed *feed) {
     return st;
 }
 
-const mesh_reader mesh_tetgen_reader = {"TetGen", tetgen_known, tetgen_open, tetgen_read,
-                                        tetgen_close};
+static void tetgen_fields(const void *state, void (*take)(void *ctx, const char *name), void *ctx) {
+    const tetgen_state *s = state;
+    const bool cells = s->hints->cells_to_points;
+    for (int k = 1; k <= (cells ? s->cell_columns : s->attributes); k++) {
+        char name[MESH_NAME_MAX + 1];
+        snprintf(name, sizeof name, "%s%d", cells ? "region" : "attr", k);
+        take(ctx, name);
+    }
+}
+
+const mesh_reader mesh_tetgen_reader = {"TetGen",    tetgen_known, tetgen_open,
+                                        tetgen_read, tetgen_close, tetgen_fields};

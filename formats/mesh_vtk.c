@@ -573,4 +573,5 @@ const mesh_reader mesh_vtk_reader = {
     .open = open_file,
     .read = vtk_grid_read,
     .close = vtk_grid_close,
+    .fields = vtk_grid_fields,
 };

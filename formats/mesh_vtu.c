@@ -426,4 +426,5 @@ const mesh_reader mesh_vtu_reader = {
     .open = open_file,
     .read = vtk_grid_read,
     .close = vtk_grid_close,
+    .fields = vtk_grid_fields,
 };

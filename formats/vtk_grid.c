@@ -276,3 +276,11 @@ status vtk_grid_read(void *state, mesh_feed *feed) {
     }
     return st == ST_OK && !chosen ? mesh_feed_zeros(feed) : st;
 }
+
+void vtk_grid_fields(const void *state, void (*take)(void *ctx, const char *name), void *ctx) {
+    const vtk_grid *g = state;
+    for (size_t i = 0; i < g->count; i++)
+        for (size_t k = 0; k < g->pieces[i].count[g->owner]; k++)
+            if (is_numeric(&g->pieces[i].fields[g->owner][k]))
+                take(ctx, g->pieces[i].fields[g->owner][k].name);
+}

@@ -47,5 +47,6 @@ CHECKED status vtk_grid_open(mesh_source *source, status (*scan)(vtk_grid *g, by
                              void **state);
 CHECKED status vtk_grid_read(void *state, mesh_feed *feed);
 void vtk_grid_close(void *state); /* NULL is fine */
+void vtk_grid_fields(const void *state, void (*take)(void *ctx, const char *name), void *ctx);
 
 #endif

@@ -15,11 +15,20 @@
 
 enum { MEMORY_DEFAULT_MIB = 2048, ZSTD_LEVEL_DEFAULT = 3, ZSTD_LEVEL_MAX = 22 };
 
+enum { FIELDS_MAX = 256 };
+
 typedef struct arguments {
     cli_common common;
-    const char *input;
+    const char *input; /* the first */
+    char **inputs;
+    int input_count;
     volume_hints hints;
     mesh_hints mesh;
+    const char *fields[FIELDS_MAX]; /* as asked for, or all there are */
+    char field_names[FIELDS_MAX][MESH_NAME_MAX + 1];
+    int field_count;
+    bool all_fields;
+    const char *times; /* as given */
     uint32_t treelet_tets, leaf_tets;
     leaf_parameters file;
     bool dry_run;
@@ -41,6 +50,8 @@ enum {
     KEY_AXIS_Y,
     KEY_AXIS_Z,
     KEY_FIELD,
+    KEY_FIELDS,
+    KEY_TIMES,
     KEY_COMPONENT,
     KEY_CELLS_TO_POINTS,
     KEY_TREELET_TETS,
@@ -68,7 +79,10 @@ static const struct argp_option options[] = {
     {"axis-y", KEY_AXIS_Y, "FILE", 0, NULL, 2},
     {"axis-z", KEY_AXIS_Z, "FILE", 0, NULL, 2},
     {NULL, 0, NULL, 0, "Meshes:", 3},
-    {"field", KEY_FIELD, "NAME", 0, "the array to take (default: the first of the points)", 3},
+    {"field", KEY_FIELD, "NAME", 0,
+     "an array to take (default: the first of the points); may be repeated", 3},
+    {"fields", KEY_FIELDS, "all", 0, "take all arrays of the points (or cells)", 3},
+    {"times", KEY_TIMES, "T0,T1,..", 0, "times of the steps (default: 0, 1, ..)", 3},
     {"component", KEY_COMPONENT, "N", 0, "of vectors: 1, 2, ..; default: their magnitude", 3},
     {"cells-to-points", KEY_CELLS_TO_POINTS, NULL, 0,
      "take an array of the cells, averaged to the points", 3},
@@ -127,12 +141,20 @@ static void parse_treelet(struct argp_state *state, arguments *a, const char *te
     a->file.cells_log2 = (uint32_t)__builtin_ctzll((unsigned long long)cells);
 }
 
-static void parse_input(struct argp_state *state, arguments *a, const char *path) {
-    if (a->input)
-        argp_error(state,
-                   "more than one INPUT (a time series) cannot be converted yet: \"%s\" and \"%s\"",
-                   a->input, path);
-    a->input = path;
+static void parse_inputs(struct argp_state *state, arguments *a) {
+    a->inputs = state->argv + state->next;
+    a->input_count = state->argc - state->next;
+    a->input = a->inputs[0];
+    if (a->input_count > LEAF_SETS_MAX)
+        argp_error(state, "more than %d steps", LEAF_SETS_MAX);
+}
+
+static void parse_field(struct argp_state *state, arguments *a, const char *name) {
+    if (a->field_count == FIELDS_MAX)
+        argp_error(state, "more than %d fields", FIELDS_MAX);
+    if (a->field_count == 0)
+        a->mesh.field = name;
+    a->fields[a->field_count++] = name;
 }
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
@@ -162,7 +184,14 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     case KEY_AXIS_X:
     case KEY_AXIS_Y:
     case KEY_AXIS_Z: a->hints.axis_file[key - KEY_AXIS_X] = arg; break;
-    case KEY_FIELD: a->mesh.field = arg; break;
+    case KEY_FIELD: parse_field(state, a, arg); break;
+    case KEY_FIELDS:
+        if (strcmp(arg, "all") != 0)
+            argp_error(state, "--fields: \"%s\": only \"all\" is known; --field NAME takes one",
+                       arg);
+        a->all_fields = true;
+        break;
+    case KEY_TIMES: a->times = arg; break;
     case KEY_COMPONENT:
         a->mesh.component = (int)parse_int(state, arg, "--component", 1, INT_MAX);
         break;
@@ -174,8 +203,10 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     case KEY_LEAF_TETS:
         a->leaf_tets = (uint32_t)parse_int(state, arg, "--leaf-tets", 1, LEAF_LEAF_TETS_MAX);
         break;
-    case ARGP_KEY_ARG: parse_input(state, a, arg); break;
+    case ARGP_KEY_ARGS: parse_inputs(state, a); break;
     case ARGP_KEY_END:
+        if (a->all_fields && a->field_count)
+            argp_error(state, "--fields all and --field exclude each other");
         if (!a->input || (!a->common.output && !a->dry_run))
             argp_error(state, "an INPUT and -o are needed");
         break;
@@ -188,12 +219,14 @@ static const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {NU
 static const struct argp table = {
     .options = options,
     .parser = parse,
-    .args_doc = "INPUT -o F.leaf",
+    .args_doc = "INPUT... -o F.leaf",
     .doc = "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, raw samples "
            "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
            "TetGen (.node, .ele), VTK (.vtk, .vtu), Gmsh (.msh), a mesh stream; or - for NRRD or a "
-           "mesh on standard input."
-           "\vThe input is read once. Memory stays below --memory (default 2G) whatever its size; "
+           "mesh on standard input. Several meshes are the steps of a time series: of the same "
+           "tets, whose points may move."
+           "\vThe input is read once (a mesh: once for each field). Memory stays below --memory "
+           "(default 2G) whatever its size; "
            "what does not fit (of a volume: two slabs in half of it) goes through temporary files "
            "beside the output. The output's bytes depend on neither --memory nor --threads.",
     .children = children,
@@ -349,11 +382,16 @@ static unsigned long long whole(uint64_t n) {
     return (unsigned long long)n;
 }
 
-static void print_input(const mesh_report *r) {
+static void print_input(const arguments *a, const mesh_report *r) {
     static const char *const kinds[] = {"hexahedra", "wedges", "pyramids", "voxels"};
     printf("input       %llu points, %llu tets\n", whole(r->points), whole(r->tets));
-    if (*r->field)
+    if (a->field_count > 1)
+        for (int i = 0; i < a->field_count; i++)
+            printf("%s%s\n", i ? "            " : "fields      ", a->fields[i]);
+    else if (*r->field)
         printf("field       %s\n", r->field);
+    if (a->input_count > 1)
+        printf("steps       %d\n", a->input_count);
     for (int i = 0; i < MESH_SPLIT_KINDS; i++)
         if (r->split[i])
             printf("split       %llu %s\n", whole(r->split[i]), kinds[i]);
@@ -375,6 +413,8 @@ static void print_mesh(const mesh_result *r, double seconds) {
     printf("mesh        %llu tets, %llu vertices, %llu treelets\n", whole(h->tets),
            whole(h->vertices), whole(h->treelets));
     printf("values      %s .. %s\n", num_print(h->value_min, lo), num_print(h->value_max, hi));
+    if (h->steps > 1)
+        printf("points      %s\n", h->moving ? "move from step to step" : "stay where they are");
     if (h->non_finite)
         printf("no data     %llu values are NaN or infinite\n", whole(h->non_finite));
     if (h->flat || h->inverted)
@@ -416,15 +456,27 @@ static void add_mesh(json_t *json, const mesh_result *r, double seconds) {
     json_t *times = json_pack("{s:f, s:f, s:f, s:f, s:f, s:I}", "seconds", seconds, "read_s",
                               r->read_s, "sort_s", r->sort_s, "build_s", r->build_s, "tets_per_s",
                               (double)h->tets / seconds, "peak_rss_bytes", (json_int_t)peak_rss());
+    json_object_set_new(more, "moving", json_boolean(h->moving));
     json_object_update(json, more);
     json_object_update(json, times);
     json_decref(more);
     json_decref(times);
 }
 
+static json_t *fields_json(const arguments *a, const mesh_result *r) {
+    json_t *fields = json_array();
+    for (int i = 0; i < a->field_count; i++)
+        json_array_append_new(fields, json_string(a->fields[i]));
+    if (a->field_count == 0)
+        json_array_append_new(fields, json_string(r->report.field));
+    return fields;
+}
+
 static void report_mesh(const arguments *a, const mesh_result *r, double seconds) {
     if (a->common.json) {
         json_t *json = mesh_plan_json(r);
+        json_object_set_new(json, "steps", json_integer(a->input_count));
+        json_object_set_new(json, "fields", fields_json(a, r));
         if (!a->dry_run)
             add_mesh(json, r, seconds);
         json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
@@ -432,15 +484,16 @@ static void report_mesh(const arguments *a, const mesh_result *r, double seconds
         json_decref(json);
         return;
     }
-    print_input(&r->report);
+    print_input(a, &r->report);
     if (a->dry_run)
         print_mesh_plan(&r->plan);
     else
         print_mesh(r, seconds);
 }
 
-static status convert_mesh(arguments *a, mem *m, mesh *x, double start) {
+static status convert_mesh(arguments *a, mem *m, mesh *x, const mesh_series *series, double start) {
     const mesh_options o = {.file = a->file,
+                            .series = series,
                             .treelet_tets = a->treelet_tets,
                             .leaf_tets = a->leaf_tets,
                             .memory = m->limit,
@@ -455,6 +508,66 @@ static status convert_mesh(arguments *a, mem *m, mesh *x, double start) {
     return st;
 }
 
+/* ---- a series ---- */
+
+/* One more that the mesh has; each once. */
+static void take_field(void *ctx, const char *name) {
+    arguments *a = ctx;
+    for (int i = 0; i < a->field_count; i++)
+        if (strncmp(a->field_names[i], name, MESH_NAME_MAX) == 0)
+            return;
+    if (a->field_count < FIELDS_MAX) {
+        char *to = a->field_names[a->field_count];
+        snprintf(to, sizeof a->field_names[0], "%s", name);
+        a->fields[a->field_count++] = to;
+    }
+}
+
+/* T0,T1,..: one for each step. */
+static status parse_times(const arguments *a, mem *m, double **times) {
+    const char *at = a->times;
+    *times = mem_array(m, (size_t)a->input_count, sizeof **times);
+    if (!*times)
+        return ST_NOMEM;
+    for (int i = 0; i < a->input_count; i++) {
+        char text[64];
+        const size_t length = strcspn(at, ",");
+        const bool last = i + 1 == a->input_count;
+        if (at[length] != (last ? '\0' : ','))
+            return status_describe(ST_USAGE,
+                                   "--times: \"%s\": expected %d times, one for each step",
+                                   a->times, a->input_count);
+        snprintf(text, sizeof text, "%.*s", (int)(length < 63 ? length : 63), at);
+        status st = num_double(text, "--times", &(*times)[i]);
+        if (st != ST_OK)
+            return st;
+        at += length + 1;
+    }
+    return ST_OK;
+}
+
+static status convert_series(arguments *a, mem *m, mesh *x, double start, double *times) {
+    const mesh_series series = {.paths = (const char *const *)a->inputs,
+                                .steps = (uint32_t)a->input_count,
+                                .names = a->field_count ? a->fields : NULL,
+                                .fields = a->field_count ? (uint32_t)a->field_count : 1,
+                                .times = times,
+                                .hints = a->mesh};
+    status st = mesh_series_check(&series);
+    return st == ST_OK ? convert_mesh(a, m, x, &series, start) : st;
+}
+
+static status convert_meshes(arguments *a, mem *m, mesh *x, double start) {
+    double *times = NULL;
+    status st = a->times ? parse_times(a, m, &times) : ST_OK;
+    if (a->all_fields)
+        mesh_fields(x, take_field, a);
+    if (st == ST_OK)
+        st = convert_series(a, m, x, start, times);
+    mem_free(m, times);
+    return st;
+}
+
 /* ---- what it is ---- */
 
 static status convert_stream(arguments *a, mem *m, byte_stream *s, bool is_mesh, double start) {
@@ -463,7 +576,7 @@ static status convert_stream(arguments *a, mem *m, byte_stream *s, bool is_mesh,
     status st =
         is_mesh ? mesh_open_stream(m, s, &a->mesh, &x) : volume_open_stream(m, s, &a->hints, &v);
     if (st == ST_OK)
-        st = is_mesh ? convert_mesh(a, m, x, start) : convert_volume(a, m, v, start);
+        st = is_mesh ? convert_meshes(a, m, x, start) : convert_volume(a, m, v, start);
     mesh_close(x);
     volume_close(v);
     return st;
@@ -478,6 +591,9 @@ static status run(arguments *a) {
     bool is_mesh = false;
     if (st == ST_OK)
         st = mesh_recognise_stream(s, &is_mesh);
+    if (st == ST_OK && !is_mesh && (a->input_count > 1 || a->all_fields || a->times))
+        st =
+            status_describe(ST_USAGE, "%s: only meshes have several steps or fields yet", a->input);
     if (st != ST_OK) {
         byte_stream_close(s);
         return st;

@@ -50,6 +50,7 @@ typedef struct conversion {
     leaf_writer *writer;
     bench *benches;
     batch batch;
+    uint32_t first_step, end_step; /* what is being built */
 } conversion;
 
 mesh_options mesh_options_default(void) {
@@ -134,31 +135,86 @@ static status count_batch(conversion *c) {
 
 /* ---- building ---- */
 
+/* The topology, and the first field at the first step. */
+static status build_first(const conversion *c, bench *k, uint32_t treelet,
+                          const mesh_record *records, size_t count, mesh_treelet *t) {
+    k->points.first = k->values.first = 0;
+    status st = mesh_treelet_build(k->builder, records, count, &k->points, &k->values, t);
+    if (st != ST_OK)
+        return st;
+    k->flat += t->flat;
+    k->positive += t->positive;
+    k->negative += t->negative;
+    st = leaf_writer_put_topology(c->writer, k->packer, treelet, t->bounds, t->counts, t->topology,
+                                  k->pack);
+    return st == ST_OK ? leaf_writer_put_values(c->writer, k->packer, 0, treelet, &t->entry,
+                                                t->values, k->pack)
+                       : st;
+}
+
+static status build_values(const conversion *c, bench *k, uint32_t treelet, uint32_t step,
+                           uint32_t field, mesh_treelet *t) {
+    k->values.first = mesh_gather_values(c->g, step, field);
+    status st = mesh_treelet_revalue(k->builder, &k->values, t);
+    if (st != ST_OK)
+        return st;
+    const uint32_t set = leaf_layout_set(leaf_writer_layout(c->writer), field, step);
+    return leaf_writer_put_values(c->writer, k->packer, set, treelet, &t->entry, t->values,
+                                  k->pack);
+}
+
+static status build_positions(const conversion *c, bench *k, uint32_t treelet, uint32_t step,
+                              mesh_treelet *t) {
+    k->points.first = mesh_gather_points(c->g, step);
+    status st = mesh_treelet_move(k->builder, &k->points, t);
+    return st == ST_OK ? leaf_writer_put_positions(c->writer, k->packer, step, treelet,
+                                                   t->moved_bounds, t->positions, k->pack)
+                       : st;
+}
+
 static status build_one(void *ctx, size_t index, int worker) {
     const conversion *c = ctx;
     bench *k = &c->benches[worker];
     const batch *b = &c->batch;
-    mesh_treelet t;
-    status st =
-        mesh_treelet_build(k->builder, b->records + b->first[index],
-                           b->first[index + 1] - b->first[index], &k->points, &k->values, &t);
-    if (st != ST_OK)
-        return st;
-    k->flat += t.flat;
-    k->positive += t.positive;
-    k->negative += t.negative;
+    const mesh_record *records = b->records + b->first[index];
+    const size_t count = b->first[index + 1] - b->first[index];
     const uint32_t treelet = b->treelet + (uint32_t)index;
-    st = leaf_writer_put_topology(c->writer, k->packer, treelet, t.bounds, t.counts, t.topology,
-                                  k->pack);
-    return st == ST_OK ? leaf_writer_put_values(c->writer, k->packer, 0, treelet, &t.entry,
-                                                t.values, k->pack)
-                       : st;
+    mesh_treelet t;
+    status st = ST_OK;
+    if (c->first_step == 0)
+        st = build_first(c, k, treelet, records, count, &t);
+    else
+        mesh_treelet_begin(k->builder, records, count, &t);
+    for (uint32_t step = c->first_step; step < c->end_step; step++) {
+        for (uint32_t field = step ? 0 : 1; st == ST_OK && field < c->g->fields; field++)
+            st = build_values(c, k, treelet, step, field, &t);
+        if (st == ST_OK && step > 0 && c->g->moving)
+            st = build_positions(c, k, treelet, step, &t);
+    }
+    return st;
 }
 
 static status build_batch(conversion *c) {
     status st = pool_run(c->workers, c->batch.count, build_one, c);
-    const double done = (double)(c->batch.treelet + c->batch.count) / (double)c->plan.treelets;
+    const double part = (double)(c->batch.treelet + c->batch.count) / (double)c->plan.treelets;
+    const double done =
+        (c->first_step + part * (c->end_step - c->first_step)) / (double)c->g->steps;
     return st == ST_OK ? progress_step(c->p, "build", SORT_END + (1 - SORT_END) * done) : st;
+}
+
+/* In memory, a vertex' values at all steps are as near as one; in files, each step is a place of
+ * its own, which the windows would lose again and again. */
+static status build_steps(conversion *c) {
+    const bool held = mesh_spool_held(&c->g->points) && mesh_spool_held(&c->g->values);
+    status st = ST_OK;
+    for (c->first_step = 0; st == ST_OK && c->first_step < c->g->steps;
+         c->first_step = c->end_step) {
+        c->end_step = held ? c->g->steps : c->first_step + 1;
+        st = mesh_runs_rewind(c->runs);
+        if (st == ST_OK)
+            st = for_each_batch(c, build_batch);
+    }
+    return st;
 }
 
 static status create_benches(conversion *c) {
@@ -213,28 +269,33 @@ static status build_treelets(conversion *c, const char *field, const char *outpu
     status st = for_each_batch(c, count_batch);
     const uint32_t treelets = c->batch.treelet;
     if (st == ST_OK)
-        st = mesh_plan_check(c->o, &c->plan, treelets);
+        st = mesh_plan_check(c->o, c->g, &c->plan, treelets);
     if (st != ST_OK)
         return st;
     c->plan.treelets = treelets;
+    const mesh_series *series = c->o->series;
     const leaf_mesh parts = {.name = c->name,
-                             .field = field,
+                             .field = series && series->names ? series->names[0] : field,
+                             .names = series && series->names ? series->names : &field,
+                             .times = series ? series->times : NULL,
                              .treelets = treelets,
                              .treelet_tets = c->o->treelet_tets,
                              .leaf_tets = c->o->leaf_tets,
-                             .fields = 1,
-                             .steps = 1};
+                             .fields = c->g->fields,
+                             .steps = c->g->steps,
+                             .moving = c->g->moving};
     st = leaf_writer_create_mesh(c->m, output, c->o->force, &parts, &c->o->file, &c->writer);
     if (st == ST_OK)
         st = create_benches(c);
-    if (st == ST_OK)
-        st = mesh_runs_rewind(c->runs);
-    return st == ST_OK ? for_each_batch(c, build_batch) : st;
+    return st == ST_OK ? build_steps(c) : st;
 }
 
 /* ---- all of it ---- */
 
 static void describe_origin(const mesh_options *o, const mesh_report *r, char *text, size_t size) {
+    char steps[32] = "a mesh";
+    if (o->series && o->series->steps > 1)
+        snprintf(steps, sizeof steps, "a mesh at %u steps", o->series->steps);
     char codec[32] = "raw";
     if (o->file.codec == LEAF_CODEC_ZSTD)
         snprintf(codec, sizeof codec, "zstd:%d", o->file.zstd_level);
@@ -245,8 +306,8 @@ static void describe_origin(const mesh_options *o, const mesh_report *r, char *t
     if (split)
         snprintf(cells, sizeof cells, ", %llu cells split", (unsigned long long)split);
     snprintf(text, size,
-             "leafcast %s convert, from a mesh: Morton treelets of %u tets, leaves of %u%s, %s",
-             LEAFCAST_VERSION, o->treelet_tets, o->leaf_tets, cells, codec);
+             "leafcast %s convert, from %s: Morton treelets of %u tets, leaves of %u%s, %s",
+             LEAFCAST_VERSION, steps, o->treelet_tets, o->leaf_tets, cells, codec);
 }
 
 /* Everything but the writer, which leaf_writer_finish() consumes. */
@@ -260,6 +321,7 @@ static void release(conversion *c, leaf_facts *facts) {
 
 status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, const char *output,
                              const mesh_options *o, const progress *p, mesh_result *result) {
+    assert(o->series || g->fields * g->steps == 1);
     conversion c = {.m = m, .name = name, .o = o, .p = p, .g = g};
     const mesh_report *r = &result->report;
     leaf_facts facts = {
@@ -298,13 +360,21 @@ static status check_output(mem *m, const char *output, bool force) {
     return st;
 }
 
+static status read_all(mem *m, mesh *x, const mesh_options *o, mesh_gather *g, bool count,
+                       mesh_report *report) {
+    if (o->series)
+        g->steps = o->series->steps;
+    const mesh_sink sink = count ? mesh_gather_counter(g) : mesh_gather_sink(g);
+    return o->series ? mesh_series_read(m, o->series, x, g, &sink, report)
+                     : mesh_read(x, &sink, report);
+}
+
 /* Read everything, keep nothing, and plan. */
 static status plan_counted(mem *m, mesh *x, const mesh_options *o, const progress *p,
                            mesh_result *result) {
     mesh_gather g;
     mesh_gather_init(&g, m, "", 0, p);
-    const mesh_sink sink = mesh_gather_counter(&g);
-    status st = mesh_read(x, &sink, &result->report);
+    status st = read_all(m, x, o, &g, true, &result->report);
     return st == ST_OK ? mesh_plan_make(m, &g, o, &result->plan) : st;
 }
 
@@ -330,8 +400,7 @@ status mesh_convert_run(mem *m, mesh *x, const char *output, const mesh_options 
     if (st != ST_OK)
         return st;
     mesh_gather_init(&g, m, output, (size_t)(o->memory / 2), p);
-    const mesh_sink sink = mesh_gather_sink(&g);
-    st = mesh_read(x, &sink, &result->report);
+    st = read_all(m, x, o, &g, false, &result->report);
     if (st != ST_OK) {
         mesh_gather_release(&g);
         return st;

@@ -77,7 +77,7 @@ static status make_block(void *ctx, size_t index, int worker) {
     mesh_record *to = k->to + at;
     for (size_t i = 0; st == ST_OK && i < count; i++) {
         const uint32_t *id = b->tets[i];
-        if (is_bad(id, k->g->points.count)) {
+        if (is_bad(id, k->g->vertices)) {
             b->bad++;
         } else if (is_repeated(id)) {
             b->repeated++;
@@ -104,7 +104,7 @@ static size_t close_gaps(const keying *k, size_t blocks) {
 }
 
 static status create(keying *k, uint64_t window) {
-    k->used_words = words_of(k->g->points.count);
+    k->used_words = words_of(k->g->vertices);
     k->used = mem_array(k->m, k->used_words, sizeof *k->used);
     k->benches = mem_array(k->m, (size_t)k->threads, sizeof *k->benches);
     if (!k->used || !k->benches)

@@ -19,7 +19,8 @@ typedef struct mesh_pages {
     uint64_t *tags; /* page number + 1; 0: empty */
     uint8_t *next;  /* of each set: the way to be replaced */
     uint32_t sets_log2;
-    status st; /* of the last mesh_pages_at() that gave NULL */
+    uint64_t first; /* of the spool, the element that is number 0 here; may be changed */
+    status st;      /* of the last mesh_pages_at() that gave NULL */
 } mesh_pages;
 
 /* mesh_pages_least(), mesh_pages_memory() - bytes of the smallest window on a spool in a file;
@@ -33,9 +34,10 @@ void mesh_pages_release(mesh_pages *p); /* zeroed is fine */
 
 const void *mesh_pages_find(mesh_pages *p, uint64_t i);
 
-/* mesh_pages_at() - element i < count, valid until the next call; NULL when it cannot be read, see
- * p->st. */
+/* mesh_pages_at() - element p->first + i < count, valid until the next call; NULL when it cannot be
+ * read, see p->st. */
 static inline const void *mesh_pages_at(mesh_pages *p, uint64_t i) {
+    i += p->first;
     return mesh_spool_held(p->spool) ? mesh_spool_at(p->spool, i) : mesh_pages_find(p, i);
 }
 

@@ -35,21 +35,26 @@ static uint64_t held_bytes(const mesh_spool *s) {
 /* ---- what the stages take beside points, tets, runs and windows ---- */
 
 static uint64_t keys_fixed(const needs *n) {
-    return n->others + mesh_keys_memory(n->g->points.count, n->o->threads) +
+    return n->others + mesh_keys_memory(n->g->vertices, n->o->threads) +
            mesh_sort_memory(n->o->threads);
 }
 
-static uint64_t writer_memory(const mesh_options *o, uint64_t treelets) {
-    const leaf_mesh parts = {.treelets = (uint32_t)treelets, .fields = 1, .steps = 1};
+static uint64_t writer_memory(const mesh_options *o, const mesh_gather *g, uint64_t treelets) {
+    const leaf_mesh parts = {.treelets = (uint32_t)treelets,
+                             .fields = g->fields,
+                             .steps = g->steps,
+                             .moving = g->moving};
     return leaf_writer_mesh_memory(&parts, mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets));
 }
 
 static uint64_t build_fixed(const needs *n) {
     const mesh_options *o = n->o;
     uint64_t thread = mesh_treelet_memory(o->treelet_tets, o->leaf_tets) + n->packer + 256;
+    if (n->g->moving)
+        thread += mesh_treelet_moved_memory(o->treelet_tets, o->leaf_tets);
     if (o->file.codec != LEAF_CODEC_RAW)
         thread += mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets) + 128;
-    return n->others + writer_memory(o, n->treelets) + (uint64_t)o->threads * thread;
+    return n->others + writer_memory(o, n->g, n->treelets) + (uint64_t)o->threads * thread;
 }
 
 /* ---- choosing ---- */
@@ -88,8 +93,9 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
     }
     plan->build_memory = build_all + threads * (plan->points_window + plan->values_window);
     plan->memory = larger(keys_all + threads * plan->keys_window, plan->build_memory);
-    plan->spill_bytes = mesh_runs_spill(&plan->runs, count) + (tets ? 0 : count * g->tets.element) +
-                        (paged ? g->points.count * (g->points.element + g->values.element) : 0);
+    plan->spill_bytes =
+        mesh_runs_spill(&plan->runs, count) + (tets ? 0 : count * g->tets.element) +
+        (paged ? g->points.count * g->points.element + g->values.count * g->values.element : 0);
 }
 
 static status needs_of(mem *m, const mesh_gather *g, const mesh_options *o, needs *n) {
@@ -125,7 +131,7 @@ static uint64_t least_of(const needs *n) {
 status mesh_plan_least(mem *m, const mesh_options *o, uint64_t *least) {
     mesh_gather g;
     mesh_gather_init(&g, m, "", 0, NULL);
-    g.points.count = g.values.count = 4;
+    g.points.count = g.values.count = g.vertices = 4;
     g.tets.count = 1;
     needs n;
     status st = needs_of(m, &g, o, &n);
@@ -151,10 +157,11 @@ status mesh_plan_make(mem *m, const mesh_gather *g, const mesh_options *o, mesh_
     return mesh_plan_refuse(o, least);
 }
 
-status mesh_plan_check(const mesh_options *o, const mesh_plan *plan, uint64_t treelets) {
+status mesh_plan_check(const mesh_options *o, const mesh_gather *g, const mesh_plan *plan,
+                       uint64_t treelets) {
     if (treelets <= plan->treelets)
         return ST_OK;
-    const uint64_t more = writer_memory(o, treelets) - writer_memory(o, plan->treelets);
+    const uint64_t more = writer_memory(o, g, treelets) - writer_memory(o, g, plan->treelets);
     if (plan->build_memory + more <= o->memory)
         return ST_OK;
     return mesh_plan_refuse(o, larger(plan->memory_least, plan->build_memory) + more);

@@ -14,6 +14,7 @@
 #include "formats/leaf_writer.h"
 #include "prep/mesh_gather.h"
 #include "prep/mesh_runs.h"
+#include "prep/mesh_series.h"
 
 enum { MESH_TREELET_TETS = 4096, MESH_LEAF_TETS = 12 }; /* what is best; see the README */
 
@@ -21,9 +22,10 @@ enum { MESH_TREELET_TETS = 4096, MESH_LEAF_TETS = 12 }; /* what is best; see the
 typedef struct mesh_options {
     leaf_parameters file; /* cells_log2 and halo do not matter */
     uint32_t treelet_tets, leaf_tets;
-    uint64_t memory; /* budget in bytes */
-    int threads;     /* >= 1 */
-    bool force;      /* replace an existing output */
+    uint64_t memory;           /* budget in bytes */
+    int threads;               /* >= 1 */
+    bool force;                /* replace an existing output */
+    const mesh_series *series; /* a mesh of several steps or fields; NULL: of one */
 } mesh_options;
 
 typedef struct mesh_plan {
@@ -48,7 +50,8 @@ CHECKED status mesh_plan_least(mem *m, const mesh_options *o, uint64_t *least);
 CHECKED status mesh_plan_make(mem *m, const mesh_gather *g, const mesh_options *o, mesh_plan *plan);
 
 /* mesh_plan_check() - that the plan has room for so many treelets, too; ST_NOMEM as above. */
-CHECKED status mesh_plan_check(const mesh_options *o, const mesh_plan *plan, uint64_t treelets);
+CHECKED status mesh_plan_check(const mesh_options *o, const mesh_gather *g, const mesh_plan *plan,
+                               uint64_t treelets);
 
 /* mesh_plan_refuse() - the ST_NOMEM of all these. */
 status mesh_plan_refuse(const mesh_options *o, uint64_t least);

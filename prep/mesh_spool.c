@@ -128,10 +128,27 @@ status mesh_spool_end(mesh_spool *s) {
     return st;
 }
 
+/* Of one that still grows, the last elements are in the buffer. */
+static status read_file(mesh_spool *s, uint64_t first, size_t count, char *to) {
+    const uint64_t written = s->chunk_count ? s->count & ~(uint64_t)(CHUNK - 1) : s->count;
+    const uint64_t end = first + count < written ? first + count : written;
+    status st = ST_OK;
+    if (first < end) {
+        const size_t some = (size_t)(end - first);
+        st = out_file_read_at(s->file, first * s->element, to, some * s->element);
+        first += some;
+        count -= some;
+        to += some * s->element;
+    }
+    if (st == ST_OK && count > 0)
+        memcpy(to, s->chunks[0] + (first - written) * s->element, count * s->element);
+    return st;
+}
+
 status mesh_spool_read(mesh_spool *s, uint64_t first, size_t count, void *to) {
     assert(first + count <= s->count);
     if (s->file)
-        return out_file_read_at(s->file, first * s->element, to, count * s->element);
+        return read_file(s, first, count, to);
     char *at = to;
     while (count > 0) {
         size_t room = CHUNK - (first & (CHUNK - 1)), some = count < room ? count : room;

@@ -56,7 +56,8 @@ static inline const void *mesh_spool_at(const mesh_spool *s, uint64_t i) {
     return s->chunks[i >> MESH_SPOOL_LOG2] + (i & ((1u << MESH_SPOOL_LOG2) - 1)) * s->element;
 }
 
-/* mesh_spool_read() - copy elements [first, first + count) of an ended spool. */
+/* mesh_spool_read() - copy elements [first, first + count) of those that have been appended; by
+ * many threads once the spool has ended. */
 CHECKED status mesh_spool_read(mesh_spool *s, uint64_t first, size_t count, void *to);
 
 /* mesh_spool_forget() - elements before this one will not be read again: gives memory back. */
