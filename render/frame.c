@@ -20,6 +20,7 @@ typedef struct tally {
 
 typedef struct drawing {
     const frame *f;
+    uint32_t side; /* of a tile */
     uint32_t tiles_x, tiles;
     tally *tallies;
     /* Records of suspended rays, in chunks that come as they are needed; guarded by lock. */
@@ -37,29 +38,35 @@ typedef struct drawing {
     size_t batches;
     uint32_t *tiles_now, *tiles_later; /* not drawn yet: of this pass; put off to the next */
     uint32_t tiles_left, tiles_off, tiles_waiting; /* the last: put off until treelets come */
-    uint16_t (*to_do)[TILE];                       /* pixels of a tile not begun, a bit each */
+    tile_row *to_do;                               /* `side` rows a tile: pixels not begun */
     loader_request *requests;
     atomic_size_t finished; /* pixels */
 } drawing;
 
-uint32_t frame_records_min(int threads) {
-    return (uint32_t)threads * TILE_RAYS;
+/* Pixels on a side of a tile. */
+static uint32_t side_of(bool mesh) {
+    return mesh ? MESH_TILE : GRID_TILE;
+}
+
+uint32_t frame_records_min(bool mesh, int threads) {
+    return (uint32_t)threads * side_of(mesh) * side_of(mesh);
 }
 
 size_t frame_record_bytes(void) {
     return sizeof(pixel_ray) + sizeof(uint32_t);
 }
 
-static uint32_t tiles_of(uint32_t pixels) {
-    return (pixels + TILE - 1) / TILE;
+static uint32_t tiles_of(uint32_t pixels, uint32_t side) {
+    return (pixels + side - 1) / side;
 }
 
-size_t frame_bytes(uint32_t treelets, uint32_t records_max, uint32_t width, uint32_t height,
-                   int threads) {
-    const size_t tiles = (size_t)tiles_of(width) * tiles_of(height);
+size_t frame_bytes(bool mesh, uint32_t treelets, uint32_t records_max, uint32_t width,
+                   uint32_t height, int threads) {
+    const uint32_t side = side_of(mesh);
+    const size_t tiles = (size_t)tiles_of(width, side) * tiles_of(height, side);
     const size_t chunks = records_max / CHUNK + 1;
     return treelets * (2 * sizeof(uint32_t) + sizeof(loader_request)) +
-           tiles * (2 * sizeof(uint32_t) + TILE * sizeof(uint16_t)) +
+           tiles * (2 * sizeof(uint32_t) + side * sizeof(tile_row)) +
            chunks * (sizeof(void *) + 192) + CHUNK * sizeof(pixel_ray) +
            ((size_t)threads + 1) * sizeof(tally);
 }
@@ -103,6 +110,11 @@ static void release(drawing *d, uint32_t i) {
 
 /* ---- Work items ---- */
 
+/* Pixels of a tile that are not begun. */
+static tile_row *rows_to_do(const drawing *d, uint32_t tile) {
+    return d->to_do + (size_t)tile * d->side;
+}
+
 static bool reserve(drawing *d, uint32_t count) {
     pthread_mutex_lock(&d->lock);
     const bool fits = d->reserved + count <= d->f->records_max;
@@ -121,7 +133,7 @@ static bool wait_for_treelets(drawing *d, uint32_t tile, const tile_outcome *tod
         return false;
     for (int i = 0; i < todo->absent_count; i++)
         loader_want(f->treelets, todo->absent[i], pixel_ray_first_urgency(f, todo->absent[i]));
-    memcpy(d->to_do[tile], todo->waits, sizeof todo->waits);
+    memcpy(rows_to_do(d, tile), todo->waits, d->side * sizeof *todo->waits);
     pthread_mutex_lock(&d->lock);
     d->tiles_later[d->tiles_off++] = tile;
     d->tiles_waiting++;
@@ -133,64 +145,96 @@ static void begin_tile(drawing *d, uint32_t tile, uint32_t x0, uint32_t y0, tile
                        frame_counters *counters) {
     const frame *f = d->f;
     if (!f->projection) {
-        memcpy(todo->open, d->to_do[tile], sizeof todo->open);
+        memcpy(todo->open, rows_to_do(d, tile), d->side * sizeof *todo->open);
         memset(todo->found, 0, sizeof todo->found);
         memset(todo->waits, 0, sizeof todo->waits);
         return;
     }
-    (f->tracer->tree ? f->kernels->mesh_tile : f->kernels->tile)(f, x0, y0, d->to_do[tile], todo,
-                                                                 counters);
+    const tile_fn trace = f->tracer->tree ? f->kernels->mesh_tile : f->kernels->tile;
+    trace(f, x0, y0, rows_to_do(d, tile), todo, counters);
     if (wait_for_treelets(d, tile, todo))
         return;
-    for (uint32_t y = 0; y < TILE; y++)
+    for (uint32_t y = 0; y < d->side; y++)
         todo->open[y] |= todo->waits[y];
     memset(todo->waits, 0, sizeof todo->waits);
 }
 
-static uint32_t pixels_of(const uint16_t rows[TILE]) {
+static uint32_t pixels_of(const tile_row rows[], uint32_t side) {
     uint32_t count = 0;
-    for (uint32_t y = 0; y < TILE; y++)
+    for (uint32_t y = 0; y < side; y++)
         count += (uint32_t)__builtin_popcount(rows[y]);
     return count;
 }
 
-/* Trace a tile's rays, all together as far as that goes; those that suspend move into records,
- * which the reservation has made sure of. */
-static status draw_tile(drawing *d, uint32_t tile, frame_counters *counters) {
-    const frame *f = d->f;
-    pixel_ray suspended[TILE_RAYS];
-    tile_outcome todo;
-    uint32_t count = 0;
-    const uint32_t x0 = tile % d->tiles_x * TILE, y0 = tile / d->tiles_x * TILE;
-    const uint32_t asked = pixels_of(d->to_do[tile]);
-    begin_tile(d, tile, x0, y0, &todo, counters);
-    for (uint32_t y = 0; y < TILE; y++) {
-        for (uint32_t left = todo.open[y] | todo.found[y]; left; left &= left - 1) {
-            const uint32_t x = (uint32_t)__builtin_ctz(left), i = TILE * y + x;
-            const uint32_t pixel = (y0 + y) * f->width + x0 + x;
-            suspended[count] = todo.open[y] >> x & 1u
-                                   ? pixel_ray_start(pixel)
-                                   : pixel_ray_found(f, pixel, &todo.hits[i], todo.at[i]);
-            count += !pixel_ray_advance(f, &suspended[count], counters);
-        }
-    }
-    const uint32_t begun = asked - pixels_of(todo.waits);
-    counters->primary_rays += begun;
-    atomic_fetch_add_explicit(&d->finished, begun - count, memory_order_relaxed);
+/* Rays of a tile that have suspended, on their way into records. */
+typedef struct suspended_rays {
+    pixel_ray ray[BATCH];
+    uint32_t count;
+} suspended_rays;
+
+/* The reservation has made sure of room. */
+static status keep_suspended(drawing *d, suspended_rays *s) {
     status st = ST_OK;
     pthread_mutex_lock(&d->lock);
-    for (uint32_t i = 0; i < count && st == ST_OK; i++) {
+    for (uint32_t i = 0; i < s->count && st == ST_OK; i++) {
         if (d->free_head == no_record)
             st = make_chunk(d);
         if (st != ST_OK)
             break;
         const uint32_t r = d->free_head;
         d->free_head = record(d, r)->next;
-        *record(d, r) = suspended[i];
+        *record(d, r) = s->ray[i];
         suspend(d, r);
     }
-    d->reserved -= TILE_RAYS - count;
     pthread_mutex_unlock(&d->lock);
+    s->count = 0;
+    return st;
+}
+
+static void unreserve(drawing *d, uint32_t count) {
+    pthread_mutex_lock(&d->lock);
+    d->reserved -= count;
+    pthread_mutex_unlock(&d->lock);
+}
+
+/* What tiles have left to single rays of one row. *kept: how many were suspended, by then. */
+static status draw_row(drawing *d, const tile_outcome *todo, uint32_t x0, uint32_t y0, uint32_t y,
+                       suspended_rays *s, uint32_t *kept, frame_counters *counters) {
+    const frame *f = d->f;
+    status st = ST_OK;
+    for (tile_row left = todo->open[y] | todo->found[y]; left && st == ST_OK; left &= left - 1) {
+        const uint32_t x = (uint32_t)__builtin_ctz(left), i = d->side * y + x;
+        const uint32_t pixel = (y0 + y) * f->width + x0 + x;
+        pixel_ray *p = &s->ray[s->count];
+        *p = todo->open[y] >> x & 1u ? pixel_ray_start(pixel)
+                                     : pixel_ray_found(f, pixel, &todo->hits[i], todo->at[i]);
+        if (pixel_ray_advance(f, p, counters))
+            continue;
+        ++*kept;
+        if (++s->count == BATCH)
+            st = keep_suspended(d, s);
+    }
+    return st;
+}
+
+/* Trace a tile's rays, all together as far as that goes. */
+static status draw_tile(drawing *d, uint32_t tile, frame_counters *counters) {
+    tile_outcome todo;
+    suspended_rays suspended;
+    uint32_t kept = 0;
+    const uint32_t x0 = tile % d->tiles_x * d->side, y0 = tile / d->tiles_x * d->side;
+    const uint32_t asked = pixels_of(rows_to_do(d, tile), d->side);
+    suspended.count = 0;
+    begin_tile(d, tile, x0, y0, &todo, counters);
+    status st = ST_OK;
+    for (uint32_t y = 0; y < d->side && st == ST_OK; y++)
+        st = draw_row(d, &todo, x0, y0, y, &suspended, &kept, counters);
+    if (st == ST_OK)
+        st = keep_suspended(d, &suspended);
+    const uint32_t begun = asked - pixels_of(todo.waits, d->side);
+    counters->primary_rays += begun;
+    atomic_fetch_add_explicit(&d->finished, begun - kept, memory_order_relaxed);
+    unreserve(d, d->side * d->side - kept);
     return st;
 }
 
@@ -238,7 +282,7 @@ static status run_item(void *ctx, size_t index, int worker) {
         return ST_OK;
     }
     const uint32_t tile = d->tiles_now[index - d->batches];
-    if (!reserve(d, TILE_RAYS)) {
+    if (!reserve(d, d->side * d->side)) {
         put_off(d, tile);
         return ST_OK;
     }
@@ -293,7 +337,7 @@ static status draw_passes(drawing *d, frame_counters *total) {
         status st = collect_runnable(d);
         if (st != ST_OK)
             return st;
-        const bool room = d->tiles_left > 0 && d->reserved + TILE_RAYS <= f->records_max;
+        const bool room = d->tiles_left > 0 && d->reserved + d->side * d->side <= f->records_max;
         if (d->runnable_count == 0 && !room) {
             if (d->waiting_count == 0)
                 return ST_OK;
@@ -354,24 +398,46 @@ static void drawing_release(drawing *d) {
 /* A tile with all its pixels in the picture to do. */
 static void begin_to_do(drawing *d, uint32_t tile) {
     const frame *f = d->f;
-    const uint32_t x0 = tile % d->tiles_x * TILE, y0 = tile / d->tiles_x * TILE;
-    const uint32_t columns = f->width - x0 < TILE ? (1u << (f->width - x0)) - 1u : UINT16_MAX;
-    d->tiles_now[tile] = tile;
-    for (uint32_t y = 0; y < TILE; y++)
-        d->to_do[tile][y] = y0 + y < f->height ? (uint16_t)columns : 0;
+    const uint32_t x0 = tile % d->tiles_x * d->side, y0 = tile / d->tiles_x * d->side;
+    const uint32_t columns = f->width - x0 < d->side ? f->width - x0 : d->side;
+    for (uint32_t y = 0; y < d->side; y++)
+        rows_to_do(d, tile)[y] = y0 + y < f->height ? (tile_row)((UINT64_C(1) << columns) - 1) : 0;
+}
+
+/* The even bits of a number below 2^8, together. */
+static uint32_t even_bits(uint32_t n) {
+    return (n & 1) | (n >> 1 & 2) | (n >> 2 & 4) | (n >> 3 & 8);
+}
+
+/* Squares of 8 x 8 tiles along a Z: what neighbours need is still in the cache. */
+static void put_in_order(drawing *d) {
+    enum { SIDE = 8 };
+    const uint32_t tiles_y = d->tiles / d->tiles_x;
+    uint32_t count = 0;
+    for (uint32_t y0 = 0; y0 < tiles_y; y0 += SIDE) {
+        for (uint32_t x0 = 0; x0 < d->tiles_x; x0 += SIDE) {
+            for (uint32_t code = 0; code < SIDE * SIDE; code++) {
+                const uint32_t x = x0 + even_bits(code), y = y0 + even_bits(code >> 1);
+                if (x < d->tiles_x && y < tiles_y)
+                    d->tiles_now[count++] = y * d->tiles_x + x;
+            }
+        }
+    }
 }
 
 static status drawing_init(drawing *d, const frame *f) {
     const uint32_t treelets = f->tracer->layout->treelets;
     const int threads = pool_threads(f->threads);
-    *d = (drawing){.f = f, .tiles_x = tiles_of(f->width), .free_head = no_record};
+    const uint32_t side = side_of(f->tracer->tree);
+    *d = (drawing){
+        .f = f, .side = side, .tiles_x = tiles_of(f->width, side), .free_head = no_record};
     pthread_mutex_init(&d->lock, NULL);
-    d->tiles = d->tiles_left = d->tiles_x * tiles_of(f->height);
+    d->tiles = d->tiles_left = d->tiles_x * tiles_of(f->height, side);
     d->tallies = mem_array(f->m, (size_t)threads, sizeof *d->tallies);
     d->chunks = mem_array(f->m, f->records_max / CHUNK + 1, sizeof *d->chunks);
     d->tiles_now = mem_array(f->m, d->tiles, sizeof *d->tiles_now);
     d->tiles_later = mem_array(f->m, d->tiles, sizeof *d->tiles_later);
-    d->to_do = mem_array(f->m, d->tiles, sizeof *d->to_do);
+    d->to_do = mem_array(f->m, d->tiles, side * sizeof *d->to_do);
     d->bucket = mem_array(f->m, treelets, sizeof *d->bucket);
     d->waiting = mem_array(f->m, treelets, sizeof *d->waiting);
     d->requests = mem_array(f->m, treelets, sizeof *d->requests);
@@ -380,6 +446,7 @@ static status drawing_init(drawing *d, const frame *f) {
         return ST_NOMEM;
     for (uint32_t i = 0; i < d->tiles; i++)
         begin_to_do(d, i);
+    put_in_order(d);
     for (uint32_t t = 0; t < treelets; t++)
         d->bucket[t] = no_record;
     return ST_OK;

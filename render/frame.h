@@ -46,11 +46,11 @@ CHECKED status frame_render(const frame *f, frame_counters *counters);
 
 /* frame_records_min() - the fewest records with which a frame can finish; frame_record_bytes() -
  * memory of one. */
-uint32_t frame_records_min(int threads);
+uint32_t frame_records_min(bool mesh, int threads);
 size_t frame_record_bytes(void);
 
 /* frame_bytes() - memory that a frame needs beside records, treelets and image. */
-size_t frame_bytes(uint32_t treelets, uint32_t records_max, uint32_t width, uint32_t height,
-                   int threads);
+size_t frame_bytes(bool mesh, uint32_t treelets, uint32_t records_max, uint32_t width,
+                   uint32_t height, int threads);
 
 #endif

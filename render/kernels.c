@@ -14,7 +14,7 @@ static const struct {
                     {"packets-4x4", NULL, 4, false},
                     {"packets-8x8", NULL, 8, false},
                     {"packets-4x4-by-cell", NULL, 4, true},
-                    {"tiles-by-cell", NULL, TILE, true}};
+                    {"tiles-by-cell", NULL, GRID_TILE, true}};
 
 static kernels kernels_of(cpu_isa isa) {
     return (kernels){.name = cpu_isa_name(isa),
@@ -23,7 +23,7 @@ static kernels kernels_of(cpu_isa isa) {
                      .cells = cell_batch_for(isa),
                      .tile = tile_for(isa),
                      .mesh_tile = mesh_tile_for(isa),
-                     .packet = TILE};
+                     .packet = GRID_TILE};
 }
 
 bool kernels_for(const char *name, kernels *out) {

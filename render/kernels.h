@@ -16,7 +16,7 @@ typedef struct kernels {
     cell_batch_fn cells; /* many ray-cells */
     tile_fn tile;        /* a tile of primary rays; NULL: one by one */
     tile_fn mesh_tile;   /* ... through a mesh */
-    uint8_t packet;      /* pixels on a side that walk together: TILE, or less of it */
+    uint8_t packet;      /* pixels on a side that walk together: GRID_TILE, or less of it */
     bool by_cell;        /* a batch never holds ray-cells of more than one cell */
 } kernels;
 

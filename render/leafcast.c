@@ -374,15 +374,15 @@ static size_t image_bytes(const leafcast_image *image, size_t pixels) {
  * rest, or what one treelet leaves), treelets. */
 static status share_budget(leafcast *v, frame *f) {
     const uint32_t treelets = v->file->layout.treelets;
-    const uint32_t least = frame_records_min(pool_threads(v->threads));
+    const uint32_t least = frame_records_min(v->file->mesh, pool_threads(v->threads));
     const size_t pixels = (size_t)f->width * f->height, place = loader_place_bytes(v->treelets);
     size_t places = treelets, shelf = SIZE_MAX, records = (pixels + 255) / 256 * 256 * 2;
     records = records < least ? least : records < UINT32_MAX / 2 ? records : UINT32_MAX / 2;
     if (v->budget.limit) {
-        const size_t fixed =
-            v->base_bytes + image_bytes(&f->image, pixels) +
-            (v->file->mesh ? 0 : projection_bytes(&v->file->layout)) +
-            frame_bytes(treelets, (uint32_t)records, f->width, f->height, pool_threads(v->threads));
+        const size_t fixed = v->base_bytes + image_bytes(&f->image, pixels) +
+                             (v->file->mesh ? 0 : projection_bytes(&v->file->layout)) +
+                             frame_bytes(v->file->mesh, treelets, (uint32_t)records, f->width,
+                                         f->height, pool_threads(v->threads));
         const size_t needed = fixed + least * frame_record_bytes() + place;
         if (v->budget.limit < needed)
             return status_describe(

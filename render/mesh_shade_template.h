@@ -8,6 +8,10 @@
 #ifdef SIMD_NAME
 
 #include "render/mesh_walk.h"
+#include "render/tile.h"
+
+enum { TILE = MESH_TILE }; /* of the templates that follow */
+
 #include "render/tile_shade_template.h"
 
 /* Neighbouring rays hit the same tets. */

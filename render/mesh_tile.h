@@ -1,4 +1,4 @@
-/* mesh_tile.h - the primary rays of 16 x 16 pixels through a mesh together, up to their first
+/* mesh_tile.h - the primary rays of 32 x 32 pixels through a mesh together, up to their first
  * surface: what tile.h is for grids.
  *
  * The tree over the treelets, and the trees in them, are walked once for all rays of a tile, near

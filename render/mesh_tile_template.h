@@ -12,7 +12,7 @@
 #include "render/tet_sight_template.h"
 #include "render/tile_rects_template.h"
 
-void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
+void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                           tile_outcome *out, frame_counters *counters);
 
 /* Active tets of a treelet, a lane each, on their way to covers_of(). */
@@ -483,8 +483,8 @@ static void wait_for_treelet(mesh_tile *w, uint32_t t, tile_rect r) {
     unsigned any = 0;
     for (unsigned y = r.y0; y <= r.y1; y++) {
         const unsigned passing = rays_through(w, t, y, r);
-        out->waits[y] |= (uint16_t)passing;
-        w->s.open[y] &= (uint16_t)~passing;
+        out->waits[y] |= (tile_row)passing;
+        w->s.open[y] &= ~(tile_row)passing;
         any |= passing;
     }
     if (any && out->absent_count < TILE_ABSENT_MAX)
@@ -541,7 +541,7 @@ static void walk_mesh(mesh_tile *w, tile_rect rect) {
     }
 }
 
-void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
+void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                           tile_outcome *out, frame_counters *counters) {
     mesh_tile w;
     tile_state_begin(&w.s, f, x0, y0, asked, out, counters);

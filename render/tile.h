@@ -1,4 +1,4 @@
-/* tile.h - the primary rays of 16 x 16 pixels through the volume together, up to their first
+/* tile.h - the primary rays of a square of pixels through the volume together, up to their first
  * surface.
  *
  * All of them start at the eye, so one order of cells is front to back for them all. The implicit
@@ -18,26 +18,31 @@
 #include "formats/base/cpu.h"
 #include "render/frame.h"
 
-enum { TILE = 16, TILE_RAYS = TILE * TILE };
+/* Pixels on a side: measured, see README.md. */
+enum { GRID_TILE = 16, MESH_TILE = 32, TILE_MAX = 32 };
+
+/* Pixels of a tile's row, a bit each. */
+typedef uint32_t tile_row;
 
 /* Treelets that a tile is told to wait for at a time. */
 enum { TILE_ABSENT_MAX = 32 };
 
-/* What is left to do, a bit a pixel (row by row, bit x). All other pixels that were asked for have
- * been written. */
+/* What is left to do. Rows and rays of the tile that there is, rays row by row. All other pixels
+ * that were asked for have been written. */
 typedef struct tile_outcome {
-    uint16_t open[TILE];  /* to be traced one by one, from their start */
-    uint16_t waits[TILE]; /* they met an absent treelet: again when it is there, or one by one */
+    tile_row open[TILE_MAX]; /* to be traced one by one, from their start */
+    tile_row
+        waits[TILE_MAX]; /* they met an absent treelet: again when it is there, or one by one */
     uint32_t absent[TILE_ABSENT_MAX]; /* those treelets, as many as there is room for */
     int absent_count;
-    uint16_t found[TILE]; /* their first surface is known, and no more: */
-    hit hits[TILE_RAYS];
-    const treelet *at[TILE_RAYS];
+    tile_row found[TILE_MAX]; /* their first surface is known, and no more: */
+    hit hits[TILE_MAX * TILE_MAX];
+    const treelet *at[TILE_MAX * TILE_MAX];
 } tile_outcome;
 
 /* tile_trace_X() - rays of the tile whose first pixel is (x0, y0); pixels: which. f->projection
  * must be usable. */
-typedef void (*tile_fn)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t pixels[TILE],
+typedef void (*tile_fn)(const frame *f, uint32_t x0, uint32_t y0, const tile_row pixels[],
                         tile_outcome *out, frame_counters *counters);
 
 /* tile_for() - NULL where there is none: every ray by itself. */

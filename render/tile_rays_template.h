@@ -1,5 +1,5 @@
 /* tile_rays_template.h - the rays of a tile; included by the units of an ISA (see
- * formats/base/simd.h). */
+ * formats/base/simd.h), which say how many pixels TILE has on a side. */
 #ifndef RENDER_TILE_RAYS_TEMPLATE_H
 #define RENDER_TILE_RAYS_TEMPLATE_H
 
@@ -17,8 +17,11 @@ enum {
     WINDOW_Y = VF_N / WINDOW_X,
     STRIDE = TILE + WINDOW_X,
     ROWS = TILE + WINDOW_Y,
-    PADDED = STRIDE * ROWS
+    PADDED = STRIDE * ROWS,
+    TILE_RAYS = TILE * TILE
 };
+
+static const tile_row row_full = (tile_row)((UINT64_C(1) << TILE) - 1);
 
 /* One float a ray, with a margin on the right and below for windows that reach over. */
 typedef float tile_plane[PADDED];
@@ -30,7 +33,7 @@ typedef struct tile_rays {
      * size. */
     tile_plane near_d[3], reciprocal[3], near_t0, near_t1;
     float towards_eye[3][TILE_RAYS]; /* world space */
-    uint16_t single[TILE];           /* left to single rays */
+    tile_row single[TILE];           /* left to single rays */
 } tile_rays;
 
 /* Components smaller than this (of a direction of size about 1) leave their reciprocal useless. */
@@ -120,7 +123,7 @@ static void tile_rays_make(const frame *f, uint32_t x0, uint32_t y0, tile_rays *
         for (int a = 0; a < 3; a++)
             for (unsigned at = STRIDE * y; at < STRIDE * y + TILE; at += VF_N)
                 f_store(rays->reciprocal[a] + at, f_set(1.0f) / f_load(rays->near_d[a] + at));
-        rays->single[y] = (uint16_t)single;
+        rays->single[y] = single;
     }
 }
 

@@ -132,7 +132,7 @@ SIMD void shade_pixels(const tile_state *s, unsigned i, unsigned hits, tile_pixe
 
 /* Copy the pixels of a row of the tile. */
 static void write_floats(float *to, const float *from, unsigned pixels) {
-    if (pixels == UINT16_MAX) {
+    if (pixels == row_full) {
         memcpy(to, from, TILE * sizeof *to);
         return;
     }
@@ -220,7 +220,7 @@ static void write_tile(const tile_state *s, bool together, const tile_pixels *p)
             out->hits[i] = (hit){s->t[i], 0, s->iso[i], s->entering[i]};
             out->at[i] = s->at[i];
         }
-        out->found[y] = (uint16_t)found;
+        out->found[y] = found;
         write_row(s, y, s->asked[y] & ~(left | found), p);
     }
 }

@@ -16,8 +16,8 @@ typedef struct tile_state {
     uint32_t x0, y0; /* its first pixel */
     bool has_rays;
     tile_rays rays;       /* made when the first are needed */
-    uint16_t asked[TILE]; /* a bit a pixel, as in tile.h */
-    uint16_t open[ROWS];  /* rays that still look for their surface */
+    tile_row asked[TILE]; /* a bit a pixel, as in tile.h */
+    tile_row open[ROWS];  /* rays that still look for their surface */
     /* What has been found. */
     double t[TILE_RAYS]; /* INFINITY: nothing */
     int32_t iso[TILE_RAYS];
@@ -26,8 +26,7 @@ typedef struct tile_state {
 } tile_state;
 
 static void tile_state_begin(tile_state *s, const frame *f, uint32_t x0, uint32_t y0,
-                             const uint16_t asked[TILE], tile_outcome *out,
-                             frame_counters *counters) {
+                             const tile_row asked[], tile_outcome *out, frame_counters *counters) {
     s->f = f;
     s->counters = counters;
     s->out = out;
@@ -53,7 +52,7 @@ static void tile_state_rays(tile_state *s) {
     s->has_rays = true;
     for (unsigned y = 0; y < TILE; y++) {
         s->rays.single[y] &= s->asked[y];
-        s->open[y] &= (uint16_t)~s->rays.single[y];
+        s->open[y] &= ~s->rays.single[y];
     }
 }
 

@@ -7,12 +7,16 @@
 
 #ifdef SIMD_NAME
 
+#include "render/tile.h"
+
+enum { TILE = GRID_TILE }; /* of the templates that follow */
+
 #include "render/tile_normals_template.h"
 
-void SIMD_NAME(tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
+void SIMD_NAME(tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                            tile_outcome *out, frame_counters *counters);
 
-void SIMD_NAME(tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
+void SIMD_NAME(tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                            tile_outcome *out, frame_counters *counters) {
     tile_walk w;
     tile_pixels pixels;

@@ -24,7 +24,7 @@ typedef struct near_queue {
 typedef struct tile_walk {
     tile_state s;
     tile_place place;
-    uint16_t pending[ROWS]; /* rays of s.open of which a cell waits in the batch */
+    tile_row pending[ROWS]; /* rays of s.open of which a cell waits in the batch */
     bool filter;            /* the intersector is the one that the filter knows */
     near_queue queue;
     /* Ray-cells on their way to the cell kernel. */
@@ -36,7 +36,7 @@ typedef struct tile_walk {
     uint32_t cell[TILE_RAYS][3]; /* of what has been found */
 } tile_walk;
 
-static bool any_of(const uint16_t rows[], tile_rect r) {
+static bool any_of(const tile_row rows[], tile_rect r) {
     unsigned any = 0;
     for (unsigned y = r.y0; y <= r.y1; y++)
         any |= rows[y];
@@ -79,7 +79,7 @@ static void flush(tile_walk *w) {
         const unsigned k = (unsigned)__builtin_ctz(left), i = w->ray_of[k];
         take_hit(w, k, hits.t[k], hits.iso[k], hits.entering >> k & 1u);
         if (!(hits.at_exit >> k & 1u))
-            w->s.open[i / TILE] &= (uint16_t) ~(1u << i % TILE);
+            w->s.open[i / TILE] &= ~((tile_row)1 << i % TILE);
         else
             w->s.rays.near_t1[i / TILE * STRIDE + i % TILE] =
                 (float)(w->s.t[i] * w->s.f->projection->unscale);
@@ -113,7 +113,7 @@ static void add_to_batch(tile_walk *w, const treelet *at, const uint32_t cell[3]
         b->samples[s][k] = samples[s];
     w->ray_of[k] = (uint8_t)i;
     w->treelet_of[k] = at;
-    w->pending[i / TILE] |= (uint16_t)(1u << i % TILE);
+    w->pending[i / TILE] |= (tile_row)1 << i % TILE;
     if (w->waiting == CELL_BATCH)
         flush(w);
 }
@@ -617,8 +617,8 @@ static void miss_treelet(tile_walk *w, uint32_t t, tile_rect r) {
     flush(w);
     for (unsigned y = r.y0; y <= r.y1; y++) {
         const unsigned passing = rays_into(w, t, y, r);
-        w->s.out->waits[y] |= (uint16_t)passing;
-        w->s.open[y] &= (uint16_t)~passing;
+        w->s.out->waits[y] |= (tile_row)passing;
+        w->s.open[y] &= ~(tile_row)passing;
         any |= passing;
     }
     if (any && w->s.out->absent_count < TILE_ABSENT_MAX)
@@ -681,7 +681,7 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
 
 /* All of a tile's rays up to their first surfaces. */
 static void tile_walk_run(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0,
-                          const uint16_t asked[TILE], tile_outcome *out, frame_counters *counters) {
+                          const tile_row asked[], tile_outcome *out, frame_counters *counters) {
     tile_state_begin(&w->s, f, x0, y0, asked, out, counters);
     w->place = tile_place_of(f, x0, y0);
     w->filter = f->scene->intersector == LEAFCAST_MARMITT;

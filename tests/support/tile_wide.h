@@ -5,7 +5,7 @@
 #include "render/tile.h"
 
 /* tile_trace_wide() - as every tile_fn. */
-void tile_trace_wide(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
+void tile_trace_wide(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                      tile_outcome *out, frame_counters *counters);
 
 #endif
