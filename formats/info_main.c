@@ -232,6 +232,17 @@ static void print_steps(const facts *x) {
                x->f->layout.moved_steps ? ", vertices move" : "");
 }
 
+static uint32_t coarse_sets(const leaf_file *f) {
+    uint32_t sets = 0;
+    for (uint32_t set = 0; set < f->mesh->sets; set++)
+        sets += leaf_file_has_coarse(f, set);
+    return sets;
+}
+
+static unsigned long long coarse_bytes(const leaf_file *f) {
+    return f->header.file_bytes - f->payloads_end;
+}
+
 static void print_mesh_header(const facts *x) {
     const leaf_header *h = &x->f->header;
     char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
@@ -242,6 +253,9 @@ static void print_mesh_header(const facts *x) {
     print_steps(x);
     if (h->gradients)
         printf("gradients   of every field and step\n");
+    if (x->f->header.file_bytes > x->f->payloads_end)
+        printf("coarse      grids of %u of %u sets, %llu bytes, %.2f a tet\n", coarse_sets(x->f),
+               x->f->mesh->sets, coarse_bytes(x->f), (double)coarse_bytes(x->f) / (double)h->tets);
     for (int i = 0; i < 3; i++)
         printf("%s%s .. %s\n", i ? "            " : "bounds      ",
                num_print((double)h->bounds[i], a), num_print((double)h->bounds[i + 3], b));
@@ -434,6 +448,8 @@ static json_t *mesh_json(const facts *x) {
     json_object_set_new(json, "moving", json_boolean(h->moving));
     json_object_set_new(json, "field_list", fields_json(x->f));
     json_object_set_new(json, "times", times_json(x->f));
+    json_object_set_new(json, "coarse_sets", json_integer(coarse_sets(x->f)));
+    json_object_set_new(json, "coarse_bytes", json_integer((json_int_t)coarse_bytes(x->f)));
     return json;
 }
 

@@ -6,6 +6,7 @@
  *   ...                payload runs, each at a multiple of 2^run_align_log2: the payloads of one
  *                      family of siblings (grid), or of one block (mesh: all topologies, all
  *                      values of one set, ..), each at a multiple of 64 inside the run
+ *   ...                parts (mesh: leaf_part)
  *
  * All little endian. Everything not named is zero, and checked to be.
  *
@@ -106,8 +107,18 @@ typedef struct leaf_section {  /* offset size */
     uint64_t bytes;            /*   16    8 */
     uint64_t checksum;         /*   24    8  XXH3-64 of those bytes */
 } leaf_section;
+
+/* A whole treelet file of kind grid inside a mesh's: the values of a set resampled, for pictures
+ * before the mesh has been read. Parts lie behind the last payload's run, set after set without
+ * gaps, each a multiple of 2^run_align_log2 long. */
+typedef struct leaf_part {     /* offset size */
+    uint64_t offset;           /*    0    8  from the file's start; 0: the set has none, and all is 0 */
+    uint64_t bytes;            /*    8    8 */
+    uint64_t id[2];            /*   16   16  of its header */
+} leaf_part;
 /* clang-format on */
 
+_Static_assert(sizeof(leaf_part) == 32, "leaf_part is 32 bytes");
 _Static_assert(sizeof(leaf_header) == LEAF_HEADER_BYTES, "leaf_header is a page");
 _Static_assert(sizeof(leaf_section) == 32, "leaf_section is 32 bytes");
 
@@ -143,7 +154,8 @@ typedef enum leaf_section_kind {
     LEAF_SECTION_FIELDS = 10, /* mesh, may be missing: char[64]: name of a field, as header.field */
     LEAF_SECTION_TIMES = 11,  /* mesh of two steps or more, may be missing: double: time of a step,
                                  ascending */
-    LEAF_SECTION_LAST = 11,   /* of those known here */
+    LEAF_SECTION_COARSE = 12, /* mesh, may be missing: leaf_part: a set's coarse grid */
+    LEAF_SECTION_LAST = 12,   /* of those known here */
     LEAF_SECTION_ANCILLARY =
         1 << 30 /* set in kinds that a reader may pass over; others it must know */
 } leaf_section_kind;

@@ -309,7 +309,7 @@ status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l)
 /* ---- sections ---- */
 
 bool leaf_section_optional(uint32_t kind) {
-    return kind == LEAF_SECTION_FIELDS || kind == LEAF_SECTION_TIMES;
+    return kind == LEAF_SECTION_FIELDS || kind == LEAF_SECTION_TIMES || kind == LEAF_SECTION_COARSE;
 }
 
 uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
@@ -332,6 +332,7 @@ uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
     case LEAF_SECTION_COUNTS: return mesh ? h->treelets * sizeof(uint32_t[4]) : 0;
     case LEAF_SECTION_FIELDS: return mesh ? h->fields * sizeof(char[64]) : 0;
     case LEAF_SECTION_TIMES: return mesh && h->steps > 1 ? h->steps * sizeof(double) : 0;
+    case LEAF_SECTION_COARSE: return mesh ? sets * sizeof(leaf_part) : 0;
     default: return 0;
     }
 }
@@ -423,6 +424,29 @@ static status check_payload(const char *path, const leaf_header *h, const leaf_l
     return ST_OK;
 }
 
+/* Coarse grids follow one another from `end` on; it becomes where the last one ends. */
+static status check_parts(const char *path, const leaf_header *h, const leaf_directory *d,
+                          uint64_t *end) {
+    const uint64_t run = (uint64_t)1 << h->run_align_log2;
+    for (uint32_t set = 0; set < h->fields * h->steps; set++) {
+        const leaf_part *part = &d->parts[set];
+        const uint64_t entry = d->at[LEAF_SECTION_COARSE - 1] + set * sizeof *part;
+        if (!part->offset && !part->bytes && !part->id[0] && !part->id[1])
+            continue;
+        if (part->offset != *end)
+            return corrupt(path, entry,
+                           "expected the coarse grid of set %u at byte %llu, found %llu", set,
+                           (unsigned long long)*end, (unsigned long long)part->offset);
+        if (part->bytes < LEAF_HEADER_BYTES || part->bytes % run || part->offset > h->file_bytes ||
+            part->bytes > h->file_bytes - part->offset)
+            return corrupt(path, entry + offsetof(leaf_part, bytes),
+                           "a coarse grid of %llu bytes cannot be in this file",
+                           (unsigned long long)part->bytes);
+        *end = part->offset + part->bytes;
+    }
+    return ST_OK;
+}
+
 static status check_payloads(const char *path, const leaf_header *h, const leaf_layout *l,
                              const leaf_directory *d) {
     uint64_t end = d->end, sum = 0;
@@ -433,10 +457,14 @@ static status check_payloads(const char *path, const leaf_header *h, const leaf_
         end = d->offsets[p] + d->sizes[p];
         sum += d->sizes[p];
     }
-    if (leaf_layout_aligned(end, h->run_align_log2) != h->file_bytes)
+    end = leaf_layout_aligned(end, h->run_align_log2);
+    status st = d->parts ? check_parts(path, h, d, &end) : ST_OK;
+    if (st != ST_OK)
+        return st;
+    if (end != h->file_bytes)
         return corrupt(path, offsetof(leaf_header, file_bytes),
-                       "expected a file of %llu bytes after its last payload, found %llu",
-                       (unsigned long long)leaf_layout_aligned(end, h->run_align_log2),
+                       "expected a file of %llu bytes after its last payload%s, found %llu",
+                       (unsigned long long)end, d->parts ? " and its coarse grids" : "",
                        (unsigned long long)h->file_bytes);
     if (sum != h->payload_bytes)
         return corrupt(path, offsetof(leaf_header, payload_bytes),

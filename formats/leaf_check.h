@@ -40,6 +40,7 @@ typedef struct leaf_directory {
     const uint64_t *sizes;
     const float (*bounds)[6];       /* mesh */
     const uint32_t (*counts)[4];    /* mesh */
+    const leaf_part *parts;         /* mesh: section COARSE; NULL without */
     uint64_t at[LEAF_SECTION_LAST]; /* where section kind k lies in the file is at[k - 1]; for
                                        messages */
     uint64_t end;                   /* of the sections */
@@ -50,8 +51,9 @@ typedef struct leaf_directory {
 CHECKED status leaf_check_counts(const char *path, const leaf_header *h, const leaf_directory *d);
 
 /* leaf_check_directory() - payloads follow one another in treelet order as leaf_layout_payload_at()
- * says, up to the end of the file; ranges are well formed, and each merged one is exactly the union
- * of its own and its children's merged ones. Of a mesh: bounds too, and their union. */
+ * says, up to the parts and the end of the file; ranges are well formed, and each merged one is
+ * exactly the union of its own and its children's merged ones. Of a mesh: bounds too, and their
+ * union. */
 CHECKED status leaf_check_directory(const char *path, const leaf_header *h, const leaf_layout *l,
                                     const leaf_directory *d);
 

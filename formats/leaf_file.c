@@ -114,6 +114,9 @@ static status allocate_mesh(leaf_file *f) {
     mesh->times = mem_array(f->m, mesh->steps, sizeof *mesh->times);
     if (!mesh->bounds || !mesh->counts || !mesh->first_tet || !mesh->names || !mesh->times)
         return ST_NOMEM;
+    mesh->coarse = mem_array(f->m, mesh->sets, sizeof *mesh->coarse);
+    if (!mesh->coarse)
+        return ST_NOMEM;
     memcpy(mesh->names[0], f->header.field, sizeof *mesh->names);
     for (uint32_t s = 0; s < mesh->steps; s++)
         mesh->times[s] = s;
@@ -146,6 +149,7 @@ static status read_sections(opening *o) {
         arrays[LEAF_SECTION_COUNTS] = f->mesh->counts;
         arrays[LEAF_SECTION_FIELDS] = f->mesh->names;
         arrays[LEAF_SECTION_TIMES] = f->mesh->times;
+        arrays[LEAF_SECTION_COARSE] = f->mesh->coarse;
     }
     uint64_t end = LEAF_HEADER_BYTES + f->header.sections * sizeof *o->table;
     const leaf_section *axes = NULL;
@@ -219,6 +223,7 @@ static status check_directory(const opening *o) {
     if (f->mesh) {
         d.bounds = (const float(*)[6])f->mesh->bounds;
         d.counts = (const uint32_t(*)[4])f->mesh->counts;
+        d.parts = o->at[LEAF_SECTION_COARSE - 1] ? f->mesh->coarse : NULL;
         st = check_labels(o);
         if (st == ST_OK)
             st = leaf_check_counts(path, &f->header, &d);
@@ -228,13 +233,15 @@ static status check_directory(const opening *o) {
     return st == ST_OK ? leaf_check_directory(path, &f->header, &f->layout, &d) : st;
 }
 
-status leaf_file_open(mem *m, const char *path, leaf_file **out) {
+/* part: all of the file where it has no bytes. */
+static status open_part(mem *m, const char *path, const leaf_part *part, leaf_file **out) {
     leaf_file *f = mem_zalloc(m, sizeof *f);
     if (!f)
         return ST_NOMEM;
     f->m = m;
     opening o = {.f = f};
-    status st = file_open(m, path, &f->source);
+    status st = part->bytes ? file_open_part(m, path, part->offset, part->bytes, &f->source)
+                            : file_open(m, path, &f->source);
     if (st == ST_OK)
         st = read_head(&o);
     if (st == ST_OK)
@@ -250,7 +257,38 @@ status leaf_file_open(mem *m, const char *path, leaf_file **out) {
         return st;
     }
     f->directory_bytes = o.end;
+    const uint32_t last = f->layout.payloads - 1;
+    f->payloads_end =
+        leaf_layout_aligned(f->offsets[last] + f->sizes[last], f->header.run_align_log2);
     *out = f;
+    return ST_OK;
+}
+
+status leaf_file_open(mem *m, const char *path, leaf_file **out) {
+    const leaf_part whole = {0};
+    return open_part(m, path, &whole, out);
+}
+
+bool leaf_file_has_coarse(const leaf_file *f, uint32_t set) {
+    return f->mesh && f->mesh->coarse[set].bytes;
+}
+
+status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file **out) {
+    assert(leaf_file_has_coarse(f, set));
+    const leaf_part *part = &f->mesh->coarse[set];
+    leaf_file *coarse = NULL;
+    status st = open_part(m, file_path(f->source), part, &coarse);
+    if (st == ST_OK && (coarse->mesh || memcmp(coarse->header.id, part->id, sizeof part->id)))
+        st = status_describe(
+            ST_CORRUPT, "%s: expected the grid %016llx%016llx, found %s%016llx%016llx",
+            file_path(coarse->source), (unsigned long long)part->id[1],
+            (unsigned long long)part->id[0], coarse->mesh ? "the mesh " : "",
+            (unsigned long long)coarse->header.id[1], (unsigned long long)coarse->header.id[0]);
+    if (st != ST_OK) {
+        leaf_file_close(coarse);
+        return st;
+    }
+    *out = coarse;
     return ST_OK;
 }
 
@@ -271,6 +309,7 @@ void leaf_file_close(leaf_file *f) {
         mem_free(f->m, f->mesh->first_tet);
         mem_free(f->m, f->mesh->names);
         mem_free(f->m, f->mesh->times);
+        mem_free(f->m, f->mesh->coarse);
         mem_free(f->m, f->mesh);
     }
     file_close(f->source);

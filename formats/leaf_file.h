@@ -26,6 +26,7 @@ typedef struct mesh_directory {
     char (*names)[64]; /* of fields; without FIELDS the first has the header's, others "" */
     double *times;     /* of steps; without TIMES 0, 1, 2 .. */
     bool has_times;    /* section TIMES was there */
+    leaf_part *coarse; /* of sets; zeros without section COARSE */
 } mesh_directory;
 
 typedef struct leaf_file {
@@ -45,11 +46,19 @@ typedef struct leaf_file {
     file *source;
     mem *m;
     uint64_t directory_bytes; /* in the file: header, section table, sections */
+    uint64_t payloads_end;    /* of the last run of payloads */
 } leaf_file;
 
 /* leaf_file_open() - ST_CORRUPT names file, byte and what was expected. */
 CHECKED status leaf_file_open(mem *m, const char *path, leaf_file **out);
 void leaf_file_close(leaf_file *f); /* NULL is fine */
+
+/* leaf_file_has_coarse() - whether f, a mesh, has a coarse grid of a set. leaf_file_open_coarse() -
+ * open it: a treelet file as any other, of kind grid, which may outlive f; messages call it F.leaf
+ * (from byte N), and count its bytes from there. ST_CORRUPT also where it is not the one
+ * that the directory says. */
+bool leaf_file_has_coarse(const leaf_file *f, uint32_t set);
+CHECKED status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file **out);
 
 /* leaf_file_is_raw() - whether payload p's stored bytes are it as they are: always with the raw
  * codec, and with a compressed one for payloads that would not have got smaller. Of a grid, p is

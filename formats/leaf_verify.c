@@ -372,7 +372,7 @@ static status check_gaps(const verification *v) {
     const leaf_file *f = v->f;
     for (uint32_t p = 0; p < f->layout.payloads; p++) {
         uint64_t at = f->offsets[p] + f->sizes[p];
-        uint64_t end = p + 1 < f->layout.payloads ? f->offsets[p + 1] : f->header.file_bytes;
+        uint64_t end = p + 1 < f->layout.payloads ? f->offsets[p + 1] : f->payloads_end;
         while (at < end) {
             size_t size = end - at < sizeof bytes ? (size_t)(end - at) : sizeof bytes;
             status st = file_read_at(f->source, at, bytes, size);
@@ -446,7 +446,7 @@ static void release(verification *v, mem *m, int threads) {
     mem_free(m, v->non_finite);
 }
 
-status leaf_verify(mem *m, leaf_file *f, int threads, const progress *p) {
+static status verify_file(mem *m, leaf_file *f, int threads, const progress *p) {
     verification v = {.f = f, .p = p};
     pool *workers = NULL;
     status st = pool_create(m, threads, &workers);
@@ -456,5 +456,19 @@ status leaf_verify(mem *m, leaf_file *f, int threads, const progress *p) {
         st = verify_all(&v, workers);
     pool_destroy(workers);
     release(&v, m, threads);
+    return st;
+}
+
+status leaf_verify(mem *m, leaf_file *f, int threads, const progress *p) {
+    status st = verify_file(m, f, threads, p);
+    for (uint32_t set = 0; f->mesh && set < f->mesh->sets && st == ST_OK; set++) {
+        leaf_file *coarse = NULL;
+        if (!leaf_file_has_coarse(f, set))
+            continue;
+        st = leaf_file_open_coarse(m, f, set, &coarse);
+        if (st == ST_OK)
+            st = verify_file(m, coarse, threads, NULL);
+        leaf_file_close(coarse);
+    }
     return st;
 }

@@ -27,6 +27,8 @@ struct leaf_writer {
     uint32_t (*counts)[4];
     char (*names)[64]; /* or NULL, as times */
     double *times;
+    leaf_part *parts; /* coarse grids; or NULL */
+    bool settled;
     out_file *out;
     /* Where payloads wait until all sizes are known: compressed ones, and a mesh's. NULL: they are
      * known from the start. */
@@ -87,6 +89,7 @@ uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max) {
                           (mesh->moving ? mesh->steps - 1 : 0) * sizeof(float[6]);
     return sizeof(leaf_writer) + 4096 + payload_max + mesh->treelets * each +
            mesh->fields * sizeof(char[64]) + mesh->steps * sizeof(double) +
+           (mesh->coarse ? sets * sizeof(leaf_part) : 0) +
            leaf_blocks_payloads(&blocks) * (PAYLOAD_BYTES + sizeof(uint64_t));
 }
 
@@ -148,9 +151,10 @@ static uint64_t sections_end(const leaf_writer *w) {
 static bool has_section(const leaf_writer *w, uint32_t kind) {
     if (!leaf_section_bytes(&w->header, kind))
         return false;
-    return kind == LEAF_SECTION_FIELDS  ? w->names != NULL
-           : kind == LEAF_SECTION_TIMES ? w->times != NULL
-                                        : true;
+    return kind == LEAF_SECTION_FIELDS   ? w->names != NULL
+           : kind == LEAF_SECTION_TIMES  ? w->times != NULL
+           : kind == LEAF_SECTION_COARSE ? w->parts != NULL
+                                         : true;
 }
 
 static void place_sections(leaf_writer *w) {
@@ -225,6 +229,11 @@ static status copy_labels(leaf_writer *w, const leaf_mesh *mesh) {
         if (!w->times)
             return ST_NOMEM;
         memcpy(w->times, mesh->times, mesh->steps * sizeof *w->times);
+    }
+    if (mesh->coarse) {
+        w->parts = mem_array(w->m, w->layout.sets, sizeof *w->parts);
+        if (!w->parts)
+            return ST_NOMEM;
     }
     return ST_OK;
 }
@@ -336,6 +345,7 @@ void leaf_writer_discard(leaf_writer *w) {
     mem_free(w->m, w->counts);
     mem_free(w->m, w->names);
     mem_free(w->m, w->times);
+    mem_free(w->m, w->parts);
     (void)pthread_mutex_destroy(&w->lock);
     mem_free(w->m, w);
 }
@@ -552,7 +562,7 @@ static void sum_up_mesh(leaf_writer *w) {
 static status write_sections(leaf_writer *w) {
     const void *arrays[LEAF_SECTION_LAST] = {w->ranges, w->own,       w->flags, w->offsets,
                                              w->sizes,  w->checksums, w->axes,  w->bounds,
-                                             w->counts, w->names,     w->times};
+                                             w->counts, w->names,     w->times, w->parts};
     for (uint32_t i = 0; i < w->header.sections; i++) {
         leaf_section *s = &w->table[i];
         s->checksum = hash_bytes(arrays[s->kind - 1], (size_t)s->bytes);
@@ -579,7 +589,7 @@ static status write_end(leaf_writer *w) {
     return ST_OK;
 }
 
-static status write_header(leaf_writer *w, const leaf_facts *facts) {
+static void note_facts(leaf_writer *w, const leaf_facts *facts) {
     leaf_header *h = &w->header;
     h->non_finite = facts->non_finite;
     h->rounding_error = facts->rounding_error;
@@ -589,6 +599,10 @@ static status write_header(leaf_writer *w, const leaf_facts *facts) {
     h->repeated = facts->repeated;
     h->bad = facts->bad;
     copy_text(h->provenance, sizeof h->provenance, facts->provenance);
+}
+
+static status write_header(leaf_writer *w) {
+    leaf_header *h = &w->header;
     hash_id id = leaf_header_id(h, w->table);
     h->id[0] = id.lo;
     h->id[1] = id.hi;
@@ -612,14 +626,75 @@ static status write_all(leaf_writer *w, const leaf_facts *facts) {
         sum_up_mesh(w);
     else
         merge_ranges(w);
+    note_facts(w, facts);
     st = write_sections(w);
     if (st == ST_OK)
         st = write_end(w);
-    return st == ST_OK ? write_header(w, facts) : st;
+    return st == ST_OK ? write_header(w) : st;
+}
+
+status leaf_writer_settle(leaf_writer *w, const leaf_facts *facts) {
+    assert(w->layout.sets && !w->settled);
+    w->settled = true;
+    return write_all(w, facts);
+}
+
+const char *leaf_writer_path(const leaf_writer *w) {
+    return out_file_temporary(w->out);
+}
+
+/* ---- coarse grids ---- */
+
+enum { EMBED_BYTES = 64 << 10 };
+
+static status copy_file(leaf_writer *w, file *from, uint64_t to) {
+    const uint64_t size = file_size(from);
+    char *buffer = mem_alloc(w->m, EMBED_BYTES);
+    if (!buffer)
+        return ST_NOMEM;
+    status st = ST_OK;
+    for (uint64_t at = 0; at < size && st == ST_OK; at += EMBED_BYTES) {
+        const size_t step = size - at < EMBED_BYTES ? (size_t)(size - at) : EMBED_BYTES;
+        st = file_read_at(from, at, buffer, step);
+        if (st == ST_OK)
+            st = out_file_write_at(w->out, to + at, buffer, step);
+    }
+    mem_free(w->m, buffer);
+    return st;
+}
+
+status leaf_writer_embed(leaf_writer *w, uint32_t set, const char *path) {
+    assert(w->settled && w->parts && set < w->layout.sets && !w->parts[set].bytes);
+    leaf_header *h = &w->header;
+    leaf_header own;
+    file *from = NULL;
+    status st = file_open(w->m, path, &from);
+    if (st == ST_OK)
+        st = file_read_at(from, 0, &own, sizeof own);
+    if (st == ST_OK)
+        st = leaf_check_header(path, &own, file_size(from));
+    if (st == ST_OK)
+        st = copy_file(w, from, h->file_bytes);
+    if (st == ST_OK) {
+        assert(own.kind == LEAF_KIND_GRID && own.run_align_log2 == h->run_align_log2);
+        w->parts[set] = (leaf_part){
+            .offset = h->file_bytes, .bytes = own.file_bytes, .id = {own.id[0], own.id[1]}};
+        h->file_bytes += own.file_bytes;
+    }
+    file_close(from);
+    return st;
+}
+
+/* The directory again, with what was embedded. */
+static status write_parts(leaf_writer *w) {
+    if (!w->parts)
+        return ST_OK;
+    status st = write_sections(w);
+    return st == ST_OK ? write_header(w) : st;
 }
 
 status leaf_writer_finish(leaf_writer *w, const leaf_facts *facts, leaf_header *header) {
-    status st = write_all(w, facts);
+    status st = w->settled ? write_parts(w) : write_all(w, facts);
     if (st == ST_OK) {
         if (header)
             *header = w->header;

@@ -63,6 +63,7 @@ typedef struct leaf_mesh {
     uint32_t fields, steps; /* 1 or more; sets = fields * steps up to LEAF_SETS_MAX */
     bool gradients;         /* each set has them, too */
     bool moving;            /* steps behind the first have positions; steps is 2 or more then */
+    bool coarse;            /* sets may have coarse grids: leaf_writer_embed() */
 } leaf_mesh;
 
 /* leaf_writer_create() - begin a file at path; ST_EXISTS unless force. g: as the input has it
@@ -120,8 +121,17 @@ CHECKED status leaf_writer_put_gradients(leaf_writer *w, leaf_packer *k, uint32_
 CHECKED status leaf_writer_put_positions(leaf_writer *w, leaf_packer *k, uint32_t step, uint32_t t,
                                          const float bounds[6], const void *payload, void *pack);
 
+/* leaf_writer_settle() - all treelets of a mesh are there: what leaf_writer_finish() does, but for
+ * publishing; then leaf_writer_path() is a treelet file, open to be read, that has no coarse grids
+ * yet. leaf_writer_embed() - the treelet file of a grid as a set's; sets in ascending order, each
+ * once; its runs are aligned as this file's. */
+CHECKED status leaf_writer_settle(leaf_writer *w, const leaf_facts *facts);
+const char *leaf_writer_path(const leaf_writer *w);
+CHECKED status leaf_writer_embed(leaf_writer *w, uint32_t set, const char *path);
+
 /* leaf_writer_finish() - all treelets are there: merge ranges, place payloads, write directory and
- * header, publish. Consumes w in any case. header may be NULL; else it becomes the file's. */
+ * header, publish. Consumes w in any case. header may be NULL; else it becomes the file's. After
+ * leaf_writer_settle(), facts are those. */
 CHECKED status leaf_writer_finish(leaf_writer *w, const leaf_facts *facts, leaf_header *header);
 
 #endif

@@ -29,7 +29,8 @@ typedef struct arguments {
     int field_count;
     bool all_fields;
     const char *times; /* as given */
-    uint32_t treelet_tets, leaf_tets;
+    uint32_t treelet_tets, leaf_tets, coarse_dims;
+    bool coarse;
     leaf_parameters file;
     bool dry_run;
 } arguments;
@@ -55,7 +56,8 @@ enum {
     KEY_COMPONENT,
     KEY_CELLS_TO_POINTS,
     KEY_TREELET_TETS,
-    KEY_LEAF_TETS
+    KEY_LEAF_TETS,
+    KEY_COARSE
 };
 
 static const struct argp_option options[] = {
@@ -86,6 +88,10 @@ static const struct argp_option options[] = {
     {"component", KEY_COMPONENT, "N", 0, "of vectors: 1, 2, ..; default: their magnitude", 3},
     {"cells-to-points", KEY_CELLS_TO_POINTS, NULL, 0,
      "take an array of the cells, averaged to the points", 3},
+    {"coarse", KEY_COARSE, "N", OPTION_ARG_OPTIONAL,
+     "with a regular grid of the values, for previews: N nodes along the longest edge (default: "
+     "half as many nodes as tets)",
+     3},
     {"treelet-tets", KEY_TREELET_TETS, "N", 0, "at most so many in a treelet (default 4096)", 3},
     {"leaf-tets", KEY_LEAF_TETS, "N", 0, "at most so many in a leaf of its tree (default 12)", 3},
     {NULL, 0, NULL, 0, NULL, 0}};
@@ -204,6 +210,10 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         a->leaf_tets = (uint32_t)parse_int(state, arg, "--leaf-tets", 1, LEAF_LEAF_TETS_MAX);
         break;
     case ARGP_KEY_ARGS: parse_inputs(state, a); break;
+    case KEY_COARSE:
+        a->coarse = true;
+        a->coarse_dims = arg ? (uint32_t)parse_int(state, arg, "--coarse", 2, GRID_DIM_MAX) : 0;
+        break;
     case ARGP_KEY_END:
         if (a->all_fields && a->field_count)
             argp_error(state, "--fields all and --field exclude each other");
@@ -496,6 +506,8 @@ static status convert_mesh(arguments *a, mem *m, mesh *x, const mesh_series *ser
                             .series = series,
                             .treelet_tets = a->treelet_tets,
                             .leaf_tets = a->leaf_tets,
+                            .coarse = a->coarse,
+                            .coarse_dims = a->coarse_dims,
                             .memory = m->limit,
                             .threads = a->common.threads,
                             .force = a->common.force};

@@ -7,6 +7,7 @@
 #include "formats/base/clock.h"
 #include "formats/base/file.h"
 #include "formats/base/pool.h"
+#include "prep/mesh_coarse.h"
 #include "prep/mesh_cut.h"
 #include "prep/mesh_keys.h"
 #include "prep/mesh_treelet.h"
@@ -283,7 +284,8 @@ static status build_treelets(conversion *c, const char *field, const char *outpu
                              .leaf_tets = c->o->leaf_tets,
                              .fields = c->g->fields,
                              .steps = c->g->steps,
-                             .moving = c->g->moving};
+                             .moving = c->g->moving,
+                             .coarse = c->o->coarse};
     st = leaf_writer_create_mesh(c->m, output, c->o->force, &parts, &c->o->file, &c->writer);
     if (st == ST_OK)
         st = create_benches(c);
@@ -319,6 +321,16 @@ static void release(conversion *c, leaf_facts *facts) {
     mesh_gather_release(c->g);
 }
 
+static status embed_coarse(mem *m, leaf_writer *w, const char *output, const leaf_facts *facts,
+                           const mesh_options *o, const progress *p) {
+    if (!o->coarse)
+        return ST_OK;
+    const mesh_coarse coarse = {
+        .dims = o->coarse_dims, .file = o->file, .memory = o->memory, .threads = o->threads};
+    status st = leaf_writer_settle(w, facts);
+    return st == ST_OK ? mesh_coarse_embed(m, w, output, &coarse, p) : st;
+}
+
 status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, const char *output,
                              const mesh_options *o, const progress *p, mesh_result *result) {
     assert(o->series || g->fields * g->steps == 1);
@@ -347,6 +359,11 @@ status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, const cha
     char provenance[256];
     describe_origin(o, r, provenance, sizeof provenance);
     facts.provenance = provenance;
+    st = embed_coarse(m, c.writer, output, &facts, o, p);
+    if (st != ST_OK) {
+        leaf_writer_discard(c.writer);
+        return st;
+    }
     st = leaf_writer_finish(c.writer, &facts, &result->header);
     result->build_s = clock_seconds() - start;
     return st;

@@ -26,6 +26,8 @@ typedef struct job {
     size_t most, count;
     uint32_t *treelets;
     char *topologies, *values, *stored;
+    char *moved;   /* positions; NULL: the topologies' */
+    uint32_t step; /* of the set */
     /* Rows that the batch reaches, and into how many shares they are cut. */
     uint64_t first_row, rows;
     size_t shares;
@@ -140,7 +142,8 @@ static status plan(job *j) {
     const uint64_t row = g->dims[0] * sizeof(float), all = (uint64_t)g->dims[1] * g->dims[2];
     const uint64_t threads = (uint64_t)j->o->threads;
     j->payload = leaf_layout_aligned(leaf_layout_payload_max(&j->f->layout), LEAF_ALIGN_LOG2);
-    const uint64_t each = 2 * j->payload + sizeof *j->treelets;
+    const bool moves = j->f->layout.moved_steps && j->step;
+    const uint64_t each = (moves ? 3 : 2) * j->payload + sizeof *j->treelets;
     const uint64_t fixed =
         mem_used(j->m) + SPARE_BYTES + (is_packed(j->f) ? threads * j->payload : 0);
     const uint64_t least = fixed + each + row;
@@ -172,6 +175,8 @@ static status allocate(job *j) {
     j->treelets = mem_array(j->m, j->most, sizeof *j->treelets);
     j->topologies = mem_alloc(j->m, j->most * j->payload);
     j->values = mem_alloc(j->m, j->most * j->payload);
+    if (j->f->layout.moved_steps && j->step && !(j->moved = mem_alloc(j->m, j->most * j->payload)))
+        return ST_NOMEM;
     if (is_packed(j->f))
         j->stored = mem_alloc(j->m, (size_t)j->o->threads * j->payload);
     const bool packed = !is_packed(j->f) || j->stored;
@@ -185,6 +190,7 @@ static void release(job *j) {
     mem_free(j->m, j->topologies);
     mem_free(j->m, j->values);
     mem_free(j->m, j->stored);
+    mem_free(j->m, j->moved);
     pool_destroy(j->workers);
 }
 
@@ -201,7 +207,11 @@ static status load_one(void *ctx, size_t index, int worker) {
     if (st == ST_OK)
         st = leaf_file_load(j->f, leaf_layout_values(&j->f->layout, j->o->set, t), stored,
                             j->values + index * j->payload);
-    return st;
+    if (st != ST_OK || !j->moved)
+        return st;
+    void *moved = j->moved + index * j->payload;
+    st = leaf_file_load(j->f, leaf_layout_positions(&j->f->layout, j->step, t), stored, moved);
+    return st == ST_OK ? mesh_leaf_check_moved(j->f, j->step, t, moved) : st;
 }
 
 /* Shares are cut so that each thread has rows of its own. */
@@ -210,16 +220,21 @@ static status draw_share(void *ctx, size_t index, int worker) {
     (void)worker;
     const uint64_t first = j->first_row + j->rows * index / j->shares,
                    end = j->first_row + j->rows * (index + 1) / j->shares;
-    for (size_t i = 0; i < j->count && end > first; i++)
-        resample_block_draw(&j->block, first, end - first, j->f, j->treelets[i],
-                            j->topologies + i * j->payload, j->values + i * j->payload);
+    for (size_t i = 0; i < j->count && end > first; i++) {
+        const mesh_shape s = mesh_leaf_shape(j->f->mesh->counts[j->treelets[i]]);
+        const char *topology = j->topologies + i * j->payload;
+        resample_block_draw(&j->block, first, end - first, &s, topology,
+                            j->moved ? mesh_leaf_moved(&s, j->moved + i * j->payload)
+                                     : mesh_leaf_positions(&s, topology),
+                            j->values + i * j->payload);
+    }
     return ST_OK;
 }
 
 /* The block's rows that a treelet's box reaches; false: none. */
 static bool reach(const job *j, uint32_t t, uint64_t *first_row, uint64_t *end_row) {
     const resample_grid *g = j->block.grid;
-    const float *b = j->f->mesh->bounds[t];
+    const float *b = j->f->mesh->bounds[leaf_layout_bounds(&j->f->layout, j->step, t)];
     uint32_t first[3], end[3];
     for (int a = 0; a < 3; a++) {
         resample_grid_nodes(g, a, (double)b[a], (double)b[a + 3], &first[a], &end[a]);
@@ -306,6 +321,7 @@ status resample_run(mem *m, leaf_file *f, const resample_grid *g, const resample
              .ctx = ctx,
              .m = m,
              .block = {.grid = g},
+             .step = o->set % f->layout.steps,
              .result = result};
     status st = allocate(&j);
     if (st == ST_OK)

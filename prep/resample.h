@@ -36,7 +36,7 @@ CHECKED status resample_grid_choose(const resample_wish *wish, const float bound
                                     const char *name, resample_grid *g, grid *out);
 
 typedef struct resample_options {
-    uint32_t set;    /* of values */
+    uint32_t set;    /* of values; vertices are where its step has them */
     uint64_t memory; /* budget in bytes, all that m has in use included */
     int threads;
 } resample_options;

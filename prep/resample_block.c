@@ -174,17 +174,15 @@ static bool reaches(const float (*positions)[3], const uint16_t ids[4], double z
 }
 
 void resample_block_draw(const resample_block *b, uint64_t first_row, uint64_t rows,
-                         const leaf_file *f, uint32_t treelet, const void *topology,
+                         const mesh_shape *s, const void *topology, const float (*positions)[3],
                          const void *values) {
     const resample_grid *g = b->grid;
-    const mesh_shape s = mesh_leaf_shape(f->mesh->counts[treelet]);
-    const float(*positions)[3] = mesh_leaf_positions(&s, topology);
-    const float *value = mesh_leaf_values(&s, values);
-    const uint16_t(*tets)[4] = mesh_leaf_tets(&s, topology);
+    const float *value = mesh_leaf_values(s, values);
+    const uint16_t(*tets)[4] = mesh_leaf_tets(s, topology);
     drawing d = {.block = b, .first_row = first_row, .end_row = first_row + rows};
     const double z_lo = resample_grid_node(g, 2, (uint32_t)(first_row / g->dims[1])),
                  z_hi = resample_grid_node(g, 2, (uint32_t)((d.end_row - 1) / g->dims[1]));
-    for (uint32_t t = 0; t < s.tets; t++) {
+    for (uint32_t t = 0; t < s->tets; t++) {
         if (!reaches(positions, tets[t], z_lo, z_hi))
             continue;
         const float *xyz[4];

@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-#include "formats/leaf_file.h"
+#include "formats/grid.h"
 #include "formats/mesh_leaf.h"
 
 /* Where nodes lie: origin + i * spacing, rounded to double twice. */
@@ -36,11 +36,12 @@ typedef struct resample_block {
 /* resample_block_clear() - no tet has come yet. */
 void resample_block_clear(const resample_block *b);
 
-/* resample_block_draw() - a treelet's payloads, checked: its tets give their value to those of the
- * block's nodes in [first_row, first_row + rows), all in the block, that they hold and that none
- * before them held. Other rows are not touched, so that threads may share a block. */
+/* resample_block_draw() - a treelet's payloads, checked, and its vertices' positions: its tets give
+ * their value to those of the block's nodes in [first_row, first_row + rows), all in the block,
+ * that they hold and that none before them held. Other rows are not touched, so that threads may
+ * share a block. */
 void resample_block_draw(const resample_block *b, uint64_t first_row, uint64_t rows,
-                         const leaf_file *f, uint32_t treelet, const void *topology,
+                         const mesh_shape *s, const void *topology, const float (*positions)[3],
                          const void *values);
 
 /* resample_block_finish() - nodes that no tet held become NaN; every NaN is the same. Returns how

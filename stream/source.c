@@ -101,6 +101,11 @@ status source_open(mem *m, leaf_file *f, source_kind kind, source **out) {
                 ST_UNSUPPORTED, "%s: compressed payloads cannot be mapped: use the arena backend",
                 file_path(f->source));
         }
+        if (file_offset(f->source)) {
+            mem_free(m, s);
+            return status_describe(ST_UNSUPPORTED, "%s: a part of a file cannot be mapped",
+                                   file_path(f->source));
+        }
         void *map = mmap(NULL, (size_t)file_size(f->source), PROT_READ, MAP_SHARED,
                          file_descriptor(f->source), 0);
         if (map == MAP_FAILED) {

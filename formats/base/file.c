@@ -13,6 +13,7 @@
 struct file {
     mem *m;
     int fd;
+    uint64_t offset; /* of its first byte */
     uint64_t size;
     char *path;
 };
@@ -68,6 +69,27 @@ status file_open(mem *m, const char *path, file **out) {
     return ST_OK;
 }
 
+status file_open_part(mem *m, const char *path, uint64_t offset, uint64_t size, file **out) {
+    file *f = NULL;
+    status st = file_open(m, path, &f);
+    if (st != ST_OK)
+        return st;
+    const size_t room = strlen(path) + 64;
+    char *name = mem_alloc(m, room);
+    if (!name) {
+        file_close(f);
+        return ST_NOMEM;
+    }
+    snprintf(name, room, "%s (from byte %llu)", path, (unsigned long long)offset);
+    mem_free(m, f->path);
+    f->path = name;
+    const uint64_t behind = f->size > offset ? f->size - offset : 0;
+    f->offset = offset;
+    f->size = size < behind ? size : behind;
+    *out = f;
+    return ST_OK;
+}
+
 void file_close(file *f) {
     if (!f)
         return;
@@ -87,6 +109,10 @@ uint64_t file_size(const file *f) {
 
 int file_descriptor(const file *f) {
     return f->fd;
+}
+
+uint64_t file_offset(const file *f) {
+    return f->offset;
 }
 
 static status read_at(int fd, const char *path, uint64_t offset, void *buffer, size_t size) {
@@ -112,7 +138,7 @@ status file_read_at(file *f, uint64_t offset, void *buffer, size_t size) {
         return status_describe(ST_CORRUPT, "%s: ends at byte %llu, expected %zu bytes from %llu",
                                f->path, (unsigned long long)f->size, size,
                                (unsigned long long)offset);
-    return read_at(f->fd, f->path, offset, buffer, size);
+    return read_at(f->fd, f->path, f->offset + offset, buffer, size);
 }
 
 /* ---- writing ---- */
@@ -274,6 +300,10 @@ status out_file_read_at(out_file *f, uint64_t offset, void *buffer, size_t size)
 
 uint64_t out_file_end(const out_file *f) {
     return f->end;
+}
+
+const char *out_file_temporary(const out_file *f) {
+    return f->temporary;
 }
 
 const char *out_file_path(const out_file *f) {

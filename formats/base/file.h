@@ -20,9 +20,14 @@ typedef struct file file;
 CHECKED status file_open(mem *m, const char *path, file **out);
 void file_close(file *f); /* NULL is fine */
 
+/* file_open_part() - bytes [offset, offset + size) of a file, which are then 0 .. size - 1 of this
+ * one; they need not be there. Its path says which part it is. */
+CHECKED status file_open_part(mem *m, const char *path, uint64_t offset, uint64_t size, file **out);
+
 const char *file_path(const file *f);
 uint64_t file_size(const file *f);
-int file_descriptor(const file *f);
+int file_descriptor(const file *f); /* byte 0 is at file_offset() */
+uint64_t file_offset(const file *f);
 
 /* file_read_at() - exactly size bytes; ST_CORRUPT ("ends at byte N, expected ...") past the end,
  * ST_IO on an error. */
@@ -46,6 +51,7 @@ CHECKED status out_file_append(out_file *f, const void *data,
 CHECKED status out_file_read_at(out_file *f, uint64_t offset, void *buffer, size_t size);
 uint64_t out_file_end(const out_file *f); /* bytes appended so far */
 const char *out_file_path(const out_file *f);
+const char *out_file_temporary(const out_file *f); /* where it is now; NULL: nowhere */
 
 /* out_file_commit() - fsync, rename to the final name (refusing to overwrite without force), fsync
  * the folder, close. On an error the temporary file is removed. Consumes f in any case. */

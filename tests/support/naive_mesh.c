@@ -1,5 +1,6 @@
 /* naive_mesh.c - section numbers are those of formats/FORMAT.md. */
 #include "tests/support/naive_mesh.h"
+#include "tests/support/naive_coarse.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -148,6 +149,7 @@ enum {
     COUNTS,
     FIELDS,
     TIMES,
+    COARSE,
     KINDS
 };
 
@@ -169,7 +171,8 @@ static bool find_sections(naive_mesh *mesh, const unsigned char *where[KINDS], u
                                   24 * n * (uint64_t)mesh->places,
                                   16 * n,
                                   64 * (uint64_t)mesh->fields,
-                                  steps > 1 ? 8 * steps : 0};
+                                  steps > 1 ? 8 * steps : 0,
+                                  32 * sets};
     uint64_t sections = number(mesh->bytes + 72, 4);
     *end = 4096 + 32 * sections;
     for (uint64_t i = 0; i < sections; i++) {
@@ -189,7 +192,7 @@ static bool find_sections(naive_mesh *mesh, const unsigned char *where[KINDS], u
         where[kind] = mesh->bytes + offset;
     }
     for (int kind = 1; kind < KINDS; kind++)
-        if (kind != AXES && kind != FIELDS && kind != TIMES && !where[kind])
+        if (kind != AXES && kind != FIELDS && kind != TIMES && kind != COARSE && !where[kind])
             return wrong(mesh, "no section of kind %d", kind);
     return true;
 }
@@ -301,6 +304,24 @@ static bool read_counts(naive_mesh *mesh, const unsigned char *counts,
     return true;
 }
 
+/* Coarse grids from `end` on: each a sound file, nothing between or behind them. */
+static bool check_coarse(naive_mesh *mesh, const unsigned char *parts, uint64_t end) {
+    for (long set = 0; parts && set < mesh->sets; set++) {
+        const unsigned char *part = parts + 32 * set;
+        const uint64_t offset = number(part, 8), bytes = number(part + 8, 8);
+        if (zeros(part, 0, 32))
+            continue;
+        if (offset != end || bytes < 4096 || bytes % (UINT64_C(1) << mesh->run_align_log2) ||
+            bytes > mesh->size - offset)
+            return wrong(mesh, "coarse grid %ld: place", set);
+        if (memcmp(part + 16, mesh->bytes + offset + 232, 16) != 0 ||
+            !naive_coarse_check(mesh->bytes + offset, bytes))
+            return wrong(mesh, "coarse grid %ld: not what it is to be", set);
+        end = offset + bytes;
+    }
+    return end == mesh->size || wrong(mesh, "the end of the file");
+}
+
 /* Offsets, sizes and checksums of all payloads, and what is between them. */
 static bool check_places(naive_mesh *mesh, const unsigned char *const where[KINDS], uint64_t end) {
     uint64_t stored = 0;
@@ -321,9 +342,10 @@ static bool check_places(naive_mesh *mesh, const unsigned char *const where[KIND
     }
     if (stored != number(mesh->bytes + 88, 8))
         return wrong(mesh, "payload_bytes");
-    return (mesh->size == up_to(end, UINT64_C(1) << mesh->run_align_log2) &&
-            zeros(mesh->bytes, end, mesh->size)) ||
-           wrong(mesh, "the end of the file");
+    const uint64_t run = UINT64_C(1) << mesh->run_align_log2, full = up_to(end, run);
+    if (mesh->size < full || !zeros(mesh->bytes, end, full))
+        return wrong(mesh, "what is behind the payloads");
+    return check_coarse(mesh, where[COARSE], full);
 }
 
 /* ---- topology: 6 ---- */

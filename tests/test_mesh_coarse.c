@@ -1,0 +1,291 @@
+/* test_mesh_coarse.c - the coarse grids in a mesh's treelet file: they are the mesh resampled, the
+ * same bytes whatever the way; what is wrong with them is found, by both readers alike.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "formats/base/fault.h"
+#include "formats/base/hash.h"
+#include "formats/leaf_check.h"
+#include "formats/leaf_verify.h"
+#include "prep/mesh_coarse.h"
+#include "prep/resample.h"
+#include "tests/support/mesh_cases.h"
+#include "tests/support/naive_leaf.h"
+#include "tests/support/naive_mesh.h"
+#include "tests/support/scratch.h"
+
+static mem m;
+
+static status try_convert(const mesh_case *c, const char *name) {
+    mesh_result r;
+    const status st = mesh_cases_convert(&m, c, name, 0, &r);
+    m.limit = 0;
+    assert_int_equal(mem_used(&m), 0);
+    return st;
+}
+
+static char *convert(const mesh_case *c, const char *name, size_t *size) {
+    if (try_convert(c, name) != ST_OK)
+        fail_msg("%s", status_text());
+    return scratch_read(scratch_path(name), size);
+}
+
+static mesh_case small(uint32_t dims) {
+    mesh_case c = mesh_cases_kuhn(5, 4, 3);
+    mesh_cases_shuffle(&c, 23);
+    c.options.treelet_tets = 100;
+    c.options.coarse = true;
+    c.options.coarse_dims = dims;
+    return c;
+}
+
+/* ---- what it is ---- */
+
+typedef struct samples {
+    float *at;
+    size_t count;
+} samples;
+
+static status take(void *ctx, const float *from, size_t count) {
+    samples *s = ctx;
+    memcpy(s->at + s->count, from, count * sizeof *from);
+    s->count += count;
+    return ST_OK;
+}
+
+/* Level 0 of the grid, as the second reader has it, against the mesh of the same file, resampled.
+ */
+static void check_samples(leaf_file *f, leaf_file *coarse, const char *part) {
+    naive_leaf naive;
+    if (!naive_leaf_load(&naive, scratch_path(part)))
+        fail_msg("%s", naive.why);
+    resample_grid g;
+    for (int a = 0; a < 3; a++) {
+        g.dims[a] = coarse->header.dims[a];
+        g.spacing[a] = coarse->header.to_world[5 * a];
+        g.origin[a] = coarse->header.to_world[4 * a + 3];
+    }
+    samples s = {.at = malloc((size_t)g.dims[0] * g.dims[1] * g.dims[2] * sizeof(float))};
+    const resample_options o = {.memory = 1 << 30, .threads = 1};
+    resample_result r;
+    assert_non_null(s.at);
+    assert_int_equal(resample_run(&m, f, &g, &o, NULL, take, &s, &r), ST_OK);
+    assert_int_equal(r.held, r.nodes);
+    size_t at = 0;
+    for (uint32_t z = 0; z < g.dims[2]; z++)
+        for (uint32_t y = 0; y < g.dims[1]; y++)
+            for (uint32_t x = 0; x < g.dims[0]; x++, at++)
+                assert_true(naive_leaf_sample(&naive, 0, x, y, z) == s.at[at]);
+    naive_leaf_release(&naive);
+    free(s.at);
+}
+
+static void test_is_the_mesh_resampled(void **state) {
+    (void)state;
+    mesh_case c = small(41);
+    size_t size;
+    char *bytes = convert(&c, "coarse.leaf", &size);
+    leaf_file *f = NULL, *coarse = NULL;
+    assert_int_equal(leaf_file_open(&m, scratch_path("coarse.leaf"), &f), ST_OK);
+    assert_true(leaf_file_has_coarse(f, 0));
+    assert_int_equal(leaf_verify(&m, f, 2, NULL), ST_OK);
+    assert_int_equal(leaf_file_open_coarse(&m, f, 0, &coarse), ST_OK);
+    const uint32_t dims[3] = {41, 33, 25};
+    assert_memory_equal(coarse->header.dims, dims, sizeof dims);
+    assert_int_equal(coarse->header.levels, 2);
+    const leaf_part *part = &f->mesh->coarse[0];
+    assert_int_equal(part->offset, f->payloads_end);
+    assert_int_equal(part->offset + part->bytes, size);
+    (void)scratch_write("part.leaf", bytes + part->offset, (size_t)part->bytes);
+    check_samples(f, coarse, "part.leaf");
+    leaf_file_close(coarse);
+    leaf_file_close(f);
+    naive_mesh other;
+    if (!naive_mesh_load(&other, scratch_path("coarse.leaf")))
+        fail_msg("%s", other.why);
+    naive_mesh_release(&other);
+    free(bytes);
+    mesh_cases_free(&c);
+    assert_int_equal(mem_used(&m), 0);
+}
+
+static void test_same_bytes(void **state) {
+    (void)state;
+    mesh_case c = small(0);
+    for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
+        c.options.file.codec = (leaf_codec)codec;
+        c.options.file.zstd_level = 3;
+        c.options.memory = 1 << 30;
+        size_t size, other;
+        char *want = convert(&c, "want.leaf", &size);
+        for (int threads = 1; threads <= 4; threads += 3) {
+            c.options.threads = threads;
+            c.options.memory = threads == 1 ? 16 << 20 : 1 << 30;
+            char *got = convert(&c, "other.leaf", &other);
+            assert_int_equal(other, size);
+            assert_memory_equal(got, want, size);
+            free(got);
+        }
+        free(want);
+    }
+    mesh_cases_free(&c);
+}
+
+/* Without it nothing changes, and with it but the directory does. */
+static void test_payloads_stay(void **state) {
+    (void)state;
+    mesh_case c = small(9);
+    size_t with, without;
+    char *a = convert(&c, "a.leaf", &with);
+    c.options.coarse = false;
+    char *b = convert(&c, "b.leaf", &without);
+    leaf_file *f = NULL;
+    assert_int_equal(leaf_file_open(&m, scratch_path("b.leaf"), &f), ST_OK);
+    assert_false(leaf_file_has_coarse(f, 0));
+    assert_true(f->payloads_end == without && with > without);
+    const uint64_t at = f->offsets[0];
+    leaf_file_close(f);
+    assert_int_equal(leaf_file_open(&m, scratch_path("a.leaf"), &f), ST_OK);
+    assert_memory_equal(a + f->offsets[0], b + at, without - at);
+    leaf_file_close(f);
+    free(a);
+    free(b);
+    mesh_cases_free(&c);
+}
+
+/* ---- what is wrong with it ---- */
+
+static status verify(const char *path) {
+    leaf_file *f = NULL;
+    status st = leaf_file_open(&m, path, &f);
+    if (st == ST_OK)
+        st = leaf_verify(&m, f, 1, NULL);
+    leaf_file_close(f);
+    assert_int_equal(mem_used(&m), 0);
+    return st;
+}
+
+static void check_refused(const char *bytes, size_t size, const char *what, size_t at) {
+    const char *path = scratch_write("bad.leaf", bytes, size);
+    const status st = verify(path);
+    if (st != ST_CORRUPT && st != ST_UNSUPPORTED)
+        fail_msg("%s %zu: status %d", what, at, st);
+    naive_mesh other;
+    if (naive_mesh_load(&other, path))
+        fail_msg("%s %zu: the second reader sees nothing", what, at);
+    naive_mesh_release(&other);
+}
+
+/* Right checksums and id after a change to the directory. */
+static void seal(char *bytes) {
+    leaf_header *h = (leaf_header *)bytes;
+    leaf_section *table = (leaf_section *)(bytes + LEAF_HEADER_BYTES);
+    for (uint32_t i = 0; i < h->sections; i++)
+        table[i].checksum = hash_bytes(bytes + table[i].offset, (size_t)table[i].bytes);
+    const hash_id id = leaf_header_id(h, table);
+    h->id[0] = id.lo;
+    h->id[1] = id.hi;
+    h->checksum = leaf_header_checksum(h);
+}
+
+static leaf_part *part_of(char *bytes) {
+    const leaf_header *h = (const leaf_header *)bytes;
+    const leaf_section *table = (const leaf_section *)(bytes + LEAF_HEADER_BYTES);
+    for (uint32_t i = 0; i < h->sections; i++)
+        if (table[i].kind == LEAF_SECTION_COARSE)
+            return (leaf_part *)(bytes + table[i].offset);
+    fail_msg("no section");
+    return NULL;
+}
+
+static void test_damage(void **state) {
+    (void)state;
+    mesh_case c = small(7);
+    size_t size;
+    char *bytes = convert(&c, "made.leaf", &size);
+    const leaf_part *part = part_of(bytes);
+    for (size_t at = (size_t)part->offset; at < size; at += at % 997 ? 31 : 7) {
+        bytes[at] ^= 4;
+        check_refused(bytes, size, "byte", at);
+        bytes[at] ^= 4;
+    }
+    for (size_t cut = size; cut > part->offset; cut -= 1000)
+        check_refused(bytes, cut - 1, "cut at", cut - 1);
+    free(bytes);
+    mesh_cases_free(&c);
+}
+
+static void test_lies(void **state) {
+    (void)state;
+    mesh_case c = small(7);
+    size_t size;
+    char *bytes = convert(&c, "made.leaf", &size);
+    leaf_part *part = part_of(bytes);
+    const leaf_part sound = *part;
+    const leaf_part lies[] = {
+        {sound.offset - 4096, sound.bytes, {sound.id[0], sound.id[1]}},
+        {sound.offset + 4096, sound.bytes - 4096, {sound.id[0], sound.id[1]}},
+        {sound.offset, sound.bytes - 4096, {sound.id[0], sound.id[1]}},
+        {sound.offset, sound.bytes + 4096, {sound.id[0], sound.id[1]}},
+        {sound.offset, sound.bytes - 1, {sound.id[0], sound.id[1]}},
+        {sound.offset, UINT64_MAX - 4095, {sound.id[0], sound.id[1]}},
+        {sound.offset, 0, {sound.id[0], sound.id[1]}},
+        {0, 0, {1, 0}},
+        {0, 0, {0, 0}},
+        {UINT64_MAX - 4095, sound.bytes, {sound.id[0], sound.id[1]}},
+        {sound.offset, sound.bytes, {sound.id[0] ^ 1, sound.id[1]}},
+        {0, size, {sound.id[0], sound.id[1]}},
+    };
+    for (size_t i = 0; i < sizeof lies / sizeof *lies; i++) {
+        *part = lies[i];
+        seal(bytes);
+        check_refused(bytes, size, "lie", i);
+    }
+    *part = sound;
+    seal(bytes);
+    assert_int_equal(verify(scratch_write("good.leaf", bytes, size)), ST_OK);
+    free(bytes);
+    mesh_cases_free(&c);
+}
+
+/* Nothing but the file is left, and not even that after a failure. */
+static void test_faults(void **state) {
+    (void)state;
+    mesh_case c = small(5);
+    c.options.threads = 1;
+    (void)unlink(scratch_path("fault.leaf"));
+    for (fault_kind kind = FAULT_ALLOC; kind <= FAULT_WRITE; kind++) {
+        const size_t before = scratch_count();
+        bool fired = true;
+        for (long k = 1; fired; k += 1 + k / 16) {
+            fault_arm(kind, k);
+            const status st = try_convert(&c, "fault.leaf");
+            fired = fault_fired(kind);
+            fault_arm(kind, 0);
+            if (st == ST_OK)
+                assert_int_equal(unlink(scratch_path("fault.leaf")), 0);
+            assert_int_equal(scratch_count(), before);
+        }
+    }
+    mesh_cases_free(&c);
+}
+
+int main(void) {
+    mem_init(&m, 0);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_is_the_mesh_resampled),
+        cmocka_unit_test(test_same_bytes),
+        cmocka_unit_test(test_payloads_stay),
+        cmocka_unit_test(test_damage),
+        cmocka_unit_test(test_lies),
+        cmocka_unit_test(test_faults),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
