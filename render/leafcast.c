@@ -19,6 +19,17 @@ _Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ACTIVE_ISOS_MAX, "as many isov
 
 enum { LOADER_WORKERS = 2 };
 
+static mesh_schema schema_of(const leafcast_options *o) {
+    return o->schema == LEAFCAST_SCHEMA_TREES ? MESH_TREES : MESH_REFIT;
+}
+
+/* Threads of the loader: two that read; as many as there are, where they refit trees besides. */
+static int workers_of(const leafcast *v) {
+    const int threads = pool_threads(v->threads);
+    const bool refits = v->file->header.steps > 1 && schema_of(&v->options) == MESH_REFIT;
+    return refits && threads > LOADER_WORKERS ? threads : LOADER_WORKERS;
+}
+
 leafcast_status leafcast_public_status(status st) {
     switch (st) {
     case ST_OK:
@@ -38,12 +49,16 @@ const char *leafcast_error_text(void) {
 
 /* ---- Opening ---- */
 
-static mesh_schema schema_of(const leafcast_options *o) {
-    return o->schema == LEAFCAST_SCHEMA_TREES ? MESH_TREES : MESH_REFIT;
+static status open_loader(leafcast *v) {
+    static const source_kind kinds[] = {SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA};
+    const loader_options o = {.source = kinds[v->options.backend],
+                              .schema = schema_of(&v->options),
+                              .workers = workers_of(v),
+                              .isa = v->kernels.isa};
+    return loader_create(&v->budget, v->file, &o, &v->treelets);
 }
 
 static status open_parts(leafcast *v, const char *path) {
-    static const source_kind kinds[] = {SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA};
     mem *m = &v->budget;
     if (!kernels_for(v->options.isa, &v->kernels))
         return status_describe(ST_USAGE, "this CPU or this build has no kernels called %s",
@@ -54,12 +69,8 @@ static status open_parts(leafcast *v, const char *path) {
     if (st == ST_OK)
         st = pool_create(m, v->options.threads > 0 ? v->options.threads : pool_default_threads(),
                          &v->threads);
-    const loader_options loading = {.source = kinds[v->options.backend],
-                                    .schema = schema_of(&v->options),
-                                    .workers = LOADER_WORKERS,
-                                    .isa = v->kernels.isa};
     if (st == ST_OK)
-        st = loader_create(m, v->file, &loading, &v->treelets);
+        st = open_loader(v);
     if (st != ST_OK)
         return st;
     v->touched = mem_array(m, v->file->layout.treelets, sizeof *v->touched);
@@ -485,6 +496,8 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
         return leafcast_public_status(st);
     for (uint32_t t = 0; t < v->file->layout.treelets; t++)
         atomic_store_explicit(&v->touched[t], 0, memory_order_relaxed);
+    if (!scene->preview)
+        loader_follow(v->treelets);
     if (scene->sweep || scene->preview)
         loader_sweep(v->treelets);
     st = project(v, &f);

@@ -33,6 +33,8 @@ struct loader_private {
     uint8_t *state;        /* residence, a treelet */
     loader_request *queue; /* binary heap, smallest urgency first */
     size_t queued;
+    uint32_t *follow; /* treelets that were READY in the set before */
+    uint32_t follows;
     treelet **places; /* READY ones, oldest first */
     shelf shelf;      /* ABSENT ones; they stay only as long as nothing else needs their memory */
     shared *shared;   /* of a mesh, a treelet */
@@ -401,12 +403,13 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, loader **out
     h->state = mem_array(m, n, 1);
     h->queue = mem_array(m, n, sizeof *h->queue);
     h->places = mem_array(m, n, sizeof *h->places);
+    h->follow = mem_array(m, n, sizeof *h->follow);
     shelf_init(&h->shelf, m, (uint32_t)n);
     h->existing = existing_octants(m, &f->layout);
     h->held = mem_array(m, n, 1);
     h->readers = mem_array(m, (size_t)o->workers, sizeof *h->readers);
     if (!l->own || !l->children || !l->resident || !h->state || !h->queue || !h->places ||
-        !h->shelf.of || !h->existing || !h->held || !h->readers)
+        !h->follow || !h->shelf.of || !h->existing || !h->held || !h->readers)
         goto fail;
     st = grow_tree(l);
     if (st == ST_OK)
@@ -453,6 +456,7 @@ void loader_destroy(loader *l) {
         mem_free(l->m, h->existing);
         shelf_release(&h->shelf, l->m);
         mem_free(l->m, h->shared);
+        mem_free(l->m, h->follow);
         mem_free(l->m, h->places);
         mem_free(l->m, h->queue);
         mem_free(l->m, h->state);
@@ -530,6 +534,8 @@ static void sort_resident(loader *l) {
             h->places[h->filled++] = tr;
             continue;
         }
+        if (tr->set != h->set)
+            h->follow[h->follows++] = tr->id;
         withdraw(l, tr);
         shelf_put(&h->shelf, tr);
     }
@@ -575,6 +581,7 @@ void loader_select_set(loader *l, uint32_t set) {
     pthread_mutex_lock(&h->lock);
     rest(h);
     if (set != h->set) {
+        h->follows = 0;
         const leaf_layout *layout = &l->file->layout;
         h->set = set;
         if (layout->moved_steps)
@@ -641,6 +648,24 @@ void loader_sweep(loader *l) {
     pthread_mutex_unlock(&h->lock);
 }
 
+/* Nothing under way, and nothing queued that could begin. With the lock held. */
+static void wait_idle(struct loader_private *h) {
+    while (h->failure.st == ST_OK && (h->loading > 0 || (h->queued > 0 && h->filled < h->capacity)))
+        pthread_cond_wait(&h->done, &h->lock);
+}
+
+void loader_follow(loader *l) {
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    for (uint32_t i = 0; i < h->follows; i++)
+        if (l->own[h->follow[i]])
+            want_locked(l, h->follow[i], i);
+    h->follows = 0;
+    pthread_cond_broadcast(&h->work);
+    wait_idle(h);
+    pthread_mutex_unlock(&h->lock);
+}
+
 static int by_urgency(const void *a, const void *b) {
     return more_urgent(*(const loader_request *)a, *(const loader_request *)b) ? -1 : 1;
 }
@@ -687,8 +712,7 @@ bool loader_has_room(loader *l) {
 status loader_settle(loader *l) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
-    while (h->failure.st == ST_OK && (h->loading > 0 || (h->queued > 0 && h->filled < h->capacity)))
-        pthread_cond_wait(&h->done, &h->lock);
+    wait_idle(h);
     status st = h->failure.st == ST_OK ? ST_OK : status_note_raise(&h->failure);
     pthread_mutex_unlock(&h->lock);
     return st;
