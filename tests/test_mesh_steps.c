@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/base/fault.h"
 #include "formats/mesh_leaf_check.h"
 #include "stream/loader.h"
 #include "stream/mesh_refit.h"
@@ -347,6 +348,60 @@ static void test_loader(void **state) {
     }
 }
 
+/* ---- trouble ---- */
+
+static status bring_in_all(loader *l) {
+    loader_follow(l);
+    loader_sweep(l);
+    return loader_settle(l);
+}
+
+/* The k-th operation of its kind fails while another step comes in: an error, and then all is well.
+ * False when it never came. */
+static bool fail_at(const char *path, mesh_schema schema, fault_kind what, long k, int *errors) {
+    const loader_options o = {
+        .source = SOURCE_ARENA, .schema = schema, .workers = 2, .isa = cpu_best()};
+    mem m, own;
+    leaf_file *f;
+    loader *l;
+    mem_init(&m, 0);
+    mem_init(&own, 0);
+    assert_int_equal(leaf_file_open(&m, path, &f), ST_OK);
+    assert_int_equal(loader_create(&m, f, &o, &l), ST_OK);
+    loader_set_capacity(l, f->layout.treelets, SIZE_MAX);
+    loader_select(l, &ISO, 1);
+    assert_int_equal(bring_in_all(l), ST_OK);
+    fault_arm(what, k);
+    loader_select_set(l, 2);
+    const status st = bring_in_all(l);
+    const bool fired = fault_fired(what);
+    fault_arm(what, 0);
+    assert_int_equal(st, !fired ? ST_OK : what == FAULT_ALLOC ? ST_NOMEM : ST_IO);
+    *errors += st != ST_OK;
+    loader_forget_failures(l);
+    assert_int_equal(bring_in_all(l), ST_OK);
+    assert_true(assert_sound(&own, l, 2) > 0);
+    loader_destroy(l);
+    leaf_file_close(f);
+    assert_int_equal(mem_used(&m), 0);
+    return fired;
+}
+
+static void test_faults(void **state) {
+    (void)state;
+    series s = series_make(true, LEAF_CODEC_RAW, 0, "faults.leaf");
+    for (int schema = MESH_TREES; schema <= MESH_REFIT; schema++)
+        for (int what = FAULT_ALLOC; what <= FAULT_READ; what++) {
+            int errors = 0;
+            for (long k = 1; fail_at(s.path, (mesh_schema)schema, (fault_kind)what, k, &errors);
+                 k += k < 20 ? 1 : 7)
+                ;
+            print_message("%d errors\n", errors);
+            assert_true(errors > 8);
+        }
+    mesh_leaves_release(&s.all);
+}
+
 /* ---- damage ---- */
 
 /* Flip a byte of a file. */
@@ -449,6 +504,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_refit),   cmocka_unit_test(test_pictures),
         cmocka_unit_test(test_reading), cmocka_unit_test(test_loader),
-        cmocka_unit_test(test_damage),  cmocka_unit_test(test_names)};
+        cmocka_unit_test(test_faults),  cmocka_unit_test(test_damage),
+        cmocka_unit_test(test_names)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

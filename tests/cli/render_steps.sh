@@ -1,0 +1,78 @@
+#!/bin/sh
+# render_steps.sh - pictures of time series of meshes: a moving one, from the points to the pictures;
+# each is that of the step's own file, by either schema.
+. tests/support/tap.sh
+
+says() { grep -q -- "$1" "$tmp/$2"; }
+json() { # json FILE EXPRESSION: python, with the file as j
+    python3 -c 'import json, sys
+j = json.load(open(sys.argv[1]))
+sys.exit(not eval(f"({sys.argv[2]})"))' "$@"
+}
+same() { cmp -s "$tmp/$1" "$tmp/$2"; }
+view="--iso 0.3 --size 80x60 --eye 60,30,45 --look-at 11,11,11"
+
+run "$leafcast" generate buckyball --tets --dims 24 --deform 0.5 --steps 5 -o "$tmp/b.mesh" -q
+exits "a series" 0 "$leafcast" convert "$tmp"/b_0000.mesh "$tmp"/b_0001.mesh "$tmp"/b_0002.mesh "$tmp"/b_0003.mesh --times 0,0.5,1,2 -o "$tmp/b.leaf" -q
+for step in 0 1 2 3; do
+    run "$leafcast" convert "$tmp/b_000$step.mesh" -o "$tmp/$step.leaf" -q
+    run "$leafcast" render "$tmp/$step.leaf" $view --depth-f64 "$tmp/want_$step" -q
+done
+for schema in 1 2; do
+    exits "drawn: schema $schema" 0 "$leafcast" render "$tmp/b.leaf" $view --steps 0:3 --schema $schema --depth-f64 "$tmp/s$schema" --stats "$tmp/s$schema.json" -q
+    for step in 0 1 2 3; do
+        ok "step $step is that of its own file" same "s${schema}_000$step" "want_$step"
+    done
+done
+ok "steps move" python3 -c 'import sys
+sys.exit(len({open(f, "rb").read() for f in sys.argv[1:]}) < 4)' "$tmp"/want_?
+ok "statistics tell step and time" json "$tmp/s1.json" '[(f["step"], f["time"], f["field"]) for f in j["frames"]] == [(0, 0, "buckyball"), (1, 0.5, "buckyball"), (2, 1, "buckyball"), (3, 2, "buckyball")]'
+ok "another step reads less than the first" json "$tmp/s1.json" 'all(0 < f["bytes"]["read"] < 0.7 * j["frames"][0]["bytes"]["read"] for f in j["frames"][1:])'
+ok "refitting, less still" python3 -c 'import json, sys
+a, b = (sum(f["bytes"]["read"] for f in json.load(open(p))["frames"]) for p in sys.argv[1:])
+sys.exit(b >= a)' "$tmp/s1.json" "$tmp/s2.json"
+exits "little memory" 0 "$leafcast" render "$tmp/b.leaf" $view --step 2 --memory 2M --threads 1 --depth-f64 "$tmp/tight" -q
+ok "is the same picture" same tight want_2
+exits "steps times isovalues" 0 "$leafcast" render "$tmp/b.leaf" --iso-list 0.3,0.5 --steps 1:2 --size 8x8 --depth-f64 "$tmp/x" -q
+ok "four pictures" [ -s "$tmp/x_0003" -a ! -e "$tmp/x_0004" ]
+
+# Scripts, and single questions.
+cat >"$tmp/script" <<END
+{"step": 3, "field": "buckyball", "depth_f64": "$tmp/line3"}
+{"step": 1, "depth_f64": "$tmp/line1"}
+{"step": 4, "depth_f64": "$tmp/line4"}
+{"depth_f64": "$tmp/line0"}
+END
+exits "a script, of which one line is wrong" 1 "$leafcast" render "$tmp/b.leaf" $view --script "$tmp/script"
+ok "steps come in any order" same line3 want_3
+ok "to and fro" same line1 want_1
+ok "step 0 where none is said" same line0 want_0
+ok "a step that is not there is told" says 'there are 1 fields and 4 steps' out
+exits "a probe" 0 "$leafcast" probe "$tmp/b.leaf" $view --at 40,30 --step 2 --json
+cp "$tmp/out" "$tmp/p.json"
+exits "of the step's own file" 0 "$leafcast" probe "$tmp/2.leaf" $view --at 40,30 --json
+ok "finds the same" python3 -c 'import json, sys
+a, b = (json.load(open(p)) for p in sys.argv[1:])
+sys.exit(a["step"] != 2 or a["time"] != 1 or "step" in b or [h["t"] for h in a["hits"]] != [h["t"] for h in b["hits"]])' "$tmp/p.json" "$tmp/out"
+
+exits "steps beyond the end" 2 "$leafcast" render "$tmp/b.leaf" $view --steps 2:4 --depth-f64 "$tmp/y"
+ok "are told before anything is drawn" [ ! -e "$tmp/y_0000" ]
+for steps in 1 2:1 -1:2 a:b 1:2:3 0.5:1; do
+    exits "--steps $steps" 2 "$leafcast" render "$tmp/b.leaf" $view --steps=$steps --depth-f64 "$tmp/y"
+done
+exits "an unknown field" 2 "$leafcast" render "$tmp/b.leaf" $view --field nix --depth-f64 "$tmp/y"
+ok "with those there are" says 'there are 1: buckyball' err
+exits "an unknown schema" 2 "$leafcast" render "$tmp/b.leaf" $view --schema 3 --depth-f64 "$tmp/y"
+
+# The benchmark of both schemas.
+exits "bench time" 0 "$leafcast" bench time "$tmp/b.leaf" --iso 0.3 --size 64x64 --runs 2 --out "$tmp/bench" -q
+ok "the same pictures; refitting reads less at first, and keeps less" python3 -c 'import csv, sys
+one, two = csv.DictReader(open(sys.argv[1]))
+sys.exit(not (one["differ"] == two["differ"] == "0" and float(one["fps"]) > 0 and float(two["fps"]) > 0
+              and float(two["first MB"]) < float(one["first MB"]) and float(two["resident MB"]) < float(one["resident MB"])
+              and float(one["MB/step"]) == 0 < float(two["MB/step"])))' "$tmp/bench/time.csv"
+ok "and as bars" python3 -c 'import sys, xml.dom.minidom as x; x.parse(sys.argv[1])' "$tmp/bench/time.svg"
+exits "without a series" 3 "$leafcast" bench time "$tmp/0.leaf" --iso 0.3
+exits "without a file" 2 "$leafcast" bench time
+exits "another suite with a step" 2 "$leafcast" bench frames "$tmp/b.leaf" --iso 0.3 --step 1
+finish
