@@ -39,7 +39,7 @@ WARN   := -Wall -Wextra -Wshadow -Wvla -Wpointer-arith -Wwrite-strings -Wundef \
           $(if $(filter 1,$(WERROR)),-Werror)
 WARN_C := -Wconversion -Wno-sign-conversion -Wstrict-prototypes -Wmissing-prototypes -Wold-style-definition
 ALL_C   = -std=c17 -D_GNU_SOURCE $(COMMON) $(WARN) $(WARN_C) $(DEPS_CFLAGS) $(CPPFLAGS) $(CFLAGS)
-# The picture helper goes without sanitizers: OpenImageIO is not built for them.
+# The helpers in C++ go without sanitizers: OpenImageIO and TetGen are not built for them.
 ALL_CXX = -std=c++17 -D_GNU_SOURCE $(filter-out -fsanitize=%,$(COMMON)) $(WARN) \
           $(CPPFLAGS) $(CXXFLAGS)
 ALL_LIBS = $(DEPS_LIBS) -lm
@@ -49,11 +49,13 @@ X86      := $(filter x86_64% i%86%,$(shell $(CC) -dumpmachine 2>/dev/null))
 SOURCES  := $(sort $(wildcard $(foreach d,formats prep stream render,$d/*.c $d/*/*.c)))
 SOURCES  := $(if $(X86),$(SOURCES),$(filter-out %_sse42.c %_avx2.c %_avx512.c,$(SOURCES)))
 MAINS    := $(filter %_main.c,$(SOURCES))
+TETGEN_C := prep/tetrahedralize_main.c
 NATIVE   := render/peer_embree.c
 LIB_OBJS := $(patsubst %.c,$B/obj/%.o,$(filter-out $(MAINS) $(NATIVE),$(SOURCES)))
 LIB      := $B/lib/libleafcast.a
+VERBS_C   = $(if $(TETGEN),$(MAINS),$(filter-out $(TETGEN_C),$(MAINS)))
 verb      = $B/libexec/leafcast-$(subst _,-,$(patsubst %_main.c,%,$(notdir $1)))
-VERBS    := $(foreach m,$(MAINS),$(call verb,$m))
+VERBS     = $(foreach m,$(VERBS_C),$(call verb,$m))
 FRONT    := $B/bin/leafcast
 SUPPORT  := $(sort $(wildcard tests/*/*.c))
 SUPPORT  := $(if $(X86),$(SUPPORT),$(filter-out %_sse42.c %_avx2.c %_avx512.c,$(SUPPORT)))
@@ -92,6 +94,9 @@ DEPS_LIBS   := $(shell pkg-config --libs $(LIBS_PC))
 IMAGE       := $B/libexec/leafcast-write-image
 EMBREE      := $(shell echo '\#include <embree3/rtcore.h>' | $(CC) $(CPPFLAGS) $(CFLAGS) -E -x c - \
                    >/dev/null 2>&1 && echo y)
+TETGEN_BIN  := $B/libexec/leafcast-tetgen
+TETGEN      := $(shell command -v $(firstword $(CXX)) >/dev/null && echo '\#include <tetgen.h>' | \
+                   $(firstword $(CXX)) $(CPPFLAGS) $(CXXFLAGS) -E -x c++ - >/dev/null 2>&1 && echo y)
 OIIO        := $(shell command -v $(firstword $(CXX)) && pkg-config --exists OpenImageIO && echo y)
 endif
 
@@ -104,7 +109,7 @@ Q   := $(if $(V),,@)
 say  = $(if $(V),,@echo "  $1  $2")
 link = $(Q)$(CC) $(ALL_C) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(ALL_LIBS)
 
-all: $(LIB) $(VERBS) $(IMAGE) $(FRONT) $(if $(filter build/release,$B),build/leafcast) $(FUZZERS)
+all: $(LIB) $(VERBS) $(IMAGE) $(TETGEN_BIN) $(FRONT) $(if $(filter build/release,$B),build/leafcast) $(FUZZERS)
 
 # What make cannot see (the flags, the list of objects) lies in files that change only when their
 # content does.
@@ -155,6 +160,19 @@ else
 $B/libexec/leafcast-write-image:
 	@echo "no OpenImageIO here (libopenimageio-dev and $(CXX)): leafcast-write-image is left out," \
 	      "so render cannot write PNG or EXR"
+endif
+
+# TetGen is AGPL, and may crash: it is linked into a process of its own, too.
+ifneq ($(TETGEN),)
+$(TETGEN_BIN): prep/tetgen_worker_main.cpp $B/flags
+	@mkdir -p $(@D) $B/obj
+	$(call say,C++ ,$<)
+	$(Q)$(CXX) $(ALL_CXX) -MMD -MP -MF $B/obj/tetgen.d -o $@ $< $(LDFLAGS) -ltet
+else
+.PHONY: $(TETGEN_BIN)
+$(TETGEN_BIN):
+	@rm -f $@ $(call verb,$(TETGEN_C))
+	@echo "no TetGen here (libtet1.5-dev and $(CXX)): leafcast tetrahedralize is left out"
 endif
 
 PEERS    := $(call verb,render/bench_peers_main.c)
@@ -224,7 +242,8 @@ D := $(DESTDIR)$(PREFIX)
 install: all
 	install -d $D/bin $D/libexec/leafcast $D/lib/pkgconfig $D/include/leafcast $D/share/man/man1
 	install -m 755 $(FRONT) $D/bin
-	install -m 755 $(VERBS) $(PEER_VTK) $(if $(OIIO),$(IMAGE)) $D/libexec/leafcast
+	install -m 755 $(VERBS) $(PEER_VTK) $(if $(OIIO),$(IMAGE)) $(if $(TETGEN),$(TETGEN_BIN)) \
+	    $D/libexec/leafcast
 	install -m 644 $(LIB) $D/lib
 	install -m 644 $(wildcard render/leafcast.h prep/leafcast_prep.h) $D/include/leafcast
 	install -m 644 $(wildcard scripts/man/*.1) $D/share/man/man1

@@ -10,8 +10,8 @@
 #include "formats/base/cli.h"
 #include "formats/base/file.h"
 #include "formats/base/num.h"
+#include "formats/base/sibling.h"
 #include "render/bench_suite.h"
-#include "render/sibling.h"
 
 typedef struct bench_options {
     cli_common common;

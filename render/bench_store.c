@@ -15,7 +15,7 @@
 #include <zstd.h>
 
 #include "formats/base/file.h"
-#include "render/sibling.h"
+#include "formats/base/sibling.h"
 
 enum { NUMBER = 16, KEPT_MAX = 64, FOLDER_MAX = 3000 };
 

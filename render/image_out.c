@@ -1,30 +1,21 @@
 #include "render/image_out.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "formats/base/child.h"
 #include "formats/base/file.h"
-#include "render/sibling.h"
+#include "formats/base/sibling.h"
 
 static const char HELPER[] = "leafcast-write-image";
 enum { CHUNK_VALUES = 16384, NAME_BYTES = 32 };
 
 /* ---- the helper process ---- */
-
-typedef struct helper {
-    pid_t pid;
-    int feed;     /* a socket, not a pipe: send() can be told to raise no SIGPIPE */
-    int complain; /* the read end of its standard error */
-} helper;
 
 static status no_helper(void) {
     return status_describe(ST_UNSUPPORTED,
@@ -33,125 +24,50 @@ static status no_helper(void) {
                            HELPER);
 }
 
-static int spawn(const char *program, char *const argv[], int feed, int complain, pid_t *pid) {
-    posix_spawn_file_actions_t actions;
-    posix_spawnattr_t attributes;
-    sigset_t normal, none;
-    sigemptyset(&none);
-    sigemptyset(&normal);
-    sigaddset(&normal, SIGPIPE);
-    sigaddset(&normal, SIGXFSZ);
-    int error = posix_spawn_file_actions_init(&actions);
-    if (error)
-        return error;
-    error = posix_spawnattr_init(&attributes);
-    if (!error) {
-        error = posix_spawn_file_actions_adddup2(&actions, feed, STDIN_FILENO);
-        if (!error)
-            error = posix_spawn_file_actions_adddup2(&actions, complain, STDERR_FILENO);
-        /* What this process ignores must not be inherited. */
-        posix_spawnattr_setsigdefault(&attributes, &normal);
-        posix_spawnattr_setsigmask(&attributes, &none);
-        posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
-        if (!error)
-            error = posix_spawn(pid, program, &actions, &attributes, argv, environ);
-        posix_spawnattr_destroy(&attributes);
-    }
-    posix_spawn_file_actions_destroy(&actions);
-    return error;
-}
-
-static status start_helper(helper *h, const char *path, bool force) {
+static status start_helper(child *h, const char *path, bool force) {
     char program[SIBLING_PATH];
     if (!sibling_find(HELPER, program))
         return no_helper();
-    int feed[2], complain[2];
-    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, feed) != 0)
-        return file_failed(errno, HELPER, "cannot make a pipe");
-    if (pipe2(complain, O_CLOEXEC) != 0) {
-        const int error = errno;
-        close(feed[0]);
-        close(feed[1]);
-        return file_failed(error, HELPER, "cannot make a pipe");
-    }
     /* A path that starts with a dash is no flag. */
     char *target = NULL;
     if (asprintf(&target, "%s%s", path[0] == '-' ? "./" : "", path) < 0)
-        target = NULL;
+        return file_failed(ENOMEM, program, "cannot start");
     char overwrite[] = "--force";
     char *argv[] = {program, target, force ? overwrite : NULL, NULL};
-    int error = target ? spawn(program, argv, feed[1], complain[1], &h->pid) : ENOMEM;
+    status st = child_start(program, argv, false, h);
     free(target);
-    close(feed[1]);
-    close(complain[1]);
-    h->feed = feed[0];
-    h->complain = complain[0];
-    if (!error)
-        return ST_OK;
-    close(h->feed);
-    close(h->complain);
-    return file_failed(error, program, "cannot start");
+    return st;
 }
 
 /* Wait for the helper's end and translate what became of it. */
-static status end_helper(helper *h, const char *path, bool fed) {
-    close(h->feed);
-    char words[STATUS_TEXT_MAX];
-    size_t n = 0;
-    ssize_t got;
-    while ((got = read(h->complain, words + n, sizeof words - 1 - n)) > 0 ||
-           (got < 0 && errno == EINTR))
-        n += got > 0 ? (size_t)got : 0;
-    close(h->complain);
-    while (n > 0 && words[n - 1] == '\n')
-        n--;
-    words[n] = 0;
-    int state = 0;
-    while (waitpid(h->pid, &state, 0) < 0)
-        if (errno != EINTR)
-            return file_failed(errno, HELPER, "cannot wait for its end");
-
-    const int code = WIFEXITED(state) ? WEXITSTATUS(state) : 128 + WTERMSIG(state);
-    if (code == 0 && fed)
-        return ST_OK;
+static status end_helper(child *h, const char *path, bool fed) {
+    int code;
+    status st = child_end(h, &code);
+    if (st != ST_OK || (code == 0 && fed))
+        return st;
     if (code > 128)
         return status_describe(code == 128 + SIGINT || code == 128 + SIGTERM ? ST_STOPPED
                                                                              : ST_FAILED,
                                "%s: %s was ended by signal %d", path, HELPER, code - 128);
     const size_t prefix = strlen(HELPER) + 2;
-    const bool named = strncmp(words, HELPER, prefix - 2) == 0 && n > prefix;
+    const bool named = strncmp(h->words, HELPER, prefix - 2) == 0 && h->said > prefix;
     return status_describe(code == 2 ? ST_USAGE : ST_IO, "%s: %s", path,
-                           n == 0  ? "the picture's writer gave up"
-                           : named ? words + prefix
-                                   : words);
+                           h->said == 0 ? "the picture's writer gave up"
+                           : named      ? h->words + prefix
+                                        : h->words);
 }
 
 /* ---- the stream ---- */
 
-/* false: the helper listens no more; it will say why. */
-static bool feed(const helper *h, const void *data, size_t size) {
-    const char *at = data;
-    while (size > 0) {
-        const ssize_t n = send(h->feed, at, size, MSG_NOSIGNAL);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            return false;
-        at += n;
-        size -= (size_t)n;
-    }
-    return true;
-}
-
-static bool feed_u32(const helper *h, uint32_t value) {
+static bool feed_u32(child *h, uint32_t value) {
     const unsigned char bytes[4] = {(unsigned char)value, (unsigned char)(value >> 8),
                                     (unsigned char)(value >> 16), (unsigned char)(value >> 24)};
-    return feed(h, bytes, sizeof bytes);
+    return child_feed(h, bytes, sizeof bytes);
 }
 
-static bool feed_text(const helper *h, const char *text) {
+static bool feed_text(child *h, const char *text) {
     const size_t n = strlen(text);
-    return feed_u32(h, (uint32_t)n) && feed(h, text, n);
+    return feed_u32(h, (uint32_t)n) && child_feed(h, text, n);
 }
 
 typedef enum plane_kind { PLANE_FLOAT, PLANE_DOUBLE, PLANE_INT, PLANE_COLOUR } plane_kind;
@@ -200,25 +116,24 @@ static void convert(const plane *p, const float *alpha, size_t first, size_t cou
     }
 }
 
-static bool feed_plane(const helper *h, const plane *p, const float *alpha, size_t count,
-                       float *buffer) {
+static bool feed_plane(child *h, const plane *p, const float *alpha, size_t count, float *buffer) {
     for (size_t first = 0; first < count; first += CHUNK_VALUES) {
         const size_t n = count - first < CHUNK_VALUES ? count - first : CHUNK_VALUES;
         convert(p, alpha, first, n, buffer);
-        if (!feed(h, buffer, n * sizeof *buffer))
+        if (!child_feed(h, buffer, n * sizeof *buffer))
             return false;
     }
     return true;
 }
 
-static bool feed_header(const helper *h, uint32_t width, uint32_t height, const plane *planes,
+static bool feed_header(child *h, uint32_t width, uint32_t height, const plane *planes,
                         int plane_count, const image_meta *meta, size_t meta_count) {
-    bool good = feed(h, "LFIM", 4) && feed_u32(h, 1) && feed_u32(h, width) && feed_u32(h, height) &&
-                feed_u32(h, (uint32_t)plane_count);
+    bool good = child_feed(h, "LFIM", 4) && feed_u32(h, 1) && feed_u32(h, width) &&
+                feed_u32(h, height) && feed_u32(h, (uint32_t)plane_count);
     for (int i = 0; i < plane_count && good; i++) {
         char name[NAME_BYTES] = {0};
         snprintf(name, sizeof name, "%s", planes[i].name);
-        good = feed(h, name, sizeof name);
+        good = child_feed(h, name, sizeof name);
     }
     good = good && feed_u32(h, (uint32_t)meta_count);
     for (size_t i = 0; i < meta_count && good; i++)
@@ -250,7 +165,7 @@ status image_out_write(mem *m, const char *path, bool force, uint32_t width, uin
     float *buffer = mem_array(m, CHUNK_VALUES, sizeof *buffer);
     if (!buffer)
         return ST_NOMEM;
-    helper h;
+    child h;
     status st = start_helper(&h, path, force);
     if (st == ST_OK) {
         bool fed = feed_header(&h, width, height, planes, n, meta, meta_count);

@@ -11,7 +11,7 @@
 
 #include "formats/base/file.h"
 #include "formats/base/num.h"
-#include "render/sibling.h"
+#include "formats/base/sibling.h"
 
 static const char HELPER[] = "leafcast-peer-vtk";
 enum { FIELD_AT = 3, NO_VTK = 77, LINE = 256 };

@@ -1,4 +1,4 @@
-#include "render/sibling.h"
+#include "formats/base/sibling.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* sibling.h - where the other programs of leafcast are. */
-#ifndef RENDER_SIBLING_H
-#define RENDER_SIBLING_H
+#ifndef FORMATS_BASE_SIBLING_H
+#define FORMATS_BASE_SIBLING_H
 
 #include <stdbool.h>
 
