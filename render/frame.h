@@ -23,6 +23,7 @@ typedef struct frame {
     pool *threads;
     loader *treelets;
     const tracer *tracer;
+    const tracer *coarse; /* drawn where a mesh's treelets are absent; or NULL */
     const leafcast_scene *scene;
     const leafcast_surface *surfaces; /* one an isovalue */
     camera camera;

@@ -8,6 +8,7 @@
 #include "formats/base/num.h"
 #include "render/experiment.h"
 #include "render/leafcast_volume.h"
+#include "render/mesh_preview.h"
 
 _Static_assert((int)LEAFCAST_USAGE == (int)ST_USAGE && (int)LEAFCAST_CORRUPT == (int)ST_CORRUPT &&
                    (int)LEAFCAST_UNSUPPORTED == (int)ST_UNSUPPORTED &&
@@ -58,14 +59,9 @@ static status open_loader(leafcast *v) {
     return loader_create(&v->budget, v->file, &o, &v->treelets);
 }
 
-static status open_parts(leafcast *v, const char *path) {
+status leafcast_open_file(leafcast *v) {
     mem *m = &v->budget;
-    if (!kernels_for(v->options.isa, &v->kernels))
-        return status_describe(ST_USAGE, "this CPU or this build has no kernels called %s",
-                               v->options.isa);
-    status st = leaf_file_open(m, path, &v->file);
-    if (st == ST_OK && !v->file->mesh)
-        st = level_planes_init(&v->planes, m, v->file);
+    status st = v->file->mesh ? ST_OK : level_planes_init(&v->planes, m, v->file);
     if (st == ST_OK)
         st = pool_create(m, v->options.threads > 0 ? v->options.threads : pool_default_threads(),
                          &v->threads);
@@ -82,6 +78,14 @@ static status open_parts(leafcast *v, const char *path) {
     return ST_OK;
 }
 
+static status open_path(leafcast *v, const char *path) {
+    if (!kernels_for(v->options.isa, &v->kernels))
+        return status_describe(ST_USAGE, "this CPU or this build has no kernels called %s",
+                               v->options.isa);
+    status st = leaf_file_open(&v->budget, path, &v->file);
+    return st == ST_OK ? leafcast_open_file(v) : st;
+}
+
 leafcast_status leafcast_open(const char *path, const leafcast_options *options,
                               leafcast **volume) {
     mem outside;
@@ -93,7 +97,7 @@ leafcast_status leafcast_open(const char *path, const leafcast_options *options,
     if (options)
         v->options = *options;
     mem_init(&v->budget, (size_t)v->options.memory);
-    status st = open_parts(v, path);
+    status st = open_path(v, path);
     if (st != ST_OK) {
         leafcast_close(v);
         return leafcast_public_status(st);
@@ -109,6 +113,7 @@ void leafcast_close(leafcast *v) {
         return;
     mem outside;
     mem_init(&outside, 0);
+    leafcast_close(v->coarse);
     loader_destroy(v->treelets);
     pool_destroy(v->threads);
     if (v->file && !v->file->mesh)
@@ -390,7 +395,8 @@ static status share_budget(leafcast *v, frame *f) {
     size_t places = treelets, shelf = SIZE_MAX, records = (pixels + 255) / 256 * 256 * 2;
     records = records < least ? least : records < UINT32_MAX / 2 ? records : UINT32_MAX / 2;
     if (v->budget.limit) {
-        const size_t fixed = v->base_bytes + image_bytes(&f->image, pixels) +
+        const size_t fixed = v->base_bytes + mesh_preview_bytes(v) +
+                             image_bytes(&f->image, pixels) +
                              (v->file->mesh ? 0 : projection_bytes(&v->file->layout)) +
                              frame_bytes(v->file->mesh, treelets, (uint32_t)records, f->width,
                                          f->height, pool_threads(v->threads));
@@ -471,7 +477,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
                                const leafcast_camera *from, const leafcast_image *image,
                                leafcast_stats *stats, bool (*watch)(void *, double),
                                void *watch_ctx) {
-    tracer tr;
+    tracer tr, coarse;
     frame f = {.m = &v->budget,
                .threads = v->threads,
                .treelets = v->treelets,
@@ -491,7 +497,14 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
     if (st == ST_OK)
         st = leafcast_tracer(v, scene, &f.camera, &tr);
     if (st == ST_OK)
+        st = mesh_preview_begin(v, scene, &coarse, &f.coarse);
+    if (st == ST_OK)
         st = share_budget(v, &f);
+    if (st == ST_NOMEM && f.coarse) { /* rather without than not at all */
+        f.coarse = NULL;
+        mesh_preview_end(v);
+        st = share_budget(v, &f);
+    }
     if (st != ST_OK)
         return leafcast_public_status(st);
     for (uint32_t t = 0; t < v->file->layout.treelets; t++)
@@ -503,6 +516,8 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
     st = project(v, &f);
     if (st == ST_OK)
         st = frame_render(&f, &counters);
+    if (st == ST_OK && f.coarse)
+        st = loader_failure(v->coarse->treelets);
     projection_release(&v->projection);
     if (st == ST_OK && scene->sweep && !scene->preview)
         st = loader_settle(v->treelets);
@@ -511,6 +526,8 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
         v->first_image_s = end - v->opened_at;
     if (stats)
         fill_stats(v, &counters, end - start, stats);
+    if (stats && f.coarse)
+        mesh_preview_stats(v, stats);
     return leafcast_public_status(st);
 }
 

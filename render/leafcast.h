@@ -163,8 +163,8 @@ typedef struct leafcast_scene {
     int clip_plane_count;
     leafcast_lod lod;
     uint32_t lod_level;
-    bool preview; /* do not wait: draw the finest level that is resident, and say where that is
-                     provisional */
+    bool preview; /* do not wait: draw the finest level that is resident, of a mesh its coarse grid
+                     where tets are absent, and say where that is provisional */
     bool sweep;   /* load everything the isovalues need, coarse first, instead of what the rays ask
                      for */
     int layers_max; /* stop after so many transparent surfaces on a ray; 0: no limit */

@@ -21,6 +21,8 @@ struct leafcast {
     double isovalues[LEAFCAST_SURFACES_MAX];
     int surface_count;
     uint32_t field, step; /* of a mesh */
+    leafcast *coarse;     /* its coarse grid, once a preview wants it; else NULL */
+    uint32_t coarse_set;  /* of which set */
     atomic_uchar *touched;
     uint8_t *stop;          /* per treelet, for --lod pixel */
     size_t base_bytes;      /* of the budget, before any treelet */
@@ -30,6 +32,9 @@ struct leafcast {
 
 /* leafcast_public_status() - an internal status as the interface has it. */
 leafcast_status leafcast_public_status(status st);
+
+/* leafcast_open_file() - all else of v, whose budget, options, kernels and file are there. */
+CHECKED status leafcast_open_file(leafcast *v);
 
 /* leafcast_tracer() - for rays through what is selected. c: the camera, for levels of detail by
  * pixels; may be NULL. */

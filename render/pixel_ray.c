@@ -182,6 +182,20 @@ static void begin_lighting(const frame *f, pixel_ray *p) {
     p->light = 0;
 }
 
+/* A preview met a treelet of a mesh that is not there: what its coarse grid shows instead. */
+static trace_result trace_coarse(const frame *f, pixel_ray *p, frame_counters *counters) {
+    double origin[3], direction[3];
+    ray r;
+    const hit after = p->search.after;
+    p->search = trace_begin(&after);
+    camera_ray(&f->camera, p->pixel % f->width + 0.5, p->pixel / f->width + 0.5, origin, direction);
+    const trace_result result = tracer_ray(f->coarse, origin, direction, 0.0, INFINITY, &r)
+                                    ? tracer_next(f->coarse, &r, &p->search, &counters->walk)
+                                    : TRACE_MISS;
+    p->search.provisional = true;
+    return result;
+}
+
 bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters) {
     bool resumed = p->light != NO_LIGHT;
     for (;; resumed = false) {
@@ -196,6 +210,8 @@ bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters) {
                 result = tracer_next(f->tracer, &r, &p->search, &counters->walk);
             if (result == TRACE_BLOCKED)
                 return false;
+            if (f->coarse && p->search.provisional && !p->found)
+                result = trace_coarse(f, p, counters);
             p->found = false;
             p->provisional |= p->search.provisional;
             p->current = p->search.best;
