@@ -86,6 +86,7 @@ static status sort_tets(conversion *c, const char *output, leaf_facts *facts) {
         return st;
     c->tets = seen.tets;
     facts->vertices = seen.vertices;
+    facts->non_finite = seen.non_finite;
     facts->repeated += seen.repeated;
     facts->bad += seen.bad;
     if (seen.tets == 0)
@@ -336,8 +337,7 @@ status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, const cha
     assert(o->series || g->fields * g->steps == 1);
     conversion c = {.m = m, .name = name, .o = o, .p = p, .g = g};
     const mesh_report *r = &result->report;
-    leaf_facts facts = {
-        .non_finite = g->non_finite, .repeated = r->repeated, .bad = r->bad_indices};
+    leaf_facts facts = {.repeated = r->repeated, .bad = r->bad_indices};
     double start = clock_seconds();
     status st = mesh_plan_make(m, g, o, &c.plan);
     if (st == ST_OK)

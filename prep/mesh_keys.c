@@ -1,5 +1,6 @@
 #include "prep/mesh_keys.h"
 
+#include <math.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -128,6 +129,27 @@ static void release(keying *k) {
     mem_free(k->m, k->used);
 }
 
+/* Points that are no tet's may have any value, and files have nothing of them. */
+static status count_non_finite(const keying *k, mesh_spool *values, uint64_t *count) {
+    enum { SOME = 4 * BLOCK };
+    float *value = (float *)k->benches[0].tets;
+    _Static_assert(SOME * sizeof(float) == BLOCK * sizeof(uint32_t[4]), "the tets' room is lent");
+    for (uint64_t first = 0; first < values->count; first += SOME) {
+        const uint64_t left = values->count - first;
+        const size_t some = left < SOME ? (size_t)left : SOME;
+        status st = mesh_spool_read(values, first, some, value);
+        if (st != ST_OK)
+            return st;
+        for (size_t i = 0; i < some; i++) {
+            if (isfinite(value[i]))
+                continue;
+            const uint64_t id = (first + i) % k->g->vertices;
+            *count += k->used[id >> 5] >> (id & 31) & 1;
+        }
+    }
+    return ST_OK;
+}
+
 static status make_all(keying *k, pool *workers, mesh_runs *r, double from, double to) {
     const uint64_t all = k->g->tets.count;
     while (k->first < all) {
@@ -166,6 +188,8 @@ status mesh_keys_make(mem *m, pool *workers, mesh_gather *g, uint64_t window, me
     report->tets -= report->repeated + report->bad;
     for (size_t i = 0; st == ST_OK && i < k.used_words; i++)
         report->vertices += (uint64_t)__builtin_popcount(k.used[i]);
+    if (st == ST_OK && g->non_finite > 0)
+        st = count_non_finite(&k, &g->values, &report->non_finite);
     release(&k);
     return st;
 }

@@ -16,13 +16,14 @@ typedef struct mesh_keys_report {
     uint64_t tets;          /* that were kept */
     uint64_t vertices;      /* of them, each once */
     uint64_t repeated, bad; /* left out */
+    uint64_t non_finite;    /* values of these vertices that are NaN or inf, in all sets */
 } mesh_keys_report;
 
 /* mesh_keys_memory() - bytes it takes beside the windows on the points. */
 uint64_t mesh_keys_memory(uint64_t points, int threads);
 
-/* mesh_keys_make() - fill r with the tets of g, whose tets are forgotten on the way. window: bytes
- * for each thread's window on the points. Reports progress from `from` to `to`. */
+/* mesh_keys_make() - fill r with the tets of g, which has ended; its tets are forgotten on the way.
+ * window: bytes for each thread's window on the points. Reports progress from `from` to `to`. */
 CHECKED status mesh_keys_make(mem *m, pool *workers, mesh_gather *g, uint64_t window, mesh_runs *r,
                               double from, double to, mesh_keys_report *report);
 

@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include <cmocka.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -322,6 +323,28 @@ static void test_twice(void **state) {
     release(&v);
 }
 
+/* Points that no tet has may have any value: the file has nothing of them. */
+static void test_unused(void **state) {
+    (void)state;
+    movie v = make(mesh_cases_kuhn(3, 3, 3), 1, 2, 9, 0);
+    mesh_result r;
+    leaf_file *f;
+    v.c.tet_count = 6; /* of the first cell */
+    for (uint32_t s = 0; s < v.steps; s++)
+        for (size_t i = 2; i < v.c.point_count; i++)
+            if (i != 4 && i != 5 && i != 16 && i != 17 && i != 20 && i != 21)
+                v.values[s][0][i] = i % 2 ? NAN : INFINITY;
+    v.values[1][0][5] = NAN;
+    write_all(&v);
+    convert_sound(&v, "unused.leaf", &r);
+    assert_int_equal(r.header.vertices, 8);
+    assert_int_equal(r.header.non_finite, 1);
+    assert_int_equal(leaf_file_open(&m, scratch_path("unused.leaf"), &f), ST_OK);
+    assert_int_equal(leaf_verify(&m, f, 1, NULL), ST_OK);
+    leaf_file_close(f);
+    release(&v);
+}
+
 /* Each operation fails once: an error and nothing left. */
 static void test_faults(void **state) {
     (void)state;
@@ -367,6 +390,7 @@ int main(void) {
         cmocka_unit_test_setup(test_same_bytes, set_up),
         cmocka_unit_test_setup(test_refused, set_up),
         cmocka_unit_test_setup(test_twice, set_up),
+        cmocka_unit_test_setup(test_unused, set_up),
         cmocka_unit_test_setup(test_faults, set_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
