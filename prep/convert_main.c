@@ -30,7 +30,7 @@ typedef struct arguments {
     bool all_fields;
     const char *times; /* as given */
     uint32_t treelet_tets, leaf_tets, coarse_dims;
-    bool coarse;
+    bool coarse, sah;
     leaf_parameters file;
     bool dry_run;
 } arguments;
@@ -57,6 +57,7 @@ enum {
     KEY_CELLS_TO_POINTS,
     KEY_TREELET_TETS,
     KEY_LEAF_TETS,
+    KEY_BUILD,
     KEY_COARSE
 };
 
@@ -94,6 +95,8 @@ static const struct argp_option options[] = {
      3},
     {"treelet-tets", KEY_TREELET_TETS, "N", 0, "at most so many in a treelet (default 4096)", 3},
     {"leaf-tets", KEY_LEAF_TETS, "N", 0, "at most so many in a leaf of its tree (default 12)", 3},
+    {"build", KEY_BUILD, "bih|sah", 0,
+     "trees of treelets: by keys (default), or by the surface area heuristic, for comparison", 3},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static void usage_unless(struct argp_state *state, status st) {
@@ -145,6 +148,12 @@ static void parse_treelet(struct argp_state *state, arguments *a, const char *te
     if (cells & (cells - 1))
         argp_error(state, "--treelet: %s is none of 16, 32, 64", text);
     a->file.cells_log2 = (uint32_t)__builtin_ctzll((unsigned long long)cells);
+}
+
+static void parse_build(struct argp_state *state, arguments *a, const char *name) {
+    a->sah = strcmp(name, "sah") == 0;
+    if (!a->sah && strcmp(name, "bih") != 0)
+        argp_error(state, "--build: \"%s\" is neither bih nor sah", name);
 }
 
 static void parse_inputs(struct argp_state *state, arguments *a) {
@@ -206,6 +215,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         a->treelet_tets =
             (uint32_t)parse_int(state, arg, "--treelet-tets", 1, LEAF_TREELET_TETS_MAX);
         break;
+    case KEY_BUILD: parse_build(state, a, arg); break;
     case KEY_LEAF_TETS:
         a->leaf_tets = (uint32_t)parse_int(state, arg, "--leaf-tets", 1, LEAF_LEAF_TETS_MAX);
         break;
@@ -506,6 +516,7 @@ static status convert_mesh(arguments *a, mem *m, mesh *x, const mesh_series *ser
                             .series = series,
                             .treelet_tets = a->treelet_tets,
                             .leaf_tets = a->leaf_tets,
+                            .sah = a->sah,
                             .coarse = a->coarse,
                             .coarse_dims = a->coarse_dims,
                             .memory = m->limit,

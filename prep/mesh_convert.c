@@ -10,6 +10,7 @@
 #include "prep/mesh_coarse.h"
 #include "prep/mesh_cut.h"
 #include "prep/mesh_keys.h"
+#include "prep/mesh_sah.h"
 #include "prep/mesh_treelet.h"
 
 #ifndef LEAFCAST_VERSION
@@ -24,6 +25,7 @@ static const double READ_END = 0.25, KEYS_END = 0.4, SORT_END = 0.5;
 /* One thread's tools and counts. */
 typedef struct bench {
     mesh_treelet_builder *builder;
+    mesh_sah *sah; /* NULL: trees by keys */
     mesh_pages points, values;
     leaf_packer *packer;
     void *pack;
@@ -183,6 +185,11 @@ static status build_one(void *ctx, size_t index, int worker) {
     const uint32_t treelet = b->treelet + (uint32_t)index;
     mesh_treelet t;
     status st = ST_OK;
+    k->points.first = 0;
+    if (k->sah)
+        st = mesh_sah_order(k->sah, records, count, &k->points, &records);
+    if (st != ST_OK)
+        return st;
     if (c->first_step == 0)
         st = build_first(c, k, treelet, records, count, &t);
     else
@@ -227,6 +234,8 @@ static status create_benches(conversion *c) {
     for (int i = 0; i < o->threads; i++) {
         bench *k = &c->benches[i];
         status st = mesh_treelet_create(c->m, o->treelet_tets, o->leaf_tets, &k->builder);
+        if (st == ST_OK && o->sah)
+            st = mesh_sah_create(c->m, o->treelet_tets, o->leaf_tets, &k->sah);
         if (st == ST_OK)
             st = mesh_pages_init(&k->points, &c->g->points, c->plan.points_window);
         if (st == ST_OK)
@@ -251,6 +260,7 @@ static void release_benches(conversion *c, leaf_facts *facts) {
         positive += k->positive;
         negative += k->negative;
         mesh_treelet_destroy(k->builder);
+        mesh_sah_destroy(k->sah);
         mesh_pages_release(&k->points);
         mesh_pages_release(&k->values);
         if (k->packer)
@@ -309,8 +319,9 @@ static void describe_origin(const mesh_options *o, const mesh_report *r, char *t
     if (split)
         snprintf(cells, sizeof cells, ", %llu cells split", (unsigned long long)split);
     snprintf(text, size,
-             "leafcast %s convert, from %s: Morton treelets of %u tets, leaves of %u%s, %s",
-             LEAFCAST_VERSION, steps, o->treelet_tets, o->leaf_tets, cells, codec);
+             "leafcast %s convert, from %s: Morton treelets of %u tets, leaves of %u%s%s, %s",
+             LEAFCAST_VERSION, steps, o->treelet_tets, o->leaf_tets, o->sah ? " by areas" : "",
+             cells, codec);
 }
 
 /* Everything but the writer, which leaf_writer_finish() consumes. */

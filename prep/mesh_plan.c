@@ -2,6 +2,7 @@
 
 #include "prep/mesh_keys.h"
 #include "prep/mesh_pages.h"
+#include "prep/mesh_sah.h"
 #include "prep/mesh_treelet.h"
 
 /* Book-keeping: the thread pool, stacks as far as they are touched, rounding of blocks. */
@@ -50,6 +51,8 @@ static uint64_t writer_memory(const mesh_options *o, const mesh_gather *g, uint6
 static uint64_t build_fixed(const needs *n) {
     const mesh_options *o = n->o;
     uint64_t thread = mesh_treelet_memory(o->treelet_tets, o->leaf_tets) + n->packer + 256;
+    if (o->sah)
+        thread += mesh_sah_memory(o->treelet_tets);
     if (n->g->moving)
         thread += mesh_treelet_moved_memory(o->treelet_tets, o->leaf_tets);
     if (o->file.codec != LEAF_CODEC_RAW)

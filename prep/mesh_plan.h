@@ -26,6 +26,7 @@ typedef struct mesh_options {
     int threads;               /* >= 1 */
     bool force;                /* replace an existing output */
     const mesh_series *series; /* a mesh of several steps or fields; NULL: of one */
+    bool sah;                  /* trees by the surface area heuristic: mesh_sah.h */
     bool coarse;               /* with a coarse grid of each set, */
     uint32_t coarse_dims;      /* of so many nodes along the longest edge; 0: as suits the mesh */
 } mesh_options;
