@@ -263,6 +263,42 @@ static void band_is_as_wide_as_it_says(void **state) {
     lab_mesh_release(&m);
 }
 
+/* Tetrahedra around an edge along z, f = z, from angle `from` on; a ray along the edge. */
+static void check_fan(double from, double to, bool grazing, bool excused) {
+    enum { WEDGES = 20 };
+    float points[WEDGES + 3][3] = {{0, 0, 0}, {0, 0, 1}}, values[WEDGES + 3] = {0, 1};
+    uint32_t tets[WEDGES][4];
+    for (uint32_t i = 0; i <= WEDGES; i++) {
+        const double angle = (from + (to - from) * i / WEDGES) * acos(-1) / 180;
+        points[i + 2][0] = (float)cos(angle);
+        points[i + 2][1] = (float)sin(angle);
+        points[i + 2][2] = values[i + 2] = 0.5f;
+    }
+    for (uint32_t i = 0; i < WEDGES; i++)
+        memcpy(tets[i], (uint32_t[4]){0, 1, i + 2, i + 3}, sizeof tets[i]);
+    const tet_ref_mesh raw = {.point_count = WEDGES + 3,
+                              .tet_count = WEDGES,
+                              .points = (const float(*)[3])points,
+                              .values = values,
+                              .tets = (const uint32_t(*)[4])tets};
+    const ref_ray along = {{0, 0, -1}, {0, 0, 1}};
+    const double iso = 0.25;
+    tet_ref *r = tet_ref_create(&raw);
+    assert_non_null(r);
+    assert_int_equal(tet_judge_grazing(r, &along, &iso, 1, NULL, 2), grazing);
+    assert_int_equal(tet_judge_excused(r, &along, &iso, 1, NULL, 2), excused);
+    tet_ref_destroy(r);
+}
+
+/* The eight directions are 0, 45, 90, .. degrees. */
+static void band_has_no_gaps(void **state) {
+    (void)state;
+    check_fan(0.01, 359.99, true, true); /* a hole at 0 */
+    check_fan(25, 383, false, true);     /* holes of 2 degrees, and of 40 */
+    check_fan(43, 363, false, true);
+    check_fan(20, 380, false, false); /* none */
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(streams_are_read_as_written),
@@ -270,6 +306,7 @@ int main(void) {
         cmocka_unit_test(blunt_fin_is_split),
         cmocka_unit_test(judge_tells_right_from_wrong),
         cmocka_unit_test(band_is_as_wide_as_it_says),
+        cmocka_unit_test(band_has_no_gaps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -19,6 +19,13 @@
 bool tet_judge_grazing(const tet_ref *r, const ref_ray *ray, const double *isos, int iso_count,
                        const ref_clip *clip, size_t depth);
 
+/* tet_judge_excused() - the same, and also in one direction into each of the sectors that the
+ * tetrahedra are, seen along a ray through a vertex or along an edge: at the rim of a hole that is
+ * narrower than 45 degrees, only those see where the surface ends. Looks at all tetrahedra: for
+ * what is wrong otherwise. */
+bool tet_judge_excused(const tet_ref *r, const ref_ray *ray, const double *isos, int iso_count,
+                       const ref_clip *clip, size_t depth);
+
 /* tet_judge_pixel() - compare one distance (+inf: a miss) with the reference and count it. */
 ref_verdict tet_judge_pixel(ref_tally *tally, const tet_ref *r, const ref_ray *ray,
                             const double *isos, int iso_count, const ref_clip *clip, double depth);

@@ -157,38 +157,66 @@ static bool must_stop(const place *p, const answer *x, double *before) {
     return n % 2 == 1;
 }
 
-/* Whether f at t is above iso by more than rounding, in every tetrahedron there: not on a sheet, or
- * a thread, where f = iso between all that is below. */
-static bool is_solid(const place *p, const answer *x, double t) {
+/* Whether f at t is above iso by more than rounding, in every tetrahedron there. */
+static bool is_above(const place *p, const ref_ray *along, double t, double *edge) {
     tet_ref_mesh raw = lab_mesh_reference(&p->m);
-    bool solid = false;
+    bool above = false;
     for (size_t i = 0; i < p->count; i++) {
         long double at[2], f[2], most = 0;
-        if (!tet_ref_crossings(&raw, p->index[i], &x->ray, at, f) || at[0] > t || at[1] < t)
+        if (!tet_ref_crossings(&raw, p->index[i], along, at, f) || at[0] > t || at[1] < t)
             continue;
         long double share = at[1] > at[0] ? (t - at[0]) / (at[1] - at[0]) : 0;
         for (int k = 0; k < 4; k++)
             most = fmaxl(most, fabsl(p->tets[i].f[k] - (long double)p->m.iso));
         if (f[0] + share * (f[1] - f[0]) - p->m.iso < 1e-9L * most)
             return false;
-        solid = true;
+        *edge = tet_ref_local_edge(&raw, p->index[i]);
+        above = true;
     }
-    return solid;
+    return above;
+}
+
+/* The same, and around it: not on a sheet, or a thread, where f = iso between all that is below,
+ * nor on the face of a tetrahedron that falls to -1e30 behind it. */
+static bool is_solid(const place *p, const answer *x, double t) {
+    double edge, unused;
+    if (!is_above(p, &x->ray, t, &edge))
+        return false;
+    for (int n = 0; n < REF_SIDEWAYS; n++) {
+        const long double d[3] = {x->ray.d[0], x->ray.d[1], x->ray.d[2]};
+        long double towards[3];
+        ref_ray moved = x->ray;
+        ref_sideways(d, n, towards);
+        for (int a = 0; a < 3; a++)
+            moved.o[a] += (double)(1e-9L * edge * towards[a]);
+        if (!is_above(p, &moved, t, &unused))
+            return false;
+    }
+    return true;
+}
+
+/* Whether the way through a surface's tetrahedron is no longer than rounding: which end comes first
+ * is then anyone's guess, and with it the reference's side. */
+static bool is_touched(const place *p, const ref_ray *along, const ref_hit *h) {
+    tet_ref_mesh raw = lab_mesh_reference(&p->m);
+    long double at[2], f[2];
+    return tet_ref_crossings(&raw, (size_t)h->cell, along, at, f) &&
+           (at[1] - at[0]) * h->cells_per_t < 1e-12L;
 }
 
 /* Whether surfaces i of both lists, of equal length, stand apart from the others and differ in
  * their sides. */
-static bool wrong_side(const answer *x, size_t i) {
+static bool wrong_side(const place *p, const answer *x, size_t i) {
     const ref_hit *h = x->truth;
     for (size_t k = i ? i - 1 : 0; k <= i + 1 && k < x->truth_count; k++)
         if (k != i && fabs(h[k].t - h[i].t) * h[i].cells_per_t < 1e-4)
             return false;
-    return x->hits[i].entering == h[i].from_inside;
+    return x->hits[i].entering == h[i].from_inside && !is_touched(p, &x->ray, &h[i]);
 }
 
 static bool is_grazing(const place *p, const answer *x) {
     size_t depth = x->truth_count < HITS_MAX ? x->truth_count + 1 : HITS_MAX;
-    return tet_judge_grazing(p->r, &x->ray, &p->m.iso, 1, NULL, depth);
+    return tet_judge_excused(p->r, &x->ray, &p->m.iso, 1, NULL, depth);
 }
 
 /* Whether the kernel's hit lies on a corner of its polygon: where f = iso on an edge. */
@@ -247,7 +275,7 @@ static const char *judge_sides(const place *p, const answer *x, tet_lab_row *row
         return "uneven";
     }
     for (size_t i = 0; i < x->truth_count && x->hit_count == x->truth_count; i++)
-        if (wrong_side(x, i) && !is_grazing(p, x)) {
+        if (wrong_side(p, x, i) && !is_grazing(p, x)) {
             row->sides++;
             return "side";
         }

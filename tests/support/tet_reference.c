@@ -454,6 +454,10 @@ void tet_ref_destroy(tet_ref *r) {
     free(r);
 }
 
+const tet_ref_mesh *tet_ref_raw(const tet_ref *r) {
+    return &r->m;
+}
+
 static query query_of(const tet_ref_mesh *m, const ref_ray *ray, const long double shift[3]) {
     query q = {.m = m, .t0 = -INFINITY, .t1 = INFINITY};
     for (int a = 0; a < 3; a++) {

@@ -35,6 +35,9 @@ typedef struct tet_ref tet_ref;
 tet_ref *tet_ref_create(const tet_ref_mesh *m);
 void tet_ref_destroy(tet_ref *r);
 
+/* tet_ref_raw() - the mesh it is of. */
+const tet_ref_mesh *tet_ref_raw(const tet_ref *r);
+
 /* tet_ref_trace() - every surface along the ray, in order; returns how many there are and stores
  * the first `capacity`. Of a ref_hit, cell is the tetrahedron and cells_per_t the length, in its
  * local edge, of a step of t = 1. clip NULL: all t >= 0. */
