@@ -394,7 +394,7 @@ static status read_all(mem *m, mesh *x, const mesh_options *o, mesh_gather *g, b
         g->steps = o->series->steps;
     const mesh_sink sink = count ? mesh_gather_counter(g) : mesh_gather_sink(g);
     return o->series ? mesh_series_read(m, o->series, x, g, &sink, report)
-                     : mesh_read(x, &sink, report);
+                     : mesh_gather_read(g, x, &sink, report);
 }
 
 /* Read everything, keep nothing, and plan. */
@@ -428,6 +428,7 @@ status mesh_convert_run(mem *m, mesh *x, const char *output, const mesh_options 
     if (st != ST_OK)
         return st;
     mesh_gather_init(&g, m, output, (size_t)(o->memory / 2), p);
+    g.share = READ_END;
     st = read_all(m, x, o, &g, false, &result->report);
     if (st != ST_OK) {
         mesh_gather_release(&g);

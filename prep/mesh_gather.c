@@ -6,7 +6,7 @@
 
 void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling,
                       const progress *p) {
-    *g = (mesh_gather){.p = p, .fields = 1, .steps = 1};
+    *g = (mesh_gather){.p = p, .fields = 1, .steps = 1, .share = 1};
     mesh_spool_init(&g->points, m, beside, sizeof(float[3]), ceiling);
     mesh_spool_init(&g->values, m, beside, sizeof(float), ceiling);
     mesh_spool_init(&g->tets, m, beside, sizeof(uint32_t[4]), ceiling);
@@ -132,6 +132,13 @@ static status check_tets(mesh_gather *g, size_t count, const uint32_t (*ids)[4])
 
 /* ---- taking ---- */
 
+/* How far all readings are together. */
+static status tell(const mesh_gather *g) {
+    const double before = (double)g->step * g->fields + g->field;
+    const double done = before + (g->reading ? mesh_share(g->reading) : 0);
+    return progress_step(g->p, "read", g->share * done / ((double)g->fields * g->steps));
+}
+
 static status take_points(void *ctx, uint64_t first, size_t count, const float (*xyz)[3]) {
     mesh_gather *g = ctx;
     status st = ST_OK;
@@ -144,7 +151,7 @@ static status take_points(void *ctx, uint64_t first, size_t count, const float (
         st = take_moved(g, first, count, xyz);
     }
     g->points_seen += count;
-    return st == ST_OK ? progress_step(g->p, "read", 0) : st;
+    return st == ST_OK ? tell(g) : st;
 }
 
 static status take_values(void *ctx, uint64_t first, size_t count, const float *values) {
@@ -157,7 +164,7 @@ static status take_values(void *ctx, uint64_t first, size_t count, const float *
     if (!is_first(g) && g->values_seen > g->vertices)
         return too_many(g, "values", g->vertices);
     status st = mesh_spool_append(&g->values, values, count);
-    return st == ST_OK ? progress_step(g->p, "read", 0) : st;
+    return st == ST_OK ? tell(g) : st;
 }
 
 static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
@@ -168,7 +175,7 @@ static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
     else if (g->field == 0)
         st = check_tets(g, count, ids);
     g->tets_seen += count;
-    return st == ST_OK ? progress_step(g->p, "read", 0) : st;
+    return st == ST_OK ? tell(g) : st;
 }
 
 mesh_sink mesh_gather_sink(mesh_gather *g) {
@@ -200,6 +207,13 @@ status mesh_gather_done(const mesh_gather *g) {
     return ST_OK;
 }
 
+status mesh_gather_read(mesh_gather *g, mesh *x, const mesh_sink *sink, mesh_report *report) {
+    g->reading = x;
+    status st = mesh_read(x, sink, report);
+    g->reading = NULL;
+    return st;
+}
+
 status mesh_gather_end(mesh_gather *g) {
     assert(g->values.count == g->vertices * g->fields * g->steps);
     assert(g->points.count == g->vertices * (g->moving ? g->steps : 1));
@@ -214,7 +228,7 @@ status mesh_gather_end(mesh_gather *g) {
 static status count_in(mesh_gather *g, mesh_spool *s, size_t count) {
     s->count += count;
     s->chunk_count = (size_t)(s->count >> MESH_SPOOL_LOG2) + 1;
-    return progress_step(g->p, "read", 0);
+    return tell(g);
 }
 
 /* Of a series, as if all points moved. */

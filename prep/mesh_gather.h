@@ -27,7 +27,9 @@ typedef struct mesh_gather {
     uint64_t non_finite;             /* values that are NaN or inf */
     bool counted;                    /* nothing is kept, but how much there would be */
     const progress *p;
+    double share; /* of the job, at the end of reading; 1 unless set before */
     /* What is being read: */
+    mesh *reading;
     uint32_t field, step;
     const char *name, *first_name; /* of its file, of the first step's; for messages */
     uint64_t points_seen, values_seen, tets_seen;
@@ -54,6 +56,10 @@ mesh_sink mesh_gather_counter(mesh_gather *g);
  * time, else ST_CORRUPT. */
 void mesh_gather_next(mesh_gather *g, uint32_t step, uint32_t field, const char *name);
 CHECKED status mesh_gather_done(const mesh_gather *g);
+
+/* mesh_gather_read() - mesh_read() to a sink of g, with the progress of the whole series. */
+CHECKED status mesh_gather_read(mesh_gather *g, mesh *x, const mesh_sink *sink,
+                                mesh_report *report);
 
 /* mesh_gather_end() - everything has come. */
 CHECKED status mesh_gather_end(mesh_gather *g);

@@ -34,15 +34,15 @@ status mesh_series_check(const mesh_series *s) {
 }
 
 /* A field at a step, but for the very first. name: of the array, or NULL. */
-static status read_again(mem *m, const mesh_series *s, uint32_t step, const char *name,
+static status read_again(mem *m, const mesh_series *s, mesh_gather *g, const char *name,
                          const mesh_sink *sink) {
     mesh_hints hints = s->hints;
     mesh_report report;
     mesh *x = NULL;
     hints.field = name;
-    status st = mesh_open(m, s->paths[step], &hints, &x);
+    status st = mesh_open(m, s->paths[g->step], &hints, &x);
     if (st == ST_OK)
-        st = mesh_read(x, sink, &report);
+        st = mesh_gather_read(g, x, sink, &report);
     mesh_close(x);
     return st;
 }
@@ -57,7 +57,7 @@ status mesh_series_read(mem *m, const mesh_series *s, mesh *first, mesh_gather *
             const char *name = s->names ? s->names[field] : *report->field ? report->field : NULL;
             mesh_gather_next(g, step, field, s->paths[step]);
             status st =
-                begins ? mesh_read(first, sink, report) : read_again(m, s, step, name, sink);
+                begins ? mesh_gather_read(g, first, sink, report) : read_again(m, s, g, name, sink);
             if (st == ST_OK)
                 st = mesh_gather_done(g);
             if (st != ST_OK)

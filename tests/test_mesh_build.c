@@ -17,6 +17,7 @@
 #include "formats/mesh_leaf.h"
 #include "prep/mesh_cut.h"
 #include "prep/mesh_morton.h"
+#include "prep/mesh_series.h"
 #include "prep/mesh_tree.h"
 #include "prep/mesh_volume.h"
 #include "tests/support/fields.h"
@@ -534,6 +535,49 @@ static void test_stream(void **state) {
     mesh_cases_free(&c);
 }
 
+/* What was told of a job's progress. */
+typedef struct telling {
+    double last, read; /* how far: of all, at the end of reading */
+    int readings;      /* different ones */
+    bool falls;
+} telling;
+
+static void take_progress(void *ctx, const char *stage, double fraction) {
+    telling *t = ctx;
+    if (strcmp(stage, "read") == 0) {
+        t->readings += fraction > t->last;
+        t->read = fraction;
+    }
+    t->falls = t->falls || fraction < t->last;
+    t->last = fraction;
+}
+
+/* Of the whole job, reading included, and of all readings of a series. */
+static void test_progress(void **state) {
+    (void)state;
+    mesh_case c = mesh_cases_kuhn(24, 24, 24);
+    const char *path = write_stream(&c, "case.mesh"), *out = scratch_path("told.leaf");
+    const char *const paths[] = {path, path, path};
+    const mesh_series series = {.paths = paths, .steps = 3, .fields = 1};
+    for (int steps = 1; steps <= 3; steps += 2) {
+        telling told = {0};
+        const progress p = {.report = take_progress, .ctx = &told};
+        mesh *x;
+        mesh_result r;
+        c.options.series = steps > 1 ? &series : NULL;
+        assert_int_equal(mesh_open(&m, path, NULL, &x), ST_OK);
+        if (mesh_convert_run(&m, x, out, &c.options, &p, &r) != ST_OK)
+            fail_msg("%s", status_text());
+        mesh_close(x);
+        assert_false(told.falls);
+        assert_true(told.last == 1);
+        assert_true(told.read == 0.25);
+        /* Points, values and tets come in chunks of 4096. */
+        assert_true(told.readings >= steps * 20);
+    }
+    mesh_cases_free(&c);
+}
+
 /* ---- the tree alone ---- */
 
 /* Trees over keys made to be deep: no deeper, and of no more nodes, than is said. */
@@ -636,6 +680,7 @@ int main(void) {
         cmocka_unit_test_setup(test_same_bytes, set_up),
         cmocka_unit_test_setup(test_faults, set_up),
         cmocka_unit_test_setup(test_stream, set_up),
+        cmocka_unit_test_setup(test_progress, set_up),
         cmocka_unit_test_setup(test_trees, set_up),
         cmocka_unit_test_setup(test_volume, set_up),
     };
