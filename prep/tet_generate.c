@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "formats/base/pool.h"
+#include "formats/base/sequence.h"
 #include "formats/mesh_stream.h"
 #include "prep/portable_math.h"
 
@@ -237,24 +238,12 @@ static status write_file(mem *m, const series *s, const char *path) {
     return st;
 }
 
-/* The name of a step's file: its number in the place of %04d, or as _0000 before the suffix. */
-static status name_step(const series *s, char path[PATH_MAX]) {
-    const char *from = s->output, *slash = strrchr(from, '/'), *name = slash ? slash + 1 : from;
-    const char *mark = strstr(name, "%04d"), *dot = strrchr(name, '.');
-    const char *rest = mark ? mark + 4 : dot && dot > name ? dot : from + strlen(from);
-    int head = (int)((mark ? mark : rest) - from);
-    if (snprintf(path, PATH_MAX, mark ? "%.*s%04u%s" : "%.*s_%04u%s", head, from, s->step, rest) <
-        PATH_MAX)
-        return ST_OK;
-    return status_describe(ST_USAGE, "the name of a file is longer than %d bytes", PATH_MAX);
-}
-
 /* What would stop a series in its middle. */
 static status check_names(series *s) {
     char path[PATH_MAX];
     status st = ST_OK;
     for (s->step = 0; st == ST_OK && s->step < s->steps; s->step++) {
-        st = name_step(s, path);
+        st = sequence_name(s->output, (int)s->step, path, sizeof path);
         if (st == ST_OK && !s->force && access(path, F_OK) == 0)
             st = status_describe(ST_EXISTS, "%s exists (--force overwrites)", path);
     }
@@ -274,7 +263,7 @@ status tet_generate_files(mem *m, const tet_generate_options *options, const cha
     for (s.step = 0; st == ST_OK && s.step < s.steps; s.step++) {
         char path[PATH_MAX];
         s.options.shape.deform = options->shape.deform * portable_sin((double)s.step / s.steps);
-        st = name_step(&s, path);
+        st = sequence_name(s.output, (int)s.step, path, sizeof path);
         if (st == ST_OK)
             st = write_file(m, &s, path);
     }

@@ -49,34 +49,6 @@ status render_job_check(const render_job *job, script_frame *frame) {
     return st;
 }
 
-status render_job_number(const char *pattern, int index, char out[SCRIPT_PATH_MAX]) {
-    const char *percent = strchr(pattern, '%'), *rest = percent;
-    char digits[16] = "";
-    int head = 0, n = 0;
-    if (percent) {
-        head = (int)(percent - pattern);
-        const char *at = percent + 1;
-        const bool zeros = *at == '0';
-        int width = 0;
-        for (; *at >= '0' && *at <= '9' && width < 10; at++)
-            width = width * 10 + (*at - '0');
-        if (*at != 'd' || width > 9 || strchr(at, '%'))
-            return status_describe(ST_USAGE, "%s: a sequence's name has one %%04d", pattern);
-        snprintf(digits, sizeof digits, zeros ? "%0*d" : "%*d", width, index);
-        rest = at + 1;
-    } else {
-        const char *slash = strrchr(pattern, '/'), *name = slash ? slash + 1 : pattern;
-        const char *dot = strrchr(name, '.');
-        rest = dot && dot > name ? dot : pattern + strlen(pattern);
-        head = (int)(rest - pattern);
-        snprintf(digits, sizeof digits, "_%04d", index);
-    }
-    n = snprintf(out, SCRIPT_PATH_MAX, "%.*s%s%s", head, pattern, digits, rest);
-    if (n < SCRIPT_PATH_MAX)
-        return ST_OK;
-    return status_describe(ST_USAGE, "the name of a file is longer than %d bytes", SCRIPT_PATH_MAX);
-}
-
 /* ---- drawing ---- */
 
 static bool is_exr(const char *path) {

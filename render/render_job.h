@@ -43,9 +43,4 @@ CHECKED status render_job_check(const render_job *job, script_frame *frame);
 /* render_job_draw() - draw a checked picture job->repeat times, write its files once. */
 CHECKED status render_job_draw(render_job *job, const script_frame *frame, render_stats *stats);
 
-/* render_job_number() - the name of picture `index` of a sequence: the pattern with its %d, %4d or
- * %04d replaced, or with _0000 put before the extension where it has none. ST_USAGE when it is too
- * long or has other %. */
-CHECKED status render_job_number(const char *pattern, int index, char out[SCRIPT_PATH_MAX]);
-
 #endif

@@ -8,6 +8,7 @@
 #include "formats/base/cli.h"
 #include "formats/base/file.h"
 #include "formats/base/num.h"
+#include "formats/base/sequence.h"
 #include "render/render_job.h"
 
 typedef struct render_options {
@@ -272,7 +273,7 @@ static status name_outputs(const render_options *o, bool many, int index, script
     for (int i = 0; i < 2 && st == ST_OK; i++) {
         outs[i][0] = 0;
         if (names[i] && many)
-            st = render_job_number(names[i], index, outs[i]);
+            st = sequence_name(names[i], index, outs[i], SCRIPT_PATH_MAX);
         else if (names[i] &&
                  (size_t)snprintf(outs[i], SCRIPT_PATH_MAX, "%s", names[i]) >= SCRIPT_PATH_MAX)
             st = status_describe(ST_USAGE, "the name of a file is too long");

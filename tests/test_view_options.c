@@ -129,21 +129,6 @@ static void test_script_refuses(void **state) {
     }
 }
 
-static void test_sequence_names(void **state) {
-    (void)state;
-    const char *cases[][2] = {{"out.png", "out_0042.png"},   {"a.b/out", "a.b/out_0042"},
-                              {"a.b/.png", "a.b/.png_0042"}, {"o%04d.png", "o0042.png"},
-                              {"o%d.png", "o42.png"},        {"o%5d", "o   42"}};
-    char name[SCRIPT_PATH_MAX];
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        assert_int_equal(render_job_number(cases[i][0], 42, name), ST_OK);
-        assert_string_equal(name, cases[i][1]);
-    }
-    const char *wrong[] = {"a%s.png", "a%d%d.png", "a%n", "a%", "a%0999999999999d.png", "%%d"};
-    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
-        assert_int_equal(render_job_number(wrong[i], 1, name), ST_USAGE);
-}
-
 /* Lines as a pipe delivers them: in pieces, without an end, with blank ones between. */
 static void test_lines(void **state) {
     (void)state;
@@ -213,10 +198,13 @@ static void test_median(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_colours),         cmocka_unit_test(test_script_says_all),
-        cmocka_unit_test(test_script_replaces), cmocka_unit_test(test_script_steps),
-        cmocka_unit_test(test_script_refuses),  cmocka_unit_test(test_sequence_names),
-        cmocka_unit_test(test_lines),           cmocka_unit_test(test_a_waiting_reader_stops),
+        cmocka_unit_test(test_colours),
+        cmocka_unit_test(test_script_says_all),
+        cmocka_unit_test(test_script_replaces),
+        cmocka_unit_test(test_script_steps),
+        cmocka_unit_test(test_script_refuses),
+        cmocka_unit_test(test_lines),
+        cmocka_unit_test(test_a_waiting_reader_stops),
         cmocka_unit_test(test_median),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
