@@ -225,7 +225,9 @@ leafcast_status leafcast_trace(leafcast *volume, const leafcast_scene *scene,
 typedef struct leafcast_hit {
     double t, point[3];
     int surface;
-    bool entering; /* from below the isovalue to above */
+    /* entering: from below the isovalue to above. A tet without volume has no two sides: `flat` is
+     * then set, and `entering` and the gradient below say no more than each other. */
+    bool entering, flat;
     /* In a grid: */
     uint32_t cell[3];
     double at[3];     /* position inside the cell, [0, 1] */

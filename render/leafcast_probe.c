@@ -1,6 +1,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "render/edge_sign.h"
 #include "render/leafcast_volume.h"
 #include "render/mesh_walk.h"
 
@@ -61,9 +62,15 @@ static status tet_of_hit(leafcast *v, const hit *h, leafcast_hit *out) {
     const treelet *at;
     out->tet = h->cell;
     status st = resident(v, treelet_of_tet(v->file, h->cell), &at);
-    if (st == ST_OK)
-        copy_tet(at, (uint32_t)(h->cell - at->first_tet), out->vertices, out->values);
-    return st;
+    if (st != ST_OK)
+        return st;
+    copy_tet(at, (uint32_t)(h->cell - at->first_tet), out->vertices, out->values);
+    double p[4][3];
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3; k++)
+            p[i][k] = (double)out->vertices[i][k];
+    out->flat = edge_sign_of_tet((const double(*)[3])p) == 0;
+    return ST_OK;
 }
 
 static status describe_hit(leafcast *v, const tracer *tr, const ray *r, const double origin[3],

@@ -143,7 +143,10 @@ static json_t *hit_json(const probe_options *o, leafcast_hit *h) {
     json_object_set_new(out, "point", reals(h->point, 3));
     json_object_set_new(out, "id", json_integer(h->surface));
     json_object_set_new(out, "isovalue", real(o->view.surfaces[h->surface].isovalue));
-    json_object_set_new(out, "side", json_string(h->entering ? "entering" : "leaving"));
+    json_object_set_new(out, "side",
+                        json_string(h->flat       ? "flat tet"
+                                    : h->entering ? "entering"
+                                                  : "leaving"));
     if (o->is_mesh)
         set_tet(out, h->tet, h->vertices, h->values);
     else

@@ -14,6 +14,13 @@
  *   - A cut edge's point is a pure function of its ends and their values, see isopolygon_of(): the
  *     tets around the edge have the very same one. A vertex at the isovalue is that point.
  *   - A quadrilateral is two triangles, along the diagonal from point 0 to point 2.
+ *   - A hit enters where the ray goes along the polygon's normal. A tet without volume has no side
+ *     to enter (made a little thicker one way or the other, it would have opposite ones). It is hit
+ *     all the same, so that nothing opens, and `entering` goes there by the order of the ids. Sure
+ *     is only that it turns round with the ray, and that tet_surface()'s gradient agrees with it.
+ *     So nobody may count on sides that alternate along a ray, and nobody does: shading sees both
+ *     sides, and a shadow asks whether the light and the ray's origin are on one side of the
+ *     polygon.
  *   - A ray hits a triangle where its three edge functions do not differ in sign, 0 being of either
  *     sign, but for three zeros (the ray lies in its plane, or it has no area): no hit then.
  *

@@ -396,6 +396,26 @@ static void flat_tets(void **test) {
     assert_true(fabsf(p.normal[2]) == 1.0f && fabs(p.gradient[2]) == 1.0 && p.span == 1.0);
     assert_true(p.error > 0.0 && p.error < 1e-14);
     assert_int_equal(h.entering, p.gradient[2] * r.d[2] > 0.0);
+    /* From behind the other way round; with two ids changed over, too, and the gradient goes with
+     * it, so that ray and light are on the same side as before. */
+    const ray back = ray_from(0.4, 0.55, -3, 0, 0, 1);
+    hit other;
+    assert_true(tet_hit(&x, &back, &iso, 1, 0, &before, &other) && other.entering == !h.entering);
+    int turned = 0;
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < i; k++) {
+            tet y = x;
+            memcpy(y.p[i], x.p[k], sizeof y.p[i]);
+            memcpy(y.p[k], x.p[i], sizeof y.p[k]);
+            y.f[i] = x.f[k];
+            y.f[k] = x.f[i];
+            assert_true(tet_hit(&y, &r, &iso, 1, 0, &before, &other) && other.t == 2.0);
+            p = tet_surface(&y, &r, iso, &other);
+            assert_int_equal(other.entering, p.gradient[2] * r.d[2] > 0.0);
+            turned += other.entering != h.entering;
+        }
+    assert_int_equal(turned, 6);
+    p = tet_surface(&x, &r, iso, &h);
     /* In its plane, and where there is no area at all. */
     const ray beside = ray_from(-1, 0.3, 1, 1, 0, 0);
     assert_false(tet_hit(&x, &beside, &iso, 1, 0, &before, &h));

@@ -58,4 +58,14 @@ exits "a point" 0 "$leafcast" probe "$tmp/b.leaf" --point 3.3,4.1,5.7 --json
 ok "has a value between its tet's" json 'j["inside"] and min(j["values"]) <= j["value"] <= max(j["values"])'
 exits "a point outside" 0 "$leafcast" probe "$tmp/b.leaf" --point -3,4,5 --json
 ok "is told" json 'not j["inside"]'
+
+# A square without volume, and a tet beside it.
+printf '8 3 1\n0 0 0 1 -1\n1 1 0 1 1\n2 1 1 1 -1\n3 0 1 1 1\n4 3 0 0 -1\n5 4 0 0 1\n6 3 1 0 1\n7 3 0 1 1\n' >"$tmp/flat.node"
+printf '2 4\n0 0 1 2 3\n1 4 5 6 7\n' >"$tmp/flat.ele"
+run "$leafcast" convert "$tmp/flat.node" -o "$tmp/flat.leaf" -q
+exits "a ray through a flat tet" 0 "$leafcast" probe "$tmp/flat.leaf" --iso 0 --ray 0.4,0.55,3,0,0,-1 --json
+ok "hits it" json '[h["t"] for h in j["hits"]] == [2]'
+ok "on no side" json 'j["hits"][0]["side"] == "flat tet"'
+exits "one through a sound tet" 0 "$leafcast" probe "$tmp/flat.leaf" --iso 0 --ray 3.1,0.1,-3,0,0,1 --json
+ok "enters" json '[h["side"] for h in j["hits"]] == ["entering"]'
 finish
