@@ -18,21 +18,13 @@
 #include "formats/leaf_verify.h"
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
+#include "tests/support/leaf_image.h"
 #include "tests/support/scratch.h"
-
-/* A file in memory; its sections in place. */
-typedef struct image {
-    char *bytes;
-    size_t size;
-    leaf_header *header;
-    leaf_section *table;
-    uint64_t sections_end;
-} image;
 
 static mem m;
 
 /* Three treelets or seven, in two levels; rectilinear and with missing samples if so asked. */
-static image make(bool large, leaf_codec codec) {
+static leaf_image make(bool large, leaf_codec codec) {
     leaf_case c =
         leaf_files_case(20, large ? 19 : 10, large ? 4 : 6, large ? SAMPLE_F32 : SAMPLE_U8);
     void *samples = leaf_files_random(&c, FIELD_SEED, large ? 25 : 0);
@@ -42,31 +34,10 @@ static image make(bool large, leaf_codec codec) {
     c.options.file.halo = !large;
     if (large)
         c.axis_file[2] = scratch_text("z.txt", "0 1 4 9");
-    image i = {0};
-    i.bytes = scratch_read(leaf_files_make(&c, "made.leaf"), &i.size);
+    size_t size;
+    char *bytes = scratch_read(leaf_files_make(&c, "made.leaf"), &size);
     free(samples);
-    i.header = (leaf_header *)i.bytes;
-    i.table = (leaf_section *)(i.bytes + LEAF_HEADER_BYTES);
-    const leaf_section *last = &i.table[i.header->sections - 1];
-    i.sections_end = last->offset + last->bytes;
-    return i;
-}
-
-static void *section(const image *i, uint32_t kind) {
-    return i->bytes + i->table[kind - 1].offset;
-}
-
-/* Make checksums and id right again after a change: not damage, but malice. */
-static void seal(const image *i) {
-    for (uint32_t n = 0; n < i->header->sections && n < LEAF_SECTIONS_MAX; n++) {
-        leaf_section *s = &i->table[n];
-        if (s->offset < i->size && s->bytes < i->size - s->offset)
-            s->checksum = hash_bytes(i->bytes + s->offset, (size_t)s->bytes);
-    }
-    hash_id id = leaf_header_id(i->header, i->table);
-    i->header->id[0] = id.lo;
-    i->header->id[1] = id.hi;
-    i->header->checksum = leaf_header_checksum(i->header);
+    return leaf_image_of(bytes, size);
 }
 
 static status try_open(const char *path, bool payloads) {
@@ -85,7 +56,7 @@ static bool refused(status st) {
 }
 
 /* As it lies in memory: refused, and the description names the file and says something. */
-static void check_refused(const image *i, const char *what) {
+static void check_refused(const leaf_image *i, const char *what) {
     const char *path = scratch_write("bad.leaf", i->bytes, i->size);
     status st = try_open(path, false);
     if (!refused(st) || !strstr(status_text(), path))
@@ -96,9 +67,9 @@ static void test_sound(void **state) {
     (void)state;
     for (int large = 0; large < 2; large++)
         for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
-            image i = make(large, (leaf_codec)codec);
+            leaf_image i = make(large, (leaf_codec)codec);
             assert_int_equal(try_open(scratch_path("made.leaf"), true), ST_OK);
-            seal(&i);
+            leaf_image_seal(&i);
             assert_int_equal(try_open(scratch_write("sealed.leaf", i.bytes, i.size), true), ST_OK);
             free(i.bytes);
         }
@@ -106,7 +77,7 @@ static void test_sound(void **state) {
 
 static void test_truncated(void **state) {
     (void)state;
-    image i = make(false, LEAF_CODEC_RAW);
+    leaf_image i = make(false, LEAF_CODEC_RAW);
     const char *path = scratch_write("short.leaf", i.bytes, i.size);
     for (size_t length = i.size; length-- > 0;) {
         assert_int_equal(truncate(path, (off_t)length), 0);
@@ -129,7 +100,7 @@ static void test_truncated(void **state) {
 static void test_flipped(void **state) {
     (void)state;
     for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
-        image i = make(codec == LEAF_CODEC_RAW, (leaf_codec)codec);
+        leaf_image i = make(codec == LEAF_CODEC_RAW, (leaf_codec)codec);
         const char *path = scratch_write("flip.leaf", i.bytes, i.size);
         int fd = open(path, O_WRONLY);
         assert_true(fd >= 0);
@@ -150,7 +121,7 @@ static void test_flipped(void **state) {
 /* Header fields that lie, with checksums that do not. */
 static void test_lying_header(void **state) {
     (void)state;
-    image i = make(true, LEAF_CODEC_RAW);
+    leaf_image i = make(true, LEAF_CODEC_RAW);
     const leaf_header sound = *i.header;
     static const uint32_t values[] = {
         0,        1,         2, 3, 4, 5, 7, 9, 20, 33, 64, 65, 255, 4096, 1u << 20, (1u << 20) + 1,
@@ -169,7 +140,7 @@ static void test_lying_header(void **state) {
             free_choice |= at == offsetof(leaf_header, codec) && values[n] == LEAF_CODEC_ZSTD;
             if (memcmp(&sound, i.header, sizeof sound) == 0 || free_choice)
                 continue;
-            seal(&i);
+            leaf_image_seal(&i);
             char what[64];
             snprintf(what, sizeof what, "header field at %zu = %u", at, values[n]);
             check_refused(&i, what);
@@ -180,41 +151,41 @@ static void test_lying_header(void **state) {
 
 static void test_lying_values(void **state) {
     (void)state;
-    image i = make(true, LEAF_CODEC_RAW);
+    leaf_image i = make(true, LEAF_CODEC_RAW);
     const leaf_header sound = *i.header;
     static const double values[] = {NAN, INFINITY, -INFINITY, 1e300};
     for (size_t n = 0; n < 4; n++) {
         i.header->value_min = values[n];
-        seal(&i);
+        leaf_image_seal(&i);
         check_refused(&i, "value_min");
         *i.header = sound;
         i.header->to_world[7] = n < 3 ? values[n] : 0;
         i.header->to_world[0] = n < 3 ? 1 : 0;
-        seal(&i);
+        leaf_image_seal(&i);
         check_refused(&i, "to_world");
         *i.header = sound;
         i.header->rounding_error = n ? -1 : NAN;
-        seal(&i);
+        leaf_image_seal(&i);
         check_refused(&i, "rounding_error");
         *i.header = sound;
     }
     memset(i.header->name, 'x', sizeof i.header->name);
-    seal(&i);
+    leaf_image_seal(&i);
     check_refused(&i, "a name without an end");
     *i.header = sound;
     i.header->provenance[1000] = 'x';
-    seal(&i);
+    leaf_image_seal(&i);
     check_refused(&i, "something behind a text");
     *i.header = sound;
     i.header->reserved[2000] = 1;
-    seal(&i);
+    leaf_image_seal(&i);
     check_refused(&i, "reserved bytes");
     free(i.bytes);
 }
 
 static void test_lying_table(void **state) {
     (void)state;
-    image i = make(true, LEAF_CODEC_RAW);
+    leaf_image i = make(true, LEAF_CODEC_RAW);
     leaf_section sound[LEAF_SECTION_AXES];
     memcpy(sound, i.table, sizeof sound);
     static const uint64_t values[] = {0,          1,          63,         64,        4096,
@@ -231,7 +202,7 @@ static void test_lying_table(void **state) {
             default: s->bytes = v; break;
             }
             if (memcmp(sound, i.table, sizeof sound) != 0) {
-                seal(&i);
+                leaf_image_seal(&i);
                 check_refused(&i, "section table");
             }
             memcpy(i.table, sound, sizeof sound);
@@ -239,30 +210,30 @@ static void test_lying_table(void **state) {
     free(i.bytes);
 }
 
-static void check_u64(const image *i, uint32_t kind) {
+static void check_u64(const leaf_image *i, uint32_t kind) {
     static const uint64_t values[] = {
         0, 1, 64, 4096, 8192, 1ULL << 32, 1ULL << 63, UINT64_MAX, UINT64_MAX - 4095};
-    uint64_t *array = section(i, kind);
+    uint64_t *array = leaf_image_section(i, kind);
     for (uint64_t t = 0; t < i->header->treelets; t++)
         for (size_t n = 0; n < 2 * (sizeof values / sizeof values[0]); n++) {
             uint64_t sound = array[t];
             array[t] = n % 2 ? values[n / 2] : sound + values[n / 2];
             if (array[t] != sound) {
-                seal(i);
+                leaf_image_seal(i);
                 check_refused(i, "payload offsets and sizes");
             }
             array[t] = sound;
         }
 }
 
-static void check_floats(const image *i, uint32_t kind) {
+static void check_floats(const leaf_image *i, uint32_t kind) {
     static const float values[] = {NAN, INFINITY, -INFINITY, -1e38F, 1e38F, 0.123F};
-    float *array = section(i, kind);
+    float *array = leaf_image_section(i, kind);
     for (uint64_t n = 0; n < 2 * i->header->treelets; n++)
         for (size_t k = 0; k < sizeof values / sizeof values[0]; k++) {
             float sound = array[n];
             array[n] = values[k];
-            seal(i);
+            leaf_image_seal(i);
             /* An own range inside the merged one of a coarse treelet could be so; verify finds that
              * it is not. */
             const char *path = scratch_write("bad.leaf", i->bytes, i->size);
@@ -274,27 +245,27 @@ static void check_floats(const image *i, uint32_t kind) {
 static void test_lying_directory(void **state) {
     (void)state;
     for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
-        image i = make(true, (leaf_codec)codec);
+        leaf_image i = make(true, (leaf_codec)codec);
         check_u64(&i, LEAF_SECTION_OFFSETS);
         check_u64(&i, LEAF_SECTION_SIZES);
         check_floats(&i, LEAF_SECTION_RANGES);
         check_floats(&i, LEAF_SECTION_OWN);
-        uint8_t *flags = section(&i, LEAF_SECTION_FLAGS);
+        uint8_t *flags = leaf_image_section(&i, LEAF_SECTION_FLAGS);
         for (uint64_t t = 0; t < i.header->treelets; t++) {
             flags[t] ^= 2;
-            seal(&i);
+            leaf_image_seal(&i);
             check_refused(&i, "flags");
             flags[t] ^= 3;
-            seal(&i);
+            leaf_image_seal(&i);
             assert_true(refused(try_open(scratch_write("bad.leaf", i.bytes, i.size), true)));
             flags[t] ^= 1;
         }
-        double *axes = section(&i, LEAF_SECTION_AXES);
+        double *axes = leaf_image_section(&i, LEAF_SECTION_AXES);
         static const double values[] = {NAN, INFINITY, -1, 1e9};
         for (size_t n = 0; n < 4; n++) {
             double sound = axes[20 + 19 + 2];
             axes[20 + 19 + 2] = values[n];
-            seal(&i);
+            leaf_image_seal(&i);
             check_refused(&i, "axes");
             axes[20 + 19 + 2] = sound;
         }
@@ -305,10 +276,10 @@ static void test_lying_directory(void **state) {
 /* Payloads that are wrong with checksums that are right: what verify is for. */
 static void test_lying_payloads(void **state) {
     (void)state;
-    image i = make(false, LEAF_CODEC_RAW);
-    const uint64_t *offsets = section(&i, LEAF_SECTION_OFFSETS);
-    const uint64_t *sizes = section(&i, LEAF_SECTION_SIZES);
-    uint64_t *checksums = section(&i, LEAF_SECTION_CHECKSUMS);
+    leaf_image i = make(false, LEAF_CODEC_RAW);
+    const uint64_t *offsets = leaf_image_section(&i, LEAF_SECTION_OFFSETS);
+    const uint64_t *sizes = leaf_image_section(&i, LEAF_SECTION_SIZES);
+    uint64_t *checksums = leaf_image_section(&i, LEAF_SECTION_CHECKSUMS);
     int differ = 0, passed = 0;
     for (uint64_t t = 0; t < i.header->treelets; t++) {
         const uint64_t checksum = checksums[t];
@@ -316,7 +287,7 @@ static void test_lying_payloads(void **state) {
             char *byte = i.bytes + offsets[t] + at;
             *byte ^= 1;
             checksums[t] = hash_bytes(i.bytes + offsets[t], (size_t)sizes[t]);
-            seal(&i);
+            leaf_image_seal(&i);
             status st = try_open(scratch_write("bad.leaf", i.bytes, i.size), true);
             /* A sample that nothing repeats, within its block's range, is just another sample. */
             if (st != ST_CORRUPT && (at < 192 || st != ST_OK))
@@ -334,10 +305,10 @@ static void test_lying_payloads(void **state) {
 /* Compressed bytes that are none, or of something else. */
 static void test_lying_frames(void **state) {
     (void)state;
-    image i = make(true, LEAF_CODEC_ZSTD);
-    const uint64_t *offsets = section(&i, LEAF_SECTION_OFFSETS);
-    const uint64_t *sizes = section(&i, LEAF_SECTION_SIZES);
-    uint64_t *checksums = section(&i, LEAF_SECTION_CHECKSUMS);
+    leaf_image i = make(true, LEAF_CODEC_ZSTD);
+    const uint64_t *offsets = leaf_image_section(&i, LEAF_SECTION_OFFSETS);
+    const uint64_t *sizes = leaf_image_section(&i, LEAF_SECTION_SIZES);
+    uint64_t *checksums = leaf_image_section(&i, LEAF_SECTION_CHECKSUMS);
     for (uint64_t t = 0; t < i.header->treelets; t++) {
         const uint64_t checksum = checksums[t];
         char *stored = i.bytes + offsets[t];
@@ -345,7 +316,7 @@ static void test_lying_frames(void **state) {
             for (int bit = 0; bit < 8; bit += 3) {
                 stored[at] ^= (char)(1 << bit);
                 checksums[t] = hash_bytes(stored, (size_t)sizes[t]);
-                seal(&i);
+                leaf_image_seal(&i);
                 /* Whatever it decompresses to, it never ends in anything but an answer. */
                 status st = try_open(scratch_write("bad.leaf", i.bytes, i.size), true);
                 assert_true(st == ST_OK || st == ST_CORRUPT);
@@ -363,7 +334,7 @@ static void test_lying_dims(void **state) {
     static const uint32_t dims[][3] = {
         {1 << 20, 1 << 19, 2}, {65536, 65536, 2048}, {1 << 20, 2, 2}, {2000, 2000, 2000}};
     for (int large = 0; large < 2; large++) {
-        image i = make(large, LEAF_CODEC_RAW);
+        leaf_image i = make(large, LEAF_CODEC_RAW);
         for (size_t n = 0; n < sizeof dims / sizeof dims[0]; n++) {
             leaf_layout l;
             sample_type type = (sample_type)i.header->sample_type;
@@ -373,7 +344,7 @@ static void test_lying_dims(void **state) {
             i.header->treelets = l.treelets;
             for (uint32_t k = 0; k < 6; k++)
                 i.table[k].bytes = leaf_section_bytes(i.header, k + 1);
-            seal(&i);
+            leaf_image_seal(&i);
             check_refused(&i, "dims");
             assert_true(mem_peak(&m) < 1 << 20);
         }
@@ -384,8 +355,9 @@ static void test_lying_dims(void **state) {
 /* Ranges that agree with each other, but not with the samples. */
 static void test_lying_ranges(void **state) {
     (void)state;
-    image i = make(true, LEAF_CODEC_RAW);
-    float(*own)[2] = section(&i, LEAF_SECTION_OWN), (*merged)[2] = section(&i, LEAF_SECTION_RANGES);
+    leaf_image i = make(true, LEAF_CODEC_RAW);
+    float(*own)[2] = leaf_image_section(&i, LEAF_SECTION_OWN),
+    (*merged)[2] = leaf_image_section(&i, LEAF_SECTION_RANGES);
     for (uint64_t t = 0; t < i.header->treelets; t++) {
         const float sound[4] = {own[t][0], own[t][1], merged[t][0], merged[t][1]};
         const float root = merged[0][1];
@@ -393,7 +365,7 @@ static void test_lying_ranges(void **state) {
         own[t][1] = merged[t][1] = merged[0][1] = 100;
         if (t >= 1)
             i.header->value_max = 100;
-        seal(&i);
+        leaf_image_seal(&i);
         const char *path = scratch_write("bad.leaf", i.bytes, i.size);
         assert_int_equal(try_open(path, false), ST_OK);
         assert_int_equal(try_open(path, true), ST_CORRUPT);
@@ -404,16 +376,16 @@ static void test_lying_ranges(void **state) {
         i.header->value_max = most;
     }
     i.header->value_max += 1;
-    seal(&i);
+    leaf_image_seal(&i);
     check_refused(&i, "value_max");
     i.header->value_max -= 1;
     i.header->non_finite += 1;
-    seal(&i);
+    leaf_image_seal(&i);
     const char *path = scratch_write("bad.leaf", i.bytes, i.size);
     assert_int_equal(try_open(path, false), ST_OK);
     assert_int_equal(try_open(path, true), ST_CORRUPT);
-    memset(section(&i, LEAF_SECTION_FLAGS), 0, (size_t)i.header->treelets);
-    seal(&i);
+    memset(leaf_image_section(&i, LEAF_SECTION_FLAGS), 0, (size_t)i.header->treelets);
+    leaf_image_seal(&i);
     check_refused(&i, "non-finite samples in no treelet");
     free(i.bytes);
 }
@@ -421,11 +393,12 @@ static void test_lying_ranges(void **state) {
 /* A section of a kind from the future: passed over when it says so, and sound all the same. */
 static void test_ancillary(void **state) {
     (void)state;
-    image i = make(false, LEAF_CODEC_RAW);
+    leaf_image i = make(false, LEAF_CODEC_RAW);
     /* The file has room for it between the directory and the first payload, at 8192. */
     const uint64_t payloads = 8192, at = (i.sections_end + 64 + 63) / 64 * 64;
     const uint32_t n = i.header->sections;
-    assert_true(*(uint64_t *)section(&i, LEAF_SECTION_OFFSETS) == payloads && at + 100 <= payloads);
+    assert_true(*(uint64_t *)leaf_image_section(&i, LEAF_SECTION_OFFSETS) == payloads &&
+                at + 100 <= payloads);
     /* Make room for an entry: all sections move by 64. */
     memmove(i.bytes + i.table[0].offset + 64, i.bytes + i.table[0].offset,
             i.sections_end - i.table[0].offset);
@@ -437,7 +410,7 @@ static void test_ancillary(void **state) {
         .kind = LEAF_SECTION_ANCILLARY | 77, .version = 9, .offset = at, .bytes = 100};
     i.header->sections = n + 1;
     memset(i.bytes + at, 0x5A, 100);
-    seal(&i);
+    leaf_image_seal(&i);
     assert_int_equal(try_open(scratch_write("more.leaf", i.bytes, i.size), true), ST_OK);
     i.bytes[at + 50] = 0;
     check_refused(&i, "an ancillary section with a wrong checksum");
@@ -446,7 +419,7 @@ static void test_ancillary(void **state) {
     check_refused(&i, "something behind the last section");
     i.bytes[at + 100] = 0;
     i.table[n].kind = 77;
-    seal(&i);
+    leaf_image_seal(&i);
     check_refused(&i, "a kind that must be known");
     free(i.bytes);
 }
@@ -464,7 +437,7 @@ static void test_not_one(void **state) {
 static void test_faults(void **state) {
     (void)state;
     static const fault_kind kinds[] = {FAULT_ALLOC, FAULT_READ, FAULT_THREAD};
-    image i = make(true, LEAF_CODEC_ZSTD);
+    leaf_image i = make(true, LEAF_CODEC_ZSTD);
     for (size_t n = 0; n < sizeof kinds / sizeof kinds[0]; n++) {
         long k = 0;
         for (bool fired = true; fired;) {

@@ -18,58 +18,25 @@
 #include "formats/leaf_verify.h"
 #include "formats/mesh_leaf_check.h"
 #include "tests/support/fields.h"
+#include "tests/support/leaf_image.h"
 #include "tests/support/mesh_leaves.h"
 #include "tests/support/naive_mesh.h"
 #include "tests/support/scratch.h"
-
-/* A file in memory; its sections in place. */
-typedef struct image {
-    char *bytes;
-    size_t size;
-    leaf_header *header;
-    leaf_section *table;
-    uint64_t sections_end;
-} image;
 
 static mem m;
 
 /* Four treelets, two sets, some values missing; with all that a file can have. */
 enum { SECTIONS = 10, BLOCKS = 1 + 2 + 2 + 1 };
 
-static image make(leaf_codec codec) {
+static leaf_image make(leaf_codec codec) {
     mesh_case c = mesh_leaves_cube(3, 1, 2, 7, 15);
     mesh_leaves_extend(&c, 8);
     c.file.codec = codec;
     c.file.run_align_log2 = 9;
-    image i = {0};
-    i.bytes = scratch_read(mesh_leaves_make(&c, "made.leaf"), &i.size);
+    size_t size;
+    char *bytes = scratch_read(mesh_leaves_make(&c, "made.leaf"), &size);
     mesh_leaves_release(&c);
-    i.header = (leaf_header *)i.bytes;
-    i.table = (leaf_section *)(i.bytes + LEAF_HEADER_BYTES);
-    const leaf_section *last = &i.table[i.header->sections - 1];
-    i.sections_end = last->offset + last->bytes;
-    return i;
-}
-
-static void *section(const image *i, uint32_t kind) {
-    for (uint32_t n = 0; n < SECTIONS; n++)
-        if (i->table[n].kind == kind)
-            return i->bytes + i->table[n].offset;
-    fail_msg("no section %u", kind);
-    return NULL;
-}
-
-/* Make checksums and id right again after a change: not damage, but malice. */
-static void seal(const image *i) {
-    for (uint32_t n = 0; n < i->header->sections && n < LEAF_SECTIONS_MAX; n++) {
-        leaf_section *s = &i->table[n];
-        if (s->offset < i->size && s->bytes < i->size - s->offset)
-            s->checksum = hash_bytes(i->bytes + s->offset, (size_t)s->bytes);
-    }
-    hash_id id = leaf_header_id(i->header, i->table);
-    i->header->id[0] = id.lo;
-    i->header->id[1] = id.hi;
-    i->header->checksum = leaf_header_checksum(i->header);
+    return leaf_image_of(bytes, size);
 }
 
 static status try_open(const char *path, bool payloads) {
@@ -92,7 +59,7 @@ static bool refused(status st) {
 }
 
 /* As it lies in memory: refused by both, and the description names the file. */
-static void check_refused(const image *i, bool payloads, const char *what) {
+static void check_refused(const leaf_image *i, bool payloads, const char *what) {
     const char *path = scratch_write("bad.leaf", i->bytes, i->size);
     status st = try_open(path, payloads);
     if (!refused(st) || !strstr(status_text(), path))
@@ -105,7 +72,7 @@ static void check_refused(const image *i, bool payloads, const char *what) {
 
 static void test_truncated(void **state) {
     (void)state;
-    image i = make(LEAF_CODEC_RAW);
+    leaf_image i = make(LEAF_CODEC_RAW);
     const char *path = scratch_write("short.leaf", i.bytes, i.size);
     for (size_t length = i.size; length-- > 0; length -= length > 6000 && length % 7 ? 6 : 0) {
         assert_int_equal(truncate(path, (off_t)length), 0);
@@ -120,7 +87,7 @@ static void test_truncated(void **state) {
 static void test_flipped(void **state) {
     (void)state;
     for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
-        image i = make((leaf_codec)codec);
+        leaf_image i = make((leaf_codec)codec);
         const char *path = scratch_write("flip.leaf", i.bytes, i.size);
         int fd = open(path, O_WRONLY);
         assert_true(fd >= 0);
@@ -159,7 +126,7 @@ static bool free_choice(size_t at, uint32_t value, const leaf_header *sound) {
 /* Header fields that lie, with checksums that do not. */
 static void test_lying_header(void **state) {
     (void)state;
-    image i = make(LEAF_CODEC_RAW);
+    leaf_image i = make(LEAF_CODEC_RAW);
     const leaf_header sound = *i.header;
     static const uint32_t values[] = {0,  1,  2,   3,    4,       5,          7,        9,
                                       33, 65, 255, 4096, 1 << 20, 0x7fc00000, 1u << 31, UINT32_MAX};
@@ -181,21 +148,21 @@ static void test_lying_header(void **state) {
                 continue;
             char what[64];
             snprintf(what, sizeof what, "header field at %zu = %u", at, values[n]);
-            seal(&i);
+            leaf_image_seal(&i);
             check_refused(&i, false, what);
         }
     }
     *i.header = sound;
     memset(i.header->field, 'x', sizeof i.header->field);
-    seal(&i);
+    leaf_image_seal(&i);
     check_refused(&i, false, "a field's name without an end");
     *i.header = sound;
     i.header->rounding_error = NAN;
-    seal(&i);
+    leaf_image_seal(&i);
     check_refused(&i, false, "rounding_error");
     *i.header = sound;
     i.header->reserved[sizeof sound.reserved - 1] = 1;
-    seal(&i);
+    leaf_image_seal(&i);
     check_refused(&i, false, "reserved bytes");
     free(i.bytes);
 }
@@ -205,7 +172,7 @@ static void test_lying_sizes(void **state) {
     (void)state;
     static const uint64_t treelets[] = {0, 5, 1000, 1 << 20, 1ULL << 31, 1ULL << 32, UINT64_MAX};
     static const uint32_t sets[][2] = {{1, 1}, {1, 2}, {2, 2}, {65536, 1}, {256, 256}, {1, 65535}};
-    image i = make(LEAF_CODEC_RAW);
+    leaf_image i = make(LEAF_CODEC_RAW);
     const leaf_header sound = *i.header;
     for (size_t n = 0; n < sizeof treelets / sizeof treelets[0]; n++)
         for (size_t k = 0; k < sizeof sets / sizeof sets[0]; k++) {
@@ -217,7 +184,7 @@ static void test_lying_sizes(void **state) {
             i.header->moving = n >> 1 & 1;
             for (uint32_t s = 0; s < i.header->sections; s++)
                 i.table[s].bytes = leaf_section_bytes(i.header, i.table[s].kind);
-            seal(&i);
+            leaf_image_seal(&i);
             check_refused(&i, false, "sizes");
             assert_true(mem_peak(&m) < 1 << 20);
             *i.header = sound;
@@ -227,7 +194,7 @@ static void test_lying_sizes(void **state) {
 
 static void test_lying_table(void **state) {
     (void)state;
-    image i = make(LEAF_CODEC_RAW);
+    leaf_image i = make(LEAF_CODEC_RAW);
     leaf_section sound[SECTIONS];
     memcpy(sound, i.table, sizeof sound);
     static const uint64_t values[] = {0, 1, 7, 8, 9, 63, 64, 4096, 1ULL << 32, UINT64_MAX};
@@ -246,7 +213,7 @@ static void test_lying_table(void **state) {
             const bool fine =
                 (s->kind & LEAF_SECTION_ANCILLARY) && leaf_section_optional(sound[n].kind);
             if (!fine && memcmp(sound, i.table, sizeof sound) != 0) {
-                seal(&i);
+                leaf_image_seal(&i);
                 check_refused(&i, false, "section table");
             }
             memcpy(i.table, sound, sizeof sound);
@@ -255,11 +222,11 @@ static void test_lying_table(void **state) {
 }
 
 /* Each element of a section with each of these values. */
-static void check_numbers(const image *i, uint32_t kind, uint32_t count, bool opening) {
+static void check_numbers(const leaf_image *i, uint32_t kind, uint32_t count, bool opening) {
     static const uint32_t values[] = {0,          1,          2,        3,          4,
                                       64,         65,         4096,     16385,      0x7fc00000,
                                       0x7f800000, 0xff800000, 1u << 31, UINT32_MAX, 0x3f800000};
-    uint32_t *array = section(i, kind);
+    uint32_t *array = leaf_image_section(i, kind);
     for (uint32_t n = 0; n < count; n++)
         for (size_t k = 0; k < sizeof values / sizeof values[0]; k++) {
             const uint32_t sound = array[n];
@@ -267,7 +234,7 @@ static void check_numbers(const image *i, uint32_t kind, uint32_t count, bool op
             if (sound == values[k])
                 continue;
             array[n] = values[k];
-            seal(i);
+            leaf_image_seal(i);
             char what[64];
             snprintf(what, sizeof what, "section %u, number %u = 0x%x", kind, n, values[k]);
             check_refused(i, !opening, what);
@@ -278,7 +245,7 @@ static void check_numbers(const image *i, uint32_t kind, uint32_t count, bool op
 static void test_lying_directory(void **state) {
     (void)state;
     for (int codec = LEAF_CODEC_RAW; codec <= LEAF_CODEC_ZSTD; codec++) {
-        image i = make((leaf_codec)codec);
+        leaf_image i = make((leaf_codec)codec);
         const uint32_t n = (uint32_t)i.header->treelets;
         check_numbers(&i, LEAF_SECTION_OFFSETS, 2 * BLOCKS * n, true);
         check_numbers(&i, LEAF_SECTION_SIZES, 2 * BLOCKS * n, true);
@@ -286,11 +253,11 @@ static void test_lying_directory(void **state) {
         check_numbers(&i, LEAF_SECTION_OWN, 2 * 2 * n, true);
         check_numbers(&i, LEAF_SECTION_BOUNDS, 2 * 6 * n, false);
         check_numbers(&i, LEAF_SECTION_COUNTS, 4 * n, false);
-        uint8_t *flags = section(&i, LEAF_SECTION_FLAGS);
+        uint8_t *flags = leaf_image_section(&i, LEAF_SECTION_FLAGS);
         for (uint32_t t = 0; t < 2 * n; t++)
             for (int bit = 0; bit < 8; bit++) {
                 flags[t] ^= (uint8_t)(1 << bit);
-                seal(&i);
+                leaf_image_seal(&i);
                 check_refused(&i, bit == 0, "flags");
                 flags[t] ^= (uint8_t)(1 << bit);
             }
@@ -300,20 +267,20 @@ static void test_lying_directory(void **state) {
 
 static void test_lying_labels(void **state) {
     (void)state;
-    image i = make(LEAF_CODEC_RAW);
-    char *name = section(&i, LEAF_SECTION_FIELDS), sound[64];
-    double *times = section(&i, LEAF_SECTION_TIMES);
+    leaf_image i = make(LEAF_CODEC_RAW);
+    char *name = leaf_image_section(&i, LEAF_SECTION_FIELDS), sound[64];
+    double *times = leaf_image_section(&i, LEAF_SECTION_TIMES);
     memcpy(sound, name, sizeof sound);
     for (int n = 0; n < 3; n++) {
         memset(name + (n == 1 ? 8 : 0), 'x', n == 0 ? 64 : 1); /* endless, hidden, another */
-        seal(&i);
+        leaf_image_seal(&i);
         check_refused(&i, false, "a field's name");
         memcpy(name, sound, sizeof sound);
     }
     static const double wrong[][2] = {{1, 1}, {1, 0}, {NAN, 1}, {0, NAN}, {0, INFINITY}};
     for (size_t n = 0; n < sizeof wrong / sizeof wrong[0]; n++) {
         memcpy(times, wrong[n], sizeof wrong[n]);
-        seal(&i);
+        leaf_image_seal(&i);
         check_refused(&i, false, "times");
     }
     free(i.bytes);
@@ -322,10 +289,10 @@ static void test_lying_labels(void **state) {
 /* Payloads that are wrong with checksums that are right: both readers say the same of each. */
 static void test_lying_payloads(void **state) {
     (void)state;
-    image i = make(LEAF_CODEC_RAW);
-    const uint64_t *offsets = section(&i, LEAF_SECTION_OFFSETS);
-    const uint64_t *sizes = section(&i, LEAF_SECTION_SIZES);
-    uint64_t *checksums = section(&i, LEAF_SECTION_CHECKSUMS);
+    leaf_image i = make(LEAF_CODEC_RAW);
+    const uint64_t *offsets = leaf_image_section(&i, LEAF_SECTION_OFFSETS);
+    const uint64_t *sizes = leaf_image_section(&i, LEAF_SECTION_SIZES);
+    uint64_t *checksums = leaf_image_section(&i, LEAF_SECTION_CHECKSUMS);
     int passed = 0, found = 0;
     for (uint64_t p = 0; p < BLOCKS * i.header->treelets; p++) {
         const uint64_t checksum = checksums[p];
@@ -334,7 +301,7 @@ static void test_lying_payloads(void **state) {
             const char bit = (char)(1 << (at * 5 + p) % 8);
             *byte ^= bit;
             checksums[p] = hash_bytes(i.bytes + offsets[p], (size_t)sizes[p]);
-            seal(&i);
+            leaf_image_seal(&i);
             const char *path = scratch_write("bad.leaf", i.bytes, i.size);
             status st = try_open(path, true);
             naive_mesh mesh;

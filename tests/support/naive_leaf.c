@@ -9,6 +9,8 @@
 #include <xxhash.h>
 #include <zstd.h>
 
+#include "tests/support/naive_bytes.h"
+
 static bool wrong(naive_leaf *leaf, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static bool wrong(naive_leaf *leaf, const char *format, ...) {
     va_list args;
@@ -20,27 +22,6 @@ static bool wrong(naive_leaf *leaf, const char *format, ...) {
 
 /* ---- numbers in bytes ---- */
 
-static uint64_t number(const unsigned char *at, int bytes) {
-    uint64_t value = 0;
-    for (int b = bytes - 1; b >= 0; b--)
-        value = value << 8 | at[b];
-    return value;
-}
-
-static double real64(const unsigned char *at) {
-    uint64_t bits = number(at, 8);
-    double value;
-    memcpy(&value, &bits, 8);
-    return value;
-}
-
-static float real32(const unsigned char *at) {
-    uint32_t bits = (uint32_t)number(at, 4);
-    float value;
-    memcpy(&value, &bits, 4);
-    return value;
-}
-
 static int sample_bytes(int type) {
     return type <= 2 ? 1 : type <= 4 ? 2 : 4;
 }
@@ -50,21 +31,10 @@ static float sample_at(const unsigned char *samples, int type, size_t index) {
     switch (type) {
     case 1: return (float)at[0];
     case 2: return (float)(at[0] < 128 ? at[0] : at[0] - 256);
-    case 3: return (float)number(at, 2);
-    case 4: return (float)((long)number(at, 2) - (at[1] < 128 ? 0 : 65536));
-    default: return real32(at);
+    case 3: return (float)naive_number(at, 2);
+    case 4: return (float)((long)naive_number(at, 2) - (at[1] < 128 ? 0 : 65536));
+    default: return naive_real32(at);
     }
-}
-
-static bool all_zero(const naive_leaf *leaf, uint64_t from, uint64_t to) {
-    for (uint64_t i = from; i < to; i++)
-        if (leaf->bytes[i] != 0)
-            return false;
-    return true;
-}
-
-static uint64_t up_to(uint64_t value, uint64_t multiple) {
-    return (value + multiple - 1) / multiple * multiple;
 }
 
 /* ---- 2. the header ---- */
@@ -75,24 +45,8 @@ static bool read_text(naive_leaf *leaf, uint64_t offset, uint64_t size, char *ou
     if (!end)
         return wrong(leaf, "text at %llu has no end", (unsigned long long)offset);
     uint64_t length = (uint64_t)((const char *)end - out);
-    return all_zero(leaf, offset + length, offset + size) ||
+    return naive_zeros(leaf->bytes, offset + length, offset + size) ||
            wrong(leaf, "bytes behind a text's end");
-}
-
-static bool check_hashes(naive_leaf *leaf, uint64_t sections) {
-    size_t size = 4096 + 32 * sections;
-    unsigned char *copy = malloc(size);
-    if (!copy)
-        return wrong(leaf, "no memory");
-    memcpy(copy, leaf->bytes, size);
-    memset(copy + 248, 0, 8);
-    bool good = XXH3_64bits(copy, 4096) == number(leaf->bytes + 248, 8);
-    memset(copy + 232, 0, 16);
-    XXH128_hash_t id = XXH3_128bits(copy, size);
-    good = good && id.low64 == number(leaf->bytes + 232, 8) &&
-           id.high64 == number(leaf->bytes + 240, 8);
-    free(copy);
-    return good || wrong(leaf, "the header's checksum or id");
 }
 
 static bool read_header(naive_leaf *leaf) {
@@ -107,40 +61,40 @@ static bool read_header(naive_leaf *leaf) {
     if (leaf->size < 4096 || memcmp(b, magic, 8) != 0)
         return wrong(leaf, "no magic");
     for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
-        uint64_t value = number(b + ranges[i][0], 4);
+        uint64_t value = naive_number(b + ranges[i][0], 4);
         if (value < ranges[i][1] || value > ranges[i][2])
             return wrong(leaf, "header field at %d is %llu", (int)ranges[i][0],
                          (unsigned long long)value);
     }
-    leaf->sample_type = (int)number(b + 16, 4);
-    leaf->source_type = (int)number(b + 20, 4);
+    leaf->sample_type = (int)naive_number(b + 16, 4);
+    leaf->source_type = (int)naive_number(b + 20, 4);
     for (int a = 0; a < 3; a++)
-        leaf->dims[a] = (long)number(b + 24 + 4 * a, 4);
-    leaf->levels = (int)number(b + 36, 4);
-    leaf->cells_log2 = (int)number(b + 40, 4);
-    leaf->halo = (int)number(b + 44, 4);
-    leaf->run_align_log2 = (int)number(b + 52, 4);
-    leaf->codec = (int)number(b + 56, 4);
-    leaf->rectilinear = number(b + 60, 4) == 1;
-    leaf->non_finite = number(b + 104, 8);
-    leaf->value_min = real64(b + 112);
-    leaf->value_max = real64(b + 120);
-    leaf->rounding_error = real64(b + 128);
+        leaf->dims[a] = (long)naive_number(b + 24 + 4 * a, 4);
+    leaf->levels = (int)naive_number(b + 36, 4);
+    leaf->cells_log2 = (int)naive_number(b + 40, 4);
+    leaf->halo = (int)naive_number(b + 44, 4);
+    leaf->run_align_log2 = (int)naive_number(b + 52, 4);
+    leaf->codec = (int)naive_number(b + 56, 4);
+    leaf->rectilinear = naive_number(b + 60, 4) == 1;
+    leaf->non_finite = naive_number(b + 104, 8);
+    leaf->value_min = naive_real64(b + 112);
+    leaf->value_max = naive_real64(b + 120);
+    leaf->rounding_error = naive_real64(b + 128);
     for (int i = 0; i < 12; i++)
-        leaf->to_world[i / 4][i % 4] = real64(b + 136 + 8 * i);
+        leaf->to_world[i / 4][i % 4] = naive_real64(b + 136 + 8 * i);
     int stored = leaf->source_type <= 5 ? leaf->source_type : 5;
     if (stored != leaf->sample_type)
         return wrong(leaf, "stored type %d of source type %d", leaf->sample_type,
                      leaf->source_type);
     if (!(leaf->rounding_error >= 0) || (leaf->source_type <= 5 && leaf->rounding_error != 0))
         return wrong(leaf, "rounding error %g", leaf->rounding_error);
-    if (number(b + 96, 8) != leaf->size)
+    if (naive_number(b + 96, 8) != leaf->size)
         return wrong(leaf, "file_bytes");
-    uint64_t sections = number(b + 72, 4);
-    if (leaf->size < 4096 + 32 * sections || !all_zero(leaf, 1344, 4096))
+    uint64_t sections = naive_number(b + 72, 4);
+    if (leaf->size < 4096 + 32 * sections || !naive_zeros(leaf->bytes, 1344, 4096))
         return wrong(leaf, "section table cut off, or reserved bytes");
     return read_text(leaf, 256, 64, leaf->name) && read_text(leaf, 320, 1024, leaf->provenance) &&
-           check_hashes(leaf, sections);
+           (naive_hashes(leaf->bytes, sections) || wrong(leaf, "the header's checksum or id"));
 }
 
 static bool check_to_world(naive_leaf *leaf) {
@@ -174,7 +128,7 @@ static bool lay_out(naive_leaf *leaf) {
         }
         total += l->treelets[0] * l->treelets[1] * l->treelets[2];
     }
-    if (levels != leaf->levels || (uint64_t)total != number(leaf->bytes + 80, 8))
+    if (levels != leaf->levels || (uint64_t)total != naive_number(leaf->bytes + 80, 8))
         return wrong(leaf, "%d levels, %ld treelets are implied", levels, total);
     if ((uint64_t)total > leaf->size)
         return wrong(leaf, "more treelets than bytes");
@@ -233,7 +187,7 @@ static bool read_axes(naive_leaf *leaf, const unsigned char *at) {
         if (!leaf->axis[a])
             return wrong(leaf, "no memory");
         for (long i = 0; i < leaf->dims[a]; i++, at += 8) {
-            leaf->axis[a][i] = real64(at);
+            leaf->axis[a][i] = naive_real64(at);
             if (!isfinite(leaf->axis[a][i]) ||
                 (i > 0 && !(leaf->axis[a][i] > leaf->axis[a][i - 1])))
                 return wrong(leaf, "axis %d at %ld", a, i);
@@ -245,16 +199,17 @@ static bool read_axes(naive_leaf *leaf, const unsigned char *at) {
 /* Where each section is; the end of the last one in *end. */
 static bool find_sections(naive_leaf *leaf, const unsigned char *where[KINDS], uint64_t *end) {
     static const int element[KINDS] = {0, 8, 8, 1, 8, 8, 8, 0};
-    uint64_t sections = number(leaf->bytes + 72, 4);
+    uint64_t sections = naive_number(leaf->bytes + 72, 4);
     *end = 4096 + 32 * sections;
     for (uint64_t i = 0; i < sections; i++) {
         const unsigned char *entry = leaf->bytes + 4096 + 32 * i;
-        uint64_t kind = number(entry, 4), offset = number(entry + 8, 8),
-                 bytes = number(entry + 16, 8);
-        if (number(entry + 4, 4) != 1 || offset != up_to(*end, 64) || offset > leaf->size ||
-            bytes > leaf->size - offset || !all_zero(leaf, *end, offset))
+        uint64_t kind = naive_number(entry, 4), offset = naive_number(entry + 8, 8),
+                 bytes = naive_number(entry + 16, 8);
+        if (naive_number(entry + 4, 4) != 1 || offset != naive_up_to(*end, 64) ||
+            offset > leaf->size || bytes > leaf->size - offset ||
+            !naive_zeros(leaf->bytes, *end, offset))
             return wrong(leaf, "section %d is out of place", (int)i);
-        if (XXH3_64bits(leaf->bytes + offset, bytes) != number(entry + 24, 8))
+        if (XXH3_64bits(leaf->bytes + offset, bytes) != naive_number(entry + 24, 8))
             return wrong(leaf, "checksum of section %d", (int)i);
         *end = offset + bytes;
         if (kind >> 30 & 1)
@@ -452,7 +407,7 @@ static uint64_t codes_size(const naive_leaf *leaf) {
 /* One payload: in the first pass (own) all that it says of itself, in the second its halo. */
 static bool read_payload(naive_leaf *leaf, const naive_treelet *t, bool own) {
     window w;
-    uint64_t count = 1, start = up_to(codes_size(leaf), 64), used;
+    uint64_t count = 1, start = naive_up_to(codes_size(leaf), 64), used;
     for (int a = 0; a < 3; a++) {
         w.size[a] = t->cells[a] + 1 + 2 * leaf->halo;
         count *= (uint64_t)w.size[a];
@@ -485,41 +440,42 @@ static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KI
     for (long i = 0; i < leaf->treelet_count; i++) {
         naive_treelet *t = &leaf->treelets[i];
         for (int n = 0; n < 2; n++) {
-            t->merged[n] = real32(where[RANGES] + 8 * i + 4 * n);
-            t->own[n] = real32(where[OWN] + 8 * i + 4 * n);
+            t->merged[n] = naive_real32(where[RANGES] + 8 * i + 4 * n);
+            t->own[n] = naive_real32(where[OWN] + 8 * i + 4 * n);
             if (!is_positive_zero_or_other(t->merged[n]) || !is_positive_zero_or_other(t->own[n]))
                 return wrong(leaf, "treelet %ld: -0 in a range", i);
         }
         if (where[FLAGS][i] > 1)
             return wrong(leaf, "treelet %ld: flags", i);
         t->has_non_finite = where[FLAGS][i] == 1;
-        t->offset = number(where[OFFSETS] + 8 * i, 8);
-        t->size = number(where[SIZES] + 8 * i, 8);
+        t->offset = naive_number(where[OFFSETS] + 8 * i, 8);
+        t->size = naive_number(where[SIZES] + 8 * i, 8);
         t->payload_size = (uint64_t)sample_bytes(leaf->sample_type);
         for (int a = 0; a < 3; a++)
             t->payload_size *= (uint64_t)(t->cells[a] + 1 + 2 * leaf->halo);
-        t->payload_size = up_to(up_to(codes_size(leaf), 64) + t->payload_size, 64);
+        t->payload_size = naive_up_to(naive_up_to(codes_size(leaf), 64) + t->payload_size, 64);
 
         bool first = i == 0 || t->parent != leaf->treelets[i - 1].parent;
         bool even = t->at[0] % 2 == 0 && t->at[1] % 2 == 0 && t->at[2] % 2 == 0;
         if (first != even)
             return wrong(leaf, "treelet %ld: first of its family or not", i);
-        if (t->offset != up_to(end, first ? UINT64_C(1) << leaf->run_align_log2 : 64))
+        if (t->offset != naive_up_to(end, first ? UINT64_C(1) << leaf->run_align_log2 : 64))
             return wrong(leaf, "treelet %ld: offset", i);
         if (t->size > t->payload_size || (leaf->codec == 0 && t->size != t->payload_size))
             return wrong(leaf, "treelet %ld: size", i);
         if (t->offset > leaf->size || t->size > leaf->size - t->offset ||
-            !all_zero(leaf, end, t->offset))
+            !naive_zeros(leaf->bytes, end, t->offset))
             return wrong(leaf, "treelet %ld: place or padding", i);
-        if (XXH3_64bits(leaf->bytes + t->offset, t->size) != number(where[CHECKSUMS] + 8 * i, 8))
+        if (XXH3_64bits(leaf->bytes + t->offset, t->size) !=
+            naive_number(where[CHECKSUMS] + 8 * i, 8))
             return wrong(leaf, "treelet %ld: checksum", i);
         end = t->offset + t->size;
         stored += t->size;
     }
-    if (stored != number(leaf->bytes + 88, 8))
+    if (stored != naive_number(leaf->bytes + 88, 8))
         return wrong(leaf, "payload_bytes");
-    if (leaf->size != up_to(end, UINT64_C(1) << leaf->run_align_log2) ||
-        !all_zero(leaf, end, leaf->size))
+    if (leaf->size != naive_up_to(end, UINT64_C(1) << leaf->run_align_log2) ||
+        !naive_zeros(leaf->bytes, end, leaf->size))
         return wrong(leaf, "the end of the file");
     return true;
 }

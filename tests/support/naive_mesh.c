@@ -1,6 +1,5 @@
 /* naive_mesh.c - section numbers are those of formats/FORMAT.md. */
 #include "tests/support/naive_mesh.h"
-#include "tests/support/naive_coarse.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -9,6 +8,9 @@
 #include <string.h>
 #include <xxhash.h>
 #include <zstd.h>
+
+#include "tests/support/naive_bytes.h"
+#include "tests/support/naive_coarse.h"
 
 static bool wrong(naive_mesh *mesh, const char *format, ...) __attribute__((format(printf, 2, 3)));
 static bool wrong(naive_mesh *mesh, const char *format, ...) {
@@ -19,70 +21,11 @@ static bool wrong(naive_mesh *mesh, const char *format, ...) {
     return false;
 }
 
-/* ---- numbers in bytes ---- */
-
-static uint64_t number(const unsigned char *at, int bytes) {
-    uint64_t value = 0;
-    for (int b = bytes - 1; b >= 0; b--)
-        value = value << 8 | at[b];
-    return value;
-}
-
-static float float_of(uint64_t number_) {
-    uint32_t bits = (uint32_t)number_;
-    float value;
-    memcpy(&value, &bits, 4);
-    return value;
-}
-
-static float real32(const unsigned char *at) {
-    return float_of(number(at, 4));
-}
-
-static double real64(const unsigned char *at) {
-    uint64_t bits = number(at, 8);
-    double value;
-    memcpy(&value, &bits, 8);
-    return value;
-}
-
-static uint64_t up_to(uint64_t value, uint64_t multiple) {
-    return (value + multiple - 1) / multiple * multiple;
-}
-
-static bool zeros(const unsigned char *bytes, uint64_t from, uint64_t to) {
-    for (uint64_t i = from; i < to; i++)
-        if (bytes[i] != 0)
-            return false;
-    return true;
-}
-
 static bool minus_zero(float value) {
     return value == 0 && signbit(value);
 }
 
 /* ---- the header: 2 and 6 ---- */
-
-static bool good_text(const unsigned char *at, uint64_t size) {
-    const unsigned char *end = memchr(at, 0, size);
-    return end && zeros(at, (uint64_t)(end - at), size);
-}
-
-static bool check_hashes(naive_mesh *mesh, uint64_t sections) {
-    size_t size = 4096 + 32 * sections;
-    unsigned char *copy = malloc(size);
-    if (!copy)
-        return wrong(mesh, "no memory");
-    memcpy(copy, mesh->bytes, size);
-    memset(copy + 248, 0, 8);
-    bool good = XXH3_64bits(copy, 4096) == number(mesh->bytes + 248, 8);
-    memset(copy + 232, 0, 16);
-    XXH128_hash_t id = XXH3_128bits(copy, size);
-    good = good && id.low64 == number(mesh->bytes + 232, 8) &&
-           id.high64 == number(mesh->bytes + 240, 8);
-    free(copy);
-    return good || wrong(mesh, "the header's checksum or id");
-}
 
 static bool read_header(naive_mesh *mesh) {
     static const unsigned char magic[8] = {0x89, 0x4c, 0x45, 0x41, 0x46, 0x0d, 0x0a, 0x1a};
@@ -98,41 +41,42 @@ static bool read_header(naive_mesh *mesh) {
     if (mesh->size < 4096 || memcmp(b, magic, 8) != 0)
         return wrong(mesh, "no magic");
     for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
-        uint64_t value = number(b + ranges[i][0], 4);
+        uint64_t value = naive_number(b + ranges[i][0], 4);
         if (value < ranges[i][1] || value > ranges[i][2])
             return wrong(mesh, "header field at %d is %llu", (int)ranges[i][0],
                          (unsigned long long)value);
     }
-    mesh->run_align_log2 = (int)number(b + 52, 4);
-    mesh->codec = (int)number(b + 56, 4);
-    mesh->fields = (long)number(b + 64, 4);
-    mesh->steps = (long)number(b + 68, 4);
+    mesh->run_align_log2 = (int)naive_number(b + 52, 4);
+    mesh->codec = (int)naive_number(b + 56, 4);
+    mesh->fields = (long)naive_number(b + 64, 4);
+    mesh->steps = (long)naive_number(b + 68, 4);
     mesh->sets = mesh->fields * mesh->steps;
-    mesh->treelets = (long)number(b + 80, 4);
-    mesh->tets = (long)number(b + 1344, 4);
-    mesh->vertices = (long)number(b + 1352, 4);
-    mesh->treelet_tets = (long)number(b + 1384, 4);
-    mesh->leaf_tets = (long)number(b + 1388, 4);
-    mesh->gradient_sets = number(b + 1488, 4) ? mesh->sets : 0;
-    mesh->places = number(b + 1492, 4) ? mesh->steps : 1;
-    if (number(b + 1492, 4) && mesh->steps < 2)
+    mesh->treelets = (long)naive_number(b + 80, 4);
+    mesh->tets = (long)naive_number(b + 1344, 4);
+    mesh->vertices = (long)naive_number(b + 1352, 4);
+    mesh->treelet_tets = (long)naive_number(b + 1384, 4);
+    mesh->leaf_tets = (long)naive_number(b + 1388, 4);
+    mesh->gradient_sets = naive_number(b + 1488, 4) ? mesh->sets : 0;
+    mesh->places = naive_number(b + 1492, 4) ? mesh->steps : 1;
+    if (naive_number(b + 1492, 4) && mesh->steps < 2)
         return wrong(mesh, "one step that moves");
     if (mesh->sets > 65536 || mesh->treelets < 1 || (size_t)mesh->treelets > mesh->size)
         return wrong(mesh, "%ld treelets, %ld sets", mesh->treelets, mesh->sets);
-    if (number(b + 1392, 8) > (uint64_t)mesh->tets || number(b + 1400, 8) > (uint64_t)mesh->tets)
+    if (naive_number(b + 1392, 8) > (uint64_t)mesh->tets ||
+        naive_number(b + 1400, 8) > (uint64_t)mesh->tets)
         return wrong(mesh, "more flat or inverted tets than tets");
     for (int i = 0; i < 12; i++)
-        if (real64(b + 136 + 8 * i) != (i == 0 || i == 5 || i == 10 ? 1 : 0))
+        if (naive_real64(b + 136 + 8 * i) != (i == 0 || i == 5 || i == 10 ? 1 : 0))
             return wrong(mesh, "to_world is not the identity");
-    if (!(real64(b + 128) >= 0))
+    if (!(naive_real64(b + 128) >= 0))
         return wrong(mesh, "rounding error");
-    if (number(b + 96, 8) != mesh->size)
+    if (naive_number(b + 96, 8) != mesh->size)
         return wrong(mesh, "file_bytes");
-    uint64_t sections = number(b + 72, 4);
-    if (mesh->size < 4096 + 32 * sections || !zeros(b, 1496, 4096) || !good_text(b + 256, 64) ||
-        !good_text(b + 320, 1024) || !good_text(b + 1424, 64))
+    uint64_t sections = naive_number(b + 72, 4);
+    if (mesh->size < 4096 + 32 * sections || !naive_zeros(b, 1496, 4096) ||
+        !naive_text(b + 256, 64) || !naive_text(b + 320, 1024) || !naive_text(b + 1424, 64))
         return wrong(mesh, "section table cut off, or reserved bytes, or a text");
-    return check_hashes(mesh, sections);
+    return naive_hashes(b, sections) || wrong(mesh, "the header's checksum or id");
 }
 
 /* ---- sections: 3 and 6 ---- */
@@ -173,16 +117,17 @@ static bool find_sections(naive_mesh *mesh, const unsigned char *where[KINDS], u
                                   64 * (uint64_t)mesh->fields,
                                   steps > 1 ? 8 * steps : 0,
                                   32 * sets};
-    uint64_t sections = number(mesh->bytes + 72, 4);
+    uint64_t sections = naive_number(mesh->bytes + 72, 4);
     *end = 4096 + 32 * sections;
     for (uint64_t i = 0; i < sections; i++) {
         const unsigned char *entry = mesh->bytes + 4096 + 32 * i;
-        uint64_t kind = number(entry, 4), offset = number(entry + 8, 8),
-                 bytes = number(entry + 16, 8);
-        if (number(entry + 4, 4) != 1 || offset != up_to(*end, 64) || offset > mesh->size ||
-            bytes > mesh->size - offset || !zeros(mesh->bytes, *end, offset))
+        uint64_t kind = naive_number(entry, 4), offset = naive_number(entry + 8, 8),
+                 bytes = naive_number(entry + 16, 8);
+        if (naive_number(entry + 4, 4) != 1 || offset != naive_up_to(*end, 64) ||
+            offset > mesh->size || bytes > mesh->size - offset ||
+            !naive_zeros(mesh->bytes, *end, offset))
             return wrong(mesh, "section %d is out of place", (int)i);
-        if (XXH3_64bits(mesh->bytes + offset, bytes) != number(entry + 24, 8))
+        if (XXH3_64bits(mesh->bytes + offset, bytes) != naive_number(entry + 24, 8))
             return wrong(mesh, "checksum of section %d", (int)i);
         *end = offset + bytes;
         if (kind >> 30 & 1)
@@ -204,17 +149,17 @@ static uint64_t node_bytes(const naive_part *t) {
 /* The places of a topology's parts: leaf_first, tets, positions, end. */
 static void topology_places(const naive_part *t, uint64_t at[4]) {
     at[0] = node_bytes(t);
-    at[1] = up_to(at[0] + 2 * (uint64_t)(t->leaves + 1), 64);
-    at[2] = up_to(at[1] + 8 * (uint64_t)t->tets, 64);
-    at[3] = up_to(at[2] + 12 * (uint64_t)t->vertices, 64);
+    at[1] = naive_up_to(at[0] + 2 * (uint64_t)(t->leaves + 1), 64);
+    at[2] = naive_up_to(at[1] + 8 * (uint64_t)t->tets, 64);
+    at[3] = naive_up_to(at[2] + 12 * (uint64_t)t->vertices, 64);
 }
 
 static uint64_t values_at(const naive_part *t) {
-    return up_to(16 * (uint64_t)t->nodes, 64);
+    return naive_up_to(16 * (uint64_t)t->nodes, 64);
 }
 
 static uint64_t moved_at(const naive_part *t) {
-    return up_to(48 * (uint64_t)t->nodes, 64);
+    return naive_up_to(48 * (uint64_t)t->nodes, 64);
 }
 
 /* The first payload of each block but that of topologies. */
@@ -238,8 +183,8 @@ static uint64_t payload_bytes(const naive_mesh *mesh, long p) {
     if (p < values_payload(mesh, 0))
         return at[3];
     if (p < gradients_payload(mesh, 0))
-        return up_to(values_at(t) + 4 * vertices, 64);
-    return up_to((p < positions_payload(mesh, 1) ? 0 : moved_at(t)) + 12 * vertices, 64);
+        return naive_up_to(values_at(t) + 4 * vertices, 64);
+    return naive_up_to((p < positions_payload(mesh, 1) ? 0 : moved_at(t)) + 12 * vertices, 64);
 }
 
 /* Names of fields, times of steps. */
@@ -251,12 +196,12 @@ static bool read_labels(naive_mesh *mesh, const unsigned char *names, const unsi
     if ((names && !mesh->names) || (times && !mesh->times))
         return wrong(mesh, "no memory");
     for (long i = 0; names && i < mesh->fields; i++) {
-        if (!good_text(names + 64 * i, 64))
+        if (!naive_text(names + 64 * i, 64))
             return wrong(mesh, "name of field %ld", i);
         memcpy(mesh->names[i], names + 64 * i, 64);
     }
     for (long i = 0; times && i < mesh->steps; i++) {
-        mesh->times[i] = real64(times + 8 * i);
+        mesh->times[i] = naive_real64(times + 8 * i);
         if (!isfinite(mesh->times[i]) || (i > 0 && !(mesh->times[i] > mesh->times[i - 1])))
             return wrong(mesh, "time of step %ld", i);
     }
@@ -270,10 +215,10 @@ static bool read_counts(naive_mesh *mesh, const unsigned char *counts,
     long tets = 0, vertices = 0;
     for (long i = 0; i < mesh->treelets; i++) {
         naive_part *t = &mesh->part[i];
-        t->tets = (long)number(counts + 16 * i, 4);
-        t->vertices = (long)number(counts + 16 * i + 4, 4);
-        t->nodes = (long)number(counts + 16 * i + 8, 4);
-        t->leaves = (long)number(counts + 16 * i + 12, 4);
+        t->tets = (long)naive_number(counts + 16 * i, 4);
+        t->vertices = (long)naive_number(counts + 16 * i + 4, 4);
+        t->nodes = (long)naive_number(counts + 16 * i + 8, 4);
+        t->leaves = (long)naive_number(counts + 16 * i + 12, 4);
         if (t->tets < 1 || t->tets > mesh->treelet_tets || t->vertices < 4 ||
             t->vertices > 4 * t->tets || t->leaves > t->tets ||
             t->tets > t->leaves * mesh->leaf_tets || t->nodes < 1 ||
@@ -288,7 +233,7 @@ static bool read_counts(naive_mesh *mesh, const unsigned char *counts,
             return wrong(mesh, "no memory");
         for (long n = 0; n < 6 * mesh->places; n++) {
             const int a = (int)(n % 6);
-            const float at = real32(bounds + 24 * (n / 6 * mesh->treelets + i) + 4 * a);
+            const float at = naive_real32(bounds + 24 * (n / 6 * mesh->treelets + i) + 4 * a);
             t->bounds[n / 6][a] = at;
             if (!isfinite(at) || minus_zero(at))
                 return wrong(mesh, "treelet %ld: bounds", i);
@@ -299,7 +244,7 @@ static bool read_counts(naive_mesh *mesh, const unsigned char *counts,
     if (tets != mesh->tets || vertices < mesh->vertices)
         return wrong(mesh, "tets or vertices do not add up");
     for (int a = 0; a < 6; a++)
-        if (all[a] != real32(mesh->bytes + 1360 + 4 * a))
+        if (all[a] != naive_real32(mesh->bytes + 1360 + 4 * a))
             return wrong(mesh, "bounds of the whole");
     return true;
 }
@@ -308,8 +253,8 @@ static bool read_counts(naive_mesh *mesh, const unsigned char *counts,
 static bool check_coarse(naive_mesh *mesh, const unsigned char *parts, uint64_t end) {
     for (long set = 0; parts && set < mesh->sets; set++) {
         const unsigned char *part = parts + 32 * set;
-        const uint64_t offset = number(part, 8), bytes = number(part + 8, 8);
-        if (zeros(part, 0, 32))
+        const uint64_t offset = naive_number(part, 8), bytes = naive_number(part + 8, 8);
+        if (naive_zeros(part, 0, 32))
             continue;
         if (offset != end || bytes < 4096 || bytes % (UINT64_C(1) << mesh->run_align_log2) ||
             bytes > mesh->size - offset)
@@ -326,24 +271,26 @@ static bool check_coarse(naive_mesh *mesh, const unsigned char *parts, uint64_t 
 static bool check_places(naive_mesh *mesh, const unsigned char *const where[KINDS], uint64_t end) {
     uint64_t stored = 0;
     for (long p = 0; p < payload_count(mesh); p++) {
-        uint64_t offset = number(where[OFFSETS] + 8 * p, 8), size = number(where[SIZES] + 8 * p, 8);
+        uint64_t offset = naive_number(where[OFFSETS] + 8 * p, 8),
+                 size = naive_number(where[SIZES] + 8 * p, 8);
         uint64_t align = p % mesh->treelets == 0 ? UINT64_C(1) << mesh->run_align_log2 : 64;
-        if (offset != up_to(end, align))
+        if (offset != naive_up_to(end, align))
             return wrong(mesh, "payload %ld: offset", p);
         if (size < 1 || size > payload_bytes(mesh, p) ||
             (mesh->codec == 0 && size != payload_bytes(mesh, p)))
             return wrong(mesh, "payload %ld: size", p);
-        if (offset > mesh->size || size > mesh->size - offset || !zeros(mesh->bytes, end, offset))
+        if (offset > mesh->size || size > mesh->size - offset ||
+            !naive_zeros(mesh->bytes, end, offset))
             return wrong(mesh, "payload %ld: place or padding", p);
-        if (XXH3_64bits(mesh->bytes + offset, size) != number(where[CHECKSUMS] + 8 * p, 8))
+        if (XXH3_64bits(mesh->bytes + offset, size) != naive_number(where[CHECKSUMS] + 8 * p, 8))
             return wrong(mesh, "payload %ld: checksum", p);
         end = offset + size;
         stored += size;
     }
-    if (stored != number(mesh->bytes + 88, 8))
+    if (stored != naive_number(mesh->bytes + 88, 8))
         return wrong(mesh, "payload_bytes");
-    const uint64_t run = UINT64_C(1) << mesh->run_align_log2, full = up_to(end, run);
-    if (mesh->size < full || !zeros(mesh->bytes, end, full))
+    const uint64_t run = UINT64_C(1) << mesh->run_align_log2, full = naive_up_to(end, run);
+    if (mesh->size < full || !naive_zeros(mesh->bytes, end, full))
         return wrong(mesh, "what is behind the payloads");
     return check_coarse(mesh, where[COARSE], full);
 }
@@ -361,7 +308,7 @@ typedef struct reading {
 } reading;
 
 static long child_of(const reading *r, long node, int c) {
-    return (long)number(r->topology + 64 * node + 48 + 2 * c, 2);
+    return (long)naive_number(r->topology + 64 * node + 48 + 2 * c, 2);
 }
 
 static bool read_parts(reading *r) {
@@ -369,12 +316,12 @@ static bool read_parts(reading *r) {
     uint64_t at[4];
     topology_places(t, at);
     const unsigned char *b = r->topology;
-    if (!zeros(b, at[0] + 2 * (uint64_t)(t->leaves + 1), at[1]) ||
-        !zeros(b, at[1] + 8 * (uint64_t)t->tets, at[2]) ||
-        !zeros(b, at[2] + 12 * (uint64_t)t->vertices, at[3]))
+    if (!naive_zeros(b, at[0] + 2 * (uint64_t)(t->leaves + 1), at[1]) ||
+        !naive_zeros(b, at[1] + 8 * (uint64_t)t->tets, at[2]) ||
+        !naive_zeros(b, at[2] + 12 * (uint64_t)t->vertices, at[3]))
         return wrong(r->mesh, "treelet %ld: padding", r->index);
     for (long l = 0; l <= t->leaves; l++) {
-        r->first[l] = (long)number(b + at[0] + 2 * (uint64_t)l, 2);
+        r->first[l] = (long)naive_number(b + at[0] + 2 * (uint64_t)l, 2);
         long tets = l ? r->first[l] - r->first[l - 1] : 1;
         if (tets < 1 || tets > r->mesh->leaf_tets || (l == 0 && r->first[0] != 0))
             return wrong(r->mesh, "treelet %ld: leaf %ld", r->index, l);
@@ -385,7 +332,7 @@ static bool read_parts(reading *r) {
     bool good = used != NULL;
     for (long i = 0; good && i < t->tets; i++)
         for (int k = 0; good && k < 4; k++) {
-            long v = (long)number(b + at[1] + 8 * (uint64_t)i + 2 * (uint64_t)k, 2);
+            long v = (long)naive_number(b + at[1] + 8 * (uint64_t)i + 2 * (uint64_t)k, 2);
             good = v < t->vertices && (k == 0 || v > t->tet[i][k - 1]);
             t->tet[i][k] = v;
             if (good)
@@ -394,7 +341,7 @@ static bool read_parts(reading *r) {
     for (long v = 0; good && v < t->vertices; v++) {
         good = used[v];
         for (int a = 0; a < 3; a++)
-            t->positions[v][a] = real32(b + at[2] + 12 * (uint64_t)v + 4 * (uint64_t)a);
+            t->positions[v][a] = naive_real32(b + at[2] + 12 * (uint64_t)v + 4 * (uint64_t)a);
     }
     free(used);
     return good || wrong(r->mesh, "treelet %ld: tets or vertices", r->index);
@@ -465,12 +412,12 @@ static float step_of(float lo, float hi) {
     double about = ((double)hi - (double)lo) / 255;
     uint32_t bits = 256;
     for (uint32_t bit = UINT32_C(1) << 30; bit >= 256; bit >>= 1)
-        if ((double)float_of(bits + bit) < about / 4 && bits + bit < 0x7f800000)
+        if ((double)naive_float_of(bits + bit) < about / 4 && bits + bit < 0x7f800000)
             bits += bit;
     bits &= ~UINT32_C(255);
-    while (!(plane(lo, float_of(bits), 255) >= hi))
+    while (!(plane(lo, naive_float_of(bits), 255) >= hi))
         bits += 256;
-    return float_of(bits);
+    return naive_float_of(bits);
 }
 
 static int code_hi(float lo, float step, float at) {
@@ -545,12 +492,13 @@ static bool check_place(reading *r, long place, const unsigned char *codes, long
 
 static void read_triples(const unsigned char *b, float (*to)[3], long count) {
     for (long i = 0; i < 3 * count; i++)
-        to[i / 3][i % 3] = real32(b + 4 * i);
+        to[i / 3][i % 3] = naive_real32(b + 4 * i);
 }
 
 static bool check_moved(reading *r, long step, const unsigned char *b) {
     const uint64_t at = moved_at(r->t), end = at + 12 * (uint64_t)r->t->vertices;
-    if (!zeros(b, 48 * (uint64_t)r->t->nodes, at) || !zeros(b, end, up_to(end, 64)))
+    if (!naive_zeros(b, 48 * (uint64_t)r->t->nodes, at) ||
+        !naive_zeros(b, end, naive_up_to(end, 64)))
         return wrong(r->mesh, "treelet %ld, step %ld: padding", r->index, step);
     read_triples(b + at, r->t->positions + step * r->t->vertices, r->t->vertices);
     return check_place(r, step, b, 48);
@@ -563,7 +511,7 @@ static bool check_gradients(reading *r, long set, const unsigned char *b) {
     for (long i = 0; i < 3 * r->t->vertices; i++)
         if (!isfinite(to[i / 3][i % 3]))
             return wrong(r->mesh, "treelet %ld, set %ld: gradient %ld", r->index, set, i / 3);
-    return zeros(b, end, up_to(end, 64)) ||
+    return naive_zeros(b, end, naive_up_to(end, 64)) ||
            wrong(r->mesh, "treelet %ld, set %ld: padding of gradients", r->index, set);
 }
 
@@ -601,16 +549,17 @@ static bool check_values(reading *r, long set, const unsigned char *b,
     const uint64_t at = values_at(r->t);
     float own[2], range[2];
     for (int i = 0; i < 2; i++) {
-        own[i] = real32(where[OWN] + 8 * element + 4 * i);
-        if (minus_zero(own[i]) || number(where[OWN] + 8 * element + 4 * i, 4) !=
-                                      number(where[RANGES] + 8 * element + 4 * i, 4))
+        own[i] = naive_real32(where[OWN] + 8 * element + 4 * i);
+        if (minus_zero(own[i]) || naive_number(where[OWN] + 8 * element + 4 * i, 4) !=
+                                      naive_number(where[RANGES] + 8 * element + 4 * i, 4))
             return wrong(r->mesh, "element %ld of OWN or RANGES", element);
     }
-    if (!zeros(b, 16 * (uint64_t)r->t->nodes, at) ||
-        !zeros(b, at + 4 * (uint64_t)r->t->vertices, up_to(at + 4 * (uint64_t)r->t->vertices, 64)))
+    if (!naive_zeros(b, 16 * (uint64_t)r->t->nodes, at) ||
+        !naive_zeros(b, at + 4 * (uint64_t)r->t->vertices,
+                     naive_up_to(at + 4 * (uint64_t)r->t->vertices, 64)))
         return wrong(r->mesh, "treelet %ld, set %ld: padding", r->index, set);
     for (long v = 0; v < r->t->vertices; v++)
-        r->t->values[set * r->t->vertices + v] = real32(b + at + 4 * (uint64_t)v);
+        r->t->values[set * r->t->vertices + v] = naive_real32(b + at + 4 * (uint64_t)v);
     const long all[2] = {0, r->t->tets};
     bool finite = finite_range(r, value, all, &range[0], &range[1]);
     if (range[0] != own[0] || range[1] != own[1] || where[FLAGS][element] != (finite ? 0 : 1))
@@ -637,7 +586,8 @@ static bool check_values(reading *r, long set, const unsigned char *b,
 
 static unsigned char *payload_of(const naive_mesh *mesh, const unsigned char *const where[KINDS],
                                  long p) {
-    uint64_t offset = number(where[OFFSETS] + 8 * p, 8), size = number(where[SIZES] + 8 * p, 8);
+    uint64_t offset = naive_number(where[OFFSETS] + 8 * p, 8),
+             size = naive_number(where[SIZES] + 8 * p, 8);
     uint64_t want = payload_bytes(mesh, p);
     unsigned char *payload = malloc(want);
     if (payload && size == want)
@@ -692,15 +642,15 @@ static bool read_treelet(naive_mesh *mesh, long index, const unsigned char *cons
 /* What the header says of all values. */
 static bool check_union(naive_mesh *mesh, const unsigned char *const where[KINDS]) {
     double least = INFINITY, most = -INFINITY;
-    uint64_t strange = 0, claimed = number(mesh->bytes + 104, 8);
+    uint64_t strange = 0, claimed = naive_number(mesh->bytes + 104, 8);
     for (long i = 0; i < mesh->treelets * mesh->sets; i++) {
-        least = fmin(least, (double)real32(where[OWN] + 8 * i));
-        most = fmax(most, (double)real32(where[OWN] + 8 * i + 4));
+        least = fmin(least, (double)naive_real32(where[OWN] + 8 * i));
+        most = fmax(most, (double)naive_real32(where[OWN] + 8 * i + 4));
     }
     for (long i = 0; i < mesh->treelets; i++)
         for (long v = 0; v < mesh->part[i].vertices * mesh->sets; v++)
             strange += !isfinite(mesh->part[i].values[v]);
-    if (least != real64(mesh->bytes + 112) || most != real64(mesh->bytes + 120))
+    if (least != naive_real64(mesh->bytes + 112) || most != naive_real64(mesh->bytes + 120))
         return wrong(mesh, "value_min, value_max");
     return (claimed <= strange && (claimed > 0) == (strange > 0)) || wrong(mesh, "non_finite");
 }

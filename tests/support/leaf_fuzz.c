@@ -1,0 +1,111 @@
+#include "tests/support/leaf_fuzz.h"
+
+#include <math.h>
+
+#include "formats/leaf_stats.h"
+#include "formats/leaf_verify.h"
+#include "render/leafcast.h"
+#include "tests/support/leaf_image.h"
+
+enum { SIDE = 12, MEMORY = 1 << 26, SETS_SEEN = 4 };
+
+static bool is_of_a_file(status st) {
+    return st == ST_OK || st == ST_CORRUPT || st == ST_UNSUPPORTED || st == ST_NOMEM;
+}
+
+static bool is_described(status st) {
+    return st == ST_OK || *status_text();
+}
+
+/* The container by itself. */
+static const char *read_file(const char *path, leaf_fuzz_result *r) {
+    mem m;
+    leaf_file *f = NULL;
+    leaf_activity levels[LEAF_LEVELS_MAX];
+    mem_init(&m, MEMORY);
+    r->open = leaf_file_open(&m, path, &f);
+    bool described = is_described(r->open);
+    if (r->open == ST_OK) {
+        const double middle = f->header.value_min + (f->header.value_max - f->header.value_min) / 2;
+        status st = leaf_stats_activity(&m, f, isfinite(middle) ? middle : 0, 1, NULL, levels);
+        described = is_described(st);
+        r->verify = leaf_verify(&m, f, 1, NULL);
+        described = described && is_described(r->verify) && is_of_a_file(st);
+    }
+    leaf_file_close(f);
+    if (mem_used(&m))
+        return "memory is left";
+    return described ? NULL : "an error without a description, or of another kind";
+}
+
+/* The first status that is none of success. */
+static leafcast_status draw_set(leafcast *v, const leafcast_camera *camera, uint32_t field,
+                                uint32_t step) {
+    static double z[SIDE * SIDE];
+    static float normal[3][SIDE * SIDE];
+    const leafcast_info info = leafcast_describe(v);
+    const leafcast_scene scene = leafcast_scene_default();
+    const leafcast_image image = {.z = z, .normal = {normal[0], normal[1], normal[2]}};
+    leafcast_surface surfaces[2];
+    for (int i = 0; i < 2; i++) {
+        const double iso = info.value_min + (i + 1) * (info.value_max - info.value_min) / 3;
+        surfaces[i] = leafcast_surface_default(isfinite(iso) ? iso : 0);
+    }
+    leafcast_status st = leafcast_select_set(v, field, step);
+    if (st == LEAFCAST_OK)
+        st = leafcast_select(v, surfaces, 2);
+    return st == LEAFCAST_OK ? leafcast_trace(v, &scene, camera, &image, NULL, NULL, NULL) : st;
+}
+
+static bool is_finite(const leafcast_camera *c) {
+    double sum = 0;
+    for (int a = 0; a < 3; a++)
+        sum += fabs(c->eye[a]) + fabs(c->look_at[a]);
+    return sum < 1e30;
+}
+
+static const char *draw_file(const char *path, leaf_fuzz_result *r) {
+    const leafcast_options o = {.memory = MEMORY, .threads = 1};
+    leafcast *v = NULL;
+    leafcast_status st = leafcast_open(path, &o, &v);
+    if (st == LEAFCAST_OK) {
+        const leafcast_info info = leafcast_describe(v);
+        const leafcast_camera camera = leafcast_standard_view(v, 1.1, SIDE, SIDE);
+        leafcast_sample sample;
+        for (uint32_t set = 0; st == LEAFCAST_OK && set < SETS_SEEN && set < info.fields;
+             set++) /* steps: the last, then those before it */
+            st = is_finite(&camera)
+                     ? draw_set(v, &camera, set, set < info.steps ? info.steps - 1 - set : 0)
+                     : LEAFCAST_OK;
+        if (st == LEAFCAST_OK && is_finite(&camera))
+            st = leafcast_probe_point(v, camera.look_at, &sample);
+    }
+    r->trace = (status)st;
+    leafcast_close(v);
+    if (!is_of_a_file(r->trace))
+        return "a picture fails with an error of another kind";
+    return is_described(r->trace) ? NULL : "a picture fails without a description";
+}
+
+const char *leaf_fuzz_try(const char *path, leaf_fuzz_result *r) {
+    *r = (leaf_fuzz_result){ST_AGAIN, ST_AGAIN, ST_AGAIN};
+    const char *wrong = read_file(path, r);
+    if (!wrong && (!is_of_a_file(r->open) || (r->open == ST_OK && !is_of_a_file(r->verify))))
+        wrong = "an error of another kind";
+    if (!wrong)
+        wrong = draw_file(path, r);
+    if (!wrong && r->verify == ST_OK && r->trace != ST_OK && r->trace != ST_NOMEM)
+        wrong = "a sound file cannot be drawn";
+    return wrong;
+}
+
+void leaf_fuzz_seal(char *bytes, size_t size) {
+    const leaf_image i = {.bytes = bytes,
+                          .size = size,
+                          .header = (leaf_header *)bytes,
+                          .table = (leaf_section *)(bytes + LEAF_HEADER_BYTES)};
+    if (size < LEAF_HEADER_BYTES)
+        return;
+    leaf_image_seal_payloads(&i);
+    leaf_image_seal(&i);
+}

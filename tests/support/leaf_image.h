@@ -1,0 +1,31 @@
+/* leaf_image.h - a treelet file in memory, to be changed and made to look sound: not damage, but
+ * malice. */
+#ifndef TESTS_SUPPORT_LEAF_IMAGE_H
+#define TESTS_SUPPORT_LEAF_IMAGE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/leaf_file.h"
+
+typedef struct leaf_image {
+    char *bytes; /* malloc'ed; free() it */
+    size_t size;
+    leaf_header *header; /* in place, like all that follows */
+    leaf_section *table;
+    uint64_t sections_end; /* of the directory */
+} leaf_image;
+
+/* leaf_image_of() - of a sound file's bytes, which it takes over. */
+leaf_image leaf_image_of(char *bytes, size_t size);
+
+/* leaf_image_section() - where a section begins; NULL: there is none. */
+void *leaf_image_section(const leaf_image *i, uint32_t kind);
+
+/* leaf_image_seal() - make the sections' checksums and the header's, and the id, right again.
+ * leaf_image_seal_payloads() - those of the payloads in the directory, before that. Whatever else
+ * is wrong stays, and nothing outside the image is looked at, whatever header and table say. */
+void leaf_image_seal(const leaf_image *i);
+void leaf_image_seal_payloads(const leaf_image *i);
+
+#endif

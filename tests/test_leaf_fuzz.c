@@ -1,0 +1,147 @@
+/* test_leaf_fuzz.c - treelet files of meshes and grids changed at random, their checksums right:
+ * refused, or drawn; never a crash, a hang, memory left. fuzz_leaf.c is the same at length, and
+ * $LEAFCAST_FUZZ other than COUNT files of each kind.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/support/fields.h"
+#include "tests/support/leaf_files.h"
+#include "tests/support/leaf_fuzz.h"
+#include "tests/support/leaf_image.h"
+#include "tests/support/mesh_leaves.h"
+#include "tests/support/scratch.h"
+
+enum { COUNT = 400, CHANGES_MAX = 6 };
+
+static leaf_image make_mesh(leaf_codec codec, int extended) {
+    mesh_case c = mesh_leaves_cube(3, 1 + extended, 1 + extended, 7, 15);
+    if (extended)
+        mesh_leaves_extend(&c, 8);
+    c.file.codec = codec;
+    c.file.run_align_log2 = 9;
+    size_t size;
+    char *bytes = scratch_read(mesh_leaves_make(&c, "made.leaf"), &size);
+    mesh_leaves_release(&c);
+    return leaf_image_of(bytes, size);
+}
+
+static leaf_image make_grid(leaf_codec codec) {
+    leaf_case c = leaf_files_case(20, 19, 4, SAMPLE_F32);
+    void *samples = leaf_files_random(&c, FIELD_SEED, 25);
+    c.samples = samples;
+    c.options.file.codec = codec;
+    size_t size;
+    char *bytes = scratch_read(leaf_files_make(&c, "made.leaf"), &size);
+    free(samples);
+    return leaf_image_of(bytes, size);
+}
+
+/* Four bytes or one, by what breaks things. */
+static void change(char *at, size_t room, field_random *r) {
+    static const uint32_t values[] = {0,          1,          2,          3,
+                                      0x7f800000, 0x7fc00000, 65535,      1 << 20,
+                                      0x7f7fffff, 0x80000000, UINT32_MAX, 0xff7fffff};
+    const uint64_t how = field_random_below(r, 4);
+    uint32_t value = values[field_random_below(r, sizeof values / sizeof *values)];
+    if (how == 0 || room < 4) {
+        *at = (char)(*at ^ 1 << field_random_below(r, 8));
+        return;
+    }
+    if (how == 1) {
+        memcpy(&value, at, 4);
+        value += (uint32_t)field_random_below(r, 5) - 2;
+    } else if (how == 2) {
+        value = (uint32_t)field_random_bits(r);
+    }
+    memcpy(at, &value, 4);
+}
+
+/* Header and directory as often as payloads, though there is less of them. */
+static size_t place(const leaf_image *i, field_random *r) {
+    const uint64_t where = field_random_below(r, 4);
+    const size_t from = where == 0 ? 0 : where == 1 ? LEAF_HEADER_BYTES : (size_t)i->sections_end;
+    const size_t to = where == 0 ? 1600 : where == 1 ? (size_t)i->sections_end : i->size;
+    return from + (size_t)field_random_below(r, to - from);
+}
+
+/* Returns how many were drawn, *refused how many not. */
+static uint64_t run(const leaf_image *sound, const char *kind, uint64_t seed, uint64_t count,
+                    uint64_t *refused) {
+    uint64_t drawn = 0;
+    char *bytes = malloc(sound->size);
+    assert_non_null(bytes);
+    *refused = 0;
+    for (uint64_t n = 0; n < count; n++) {
+        field_random r = {seed * 1000003 + n};
+        leaf_fuzz_result result;
+        memcpy(bytes, sound->bytes, sound->size);
+        for (uint64_t k = n == 0 ? 0 : 1 + field_random_below(&r, CHANGES_MAX); k > 0; k--) {
+            const size_t at = place(sound, &r) & ~(size_t)3;
+            change(bytes + at, sound->size - at, &r);
+        }
+        leaf_fuzz_seal(bytes, sound->size);
+        const char *path = scratch_write("fuzz.leaf", bytes, sound->size);
+        const char *wrong = leaf_fuzz_try(path, &result);
+        if (wrong || (n == 0 && result.trace != ST_OK))
+            fail_msg("%s, file %llu: %s (open %d, verify %d, picture %d: \"%s\")", kind,
+                     (unsigned long long)n, wrong ? wrong : "is sound, but fails", result.open,
+                     result.verify, result.trace, status_text());
+        drawn += result.trace == ST_OK;
+        *refused += result.trace != ST_OK;
+    }
+    free(bytes);
+    print_message("%s: %llu drawn, %llu refused\n", kind, (unsigned long long)drawn,
+                  (unsigned long long)*refused);
+    return drawn;
+}
+
+static void test_changed(void **state) {
+    (void)state;
+    const char *wanted = getenv("LEAFCAST_FUZZ");
+    const uint64_t count = wanted ? strtoull(wanted, NULL, 10) : COUNT;
+    static const char *const kinds[] = {"a mesh, raw",         "a mesh, zstd", "a moving mesh, raw",
+                                        "a moving mesh, zstd", "a grid, raw",  "a grid, zstd"};
+    for (int k = 0; k < 6; k++) {
+        const leaf_codec codec = k % 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
+        const leaf_image i = k < 4 ? make_mesh(codec, k / 2) : make_grid(codec);
+        uint64_t refused;
+        const uint64_t drawn = run(&i, kinds[k], (uint64_t)k + 1, count, &refused);
+        /* It was put to the test from both sides. */
+        assert_true(drawn > count / 50 && refused > count / 4);
+        free(i.bytes);
+    }
+}
+
+/* Cut short: nothing that is looked at lies behind the end. */
+static void test_short(void **state) {
+    (void)state;
+    const leaf_image i = make_mesh(LEAF_CODEC_RAW, 1);
+    for (size_t size = 0; size < i.size; size += size < 6000 ? 37 : 997) {
+        leaf_fuzz_result result;
+        char *bytes = malloc(size + 1); /* its own, so that sanitizers see what is beyond */
+        assert_non_null(bytes);
+        memcpy(bytes, i.bytes, size);
+        leaf_fuzz_seal(bytes, size);
+        const char *wrong = leaf_fuzz_try(scratch_write("short.leaf", bytes, size), &result);
+        if (wrong || result.open == ST_OK)
+            fail_msg("%zu bytes: %s", size, wrong ? wrong : "is opened");
+        free(bytes);
+    }
+    free(i.bytes);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_changed),
+        cmocka_unit_test(test_short),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
