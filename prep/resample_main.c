@@ -18,6 +18,7 @@ typedef struct arguments {
     cli_common common;
     resample_source source;
     resample_wish wish;
+    int64_t step; /* of a treelet file; -1: not given */
 } arguments;
 
 enum {
@@ -27,6 +28,7 @@ enum {
     KEY_FIELD,
     KEY_COMPONENT,
     KEY_CELLS_TO_POINTS,
+    KEY_STEP
 };
 
 static const struct argp_option options[] = {
@@ -36,8 +38,9 @@ static const struct argp_option options[] = {
      1},
     {"spacing", KEY_SPACING, "S", 0, "distance of nodes along each axis, instead of --dims", 1},
     {"bounds", KEY_BOUNDS, "X0,Y0,Z0,X1,Y1,Z1", 0, "the box to resample (default: the mesh's)", 1},
-    {NULL, 0, NULL, 0, "Of meshes that are not treelet files:", 2},
+    {NULL, 0, NULL, 0, "What of the mesh:", 2},
     {"field", KEY_FIELD, "NAME", 0, "the array to take (default: the first of the points)", 2},
+    {"step", KEY_STEP, "K", 0, "of a treelet file's time steps this one, from 0 on (0)", 2},
     {"component", KEY_COMPONENT, "N", 0, "of vectors: 1, 2, ..; default: their magnitude", 2},
     {"cells-to-points", KEY_CELLS_TO_POINTS, NULL, 0,
      "take an array of the cells, averaged to the points", 2},
@@ -75,6 +78,12 @@ static void parse_bounds(struct argp_state *state, resample_wish *w, const char 
     w->bounded = true;
 }
 
+static int64_t parse_step(struct argp_state *state, const char *text) {
+    int64_t value = 0;
+    usage_unless(state, num_int(text, "--step", 0, UINT32_MAX, &value));
+    return value;
+}
+
 static int parse_component(struct argp_state *state, const char *text) {
     int64_t value = 1;
     usage_unless(state, num_int(text, "--component", 1, INT_MAX, &value));
@@ -91,6 +100,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     case KEY_FIELD: a->source.hints.field = arg; break;
     case KEY_COMPONENT: a->source.hints.component = parse_component(state, arg); break;
     case KEY_CELLS_TO_POINTS: a->source.hints.cells_to_points = true; break;
+    case KEY_STEP: a->step = parse_step(state, arg); break;
     case ARGP_KEY_ARG:
         if (a->source.path)
             argp_error(state, "one MESH at a time, not also \"%s\"", arg);
@@ -155,14 +165,35 @@ static status append(void *ctx, const float *samples, size_t count) {
     return nrrd_writer_append(ctx, samples, count);
 }
 
+/* The set of values that is asked for. */
+static status find_set(const arguments *a, const leaf_file *f, uint32_t *set) {
+    const mesh_directory *d = f->mesh;
+    /* A mesh that was converted for this has the one field that was asked for. */
+    const char *name = resample_input_is_leaf(a->source.path) ? a->source.hints.field : NULL;
+    const uint32_t step = a->step > 0 ? (uint32_t)a->step : 0;
+    uint32_t i = 0;
+    if (step >= d->steps)
+        return status_describe(ST_USAGE, "--step %u: there are %u steps, from 0 on", step,
+                               d->steps);
+    while (name && i < d->fields && strcmp(d->names[i], name) != 0)
+        i++;
+    if (i == d->fields)
+        return status_describe(ST_USAGE, "--field %s: there is none; the first is %s", name,
+                               d->names[0]);
+    *set = leaf_layout_set(&f->layout, i, step);
+    return ST_OK;
+}
+
 static status resample(arguments *a, mem *m, leaf_file *f, double start) {
     resample_grid g;
     grid described;
     nrrd_writer *writer = NULL;
     resample_result result;
-    const resample_options o = {.memory = m->limit, .threads = a->common.threads};
+    resample_options o = {.memory = m->limit, .threads = a->common.threads};
     a->wish.nodes = f->header.vertices;
-    status st = resample_grid_choose(&a->wish, f->header.bounds, f->header.name, &g, &described);
+    status st = find_set(a, f, &o.set);
+    if (st == ST_OK)
+        st = resample_grid_choose(&a->wish, f->header.bounds, f->header.name, &g, &described);
     if (st == ST_OK)
         st = nrrd_writer_create(m, a->common.output, a->common.force, &described, &writer);
     if (st == ST_OK)
@@ -187,10 +218,11 @@ static status run(arguments *a) {
     a->source.beside = to_stdout(a) ? NULL : a->common.output;
     a->source.threads = a->common.threads;
     const bool is_leaf = resample_input_is_leaf(a->source.path);
-    if (is_leaf &&
-        (a->source.hints.field || a->source.hints.component || a->source.hints.cells_to_points))
-        return status_describe(ST_USAGE, "%s: a treelet file has its field already",
+    if (is_leaf && (a->source.hints.component || a->source.hints.cells_to_points))
+        return status_describe(ST_USAGE, "%s: a treelet file has values of points already",
                                a->source.path);
+    if (!is_leaf && a->step >= 0)
+        return status_describe(ST_USAGE, "--step is for treelet files of several steps");
     status st = resample_input_open(&m, &a->source, cli_progress(&a->common), &f);
     if (st == ST_OK)
         st = resample(a, &m, f, start);
@@ -199,7 +231,7 @@ static status run(arguments *a) {
 }
 
 int main(int argc, char **argv) {
-    arguments a = {.common = {.verb = "resample"}};
+    arguments a = {.common = {.verb = "resample"}, .step = -1};
     cli_parse(&table, &a.common, argc, argv, &a);
     return cli_finish(&a.common, run(&a));
 }

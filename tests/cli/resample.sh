@@ -37,6 +37,20 @@ exits "without a size" 0 "$leafcast" resample "$tmp/b.mleaf" --force -o "$out"
 ok "has as many nodes as there are vertices" grep -q "^grid        17 x 17 x 17" "$tmp/out"
 rm -f "$out" "$tmp/b.vleaf"
 
+"$leafcast" generate buckyball --tets --dims 9 --deform 0.9 --steps 4 -o "$tmp/s_%04d.mesh"
+"$leafcast" convert "$tmp"/s_000?.mesh -q -o "$tmp/s.mleaf" >"$tmp/log"
+for step in 0 1 3; do
+    "$leafcast" resample "$tmp/s_000$step.mesh" --dims 14 --bounds 0,0,0,8,8,8 -o - >"$tmp/alone"
+    exits "step $step of a moving series" 0 \
+        "$leafcast" resample "$tmp/s.mleaf" --step $step --field buckyball --dims 14 --bounds 0,0,0,8,8,8 -o -
+    floats "$tmp/out" 2744 && cp "$tmp/samples" "$tmp/first"
+    floats "$tmp/alone" 2744
+    ok "is that mesh" cmp "$tmp/samples" "$tmp/first"
+done
+exits "a step that is not there" 2 "$leafcast" resample "$tmp/s.mleaf" --step 4 -o "$out"
+exits "a field that is not there" 2 "$leafcast" resample "$tmp/s.mleaf" --field x -o "$out"
+exits "a step of a mesh" 2 "$leafcast" resample "$tmp/b.mesh" --step 0 -o "$out"
+
 exits "too little memory" 4 "$leafcast" resample "$tmp/b.mleaf" --memory 64K -o "$out"
 exits "a grid" 3 sh -c "'$leafcast' convert '$tmp/b.grid' -q -o '$tmp/g.vleaf' >/dev/null && '$leafcast' resample '$tmp/g.vleaf' -o '$out'"
 ok "is told to be one" grep -q "needs no resampling" "$tmp/err"
@@ -44,7 +58,7 @@ exits "no mesh" 3 "$leafcast" resample tests/README.md -o "$out"
 exits "a file that is not there" 1 "$leafcast" resample "$tmp/none.mesh" -o "$out"
 exits "a folder that is not there" 1 "$leafcast" resample "$tmp/b.mleaf" -o "$tmp/none/a.nrrd"
 for wrong in "--dims 1" "--dims 3,3" "--dims 1.5" "--spacing 0" "--spacing nan" "--dims 9 --spacing 1" \
-    "--bounds 0,0,0,1,1" "--bounds 0,0,0,1,1,0" "--field x"; do
+    "--bounds 0,0,0,1,1" "--bounds 0,0,0,1,1,0" "--component 1" "--step -1"; do
     # shellcheck disable=SC2086 # split on purpose
     exits "usage: resample $wrong" 2 "$leafcast" resample "$tmp/b.mleaf" $wrong -o "$out"
 done
