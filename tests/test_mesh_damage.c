@@ -94,7 +94,7 @@ static void test_flipped(void **state) {
         for (size_t at = 0; at < i.size;
              at += at < 320 || (at >= 1340 && at < 1500) || (at > 4090 && at < i.sections_end + 64)
                        ? 1
-                       : 31) {
+                       : 61) {
             char flipped = (char)(i.bytes[at] ^ (1 << (at % 8)));
             assert_int_equal(pwrite(fd, &flipped, 1, (off_t)at), 1);
             status st = try_open(path, at >= i.sections_end);
@@ -296,7 +296,7 @@ static void test_lying_payloads(void **state) {
     int passed = 0, found = 0;
     for (uint64_t p = 0; p < BLOCKS * i.header->treelets; p++) {
         const uint64_t checksum = checksums[p];
-        for (uint64_t at = p % 3; at < sizes[p]; at += p ? 3 : 1) {
+        for (uint64_t at = p % 5; at < sizes[p]; at += p ? 5 : 1) {
             char *byte = i.bytes + offsets[p] + at;
             const char bit = (char)(1 << (at * 5 + p) % 8);
             *byte ^= bit;
@@ -318,7 +318,7 @@ static void test_lying_payloads(void **state) {
     }
     /* Low bits of positions and values that are no extremes are just others, and any of gradients.
      */
-    assert_true(passed > 1000 && found > 2000);
+    assert_true(passed > 800 && found > 1500);
     free(i.bytes);
 }
 
