@@ -130,8 +130,8 @@ static status read_property(ply *p) {
         return text_tokens_fault(&p->t, "up to %d properties", PROPERTIES_MAX);
     ply_element *e = &p->elements[p->element_count - 1];
     bool more;
-    const uint8_t *ahead;
-    size_t size;
+    const uint8_t *ahead = NULL;
+    size_t size = 0;
     status st = text_tokens_more(&p->t, &more);
     if (st == ST_OK)
         st = byte_stream_peek(p->t.s, 5, &ahead, &size);
