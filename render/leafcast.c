@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
@@ -20,14 +21,20 @@ _Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ACTIVE_ISOS_MAX, "as many isov
 
 enum { LOADER_WORKERS = 2 };
 
-static mesh_schema schema_of(const leafcast_options *o) {
-    return o->schema == LEAFCAST_SCHEMA_TREES ? MESH_TREES : MESH_REFIT;
+/* Trees of all steps beside each other cost no refitting; where not all of them fit, one tree. */
+static mesh_schema schema_of(const leafcast *v) {
+    const uint64_t room =
+        v->budget.limit ? v->budget.limit
+                        : (uint64_t)sysconf(_SC_PHYS_PAGES) / 4 * (uint64_t)sysconf(_SC_PAGESIZE);
+    if (v->options.schema != LEAFCAST_SCHEMA_AUTO)
+        return v->options.schema == LEAFCAST_SCHEMA_TREES ? MESH_TREES : MESH_REFIT;
+    return v->file->header.payload_bytes <= room / 2 ? MESH_TREES : MESH_REFIT;
 }
 
 /* Threads of the loader: two that read; as many as there are, where they refit trees besides. */
 static int workers_of(const leafcast *v) {
     const int threads = pool_threads(v->threads);
-    const bool refits = v->file->header.steps > 1 && schema_of(&v->options) == MESH_REFIT;
+    const bool refits = v->file->header.steps > 1 && schema_of(v) == MESH_REFIT;
     return refits && threads > LOADER_WORKERS ? threads : LOADER_WORKERS;
 }
 
@@ -53,7 +60,7 @@ const char *leafcast_error_text(void) {
 static status open_loader(leafcast *v) {
     static const source_kind kinds[] = {SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA};
     const loader_options o = {.source = kinds[v->options.backend],
-                              .schema = schema_of(&v->options),
+                              .schema = schema_of(v),
                               .workers = workers_of(v),
                               .isa = v->kernels.isa};
     return loader_create(&v->budget, v->file, &o, &v->treelets);
@@ -507,10 +514,10 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
     }
     if (st != ST_OK)
         return leafcast_public_status(st);
+    if (!scene->preview)
+        loader_follow(v->treelets, v->touched);
     for (uint32_t t = 0; t < v->file->layout.treelets; t++)
         atomic_store_explicit(&v->touched[t], 0, memory_order_relaxed);
-    if (!scene->preview)
-        loader_follow(v->treelets);
     if (scene->sweep || scene->preview)
         loader_sweep(v->treelets);
     st = project(v, &f);

@@ -51,7 +51,8 @@ typedef enum leafcast_backend {
 
 /* How another time step of a mesh comes in; the pictures are the same. */
 typedef enum leafcast_schema {
-    LEAFCAST_SCHEMA_AUTO = 0,
+    LEAFCAST_SCHEMA_AUTO = 0, /* trees, if all steps fit into half the budget or an eighth of the
+                                 machine's memory; else refit */
     /* W07 6.1: every step's trees are read with its vertices, and stay, as far as memory goes. */
     LEAFCAST_SCHEMA_TREES = 1,
     /* W07 6.2: one tree; vertices alone are read, and the tree is refit. */

@@ -57,7 +57,7 @@ static const struct argp_option OPTIONS[] = {
     {"schema", SCHEMA, "N", 0,
      "how another time step of a mesh comes in, 1: each step's trees are read, and stay beside "
      "those "
-     "of other steps; 2: one tree, refit to vertices that are read (2)",
+     "of other steps; 2: one tree, refit to vertices that are read (1 where all steps fit)",
      0},
     {"treelet-limit", TREELET_LIMIT, "N", 0,
      "never hold more than N treelets (0: what memory allows); for experiments", 0},

@@ -33,8 +33,6 @@ struct loader_private {
     uint8_t *state;        /* residence, a treelet */
     loader_request *queue; /* binary heap, smallest urgency first */
     size_t queued;
-    uint32_t *follow; /* treelets that were READY in the set before */
-    uint32_t follows;
     treelet **places; /* READY ones, oldest first */
     shelf shelf;      /* ABSENT ones; they stay only as long as nothing else needs their memory */
     shared *shared;   /* of a mesh, a treelet */
@@ -42,6 +40,7 @@ struct loader_private {
     size_t bytes, room; /* of all treelets; that they may have */
     uint64_t published; /* treelets that became READY */
     bool quit, sweeping;
+    bool stepped; /* another set was selected, and loader_follow() not yet called */
     status_note failure;
     loader_stats stats;
     /* The selected isovalues; read-only while anything is traced or loaded. */
@@ -403,13 +402,12 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, loader **out
     h->state = mem_array(m, n, 1);
     h->queue = mem_array(m, n, sizeof *h->queue);
     h->places = mem_array(m, n, sizeof *h->places);
-    h->follow = mem_array(m, n, sizeof *h->follow);
     shelf_init(&h->shelf, m, (uint32_t)n);
     h->existing = existing_octants(m, &f->layout);
     h->held = mem_array(m, n, 1);
     h->readers = mem_array(m, (size_t)o->workers, sizeof *h->readers);
     if (!l->own || !l->children || !l->resident || !h->state || !h->queue || !h->places ||
-        !h->follow || !h->shelf.of || !h->existing || !h->held || !h->readers)
+        !h->shelf.of || !h->existing || !h->held || !h->readers)
         goto fail;
     st = grow_tree(l);
     if (st == ST_OK)
@@ -456,7 +454,6 @@ void loader_destroy(loader *l) {
         mem_free(l->m, h->existing);
         shelf_release(&h->shelf, l->m);
         mem_free(l->m, h->shared);
-        mem_free(l->m, h->follow);
         mem_free(l->m, h->places);
         mem_free(l->m, h->queue);
         mem_free(l->m, h->state);
@@ -534,8 +531,6 @@ static void sort_resident(loader *l) {
             h->places[h->filled++] = tr;
             continue;
         }
-        if (tr->set != h->set)
-            h->follow[h->follows++] = tr->id;
         withdraw(l, tr);
         shelf_put(&h->shelf, tr);
     }
@@ -581,7 +576,7 @@ void loader_select_set(loader *l, uint32_t set) {
     pthread_mutex_lock(&h->lock);
     rest(h);
     if (set != h->set) {
-        h->follows = 0;
+        h->stepped = true;
         const leaf_layout *layout = &l->file->layout;
         h->set = set;
         if (layout->moved_steps)
@@ -654,15 +649,17 @@ static void wait_idle(struct loader_private *h) {
         pthread_cond_wait(&h->done, &h->lock);
 }
 
-void loader_follow(loader *l) {
+void loader_follow(loader *l, const atomic_uchar touched[]) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
-    for (uint32_t i = 0; i < h->follows; i++)
-        if (l->own[h->follow[i]])
-            want_locked(l, h->follow[i], i);
-    h->follows = 0;
-    pthread_cond_broadcast(&h->work);
-    wait_idle(h);
+    for (uint32_t t = 0; h->stepped && t < l->file->layout.treelets; t++)
+        if (l->own[t] && atomic_load_explicit(&touched[t], memory_order_relaxed))
+            want_locked(l, t, 0);
+    if (h->stepped) {
+        pthread_cond_broadcast(&h->work);
+        wait_idle(h);
+    }
+    h->stepped = false;
     pthread_mutex_unlock(&h->lock);
 }
 

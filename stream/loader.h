@@ -72,11 +72,11 @@ void loader_select(loader *l, const double *isovalues, int count);
  * pass over the directory, and none when it is the same as before. */
 void loader_select_set(loader *l, uint32_t set);
 
-/* loader_follow() - bring in, of the set that was selected last, the treelets that were READY in
- * the set before and are active now, and wait for them: what was drawn of one step is mostly what
- * will be of the next, and rays need not wait for it one by one. As far as there are places;
- * trouble is loader_failure()'s. Only while nothing is traced. */
-void loader_follow(loader *l);
+/* loader_follow() - after another set was selected: bring in the active treelets among those that
+ * rays touched last, and wait for them. What was seen of one step is mostly what will be of the
+ * next, and rays need not wait for it one by one. As far as there are places; trouble is
+ * loader_failure()'s. Only while nothing is traced. */
+void loader_follow(loader *l, const atomic_uchar touched[]);
 
 /* loader_place_bytes() - memory that one resident treelet costs; with this the caller turns a
  * budget into places. loader_stored_bytes() - what the file holds of a treelet in the selected set.
