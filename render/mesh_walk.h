@@ -12,8 +12,9 @@
 #include "render/walk.h"
 
 /* mesh_walk() - lower *best to the first hit in this treelet that is strictly after `after` in
- * the order of mesh_tracer.h, if there is a lesser one. Returns whether it changed. */
-bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const hit *after,
+ * the order of mesh_tracer.h, if there is a lesser one. any: some hit there will do as well as the
+ * first one. Returns whether it changed. */
+bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const hit *after, bool any,
                hit *best, walk_counters *counters);
 
 /* mesh_walk_tet() - a tet of the treelet by its place there. */
@@ -29,8 +30,22 @@ typedef struct mesh_interval {
     double t_in, t_out;
 } mesh_interval;
 
-/* mesh_interval_of() - false when the ray passes the box by. Monotone: what lies within another box
- * begins no earlier. */
+/* A ray as boxes see it. */
+typedef struct mesh_slabs {
+    double o[3], inverse[3]; /* of d; 0: d = 0 */
+    double t0, t1;
+} mesh_slabs;
+
+mesh_slabs mesh_slabs_of(const ray *r);
+
+/* mesh_interval_in() - false when the ray passes the box by. Monotone: what lies within another box
+ * begins no earlier. mesh_interval_of() - the same for one box. */
+bool mesh_interval_in(const mesh_slabs *s, const double lo[3], const double hi[3],
+                      mesh_interval *out);
 bool mesh_interval_of(const ray *r, const double lo[3], const double hi[3], mesh_interval *out);
+
+/* mesh_walk_behind() - what a ray leaves before this t holds no hit behind `after`, if it is among
+ * the tets in these bounds. */
+double mesh_walk_behind(const float bounds[6], const ray *r, const hit *after);
 
 #endif

@@ -100,6 +100,14 @@ static void write_colour(const frame *f, pixel_ray *p, frame_counters *counters)
     counters->provisional_pixels += p->provisional;
 }
 
+/* Then whatever surface is on its way hides a light. */
+static bool all_opaque(const frame *f) {
+    for (int i = 0; i < f->tracer->scene.count; i++)
+        if (f->surfaces[i].opacity < 1.0f)
+            return false;
+    return true;
+}
+
 /* Look for what hides the light from the current hit. False: visibility is known without a ray. */
 static bool begin_shadow(const frame *f, pixel_ray *p, const leafcast_light *light,
                          frame_counters *counters) {
@@ -126,6 +134,7 @@ static bool begin_shadow(const frame *f, pixel_ray *p, const leafcast_light *lig
     }
     const hit start = hit_behind(bound);
     p->search = trace_begin(&start);
+    p->search.any = all_opaque(f);
     counters->shadow_rays++;
     return true;
 }

@@ -42,6 +42,7 @@ typedef struct trace_state {
     double t_from;       /* where to resume; */
     uint32_t blocked;    /* at this treelet; LEAF_NO_TREELET: from the start */
     bool provisional;    /* preview: something was drawn coarser than wanted, or not yet at all */
+    bool any;            /* any hit will do as best, and its point does not matter */
 } trace_state;
 
 /* tracer_ray() - a world-space ray for t in [t0, t1], cut by the clip planes. False when nothing of
