@@ -32,7 +32,7 @@ typedef struct arguments {
     uint32_t treelet_tets, leaf_tets, coarse_dims;
     bool coarse, sah;
     leaf_parameters file;
-    bool dry_run;
+    bool gradients, dry_run;
 } arguments;
 
 enum {
@@ -58,7 +58,8 @@ enum {
     KEY_TREELET_TETS,
     KEY_LEAF_TETS,
     KEY_BUILD,
-    KEY_COARSE
+    KEY_COARSE,
+    KEY_GRADIENTS
 };
 
 static const struct argp_option options[] = {
@@ -97,6 +98,8 @@ static const struct argp_option options[] = {
     {"leaf-tets", KEY_LEAF_TETS, "N", 0, "at most so many in a leaf of its tree (default 12)", 3},
     {"build", KEY_BUILD, "bih|sah", 0,
      "trees of treelets: by keys (default), or by the surface area heuristic, for comparison", 3},
+    {"gradients", KEY_GRADIENTS, NULL, 0,
+     "store the gradient at each vertex, too, for smooth normals", 3},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static void usage_unless(struct argp_state *state, status st) {
@@ -224,6 +227,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         a->coarse = true;
         a->coarse_dims = arg ? (uint32_t)parse_int(state, arg, "--coarse", 2, GRID_DIM_MAX) : 0;
         break;
+    case KEY_GRADIENTS: a->gradients = true; break;
     case ARGP_KEY_END:
         if (a->all_fields && a->field_count)
             argp_error(state, "--fields all and --field exclude each other");
@@ -365,6 +369,9 @@ static void report(const arguments *a, const convert_plan *plan, const grid *g, 
 }
 
 static status convert_volume(arguments *a, mem *m, volume *v, double start) {
+    if (a->gradients)
+        return status_describe(ST_USAGE, "--gradients is for meshes: a volume's normals come from "
+                                         "its samples");
     convert_options o = {.file = a->file,
                          .memory = m->limit,
                          .threads = a->common.threads,
@@ -521,7 +528,8 @@ static status convert_mesh(arguments *a, mem *m, mesh *x, const mesh_series *ser
                             .coarse_dims = a->coarse_dims,
                             .memory = m->limit,
                             .threads = a->common.threads,
-                            .force = a->common.force};
+                            .force = a->common.force,
+                            .gradients = a->gradients};
     mesh_result r;
     const progress *p = cli_progress(&a->common);
     status st = a->dry_run ? mesh_convert_dry(m, x, &o, p, &r)

@@ -20,13 +20,13 @@
 enum { BATCH_PER_THREAD = 32 }; /* treelets that are built between two looks at the progress */
 
 /* Where the stages begin and end, of the whole job. */
-static const double READ_END = 0.25, KEYS_END = 0.4, SORT_END = 0.5;
+static const double READ_END = 0.25, KEYS_END = 0.4, SORT_END = 0.5, GRADIENTS_END = 0.6;
 
 /* One thread's tools and counts. */
 typedef struct bench {
     mesh_treelet_builder *builder;
     mesh_sah *sah; /* NULL: trees by keys */
-    mesh_pages points, values;
+    mesh_pages points, values, gradients;
     leaf_packer *packer;
     void *pack;
     uint64_t flat, positive, negative;
@@ -50,6 +50,9 @@ typedef struct conversion {
     pool *workers;
     mesh_runs *runs;
     uint64_t tets; /* kept */
+    mesh_spool gradients;
+    mesh_gradients *summing;
+    double band, band_end; /* the part that is under way, of all gradients */
     leaf_writer *writer;
     bench *benches;
     batch batch;
@@ -137,6 +140,54 @@ static status count_batch(conversion *c) {
                : ST_OK;
 }
 
+/* ---- gradients ---- */
+
+static status sum_batch(conversion *c) {
+    const batch *b = &c->batch;
+    const mesh_record *first = b->records + b->first[0];
+    status st = mesh_gradients_add(c->summing, first, b->first[b->count] - b->first[0]);
+    const double part = (b->treelet + (double)b->count) / (double)c->plan.treelets;
+    const double done = c->band + (c->band_end - c->band) * part;
+    return st == ST_OK
+               ? progress_step(c->p, "gradients", SORT_END + (GRADIENTS_END - SORT_END) * done)
+               : st;
+}
+
+static status sum_gradients(conversion *c, uint32_t step, uint32_t field) {
+    const mesh_gather *g = c->g;
+    const uint64_t bands = mesh_gradients_bands(c->summing);
+    const uint64_t before = ((uint64_t)step * g->fields + field) * bands;
+    status st = ST_OK;
+    for (uint64_t band = 0; st == ST_OK && band < bands; band++) {
+        c->band = (double)(before + band) / (double)(bands * g->fields * g->steps);
+        c->band_end = (double)(before + band + 1) / (double)(bands * g->fields * g->steps);
+        mesh_gradients_begin(c->summing, band, mesh_gather_points(g, step),
+                             mesh_gather_values(g, step, field));
+        st = mesh_runs_rewind(c->runs);
+        if (st == ST_OK)
+            st = for_each_batch(c, sum_batch);
+        if (st == ST_OK)
+            st = mesh_gradients_end(c->summing, &c->gradients);
+    }
+    return st;
+}
+
+/* Of every vertex in every set, in the order of the values, to c->gradients. */
+static status make_gradients(conversion *c, const char *output) {
+    mesh_gather *g = c->g;
+    mesh_spool_init(&c->gradients, c->m, output, sizeof(float[3]), 0);
+    status st = c->plan.spill_gradients ? mesh_spool_spill(&c->gradients) : ST_OK;
+    if (st == ST_OK)
+        st = mesh_gradients_create(c->m, c->workers, &g->points, &g->values, g->vertices,
+                                   &c->plan.gradients, &c->summing);
+    for (uint32_t step = 0; step < g->steps; step++)
+        for (uint32_t field = 0; st == ST_OK && field < g->fields; field++)
+            st = sum_gradients(c, step, field);
+    mesh_gradients_destroy(c->summing);
+    c->summing = NULL;
+    return st == ST_OK ? mesh_spool_end(&c->gradients) : st;
+}
+
 /* ---- building ---- */
 
 /* The topology, and the first field at the first step. */
@@ -176,6 +227,24 @@ static status build_positions(const conversion *c, bench *k, uint32_t treelet, u
                        : st;
 }
 
+/* Of all sets; last, since nothing is left of the topology. */
+static status put_gradients(const conversion *c, bench *k, uint32_t treelet,
+                            const mesh_treelet *t) {
+    status st = ST_OK;
+    for (uint32_t step = c->first_step; step < c->end_step; step++) {
+        for (uint32_t field = 0; st == ST_OK && field < c->g->fields; field++) {
+            const uint32_t set = leaf_layout_set(leaf_writer_layout(c->writer), field, step);
+            const void *payload = NULL;
+            k->gradients.first = mesh_gather_values(c->g, step, field);
+            st = mesh_treelet_gradients(k->builder, t, &k->gradients, &payload);
+            if (st == ST_OK)
+                st =
+                    leaf_writer_put_gradients(c->writer, k->packer, set, treelet, payload, k->pack);
+        }
+    }
+    return st;
+}
+
 static status build_one(void *ctx, size_t index, int worker) {
     const conversion *c = ctx;
     bench *k = &c->benches[worker];
@@ -200,7 +269,7 @@ static status build_one(void *ctx, size_t index, int worker) {
         if (st == ST_OK && step > 0 && c->g->moving)
             st = build_positions(c, k, treelet, step, &t);
     }
-    return st;
+    return st == ST_OK && c->o->gradients ? put_gradients(c, k, treelet, &t) : st;
 }
 
 static status build_batch(conversion *c) {
@@ -208,7 +277,8 @@ static status build_batch(conversion *c) {
     const double part = (double)(c->batch.treelet + c->batch.count) / (double)c->plan.treelets;
     const double done =
         (c->first_step + part * (c->end_step - c->first_step)) / (double)c->g->steps;
-    return st == ST_OK ? progress_step(c->p, "build", SORT_END + (1 - SORT_END) * done) : st;
+    const double from = c->o->gradients ? GRADIENTS_END : SORT_END;
+    return st == ST_OK ? progress_step(c->p, "build", from + (1 - from) * done) : st;
 }
 
 /* In memory, a vertex' values at all steps are as near as one; in files, each step is a place of
@@ -240,6 +310,8 @@ static status create_benches(conversion *c) {
             st = mesh_pages_init(&k->points, &c->g->points, c->plan.points_window);
         if (st == ST_OK)
             st = mesh_pages_init(&k->values, &c->g->values, c->plan.values_window);
+        if (st == ST_OK && o->gradients)
+            st = mesh_pages_init(&k->gradients, &c->gradients, c->plan.gradients_window);
         if (st == ST_OK)
             st = leaf_packer_create(c->writer, &k->packer);
         if (st == ST_OK && k->packer) {
@@ -263,6 +335,7 @@ static void release_benches(conversion *c, leaf_facts *facts) {
         mesh_sah_destroy(k->sah);
         mesh_pages_release(&k->points);
         mesh_pages_release(&k->values);
+        mesh_pages_release(&k->gradients);
         if (k->packer)
             leaf_packer_destroy(c->writer, k->packer);
         mem_free(c->m, k->pack);
@@ -295,9 +368,13 @@ static status build_treelets(conversion *c, const char *field, const char *outpu
                              .leaf_tets = c->o->leaf_tets,
                              .fields = c->g->fields,
                              .steps = c->g->steps,
+                             .gradients = c->o->gradients,
                              .moving = c->g->moving,
                              .coarse = c->o->coarse};
-    st = leaf_writer_create_mesh(c->m, output, c->o->force, &parts, &c->o->file, &c->writer);
+    if (c->o->gradients)
+        st = make_gradients(c, output);
+    if (st == ST_OK)
+        st = leaf_writer_create_mesh(c->m, output, c->o->force, &parts, &c->o->file, &c->writer);
     if (st == ST_OK)
         st = create_benches(c);
     return st == ST_OK ? build_steps(c) : st;
@@ -319,15 +396,16 @@ static void describe_origin(const mesh_options *o, const mesh_report *r, char *t
     if (split)
         snprintf(cells, sizeof cells, ", %llu cells split", (unsigned long long)split);
     snprintf(text, size,
-             "leafcast %s convert, from %s: Morton treelets of %u tets, leaves of %u%s%s, %s",
+             "leafcast %s convert, from %s: Morton treelets of %u tets, leaves of %u%s%s%s, %s",
              LEAFCAST_VERSION, steps, o->treelet_tets, o->leaf_tets, o->sah ? " by areas" : "",
-             cells, codec);
+             cells, o->gradients ? ", gradients" : "", codec);
 }
 
 /* Everything but the writer, which leaf_writer_finish() consumes. */
 static void release(conversion *c, leaf_facts *facts) {
     release_benches(c, facts);
     mesh_runs_destroy(c->runs);
+    mesh_spool_release(&c->gradients);
     mem_free(c->m, c->batch.first);
     pool_destroy(c->workers);
     mesh_gather_release(c->g);

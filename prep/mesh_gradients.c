@@ -38,6 +38,7 @@ struct mesh_gradients {
     pool *workers;
     uint64_t vertices, band;
     uint64_t first, count; /* of the band under way */
+    uint64_t point, value; /* elements of vertex 0 */
     weighted *sums;        /* of its vertices */
     share *shares;
     window *windows; /* of each thread */
@@ -47,32 +48,28 @@ struct mesh_gradients {
 
 /* ---- what is held ---- */
 
-static bool is_paged(const mesh_spool *points, const mesh_spool *values) {
-    return !mesh_spool_held(points) || !mesh_spool_held(values);
-}
-
 uint64_t mesh_gradients_memory(const mesh_gradients_plan *plan, int threads) {
     return sizeof(mesh_gradients) + plan->band * sizeof(weighted) + SLICE * sizeof(share) +
            (uint64_t)threads * (sizeof(window) + plan->points_window + plan->values_window) + 1024;
 }
 
 mesh_gradients_plan mesh_gradients_plan_make(const mesh_spool *points, const mesh_spool *values,
-                                             int threads, uint64_t room) {
-    const uint64_t all = points->count, many = (uint64_t)threads;
-    mesh_gradients_plan plan = {.band = all < BAND_MIN ? all : BAND_MIN};
-    if (is_paged(points, values)) {
+                                             uint64_t vertices, bool paged, int threads,
+                                             uint64_t room) {
+    mesh_gradients_plan plan = {.band = vertices < BAND_MIN ? vertices : BAND_MIN};
+    if (paged) {
         plan.points_window = mesh_pages_least(points);
         plan.values_window = mesh_pages_least(values);
     }
     const uint64_t least = mesh_gradients_memory(&plan, threads);
     uint64_t left = room > least ? room - least : 0;
     /* Another band costs more than windows that are not wide. */
-    const uint64_t wider = (is_paged(points, values) ? left / 4 * 3 : left) / sizeof(weighted);
-    const uint64_t more = wider < all - plan.band ? wider : all - plan.band;
+    const uint64_t wider = (paged ? left / 4 * 3 : left) / sizeof(weighted);
+    const uint64_t more = wider < vertices - plan.band ? wider : vertices - plan.band;
     plan.band += more;
     left -= more * sizeof(weighted);
-    if (is_paged(points, values)) {
-        const uint64_t each = left / many / 4;
+    if (paged) {
+        const uint64_t each = left / (uint64_t)threads / 4;
         plan.points_window = mesh_pages_memory(points, plan.points_window + 3 * each);
         plan.values_window = mesh_pages_memory(values, plan.values_window + each);
     }
@@ -80,14 +77,15 @@ mesh_gradients_plan mesh_gradients_plan_make(const mesh_spool *points, const mes
 }
 
 status mesh_gradients_create(mem *m, pool *workers, mesh_spool *points, mesh_spool *values,
-                             const mesh_gradients_plan *plan, mesh_gradients **out) {
+                             uint64_t vertices, const mesh_gradients_plan *plan,
+                             mesh_gradients **out) {
     mesh_gradients *g = mem_zalloc(m, sizeof *g);
     if (!g)
         return ST_NOMEM;
     const size_t threads = (size_t)pool_threads(workers);
     g->m = m;
     g->workers = workers;
-    g->vertices = points->count;
+    g->vertices = vertices;
     g->band = plan->band;
     g->sums = mem_array(m, (size_t)plan->band, sizeof *g->sums);
     g->shares = mem_alloc(m, SLICE * sizeof *g->shares);
@@ -123,10 +121,12 @@ uint64_t mesh_gradients_bands(const mesh_gradients *g) {
     return (g->vertices + g->band - 1) / g->band;
 }
 
-void mesh_gradients_begin(mesh_gradients *g, uint64_t band) {
+void mesh_gradients_begin(mesh_gradients *g, uint64_t band, uint64_t point, uint64_t value) {
     const uint64_t left = g->vertices - band * g->band;
     g->first = band * g->band;
     g->count = left < g->band ? left : g->band;
+    g->point = point;
+    g->value = value;
     memset(g->sums, 0, (size_t)g->count * sizeof *g->sums);
 }
 
@@ -187,11 +187,11 @@ static status share_tet(const mesh_gradients *g, window *w, const uint32_t id[4]
     if (!find_owners(g, id, out->owner))
         return ST_OK;
     for (int c = 0; c < 4; c++) {
-        const void *at = mesh_pages_at(&w->points, id[c]);
+        const void *at = mesh_pages_at(&w->points, g->point + id[c]);
         if (!at)
             return w->points.st;
         memcpy(p[c], at, sizeof p[c]);
-        const void *value = mesh_pages_at(&w->values, id[c]);
+        const void *value = mesh_pages_at(&w->values, g->value + id[c]);
         if (!value)
             return w->values.st;
         memcpy(&f[c], value, sizeof f[c]);

@@ -13,7 +13,7 @@
  * Vertices go in bands of as many as there is room for, and the tets pass by once for each band:
  *
  *     for (uint64_t band = 0; st == ST_OK && band < mesh_gradients_bands(g); band++) {
- *         mesh_gradients_begin(g, band);
+ *         mesh_gradients_begin(g, band, 0, 0);
  *         for all records, some at a time: mesh_gradients_add(g, records, count)
  *         mesh_gradients_end(g, gradients)
  *     }
@@ -21,6 +21,7 @@
 #ifndef PREP_MESH_GRADIENTS_H
 #define PREP_MESH_GRADIENTS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -34,22 +35,27 @@ typedef struct mesh_gradients_plan {
     uint64_t points_window, values_window; /* bytes of each thread's window on spilled ones */
 } mesh_gradients_plan;
 
-/* mesh_gradients_plan_make() - for these points and values the fastest plan that takes up to `room`
- * bytes, or else the one that takes least. mesh_gradients_memory() - bytes that one takes. */
+/* mesh_gradients_plan_make() - for so many vertices the fastest plan that takes up to `room` bytes,
+ * or else the one that takes least. paged: points and values will be in files.
+ * mesh_gradients_memory() - bytes that one takes. */
 mesh_gradients_plan mesh_gradients_plan_make(const mesh_spool *points, const mesh_spool *values,
-                                             int threads, uint64_t room);
+                                             uint64_t vertices, bool paged, int threads,
+                                             uint64_t room);
 uint64_t mesh_gradients_memory(const mesh_gradients_plan *plan, int threads);
 
 typedef struct mesh_gradients mesh_gradients;
 
-/* mesh_gradients_create() - points, values: float[3] and float of every vertex, ended. All these
- * must outlive it. */
+/* mesh_gradients_create() - points, values: float[3] and float of every vertex, perhaps of several
+ * steps or sets one behind the other; ended. All these must outlive it. */
 CHECKED status mesh_gradients_create(mem *m, pool *workers, mesh_spool *points, mesh_spool *values,
-                                     const mesh_gradients_plan *plan, mesh_gradients **out);
+                                     uint64_t vertices, const mesh_gradients_plan *plan,
+                                     mesh_gradients **out);
 void mesh_gradients_destroy(mesh_gradients *g); /* NULL is fine */
 
 uint64_t mesh_gradients_bands(const mesh_gradients *g);
-void mesh_gradients_begin(mesh_gradients *g, uint64_t band);
+
+/* mesh_gradients_begin() - vertex 0 is points' element `point` and values' element `value`. */
+void mesh_gradients_begin(mesh_gradients *g, uint64_t band, uint64_t point, uint64_t value);
 
 /* mesh_gradients_add() - tets of four different vertices each. Fails only where reading points or
  * values does. */

@@ -28,9 +28,18 @@ static uint64_t room_above(uint64_t budget, uint64_t used) {
     return budget > used ? budget - used : 0;
 }
 
+static uint64_t chunk_bytes(const mesh_spool *s) {
+    return ((uint64_t)1 << MESH_SPOOL_LOG2) * s->element + 128;
+}
+
 static uint64_t held_bytes(const mesh_spool *s) {
-    const uint64_t chunk = ((uint64_t)1 << MESH_SPOOL_LOG2) * s->element + 128;
-    return s->chunk_count * chunk + s->chunk_room * sizeof *s->chunks + 128;
+    return s->chunk_count * chunk_bytes(s) + s->chunk_room * sizeof *s->chunks + 128;
+}
+
+/* Of one that will be filled; in a file it has a buffer. */
+static uint64_t filled_bytes(const mesh_spool *s, bool held) {
+    const uint64_t chunks = held ? (s->count >> MESH_SPOOL_LOG2) + 1 : 1;
+    return chunks * (chunk_bytes(s) + 4 * sizeof *s->chunks) + 4096;
 }
 
 /* ---- what the stages take beside points, tets, runs and windows ---- */
@@ -44,6 +53,7 @@ static uint64_t writer_memory(const mesh_options *o, const mesh_gather *g, uint6
     const leaf_mesh parts = {.treelets = (uint32_t)treelets,
                              .fields = g->fields,
                              .steps = g->steps,
+                             .gradients = o->gradients,
                              .moving = g->moving};
     return leaf_writer_mesh_memory(&parts, mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets));
 }
@@ -62,6 +72,30 @@ static uint64_t build_fixed(const needs *n) {
 
 /* ---- choosing ---- */
 
+/* The gradients that there will be. */
+static mesh_spool gradients_of(const needs *n) {
+    const mesh_options *o = n->o;
+    return (mesh_spool){.element = sizeof(float[3]),
+                        .count = o->gradients ? n->g->values.count : 0};
+}
+
+/* Summing up gradients, which takes its place between sorting and building; plan->memory may grow.
+ * base: what is held besides. */
+static void choose_gradients(const needs *n, bool paged, uint64_t base, uint64_t budget,
+                             mesh_plan *plan) {
+    const mesh_gather *g = n->g;
+    const int threads = n->o->threads;
+    const mesh_spool gradients = gradients_of(n);
+    if (!n->o->gradients)
+        return;
+    base += filled_bytes(&gradients, !paged);
+    plan->spill_gradients = paged;
+    plan->gradients = mesh_gradients_plan_make(&g->points, &g->values, g->vertices, paged, threads,
+                                               room_above(budget, base));
+    plan->memory = larger(plan->memory, base + mesh_gradients_memory(&plan->gradients, threads));
+    plan->spill_bytes += paged ? gradients.count * gradients.element : 0;
+}
+
 /* The best plan with so much spilled within the budget, or the one that needs least: plan->memory
  * tells. */
 static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *plan) {
@@ -75,9 +109,14 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
     const uint64_t points = how == SPILL_ALL ? 0 : held_bytes(&g->points) + held_bytes(&g->values);
     const uint64_t least_points = paged ? mesh_pages_least(&g->points) : 0,
                    least_values = paged ? mesh_pages_least(&g->values) : 0;
-    const uint64_t keys = keys_fixed(n) + points, build = build_fixed(n) + points;
+    const mesh_spool gradients = gradients_of(n);
+    const bool any = gradients.count > 0;
+    const uint64_t least_gradients = any && paged ? mesh_pages_least(&gradients) : 0;
+    const uint64_t keys = keys_fixed(n) + points,
+                   build = build_fixed(n) + points +
+                           (any && !paged ? filled_bytes(&gradients, true) : 0);
     const uint64_t keys_least = keys + threads * least_points,
-                   build_least = build + threads * (least_points + least_values);
+                   build_least = build + threads * (least_points + least_values + least_gradients);
     /* Wide windows are worth as much as long runs. */
     const uint64_t share = paged ? 2 : 1;
     plan->runs = mesh_runs_plan_make(count, (uint64_t)n->o->treelet_tets + 1,
@@ -88,17 +127,23 @@ static void choose(const needs *n, spilling how, uint64_t budget, mesh_plan *pla
                       (plan->runs.block ? tets : 0) + mesh_runs_sorting(&plan->runs));
     const uint64_t build_all = build + mesh_runs_merging(&plan->runs, count);
     if (paged) {
-        const uint64_t each = room_above(budget, build_all) / threads / 4;
+        const uint64_t each = room_above(budget, build_all) / threads / (any ? 7 : 4);
         plan->keys_window = mesh_pages_memory(
             &g->points, larger(room_above(budget, keys_all) / threads, least_points));
         plan->points_window = mesh_pages_memory(&g->points, larger(3 * each, least_points));
         plan->values_window = mesh_pages_memory(&g->values, larger(each, least_values));
+        if (any)
+            plan->gradients_window =
+                mesh_pages_memory(&gradients, larger(3 * each, least_gradients));
     }
-    plan->build_memory = build_all + threads * (plan->points_window + plan->values_window);
+    plan->build_memory =
+        build_all + threads * (plan->points_window + plan->values_window + plan->gradients_window);
     plan->memory = larger(keys_all + threads * plan->keys_window, plan->build_memory);
     plan->spill_bytes =
         mesh_runs_spill(&plan->runs, count) + (tets ? 0 : count * g->tets.element) +
         (paged ? g->points.count * g->points.element + g->values.count * g->values.element : 0);
+    choose_gradients(n, paged, n->others + points + mesh_runs_merging(&plan->runs, count), budget,
+                     plan);
 }
 
 static status needs_of(mem *m, const mesh_gather *g, const mesh_options *o, needs *n) {

@@ -13,6 +13,7 @@
 #include "formats/base/status.h"
 #include "formats/leaf_writer.h"
 #include "prep/mesh_gather.h"
+#include "prep/mesh_gradients.h"
 #include "prep/mesh_runs.h"
 #include "prep/mesh_series.h"
 
@@ -29,6 +30,7 @@ typedef struct mesh_options {
     bool sah;                  /* trees by the surface area heuristic: mesh_sah.h */
     bool coarse;               /* with a coarse grid of each set, */
     uint32_t coarse_dims;      /* of so many nodes along the longest edge; 0: as suits the mesh */
+    bool gradients;            /* the file has one at each vertex */
 } mesh_options;
 
 typedef struct mesh_plan {
@@ -36,6 +38,9 @@ typedef struct mesh_plan {
     mesh_runs_plan runs;
     uint64_t keys_window;                  /* bytes of each thread's window on spilled points */
     uint64_t points_window, values_window; /* the same, while treelets are built */
+    mesh_gradients_plan gradients;         /* while they are summed up */
+    uint64_t gradients_window;             /* as the others, on what came of it */
+    bool spill_gradients;                  /* that goes to a scratch file, too */
     uint64_t treelets;                     /* a guess, rather too large */
     uint64_t memory;                       /* bytes it will take, what is used already included */
     uint64_t build_memory;                 /* of that, while treelets are built */

@@ -374,3 +374,19 @@ status mesh_treelet_build(mesh_treelet_builder *b, const mesh_record *records, s
     out->topology = b->topology;
     return ST_OK;
 }
+
+status mesh_treelet_gradients(mesh_treelet_builder *b, const mesh_treelet *t, mesh_pages *gradients,
+                              const void **payload) {
+    const mesh_shape s = mesh_leaf_shape(t->counts);
+    assert(s.gradients_bytes <= s.topology_bytes);
+    for (uint32_t i = 0; i < s.vertices; i++) {
+        const void *g = mesh_pages_at(gradients, mesh_vertices_id(&b->vertices, i));
+        if (!g)
+            return gradients->st;
+        memcpy(b->topology + i * sizeof(float[3]), g, sizeof(float[3]));
+    }
+    const size_t end = s.vertices * sizeof(float[3]);
+    memset(b->topology + end, 0, s.gradients_bytes - end);
+    *payload = b->topology;
+    return ST_OK;
+}

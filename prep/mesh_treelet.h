@@ -59,4 +59,10 @@ CHECKED status mesh_treelet_move(mesh_treelet_builder *b, mesh_pages *points, me
 void mesh_treelet_begin(mesh_treelet_builder *b, const mesh_record *records, size_t count,
                         mesh_treelet *out);
 
+/* mesh_treelet_gradients() - of the treelet built last, for leaf_writer_put_gradients(); gradients:
+ * float[3] of every vertex. Takes the place of its topology: nothing else can be
+ * built of the treelet then. */
+CHECKED status mesh_treelet_gradients(mesh_treelet_builder *b, const mesh_treelet *t,
+                                      mesh_pages *gradients, const void **payload);
+
 #endif

@@ -23,6 +23,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/mesh_cases.h"
+#include "tests/support/mesh_truth.h"
 #include "tests/support/scratch.h"
 
 static mem m;
@@ -282,6 +283,62 @@ static void test_places(void **state) {
     }
 }
 
+/* ---- gradients ---- */
+
+/* The vertex at a place of a lattice that mesh_cases_kuhn() has made. */
+static size_t vertex_at(const mesh_case *c, const float at[3]) {
+    for (size_t i = 0; i < c->point_count; i++)
+        if (memcmp(c->points[i], at, sizeof c->points[i]) == 0)
+            return i;
+    fail_msg("no vertex there");
+    return 0;
+}
+
+/* Those of the whole mesh, in all treelets that have the vertex; nothing else has changed. */
+static void check_gradients(const mesh_case *c, const char *name) {
+    leaf_file *f = open_verified(name);
+    mesh_truth *all = mesh_truth_gradients(c);
+    assert_int_equal(f->header.gradients, 1);
+    assert_int_equal(f->layout.gradient_sets, 1);
+    for (uint32_t t = 0; t < f->layout.treelets; t++) {
+        treelet_view v = load_treelet(f, t);
+        char *stored = aligned_alloc(64, v.s.gradients_bytes + 4096);
+        float(*gradients)[3] = aligned_alloc(64, v.s.gradients_bytes);
+        assert_int_equal(
+            leaf_file_load(f, leaf_layout_gradients(&f->layout, 0, t), stored, gradients), ST_OK);
+        for (uint32_t i = 0; i < v.s.vertices; i++) {
+            const size_t vertex = vertex_at(c, v.position[i]);
+            mesh_truth_check(&all[vertex], gradients[i], vertex);
+        }
+        free(stored);
+        free(gradients);
+        release_treelet(&v);
+    }
+    free(all);
+    leaf_file_close(f);
+}
+
+static void test_gradients(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 4; kind++) {
+        mesh_case c = mesh_cases_kuhn(9, 8, 11);
+        if (kind % 2)
+            mesh_cases_shuffle(&c, FIELD_SEED);
+        c.options.treelet_tets = kind < 2 ? 300 : 10;
+        c.options.gradients = true;
+        c.values[5] = NAN;
+        c.values[500] = INFINITY;
+        c.tets[7][1] = c.tets[7][0];
+        c.tets[70][2] = UINT32_MAX;
+        c.options.file.codec = kind == 3 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
+        c.options.file.zstd_level = 1;
+        convert(&c, "gradients.leaf", NULL);
+        check_content(&c, "gradients.leaf");
+        check_gradients(&c, "gradients.leaf");
+        mesh_cases_free(&c);
+    }
+}
+
 /* ---- counts ---- */
 
 static void test_counts(void **state) {
@@ -390,6 +447,7 @@ static void test_same_bytes(void **state) {
         if (kind == 2)
             mesh_cases_shuffle(&c, FIELD_SEED);
         c.options.treelet_tets = 1000;
+        c.options.gradients = kind > 0;
         c.options.file.codec = kind == 1 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
         c.options.file.zstd_level = 1;
         convert(&c, "first.leaf", NULL);
@@ -403,7 +461,7 @@ static void test_same_bytes(void **state) {
         }
         c.options.threads = 2;
         const uint64_t least = least_memory(&c);
-        int spilled = 0, held = 0;
+        int spilled = 0, held = 0, apart = 0;
         for (uint64_t more = 0; more < 40; more = 2 * more + 3) {
             mesh_result r;
             mem_init(&m, 0);
@@ -414,10 +472,12 @@ static void test_same_bytes(void **state) {
             assert_true(r.plan.memory_least <= least);
             spilled += r.plan.runs.block > 0;
             held += r.plan.runs.block == 0;
+            apart += r.plan.spill_gradients;
             m.limit = 0;
             check_same("first.leaf", "other.leaf");
         }
         assert_true(spilled > 0 && held > 0);
+        assert_true(apart > 0 || kind == 0);
         mesh_cases_free(&c);
     }
 }
@@ -459,6 +519,7 @@ static void test_faults(void **state) {
         if (how) {
             c.options.file.codec = LEAF_CODEC_ZSTD;
             c.options.file.zstd_level = 1;
+            c.options.gradients = true;
             c.options.memory = least_memory(&c);
             mesh_cases_shuffle(&c, FIELD_SEED);
         }
@@ -675,6 +736,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(test_content, set_up),
         cmocka_unit_test_setup(test_places, set_up),
+        cmocka_unit_test_setup(test_gradients, set_up),
         cmocka_unit_test_setup(test_counts, set_up),
         cmocka_unit_test_setup(test_nothing, set_up),
         cmocka_unit_test_setup(test_same_bytes, set_up),
