@@ -344,11 +344,18 @@ status leafcast_tracer(leafcast *v, const leafcast_scene *scene, const camera *c
     if (v->file->mesh && scene->intersector != LEAFCAST_MARMITT)
         return status_describe(ST_USAGE, "intersectors are for grids: in a mesh, surfaces are flat "
                                          "within a tetrahedron, and met exactly");
+    if (!v->file->mesh && scene->smooth_normals)
+        return status_describe(ST_USAGE, "smooth normals are for meshes: a volume has central and "
+                                         "analytic ones");
+    if (v->file->mesh && scene->smooth_normals && layout->gradient_sets == 0)
+        return status_describe(ST_USAGE, "this file has no gradients for smooth normals: "
+                                         "leafcast convert --gradients stores them");
     if (v->file->mesh && scene->lod == LEAFCAST_LOD_LEVEL && scene->lod_level > 0)
         return status_describe(ST_USAGE, "this mesh has no coarse levels");
     if (scene->light_count < 0 || scene->light_count > LEAFCAST_LIGHTS_MAX)
         return status_describe(ST_USAGE, "%d lights: 0 to %d are possible", scene->light_count,
                                LEAFCAST_LIGHTS_MAX);
+    loader_select_gradients(v->treelets, scene->smooth_normals);
     *tr = (tracer){.scene = {.levels = v->planes.levels,
                              .isovalues = v->isovalues,
                              .count = v->surface_count,
@@ -361,6 +368,7 @@ status leafcast_tracer(leafcast *v, const leafcast_scene *scene, const camera *c
                    .tree = v->treelets->tree,
                    .space = v->space,
                    .analytic_normals = scene->analytic_normals,
+                   .smooth_normals = scene->smooth_normals,
                    .preview = scene->preview,
                    .touched = v->touched};
     for (int a = 0; a < 3 && !tr->tree; a++) {

@@ -155,7 +155,9 @@ typedef struct leafcast_scene {
     leafcast_shading shading;
     bool shadows;
     bool analytic_normals; /* gradient of the cell's trilinear form instead of interpolated central
-                              differences */
+                              differences; of a mesh that of the tet, in any case but the next */
+    bool smooth_normals;   /* of a mesh: interpolated gradients at the vertices, which its file must
+                              have; for shading and image.normal alone */
     leafcast_intersector intersector;
     float background[4]; /* RGBA */
     bool clip_box;       /* draw only what is inside clip_min .. clip_max */

@@ -8,6 +8,7 @@
 #ifdef SIMD_NAME
 
 #include "render/mesh_walk.h"
+#include "render/tet_smooth.h"
 #include "render/tile.h"
 
 enum { TILE = MESH_TILE }; /* of the templates that follow */
@@ -22,11 +23,27 @@ typedef struct known_tet {
     uint32_t tet;
     int32_t iso;
     float normal[3];
+    tet_smooth smooth; /* where normals are */
 } known_tet;
+
+/* What the rays have in common that hit a tet's isopolygon. */
+static void know_tet(const tracer *tr, known_tet *k) {
+    const tet x = mesh_walk_tet(k->at, k->tet);
+    const double iso = tr->scene.isovalues[k->iso];
+    isopolygon g;
+    if (!isopolygon_of(&x, iso, &g))
+        return;
+    tet_normal(&x, &g, k->normal);
+    if (tr->smooth_normals) {
+        float gradients[4][3];
+        mesh_walk_gradients(k->at, k->tet, gradients);
+        tet_smooth_of(&x, iso, &g, (const float(*)[3])gradients, &k->smooth);
+    }
+}
 
 /* tet_of: where in their treelets the tets lie that were hit. */
 static void normals_of_tets(const tile_state *s, const uint32_t tet_of[TILE_RAYS], tile_pixels *p) {
-    const walk_scene *scene = &s->f->tracer->scene;
+    const tracer *tr = s->f->tracer;
     known_tet known[KNOWN_TETS];
     for (int k = 0; k < KNOWN_TETS; k++)
         known[k].at = NULL;
@@ -35,16 +52,18 @@ static void normals_of_tets(const tile_state *s, const uint32_t tet_of[TILE_RAYS
             continue;
         known_tet *k = &known[(tet_of[i] + (unsigned)s->iso[i]) % KNOWN_TETS];
         if (k->at != s->at[i] || k->tet != tet_of[i] || k->iso != s->iso[i]) {
-            const tet x = mesh_walk_tet(s->at[i], tet_of[i]);
-            isopolygon g;
             k->at = s->at[i];
             k->tet = tet_of[i];
             k->iso = s->iso[i];
-            if (isopolygon_of(&x, scene->isovalues[k->iso], &g))
-                tet_normal(&x, &g, k->normal);
+            know_tet(tr, k);
+        }
+        float normal[3] = {k->normal[0], k->normal[1], k->normal[2]};
+        if (tr->smooth_normals) {
+            const double d[3] = {s->rays.d[0][i], s->rays.d[1][i], s->rays.d[2][i]};
+            (void)tet_smooth_normal(&k->smooth, s->f->projection->eye, d, s->t[i], normal);
         }
         for (int a = 0; a < 3; a++)
-            p->normal[a][i] = k->normal[a];
+            p->normal[a][i] = normal[a];
     }
 }
 

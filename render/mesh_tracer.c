@@ -1,6 +1,7 @@
 #include "render/mesh_tracer.h"
 
 #include "render/mesh_walk.h"
+#include "render/tet_smooth.h"
 
 /* A treelet on a ray's way. */
 typedef struct passage {
@@ -201,6 +202,17 @@ trace_result mesh_tracer_next(const tracer *tr, const ray *r, trace_state *state
 }
 
 surface_point mesh_tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h) {
-    const tet x = mesh_walk_tet(at, (uint32_t)(h->cell - at->first_tet));
-    return tet_surface(&x, r, tr->scene.isovalues[h->iso], h);
+    const uint32_t place = (uint32_t)(h->cell - at->first_tet);
+    const double iso = tr->scene.isovalues[h->iso];
+    const tet x = mesh_walk_tet(at, place);
+    surface_point point = tet_surface(&x, r, iso, h);
+    isopolygon g;
+    if (tr->smooth_normals && isopolygon_of(&x, iso, &g)) {
+        float gradients[4][3];
+        tet_smooth s;
+        mesh_walk_gradients(at, place, gradients);
+        tet_smooth_of(&x, iso, &g, (const float(*)[3])gradients, &s);
+        (void)tet_smooth_normal(&s, r->o, r->d, h->t, point.normal);
+    }
+    return point;
 }

@@ -71,6 +71,12 @@ tet mesh_walk_tet(const treelet *tr, uint32_t place) {
     return x;
 }
 
+void mesh_walk_gradients(const treelet *tr, uint32_t place, float gradients[4][3]) {
+    const uint16_t *v = mesh_leaf_tets(&tr->mesh, tr->payload)[place];
+    for (int k = 0; k < 4; k++)
+        memcpy(gradients[k], tr->gradients[v[k]], sizeof gradients[k]);
+}
+
 /* ---- Leaves ---- */
 
 /* The first hit with one isopolygon behind `after`: another crossing, whatever the tet. */

@@ -20,6 +20,9 @@ bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const h
 /* mesh_walk_tet() - a tet of the treelet by its place there. */
 tet mesh_walk_tet(const treelet *tr, uint32_t place);
 
+/* mesh_walk_gradients() - those at its vertices; for treelets that have them. */
+void mesh_walk_gradients(const treelet *tr, uint32_t place, float gradients[4][3]);
+
 /* mesh_walk_find() - the first tet that holds a point of its treelet's box, faces included (to
  * rounding), and the point's barycentric coordinates there; flat ones hold none. */
 bool mesh_walk_find(const treelet *tr, const double point[3], uint32_t *place, double weights[4]);

@@ -24,6 +24,7 @@ typedef struct tracer {
     affine space;
     double box[2][3]; /* of the volume, grid space */
     bool analytic_normals;
+    bool smooth_normals;   /* of a mesh: its treelets have gradients */
     bool preview;          /* draw the finest resident ancestor instead of suspending */
     uint32_t target_level; /* the level that is drawn; */
     const uint8_t *stop;   /* when not NULL, also at treelets with a 1 */

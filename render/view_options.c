@@ -45,7 +45,7 @@ const struct argp_option view_options_table[] = {
      "of the isosurface of the same place: R,G,B (linear) or #rrggbb (as seen)", 0},
     {"colour", COLOUR, NULL, OPTION_ALIAS, NULL, 0},
     {"opacity", OPACITY, "A", 0, "of the isosurface of the same place, above 0 to 1 (1)", 0},
-    {"layers", LAYERS, "N", 0, "stop after N transparent surfaces on a ray (no limit)", 0},
+    {"layers", LAYERS, "N", 0, "depth peeling: stop after N surfaces on a ray (0: no limit)", 0},
 
     {NULL, 0, NULL, 0, "Camera:", 20},
     {"view", VIEW, "NAME", 0, "standard or close, where nothing else is said (standard)", 0},
@@ -58,7 +58,10 @@ const struct argp_option view_options_table[] = {
     {NULL, 0, NULL, 0, "Light and colour:", 30},
     {"shading", SHADING, "NAME", 0, "diffuse, phong or flat (diffuse)", 0},
     {"normals", NORMALS, "NAME", 0,
-     "central (differences) or analytic (of the cell's own trilinear form) (central)", 0},
+     "of volumes central (differences) or analytic (of the cell's own trilinear form) (central); "
+     "of "
+     "meshes faceted (of the tet's own) or smooth (between gradients at the vertices) (faceted)",
+     0},
     {"light", LIGHT, "X,Y,Z[,R,G,B]", 0,
      "a light from that direction, of that colour; without lights, one at the eye. Repeatable", 0},
     {"point-light", POINT_LIGHT, "X,Y,Z[,R,G,B]", 0, "a light at that point. Repeatable", 0},
@@ -345,7 +348,7 @@ static status set_camera(view_options *v, int key, const char *text) {
 
 static status set_light(view_options *v, int key, const char *text) {
     static const char *const shadings[] = {"diffuse", "phong", "flat"};
-    static const char *const normals[] = {"central", "analytic"};
+    static const char *const normals[] = {"central", "analytic", "faceted", "smooth"};
     leafcast_scene *s = &v->scene;
     int which = 0;
     int64_t n = 0;
@@ -356,8 +359,9 @@ static status set_light(view_options *v, int key, const char *text) {
         s->shading = (leafcast_shading)which;
         return st;
     case NORMALS:
-        st = parse_name(text, "--normals", normals, 2, &which);
-        s->analytic_normals = which == 1;
+        st = parse_name(text, "--normals", normals, 4, &which);
+        s->analytic_normals = which == 1 || which == 2;
+        s->smooth_normals = which == 3;
         return st;
     case LIGHT: return add_light(s, false, text);
     case POINT_LIGHT: return add_light(s, true, text);

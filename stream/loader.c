@@ -589,6 +589,24 @@ void loader_select_set(loader *l, uint32_t set) {
     pthread_mutex_unlock(&h->lock);
 }
 
+void loader_select_gradients(loader *l, bool needed) {
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    rest(h);
+    if (needed != h->store.gradients) {
+        for (uint32_t i = 0; i < h->filled; i++) {
+            withdraw(l, h->places[i]);
+            shelf_put(&h->shelf, h->places[i]);
+        }
+        h->filled = 0;
+        strip_shelf(l);
+        h->store.gradients = needed;
+        h->place_bytes = place_bytes_of(l);
+        sweep_ranges(l);
+    }
+    pthread_mutex_unlock(&h->lock);
+}
+
 size_t loader_place_bytes(const loader *l) {
     return l->hidden->place_bytes;
 }

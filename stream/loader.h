@@ -78,6 +78,10 @@ void loader_select_set(loader *l, uint32_t set);
  * loader_failure()'s. Only while nothing is traced. */
 void loader_follow(loader *l, const atomic_uchar touched[]);
 
+/* loader_select_gradients() - whether the coming frames need the gradients of a mesh, which its
+ * file must have then. What is resident gives its values back when that changes. */
+void loader_select_gradients(loader *l, bool needed);
+
 /* loader_place_bytes() - memory that one resident treelet costs; with this the caller turns a
  * budget into places. loader_stored_bytes() - what the file holds of a treelet in the selected set.
  */

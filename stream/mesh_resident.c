@@ -39,16 +39,22 @@ static size_t moved_bytes(const mesh_store *s, const mesh_shape *shape) {
     return shape->positions_bytes + source_overhead_bytes(s->source);
 }
 
+static size_t gradients_bytes(const mesh_store *s, const mesh_shape *shape) {
+    return s->gradients ? shape->gradients_bytes + source_overhead_bytes(s->source) : 0;
+}
+
 size_t mesh_resident_bytes(const mesh_store *s, uint32_t t) {
     const mesh_shape shape = mesh_leaf_shape(s->file->mesh->counts[t]);
     return mesh_resident_topology_bytes(s, t) + block_bytes(s, &shape) + values_bytes(s, &shape) +
-           (moves(s) ? moved_bytes(s, &shape) : 0) + 256;
+           (moves(s) ? moved_bytes(s, &shape) : 0) + gradients_bytes(s, &shape) + 256;
 }
 
 uint64_t mesh_resident_stored(const mesh_store *s, uint32_t set, uint32_t t) {
     const leaf_file *f = s->file;
     const uint32_t step = step_of(s, set);
     uint64_t bytes = f->sizes[t] + f->sizes[leaf_layout_values(&f->layout, set, t)];
+    if (s->gradients)
+        bytes += f->sizes[leaf_layout_gradients(&f->layout, set, t)];
     if (moves(s) && step > 0)
         bytes += f->sizes[leaf_layout_positions(&f->layout, step, t)];
     return bytes;
@@ -112,7 +118,10 @@ void mesh_resident_strip(const mesh_store *s, treelet *tr) {
     give_back(s, tr, leaf_layout_values(l, tr->set, tr->id), tr->values);
     if (tr->moved)
         give_back(s, tr, leaf_layout_positions(l, step_of(s, tr->set), tr->id), tr->moved);
+    if (tr->gradients)
+        source_evict(s->source, leaf_layout_gradients(l, tr->set, tr->id), tr->gradients);
     tr->values = tr->moved = NULL;
+    tr->gradients = NULL;
     tr->set = TREELET_NO_SET;
     tr->bytes = block_bytes(s, &tr->mesh) + 128;
     atomic_store_explicit(&tr->masked, 0, memory_order_relaxed);
@@ -206,6 +215,18 @@ static status load_values(const mesh_store *s, treelet *tr, uint32_t set, mesh_s
     return st;
 }
 
+static status load_gradients(const mesh_store *s, treelet *tr, uint32_t set, mesh_scratch *scratch,
+                             uint64_t *read) {
+    const uint32_t p = leaf_layout_gradients(&s->file->layout, set, tr->id);
+    const void *payload;
+    status st = source_load(s->source, p, &scratch->source, &payload);
+    if (st != ST_OK)
+        return st;
+    tr->gradients = mesh_leaf_gradients(payload);
+    *read += s->file->sizes[p];
+    return ST_OK;
+}
+
 static status load_moved(const mesh_store *s, treelet *tr, uint32_t step, mesh_scratch *scratch,
                          uint64_t *read) {
     const uint32_t p = leaf_layout_positions(&s->file->layout, step, tr->id);
@@ -243,11 +264,14 @@ status mesh_resident_load(const mesh_store *s, treelet *tr, uint32_t set, mesh_s
     status st = (tr->refit ? refit_values : load_values)(s, tr, set, scratch, read);
     if (st == ST_OK && moves(s) && step > 0)
         st = (tr->refit ? refit_moved : load_moved)(s, tr, step, scratch, read);
+    if (st == ST_OK && s->gradients)
+        st = load_gradients(s, tr, set, scratch, read);
     if (st != ST_OK) {
         mesh_resident_strip(s, tr);
         return st;
     }
-    tr->bytes += values_bytes(s, &tr->mesh) + (tr->moved ? moved_bytes(s, &tr->mesh) : 0);
+    tr->bytes += values_bytes(s, &tr->mesh) + (tr->moved ? moved_bytes(s, &tr->mesh) : 0) +
+                 gradients_bytes(s, &tr->mesh);
     place(tr);
     return ST_OK;
 }

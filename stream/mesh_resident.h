@@ -23,6 +23,7 @@ typedef struct mesh_store {
     leaf_file *file;
     source *source;
     mesh_schema schema;
+    bool gradients; /* are read, too */
 } mesh_store;
 
 /* What a thread owns while it loads. */

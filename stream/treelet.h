@@ -26,7 +26,8 @@ typedef struct treelet {
     active_masks *masks;
     /* Of a mesh: */
     const void *values;
-    const void *moved; /* payload of positions, where they are not the topology's */
+    const float (*gradients)[3]; /* at its vertices; NULL: not asked for */
+    const void *moved;           /* payload of positions, where they are not the topology's */
     mesh_shape mesh;
     const mesh_node *nodes;      /* with the boxes of its step */
     const float (*positions)[3]; /* of its step */

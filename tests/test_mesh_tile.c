@@ -10,13 +10,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "formats/mesh_stream.h"
-#include "prep/mesh_convert.h"
 #include "render/kernels.h"
 #include "tests/support/fixture.h"
+#include "tests/support/lab_leaf.h"
 #include "tests/support/mesh_tile_wide.h"
 #include "tests/support/pictures.h"
-#include "tests/support/scratch.h"
 #include "tests/support/tet_judge.h"
 #include "tests/support/tet_meshes.h"
 
@@ -25,30 +23,6 @@ enum { CUBES = 4, SCENES = 12, STEP = 23 };
 #else
 enum { CUBES = 6, SCENES = 18, STEP = 7 };
 #endif
-
-/* A lab mesh as a treelet file with treelets of so many tets. */
-static const char *leaf_of(const lab_mesh *lab, uint32_t treelet_tets) {
-    const char *input = scratch_path("mesh"), *output = scratch_path("leaf");
-    mem m;
-    mesh_stream_writer *w;
-    mesh *x;
-    mesh_result result;
-    mesh_options o = mesh_options_default();
-    const mesh_stream_header head = {"lab", "f", lab->point_count, lab->tet_count};
-    mem_init(&m, 0);
-    o.force = true;
-    o.treelet_tets = treelet_tets;
-    assert_int_equal(mesh_stream_create(&m, input, true, &head, &w), ST_OK);
-    assert_int_equal(mesh_stream_points(w, lab->point_count, (const float(*)[3])lab->points),
-                     ST_OK);
-    assert_int_equal(mesh_stream_values(w, lab->point_count, lab->values), ST_OK);
-    assert_int_equal(mesh_stream_tets(w, lab->tet_count, (const uint32_t(*)[4])lab->tets), ST_OK);
-    assert_int_equal(mesh_stream_commit(w), ST_OK);
-    assert_int_equal(mesh_open(&m, input, NULL, &x), ST_OK);
-    assert_int_equal(mesh_convert_run(&m, x, output, &o, NULL, &result), ST_OK);
-    mesh_close(x);
-    return output;
-}
 
 static void open_wide(picture_volumes *v, const char *path, int threads) {
     pictures_open_one(v, path, "scalar", threads);
@@ -71,7 +45,7 @@ static void test_every_mesh(void **state) {
     for (int i = 0; i < lab_mesh_count(); i++) {
         lab_mesh lab;
         assert_true(lab_mesh_make(&lab, lab_mesh_name(i), CUBES, 7));
-        picture_volumes v = open_all(leaf_of(&lab, 300), 1);
+        picture_volumes v = open_all(lab_leaf_make(&lab, 300, false), 1);
         const leafcast_surface s = leafcast_surface_default(lab.iso);
         const leafcast_scene scene = leafcast_scene_default();
         pictures_select(&v, &s, 1);
@@ -94,7 +68,7 @@ static void test_every_scene(void **state) {
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         lab_mesh lab;
         assert_true(lab_mesh_make(&lab, names[i], CUBES + 4, 7));
-        picture_volumes v = open_all(leaf_of(&lab, 700), 2);
+        picture_volumes v = open_all(lab_leaf_make(&lab, 700, false), 2);
         const leafcast_info info = leafcast_describe(v.of[0]);
         for (int kind = 0; kind < SCENES; kind++) {
             leafcast_surface s[3];
@@ -127,7 +101,7 @@ static void test_treelets(void **state) {
     bool first = true;
     assert_true(lab_mesh_make(&lab, "noise", CUBES + 4, 7));
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
-        const char *path = leaf_of(&lab, sizes[i]);
+        const char *path = lab_leaf_make(&lab, sizes[i], false);
         for (uint32_t limit = 0; limit < 20; limit += limit < 2 ? 1 : 17) {
             for (int isa = 0; isa <= (int)cpu_best(); isa++) {
                 const leafcast_options o = {
@@ -174,7 +148,7 @@ static void test_against_reference(void **state) {
         assert_true(lab_mesh_make(&lab, lab_mesh_name(i), CUBES, 3));
         const tet_ref_mesh ours = lab_mesh_reference(&lab);
         tet_ref *reference = tet_ref_create(&ours);
-        leafcast *v = fixture_open(leaf_of(&lab, 500), NULL);
+        leafcast *v = fixture_open(lab_leaf_make(&lab, 500, false), NULL);
         const leafcast_surface s = leafcast_surface_default(lab.iso);
         assert_non_null(reference);
         assert_int_equal(leafcast_select(v, &s, 1), LEAFCAST_OK);

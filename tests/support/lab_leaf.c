@@ -1,0 +1,34 @@
+#include "tests/support/lab_leaf.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+
+#include <cmocka.h>
+
+#include "formats/mesh_stream.h"
+#include "prep/mesh_convert.h"
+#include "tests/support/scratch.h"
+
+const char *lab_leaf_make(const lab_mesh *lab, uint32_t treelet_tets, bool gradients) {
+    const char *input = scratch_path("mesh"), *output = scratch_path("leaf");
+    mem m;
+    mesh_stream_writer *w;
+    mesh *x;
+    mesh_result result;
+    mesh_options o = mesh_options_default();
+    const mesh_stream_header head = {"lab", "f", lab->point_count, lab->tet_count};
+    mem_init(&m, 0);
+    o.force = true;
+    o.treelet_tets = treelet_tets;
+    o.gradients = gradients;
+    assert_int_equal(mesh_stream_create(&m, input, true, &head, &w), ST_OK);
+    assert_int_equal(mesh_stream_points(w, lab->point_count, (const float(*)[3])lab->points),
+                     ST_OK);
+    assert_int_equal(mesh_stream_values(w, lab->point_count, lab->values), ST_OK);
+    assert_int_equal(mesh_stream_tets(w, lab->tet_count, (const uint32_t(*)[4])lab->tets), ST_OK);
+    assert_int_equal(mesh_stream_commit(w), ST_OK);
+    assert_int_equal(mesh_open(&m, input, NULL, &x), ST_OK);
+    assert_int_equal(mesh_convert_run(&m, x, output, &o, NULL, &result), ST_OK);
+    mesh_close(x);
+    return output;
+}

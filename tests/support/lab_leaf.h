@@ -1,0 +1,12 @@
+/* lab_leaf.h - meshes of tet_meshes.h as treelet files in the scratch folder. Trouble fails the
+ * running test. */
+#ifndef TESTS_SUPPORT_LAB_LEAF_H
+#define TESTS_SUPPORT_LAB_LEAF_H
+
+#include "tests/support/tet_meshes.h"
+
+/* lab_leaf_make() - with treelets of up to so many tets, and gradients at the vertices if asked
+ * for; the file's path. There is one at a time. */
+const char *lab_leaf_make(const lab_mesh *lab, uint32_t treelet_tets, bool gradients);
+
+#endif
