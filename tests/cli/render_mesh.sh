@@ -44,6 +44,22 @@ ok "is said" says "intersectors are for grids" err
 exits "no coarse level" 2 "$leafcast" render "$tmp/b.leaf" --iso 0.3 --lod 1 -o "$tmp/p.exr" --force
 ok "is said, too" says "no coarse levels" err
 
+exits "gradients, too" 0 "$leafcast" convert "$tmp/b.mesh" --gradients -o "$tmp/g.leaf" -q
+exits "which are sound" 0 "$leafcast" verify "$tmp/g.leaf"
+draw smooth "$tmp/g.leaf" --normals smooth
+ok "change no distance" alike one smooth
+exits "a smooth normal" 0 "$leafcast" probe "$tmp/g.leaf" --iso 0.3 --size 160x120 --at 70,60 --normals smooth --json
+cp "$tmp/out" "$tmp/smooth.out"
+exits "and a faceted one" 0 "$leafcast" probe "$tmp/g.leaf" --iso 0.3 --size 160x120 --at 70,60 --normals faceted --json
+ok "differ, and little else" python3 -c 'import json, sys
+a, b = (json.load(open(f))["hits"] for f in sys.argv[1:])
+sys.exit(not (a and all(x["t"] == y["t"] and x["normal"] != y["normal"] and
+    sum(p * q for p, q in zip(x["normal"], y["normal"])) > 0.5 for x, y in zip(a, b))))' "$tmp/smooth.out" "$tmp/out"
+exits "smooth without gradients" 2 "$leafcast" render "$tmp/b.leaf" --iso 0.3 --normals smooth -o "$tmp/p.exr" --force
+ok "is said, with what to do" says "convert --gradients" err
+exits "gradients of a volume" 2 "$leafcast" convert tests/cli/convert.sh --dims 2,2,2 --type u8 --gradients -o "$tmp/v.leaf"
+ok "are refused" says "gradients is for meshes" err
+
 exits "a pixel's ray" 0 "$leafcast" probe "$tmp/b.leaf" --iso 0.3 --size 160x120 --at 80,60 --json
 ok "hits an even number of times" json 'j["count"] % 2 == 0'
 ok "as the picture says" python3 -c 'import json, struct, sys
