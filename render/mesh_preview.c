@@ -84,6 +84,7 @@ status mesh_preview_begin(leafcast *v, const leafcast_scene *scene, tracer *tr,
         return ST_OK;
     }
     leafcast_scene whole = *scene;
+    whole.smooth_normals = false; /* a grid has others */
     whole.lod = LEAFCAST_LOD_EXACT;
     if (coarse->surface_count != v->surface_count ||
         memcmp(coarse->surfaces, v->surfaces, (size_t)v->surface_count * sizeof *v->surfaces) != 0)
