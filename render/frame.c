@@ -373,6 +373,11 @@ static void add_counters(frame_counters *total, const frame_counters *c) {
     total->walk.nodes += c->walk.nodes;
     total->walk.cells += c->walk.cells;
     total->walk.roots += c->walk.roots;
+    total->packets.box_tests += c->packets.box_tests;
+    total->packets.interval_tests += c->packets.interval_tests;
+    total->packets.isorange_tests += c->packets.isorange_tests;
+    total->packets.polygon_tests += c->packets.polygon_tests;
+    total->packets.isopolygons += c->packets.isopolygons;
     total->primary_rays += c->primary_rays;
     total->shadow_rays += c->shadow_rays;
     total->provisional_pixels += c->provisional_pixels;

@@ -36,8 +36,18 @@ typedef struct frame {
     void *watch_ctx;
 } frame;
 
+/* What packets through a mesh do (W07 table 4). */
+typedef struct packet_counters {
+    uint64_t box_tests;      /* rays individually tested against a box */
+    uint64_t interval_tests; /* packets against a box, by intervals */
+    uint64_t isorange_tests; /* packets: of treelets, nodes, tets */
+    uint64_t polygon_tests;  /* rays individually tested against an isopolygon */
+    uint64_t isopolygons;    /* made, or looked at once they are made */
+} packet_counters;
+
 typedef struct frame_counters {
     walk_counters walk;
+    packet_counters packets;
     uint64_t primary_rays, shadow_rays, provisional_pixels, ill_conditioned, passes;
 } frame_counters;
 

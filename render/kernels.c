@@ -23,6 +23,8 @@ static kernels kernels_of(cpu_isa isa) {
                      .cells = cell_batch_for(isa),
                      .tile = tile_for(isa),
                      .mesh_tile = mesh_tile_for(isa),
+                     .mesh_packet = mesh_packet_for(isa),
+                     .tets = tet_batch_for(isa),
                      .packet = GRID_TILE};
 }
 

@@ -6,7 +6,9 @@
 #define RENDER_KERNELS_H
 
 #include "render/cell_batch.h"
+#include "render/mesh_packet.h"
 #include "render/mesh_tile.h"
+#include "render/tet_batch.h"
 #include "render/tile.h"
 
 typedef struct kernels {
@@ -16,6 +18,8 @@ typedef struct kernels {
     cell_batch_fn cells; /* many ray-cells */
     tile_fn tile;        /* a tile of primary rays; NULL: one by one */
     tile_fn mesh_tile;   /* ... through a mesh */
+    tile_fn mesh_packet; /* ... the way of W07 */
+    tet_batch_fn tets;   /* many rays and an isopolygon */
     uint8_t packet;      /* pixels on a side that walk together: GRID_TILE, or less of it */
     bool by_cell;        /* a batch never holds ray-cells of more than one cell */
 } kernels;

@@ -66,6 +66,21 @@ static status open_loader(leafcast *v) {
     return loader_create(&v->budget, v->file, &o, &v->treelets);
 }
 
+/* Packets instead of tiles. */
+static status choose_packets(leafcast *v) {
+    const int side = v->options.packets;
+    if (side == 0)
+        return ST_OK;
+    if (!v->file->mesh)
+        return status_describe(ST_USAGE, "packets are for meshes: in a grid, tiles of rays walk");
+    if (side != 2 && side != 4 && side != 8 && side != 16)
+        return status_describe(ST_USAGE, "packets of %d x %d rays: 2, 4, 8 or 16 on a side", side,
+                               side);
+    v->kernels.mesh_tile = v->kernels.mesh_packet;
+    v->kernels.packet = (uint8_t)side;
+    return ST_OK;
+}
+
 status leafcast_open_file(leafcast *v) {
     mem *m = &v->budget;
     status st = v->file->mesh ? ST_OK : level_planes_init(&v->planes, m, v->file);
@@ -90,6 +105,8 @@ static status open_path(leafcast *v, const char *path) {
         return status_describe(ST_USAGE, "this CPU or this build has no kernels called %s",
                                v->options.isa);
     status st = leaf_file_open(&v->budget, path, &v->file);
+    if (st == ST_OK)
+        st = choose_packets(v);
     return st == ST_OK ? leafcast_open_file(v) : st;
 }
 
@@ -484,6 +501,11 @@ static void fill_stats(leafcast *v, const frame_counters *c, double render_s,
                               .provisional_pixels = c->provisional_pixels,
                               .ill_conditioned = c->ill_conditioned,
                               .passes = c->passes,
+                              .box_tests = c->packets.box_tests,
+                              .polygon_tests = c->packets.polygon_tests,
+                              .interval_tests = c->packets.interval_tests,
+                              .isorange_tests = c->packets.isorange_tests,
+                              .isopolygons = c->packets.isopolygons,
                               .threads = pool_threads(v->threads),
                               .isa = v->kernels.name};
 }

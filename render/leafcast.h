@@ -68,6 +68,8 @@ typedef struct leafcast_options {
     leafcast_backend backend;
     leafcast_schema schema;
     const char *isa; /* kernels by name ("scalar"); NULL or "auto": the best this CPU has */
+    int packets;     /* of a mesh: 0: tiles of rays; 2, 4, 8, 16: packets of so many on a side as
+                        W07 has them, the same pictures */
 } leafcast_options;
 
 /* leafcast_open() - options may be NULL for the defaults. */
@@ -212,6 +214,10 @@ typedef struct leafcast_stats {
     uint64_t nodes, cells, roots;
     uint64_t provisional_pixels, ill_conditioned;
     uint64_t passes; /* how often suspended rays were resumed */
+    /* Of packets through a mesh (W07 table 4): rays individually tested against boxes and against
+     * isopolygons; packets against boxes by intervals, and against isoranges; isopolygons taken up.
+     */
+    uint64_t box_tests, polygon_tests, interval_tests, isorange_tests, isopolygons;
     int threads;
     const char *isa;
 } leafcast_stats;

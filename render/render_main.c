@@ -34,7 +34,9 @@ enum {
     BACKEND,
     SCHEMA,
     TREELET_LIMIT,
-    ISA
+    ISA,
+    PACKETS,
+    ISOPOLYGONS
 };
 
 static const struct argp_option OPTIONS[] = {
@@ -62,6 +64,10 @@ static const struct argp_option OPTIONS[] = {
     {"treelet-limit", TREELET_LIMIT, "N", 0,
      "never hold more than N treelets (0: what memory allows); for experiments", 0},
     {"isa", ISA, "NAME", 0, "instructions to use: auto, scalar, sse42, avx2, avx512", 0},
+    {"packets", PACKETS, "NAME", 0,
+     "of a mesh: how rays walk together: by tile, or in packets of 2, 4, 8 or 16 on a side as "
+     "W07's",
+     0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status set_backend(leafcast_options *open, const char *text) {
@@ -92,6 +98,18 @@ static status set_steps(render_options *o, const char *text) {
     return ST_OK;
 }
 
+static status set_packets(leafcast_options *open, const char *text) {
+    static const char *const names[] = {"tile", "2", "4", "8", "16"};
+    static const int sides[] = {0, 2, 4, 8, 16};
+    for (int i = 0; i < 5; i++) {
+        if (strcmp(text, names[i]) == 0) {
+            open->packets = sides[i];
+            return ST_OK;
+        }
+    }
+    return status_describe(ST_USAGE, "--packets: \"%s\" is none of tile, 2, 4, 8, 16", text);
+}
+
 static status set_option(render_options *o, int key, const char *text) {
     int64_t n = 0;
     status st = ST_OK;
@@ -108,6 +126,7 @@ static status set_option(render_options *o, int key, const char *text) {
         o->open.schema = (leafcast_schema)n;
         return st;
     case ISA: o->open.isa = text; return ST_OK;
+    case PACKETS: return set_packets(&o->open, text);
     case REPEAT:
         st = num_int(text, "--repeat", 1, 10000, &n);
         o->repeat = (int)n;

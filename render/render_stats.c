@@ -69,6 +69,13 @@ json_t *render_stats_json(const render_stats *s, const view_options *view, const
     json_object_set_new(root, "provisional_pixels", count_of(t->provisional_pixels));
     json_object_set_new(root, "ill_conditioned", count_of(t->ill_conditioned));
     json_object_set_new(root, "passes", count_of(t->passes));
+    if (t->isorange_tests > 0)
+        json_object_set_new(
+            root, "packets",
+            json_pack("{s:o, s:o, s:o, s:o, s:o}", "box_tests", count_of(t->box_tests),
+                      "interval_tests", count_of(t->interval_tests), "isorange_tests",
+                      count_of(t->isorange_tests), "polygon_tests", count_of(t->polygon_tests),
+                      "isopolygons", count_of(t->isopolygons)));
     json_object_set_new(root, "repeats", json_integer(s->repeats));
     json_object_set_new(root, "threads", json_integer(t->threads));
     json_object_set_new(root, "isa", json_string(t->isa ? t->isa : "scalar"));
