@@ -145,24 +145,50 @@ SIMD bool packet_enters(packet *w, packet_pending *p) {
     return p->first < w->count;
 }
 
+/* The rays of [*first, *end) and the rectangle that still look as far as `near`, from the first to
+ * the last of them; false: none. */
+SIMD bool still_looking(const packet *w, const packet_reach *reach, int *first, int *end) {
+    const packet_rect *r = &reach->pixels;
+    const int side = (int)w->side;
+    int one = w->count, last = -1;
+    for (int y = r->y0; y <= r->y1; y++) {
+        const int stop = side * y + r->x1 + 1;
+        for (int i = side * y + r->x0; i < stop; i = (i & -VD_N) + VD_N) {
+            const int at = i & -VD_N;
+            unsigned lanes = md_bits(d_ge(d_load(w->rays.to + at), d_set(reach->near)));
+            lanes &= ~0u << (i - at);
+            if (stop - at < VD_N)
+                lanes &= (1u << (stop - at)) - 1;
+            if (!lanes)
+                continue;
+            one = one < at ? one : at + __builtin_ctz(lanes);
+            last = at + 31 - __builtin_clz(lanes);
+        }
+    }
+    *first = one > *first ? one : *first;
+    *end = last + 1;
+    return *first < *end;
+}
+
 /* Whether the packet has to look into a leaf; *first to *end: which rays. */
 SIMD bool packet_visits(packet *w, const packet_pending *p, int *first, int *end) {
     packet_reach reach;
-    const packet_rect *r = &reach.pixels;
-    const int side = (int)w->side;
+    *first = p->first;
     *end = w->count;
     if (w->side == PACKET_SMALLEST) {
         *first = first_of_four(w, &p->box);
         return *first < w->count;
     }
-    if (!packet_may_meet(w, &p->box, &reach))
-        return false;
-    *first = side * r->y0 + r->x0 > p->first ? side * r->y0 + r->x0 : p->first;
-    *end = side * r->y1 + r->x1 + 1;
-    return *first < *end;
+    return packet_may_meet(w, &p->box, &reach) && still_looking(w, &reach, first, end);
 }
 
 /* ---- Isopolygons ---- */
+
+SIMD tet_known known_by(packet_view view) {
+    return view == PACKET_HITS_FIRST    ? TET_FIRST_IS_HIT
+           : view == PACKET_HITS_SECOND ? TET_SECOND_IS_HIT
+                                        : TET_UNKNOWN;
+}
 
 static void packet_tet(packet *w, const treelet *at, uint32_t place, int first, int end) {
     const frame *f = w->s.f;
@@ -173,10 +199,14 @@ static void packet_tet(packet *w, const treelet *at, uint32_t place, int first, 
         if (!isopolygon_of(&x, scene->isovalues[i], &g))
             continue;
         w->counters->isopolygons++;
-        if (w->side > PACKET_SMALLEST && packet_sight_polygon(&w->sight, &g) == PACKET_MISSES)
+        packet_view view = PACKET_DIFFERS;
+        if (w->side > PACKET_SMALLEST)
+            view = packet_sight_polygon(&w->sight, &g);
+        if (view == PACKET_MISSES)
             continue;
-        w->counters->polygon_tests += (uint64_t)(end - first);
-        f->kernels->tets(&g, at->first_tet + place, i, &w->rays, first, end);
+        if (view == PACKET_DIFFERS)
+            w->counters->polygon_tests += (uint64_t)(end - first);
+        f->kernels->tets(&g, at->first_tet + place, i, known_by(view), &w->rays, first, end);
         w->lowered = true;
     }
 }

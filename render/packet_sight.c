@@ -129,14 +129,19 @@ static int side_of(const packet_sight *s, const double a[3], const double b[3]) 
     return above == 4 ? 1 : below == 4 ? -1 : 0;
 }
 
-/* Rays in front of the eye hit a triangle only where all edge functions have the sign of `front`,
- * on which side of it the eye is, or are 0. Where the eye is all but in its plane, nothing is said.
- */
-static bool misses_triangle(const double a[4][3], int j, int k, const int side[3]) {
+/* What all rays do with a triangle, by the sides of its edges on which they are: 1 hit it, -1 miss
+ * it, 0 neither is sure. Rays in front of the eye hit it only where all edge functions have the
+ * sign of `front`, on which side of it the eye is, or are 0. Where the eye is all but in its plane,
+ * nothing is said. */
+static int view_triangle(const double a[4][3], int j, int k, const int side[3]) {
     const double volume = det(a[0], a[j], a[k]);
     const double size = size_of(a[0]) * size_of(a[j]) * size_of(a[k]);
     const int front = volume > certainty * size ? 1 : volume < -certainty * size ? -1 : 0;
-    return front != 0 && (side[0] == -front || side[1] == -front || side[2] == -front);
+    if (front == 0)
+        return 0;
+    if (side[0] == -front || side[1] == -front || side[2] == -front)
+        return -1;
+    return side[0] == front && side[1] == front && side[2] == front;
 }
 
 packet_view packet_sight_polygon(const packet_sight *s, const isopolygon *g) {
@@ -146,10 +151,14 @@ packet_view packet_sight_polygon(const packet_sight *s, const isopolygon *g) {
             a[i][k] = g->p[i][k] - s->eye[k];
     const int across = side_of(s, a[2], a[0]);
     const int sides[3] = {side_of(s, a[0], a[1]), side_of(s, a[1], a[2]), across};
-    if (!misses_triangle(a, 1, 2, sides))
-        return PACKET_DIFFERS;
+    const int first = view_triangle(a, 1, 2, sides);
+    if (first > 0)
+        return PACKET_HITS_FIRST;
     if (g->count == 3)
-        return PACKET_MISSES;
+        return first < 0 ? PACKET_MISSES : PACKET_DIFFERS;
     const int others[3] = {side_of(s, a[2], a[3]), side_of(s, a[3], a[0]), -across};
-    return misses_triangle(a, 2, 3, others) ? PACKET_MISSES : PACKET_DIFFERS;
+    const int second = view_triangle(a, 2, 3, others);
+    if (second > 0)
+        return PACKET_HITS_SECOND;
+    return first < 0 && second < 0 ? PACKET_MISSES : PACKET_DIFFERS;
 }

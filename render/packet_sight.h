@@ -46,8 +46,10 @@ typedef struct packet_reach {
 bool packet_sight_box(const packet_sight *s, const packet_box *b, packet_reach *out);
 
 typedef enum packet_view {
-    PACKET_MISSES, /* all rays do, at any t > 0 */
-    PACKET_DIFFERS /* or it is not known */
+    PACKET_DIFFERS,     /* or it is not known */
+    PACKET_MISSES,      /* all rays do, at any t > 0 */
+    PACKET_HITS_FIRST,  /* all rays hit the triangle of points 0 1 2, */
+    PACKET_HITS_SECOND, /* or of points 0 2 3 */
 } packet_view;
 
 /* packet_sight_polygon() - what the corner rays say of an isopolygon. */

@@ -31,20 +31,21 @@ void tet_batch_one(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_ra
     }
 }
 
-static void tet_batch_scalar(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays,
-                             int first, int end) {
+static void tet_batch_scalar(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
+                             tet_rays *rays, int first, int end) {
+    (void)known;
     for (int i = first; i < end; i++)
         if (rays->from[i] <= rays->to[i])
             tet_batch_one(g, cell, iso_index, rays, i);
 }
 
 #if defined __x86_64__ || defined __i386__
-void tet_batch_sse42(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays,
-                     int first, int end);
-void tet_batch_avx2(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays,
-                    int first, int end);
-void tet_batch_avx512(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays,
-                      int first, int end);
+void tet_batch_sse42(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
+                     tet_rays *rays, int first, int end);
+void tet_batch_avx2(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
+                    tet_rays *rays, int first, int end);
+void tet_batch_avx512(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
+                      tet_rays *rays, int first, int end);
 #endif
 
 tet_batch_fn tet_batch_for(cpu_isa isa) {

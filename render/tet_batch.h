@@ -31,10 +31,14 @@ void tet_rays_put(tet_rays *rays, int lane, const ray *r, const hit *after);
  * that no ray has: a version may look at all rays up to the next multiple of 16. */
 void tet_rays_clear(tet_rays *rays, int lane);
 
+/* What is known of all these rays, by the signs of edge functions that are certain: they hit the
+ * triangle of points 0 1 2, or the one of points 0 2 3. */
+typedef enum tet_known { TET_UNKNOWN, TET_FIRST_IS_HIT, TET_SECOND_IS_HIT } tet_known;
+
 /* A tet_batch_fn lowers best[i] (and to[i]) of the rays first <= i < end <= TET_RAYS, if g has a
- * lesser hit; g, cell and iso_index as for isopolygon_hit(). */
-typedef void (*tet_batch_fn)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays,
-                             int first, int end);
+ * lesser hit; g, cell and iso_index as for isopolygon_hit(). What is known only saves time. */
+typedef void (*tet_batch_fn)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
+                             tet_rays *rays, int first, int end);
 
 /* tet_batch_for() - the version for an ISA that this CPU has (see cpu.h). */
 tet_batch_fn tet_batch_for(cpu_isa isa);

@@ -15,8 +15,8 @@
 #include "render/tet_batch.h"
 #include "render/tet_sight_template.h"
 
-void SIMD_NAME(tet_batch)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays,
-                          int first, int end);
+void SIMD_NAME(tet_batch)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
+                          tet_rays *rays, int first, int end);
 
 typedef struct hit_of {
     uint64_t cell;
@@ -49,6 +49,21 @@ SIMD void meet(tet_rays *rays, int at, hit_of of, const vd d[3], const vd a0[3],
 
 SIMD weights weigh_ray(const vd d[3], const vd moduli[3], const seen_edge *e) {
     return weigh(d, e, error_of(moduli, e));
+}
+
+/* A vector of rays that all hit one triangle: only where is asked. */
+SIMD void pass_rays(const seen *s, tet_rays *rays, int at, hit_of of, tet_known known,
+                    unsigned wanted) {
+    const vd d[3] = {d_load(rays->d[0] + at), d_load(rays->d[1] + at), d_load(rays->d[2] + at)};
+    const vd exact = d_set(0.0);
+    const weights w20 = weigh(d, &s->edge[EDGE_20], exact);
+    const bool first = known == TET_FIRST_IS_HIT;
+    const weights w0 = weigh(d, &s->edge[first ? EDGE_12 : EDGE_23], exact);
+    const weights w1 = first ? w20 : weigh(d, &s->edge[EDGE_30], exact);
+    const weights w2 = first ? weigh(d, &s->edge[EDGE_01], exact) : against(w20);
+    const verdict v = {w0.above, w0.below, md_of_bits(0)};
+    const int b = first ? 1 : 2;
+    meet(rays, at, of, d, s->a[0], s->a[b], s->a[b + 1], w0, w1, w2, v, wanted);
 }
 
 /* A vector of rays; wanted: those that are asked for. */
@@ -89,8 +104,8 @@ SIMD void see_from_one(const isopolygon *g, const tet_rays *rays, int at, seen *
     see(g, o, s);
 }
 
-void SIMD_NAME(tet_batch)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays,
-                          int first, int end) {
+void SIMD_NAME(tet_batch)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
+                          tet_rays *rays, int first, int end) {
     const hit_of of = {cell, iso_index};
     const unsigned all = (1u << VD_N) - 1;
     seen s;
@@ -106,7 +121,10 @@ void SIMD_NAME(tet_batch)(const isopolygon *g, uint64_t cell, int32_t iso_index,
             wanted &= all >> (at + VD_N - end);
         if (!rays->one_origin)
             see_from(g, rays, at, &s);
-        test_rays(g, &s, rays, at, of, wanted);
+        if (known == TET_UNKNOWN)
+            test_rays(g, &s, rays, at, of, wanted);
+        else
+            pass_rays(&s, rays, at, of, known, wanted);
     }
 }
 

@@ -118,8 +118,8 @@ static void run(tet_batch_fn batch, tet_rays *rays, int first, int middle, int e
         const int i = (start + 7 * n) % (TETS * ISOS); /* 7 and 300 have no divisor in common */
         if (it.polygons[i].count == 0)
             continue;
-        batch(&it.polygons[i], (uint64_t)(i / ISOS), i % ISOS, rays, first, middle);
-        batch(&it.polygons[i], (uint64_t)(i / ISOS), i % ISOS, rays, middle, end);
+        batch(&it.polygons[i], (uint64_t)(i / ISOS), i % ISOS, TET_UNKNOWN, rays, first, middle);
+        batch(&it.polygons[i], (uint64_t)(i / ISOS), i % ISOS, TET_UNKNOWN, rays, middle, end);
     }
 }
 
