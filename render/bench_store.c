@@ -26,6 +26,7 @@ typedef struct bench_volume {
     const char *field, *type; /* of generate; where the data is absent, too */
     uint32_t side;            /* samples an axis of the generated field */
     double field_isovalue;
+    uint32_t copies; /* of a mesh along each axis; 0: a grid */
 } bench_volume;
 
 struct bench_store {
@@ -134,13 +135,26 @@ static status convert(const bench_store *s, const char *input, int in, const cha
 }
 
 static status generate(const bench_store *s, const bench_volume *v, const char *leaf) {
-    char side[NUMBER];
+    char side[NUMBER], copies[NUMBER];
     int ends[2];
     pid_t pid;
     snprintf(side, sizeof side, "%u", v->side);
-    char *arguments[] = {(char *)GENERATE, (char *)v->field,    (char *)"--dims",   side,
-                         (char *)"--type", (char *)v->type,     (char *)"-o",       (char *)"-",
-                         (char *)"-q",     (char *)"--threads", (char *)s->threads, NULL};
+    snprintf(copies, sizeof copies, "%u", v->copies);
+    char *grid[] = {(char *)GENERATE, (char *)v->field,    (char *)"--dims",   side,
+                    (char *)"--type", (char *)v->type,     (char *)"-o",       (char *)"-",
+                    (char *)"-q",     (char *)"--threads", (char *)s->threads, NULL};
+    char *tets[] = {(char *)GENERATE,
+                    (char *)v->field,
+                    (char *)"--dims",
+                    side,
+                    (char *)"--tets",
+                    (char *)"--replicate",
+                    copies,
+                    (char *)"-o",
+                    (char *)"-",
+                    (char *)"-q",
+                    NULL};
+    char *const *arguments = v->copies ? tets : grid;
     if (pipe2(ends, O_CLOEXEC) != 0)
         return file_failed(errno, GENERATE, "cannot make a pipe");
     status st = start(GENERATE, arguments, -1, ends[1], &pid);
@@ -236,27 +250,32 @@ static status convert_data(bench_store *s, const bench_volume *v, const char *fr
 /* M08's sets where they are to be had, else the nearest there is: an angiogram for the aneurism, CT
  * heads for the MR brain and the torso. */
 static const bench_volume VOLUMES[] = {
-    {"bonsai", "bonsai/bonsai_256x256x256_uint8.raw", 37, "buckyball", "u8", 256, 102},
-    {"engine", "engine/engine_256x256x128_uint8.raw", 80, "sphere", "u8", 192, 153},
-    {"angiogram", "ct_avm/ct_avm_256x242x154_uint8.raw", 60, "attractor", "u8", 192, 10},
-    {"ch2better", "ch2better/ch2better_301x370x316_uint8.raw", 60, "noise", "u8", 320, 127.5},
-    {"teapot", "boston_teapot/boston_teapot_256x256x178_uint8.raw", 25, "gyroid", "u8", 224, 127.5},
+    {"bonsai", "bonsai/bonsai_256x256x256_uint8.raw", 37, "buckyball", "u8", 256, 102, 0},
+    {"engine", "engine/engine_256x256x128_uint8.raw", 80, "sphere", "u8", 192, 153, 0},
+    {"angiogram", "ct_avm/ct_avm_256x242x154_uint8.raw", 60, "attractor", "u8", 192, 10, 0},
+    {"ch2better", "ch2better/ch2better_301x370x316_uint8.raw", 60, "noise", "u8", 320, 127.5, 0},
+    {"teapot", "boston_teapot/boston_teapot_256x256x178_uint8.raw", 25, "gyroid", "u8", 224, 127.5,
+     0},
     {"ct-head-u16", "ct_head_128/ct_head_128_128x128x112_uint16.raw", 500, "noise", "u16", 128,
-     32767.5},
+     32767.5, 0},
     {"cranium-i16", "cranium_ct/cranium_ct_256x256x108_int16.raw", 226, "buckyball", "u16", 192,
-     26214},
-    {"stent-f32", "stent/stent_128x128x256_float32.raw", 0.15, "orbital", "f32", 160, 0.04},
-    {"fingers-f32", "viscous_fingers/run01_045_64x64x64_float32.raw", 20, "noise", "f32", 64, 0},
-    {"ml-32", NULL, 0, "marschner-lobb", "u8", 32, 127.5},
-    {"ml-64", NULL, 0, "marschner-lobb", "u8", 64, 127.5},
-    {"ml-128", NULL, 0, "marschner-lobb", "u8", 128, 127.5},
-    {"ml-256", NULL, 0, "marschner-lobb", "u8", 256, 127.5},
-    {"ml-512", NULL, 0, "marschner-lobb", "u8", 512, 127.5},
-    {"ml-1024", NULL, 0, "marschner-lobb", "u8", 1024, 127.5},
-    {"gyroid-96", NULL, 0, "gyroid", "u8", 96, 127.5},
-    {"noise-48", NULL, 0, "noise", "u16", 48, 32767.5},
-    {"orbital-64", NULL, 0, "orbital", "f32", 64, 0.04},
-    {"attractor-1024", NULL, 0, "attractor", "u8", 1024, 10},
+     26214, 0},
+    {"stent-f32", "stent/stent_128x128x256_float32.raw", 0.15, "orbital", "f32", 160, 0.04, 0},
+    {"fingers-f32", "viscous_fingers/run01_045_64x64x64_float32.raw", 20, "noise", "f32", 64, 0, 0},
+    {"ml-32", NULL, 0, "marschner-lobb", "u8", 32, 127.5, 0},
+    {"ml-64", NULL, 0, "marschner-lobb", "u8", 64, 127.5, 0},
+    {"ml-128", NULL, 0, "marschner-lobb", "u8", 128, 127.5, 0},
+    {"ml-256", NULL, 0, "marschner-lobb", "u8", 256, 127.5, 0},
+    {"ml-512", NULL, 0, "marschner-lobb", "u8", 512, 127.5, 0},
+    {"ml-1024", NULL, 0, "marschner-lobb", "u8", 1024, 127.5, 0},
+    {"gyroid-96", NULL, 0, "gyroid", "u8", 96, 127.5, 0},
+    {"noise-48", NULL, 0, "noise", "u16", 48, 32767.5, 0},
+    {"orbital-64", NULL, 0, "orbital", "f32", 64, 0.04, 0},
+    {"attractor-1024", NULL, 0, "attractor", "u8", 1024, 10, 0},
+    {"bucky-12", NULL, 0, "buckyball", "tets", 12, 0.3, 1},
+    {"bucky-32", NULL, 0, "buckyball", "tets", 32, 0.3, 1},
+    {"bucky-2x32", NULL, 0, "buckyball", "tets", 32, 0.3, 2},
+    {"bucky-4x32", NULL, 0, "buckyball", "tets", 32, 0.3, 4},
 };
 
 static const bench_volume *find(const char *name) {
@@ -271,6 +290,9 @@ static const char *keep(bench_store *s, const bench_volume *v, bool data) {
     char *path = s->kept[s->kept_count];
     if (data)
         snprintf(path, PATH_MAX, "%.3000s/%s.leaf", s->folder, v->name);
+    else if (v->copies > 1)
+        snprintf(path, PATH_MAX, "%.3000s/%s-tets-%ux%u.leaf", s->folder, v->field, v->copies,
+                 v->side);
     else
         snprintf(path, PATH_MAX, "%.3000s/%s-%s-%u.leaf", s->folder, v->field, v->type, v->side);
     for (int i = 0; i < s->kept_count; i++)

@@ -7,6 +7,7 @@
 #include "render/bench_intersect.h"
 #include "render/bench_isovalue.h"
 #include "render/bench_nodes.h"
+#include "render/bench_packets.h"
 #include "render/bench_pareto.h"
 #include "render/bench_threads.h"
 #include "render/bench_time.h"
@@ -155,6 +156,13 @@ static const bench_count PARETO_COUNTS[] = {
 static const bench_count NODE_COUNTS[] = {
     {"tree MB", 0.0},    {"tree/raw", 0.0}, {"nodes/ray", 0.01}, {"corners/ray", 0.01},
     {"cells/ray", 0.01}, {"hits", 0.0},     {NULL, 0.0}};
+static const bench_count PACKET_COUNTS[] = {{"box tests", 0.03},
+                                            {"polygon tests", 0.03},
+                                            {"isorange tests", 0.03},
+                                            {"isopolygons", 0.03},
+                                            {"interval tests", 0.03},
+                                            {"differ", 0.0},
+                                            {NULL, 0.0}};
 static const bench_count INTERSECTOR_COUNTS[] = {
     {"ray-cells", 0.0}, {"surfaces", 0.0}, {"missed", 0.05}, {"false", 0.05}, {NULL, 0.0}};
 
@@ -227,6 +235,13 @@ static const bench_suite SUITES[] = {
                .log_y = true,
                .mark = "front",
                .marked = "front"}},
+    {.name = "packets",
+     .takes = "[F.leaf --iso V]",
+     .about = "packets of 2x2 to 16x16 rays in a mesh (W07 table 4)",
+     .counts = PACKET_COUNTS,
+     .run = bench_packets,
+     .labels = 3,
+     .charts = {{"box tests", NULL, true}, {"isorange tests", NULL, true}, {"ms", "+-", false}}},
     {.name = "threads",
      .takes = "[F.leaf --iso V]",
      .about = "1 to --threads threads, beside a loop that only computes",
