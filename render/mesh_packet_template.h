@@ -161,7 +161,8 @@ SIMD bool still_looking(const packet *w, const packet_reach *reach, int *first, 
                 lanes &= (1u << (stop - at)) - 1;
             if (!lanes)
                 continue;
-            one = one < at ? one : at + __builtin_ctz(lanes);
+            const int lowest = at + __builtin_ctz(lanes);
+            one = lowest < one ? lowest : one; /* a vector may hold several rows */
             last = at + 31 - __builtin_clz(lanes);
         }
     }
@@ -254,7 +255,7 @@ static float packet_near2(const packet_box *b) {
 /* A node's active children, and how many there are of any kind: isoranges that are looked at. */
 SIMD int open_node(packet *w, const treelet *at, const packet_pending *p, packet_pending *stack,
                    int top) {
-    const mesh_node *n = &mesh_leaf_nodes(at->payload)[p->i];
+    const mesh_node *n = &at->nodes[p->i];
     const unsigned active = at->active->children[p->i];
     const int bottom = top;
     w->s.counters->walk.nodes++;

@@ -1,0 +1,208 @@
+/* test_mesh_packet.c - packets of rays through meshes give the bits of single rays, whatever their
+ * size, the ISA, the scene, the threads, the treelets and their number at a time; and large ones
+ * save what W07 says they save. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "render/kernels.h"
+#include "tests/support/fixture.h"
+#include "tests/support/lab_leaf.h"
+#include "tests/support/mesh_packet_wide.h"
+#include "tests/support/pictures.h"
+#include "tests/support/tet_batch_wide.h"
+
+#ifdef __SANITIZE_ADDRESS__
+enum { CUBES = 4, SCENES = 6, BALL = 16 };
+#else
+enum { CUBES = 6, SCENES = 12, BALL = 24 };
+#endif
+
+static const int SIDES[] = {2, 4, 8, 16};
+enum { SIDE_COUNT = sizeof SIDES / sizeof *SIDES };
+
+static void open_packets(picture_volumes *v, const char *path, const char *isa, int side,
+                         int threads) {
+    const leafcast_options o = {.isa = isa, .threads = threads, .packets = side};
+    v->name[v->count] = isa;
+    v->of[v->count++] = fixture_open(path, &o);
+}
+
+/* Single rays, then packets of every size by every ISA; as wide as AVX-512's, too. */
+static picture_volumes open_all(const char *path, int threads) {
+    picture_volumes v = {.count = 0};
+    pictures_open_one(&v, path, "scalar", threads);
+    for (int isa = 1; isa <= (int)cpu_best() && isa <= 3; isa++)
+        for (int s = 0; s < SIDE_COUNT; s++)
+            open_packets(&v, path, cpu_isa_name((cpu_isa)isa), SIDES[s], threads);
+    for (int s = 1; s < SIDE_COUNT; s += 2) {
+        open_packets(&v, path, "scalar", SIDES[s], threads);
+        kernels *k = kernels_in_use(v.of[v.count - 1]);
+        k->mesh_tile = mesh_packet_wide;
+        k->tile = tile_for(cpu_best()); /* so that there is a projection */
+        k->tets = tet_batch_wide;
+        v.name[v.count - 1] = "wide";
+    }
+    return v;
+}
+
+static void test_every_mesh(void **state) {
+    (void)state;
+    field_random r = {78};
+    int hits = 0;
+    for (int i = 0; i < lab_mesh_count(); i++) {
+        lab_mesh lab;
+        assert_true(lab_mesh_make(&lab, lab_mesh_name(i), CUBES, 7));
+        picture_volumes v = open_all(lab_leaf_make(&lab, 300, false), 1);
+        const leafcast_surface s = leafcast_surface_default(lab.iso);
+        const leafcast_scene scene = leafcast_scene_default();
+        pictures_select(&v, &s, 1);
+        for (int kind = i % 4; kind < PICTURE_VIEWS; kind += 4) {
+            const leafcast_camera c = pictures_view(v.of[0], kind, &r);
+            hits += pictures_alike(&v, &scene, &c, lab.name);
+        }
+        pictures_close(&v);
+        lab_mesh_release(&lab);
+    }
+    print_message("%d surfaces\n", hits);
+    assert_true(hits > 20000);
+}
+
+/* Several isovalues, clip boxes, transparency, shadows. */
+static void test_every_scene(void **state) {
+    (void)state;
+    field_random r = {6};
+    int hits = 0;
+    lab_mesh lab;
+    assert_true(lab_mesh_make(&lab, "noise", CUBES + 4, 7));
+    picture_volumes v = open_all(lab_leaf_make(&lab, 700, false), 2);
+    const leafcast_info info = leafcast_describe(v.of[0]);
+    for (int kind = 0; kind < SCENES; kind++) {
+        leafcast_surface s[3];
+        for (int k = 0; k < 3; k++) {
+            s[k] = leafcast_surface_default(lab.iso + 0.1 * k);
+            s[k].opacity = kind % 4 == 3 ? 0.4f : 1.0f;
+        }
+        pictures_select(&v, s, 1 + kind % 3);
+        leafcast_scene scene = pictures_scene(kind, &info);
+        scene.intersector = LEAFCAST_MARMITT;
+        scene.lod = LEAFCAST_LOD_EXACT;
+        const leafcast_camera c = pictures_view(v.of[0], kind % PICTURE_VIEWS, &r);
+        hits += pictures_alike(&v, &scene, &c, "noise");
+    }
+    pictures_close(&v);
+    lab_mesh_release(&lab);
+    print_message("%d surfaces\n", hits);
+    assert_true(hits > 500 * SCENES);
+}
+
+/* However the mesh is cut, and however few treelets are there at a time. */
+static void test_treelets(void **state) {
+    (void)state;
+    static picture want, got;
+    static const uint32_t sizes[] = {16384, 100}, limits[] = {1, 2, 19, 0};
+    lab_mesh lab;
+    leafcast_stats stats;
+    bool first = true;
+    assert_true(lab_mesh_make(&lab, "noise", CUBES + 4, 7));
+    for (size_t i = 0; i < 2; i++) {
+        const char *path = lab_leaf_make(&lab, sizes[i], false);
+        for (int k = 0; k < 4; k++) {
+            for (int s = first ? -1 : 0; s < SIDE_COUNT; s++) {
+                const leafcast_options o = {.isa = s < 0 ? "scalar" : NULL,
+                                            .threads = 2,
+                                            .treelet_limit = limits[k],
+                                            .packets = s < 0 ? 0 : SIDES[s]};
+                leafcast *v = fixture_open(path, &o);
+                const leafcast_surface surface = leafcast_surface_default(lab.iso);
+                const leafcast_scene scene = leafcast_scene_default();
+                assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
+                const leafcast_camera c =
+                    leafcast_standard_view(v, 1.1, PICTURE_WIDTH, PICTURE_HEIGHT);
+                pictures_draw(v, &scene, &c, first ? &want : &got, &stats);
+                if (!first)
+                    assert_memory_equal(&want, &got, sizeof want);
+                first = false;
+                leafcast_close(v);
+            }
+        }
+    }
+    lab_mesh_release(&lab);
+}
+
+/* ---- W07 table 4 ---- */
+
+enum { BALL_SIDE = 512 };
+
+static leafcast_stats count_ball(const char *path, int side, double *z) {
+    const leafcast_options o = {.threads = 1, .packets = side};
+    leafcast *v = fixture_open(path, &o);
+    const leafcast_surface surface = leafcast_surface_default(0.3);
+    const leafcast_scene scene = leafcast_scene_default();
+    const leafcast_image image = {.z = z};
+    leafcast_stats stats;
+    assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
+    const leafcast_camera c = leafcast_standard_view(v, 2.2, BALL_SIDE, BALL_SIDE);
+    /* Twice: nothing is counted again because it was not there. */
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(leafcast_trace(v, &scene, &c, &image, &stats, NULL, NULL), LEAFCAST_OK);
+    leafcast_close(v);
+    return stats;
+}
+
+static void fewer(const char *what, uint64_t small, uint64_t large, double least) {
+    const double ratio = (double)small / (double)large;
+    if (!(ratio >= least))
+        fail_msg("%s: %llu by 2 x 2, %llu by 16 x 16: x %.2f, not x %g", what,
+                 (unsigned long long)small, (unsigned long long)large, ratio, least);
+    print_message("%s: x %.1f\n", what, ratio);
+}
+
+static void test_counts(void **state) {
+    (void)state;
+    const size_t bytes = (size_t)BALL_SIDE * BALL_SIDE * sizeof(double);
+    double *z[2] = {malloc(bytes), malloc(bytes)};
+    if (!mesh_packet_for(cpu_best()))
+        skip();
+    const char *path = lab_leaf_field("buckyball", BALL);
+    const leafcast_stats small = count_ball(path, 2, z[0]), large = count_ball(path, 16, z[1]);
+    assert_memory_equal(z[0], z[1], bytes);
+    fewer("box tests", small.box_tests, large.box_tests, 30);
+    fewer("isorange tests", small.isorange_tests, large.isorange_tests, 18);
+    fewer("isopolygons", small.isopolygons, large.isopolygons, 10);
+    /* A packet of 2 x 2 tests all its rays, and no intervals. */
+    assert_int_equal(small.box_tests % 4, 0);
+    assert_true(small.polygon_tests <= 4 * small.isopolygons);
+    assert_int_equal(small.interval_tests, 0);
+    assert_true(large.interval_tests > 0 && large.polygon_tests < 256 * large.isopolygons);
+    const leafcast_stats tiles = count_ball(path, 0, z[1]);
+    assert_memory_equal(z[0], z[1], bytes);
+    assert_int_equal(tiles.isorange_tests + tiles.box_tests + tiles.isopolygons, 0);
+    free(z[0]);
+    free(z[1]);
+}
+
+static void test_refused(void **state) {
+    (void)state;
+    lab_mesh lab;
+    leafcast *v = NULL;
+    assert_true(lab_mesh_make(&lab, "sphere", 3, 7));
+    const leafcast_options o = {.packets = 3};
+    assert_int_equal(leafcast_open(lab_leaf_make(&lab, 300, false), &o, &v), LEAFCAST_USAGE);
+    assert_non_null(strstr(leafcast_error_text(), "3 x 3"));
+    lab_mesh_release(&lab);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_mesh), cmocka_unit_test(test_every_scene),
+        cmocka_unit_test(test_treelets),   cmocka_unit_test(test_counts),
+        cmocka_unit_test(test_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
