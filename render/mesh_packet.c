@@ -3,11 +3,11 @@
 #include <stddef.h>
 
 #if defined __x86_64__ || defined __i386__
-void mesh_packet_sse42(const frame *f, uint32_t x0, uint32_t y0, const uint16_t pixels[TILE],
+void mesh_packet_sse42(const frame *f, uint32_t x0, uint32_t y0, const tile_row pixels[],
                        tile_outcome *out, frame_counters *counters);
-void mesh_packet_avx2(const frame *f, uint32_t x0, uint32_t y0, const uint16_t pixels[TILE],
+void mesh_packet_avx2(const frame *f, uint32_t x0, uint32_t y0, const tile_row pixels[],
                       tile_outcome *out, frame_counters *counters);
-void mesh_packet_avx512(const frame *f, uint32_t x0, uint32_t y0, const uint16_t pixels[TILE],
+void mesh_packet_avx512(const frame *f, uint32_t x0, uint32_t y0, const tile_row pixels[],
                         tile_outcome *out, frame_counters *counters);
 #endif
 

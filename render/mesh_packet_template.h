@@ -13,7 +13,7 @@
 #include "render/packet_sight.h"
 #include "render/tile_rects_template.h"
 
-void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
+void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                             tile_outcome *out, frame_counters *counters);
 
 typedef struct packet {
@@ -298,7 +298,7 @@ static void packet_waits(packet *w, const packet_pending *p) {
         const unsigned y = w->y + (unsigned)i / w->side, x = w->x + (unsigned)i % w->side;
         if (!(rays_meet(w, &p->box, i & -VD_N) >> i % VD_N & 1u))
             continue;
-        out->waits[y] |= (uint16_t)(1u << x);
+        out->waits[y] |= 1u << x;
         tet_rays_clear(&w->rays, i);
         any = true;
     }
@@ -434,7 +434,7 @@ static void packet_end(packet *w) {
     }
 }
 
-void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const uint16_t asked[TILE],
+void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                             tile_outcome *out, frame_counters *counters) {
     packet w;
     tile_state_begin(&w.s, f, x0, y0, asked, out, counters);
