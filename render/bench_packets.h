@@ -9,4 +9,8 @@
  * are; time. ST_UNSUPPORTED where a CPU has no vectors, ST_USAGE for a grid. */
 CHECKED status bench_packets(bench_job *job);
 
+/* bench_isopolygons() - the same picture with isopolygons made on the fly, precomputed, cached (W07
+ * 4.4), by tiles and by packets of 16 x 16: time, also with another isovalue every frame, bytes. */
+CHECKED status bench_isopolygons(bench_job *job);
+
 #endif

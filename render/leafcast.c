@@ -8,6 +8,7 @@
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
 #include "render/experiment.h"
+#include "render/kept_polygons.h"
 #include "render/leafcast_volume.h"
 #include "render/mesh_preview.h"
 
@@ -20,6 +21,12 @@ _Static_assert((int)LEAFCAST_USAGE == (int)ST_USAGE && (int)LEAFCAST_CORRUPT == 
 _Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ACTIVE_ISOS_MAX, "as many isovalues as surfaces");
 
 enum { LOADER_WORKERS = 2 };
+
+static derived_kind derived_of(const leafcast_options *o) {
+    if (o->isopolygons == LEAFCAST_ISOPOLYGONS_ONTHEFLY)
+        return (derived_kind){NULL, NULL};
+    return kept_polygons_kind(o->isopolygons == LEAFCAST_ISOPOLYGONS_PRECOMPUTE);
+}
 
 /* Trees of all steps beside each other cost no refitting; where not all of them fit, one tree. */
 static mesh_schema schema_of(const leafcast *v) {
@@ -62,7 +69,8 @@ static status open_loader(leafcast *v) {
     const loader_options o = {.source = kinds[v->options.backend],
                               .schema = schema_of(v),
                               .workers = workers_of(v),
-                              .isa = v->kernels.isa};
+                              .isa = v->kernels.isa,
+                              .derived = derived_of(&v->options)};
     return loader_create(&v->budget, v->file, &o, &v->treelets);
 }
 

@@ -59,6 +59,15 @@ typedef enum leafcast_schema {
     LEAFCAST_SCHEMA_REFIT = 2
 } leafcast_schema;
 
+/* What of a mesh's isosurfaces stays in memory, inside the budget: nothing; or polygons of up to a
+ * third of each treelet's tets, all made at once, or each when rays first come to it. The same
+ * pictures. */
+typedef enum leafcast_isopolygons {
+    LEAFCAST_ISOPOLYGONS_ONTHEFLY = 0,
+    LEAFCAST_ISOPOLYGONS_PRECOMPUTE,
+    LEAFCAST_ISOPOLYGONS_CACHE
+} leafcast_isopolygons;
+
 typedef struct leafcast_options {
     /* Bytes for everything: directory, treelets, rays; 0: as much as the scene needs. */
     uint64_t memory;
@@ -70,6 +79,7 @@ typedef struct leafcast_options {
     const char *isa; /* kernels by name ("scalar"); NULL or "auto": the best this CPU has */
     int packets;     /* of a mesh: 0: tiles of rays; 2, 4, 8, 16: packets of so many on a side as
                         W07 has them, the same pictures */
+    leafcast_isopolygons isopolygons;
 } leafcast_options;
 
 /* leafcast_open() - options may be NULL for the defaults. */

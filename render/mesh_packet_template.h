@@ -7,6 +7,7 @@
 
 #ifdef SIMD_NAME
 
+#include "render/kept_polygons.h"
 #include "render/kernels.h"
 #include "render/mesh_packet.h"
 #include "render/mesh_shade_template.h"
@@ -194,20 +195,20 @@ SIMD tet_known known_by(packet_view view) {
 static void packet_tet(packet *w, const treelet *at, uint32_t place, int first, int end) {
     const frame *f = w->s.f;
     const walk_scene *scene = &f->tracer->scene;
-    const tet x = mesh_walk_tet(at, place);
     for (int i = 0; i < scene->count; i++) {
-        isopolygon g;
-        if (!isopolygon_of(&x, scene->isovalues[i], &g))
+        isopolygon own;
+        const isopolygon *g = kept_polygons_find(at, place, i, scene->isovalues[i], &own);
+        if (!g)
             continue;
         w->counters->isopolygons++;
         packet_view view = PACKET_DIFFERS;
         if (w->side > PACKET_SMALLEST)
-            view = packet_sight_polygon(&w->sight, &g);
+            view = packet_sight_polygon(&w->sight, g);
         if (view == PACKET_MISSES)
             continue;
         if (view == PACKET_DIFFERS)
             w->counters->polygon_tests += (uint64_t)(end - first);
-        f->kernels->tets(&g, at->first_tet + place, i, known_by(view), &w->rays, first, end);
+        f->kernels->tets(g, at->first_tet + place, i, known_by(view), &w->rays, first, end);
         w->lowered = true;
     }
 }

@@ -7,6 +7,7 @@
 
 #ifdef SIMD_NAME
 
+#include "render/kept_polygons.h"
 #include "render/mesh_shade_template.h"
 #include "render/mesh_tile.h"
 #include "render/tet_sight_template.h"
@@ -262,14 +263,14 @@ static void see_polygon(const mesh_tile *w, seen_polygon *s) {
 
 static void walk_tet(mesh_tile *w, const treelet *at, uint32_t place, tile_rect r) {
     const walk_scene *scene = &w->s.f->tracer->scene;
-    const tet x = mesh_walk_tet(at, place);
     for (int i = 0; i < scene->count; i++) {
         seen_polygon s;
-        if (!isopolygon_of(&x, scene->isovalues[i], &s.g))
-            continue;
+        const isopolygon *g = kept_polygons_find(at, place, i, scene->isovalues[i], &s.g);
         tile_rect covered = r;
-        if (!cover_of(w, &s.g, &covered))
+        if (!g || !cover_of(w, g, &covered))
             continue;
+        if (g != &s.g)
+            s.g = *g;
         s.at = at;
         s.tet = place;
         s.iso = i;

@@ -68,6 +68,9 @@ static const struct argp_option OPTIONS[] = {
      "of a mesh: how rays walk together: by tile, or in packets of 2, 4, 8 or 16 on a side as "
      "W07's",
      0},
+    {"isopolygons", ISOPOLYGONS, "NAME", 0,
+     "of a mesh: onthefly, or kept: precompute, or cache (when rays first meet them) (onthefly)",
+     0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status set_backend(leafcast_options *open, const char *text) {
@@ -98,6 +101,18 @@ static status set_steps(render_options *o, const char *text) {
     return ST_OK;
 }
 
+static status set_isopolygons(leafcast_options *open, const char *text) {
+    static const char *const names[] = {"onthefly", "precompute", "cache"};
+    for (int i = 0; i < 3; i++) {
+        if (strcmp(text, names[i]) == 0) {
+            open->isopolygons = (leafcast_isopolygons)i;
+            return ST_OK;
+        }
+    }
+    return status_describe(ST_USAGE, "--isopolygons: \"%s\" is none of onthefly, precompute, cache",
+                           text);
+}
+
 static status set_packets(leafcast_options *open, const char *text) {
     static const char *const names[] = {"tile", "2", "4", "8", "16"};
     static const int sides[] = {0, 2, 4, 8, 16};
@@ -126,6 +141,7 @@ static status set_option(render_options *o, int key, const char *text) {
         o->open.schema = (leafcast_schema)n;
         return st;
     case ISA: o->open.isa = text; return ST_OK;
+    case ISOPOLYGONS: return set_isopolygons(&o->open, text);
     case PACKETS: return set_packets(&o->open, text);
     case REPEAT:
         st = num_int(text, "--repeat", 1, 10000, &n);

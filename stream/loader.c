@@ -317,6 +317,8 @@ void loader_mask(const loader *l, treelet *tr) {
             else
                 mesh_active_compute(tr->active, &tr->mesh, tr->payload, tr->values,
                                     h->isos.isovalues, h->isos.count);
+            if (tr->derived)
+                h->store.derived.make(tr, &h->isos);
             atomic_fetch_add_explicit(&h->masks, 1, memory_order_relaxed);
             atomic_store_explicit(&tr->masked, l->selection, memory_order_release);
             return;
@@ -414,7 +416,8 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, loader **out
         st = source_open(m, f, o->source, &h->source);
     if (st != ST_OK)
         goto fail;
-    h->store = (mesh_store){.m = m, .file = f, .source = h->source, .schema = o->schema};
+    h->store = (mesh_store){
+        .m = m, .file = f, .source = h->source, .schema = o->schema, .derived = o->derived};
     h->room = h->place_bytes = place_bytes_of(l);
     st = start_readers(l, o->workers);
     if (st != ST_OK)

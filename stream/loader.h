@@ -55,9 +55,10 @@ typedef struct loader {
 /* How to read. */
 typedef struct loader_options {
     source_kind source;
-    mesh_schema schema; /* of a mesh's steps */
-    int workers;        /* threads that read, at least 1 */
-    cpu_isa isa;        /* for active_for() */
+    mesh_schema schema;   /* of a mesh's steps */
+    int workers;          /* threads that read, at least 1 */
+    cpu_isa isa;          /* for active_for() */
+    derived_kind derived; /* of a mesh's treelets, with their masks */
 } loader_options;
 
 /* loader_create() - nothing is selected yet; of a mesh, its first set is. */

@@ -15,15 +15,19 @@ static bool moves(const mesh_store *s) {
     return s->file->layout.moved_steps > 0;
 }
 
-/* A treelet, its masks and, where vertices move, its nodes share a block. */
+/* A treelet, its masks, where vertices move its nodes, and what is derived share a block. */
 enum { HEAD = (sizeof(treelet) + 63) / 64 * 64 };
 
 static size_t nodes_at(const mesh_shape *shape) {
     return HEAD + (mesh_active_bytes(shape) + 63) / 64 * 64;
 }
 
-static size_t block_bytes(const mesh_store *s, const mesh_shape *shape) {
+static size_t derived_at(const mesh_store *s, const mesh_shape *shape) {
     return nodes_at(shape) + (moves(s) ? shape->nodes * sizeof(mesh_node) : 0);
+}
+
+static size_t block_bytes(const mesh_store *s, const mesh_shape *shape) {
+    return derived_at(s, shape) + (s->derived.bytes ? s->derived.bytes(shape) : 0);
 }
 
 size_t mesh_resident_topology_bytes(const mesh_store *s, uint32_t t) {
@@ -97,6 +101,8 @@ status mesh_resident_create(const mesh_store *s, uint32_t t, treelet **out) {
     tr->set = TREELET_NO_SET;
     tr->mesh = shape;
     tr->active = mesh_active_init((char *)tr + HEAD, &shape);
+    if (s->derived.bytes)
+        tr->derived = (char *)tr + derived_at(s, &shape);
     tr->first_tet = f->mesh->first_tet[t];
     tr->bytes = block_bytes(s, &shape) + 128;
     *out = tr;

@@ -12,6 +12,7 @@
 #ifndef STREAM_MESH_RESIDENT_H
 #define STREAM_MESH_RESIDENT_H
 
+#include "stream/derived.h"
 #include "stream/source.h"
 #include "stream/treelet.h"
 
@@ -24,6 +25,7 @@ typedef struct mesh_store {
     source *source;
     mesh_schema schema;
     bool gradients; /* are read, too */
+    derived_kind derived;
 } mesh_store;
 
 /* What a thread owns while it loads. */

@@ -35,6 +35,7 @@ typedef struct treelet {
     const float *bounds;         /* lo x y z, hi x y z */
     mesh_frame planes;           /* what its nodes' codes mean */
     mesh_active *active;
+    void *derived;        /* see derived.h; NULL: nothing */
     atomic_size_t masked; /* the selection of masks or active, 0: none; or LOADER_MASKING */
     /* The loader's: */
     size_t bytes;                         /* that it holds, without a mesh's topology */
