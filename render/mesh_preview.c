@@ -23,6 +23,7 @@ static status open_coarse(leafcast *v, uint32_t set) {
     coarse->options.threads = 1;
     coarse->options.backend = LEAFCAST_BACKEND_ARENA;
     coarse->kernels = v->kernels;
+    coarse->kernels.packet = GRID_TILE; /* whatever a mesh's packets are */
     mem_init(&coarse->budget, v->budget.limit >> SHARE_LOG2);
     status st = leaf_file_open_coarse(&coarse->budget, v->file, set, &coarse->file);
     if (st == ST_OK)
