@@ -21,7 +21,7 @@ static int set_up(void **state) {
     (void)state;
     if (!lab_mesh_make(&lab, "noise", CUBES, 7))
         return -1;
-    path = lab_leaf(&lab, 300);
+    path = lab_leaf_make(&lab, 300, false);
     return 0;
 }
 
