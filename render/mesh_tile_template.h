@@ -12,14 +12,15 @@
 #include "render/mesh_tile.h"
 #include "render/tet_sight_template.h"
 #include "render/tile_rects_template.h"
+#include "stream/active.h"
 
 void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                           tile_outcome *out, frame_counters *counters);
 
 /* Active tets of a treelet, a lane each, on their way to covers_of(). */
 typedef struct tet_lanes {
-    _Alignas(64) float p[4][3][VF_N]; /* their vertices */
-    float within[4][VF_N];            /* the rectangles of their leaves: x0 x1 y0 y1 */
+    uint32_t vertex[4][VF_N];           /* in the treelet */
+    _Alignas(64) float within[4][VF_N]; /* the rectangles of their leaves: x0 x1 y0 y1 */
     uint32_t place[VF_N];
     unsigned count;
 } tet_lanes;
@@ -125,43 +126,6 @@ typedef struct seen_polygon {
     int32_t iso;
 } seen_polygon;
 
-typedef float four_floats __attribute__((vector_size(16)));
-
-static float least_of(four_floats v) {
-    const float a = v[0] < v[1] ? v[0] : v[1], b = v[2] < v[3] ? v[2] : v[3];
-    return a < b ? a : b;
-}
-
-/* The pixels of r whose centres the polygon can cover; false: none. */
-static bool cover_of(const mesh_tile *w, const isopolygon *g, tile_rect *r) {
-    const projection *p = w->place.p;
-    four_floats x = {0}, y = {0}, z = {0}, far = {0};
-    for (int c = 0; c < 3; c++) {
-        const double eye = w->eye[c];
-        const four_floats at = {(float)(g->p[0][c] - eye), (float)(g->p[1][c] - eye),
-                                (float)(g->p[2][c] - eye), (float)(g->p[3][c] - eye)};
-        const four_floats size = {fabsf(at[0]), fabsf(at[1]), fabsf(at[2]), fabsf(at[3])};
-        x += p->axis[c][0] * at;
-        y += p->axis[c][1] * at;
-        z += p->axis[c][2] * at;
-        far += p->axis[c][3] * size;
-    }
-    /* Behind the eye or beside it: its box has said what it can cover. */
-    if (!(least_of(z - projection_depth_share * far) > 0.0f))
-        return true;
-    const four_floats px = x / z - w->place.x, py = y / z - w->place.y;
-    const float x0 = ceilf(least_of(px) - p->margin), x1 = floorf(-least_of(-px) + p->margin);
-    const float y0 = ceilf(least_of(py) - p->margin), y1 = floorf(-least_of(-py) + p->margin);
-    if (!(x0 <= (float)r->x1 && x1 >= (float)r->x0 && y0 <= (float)r->y1 && y1 >= (float)r->y0 &&
-          x0 <= x1 && y0 <= y1))
-        return false;
-    r->x0 = x0 > (float)r->x0 ? (uint8_t)x0 : r->x0;
-    r->x1 = x1 < (float)r->x1 ? (uint8_t)x1 : r->x1;
-    r->y0 = y0 > (float)r->y0 ? (uint8_t)y0 : r->y0;
-    r->y1 = y1 < (float)r->y1 ? (uint8_t)y1 : r->y1;
-    return true;
-}
-
 /* ---- Rays and polygons ---- */
 
 /* A hit of ray i: before what it has? */
@@ -261,21 +225,68 @@ static void see_polygon(const mesh_tile *w, seen_polygon *s) {
         s->error[k] = error_of(most, &s->from_eye.edge[k]);
 }
 
-static void walk_tet(mesh_tile *w, const treelet *at, uint32_t place, tile_rect r) {
-    const walk_scene *scene = &w->s.f->tracer->scene;
-    for (int i = 0; i < scene->count; i++) {
-        seen_polygon s;
-        const isopolygon *g = kept_polygons_find(at, place, i, scene->isovalues[i], &s.g);
-        tile_rect covered = r;
-        if (!g || !cover_of(w, g, &covered))
-            continue;
-        if (g != &s.g)
-            s.g = *g;
-        s.at = at;
-        s.tet = place;
-        s.iso = i;
-        see_polygon(w, &s);
-        walk_polygon(w, &s, covered);
+/* Made, or kept with the treelet; false: none. */
+static bool polygon_of(const treelet *at, uint32_t place, int32_t iso, double isovalue,
+                       isopolygon *out) {
+    if (!at->derived) {
+        const tet x = mesh_walk_tet(at, place);
+        return isopolygon_near(&x, isovalue, out);
+    }
+    const isopolygon *g = kept_polygons_find(at, place, iso, isovalue, out);
+    if (g && g != out)
+        *out = *g;
+    return g;
+}
+
+static void walk_tet(mesh_tile *w, const treelet *at, uint32_t place, int32_t iso, tile_rect r) {
+    seen_polygon s; /* large */
+    s.at = at;
+    s.tet = place;
+    s.iso = iso;
+    if (!polygon_of(at, place, iso, w->s.f->tracer->scene.isovalues[iso], &s.g))
+        return;
+    see_polygon(w, &s);
+    walk_polygon(w, &s, r);
+}
+
+/* Tets as the eye sees them, a lane each: homogeneous pixel coordinates of their vertices, and
+ * their values. */
+typedef struct tets_in_view {
+    vf x[4], y[4], w[4], f[4];
+    vf far; /* bounds any of the vertices' distances */
+    mf odd; /* values that sums and quotients of floats cannot be trusted with */
+} tets_in_view;
+
+/* Positions are taken from the treelet's lower corner, and so is the eye's, in double: what errs is
+ * a few units of 2^-24 of the distance and of the treelet's size. */
+SIMD void view_tets(const mesh_tile *w, const treelet *at, tets_in_view *v) {
+    const tet_lanes *l = &w->lanes;
+    const projection *p = w->place.p;
+    const float *positions = mesh_leaf_positions(&at->mesh, at->payload)[0];
+    const float *values = mesh_leaf_values(&at->mesh, at->values);
+    float size = 0.0f;
+    for (int a = 0; a < 3; a++)
+        size += p->axis[a][3] * (at->bounds[a + 3] - at->bounds[a]);
+    v->far = f_set(0.0f);
+    v->odd = mf_of_bits(0);
+    for (int k = 0; k < 4; k++) {
+        _Alignas(64) float f[VF_N];
+        vf at_corner[3], away = f_set(size);
+        f_load_triples(positions, l->vertex[k], at_corner);
+        v->x[k] = v->y[k] = v->w[k] = f_set(0.0f);
+        for (int a = 0; a < 3; a++) {
+            const float lo = at->bounds[a];
+            const vf q = (at_corner[a] - f_set(lo)) - f_set((float)(w->eye[a] - (double)lo));
+            v->x[k] = v->x[k] + f_set(p->axis[a][0]) * q;
+            v->y[k] = v->y[k] + f_set(p->axis[a][1]) * q;
+            v->w[k] = v->w[k] + f_set(p->axis[a][2]) * q;
+            away = away + f_set(p->axis[a][3]) * f_abs(q);
+        }
+        v->far = f_max(v->far, away);
+        for (unsigned i = 0; i < VF_N; i++)
+            f[i] = values[l->vertex[k][i]];
+        v->f[k] = f_load(f);
+        v->odd = mf_or(v->odd, f_gt(f_abs(v->f[k]), f_set(0x1p125f)));
     }
 }
 
@@ -284,62 +295,79 @@ typedef struct tet_covers {
     _Alignas(64) float depth[VF_N]; /* none of their points is nearer */
 } tet_covers;
 
-/* What the tets can cover of their leaves' rectangles: lanes of those that cover anything.
- *
- * Positions are taken from the treelet's lower corner, and so is the eye's, in double: what errs is
- * a few units of 2^-24 of the distance and of the treelet's size. So tets nearer than its sixteenth
- * cover all of it. */
-SIMD unsigned covers_of(const mesh_tile *w, const treelet *at, tet_covers *out) {
+/* Where the isopolygons of tets can be: the points on their edges between vertices on either side,
+ * in the picture. An edge's share s errs by six units of 2^-24 of itself: numerator, denominator
+ * and quotient; so its point by less than what boxes' corners may err by. */
+SIMD children_extent extent_of_polygons(const tets_in_view *v, double iso) {
+    const vf most = f_set(INFINITY), least = f_set(-INFINITY), zero = f_set(0.0f);
+    const vf threshold = f_set(active_threshold(iso));
+    const vf near = f_set((float)iso), rest = f_set((float)(iso - (double)(float)iso));
+    children_extent e = {most, least, most, least, most, least};
+    vf up[4];
+    mf in[4];
+    for (int k = 0; k < 4; k++) {
+        in[k] = f_ge(v->f[k], threshold);
+        up[k] = (near - v->f[k]) + rest;
+    }
+    for (int i = 0; i < 3; i++) {
+        for (int j = i + 1; j < 4; j++) {
+            const mf cut = mf_and_not(mf_or(in[i], in[j]), mf_and(in[i], in[j]));
+            const vf s = f_max(zero, f_min(up[i] / (v->f[j] - v->f[i]), f_set(1.0f)));
+            const vf w = v->w[i] + s * (v->w[j] - v->w[i]), r = f_reciprocal(w);
+            const vf x = (v->x[i] + s * (v->x[j] - v->x[i])) * r;
+            const vf y = (v->y[i] + s * (v->y[j] - v->y[i])) * r;
+            e.x0 = f_min(e.x0, f_select(cut, x, most));
+            e.x1 = f_max(e.x1, f_select(cut, x, least));
+            e.y0 = f_min(e.y0, f_select(cut, y, most));
+            e.y1 = f_max(e.y1, f_select(cut, y, least));
+            e.w0 = f_min(e.w0, f_select(cut, w, most));
+        }
+    }
+    return e;
+}
+
+/* What the isopolygons can cover of their leaves' rectangles: lanes of those that cover anything.
+ * Those nearer than a sixteenth of what positions are relative to cover all of it. */
+SIMD unsigned covers_of(const mesh_tile *w, const tets_in_view *v, double iso, tet_covers *out) {
     const tet_lanes *l = &w->lanes;
     const rect_lanes within = {f_load(l->within[0]), f_load(l->within[1]), f_load(l->within[2]),
                                f_load(l->within[3])};
-    const projection *p = w->place.p;
-    const vf most = f_set(INFINITY), least = f_set(-INFINITY);
-    children_extent e = {most, least, most, least, most, least};
-    vf far = f_set(0.0f);
-    float size = 0.0f;
-    for (int a = 0; a < 3; a++)
-        size += p->axis[a][3] * (at->bounds[a + 3] - at->bounds[a]);
-    for (int v = 0; v < 4; v++) {
-        vf x = f_set(0.0f), y = x, z = x, away = f_set(size);
-        for (int a = 0; a < 3; a++) {
-            const float lo = at->bounds[a];
-            const vf eye = f_set((float)(w->eye[a] - (double)lo));
-            const vf q = (f_load(l->p[v][a]) - f_set(lo)) - eye;
-            x = x + f_set(p->axis[a][0]) * q;
-            y = y + f_set(p->axis[a][1]) * q;
-            z = z + f_set(p->axis[a][2]) * q;
-            away = away + f_set(p->axis[a][3]) * f_abs(q);
-        }
-        far = f_max(far, away);
-        extend(&e, x, y, z);
-    }
-    const mf whole = f_lt(e.w0, far * f_set(projection_depth_share));
+    const children_extent e = extent_of_polygons(v, iso);
+    const mf whole = mf_or(v->odd, f_lt(e.w0, v->far * f_set(projection_depth_share)));
     mf alive;
-    const vi packed = rects_of_extent(&w->place, &e, whole, within, &alive);
+    const vi packed =
+        rects_of_extent(&w->place, &e, 2.0f * w->place.p->margin, whole, within, &alive);
     memcpy(out->rect, &packed, sizeof packed);
-    f_store(out->depth, f_select(whole, f_set(0.0f), e.w0 - f_set(0x1p-19f) * far));
+    f_store(out->depth, f_select(whole, f_set(0.0f), e.w0 - f_set(0x1p-19f) * v->far));
     return mf_bits(alive) & ((1u << l->count) - 1u);
 }
 
 static void walk_lanes(mesh_tile *w, const treelet *at) {
-    tet_covers covers;
-    for (unsigned left = covers_of(w, at, &covers); left; left &= left - 1) {
-        const unsigned k = (unsigned)__builtin_ctz(left);
-        if (in_sight(w, covers.rect[k], covers.depth[k] * covers.depth[k]))
-            walk_tet(w, at, w->lanes.place[k], covers.rect[k]);
+    const walk_scene *scene = &w->s.f->tracer->scene;
+    tet_lanes *l = &w->lanes;
+    tets_in_view view;
+    for (unsigned k = l->count; k < VF_N; k++)
+        for (int v = 0; v < 4; v++)
+            l->vertex[v][k] = l->vertex[v][0];
+    view_tets(w, at, &view);
+    for (int32_t i = 0; i < scene->count; i++) {
+        tet_covers covers;
+        for (unsigned left = covers_of(w, &view, scene->isovalues[i], &covers); left;
+             left &= left - 1) {
+            const unsigned k = (unsigned)__builtin_ctz(left);
+            if (in_sight(w, covers.rect[k], covers.depth[k] * covers.depth[k]))
+                walk_tet(w, at, l->place[k], i, covers.rect[k]);
+        }
     }
-    w->s.counters->walk.cells += w->lanes.count;
-    w->lanes.count = 0;
+    w->s.counters->walk.cells += l->count;
+    l->count = 0;
 }
 
 static void add_lane(mesh_tile *w, const treelet *at, uint32_t place, const tile_rect *r) {
     const uint16_t *v = mesh_leaf_tets(&at->mesh, at->payload)[place];
-    const float(*p)[3] = at->positions;
     tet_lanes *l = &w->lanes;
     for (int k = 0; k < 4; k++)
-        for (int a = 0; a < 3; a++)
-            l->p[k][a][l->count] = p[v[k]][a];
+        l->vertex[k][l->count] = v[k];
     l->within[0][l->count] = r->x0;
     l->within[1][l->count] = r->x1;
     l->within[2][l->count] = r->y0;

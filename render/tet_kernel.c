@@ -5,13 +5,9 @@
 
 #include "render/edge_sign.h"
 
-static const uint8_t ends_of[TET_EDGES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+const uint8_t tet_edge_ends[TET_EDGES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
-/* The cut edges in order around, by which vertices are inside (bit k: vertex k); the normal points
- * to the inside where (v1 - v0) . ((v2 - v0) x (v3 - v0)) > 0. */
-static const struct {
-    uint8_t count, edge[4];
-} cases[16] = {
+const tet_cut tet_cuts[16] = {
     {0, {0, 0, 0, 0}}, /* none */
     {3, {0, 2, 1, 1}}, /* 0 */
     {3, {0, 3, 4, 4}}, /* 1 */
@@ -81,7 +77,7 @@ bool tet_is_active(const float f[4], double iso) {
  * lies between a and b, and so it does after. */
 static void cut_edge(const double p[4][3], const float f[4], int edge, double iso,
                      double point[3]) {
-    const int i = ends_of[edge][0], j = ends_of[edge][1];
+    const int i = tet_edge_ends[edge][0], j = tet_edge_ends[edge][1];
     const double fa = (double)f[i], fb = (double)f[j];
     const double s = (iso - fa) / (fb - fa);
     const bool whole = s >= 1.0;
@@ -89,8 +85,7 @@ static void cut_edge(const double p[4][3], const float f[4], int edge, double is
         point[k] = whole ? p[j][k] : p[i][k] + s * (p[j][k] - p[i][k]);
 }
 
-/* The other way around: the diagonal stays. */
-static void turn_over(uint8_t edge[4], int count) {
+void tet_turn_over(uint8_t edge[4], int count) {
     const int i = count == 3 ? 0 : 1, j = count == 3 ? 1 : 3;
     const uint8_t kept = edge[i];
     edge[i] = edge[j];
@@ -105,10 +100,10 @@ bool isopolygon_of(const tet *x, double iso, isopolygon *out) {
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 3; k++)
             p[i][k] = (double)x->p[i][k];
-    out->count = cases[inside].count;
-    memcpy(out->edge, cases[inside].edge, sizeof out->edge);
+    out->count = tet_cuts[inside].count;
+    memcpy(out->edge, tet_cuts[inside].edge, sizeof out->edge);
     if (edge_sign_of_tet((const double(*)[3])p) < 0)
-        turn_over(out->edge, out->count);
+        tet_turn_over(out->edge, out->count);
     for (int i = 0; i < out->count; i++)
         cut_edge((const double(*)[3])p, x->f, out->edge[i], iso, out->p[i]);
     if (out->count == 3)
@@ -321,7 +316,7 @@ static double shortest_edge(const tet *x) {
     for (int i = 0; i < TET_EDGES; i++) {
         double e[3];
         for (int k = 0; k < 3; k++)
-            e[k] = (double)x->p[ends_of[i][1]][k] - (double)x->p[ends_of[i][0]][k];
+            e[k] = (double)x->p[tet_edge_ends[i][1]][k] - (double)x->p[tet_edge_ends[i][0]][k];
         square = least(square, dot(e, e));
     }
     return sqrt(square);

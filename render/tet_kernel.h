@@ -77,6 +77,17 @@ bool tet_is_active(const float f[4], double iso);
  */
 bool isopolygon_of(const tet *x, double iso, isopolygon *out);
 
+/* tet_cuts[] - the cut edges of a tet by which of its vertices are inside (bit k: vertex k), in
+ * order around: by the right-hand rule the normal points to the inside where (v1 - v0) . ((v2 - v0)
+ * x (v3 - v0)) > 0. tet_turn_over() - the other way around: the diagonal stays. tet_edge_ends: the
+ * vertices of an edge. */
+typedef struct tet_cut {
+    uint8_t count, edge[4]; /* as of an isopolygon */
+} tet_cut;
+extern const tet_cut tet_cuts[16];
+extern const uint8_t tet_edge_ends[TET_EDGES][2];
+void tet_turn_over(uint8_t edge[4], int count);
+
 /* isopolygon_hit() - the first hit of the ray that comes strictly after `after` in (t, cell, iso)
  * order, with t in [r->t0, r->t1]. *found is set only when true is returned; it gets cell (the
  * tet's global index) and iso_index as they are.

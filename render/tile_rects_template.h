@@ -124,11 +124,10 @@ SIMD rect_lanes rect_lanes_of(const tile_rect *r) {
     return (rect_lanes){f_set(r->x0), f_set(r->x1), f_set(r->y0), f_set(r->y1)};
 }
 
-/* The rectangles of what reaches that far in the picture, within others; *alive: those that are not
- * empty. Where `whole`, they are the others. */
-SIMD vi rects_of_extent(const tile_place *tile, const children_extent *e, mf whole,
+/* The rectangles of what reaches that far in the picture, give or take the margin, within others;
+ * *alive: those that are not empty. Where `whole`, they are the others. */
+SIMD vi rects_of_extent(const tile_place *tile, const children_extent *e, float margin, mf whole,
                         rect_lanes within, mf *alive) {
-    const float margin = tile->p->margin;
     vf x0 = f_max(f_ceil(e->x0 - f_set(tile->x + margin)), within.x0);
     vf x1 = f_min(f_floor(e->x1 - f_set(tile->x - margin)), within.x1);
     vf y0 = f_max(f_ceil(e->y0 - f_set(tile->y + margin)), within.y0);
@@ -150,7 +149,8 @@ SIMD void tile_rects_of_entries(const tile_place *tile, const children_entries *
     const children_extent e = extent_of(&c->x, &c->y, &c->w);
     const mf whole = f_lt(e.w0, c->far * f_set(projection_depth_share));
     mf alive;
-    const vi packed = rects_of_extent(tile, &e, whole, rect_lanes_of(parent), &alive);
+    const vi packed =
+        rects_of_extent(tile, &e, tile->p->margin, whole, rect_lanes_of(parent), &alive);
     if (mf_bits(whole)) {
         alive = mf_and_not(alive, f_lt(e.w1, f_set(-tile->p->plane_error) * c->far));
         alive = mf_and_not(alive, mf_and(whole, outside_tile(tile, c)));

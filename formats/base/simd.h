@@ -8,7 +8,8 @@
  *   vf, mf   VF_N floats (4, 8, 16) and a mask over them       f_set f_load f_store ...
  *   vi       VF_N 32-bit integers, for operators alone
  *
- * f_load_rows() takes VF_N / 4 rows of four floats, `stride` apart.
+ * f_load_rows() takes VF_N / 4 rows of four floats, `stride` apart; f_load_triples() the three
+ * floats from + 3 at[k] of lane k, and nothing behind them.
  *
  * Arithmetic is written with + - * /, which the compilers know for vectors. min(a, b) is a < b ? a
  * : b and max(a, b) is a > b ? a : b, also for NaN. Comparisons with NaN are false. Loads and
@@ -31,6 +32,12 @@
 #include <stdint.h>
 
 #define SIMD static inline __attribute__((always_inline))
+
+/* Three floats and a zero. */
+SIMD __m128 triple_(const float *from) {
+    return _mm_movelh_ps(_mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(const void *)from)),
+                         _mm_load_ss(from + 2));
+}
 
 #if defined __AVX512F__
 
@@ -107,6 +114,19 @@ SIMD vf f_load_rows(const float *from, int stride) {
     const __m256 high =
         _mm256_set_m128(_mm_loadu_ps(from + 3 * stride), _mm_loadu_ps(from + 2 * stride));
     return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+}
+SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
+    vf row[4];
+    for (int k = 0; k < 4; k++)
+        row[k] = _mm512_insertf32x8(
+            _mm512_castps256_ps512(
+                _mm256_set_m128(triple_(from + 3 * at[k + 4]), triple_(from + 3 * at[k]))),
+            _mm256_set_m128(triple_(from + 3 * at[k + 12]), triple_(from + 3 * at[k + 8])), 1);
+    const vf low = _mm512_unpacklo_ps(row[0], row[1]), low2 = _mm512_unpacklo_ps(row[2], row[3]);
+    const vf high = _mm512_unpackhi_ps(row[0], row[1]), high2 = _mm512_unpackhi_ps(row[2], row[3]);
+    out[0] = _mm512_shuffle_ps(low, low2, 0x44);
+    out[1] = _mm512_shuffle_ps(low, low2, 0xee);
+    out[2] = _mm512_shuffle_ps(high, high2, 0x44);
 }
 SIMD vd d_of_floats(const float *from) {
     return _mm512_cvtps_pd(_mm256_loadu_ps(from));
@@ -192,6 +212,16 @@ SIMD vf f_of_doubles(const double *from) {
 SIMD vf f_load_rows(const float *from, int stride) {
     return _mm256_set_m128(_mm_loadu_ps(from + stride), _mm_loadu_ps(from));
 }
+SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
+    vf row[4];
+    for (int k = 0; k < 4; k++)
+        row[k] = _mm256_set_m128(triple_(from + 3 * at[k + 4]), triple_(from + 3 * at[k]));
+    const vf low = _mm256_unpacklo_ps(row[0], row[1]), low2 = _mm256_unpacklo_ps(row[2], row[3]);
+    const vf high = _mm256_unpackhi_ps(row[0], row[1]), high2 = _mm256_unpackhi_ps(row[2], row[3]);
+    out[0] = _mm256_shuffle_ps(low, low2, 0x44);
+    out[1] = _mm256_shuffle_ps(low, low2, 0xee);
+    out[2] = _mm256_shuffle_ps(high, high2, 0x44);
+}
 SIMD vd d_of_floats(const float *from) {
     return _mm256_cvtps_pd(_mm_loadu_ps(from));
 }
@@ -273,6 +303,16 @@ SIMD vf f_of_doubles(const double *from) {
 SIMD vf f_load_rows(const float *from, int stride) {
     (void)stride;
     return _mm_loadu_ps(from);
+}
+SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
+    vf row[4];
+    for (int k = 0; k < 4; k++)
+        row[k] = triple_(from + 3 * at[k]);
+    const vf low = _mm_unpacklo_ps(row[0], row[1]), low2 = _mm_unpacklo_ps(row[2], row[3]);
+    const vf high = _mm_unpackhi_ps(row[0], row[1]), high2 = _mm_unpackhi_ps(row[2], row[3]);
+    out[0] = _mm_shuffle_ps(low, low2, 0x44);
+    out[1] = _mm_shuffle_ps(low, low2, 0xee);
+    out[2] = _mm_shuffle_ps(high, high2, 0x44);
 }
 SIMD vd d_of_floats(const float *from) {
     return _mm_cvtps_pd(_mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)from)));

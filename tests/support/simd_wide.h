@@ -124,6 +124,10 @@ SIMD vf f_load_rows(const float *from, int stride) {
     FLOATS(i) v[i] = from[i / 4 * stride + i % 4];
     return v;
 }
+SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
+    for (int a = 0; a < 3; a++)
+        FLOATS(i) out[a][i] = from[3 * at[i] + (uint32_t)a];
+}
 SIMD void f_store(float *to, vf a) {
     memcpy(to, &a, sizeof a);
 }
