@@ -31,10 +31,8 @@ static void know_tet(const tracer *tr, known_tet *k) {
     const tet x = mesh_walk_tet(k->at, k->tet);
     const double iso = tr->scene.isovalues[k->iso];
     isopolygon g;
-    if (!isopolygon_of(&x, iso, &g))
-        return;
-    tet_normal(&x, &g, k->normal);
-    if (tr->smooth_normals) {
+    tet_normal(&x, iso, k->normal);
+    if (tr->smooth_normals && isopolygon_of(&x, iso, &g)) {
         float gradients[4][3];
         mesh_walk_gradients(k->at, k->tet, gradients);
         tet_smooth_of(&x, iso, &g, (const float(*)[3])gradients, &k->smooth);

@@ -88,7 +88,7 @@ static size_t do_tet(const extraction *x, const tet *of, size_t triangle) {
     if (!isopolygon_of(of, x->isovalue, &g))
         return 0;
     if (!x->counting)
-        tet_normal(of, &g, normal);
+        tet_normal(of, x->isovalue, normal);
     for (size_t k = 0; k + 2 < g.count && !x->counting; k++)
         put_triangle(x, triangle + k, &g, corners[k], normal);
     return g.count - 2u;

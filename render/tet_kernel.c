@@ -351,9 +351,11 @@ static void normal_against(const double gradient[3], float normal[3]) {
         normal[k] = any ? (float)-unit[k] : 0.0f;
 }
 
-void tet_normal(const tet *x, const isopolygon *g, float normal[3]) {
-    double gradient[3];
-    (void)gradient_of(x, g, gradient);
+void tet_normal(const tet *x, double iso, float normal[3]) {
+    double gradient[3] = {0.0, 0.0, 0.0};
+    isopolygon g;
+    if (!tet_gradient(x, gradient) && isopolygon_of(x, iso, &g))
+        (void)gradient_of(x, &g, gradient);
     normal_against(gradient, normal);
 }
 

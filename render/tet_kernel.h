@@ -133,7 +133,7 @@ bool tet_gradient(const tet *x, double gradient[3]);
  * normal    unit, against gradient; zero where that is */
 surface_point tet_surface(const tet *x, const ray *r, double iso, const hit *h);
 
-/* tet_normal() - the normal alone, which is the same for all rays; g: of isopolygon_of(). */
-void tet_normal(const tet *x, const isopolygon *g, float normal[3]);
+/* tet_normal() - the normal alone, which is the same for all rays that hit the tet's isopolygon. */
+void tet_normal(const tet *x, double iso, float normal[3]);
 
 #endif
