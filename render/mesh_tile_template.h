@@ -262,7 +262,7 @@ typedef struct tets_in_view {
 SIMD void view_tets(const mesh_tile *w, const treelet *at, tets_in_view *v) {
     const tet_lanes *l = &w->lanes;
     const projection *p = w->place.p;
-    const float *positions = mesh_leaf_positions(&at->mesh, at->payload)[0];
+    const float *positions = at->positions[0];
     const float *values = mesh_leaf_values(&at->mesh, at->values);
     float size = 0.0f;
     for (int a = 0; a < 3; a++)

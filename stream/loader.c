@@ -303,6 +303,11 @@ static void relax(unsigned spins) {
 #endif
 }
 
+/* Of a mesh's treelet in its set. */
+static const float *own_range(const loader *l, const treelet *tr) {
+    return l->file->own[(size_t)tr->set * l->file->layout.treelets + tr->id];
+}
+
 void loader_mask(const loader *l, treelet *tr) {
     struct loader_private *h = l->hidden;
     for (unsigned spins = 0;; spins++) {
@@ -315,8 +320,8 @@ void loader_mask(const loader *l, treelet *tr) {
             if (tr->masks)
                 h->compute(tr->masks, l->file, tr->id, tr->payload, &h->isos);
             else
-                mesh_active_compute(tr->active, &tr->mesh, tr->payload, tr->values,
-                                    h->isos.isovalues, h->isos.count);
+                mesh_active_compute(tr->active, &tr->mesh, own_range(l, tr), tr->payload,
+                                    tr->values, h->isos.isovalues, h->isos.count);
             if (tr->derived)
                 h->store.derived.make(tr, &h->isos);
             atomic_fetch_add_explicit(&h->masks, 1, memory_order_relaxed);

@@ -31,20 +31,48 @@ static void find_sides(uint8_t *sides, const float *values, uint32_t count, cons
     }
 }
 
-/* Tets with vertices on both sides of any isovalue. */
-static void mark_tets(mesh_active *active, const mesh_shape *shape, const void *topology) {
-    const uint16_t(*tets)[4] = mesh_leaf_tets(shape, topology);
+/* Those of a leaf's tets that have vertices on both sides of any isovalue. */
+static void mark_tets(mesh_active *active, const uint16_t (*tets)[4], uint32_t first,
+                      uint32_t end) {
     const uint8_t *s = active->sides;
-    for (uint32_t first = 0; first < shape->tets; first += 64) {
-        const uint32_t left = shape->tets - first, count = left < 64 ? left : 64;
-        uint64_t bits = 0;
-        for (uint32_t k = 0; k < count; k++) {
-            const uint16_t *v = tets[first + k];
-            const uint8_t a = s[v[0]], b = s[v[1]], c = s[v[2]], d = s[v[3]];
-            const unsigned differ = (unsigned)((a | b | c | d) & ~(a & b & c & d));
-            bits |= (uint64_t)(differ != 0) << k;
+    for (uint32_t i = first; i < end; i++) {
+        const uint16_t *v = tets[i];
+        const uint8_t a = s[v[0]], b = s[v[1]], c = s[v[2]], d = s[v[3]];
+        const unsigned differ = (unsigned)((a | b | c | d) & ~(a & b & c & d));
+        active->tets[i / 64] |= (uint64_t)(differ != 0) << i % 64;
+    }
+}
+
+/* Children whose values can hold one of the isovalues, by their codes. */
+static unsigned may_hold(const mesh_codes *codes, const quantized_iso isos[], int count) {
+    unsigned mask = 0;
+    for (int i = 0; i < count; i++)
+        for (unsigned c = 0; c < MESH_CHILDREN; c++)
+            mask |= (unsigned)quantize_holds(isos[i], codes->lo[c], codes->hi[c]) << c;
+    return mask;
+}
+
+/* Down the tree as far as codes say; `children` notes which nodes have been come to. */
+static void mark_leaves(mesh_active *active, const mesh_shape *shape, const void *topology,
+                        const void *values, const quantized_iso isos[], int count) {
+    const mesh_node *nodes = mesh_leaf_nodes(topology);
+    const mesh_codes *codes = mesh_leaf_codes(values);
+    const uint16_t *first = mesh_leaf_first(shape, topology);
+    memset(active->children, 0, shape->nodes);
+    active->children[0] = 1;
+    for (uint32_t n = 0; n < shape->nodes; n++) {
+        if (!active->children[n])
+            continue;
+        for (unsigned left = may_hold(&codes[n], isos, count); left; left &= left - 1) {
+            const uint16_t child = nodes[n].child[__builtin_ctz(left)];
+            const uint32_t leaf = child & ~(unsigned)MESH_LEAF;
+            if (child == MESH_NO_CHILD)
+                break;
+            if (child & MESH_LEAF)
+                mark_tets(active, mesh_leaf_tets(shape, topology), first[leaf], first[leaf + 1]);
+            else
+                active->children[child] = 1;
         }
-        active->tets[first / 64] |= bits;
     }
 }
 
@@ -80,13 +108,20 @@ static void mark_nodes(mesh_active *active, const mesh_shape *shape, const void 
     }
 }
 
-void mesh_active_compute(mesh_active *active, const mesh_shape *shape, const void *topology,
-                         const void *values, const double *isovalues, int count) {
+void mesh_active_compute(mesh_active *active, const mesh_shape *shape, const float own[2],
+                         const void *topology, const void *values, const double *isovalues,
+                         int count) {
+    enum { TOGETHER = 8 }; /* the bits of a side */
+    const quantizer q = quantizer_of(own[0], own[1], SAMPLE_F32);
     memset(active->tets, 0, 8 * words_of(shape));
-    for (int i = 0; i < count; i += 8) {
+    for (int i = 0; i < count; i += TOGETHER) {
+        const int isos = count - i < TOGETHER ? count - i : TOGETHER;
+        quantized_iso held[TOGETHER];
+        for (int k = 0; k < isos; k++)
+            held[k] = quantizer_iso(&q, isovalues[i + k]);
         find_sides(active->sides, mesh_leaf_values(shape, values), shape->vertices, isovalues + i,
-                   count - i < 8 ? count - i : 8);
-        mark_tets(active, shape, topology);
+                   isos);
+        mark_leaves(active, shape, topology, values, held, isos);
     }
     mark_nodes(active, shape, topology);
 }

@@ -21,9 +21,10 @@ typedef struct mesh_active {
 size_t mesh_active_bytes(const mesh_shape *shape);
 mesh_active *mesh_active_init(void *block, const mesh_shape *shape);
 
-/* mesh_active_compute() - topology, values: the treelet's checked payloads; count >= 0 finite
- * isovalues. */
-void mesh_active_compute(mesh_active *active, const mesh_shape *shape, const void *topology,
-                         const void *values, const double *isovalues, int count);
+/* mesh_active_compute() - topology, values: the treelet's checked payloads; own: the range of its
+ * values, which its codes are relative to; count >= 0 finite isovalues. */
+void mesh_active_compute(mesh_active *active, const mesh_shape *shape, const float own[2],
+                         const void *topology, const void *values, const double *isovalues,
+                         int count);
 
 #endif

@@ -99,7 +99,7 @@ static void test_active(void **state) {
                 const float known = mesh_leaf_values(&s, values)[(uint32_t)i % s.vertices];
                 isovalues[i] = i % 3 == 0 ? (double)known : field_random_in(&r, -3.0, 3.0);
             }
-            mesh_active_compute(a, &s, topology, values, isovalues, counts[k]);
+            mesh_active_compute(a, &s, f->own[p], topology, values, isovalues, counts[k]);
             assert_treelet(&s, topology, values, a, isovalues, counts[k], &t);
         }
         mem_free(&m, block);
