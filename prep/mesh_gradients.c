@@ -175,7 +175,7 @@ static bool find_owners(const mesh_gradients *g, const uint32_t id[4], uint16_t 
     bool any = false;
     for (int c = 0; c < 4; c++) {
         const bool here = id[c] >= g->first && id[c] - g->first < g->count;
-        owner[c] = here ? (uint16_t)((id[c] >> OWN_LOG2) % threads) : NOBODY;
+        owner[c] = (uint16_t)(here ? (id[c] >> OWN_LOG2) % threads : NOBODY);
         any = any || here;
     }
     return any;

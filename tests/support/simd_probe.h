@@ -34,6 +34,9 @@ enum {
     PROBE_FLOOR,
     PROBE_CEIL,
     PROBE_INT,
+    PROBE_TRIPLE_X, /* f_load_triples() from x, at the bits of p */
+    PROBE_TRIPLE_Y,
+    PROBE_TRIPLE_Z,
     PROBE_WORDS
 };
 enum {

@@ -61,6 +61,13 @@ static void probe_floats(const simd_probe_input *in, simd_probe_output *out) {
     f_store(out->f[PROBE_FLOOR], f_floor(x));
     f_store(out->f[PROBE_CEIL], f_ceil(x));
     f_store(out->reciprocal, f_reciprocal(x));
+    uint32_t at[VF_N];
+    vf triple[3];
+    for (int i = 0; i < VF_N; i++)
+        at[i] = in->p >> i & 3u;
+    f_load_triples(in->x, at, triple);
+    for (int a = 0; a < 3; a++)
+        f_store(out->f[PROBE_TRIPLE_X + a], triple[a]);
     const vi whole = f_to_int(x);
     for (int i = 0; i < VF_N; i++)
         out->f[PROBE_INT][i] = in->x[i] > -0x1p30f && in->x[i] < 0x1p30f ? (float)whole[i] : 0.0f;
