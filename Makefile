@@ -71,7 +71,7 @@ TSAN_TESTS := test_pool test_mem test_field test_nrrd test_pyramid test_convert 
               test_trace test_loader test_render_faults test_cell_stress test_watertight \
               test_peer_mesh test_kept_polygons test_tet_generate test_mesh_sort test_mesh_build \
               test_mesh_series test_mesh_steps test_mesh_gradients test_tetrahedralize test_resample \
-              test_mesh_coarse test_mesh_preview test_mesh_packet render render_mesh
+              test_mesh_coarse test_mesh_preview render render_mesh
 
 # T="NAME..." runs only the tests of those names: make test T="test_pool front_door"
 T   ?= $(if $(filter thread,$(CONFIG)),$(TSAN_TESTS))
