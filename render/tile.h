@@ -30,9 +30,8 @@ enum { TILE_ABSENT_MAX = 32 };
 /* What is left to do. Rows and rays of the tile that there is, rays row by row. All other pixels
  * that were asked for have been written. */
 typedef struct tile_outcome {
-    tile_row open[TILE_MAX]; /* to be traced one by one, from their start */
-    tile_row
-        waits[TILE_MAX]; /* they met an absent treelet: again when it is there, or one by one */
+    tile_row open[TILE_MAX];          /* to be traced one by one, from their start */
+    tile_row waits[TILE_MAX];         /* met an absent treelet: again with it, or one by one */
     uint32_t absent[TILE_ABSENT_MAX]; /* those treelets, as many as there is room for */
     int absent_count;
     tile_row found[TILE_MAX]; /* their first surface is known, and no more: */
