@@ -8,61 +8,105 @@
 #ifdef SIMD_NAME
 
 #include "render/mesh_walk.h"
+#include "render/tet_normals_template.h"
 #include "render/tet_smooth.h"
 #include "render/tile.h"
 
-enum { TILE = MESH_TILE }; /* of the templates that follow */
+enum { TILE = MESH_TILE, TILE_WINDOWS = 0 }; /* of the templates that follow */
 
 #include "render/tile_shade_template.h"
 
-/* Neighbouring rays hit the same tets. */
+/* Neighbouring rays hit the same tets: slots of the last ones. */
 enum { KNOWN_TETS = 64 };
 
-typedef struct known_tet {
-    const treelet *at;
-    uint32_t tet;
-    int32_t iso;
-    float normal[3];
-    tet_smooth smooth; /* where normals are */
-} known_tet;
+/* The tets that were hit, each by the first ray that is known to have done so. */
+typedef struct hit_tets {
+    unsigned count;
+    uint16_t ray[TILE_RAYS];
+    uint16_t of[TILE_RAYS]; /* a ray's place there */
+} hit_tets;
 
-/* What the rays have in common that hit a tet's isopolygon. */
-static void know_tet(const tracer *tr, known_tet *k) {
-    const tet x = mesh_walk_tet(k->at, k->tet);
-    const double iso = tr->scene.isovalues[k->iso];
-    isopolygon g;
-    tet_normal(&x, iso, k->normal);
-    if (tr->smooth_normals && isopolygon_of(&x, iso, &g)) {
-        float gradients[4][3];
-        mesh_walk_gradients(k->at, k->tet, gradients);
-        tet_smooth_of(&x, iso, &g, (const float(*)[3])gradients, &k->smooth);
+static void list_tets(const tile_state *s, const uint32_t tet_of[TILE_RAYS], hit_tets *l) {
+    uint16_t known[KNOWN_TETS] = {0};
+    l->count = 0;
+    for (unsigned i = 0; i < TILE_RAYS; i++) {
+        if (!(s->t[i] < INFINITY))
+            continue;
+        uint16_t *k = &known[(tet_of[i] + (unsigned)s->iso[i]) % KNOWN_TETS];
+        const unsigned first = *k < l->count ? l->ray[*k] : i;
+        if (*k >= l->count || tet_of[first] != tet_of[i] || s->at[first] != s->at[i] ||
+            s->iso[first] != s->iso[i]) {
+            *k = (uint16_t)l->count;
+            l->ray[l->count++] = (uint16_t)i;
+        }
+        l->of[i] = *k;
+    }
+}
+
+/* Of VD_N tets of the list, from the one at `from` on. */
+SIMD void faceted_normals(const tile_state *s, const uint32_t tet_of[TILE_RAYS], const hit_tets *l,
+                          unsigned from, float normal[3][VD_N]) {
+    tet_columns columns;
+    tet tets[VD_N];
+    for (unsigned k = 0; k < VD_N; k++) {
+        const unsigned i = l->ray[from + k];
+        tets[k] = mesh_walk_tet(s->at[i], tet_of[i]);
+        tet_columns_put(&columns, k, &tets[k]);
+    }
+    for (unsigned left = ~tet_normals_of(&columns, normal) & ((1u << VD_N) - 1u); left;
+         left &= left - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(left);
+        float of[3];
+        tet_normal(&tets[k], s->f->tracer->scene.isovalues[s->iso[l->ray[from + k]]], of);
+        for (int a = 0; a < 3; a++)
+            normal[a][k] = of[a];
+    }
+}
+
+/* Where gradients at the vertices give normals, they take the place of faceted ones. */
+static void smooth_normals(const tile_state *s, const uint32_t tet_of[TILE_RAYS], const hit_tets *l,
+                           tile_pixels *p) {
+    tet_smooth known[KNOWN_TETS]; /* what the rays have in common that hit a tet's isopolygon */
+    uint16_t place[KNOWN_TETS];
+    bool has[KNOWN_TETS];
+    memset(place, 0xff, sizeof place);
+    for (unsigned i = 0; i < TILE_RAYS; i++) {
+        if (!(s->t[i] < INFINITY))
+            continue;
+        const unsigned k = l->of[i] % KNOWN_TETS;
+        if (place[k] != l->of[i]) {
+            const tet x = mesh_walk_tet(s->at[i], tet_of[i]);
+            const double iso = s->f->tracer->scene.isovalues[s->iso[i]];
+            isopolygon g;
+            float gradients[4][3];
+            mesh_walk_gradients(s->at[i], tet_of[i], gradients);
+            place[k] = l->of[i];
+            has[k] = isopolygon_of(&x, iso, &g);
+            if (has[k])
+                tet_smooth_of(&x, iso, &g, (const float(*)[3])gradients, &known[k]);
+        }
+        const double d[3] = {s->rays.d[0][i], s->rays.d[1][i], s->rays.d[2][i]};
+        float normal[3];
+        if (has[k] && tet_smooth_normal(&known[k], s->f->projection->eye, d, s->t[i], normal))
+            for (int a = 0; a < 3; a++)
+                p->normal[a][i] = normal[a];
     }
 }
 
 /* tet_of: where in their treelets the tets lie that were hit. */
 static void normals_of_tets(const tile_state *s, const uint32_t tet_of[TILE_RAYS], tile_pixels *p) {
-    const tracer *tr = s->f->tracer;
-    known_tet known[KNOWN_TETS];
-    for (int k = 0; k < KNOWN_TETS; k++)
-        known[k].at = NULL;
-    for (unsigned i = 0; i < TILE_RAYS; i++) {
-        if (!(s->t[i] < INFINITY))
-            continue;
-        known_tet *k = &known[(tet_of[i] + (unsigned)s->iso[i]) % KNOWN_TETS];
-        if (k->at != s->at[i] || k->tet != tet_of[i] || k->iso != s->iso[i]) {
-            k->at = s->at[i];
-            k->tet = tet_of[i];
-            k->iso = s->iso[i];
-            know_tet(tr, k);
-        }
-        float normal[3] = {k->normal[0], k->normal[1], k->normal[2]};
-        if (tr->smooth_normals) {
-            const double d[3] = {s->rays.d[0][i], s->rays.d[1][i], s->rays.d[2][i]};
-            (void)tet_smooth_normal(&k->smooth, s->f->projection->eye, d, s->t[i], normal);
-        }
-        for (int a = 0; a < 3; a++)
-            p->normal[a][i] = normal[a];
-    }
+    hit_tets l;
+    float normal[TILE_RAYS / VD_N][3][VD_N];
+    list_tets(s, tet_of, &l);
+    for (unsigned n = l.count; n % VD_N; n++)
+        l.ray[n] = l.ray[0];
+    for (unsigned n = 0; n < l.count; n += VD_N)
+        faceted_normals(s, tet_of, &l, n, normal[n / VD_N]);
+    for (unsigned i = 0; i < TILE_RAYS; i++)
+        for (int a = 0; a < 3 && s->t[i] < INFINITY; a++)
+            p->normal[a][i] = normal[l.of[i] / VD_N][a][l.of[i] % VD_N];
+    if (s->f->tracer->smooth_normals)
+        smooth_normals(s, tet_of, &l, p);
 }
 
 /* The tile's pixels, and its outcome. */

@@ -7,6 +7,8 @@
 
 #ifdef SIMD_NAME
 
+#include <float.h>
+
 #include "render/kept_polygons.h"
 #include "render/mesh_shade_template.h"
 #include "render/mesh_tile.h"
@@ -30,27 +32,40 @@ typedef struct mesh_tile {
     tile_place place;
     double eye[3];
     tet_lanes lanes;
-    uint32_t tet[TILE_RAYS]; /* of what has been found: its place in its treelet */
+    float far2[TILE_RAYS + VF_N]; /* squares of what rays have found; below 0: they do not look */
+    uint32_t tet[TILE_RAYS];      /* of what has been found: its place in its treelet */
 } mesh_tile;
 
 /* ---- Who is behind what ---- */
 
-/* Distances are compared as squares: less than a float's rounding of both is given away. */
+/* What is given away on distances (squared) of single precision: more than their rounding. */
 static const float SURELY = 1.0f - 0x1p-20f;
+
+/* How far ray i looks. */
+SIMD void look_as_far(mesh_tile *w, unsigned i) {
+    const double t = w->s.t[i];
+    w->far2[i] = (float)(t * t) + FLT_MIN;
+}
+
+/* Look with all rays that are open. */
+static void look_with_open(mesh_tile *w) {
+    for (unsigned i = 0; i < TILE_RAYS; i++) {
+        look_as_far(w, i);
+        if (!(w->s.open[i / TILE] >> i % TILE & 1u))
+            w->far2[i] = -1.0f;
+    }
+}
 
 /* Whether an open ray of the rectangle has nothing in front of a distance (squared). */
 SIMD bool in_sight(const mesh_tile *w, tile_rect r, float near2) {
+    const vf at = f_set(near2 * SURELY);
     const unsigned columns = row_mask(r);
-    const vd at = d_set(near2 > 0.0f ? sqrt((double)(near2 * SURELY)) : 0.0);
-    for (unsigned y = r.y0; y <= r.y1; y++) {
-        const unsigned open = w->s.open[y] & columns;
-        if (!open)
-            continue;
-        for (unsigned x = r.x0 & ~(VD_N - 1u); x <= r.x1; x += VD_N) {
-            const unsigned behind = md_bits(d_ge(d_load(w->s.t + TILE * y + x), at));
-            if (behind & open >> x)
-                return true;
-        }
+    for (unsigned x = r.x0; x <= r.x1; x += VF_N) {
+        vf far2 = f_set(-1.0f);
+        for (unsigned y = r.y0; y <= r.y1; y++)
+            far2 = f_max(far2, f_load(w->far2 + TILE * y + x));
+        if (mf_bits(f_ge(far2, at)) & columns >> x)
+            return true;
     }
     return false;
 }
@@ -119,8 +134,7 @@ SIMD unsigned by_distance(const float near2[BOX_LANES], unsigned left, uint8_t o
 
 typedef struct seen_polygon {
     isopolygon g;
-    seen from_eye;
-    vd error[EDGES]; /* of the edge functions, for all rays: their directions are of unit length */
+    near_polygon from_eye;
     const treelet *at;
     uint32_t tet;
     int32_t iso;
@@ -143,6 +157,7 @@ static void take_surface(mesh_tile *w, const seen_polygon *s, unsigned i, double
     f->entering[i] = entering;
     f->at[i] = s->at;
     w->tet[i] = s->tet;
+    look_as_far(w, i);
     f->counters->walk.roots++;
 }
 
@@ -173,64 +188,83 @@ SIMD void take_sure(mesh_tile *w, const seen_polygon *s, unsigned i, unsigned hi
     }
 }
 
+SIMD vd crossing_near(const vd d[3], const near_polygon *g, int k, weights w0, weights w1,
+                      weights w2) {
+    vd a[3][3];
+    spread(&g->a[0], a[0]);
+    spread(&g->a[k], a[1]);
+    spread(&g->a[k + 1], a[2]);
+    return cross_at(d, a[0], a[1], a[2], w0, w1, w2);
+}
+
 /* VD_N rays of a row, from ray i on; lanes: which of them. */
 SIMD void meet_polygon(mesh_tile *w, const seen_polygon *s, unsigned i, unsigned lanes) {
-    const seen *e = &s->from_eye;
+    const near_polygon *g = &s->from_eye;
     const tile_rays *rays = &w->s.rays;
     const vd d[3] = {d_load(rays->d[0] + i), d_load(rays->d[1] + i), d_load(rays->d[2] + i)};
-    const weights w12 = weigh(d, &e->edge[EDGE_12], s->error[EDGE_12]);
-    const weights w20 = weigh(d, &e->edge[EDGE_20], s->error[EDGE_20]);
-    const weights w01 = weigh(d, &e->edge[EDGE_01], s->error[EDGE_01]);
+    const weights w12 = weigh_near(d, &g->edge[EDGE_12]);
+    const weights w20 = weigh_near(d, &g->edge[EDGE_20]);
+    const weights w01 = weigh_near(d, &g->edge[EDGE_01]);
     const verdict v = judge(w12, w20, w01);
     const unsigned hits = md_bits(md_or(v.enters, v.leaves)) & lanes;
     unsigned doubtful = md_bits(v.doubtful);
     if (s->g.count == 4) {
-        const weights w23 = weigh(d, &e->edge[EDGE_23], s->error[EDGE_23]);
-        const weights w30 = weigh(d, &e->edge[EDGE_30], s->error[EDGE_30]), w02 = against(w20);
+        const weights w23 = weigh_near(d, &g->edge[EDGE_23]);
+        const weights w30 = weigh_near(d, &g->edge[EDGE_30]), w02 = against(w20);
         const verdict v2 = judge(w23, w30, w02);
         const unsigned hits2 = md_bits(md_or(v2.enters, v2.leaves)) & lanes;
         /* A quadrilateral that is hit twice is bent: not here. */
         doubtful |= md_bits(v2.doubtful) | (hits & hits2);
         if (hits2 & ~doubtful)
             take_sure(w, s, i, hits2 & ~doubtful, md_bits(v2.enters),
-                      cross_at(d, e->a[0], e->a[2], e->a[3], w23, w30, w02));
+                      crossing_near(d, g, 2, w23, w30, w02));
     }
     if (hits & ~doubtful)
         take_sure(w, s, i, hits & ~doubtful, md_bits(v.enters),
-                  cross_at(d, e->a[0], e->a[1], e->a[2], w12, w20, w01));
+                  crossing_near(d, g, 1, w12, w20, w01));
     for (unsigned left = doubtful & lanes; left; left &= left - 1)
         take_scalar(w, s, i + (unsigned)__builtin_ctz(left));
 }
 
 static void walk_polygon(mesh_tile *w, seen_polygon *s, tile_rect r) {
+    enum { LANES = (1u << VD_N) - 1 };
     const unsigned columns = row_mask(r);
     for (unsigned y = r.y0; y <= r.y1; y++) {
-        const unsigned open = w->s.open[y] & columns;
-        for (unsigned x = r.x0 & ~(VD_N - 1u); x <= r.x1; x += VD_N) {
-            const unsigned lanes = open >> x & ((1u << VD_N) - 1u);
-            if (lanes)
-                meet_polygon(w, s, TILE * y + x, lanes);
+        for (unsigned left = w->s.open[y] & columns; left;) {
+            const unsigned first = (unsigned)__builtin_ctz(left);
+            const unsigned x = first < TILE - VD_N ? first : TILE - VD_N;
+            meet_polygon(w, s, TILE * y + x, left >> x & LANES);
+            left &= ~((unsigned)LANES << x);
         }
     }
 }
 
 /* ---- Leaves ---- */
 
-static void see_polygon(const mesh_tile *w, seen_polygon *s) {
-    const vd eye[3] = {d_set(w->eye[0]), d_set(w->eye[1]), d_set(w->eye[2])};
-    /* More than a component that is rounded. */
-    const vd most[3] = {d_set(1.0 + 0x1p-40), d_set(1.0 + 0x1p-40), d_set(1.0 + 0x1p-40)};
-    see(&s->g, eye, &s->from_eye);
-    for (int k = 0; k < (s->g.count == 3 ? EDGE_23 : EDGES); k++)
-        s->error[k] = error_of(most, &s->from_eye.edge[k]);
+/* The tet of a lane. */
+SIMD near_tet lane_tet(const tet_lanes *l, const treelet *at, unsigned lane) {
+    const float *values = mesh_leaf_values(&at->mesh, at->values);
+    near_tet x;
+    for (int k = 0; k < 4; k++) {
+        const uint32_t v = l->vertex[k][lane];
+        x.v[k] = point4_of_triple(at->positions[v]);
+        x.v[k][3] = (double)values[v];
+    }
+    return x;
 }
 
 /* Made, or kept with the treelet; false: none. */
-static bool polygon_of(const treelet *at, uint32_t place, int32_t iso, double isovalue,
-                       isopolygon *out) {
+SIMD bool polygon_of(const mesh_tile *w, const treelet *at, unsigned lane, int32_t iso,
+                     isopolygon *out) {
+    const double isovalue = w->s.f->tracer->scene.isovalues[iso];
+    const uint32_t place = w->lanes.place[lane];
     if (!at->derived) {
-        const tet x = mesh_walk_tet(at, place);
-        return isopolygon_near(&x, isovalue, out);
+        const near_tet x = lane_tet(&w->lanes, at, lane);
+        const polygon_sight sight = isopolygon_near(&x, isovalue, out);
+        if (sight != DOUBTFUL_POLYGON)
+            return sight == SURE_POLYGON;
+        const tet exact = mesh_walk_tet(at, place);
+        return isopolygon_of(&exact, isovalue, out);
     }
     const isopolygon *g = kept_polygons_find(at, place, iso, isovalue, out);
     if (g && g != out)
@@ -238,14 +272,15 @@ static bool polygon_of(const treelet *at, uint32_t place, int32_t iso, double is
     return g;
 }
 
-static void walk_tet(mesh_tile *w, const treelet *at, uint32_t place, int32_t iso, tile_rect r) {
-    seen_polygon s; /* large */
+static void walk_tet(mesh_tile *w, const treelet *at, unsigned lane, int32_t iso, tile_rect r) {
+    const point4 eye = {w->eye[0], w->eye[1], w->eye[2], 0.0};
+    seen_polygon s;
     s.at = at;
-    s.tet = place;
+    s.tet = w->lanes.place[lane];
     s.iso = iso;
-    if (!polygon_of(at, place, iso, w->s.f->tracer->scene.isovalues[iso], &s.g))
+    if (!polygon_of(w, at, lane, iso, &s.g))
         return;
-    see_polygon(w, &s);
+    see_near(&s.g, eye, &s.from_eye);
     walk_polygon(w, &s, r);
 }
 
@@ -356,7 +391,7 @@ static void walk_lanes(mesh_tile *w, const treelet *at) {
              left &= left - 1) {
             const unsigned k = (unsigned)__builtin_ctz(left);
             if (in_sight(w, covers.rect[k], covers.depth[k] * covers.depth[k]))
-                walk_tet(w, at, l->place[k], i, covers.rect[k]);
+                walk_tet(w, at, k, i, covers.rect[k]);
         }
     }
     w->s.counters->walk.cells += l->count;
@@ -365,9 +400,13 @@ static void walk_lanes(mesh_tile *w, const treelet *at) {
 
 static void add_lane(mesh_tile *w, const treelet *at, uint32_t place, const tile_rect *r) {
     const uint16_t *v = mesh_leaf_tets(&at->mesh, at->payload)[place];
+    const float *values = mesh_leaf_values(&at->mesh, at->values);
     tet_lanes *l = &w->lanes;
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < 4; k++) {
+        __builtin_prefetch(at->positions[v[k]]);
+        __builtin_prefetch(values + v[k]);
         l->vertex[k][l->count] = v[k];
+    }
     l->within[0][l->count] = r->x0;
     l->within[1][l->count] = r->x1;
     l->within[2][l->count] = r->y0;
@@ -444,10 +483,13 @@ SIMD void boxes_of_node(const eye_frame *f, const mesh_node *node, near_boxes *b
     leave_idle(b, MESH_CHILDREN);
 }
 
+/* A frame touches more memory than there is cache, so all that is put off is asked for in advance:
+ * nodes, tets, vertices, treelets (about a tenth of the time at 11 million tets). */
 static void walk_treelet_of_mesh(mesh_tile *w, const treelet *at, tile_rect rect, float near2) {
     const eye_frame planes = eye_frame_of(w, at);
     const mesh_node *nodes = at->nodes;
     const uint16_t *first = mesh_leaf_first(&at->mesh, at->payload);
+    const uint16_t(*tets)[4] = mesh_leaf_tets(&at->mesh, at->payload);
     mesh_pending stack[TREELET_STACK_MAX];
     int top = 0;
     stack[top++] = (mesh_pending){0, 0, rect, near2};
@@ -467,8 +509,14 @@ static void walk_treelet_of_mesh(mesh_tile *w, const treelet *at, tile_rect rect
         rects_of_boxes(w, &b, &p.rect, &boxes);
         const int bottom = top;
         top = push_boxes(&boxes, boxes.rects.alive & at->active->children[p.i], stack, top);
-        for (int k = bottom; k < top; k++)
-            stack[k].i = nodes[p.i].child[stack[k].i];
+        for (int k = bottom; k < top; k++) {
+            const uint32_t child = stack[k].i = nodes[p.i].child[stack[k].i];
+            const uint32_t leaf = child & ~(uint32_t)MESH_LEAF;
+            if (child & MESH_LEAF)
+                __builtin_prefetch(tets[first[leaf]]);
+            else
+                __builtin_prefetch(&nodes[child]);
+        }
     }
     if (w->lanes.count > 0)
         walk_lanes(w, at);
@@ -516,12 +564,16 @@ static void wait_for_treelet(mesh_tile *w, uint32_t t, tile_rect r) {
         w->s.open[y] &= ~(tile_row)passing;
         any |= passing;
     }
+    look_with_open(w);
     if (any && out->absent_count < TILE_ABSENT_MAX)
         out->absent[out->absent_count++] = t;
 }
 
 static void walk_resident_treelet(mesh_tile *w, const mesh_pending *p) {
-    tile_state_rays(&w->s);
+    if (!w->s.has_rays) {
+        tile_state_rays(&w->s);
+        look_with_open(w);
+    }
     const treelet *at = loader_lookup(w->s.f->tracer->treelets, p->i);
     if (!at) {
         wait_for_treelet(w, p->i, p->rect);
@@ -566,6 +618,8 @@ static void walk_mesh(mesh_tile *w, tile_rect rect) {
         for (int k = bottom; k < top; k++) {
             stack[k].i += first;
             stack[k].level = p.level - 1;
+            if (p.level == 1)
+                loader_prefetch(w->s.f->tracer->treelets, stack[k].i);
         }
     }
 }
@@ -576,6 +630,7 @@ void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_r
     tile_state_begin(&w.s, f, x0, y0, asked, out, counters);
     w.place = tile_place_of(f, x0, y0);
     w.lanes = (tet_lanes){.count = 0};
+    look_with_open(&w);
     for (int a = 0; a < 3; a++)
         w.eye[a] = f->projection->eye[a];
     walk_mesh(&w, (tile_rect){0, TILE - 1, 0, TILE - 1});

@@ -48,7 +48,7 @@ SIMD void meet(tet_rays *rays, int at, hit_of of, const vd d[3], const vd a0[3],
 }
 
 SIMD weights weigh_ray(const vd d[3], const vd moduli[3], const seen_edge *e) {
-    return weigh(d, e, error_of(moduli, e));
+    return weigh(d, e->normal, error_of(moduli, e));
 }
 
 /* A vector of rays that all hit one triangle: only where is asked. */
@@ -56,11 +56,11 @@ SIMD void pass_rays(const seen *s, tet_rays *rays, int at, hit_of of, tet_known 
                     unsigned wanted) {
     const vd d[3] = {d_load(rays->d[0] + at), d_load(rays->d[1] + at), d_load(rays->d[2] + at)};
     const vd exact = d_set(0.0);
-    const weights w20 = weigh(d, &s->edge[EDGE_20], exact);
+    const weights w20 = weigh(d, s->edge[EDGE_20].normal, exact);
     const bool first = known == TET_FIRST_IS_HIT;
-    const weights w0 = weigh(d, &s->edge[first ? EDGE_12 : EDGE_23], exact);
-    const weights w1 = first ? w20 : weigh(d, &s->edge[EDGE_30], exact);
-    const weights w2 = first ? weigh(d, &s->edge[EDGE_01], exact) : against(w20);
+    const weights w0 = weigh(d, s->edge[first ? EDGE_12 : EDGE_23].normal, exact);
+    const weights w1 = first ? w20 : weigh(d, s->edge[EDGE_30].normal, exact);
+    const weights w2 = first ? weigh(d, s->edge[EDGE_01].normal, exact) : against(w20);
     const verdict v = {w0.above, w0.below, md_of_bits(0)};
     const int b = first ? 1 : 2;
     meet(rays, at, of, d, s->a[0], s->a[b], s->a[b + 1], w0, w1, w2, v, wanted);

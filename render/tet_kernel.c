@@ -263,10 +263,6 @@ bool tet_hit(const tet *x, const ray *r, const double *isovalues, int count, uin
 
 /* ---- what is known about a hit --------------------------------------------------------------- */
 
-/* Least |determinant|, relative to the sum of its terms' moduli: these err by about 2^-50 of it, so
- * the gradient by 2^-14. */
-#define GRADIENT_SURE 0x1p-36
-
 bool tet_gradient(const tet *x, double gradient[3]) {
     double e[3][3], df[3], normal[3][3];
     for (int i = 0; i < 3; i++) {
@@ -278,7 +274,7 @@ bool tet_gradient(const tet *x, double gradient[3]) {
         cross(e[(i + 1) % 3], e[(i + 2) % 3], normal[i]);
     const double determinant = dot(e[0], normal[0]);
     const edge_weight sure = edge_near(e[0], e[1], e[2]);
-    if (!(fabs(determinant) > GRADIENT_SURE / EDGE_BOUND * sure.bound) ||
+    if (!(fabs(determinant) > TET_GRADIENT_SURE / EDGE_BOUND * sure.bound) ||
         !isfinite(df[0] + df[1] + df[2]))
         return false;
     for (int k = 0; k < 3; k++)

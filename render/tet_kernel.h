@@ -123,6 +123,10 @@ static inline bool tet_less(const hit *a, const hit *b) {
  */
 bool tet_gradient(const tet *x, double gradient[3]);
 
+/* Least |determinant| that has one, relative to the sum of its terms' moduli: these err by about
+ * 2^-50 of it, so the gradient by 2^-14. */
+#define TET_GRADIENT_SURE 0x1p-36
+
 /* tet_surface() - the point of a hit that isopolygon_hit() found on this ray, tet and isovalue.
  *
  * gradient  that of tet_gradient(). Where there is none: the polygon's unit normal, and `error` is

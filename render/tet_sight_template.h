@@ -44,26 +44,45 @@ SIMD bool surely_oriented(const point4 e[3], bool *negative) {
     return fabs(sum) > 2.0 * (EDGE_BOUND * (terms[0] + terms[1] + terms[2]) + EDGE_SMALLEST);
 }
 
-/* isopolygon_of() with all coordinates of a vertex at a time; the same bits. */
-SIMD bool isopolygon_near(const tet *x, double iso, isopolygon *out) {
-    point4 v[4], e[3];
+typedef struct near_tet {
+    point4 v[4];
+} near_tet;
+
+SIMD near_tet near_tet_of(const tet *x) {
+    near_tet near;
+    for (int k = 0; k < 4; k++)
+        near.v[k] = (point4){x->p[k][0], x->p[k][1], x->p[k][2], x->f[k]};
+    return near;
+}
+
+/* A position, and 0. */
+SIMD point4 point4_of_triple(const float at[3]) {
+    typedef float floats4 __attribute__((vector_size(16)));
+    return __builtin_convertvector((floats4){at[0], at[1], at[2]}, point4);
+}
+
+typedef enum polygon_sight { NO_POLYGON, SURE_POLYGON, DOUBTFUL_POLYGON } polygon_sight;
+
+/* isopolygon_of() with all coordinates of a vertex at a time: the same bits, or in doubt. */
+SIMD polygon_sight isopolygon_near(const near_tet *x, double iso, isopolygon *out) {
+    const point4 *v = x->v;
+    point4 e[3];
     unsigned inside = 0;
     double sum = 0.0;
     for (int k = 0; k < 4; k++) {
-        v[k] = (point4){x->p[k][0], x->p[k][1], x->p[k][2], x->f[k]};
         inside |= (unsigned)(v[k][3] >= iso) << k;
         sum += v[k][3];
     }
     const tet_cut *cut = &tet_cuts[inside];
     if (cut->count == 0 || !isfinite(sum))
-        return false;
+        return NO_POLYGON;
     for (int k = 0; k < 3; k++)
         e[k] = v[k + 1] - v[0];
     const uint8_t *ends[4];
     point4 from, to;
     bool negative;
     if (!surely_oriented(e, &negative))
-        return isopolygon_of(x, iso, out);
+        return DOUBTFUL_POLYGON;
     memcpy(out->edge, cut->edge, sizeof out->edge);
     out->count = cut->count;
     if (negative)
@@ -78,7 +97,51 @@ SIMD bool isopolygon_near(const tet *x, double iso, isopolygon *out) {
         const point4 a = v[ends[k][0]], b = v[ends[k][1]], at = a + s[k] * (b - a);
         memcpy(out->p[k], s[k] >= 1.0 ? &b : &at, sizeof out->p[k]);
     }
-    return true;
+    return SURE_POLYGON;
+}
+
+/* A polygon as one point sees it: see(), with all coordinates at a time. */
+typedef struct near_edge {
+    point4 normal;
+    double error; /* error_of() rays of unit length, and a little more */
+} near_edge;
+
+typedef struct near_polygon {
+    point4 a[4];
+    near_edge edge[EDGES];
+} near_polygon;
+
+SIMD near_edge near_edge_of(const isopolygon *g, int i, int j, const point4 p[4],
+                            const point4 a[4]) {
+    const double most = 1.0 + 0x1p-40; /* more than a component that is rounded */
+    const mask4 modulus = {INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX};
+    const point4 from = a[g->edge[i] > g->edge[j] ? j : i], e = p[j] - p[i];
+    const point4 up =
+        __builtin_shufflevector(from, from, 1, 2, 0, 3) * __builtin_shufflevector(e, e, 2, 0, 1, 3);
+    const point4 down =
+        __builtin_shufflevector(from, from, 2, 0, 1, 3) * __builtin_shufflevector(e, e, 1, 2, 0, 3);
+    const point4 terms = most * ((point4)((mask4)up & modulus) + (point4)((mask4)down & modulus));
+    return (near_edge){up - down, EDGE_BOUND * (terms[0] + terms[1] + terms[2]) + EDGE_SMALLEST};
+}
+
+SIMD void see_near(const isopolygon *g, point4 o, near_polygon *out) {
+    point4 p[4];
+    for (int i = 0; i < 4; i++) {
+        p[i] = (point4){g->p[i][0], g->p[i][1], g->p[i][2], 0.0};
+        out->a[i] = p[i] - o;
+    }
+    out->edge[EDGE_12] = near_edge_of(g, 1, 2, p, out->a);
+    out->edge[EDGE_20] = near_edge_of(g, 2, 0, p, out->a);
+    out->edge[EDGE_01] = near_edge_of(g, 0, 1, p, out->a);
+    if (g->count < 4)
+        return;
+    out->edge[EDGE_23] = near_edge_of(g, 2, 3, p, out->a);
+    out->edge[EDGE_30] = near_edge_of(g, 3, 0, p, out->a);
+}
+
+SIMD void spread(const point4 *a, vd out[3]) {
+    for (int k = 0; k < 3; k++)
+        out[k] = d_set((*a)[k]);
 }
 
 /* A polygon as origins see it. */
@@ -130,9 +193,15 @@ SIMD vd error_of(const vd moduli[3], const seen_edge *e) {
 }
 
 /* edge_near(); error: at least error_of(). A larger one leaves more in doubt, and no bit else. */
-SIMD weights weigh(const vd d[3], const seen_edge *e, vd error) {
-    const vd value = dot(d, e->normal);
+SIMD weights weigh(const vd d[3], const vd normal[3], vd error) {
+    const vd value = dot(d, normal);
     return (weights){d_abs(value), d_gt(value, error), d_lt(value, d_set(0.0) - error)};
+}
+
+SIMD weights weigh_near(const vd d[3], const near_edge *e) {
+    vd normal[3];
+    spread(&e->normal, normal);
+    return weigh(d, normal, d_set(e->error));
 }
 
 SIMD weights against(weights w) {

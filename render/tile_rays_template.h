@@ -1,5 +1,6 @@
 /* tile_rays_template.h - the rays of a tile; included by the units of an ISA (see
- * formats/base/simd.h), which say how many pixels TILE has on a side. */
+ * formats/base/simd.h), which say how many pixels TILE has on a side, and whether windows look at
+ * its rays: TILE_WINDOWS. */
 #ifndef RENDER_TILE_RAYS_TEMPLATE_H
 #define RENDER_TILE_RAYS_TEMPLATE_H
 
@@ -29,8 +30,8 @@ typedef float tile_plane[PADDED];
 typedef struct tile_rays {
     double d[3][TILE_RAYS]; /* grid space, as ray.h; all start at the eye */
     double t0[TILE_RAYS], t1[TILE_RAYS];
-    /* For conservative tests: t is in units of the projection's scale, so that d is of ordinary
-     * size. */
+    /* For conservative tests of windows: t is in units of the projection's scale, so that d is of
+     * ordinary size. */
     tile_plane near_d[3], reciprocal[3], near_t0, near_t1;
     float towards_eye[3][TILE_RAYS]; /* world space */
     tile_row single[TILE];           /* left to single rays */
@@ -99,11 +100,14 @@ SIMD unsigned make_rays(const frame *f, bool boxed, vd u, vd v, unsigned at, til
     for (int a = 0; a < 3; a++) {
         const vd scaled = grid[a] * scale;
         ordinary = md_and(ordinary, d_ge(d_abs(scaled), d_set(component_min)));
-        d_store_floats(rays->near_d[a] + padded, scaled);
+        if (TILE_WINDOWS)
+            d_store_floats(rays->near_d[a] + padded, scaled);
     }
-    /* Rounding to float is within the tests' slack. */
-    d_store_floats(rays->near_t0 + padded, t0 * unscale);
-    d_store_floats(rays->near_t1 + padded, t1 * unscale);
+    if (TILE_WINDOWS) {
+        /* Rounding to float is within the tests' slack. */
+        d_store_floats(rays->near_t0 + padded, t0 * unscale);
+        d_store_floats(rays->near_t1 + padded, t1 * unscale);
+    }
     return ~md_bits(ordinary) & ((1u << VD_N) - 1u);
 }
 
@@ -120,7 +124,7 @@ static void tile_rays_make(const frame *f, uint32_t x0, uint32_t y0, tile_rays *
         const vd v = d_set((height - 2.0 * (y0 + y + 0.5)) / height);
         for (unsigned x = 0; x < TILE; x += VD_N)
             single |= make_rays(f, boxed, d_load(u + x), v, TILE * y + x, rays) << x;
-        for (int a = 0; a < 3; a++)
+        for (int a = 0; a < 3 && TILE_WINDOWS; a++)
             for (unsigned at = STRIDE * y; at < STRIDE * y + TILE; at += VF_N)
                 f_store(rays->reciprocal[a] + at, f_set(1.0f) / f_load(rays->near_d[a] + at));
         rays->single[y] = single;

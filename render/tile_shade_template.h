@@ -130,10 +130,12 @@ SIMD void shade_pixels(const tile_state *s, unsigned i, unsigned hits, tile_pixe
 
 /* ---- Writing ---- */
 
-/* Copy the pixels of a row of the tile. */
+/* Copy the pixels of a row of the tile. Whole lines of the cache need not be read first. */
 static void write_floats(float *to, const float *from, unsigned pixels) {
-    if (pixels == row_full) {
-        memcpy(to, from, TILE * sizeof *to);
+    enum { LINE = 64 };
+    if (pixels == row_full && (uintptr_t)to % LINE == 0 && TILE * sizeof *to % LINE == 0) {
+        for (unsigned x = 0; x < TILE; x += VF_N)
+            f_stream(to + x, f_load(from + x));
         return;
     }
     for (; pixels; pixels &= pixels - 1)
@@ -223,6 +225,7 @@ static void write_tile(const tile_state *s, bool together, const tile_pixels *p)
         out->found[y] = found;
         write_row(s, y, s->asked[y] & ~(left | found), p);
     }
+    f_stream_end();
 }
 
 #endif

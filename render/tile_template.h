@@ -9,7 +9,7 @@
 
 #include "render/tile.h"
 
-enum { TILE = GRID_TILE }; /* of the templates that follow */
+enum { TILE = GRID_TILE, TILE_WINDOWS = 1 }; /* of the templates that follow */
 
 #include "render/tile_normals_template.h"
 

@@ -108,6 +108,15 @@ static inline const treelet *loader_lookup(const loader *l, uint32_t t) {
     return tr;
 }
 
+/* loader_prefetch() - loader_lookup() is to come: what it looks at may be on its way by then. */
+static inline void loader_prefetch(const loader *l, uint32_t t) {
+    const treelet *tr = atomic_load_explicit(&l->resident[t], memory_order_relaxed);
+    if (tr) {
+        __builtin_prefetch(&tr->payload);
+        __builtin_prefetch(&tr->masked);
+    }
+}
+
 /* loader_want() - bring it in when a place is free; smaller urgency first. Cheap when it was asked
  * for before. Any thread. */
 void loader_want(loader *l, uint32_t t, uint64_t urgency);

@@ -353,6 +353,14 @@ SIMD vf f_load(const float *from) {
 SIMD void f_store(float *to, vf a) {
     F_(storeu)(to, a);
 }
+/* Past the caches, for what nobody reads soon; `to` is aligned as a vector is. f_stream_end()
+ * before others may see it. */
+SIMD void f_stream(float *to, vf a) {
+    F_(stream)(to, a);
+}
+SIMD void f_stream_end(void) {
+    _mm_sfence();
+}
 SIMD vf f_min(vf a, vf b) {
     return F_(min)(a, b);
 }

@@ -34,6 +34,7 @@ enum {
     PROBE_FLOOR,
     PROBE_CEIL,
     PROBE_INT,
+    PROBE_STREAM,   /* x, past the caches */
     PROBE_TRIPLE_X, /* f_load_triples() from x, at the bits of p */
     PROBE_TRIPLE_Y,
     PROBE_TRIPLE_Z,
@@ -56,7 +57,7 @@ enum {
 /* What a word says of each lane; 0 where there is no such word for doubles, or for floats. */
 typedef struct simd_probe_output {
     double d[PROBE_WORDS][SIMD_PROBE_D];
-    float f[PROBE_WORDS][SIMD_PROBE_F];
+    _Alignas(64) float f[PROBE_WORDS][SIMD_PROBE_F];
     float reciprocal[SIMD_PROBE_F]; /* f_reciprocal(x) */
     uint32_t d_mask[PROBE_MASKS], f_mask[PROBE_MASKS];
     int doubles, floats; /* how many lanes */

@@ -60,6 +60,8 @@ static void probe_floats(const simd_probe_input *in, simd_probe_output *out) {
     f_store(out->f[PROBE_CONVERT], f_of_doubles(in->a));
     f_store(out->f[PROBE_FLOOR], f_floor(x));
     f_store(out->f[PROBE_CEIL], f_ceil(x));
+    f_stream(out->f[PROBE_STREAM], x);
+    f_stream_end();
     f_store(out->reciprocal, f_reciprocal(x));
     uint32_t at[VF_N];
     vf triple[3];

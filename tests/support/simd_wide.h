@@ -10,6 +10,7 @@
 #ifndef TESTS_SUPPORT_SIMD_WIDE_H
 #define TESTS_SUPPORT_SIMD_WIDE_H
 
+#include <assert.h>
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -131,6 +132,11 @@ SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
 SIMD void f_store(float *to, vf a) {
     memcpy(to, &a, sizeof a);
 }
+SIMD void f_stream(float *to, vf a) {
+    assert((uintptr_t)to % sizeof a == 0);
+    f_store(to, a);
+}
+SIMD void f_stream_end(void) {}
 SIMD vf f_set(float a) {
     vf v;
     FLOATS(i) v[i] = a;
