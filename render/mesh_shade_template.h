@@ -102,9 +102,12 @@ static void normals_of_tets(const tile_state *s, const uint32_t tet_of[TILE_RAYS
         l.ray[n] = l.ray[0];
     for (unsigned n = 0; n < l.count; n += VD_N)
         faceted_normals(s, tet_of, &l, n, normal[n / VD_N]);
-    for (unsigned i = 0; i < TILE_RAYS; i++)
-        for (int a = 0; a < 3 && s->t[i] < INFINITY; a++)
+    for (unsigned i = 0; i < TILE_RAYS; i++) {
+        if (!(s->t[i] < INFINITY))
+            continue;
+        for (int a = 0; a < 3; a++)
             p->normal[a][i] = normal[l.of[i] / VD_N][a][l.of[i] % VD_N];
+    }
     if (s->f->tracer->smooth_normals)
         smooth_normals(s, tet_of, &l, p);
 }

@@ -21,8 +21,8 @@ void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_r
 
 /* Active tets of a treelet, a lane each, on their way to covers_of(). */
 typedef struct tet_lanes {
-    uint32_t vertex[4][VF_N];           /* in the treelet */
-    _Alignas(64) float within[4][VF_N]; /* the rectangles of their leaves: x0 x1 y0 y1 */
+    uint32_t vertex[4][VF_N]; /* in the treelet */
+    tile_rect within[VF_N];   /* those of their leaves */
     uint32_t place[VF_N];
     unsigned count;
 } tet_lanes;
@@ -47,26 +47,30 @@ SIMD void look_as_far(mesh_tile *w, unsigned i) {
     w->far2[i] = (float)(t * t) + FLT_MIN;
 }
 
-/* Look with all rays that are open. */
+/* Look no more with rays that are not open. */
 static void look_with_open(mesh_tile *w) {
-    for (unsigned i = 0; i < TILE_RAYS; i++) {
-        look_as_far(w, i);
-        if (!(w->s.open[i / TILE] >> i % TILE & 1u))
-            w->far2[i] = -1.0f;
-    }
+    for (unsigned y = 0; y < TILE; y++)
+        for (unsigned left = row_full & ~w->s.open[y]; left; left &= left - 1)
+            w->far2[TILE * y + (unsigned)__builtin_ctz(left)] = -1.0f;
 }
 
-/* Whether an open ray of the rectangle has nothing in front of a distance (squared). */
+/* Nothing has been found. */
+static void look_at_all(mesh_tile *w) {
+    for (unsigned i = 0; i < TILE_RAYS + VF_N; i += VF_N)
+        f_store(w->far2 + i, f_set(INFINITY));
+    look_with_open(w);
+}
+
+/* Whether an open ray of the rectangle has nothing in front of a distance (squared); a distance
+ * that is no number is in sight. */
 SIMD bool in_sight(const mesh_tile *w, tile_rect r, float near2) {
+    enum { LANES = (1u << VF_N) - 1 };
     const vf at = f_set(near2 * SURELY);
     const unsigned columns = row_mask(r);
-    for (unsigned x = r.x0; x <= r.x1; x += VF_N) {
-        vf far2 = f_set(-1.0f);
-        for (unsigned y = r.y0; y <= r.y1; y++)
-            far2 = f_max(far2, f_load(w->far2 + TILE * y + x));
-        if (mf_bits(f_ge(far2, at)) & columns >> x)
-            return true;
-    }
+    for (unsigned y = r.y0; y <= r.y1; y++)
+        for (unsigned x = r.x0; x <= r.x1; x += VF_N)
+            if (~mf_bits(f_lt(f_load(w->far2 + TILE * y + x), at)) & columns >> x & LANES)
+                return true;
     return false;
 }
 
@@ -134,7 +138,8 @@ SIMD unsigned by_distance(const float near2[BOX_LANES], unsigned left, uint8_t o
 
 typedef struct seen_polygon {
     isopolygon g;
-    near_polygon from_eye;
+    /* Its near_polygon, for vectors of rays. */
+    vd a[4][3], normal[EDGES][3], error[EDGES];
     const treelet *at;
     uint32_t tet;
     int32_t iso;
@@ -188,40 +193,30 @@ SIMD void take_sure(mesh_tile *w, const seen_polygon *s, unsigned i, unsigned hi
     }
 }
 
-SIMD vd crossing_near(const vd d[3], const near_polygon *g, int k, weights w0, weights w1,
-                      weights w2) {
-    vd a[3][3];
-    spread(&g->a[0], a[0]);
-    spread(&g->a[k], a[1]);
-    spread(&g->a[k + 1], a[2]);
-    return cross_at(d, a[0], a[1], a[2], w0, w1, w2);
-}
-
 /* VD_N rays of a row, from ray i on; lanes: which of them. */
 SIMD void meet_polygon(mesh_tile *w, const seen_polygon *s, unsigned i, unsigned lanes) {
-    const near_polygon *g = &s->from_eye;
     const tile_rays *rays = &w->s.rays;
     const vd d[3] = {d_load(rays->d[0] + i), d_load(rays->d[1] + i), d_load(rays->d[2] + i)};
-    const weights w12 = weigh_near(d, &g->edge[EDGE_12]);
-    const weights w20 = weigh_near(d, &g->edge[EDGE_20]);
-    const weights w01 = weigh_near(d, &g->edge[EDGE_01]);
+    const weights w12 = weigh(d, s->normal[EDGE_12], s->error[EDGE_12]);
+    const weights w20 = weigh(d, s->normal[EDGE_20], s->error[EDGE_20]);
+    const weights w01 = weigh(d, s->normal[EDGE_01], s->error[EDGE_01]);
     const verdict v = judge(w12, w20, w01);
     const unsigned hits = md_bits(md_or(v.enters, v.leaves)) & lanes;
     unsigned doubtful = md_bits(v.doubtful);
     if (s->g.count == 4) {
-        const weights w23 = weigh_near(d, &g->edge[EDGE_23]);
-        const weights w30 = weigh_near(d, &g->edge[EDGE_30]), w02 = against(w20);
+        const weights w23 = weigh(d, s->normal[EDGE_23], s->error[EDGE_23]);
+        const weights w30 = weigh(d, s->normal[EDGE_30], s->error[EDGE_30]), w02 = against(w20);
         const verdict v2 = judge(w23, w30, w02);
         const unsigned hits2 = md_bits(md_or(v2.enters, v2.leaves)) & lanes;
         /* A quadrilateral that is hit twice is bent: not here. */
         doubtful |= md_bits(v2.doubtful) | (hits & hits2);
         if (hits2 & ~doubtful)
             take_sure(w, s, i, hits2 & ~doubtful, md_bits(v2.enters),
-                      crossing_near(d, g, 2, w23, w30, w02));
+                      cross_at(d, s->a[0], s->a[2], s->a[3], w23, w30, w02));
     }
     if (hits & ~doubtful)
         take_sure(w, s, i, hits & ~doubtful, md_bits(v.enters),
-                  crossing_near(d, g, 1, w12, w20, w01));
+                  cross_at(d, s->a[0], s->a[1], s->a[2], w12, w20, w01));
     for (unsigned left = doubtful & lanes; left; left &= left - 1)
         take_scalar(w, s, i + (unsigned)__builtin_ctz(left));
 }
@@ -272,15 +267,25 @@ SIMD bool polygon_of(const mesh_tile *w, const treelet *at, unsigned lane, int32
     return g;
 }
 
+static void see_polygon(const mesh_tile *w, seen_polygon *s) {
+    near_polygon near;
+    see_near(&s->g, (point4){w->eye[0], w->eye[1], w->eye[2], 0.0}, &near);
+    for (int i = 0; i < s->g.count; i++)
+        spread(&near.a[i], s->a[i]);
+    for (int k = 0; k < (s->g.count == 4 ? EDGES : EDGE_23); k++) {
+        spread(&near.edge[k].normal, s->normal[k]);
+        s->error[k] = d_set(near.edge[k].error);
+    }
+}
+
 static void walk_tet(mesh_tile *w, const treelet *at, unsigned lane, int32_t iso, tile_rect r) {
-    const point4 eye = {w->eye[0], w->eye[1], w->eye[2], 0.0};
-    seen_polygon s;
+    seen_polygon s; /* large */
     s.at = at;
     s.tet = w->lanes.place[lane];
     s.iso = iso;
     if (!polygon_of(w, at, lane, iso, &s.g))
         return;
-    see_near(&s.g, eye, &s.from_eye);
+    see_polygon(w, &s);
     walk_polygon(w, &s, r);
 }
 
@@ -365,8 +370,7 @@ SIMD children_extent extent_of_polygons(const tets_in_view *v, double iso) {
  * Those nearer than a sixteenth of what positions are relative to cover all of it. */
 SIMD unsigned covers_of(const mesh_tile *w, const tets_in_view *v, double iso, tet_covers *out) {
     const tet_lanes *l = &w->lanes;
-    const rect_lanes within = {f_load(l->within[0]), f_load(l->within[1]), f_load(l->within[2]),
-                               f_load(l->within[3])};
+    const rect_lanes within = rect_lanes_load(l->within);
     const children_extent e = extent_of_polygons(v, iso);
     const mf whole = mf_or(v->odd, f_lt(e.w0, v->far * f_set(projection_depth_share)));
     mf alive;
@@ -407,10 +411,7 @@ static void add_lane(mesh_tile *w, const treelet *at, uint32_t place, const tile
         __builtin_prefetch(values + v[k]);
         l->vertex[k][l->count] = v[k];
     }
-    l->within[0][l->count] = r->x0;
-    l->within[1][l->count] = r->x1;
-    l->within[2][l->count] = r->y0;
-    l->within[3][l->count] = r->y1;
+    l->within[l->count] = *r;
     l->place[l->count++] = place;
     if (l->count == VF_N)
         walk_lanes(w, at);
@@ -524,27 +525,25 @@ static void walk_treelet_of_mesh(mesh_tile *w, const treelet *at, tile_rect rect
 
 /* ---- Treelets ---- */
 
-/* The open rays of row y in the rectangle that pass a treelet before what they have found. */
-static unsigned rays_through(const mesh_tile *w, uint32_t t, unsigned y, tile_rect r) {
-    const float *bounds = w->s.f->tracer->tree->bounds[0][t];
-    double lo[3], hi[3];
-    unsigned passing = 0;
+/* Which of VD_N rays pass a box before what they have found: mesh_interval_of(), for directions
+ * without a 0. */
+SIMD unsigned rays_through(const mesh_tile *w, const double lo[3], const double hi[3], unsigned i) {
+    const tile_rays *rays = &w->s.rays;
+    vd t_in = d_set(-INFINITY), t_out = d_set(INFINITY);
     for (int a = 0; a < 3; a++) {
-        lo[a] = (double)bounds[a];
-        hi[a] = (double)bounds[a + 3];
+        const vd inverse = d_set(1.0) / d_load(rays->d[a] + i);
+        const vd to_lo = d_set(lo[a] - w->eye[a]) * inverse;
+        const vd to_hi = d_set(hi[a] - w->eye[a]) * inverse;
+        t_in = d_max(t_in, d_min(to_lo, to_hi));
+        t_out = d_min(t_out, d_max(to_lo, to_hi));
     }
-    for (unsigned left = w->s.open[y] & row_mask(r); left; left &= left - 1) {
-        const unsigned x = (unsigned)__builtin_ctz(left), i = TILE * y + x;
-        ray look = {.t0 = w->s.rays.t0[i], .t1 = w->s.rays.t1[i]};
-        mesh_interval in;
-        for (int a = 0; a < 3; a++) {
-            look.o[a] = w->eye[a];
-            look.d[a] = w->s.rays.d[a][i];
-        }
-        if (mesh_interval_of(&look, lo, hi, &in) && in.t_in <= w->s.t[i])
-            passing |= 1u << x;
-    }
-    return passing;
+    const vd slack = d_set(MESH_GENEROSITY) * (d_abs(t_in) + d_abs(t_out));
+    const vd first = d_max(t_in - slack, d_load(rays->t0 + i));
+    const vd last = d_min(t_out + slack, d_load(rays->t1 + i));
+    const vd found = d_load(w->s.t + i);
+    /* With a slack that is not finite, everything may be. */
+    return ~md_bits(
+        md_or(d_gt(t_in - slack, t_out + slack), md_or(d_gt(first, last), d_gt(first, found))));
 }
 
 /* Remember that rays came into a treelet: as far as rectangles tell. */
@@ -556,15 +555,22 @@ SIMD void touch_treelet(const mesh_tile *w, uint32_t t) {
 
 /* Rays that pass a treelet which is not there go no further. */
 static void wait_for_treelet(mesh_tile *w, uint32_t t, tile_rect r) {
+    const float *bounds = w->s.f->tracer->tree->bounds[0][t];
+    const double lo[3] = {bounds[0], bounds[1], bounds[2]};
+    const double hi[3] = {bounds[3], bounds[4], bounds[5]};
     tile_outcome *out = w->s.out;
     unsigned any = 0;
     for (unsigned y = r.y0; y <= r.y1; y++) {
-        const unsigned passing = rays_through(w, t, y, r);
+        unsigned passing = 0;
+        for (unsigned x = r.x0 & ~(VD_N - 1u); x <= r.x1; x += VD_N)
+            passing |= (rays_through(w, lo, hi, TILE * y + x) & ((1u << VD_N) - 1u)) << x;
+        passing &= w->s.open[y] & row_mask(r);
         out->waits[y] |= (tile_row)passing;
         w->s.open[y] &= ~(tile_row)passing;
         any |= passing;
     }
-    look_with_open(w);
+    if (any)
+        look_with_open(w);
     if (any && out->absent_count < TILE_ABSENT_MAX)
         out->absent[out->absent_count++] = t;
 }
@@ -630,7 +636,7 @@ void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_r
     tile_state_begin(&w.s, f, x0, y0, asked, out, counters);
     w.place = tile_place_of(f, x0, y0);
     w.lanes = (tet_lanes){.count = 0};
-    look_with_open(&w);
+    look_at_all(&w);
     for (int a = 0; a < 3; a++)
         w.eye[a] = f->projection->eye[a];
     walk_mesh(&w, (tile_rect){0, TILE - 1, 0, TILE - 1});

@@ -4,9 +4,6 @@
 
 #include "formats/mesh_leaf.h"
 
-/* Kernel and boxes round differently; what is given away is a millionth of the distance. */
-static const double generosity = 0x1p-20;
-
 mesh_slabs mesh_slabs_of(const ray *r) {
     mesh_slabs s = {.t0 = r->t0, .t1 = r->t1};
     for (int a = 0; a < 3; a++) {
@@ -31,7 +28,7 @@ bool mesh_interval_in(const mesh_slabs *s, const double lo[3], const double hi[3
         t_in = near > t_in ? near : t_in;
         t_out = far < t_out ? far : t_out;
     }
-    const double slack = generosity * (fabs(t_in) + fabs(t_out));
+    const double slack = MESH_GENEROSITY * (fabs(t_in) + fabs(t_out));
     out->t_in = t_in - slack > s->t0 ? t_in - slack : s->t0;
     out->t_out = t_out + slack < s->t1 ? t_out + slack : s->t1;
     /* With a slack that is not finite, everything may be. */
@@ -194,7 +191,7 @@ static unsigned meet_children(const code_slabs *s, const mesh_node *n, double ne
         }
     }
     for (int c = 0; c < MESH_CHILDREN; c++) {
-        const double slack = generosity * (fabs(t_in[c]) + fabs(t_out[c])) + s->slack;
+        const double slack = MESH_GENEROSITY * (fabs(t_in[c]) + fabs(t_out[c])) + s->slack;
         t_in[c] = t_in[c] - slack > s->t0 ? t_in[c] - slack : s->t0;
         t_out[c] = t_out[c] + slack < s->t1 ? t_out[c] + slack : s->t1;
         const bool meets = t_in[c] <= t_out[c] && t_in[c] <= nearest && t_out[c] >= s->behind;

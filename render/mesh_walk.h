@@ -27,6 +27,9 @@ void mesh_walk_gradients(const treelet *tr, uint32_t place, float gradients[4][3
  * rounding), and the point's barycentric coordinates there; flat ones hold none. */
 bool mesh_walk_find(const treelet *tr, const double point[3], uint32_t *place, double weights[4]);
 
+/* Kernel and boxes round differently; what is given away is a millionth of the distance. */
+#define MESH_GENEROSITY 0x1p-20
+
 /* The part of a ray's [t0, t1] in a box, generously: never less than the t of what the kernel finds
  * in it. */
 typedef struct mesh_interval {

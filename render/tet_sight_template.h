@@ -198,12 +198,6 @@ SIMD weights weigh(const vd d[3], const vd normal[3], vd error) {
     return (weights){d_abs(value), d_gt(value, error), d_lt(value, d_set(0.0) - error)};
 }
 
-SIMD weights weigh_near(const vd d[3], const near_edge *e) {
-    vd normal[3];
-    spread(&e->normal, normal);
-    return weigh(d, normal, d_set(e->error));
-}
-
 SIMD weights against(weights w) {
     return (weights){w.modulus, w.below, w.above};
 }

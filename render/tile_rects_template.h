@@ -124,6 +124,15 @@ SIMD rect_lanes rect_lanes_of(const tile_rect *r) {
     return (rect_lanes){f_set(r->x0), f_set(r->x1), f_set(r->y0), f_set(r->y1)};
 }
 
+/* VF_N of them. */
+SIMD rect_lanes rect_lanes_load(const tile_rect *from) {
+    vi all;
+    memcpy(&all, from, sizeof all);
+    return (rect_lanes){
+        __builtin_convertvector(all & 255, vf), __builtin_convertvector(all >> 8 & 255, vf),
+        __builtin_convertvector(all >> 16 & 255, vf), __builtin_convertvector(all >> 24 & 255, vf)};
+}
+
 /* The rectangles of what reaches that far in the picture, give or take the margin, within others;
  * *alive: those that are not empty. Where `whole`, they are the others. */
 SIMD vi rects_of_extent(const tile_place *tile, const children_extent *e, float margin, mf whole,
