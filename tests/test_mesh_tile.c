@@ -12,9 +12,8 @@
 
 #include "render/kernels.h"
 #include "tests/support/fixture.h"
-#include "tests/support/lab_leaf.h"
+#include "tests/support/mesh_pictures.h"
 #include "tests/support/mesh_tile_wide.h"
-#include "tests/support/pictures.h"
 #include "tests/support/tet_judge.h"
 #include "tests/support/tet_meshes.h"
 
@@ -41,55 +40,14 @@ static picture_volumes open_all(const char *path, int threads) {
 
 static void test_every_mesh(void **state) {
     (void)state;
-    field_random r = {77};
-    int hits = 0;
-    for (int i = 0; i < lab_mesh_count(); i++) {
-        lab_mesh lab;
-        assert_true(lab_mesh_make(&lab, lab_mesh_name(i), CUBES, 7));
-        picture_volumes v = open_all(lab_leaf_make(&lab, 300, false), 1);
-        const leafcast_surface s = leafcast_surface_default(lab.iso);
-        const leafcast_scene scene = leafcast_scene_default();
-        pictures_select(&v, &s, 1);
-        for (int kind = i % 2; kind < PICTURE_VIEWS; kind += 2) {
-            const leafcast_camera c = pictures_view(v.of[0], kind, &r);
-            hits += pictures_alike(&v, &scene, &c, lab.name);
-        }
-        pictures_close(&v);
-        lab_mesh_release(&lab);
-    }
-    print_message("%d surfaces\n", hits);
-    assert_true(hits > 50000);
+    assert_true(mesh_pictures_of_all(open_all, CUBES, 2, 77) > 50000);
 }
 
 static void test_every_scene(void **state) {
     (void)state;
-    static const char *const names[] = {"sphere", "noise"};
     field_random r = {5};
-    int hits = 0;
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        lab_mesh lab;
-        assert_true(lab_mesh_make(&lab, names[i], CUBES + 4, 7));
-        picture_volumes v = open_all(lab_leaf_make(&lab, 700, false), 2);
-        const leafcast_info info = leafcast_describe(v.of[0]);
-        for (int kind = 0; kind < SCENES; kind++) {
-            leafcast_surface s[3];
-            for (int k = 0; k < 3; k++) {
-                s[k] = leafcast_surface_default(lab.iso + 0.1 * k);
-                s[k].rgb[k] = 0.1f;
-                s[k].opacity = kind % 4 == 3 ? 0.4f : 1.0f;
-            }
-            pictures_select(&v, s, 1 + kind % 3);
-            leafcast_scene scene = pictures_scene(kind, &info);
-            scene.intersector = LEAFCAST_MARMITT;
-            scene.lod = LEAFCAST_LOD_EXACT;
-            const leafcast_camera c = pictures_view(v.of[0], kind % PICTURE_VIEWS, &r);
-            hits += pictures_alike(&v, &scene, &c, names[i]);
-        }
-        pictures_close(&v);
-        lab_mesh_release(&lab);
-    }
-    print_message("%d surfaces\n", hits);
-    assert_true(hits > 500 * SCENES);
+    assert_true(mesh_pictures_of_scenes(open_all, "sphere", CUBES + 4, SCENES, &r) > 200 * SCENES);
+    assert_true(mesh_pictures_of_scenes(open_all, "noise", CUBES + 4, SCENES, &r) > 200 * SCENES);
 }
 
 /* However the mesh is cut, and however few treelets are there at a time. */
@@ -98,26 +56,17 @@ static void test_treelets(void **state) {
     static picture want, got;
     static const uint32_t sizes[] = {16384, 700, 100};
     lab_mesh lab;
-    leafcast_stats stats;
-    bool first = true;
     assert_true(lab_mesh_make(&lab, "noise", CUBES + 4, 7));
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         const char *path = lab_leaf_make(&lab, sizes[i], false);
         for (uint32_t limit = 0; limit < 20; limit += limit < 2 ? 1 : 17) {
             for (int isa = 0; isa <= (int)cpu_best(); isa++) {
+                const bool first = i == 0 && limit == 0 && isa == 0;
                 const leafcast_options o = {
                     .isa = cpu_isa_name((cpu_isa)isa), .threads = 2, .treelet_limit = limit};
-                leafcast *v = fixture_open(path, &o);
-                const leafcast_surface s = leafcast_surface_default(lab.iso);
-                const leafcast_scene scene = leafcast_scene_default();
-                assert_int_equal(leafcast_select(v, &s, 1), LEAFCAST_OK);
-                const leafcast_camera c =
-                    leafcast_standard_view(v, 1.1, PICTURE_WIDTH, PICTURE_HEIGHT);
-                pictures_draw(v, &scene, &c, first ? &want : &got, &stats);
+                mesh_pictures_draw(path, lab.iso, &o, first ? &want : &got);
                 if (!first)
                     assert_memory_equal(&want, &got, sizeof want);
-                first = false;
-                leafcast_close(v);
             }
         }
     }
