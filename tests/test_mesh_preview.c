@@ -7,10 +7,12 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "formats/leaf_file.h"
+#include "prep/mesh_series.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/pictures.h"
@@ -19,6 +21,18 @@
 enum { CELLS = 20, FRAMES_MAX = 20000 };
 static const double ISO = 0.4;
 static mem m;
+
+/* The coarse grid of a set, as a file of its own. */
+static void take_part(const char *name, uint32_t set, const char *part_name) {
+    leaf_file *f = NULL;
+    size_t size;
+    char *bytes = scratch_read(scratch_path(name), &size);
+    assert_int_equal(leaf_file_open(&m, scratch_path(name), &f), ST_OK);
+    const leaf_part part = f->mesh->coarse[set];
+    (void)scratch_write(part_name, bytes + part.offset, (size_t)part.bytes);
+    leaf_file_close(f);
+    free(bytes);
+}
 
 /* A mesh with a coarse grid, and the grid as a file of its own. */
 static void make(const char *name, const char *part_name, bool coarse) {
@@ -31,16 +45,8 @@ static void make(const char *name, const char *part_name, bool coarse) {
         fail_msg("%s", status_text());
     m.limit = 0;
     mesh_cases_free(&c);
-    if (!part_name)
-        return;
-    leaf_file *f = NULL;
-    size_t size;
-    char *bytes = scratch_read(scratch_path(name), &size);
-    assert_int_equal(leaf_file_open(&m, scratch_path(name), &f), ST_OK);
-    const leaf_part part = f->mesh->coarse[0];
-    (void)scratch_write(part_name, bytes + part.offset, (size_t)part.bytes);
-    leaf_file_close(f);
-    free(bytes);
+    if (part_name)
+        take_part(name, 0, part_name);
 }
 
 static leafcast *open_with(const char *name, const char *isa, uint32_t treelet_limit) {
@@ -184,6 +190,99 @@ static void test_scenes(void **state) {
     }
 }
 
+/* ---- steps ---- */
+
+enum { STEPS = 3 };
+
+/* The mesh at a step: higher values each time, and in the last one the points are elsewhere. */
+static const char *write_step(const mesh_case *c, uint32_t step, const char *name) {
+    const char *path = scratch_path(name);
+    FILE *f = fopen(path, "wb");
+    assert_non_null(f);
+    fprintf(f, "LEAFCAST MESH 1\nname: moved\nfield: wave\npoints: %zu\ntets: %zu\n\n",
+            c->point_count, c->tet_count);
+    for (size_t i = 0; i < c->point_count; i++) {
+        float at[3];
+        for (int a = 0; a < 3; a++)
+            at[a] = c->points[i][a] * (step + 1 == STEPS ? 0.75F : 1.0F);
+        assert_int_equal(fwrite(at, sizeof at, 1, f), 1);
+    }
+    for (size_t i = 0; i < c->point_count; i++) {
+        const float value = c->values[i] + 0.3F * (float)step;
+        assert_int_equal(fwrite(&value, sizeof value, 1, f), 1);
+    }
+    assert_int_equal(fwrite(c->tets, sizeof *c->tets, c->tet_count, f), c->tet_count);
+    assert_int_equal(fclose(f), 0);
+    return path;
+}
+
+static void make_series(const char *name) {
+    mesh_case c = mesh_cases_kuhn(CELLS, CELLS, CELLS);
+    const char *paths[STEPS];
+    for (uint32_t s = 0; s < STEPS; s++) {
+        char step[16];
+        (void)snprintf(step, sizeof step, "%u.mesh", s);
+        paths[s] = write_step(&c, s, step);
+    }
+    const mesh_series series = {.paths = paths, .steps = STEPS, .fields = 1};
+    const mesh_hints hints = {0};
+    mesh *first = NULL;
+    mesh_result r;
+    c.options.treelet_tets = 400;
+    c.options.coarse = true;
+    c.options.coarse_dims = 37;
+    c.options.series = &series;
+    status st = mesh_open(&m, paths[0], &hints, &first);
+    if (st == ST_OK)
+        st = mesh_convert_run(&m, first, scratch_path(name), &c.options, NULL, &r);
+    if (st != ST_OK)
+        fail_msg("%s", status_text());
+    mesh_close(first);
+    mesh_cases_free(&c);
+}
+
+/* Each step has a grid of its own, there and back: few treelets at a time leave most to it, with
+ * all of them the picture becomes exact. */
+static void test_steps(void **state) {
+    (void)state;
+    static const uint32_t order[] = {0, 2, 1, 1, 2, 0};
+    static picture exact, gridded, got;
+    make_series("series.leaf");
+    for (int kind = 0; kind < 2; kind++) {
+        uint64_t most = 0;
+        leafcast *v = open_with("series.leaf", NULL, kind ? 0 : 2);
+        leafcast *w = open_with("series.leaf", "scalar", 0);
+        const leafcast_camera view = leafcast_standard_view(v, 1.3, PICTURE_WIDTH, PICTURE_HEIGHT);
+        leafcast_scene scene = leafcast_scene_default();
+        select_one(v, ISO);
+        select_one(w, ISO);
+        for (size_t k = 0; k < sizeof order / sizeof *order; k++) {
+            leafcast_stats stats, before = {0};
+            take_part("series.leaf", order[k], "part.leaf");
+            scene.preview = false;
+            assert_int_equal(leafcast_select_set(w, 0, order[k]), LEAFCAST_OK);
+            pictures_draw(w, &scene, &view, &exact, &stats);
+            draw_exact("part.leaf", &scene, &view, ISO, &gridded);
+            scene.preview = true;
+            assert_int_equal(leafcast_select_set(v, 0, order[k]), LEAFCAST_OK);
+            uint64_t marked = 1;
+            for (int n = 0, still = 0; n < FRAMES_MAX && marked && still < 50; n++) {
+                pictures_draw(v, &scene, &view, &got, &stats);
+                still = !kind && stats.bytes_read == before.bytes_read ? still + 1 : 0;
+                before = stats;
+                marked = check_picture(&got, &exact, NULL);
+                assert_int_equal(marked, stats.provisional_pixels);
+            }
+            (void)check_picture(&got, &exact, &gridded);
+            most = marked > most ? marked : most;
+            assert_true(kind ? marked == 0 : marked > 0);
+        }
+        assert_true(kind || most > PICTURE_PIXELS / 8);
+        leafcast_close(w);
+        leafcast_close(v);
+    }
+}
+
 /* ---- what may go wrong ---- */
 
 static leafcast_status try_draw(leafcast *v, bool preview) {
@@ -250,7 +349,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_becomes_exact), cmocka_unit_test(test_is_the_grid),
         cmocka_unit_test(test_scenes),        cmocka_unit_test(test_damage),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_memory),        cmocka_unit_test(test_steps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -28,7 +28,7 @@ static void cell_widths(const ref_volume *v, const ref_hit *hit, long double wid
     }
 }
 
-static bool same_answer(const ref_hit *a, size_t a_count, const ref_hit *b, size_t b_count) {
+bool ref_same_answer(const ref_hit *a, size_t a_count, const ref_hit *b, size_t b_count) {
     if (a_count != b_count)
         return false;
     for (size_t i = 0; i < a_count; i++)
@@ -62,7 +62,7 @@ bool ref_grazing(const ref_volume *v, const ref_ray *ray, const double *isos, in
         for (int a = 0; a < 3; a++)
             shift[a] *= REF_GRAZING_SHIFT * width[a];
         size_t moved_count = first_hits(v, ray, shift, isos, iso_count, clip, moved, depth);
-        if (!same_answer(truth, count, moved, moved_count))
+        if (!ref_same_answer(truth, count, moved, moved_count))
             return true;
     }
     return false;
@@ -79,7 +79,7 @@ static bool too_far(const ref_hit *hit, double t, double *cells) {
     return !(*cells <= REF_GRAZING_CHANGE + ulp * hit->cells_per_t);
 }
 
-static void count_hit(ref_tally *tally, double cells) {
+void ref_tally_hit(ref_tally *tally, double cells) {
     tally->hits++;
     tally->worst = fmax(tally->worst, cells);
     tally->sum_squares += cells * cells;
@@ -106,7 +106,7 @@ ref_verdict ref_judge(ref_tally *tally, const ref_volume *v, const ref_ray *ray,
         return REF_GRAZING;
     }
     if (is_hit)
-        count_hit(tally, cells);
+        ref_tally_hit(tally, cells);
     tally->missed += verdict == REF_MISSED;
     tally->false_hits += verdict == REF_FALSE_HIT;
     tally->too_far += verdict == REF_TOO_FAR;
@@ -149,7 +149,7 @@ ref_verdict ref_judge_roots(ref_tally *tally, const ref_hit *hits, int hit_count
         return REF_GRAZING;
     }
     for (int i = 0; i < hit_count; i++)
-        count_hit(tally, cells[i]);
+        ref_tally_hit(tally, cells[i]);
     tally->missed += verdict == REF_MISSED ? (uint64_t)(hit_count - common) : 0;
     tally->false_hits += verdict == REF_FALSE_HIT ? (uint64_t)(t_count - common) : 0;
     tally->too_far += (uint64_t)far;

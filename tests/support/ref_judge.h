@@ -61,6 +61,12 @@ void ref_print_fault(FILE *log, const ref_volume *v, const ref_ray *ray, const d
                      int iso_count, const ref_clip *clip, double depth, ref_verdict verdict,
                      const char *rerun, int x, int y);
 
+/* ref_same_answer() - both see the same surfaces in the same places, but for what the band allows.
+ */
+bool ref_same_answer(const ref_hit *a, size_t a_count, const ref_hit *b, size_t b_count);
+
+/* ref_tally_hit() - a hit outside the band, off by so many cells. */
+void ref_tally_hit(ref_tally *tally, double cells);
 void ref_tally_add(ref_tally *to, const ref_tally *from);
 double ref_tally_rms(const ref_tally *tally);         /* cells */
 uint64_t ref_tally_faults(const ref_tally *tally);    /* missed + false + too far */

@@ -8,16 +8,6 @@ enum { DEPTH_MAX = 64 };
 
 /* ---- the grazing band ---- */
 
-static bool same_answer(const ref_hit *a, size_t a_count, const ref_hit *b, size_t b_count) {
-    if (a_count != b_count)
-        return false;
-    for (size_t i = 0; i < a_count; i++)
-        if (a[i].iso != b[i].iso ||
-            fabsl(a[i].t_exact - b[i].t_exact) * a[i].cells_per_t > REF_GRAZING_CHANGE)
-            return false;
-    return true;
-}
-
 static size_t first_hits(const tet_ref *r, const ref_ray *ray, const long double shift[3],
                          const double *isos, int iso_count, const ref_clip *clip, ref_hit *hits,
                          size_t depth) {
@@ -58,7 +48,7 @@ static bool changes(const band *b, const long double towards[3]) {
     for (int a = 0; a < 3; a++)
         shift[a] = towards[a] * b->shift;
     size_t count = first_hits(b->r, b->ray, shift, b->isos, b->iso_count, b->clip, moved, b->depth);
-    return !same_answer(b->truth, b->count, moved, count);
+    return !ref_same_answer(b->truth, b->count, moved, count);
 }
 
 bool tet_judge_grazing(const tet_ref *r, const ref_ray *ray, const double *isos, int iso_count,
@@ -157,12 +147,6 @@ static bool too_far(const ref_hit *hit, double t, double *edges) {
     return !(error <= TET_JUDGE_ERROR / hit->cells_per_t + 4 * ulp);
 }
 
-static void count_hit(ref_tally *tally, double edges) {
-    tally->hits++;
-    tally->worst = fmax(tally->worst, edges);
-    tally->sum_squares += edges * edges;
-}
-
 ref_verdict tet_judge_pixel(ref_tally *tally, const tet_ref *r, const ref_ray *ray,
                             const double *isos, int iso_count, const ref_clip *clip, double depth) {
     ref_hit hit;
@@ -185,7 +169,7 @@ ref_verdict tet_judge_pixel(ref_tally *tally, const tet_ref *r, const ref_ray *r
         return REF_GRAZING;
     }
     if (is_hit)
-        count_hit(tally, edges);
+        ref_tally_hit(tally, edges);
     tally->missed += verdict == REF_MISSED;
     tally->false_hits += verdict == REF_FALSE_HIT;
     tally->too_far += verdict == REF_TOO_FAR;
@@ -206,7 +190,7 @@ static void match(const ref_hit *hits, size_t hit_count, const double *t, size_t
         }
         *missed += !near;
         if (near)
-            count_hit(seen, least);
+            ref_tally_hit(seen, least);
     }
     for (size_t k = 0; k < t_count; k++) {
         bool near = false;
