@@ -15,6 +15,7 @@
 #include "formats/leaf_verify.h"
 #include "tests/support/fields.h"
 #include "tests/support/mesh_cases.h"
+#include "tests/support/mesh_truth.h"
 #include "tests/support/naive_mesh.h"
 #include "tests/support/scratch.h"
 
@@ -173,6 +174,28 @@ static void check_vertices(const movie *v, const naive_mesh *loaded, const naive
     }
 }
 
+/* Each field's at each step, of the tets as they stand at that step. */
+static void check_gradients(const movie *v, const naive_mesh *loaded) {
+    for (uint32_t f = 0; f < v->fields; f++) {
+        for (uint32_t s = 0; s < v->steps; s++) {
+            mesh_case c = v->c;
+            c.points = v->points[s];
+            c.values = v->values[s][f];
+            mesh_truth *all = mesh_truth_gradients(&c);
+            for (long t = 0; t < loaded->treelets; t++) {
+                const naive_part *p = &loaded->part[t];
+                const float(*got)[3] = (const float(*)[3])p->gradients;
+                assert_non_null(got);
+                for (long i = 0; i < p->vertices; i++) {
+                    const size_t id = point_of(v, p->positions[i]);
+                    mesh_truth_check(&all[id], got[(f * v->steps + s) * p->vertices + i], id);
+                }
+            }
+            free(all);
+        }
+    }
+}
+
 static void check_file(const movie *v, const char *name, bool moving) {
     naive_mesh loaded;
     if (!naive_mesh_load(&loaded, scratch_path(name)))
@@ -187,6 +210,8 @@ static void check_file(const movie *v, const char *name, bool moving) {
         assert_memory_equal(loaded.times, v->times, v->steps * sizeof *v->times);
     for (long t = 0; t < loaded.treelets; t++)
         check_vertices(v, &loaded, &loaded.part[t]);
+    if (v->c.options.gradients)
+        check_gradients(v, &loaded);
     naive_mesh_release(&loaded);
     leaf_file *f;
     assert_int_equal(leaf_file_open(&m, scratch_path(name), &f), ST_OK);
@@ -207,6 +232,7 @@ static void test_series(void **state) {
         mesh_case c = mesh_cases_kuhn(7, 7, 5);
         mesh_cases_shuffle(&c, i + 1);
         c.options.treelet_tets = i % 2 ? 200 : 4096;
+        c.options.gradients = i > 0;
         c.options.file.codec = i % 3 ? LEAF_CODEC_RAW : LEAF_CODEC_ZSTD;
         c.options.file.zstd_level = 1;
         movie v = make(c, cases[i].fields, cases[i].steps, cases[i].moves, cases[i].same);
