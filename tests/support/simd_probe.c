@@ -17,7 +17,7 @@ void simd_probe_run(cpu_isa isa, const simd_probe_input *in, simd_probe_output *
     case CPU_AVX2: simd_probe_avx2(in, out); return;
     case CPU_AVX512: simd_probe_avx512(in, out); return;
 #endif
-    default: assert(!"an ISA with vectors"); (void)in, (void)out;
+    default: assert(0 && "an ISA with vectors"); (void)in, (void)out;
     }
 }
 
