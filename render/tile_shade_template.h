@@ -133,9 +133,14 @@ SIMD void shade_pixels(const tile_state *s, unsigned i, unsigned hits, tile_pixe
 /* Copy the pixels of a row of the tile. Whole lines of the cache need not be read first. */
 static void write_floats(float *to, const float *from, unsigned pixels) {
     enum { LINE = 64 };
-    if (pixels == row_full && (uintptr_t)to % LINE == 0 && TILE * sizeof *to % LINE == 0) {
+    _Static_assert(TILE * sizeof(float) % LINE == 0, "a tile's row is whole lines");
+    if (pixels == row_full && (uintptr_t)to % LINE == 0) {
         for (unsigned x = 0; x < TILE; x += VF_N)
             f_stream(to + x, f_load(from + x));
+        return;
+    }
+    if (pixels == row_full) {
+        memcpy(to, from, TILE * sizeof *to);
         return;
     }
     for (; pixels; pixels &= pixels - 1)
