@@ -27,7 +27,7 @@ static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Measuring:", 1},
     {"against", AGAINST, "DIR", 0, "fail where a count is off its tolerance in DIR/SUITE.csv", 0},
     {"baselines", BASELINES, "DIR", 0, "write this run's counts, with tolerances, there", 0},
-    {"data", DATA, "DIR", 0, "where the papers' volumes are ($LEAFCAST_DATA or ../shared/data)", 0},
+    {"data", DATA, "DIR", 0, "where the papers' volumes are ($LEAFCAST_DATA)", 0},
     {"form", FORM, "NAME", 0, "brief (small volumes; what `all` does) or full", 0},
     {"largest", LARGEST, "N", 0, "figure414: up to N^3 samples (1024)", 0},
     {"out", OUT, "DIR", 0, "write SUITE.csv and SUITE.svg into this folder", 0},
@@ -253,7 +253,7 @@ static status run(bench_options *o) {
     if (job->view.camera.width == 0)
         job->view.camera.width = job->view.camera.height = job->brief ? 128 : 1024;
     const char *data = o->data ? o->data : getenv("LEAFCAST_DATA");
-    status st = bench_store_open(&job->m, o->scratch, data && *data ? data : "../shared/data",
+    status st = bench_store_open(&job->m, o->scratch, data && *data ? data : NULL,
                                  o->common.threads, &job->store);
     if (st == ST_OK)
         st = all ? run_all(o) : run_suite(o, suite);

@@ -56,10 +56,12 @@ status bench_store_open(mem *m, const char *folder, const char *data, int thread
     if (!s)
         return ST_NOMEM;
     s->m = m;
-    s->data = data && access(data, R_OK | X_OK) == 0 ? data : NULL;
+    s->data = data;
     snprintf(s->threads, sizeof s->threads, "%d", threads);
     status st = ST_OK;
-    if (!folder)
+    if (data && access(data, R_OK | X_OK) != 0)
+        st = file_failed(errno, data, "cannot read the data folder");
+    else if (!folder)
         st = own_folder(s);
     else if (snprintf(s->folder, sizeof s->folder, "%s", folder) > FOLDER_MAX)
         st = status_describe(ST_USAGE, "%s: too long a path", folder);

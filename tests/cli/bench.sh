@@ -70,6 +70,8 @@ exits "a suite of a file" 0 "$leafcast" bench zoom "$leaf" --iso 128 --size 32x3
 ok "names it" says '^v.leaf  *inside' out
 exits "volumes kept" 0 env LEAFCAST_DATA= TMPDIR="$tmp/nowhere" "$leafcast" bench walk --form brief --runs 1 --size 16x16 --scratch "$tmp/kept"
 ok "in the scratch folder" [ -s "$tmp/kept/marschner-lobb-u8-32.leaf" ]
+exits "a data folder that is not there" 1 "$leafcast" bench walk --form brief --runs 1 --size 16x16 --data "$tmp/no"
+ok "is named" says 'no: cannot read the data folder' err
 mkdir "$tmp/empty"
 exits "volumes not kept" 0 env TMPDIR="$tmp/empty" "$leafcast" bench walk --form brief --runs 1 --size 16x16
 ok "leave nothing" rmdir "$tmp/empty"
