@@ -240,17 +240,40 @@ leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, i
     return LEAFCAST_OK;
 }
 
-leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) {
+static status check_set(const leafcast *v, uint32_t field, uint32_t step) {
     const leaf_header *h = &v->file->header;
-    if (field >= h->fields || step >= h->steps)
-        return leafcast_public_status(
-            status_describe(ST_USAGE, "field %u at step %u: there are %u fields and %u steps",
-                            field, step, h->fields, h->steps));
+    if (field < h->fields && step < h->steps)
+        return ST_OK;
+    return status_describe(ST_USAGE, "field %u at step %u: there are %u fields and %u steps", field,
+                           step, h->fields, h->steps);
+}
+
+leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) {
+    const status st = check_set(v, field, step);
+    if (st != ST_OK)
+        return leafcast_public_status(st);
     v->field = field;
     v->step = step;
     if (v->file->mesh)
         loader_select_set(v->treelets, leaf_layout_set(&v->file->layout, field, step));
     loader_reset_statistics(v->treelets);
+    return LEAFCAST_OK;
+}
+
+leafcast_status leafcast_range(const leafcast *v, uint32_t field, uint32_t step, double range[2]) {
+    const leaf_layout *layout = &v->file->layout;
+    const status st = check_set(v, field, step);
+    if (st != ST_OK)
+        return leafcast_public_status(st);
+    const uint32_t set = v->file->mesh ? leaf_layout_set(layout, field, step) : 0;
+    const float(*own)[2] = (const float(*)[2])v->file->own + (size_t)set * layout->treelets;
+    range[0] = INFINITY;
+    range[1] = -INFINITY;
+    /* Level 0 alone, whose treelets come last. */
+    for (uint32_t t = layout->level[0].first; t < layout->treelets; t++) {
+        range[0] = fmin(range[0], (double)own[t][0]);
+        range[1] = fmax(range[1], (double)own[t][1]);
+    }
     return LEAFCAST_OK;
 }
 

@@ -131,6 +131,13 @@ const char *leafcast_field_name(const leafcast *volume, uint32_t field);
 leafcast_status leafcast_find_field(const leafcast *volume, const char *name, uint32_t *field);
 double leafcast_step_time(const leafcast *volume, uint32_t step);
 
+/* leafcast_range() - range[0], range[1]: the smallest and the largest finite value of a field at a
+ * step, at full resolution; range[0] > range[1] where none is finite. An isovalue v has a surface
+ * only if range[0] < v && v <= range[1]. LEAFCAST_USAGE if there is no such field or step. Costs a
+ * pass over the directory. */
+leafcast_status leafcast_range(const leafcast *volume, uint32_t field, uint32_t step,
+                               double range[2]);
+
 typedef struct leafcast_light {
     bool point;       /* position, else direction */
     double vector[3]; /* towards the light, or where it is */
