@@ -93,12 +93,13 @@ endif
 DEPS_CFLAGS := $(shell pkg-config --cflags $(LIBS_PC))
 DEPS_LIBS   := $(shell pkg-config --libs $(LIBS_PC))
 IMAGE       := $B/libexec/leafcast-write-image
-EMBREE      := $(shell echo '\#include <embree3/rtcore.h>' | $(CC) $(CPPFLAGS) $(CFLAGS) -E -x c - \
-                   >/dev/null 2>&1 && echo y)
 TETGEN_BIN  := $B/libexec/leafcast-tetgen
-TETGEN      := $(shell command -v $(firstword $(CXX)) >/dev/null && echo '\#include <tetgen.h>' | \
-                   $(firstword $(CXX)) $(CPPFLAGS) $(CXXFLAGS) -E -x c++ - >/dev/null 2>&1 && echo y)
-OIIO        := $(shell command -v $(firstword $(CXX)) && pkg-config --exists OpenImageIO && echo y)
+# Optional ones are looked for as scripts/setup-debian does; `make EMBREE= TETGEN= OIIO=` does without.
+has          = $(shell scripts/setup-debian --has $1 && echo y)
+CXX_HERE    := $(shell command -v $(firstword $(CXX)))
+EMBREE      := $(call has,libembree-dev)
+TETGEN      := $(if $(CXX_HERE),$(call has,libtet1.5-dev))
+OIIO        := $(if $(CXX_HERE),$(call has,libopenimageio-dev))
 endif
 
 # ---- building ------------------------------------------------------------------------------------
@@ -118,7 +119,9 @@ quoted   = '$(subst ','\'',$1)'
 remember = @mkdir -p $(@D); printf '%s\n' $(call quoted,$1) | cmp -s - $@ || \
                printf '%s\n' $(call quoted,$1) >$@
 $B/flags: FORCE
-	$(call remember,$(CC) $(ALL_C) $(CXX) $(ALL_CXX))
+	$(call remember,$(CC) $(ALL_C))
+$B/flags-c++: FORCE
+	$(call remember,$(CXX) $(ALL_CXX))
 $B/objects: FORCE
 	$(call remember,$(LIB_OBJS) $(SUPPORT))
 
@@ -152,7 +155,7 @@ $(foreach m,$(MAINS),$(eval $(call verb_rule,$m)))
 
 # Shared objects by the hundred: OpenImageIO is linked into a process of its own.
 ifneq ($(OIIO),)
-$B/libexec/leafcast-write-image: render/write_image_main.cpp $B/flags
+$B/libexec/leafcast-write-image: render/write_image_main.cpp $B/flags-c++
 	@mkdir -p $(@D) $B/obj
 	$(call say,C++ ,$<)
 	$(Q)$(CXX) $(ALL_CXX) $(shell pkg-config --cflags OpenImageIO) -MMD -MP -MF $B/obj/image.d \
@@ -160,13 +163,14 @@ $B/libexec/leafcast-write-image: render/write_image_main.cpp $B/flags
 else
 .PHONY: $B/libexec/leafcast-write-image
 $B/libexec/leafcast-write-image:
+	@rm -f $@
 	@echo "no OpenImageIO here (libopenimageio-dev and $(CXX)): leafcast-write-image is left out," \
 	      "so render cannot write PNG or EXR"
 endif
 
 # TetGen is AGPL, and may crash: it is linked into a process of its own, too.
 ifneq ($(TETGEN),)
-$(TETGEN_BIN): prep/tetgen_worker_main.cpp $B/flags
+$(TETGEN_BIN): prep/tetgen_worker_main.cpp $B/flags-c++
 	@mkdir -p $(@D) $B/obj
 	$(call say,C++ ,$<)
 	$(Q)$(CXX) $(ALL_CXX) -MMD -MP -MF $B/obj/tetgen.d -o $@ $< $(LDFLAGS) -ltet
@@ -266,6 +270,7 @@ list help:
 	@echo "CONFIG=$(CONFIG)  one of $(CONFIGS); each has its own folder in build/"
 	@echo "CC=$(CC) CXX=$(CXX) CPPFLAGS= CFLAGS= CXXFLAGS= LDFLAGS="
 	@echo "WERROR=1        warnings are errors"
+	@echo "EMBREE= TETGEN= OIIO=   build without one, though it is here"
 	@echo "TIMEOUT=$(TIMEOUT)     seconds a test program may take"
 	@echo "V=1             show the commands"
 
