@@ -21,7 +21,7 @@ typedef struct arguments {
 enum { KEY_ISO = 0x2000 };
 
 static const struct argp_option options[] = {
-    {"iso", KEY_ISO, "V", 0, "count what this isovalue needs; may be repeated", 0},
+    {"iso", KEY_ISO, "V", CLI_BASIC, "count what this isovalue needs; may be repeated", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static void parse_iso(struct argp_state *state, arguments *a, const char *text) {
@@ -56,7 +56,7 @@ static const struct argp table = {
     .parser = parse,
     .args_doc = "F.leaf",
     .doc = "Say what is in a treelet file. An active treelet, cell or tet is one with min < V <= "
-           "max over its samples.",
+           "max over its samples.\vExample:\n  leafcast info bonsai.leaf --iso 37",
     .children = children,
 };
 
@@ -563,7 +563,7 @@ static status run(arguments *a) {
 }
 
 int main(int argc, char **argv) {
-    arguments a = {.common = {.verb = "info"}};
+    arguments a = {.common = {.verb = "info", .without = "output force"}};
     cli_parse(&table, &a.common, argc, argv, &a);
     return cli_finish(&a.common, run(&a));
 }

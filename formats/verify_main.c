@@ -35,7 +35,8 @@ static const struct argp table = {
     .args_doc = "F.leaf",
     .doc = "Check every byte of a treelet file: checksums, padding, ranges, the codes of every "
            "tree against its samples, samples that neighbours share; of a mesh, that boxes and "
-           "ranges are those of their tets. Exit code 0 if it is sound, 3 if not.",
+           "ranges are those of their tets. Exit code 0 if it is sound, 3 if not."
+           "\vExample:\n  leafcast verify bonsai.leaf",
     .children = children,
 };
 
@@ -71,7 +72,7 @@ static status run(arguments *a) {
 }
 
 int main(int argc, char **argv) {
-    arguments a = {.common = {.verb = "verify"}};
+    arguments a = {.common = {.verb = "verify", .without = "output force"}};
     cli_parse(&table, &a.common, argc, argv, &a);
     return cli_finish(&a.common, run(&a));
 }

@@ -63,18 +63,21 @@ enum {
 };
 
 static const struct argp_option options[] = {
-    {"compress", KEY_COMPRESS, "zstd:N|none", 0,
+    {"compress", KEY_COMPRESS, "zstd:N|none", CLI_BASIC,
      "payloads: zstd of level 1 to 22, or none (default)", 0},
-    {"treelet", KEY_TREELET, "CELLS", 0, "cells per axis of a treelet: 16, 32 (default) or 64", 0},
-    {"halo", KEY_HALO, "0|1", 0, "samples around a treelet, for normals (default 1)", 0},
-    {"dry-run", KEY_DRY_RUN, NULL, 0, "print sizes, memory, levels and treelets; write nothing", 0},
+    {"treelet", KEY_TREELET, "CELLS", CLI_EXPERIMENT,
+     "cells per axis of a treelet: 16, 32 (default) or 64", 0},
+    {"halo", KEY_HALO, "0|1", CLI_EXPERIMENT, "samples around a treelet, for normals (default 1)",
+     0},
+    {"dry-run", KEY_DRY_RUN, NULL, CLI_BASIC,
+     "print sizes, memory, levels and treelets; write nothing", 0},
     {NULL, 0, NULL, 0, "What a raw input does not say itself:", 1},
-    {"dims", KEY_DIMS, "X,Y,Z", 0, "samples per axis", 1},
-    {"type", KEY_TYPE, "TYPE", 0, "u8 i8 u16 i16 u32 i32 f32 f64", 1},
+    {"dims", KEY_DIMS, "X,Y,Z", CLI_BASIC, "samples per axis", 1},
+    {"type", KEY_TYPE, "TYPE", CLI_BASIC, "u8 i8 u16 i16 u32 i32 f32 f64", 1},
     {"big-endian", KEY_BIG_ENDIAN, NULL, 0, "most significant byte first", 1},
     {"skip", KEY_SKIP, "BYTES", 0, "header bytes to pass over", 1},
     {NULL, 0, NULL, 0, "What any input may have wrong:", 2},
-    {"spacing", KEY_SPACING, "X,Y,Z", 0,
+    {"spacing", KEY_SPACING, "X,Y,Z", CLI_BASIC,
      "distance of samples, or scale of an axis' coordinates; may be negative", 2},
     {"missing", KEY_MISSING, "VALUE", 0, "f32 and f64: this value stands for no data", 2},
     {"origin", KEY_ORIGIN, "X,Y,Z", 0, "world position of the first sample", 2},
@@ -83,9 +86,9 @@ static const struct argp_option options[] = {
     {"axis-y", KEY_AXIS_Y, "FILE", 0, NULL, 2},
     {"axis-z", KEY_AXIS_Z, "FILE", 0, NULL, 2},
     {NULL, 0, NULL, 0, "Meshes:", 3},
-    {"field", KEY_FIELD, "NAME", 0,
+    {"field", KEY_FIELD, "NAME", CLI_BASIC,
      "an array to take (default: the first of the points); may be repeated", 3},
-    {"fields", KEY_FIELDS, "all", 0, "take all arrays of the points (or cells)", 3},
+    {"fields", KEY_FIELDS, "all", CLI_BASIC, "take all arrays of the points (or cells)", 3},
     {"times", KEY_TIMES, "T0,T1,..", 0, "times of the steps (default: 0, 1, ..)", 3},
     {"component", KEY_COMPONENT, "N", 0, "of vectors: 1, 2, ..; default: their magnitude", 3},
     {"cells-to-points", KEY_CELLS_TO_POINTS, NULL, 0,
@@ -94,11 +97,13 @@ static const struct argp_option options[] = {
      "with a regular grid of the values, for previews: N nodes along the longest edge (default: "
      "half as many nodes as tets)",
      3},
-    {"treelet-tets", KEY_TREELET_TETS, "N", 0, "at most so many in a treelet (default 4096)", 3},
-    {"leaf-tets", KEY_LEAF_TETS, "N", 0, "at most so many in a leaf of its tree (default 12)", 3},
-    {"build", KEY_BUILD, "bih|sah", 0,
+    {"treelet-tets", KEY_TREELET_TETS, "N", CLI_EXPERIMENT,
+     "at most so many in a treelet (default 4096)", 3},
+    {"leaf-tets", KEY_LEAF_TETS, "N", CLI_EXPERIMENT,
+     "at most so many in a leaf of its tree (default 12)", 3},
+    {"build", KEY_BUILD, "bih|sah", CLI_EXPERIMENT,
      "trees of treelets: by keys (default), or by the surface area heuristic, for comparison", 3},
-    {"gradients", KEY_GRADIENTS, NULL, 0,
+    {"gradients", KEY_GRADIENTS, NULL, CLI_BASIC,
      "store the gradient at each vertex, too, for smooth normals", 3},
     {NULL, 0, NULL, 0, NULL, 0}};
 
@@ -249,7 +254,8 @@ static const struct argp table = {
            "TetGen (.node, .ele), VTK (.vtk, .vtu), Gmsh (.msh), a mesh stream; or - for NRRD or a "
            "mesh on standard input. Several meshes are the steps of a time series: of the same "
            "tets, whose points may move."
-           "\vThe input is read once (a mesh: once for each field). Memory stays below --memory "
+           "\vExample:\n  leafcast convert bonsai_256x256x256_uint8.raw -o bonsai.leaf\v"
+           "The input is read once (a mesh: once for each field). Memory stays below --memory "
            "(default 2G) whatever its size; "
            "what does not fit (of a volume: two slabs in half of it) goes through temporary files "
            "beside the output. The output's bytes depend on neither --memory nor --threads.",

@@ -35,12 +35,12 @@ enum {
 enum { STEPS_MAX = 10000 };
 
 static const struct argp_option options[] = {
-    {"dims", KEY_DIMS, "N[,N,N]", 0, "samples per axis", 1},
-    {"type", KEY_TYPE, "TYPE", 0, "u8 (default), u16 or f32", 1},
-    {"seed", KEY_SEED, "S", 0, "seed of noise and attractor (default 1)", 1},
-    {"spacing", KEY_SPACING, "S[,S,S]", 0, "distance of samples (default 1)", 1},
+    {"dims", KEY_DIMS, "N[,N,N]", CLI_BASIC, "samples per axis", 1},
+    {"type", KEY_TYPE, "TYPE", CLI_BASIC, "u8 (default), u16 or f32", 1},
+    {"seed", KEY_SEED, "S", CLI_BASIC, "seed of noise and attractor (default 1)", 1},
+    {"spacing", KEY_SPACING, "S[,S,S]", CLI_BASIC, "distance of samples (default 1)", 1},
     {NULL, 0, NULL, 0, "Meshes:", 2},
-    {"tets", KEY_TETS, NULL, 0,
+    {"tets", KEY_TETS, NULL, CLI_BASIC,
      "a mesh stream of tets, six to a cell of the samples' grid, with f32 values", 2},
     {"deform", KEY_DEFORM, "AMOUNT", 0,
      "swirl the inner points, and surfaces with them: no edge of a cell changes by more than "
@@ -49,7 +49,7 @@ static const struct argp_option options[] = {
      2},
     {"replicate", KEY_REPLICATE, "N[,N,N]", 0,
      "copies along each axis, side by side, each with points of its own", 2},
-    {"steps", KEY_STEPS, "N", 0,
+    {"steps", KEY_STEPS, "N", CLI_BASIC,
      "a series of N files in which --deform swings to and fro: F_0000.mesh, ..., or as %04d in -o "
      "says; only the points differ",
      2},
@@ -154,34 +154,31 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     return 0;
 }
 
-/* The list of fields behind the options. */
-static char *help_filter(int key, const char *text, void *input) {
-    (void)input;
-    if (key != ARGP_KEY_HELP_POST_DOC)
-        return (char *)(uintptr_t)text;
-    char *list = NULL;
+/* The help's text, from the table of fields; to be freed. */
+static char *describe(void) {
+    char *text = NULL;
     size_t size = 0;
-    FILE *stream = open_memstream(&list, &size);
-    if (!stream)
-        return NULL;
-    fputs("Fields (their values; u8 and u16 map the given range to all of theirs):\n", stream);
     const field_info *info;
+    FILE *out = open_memstream(&text, &size);
+    if (!out)
+        return NULL;
+    fputs("Write an analytic test volume as NRRD, or with --tets as a mesh (-o -: to standard "
+          "output). It is streamed, never held whole; the same arguments give the same bytes on "
+          "any machine.\vExample:\n  leafcast generate gyroid --dims 256 -o gyroid.nrrd\n\n"
+          "Fields (their values; u8 and u16 map the given range to all of theirs):\n",
+          out);
     for (size_t i = 0; (info = field_at(i)) != NULL; i++)
-        fprintf(stream, "  %-15s %s\n", info->name, info->about);
-    fclose(stream);
-    return list;
+        fprintf(out, "  %-15s %s\n", info->name, info->about);
+    fclose(out);
+    return text;
 }
 
 static const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {NULL, 0, NULL, 0}};
-static const struct argp table = {
+static struct argp table = {
     .options = options,
     .parser = parse,
     .args_doc = "FIELD --dims N[,N,N] -o F.nrrd\nFIELD --tets --dims N[,N,N] -o F.mesh",
-    .doc = "Write an analytic test volume as NRRD, or with --tets as a mesh (-o -: to standard "
-           "output). It is streamed, never held whole; the same arguments give the same bytes on "
-           "any machine.\v",
     .children = children,
-    .help_filter = help_filter,
 };
 
 static grid make_grid(const arguments *a) {
@@ -225,6 +222,10 @@ static status run(arguments *a) {
 int main(int argc, char **argv) {
     arguments a = {
         .common = {.verb = "generate"}, .type = SAMPLE_U8, .seed = 1, .spacing = {1, 1, 1}};
+    char *doc = describe();
+    table.doc = doc;
     cli_parse(&table, &a.common, argc, argv, &a);
-    return cli_finish(&a.common, run(&a));
+    const int code = cli_finish(&a.common, run(&a));
+    free(doc);
+    return code;
 }

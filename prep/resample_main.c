@@ -32,15 +32,18 @@ enum {
 };
 
 static const struct argp_option options[] = {
-    {"dims", KEY_DIMS, "N[,N,N]", 0,
+    {"dims", KEY_DIMS, "N[,N,N]", CLI_BASIC,
      "nodes per axis; one number: along the longest edge, the others so that cells are about "
      "cubes. Default: about as many nodes as the mesh has vertices",
      1},
-    {"spacing", KEY_SPACING, "S", 0, "distance of nodes along each axis, instead of --dims", 1},
-    {"bounds", KEY_BOUNDS, "X0,Y0,Z0,X1,Y1,Z1", 0, "the box to resample (default: the mesh's)", 1},
+    {"spacing", KEY_SPACING, "S", CLI_BASIC, "distance of nodes along each axis, instead of --dims",
+     1},
+    {"bounds", KEY_BOUNDS, "X0,Y0,Z0,X1,Y1,Z1", CLI_BASIC,
+     "the box to resample (default: the mesh's)", 1},
     {NULL, 0, NULL, 0, "What of the mesh:", 2},
-    {"field", KEY_FIELD, "NAME", 0, "the array to take (default: the first of the points)", 2},
-    {"step", KEY_STEP, "K", 0, "of a treelet file's time steps this one, from 0 on (0)", 2},
+    {"field", KEY_FIELD, "NAME", CLI_BASIC, "the array to take (default: the first of the points)",
+     2},
+    {"step", KEY_STEP, "K", CLI_BASIC, "of a treelet file's time steps this one, from 0 on (0)", 2},
     {"component", KEY_COMPONENT, "N", 0, "of vectors: 1, 2, ..; default: their magnitude", 2},
     {"cells-to-points", KEY_CELLS_TO_POINTS, NULL, 0,
      "take an array of the cells, averaged to the points", 2},
@@ -126,7 +129,8 @@ static const struct argp table = {
            "standard output). MESH: a treelet file, or whatever mesh convert takes; or - for a "
            "mesh on standard input. A node's value is the linear interpolation in the tet that "
            "holds it, NaN outside of the mesh."
-           "\vMemory stays below --memory (default 2G) whatever the sizes of mesh and grid. A mesh "
+           "\vExample:\n  leafcast resample fin.vtk --dims 256 -o fin.nrrd\v"
+           "Memory stays below --memory (default 2G) whatever the sizes of mesh and grid. A mesh "
            "that is no treelet file becomes one first, beside the output (-o -: in $TMPDIR), "
            "which takes about 14 bytes a tet and vanishes in the end. The output's bytes depend "
            "on neither --memory nor --threads.",

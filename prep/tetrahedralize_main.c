@@ -21,19 +21,20 @@ typedef struct arguments {
 enum { KEY_QUALITY = 0x2000, KEY_MAX_VOLUME, KEY_FIELD, KEY_FORMAT, KEY_POINTS, KEY_TIMEOUT };
 
 static const struct argp_option options[] = {
-    {"points", KEY_POINTS, NULL, 0, "take the points alone, also where there are facets", 1},
-    {"field", KEY_FIELD, "NAME", 0,
+    {"points", KEY_POINTS, NULL, CLI_BASIC, "take the points alone, also where there are facets",
+     1},
+    {"field", KEY_FIELD, "NAME", CLI_BASIC,
      "the values: a field of the points by name (default: the first there is), or, of surfaces, "
      "distance (the default there): to the nearest facet, 0 on the surface",
      1},
     {"format", KEY_FORMAT, "NAME", 0,
      "node csv ply stl off poly or smesh; else as the file's name ends", 1},
     {NULL, 0, NULL, 0, "Surfaces:", 2},
-    {"quality", KEY_QUALITY, "R[,ANGLE]", 0,
+    {"quality", KEY_QUALITY, "R[,ANGLE]", CLI_BASIC,
      "tets of a circumsphere's radius up to R (default 2) shortest edges, and of dihedral angles "
      "from ANGLE degrees (default 0) on; R of 0: no tets for quality's sake",
      2},
-    {"max-volume", KEY_MAX_VOLUME, "V", 0, "of a tet", 2},
+    {"max-volume", KEY_MAX_VOLUME, "V", CLI_BASIC, "of a tet", 2},
     {"timeout", KEY_TIMEOUT, "SECONDS", 0,
      "TetGen is stopped after so many (default 3600; 0: never)", 2},
     {NULL, 0, NULL, 0, NULL, 0}};
@@ -109,7 +110,8 @@ static const struct argp table = {
         "Make a mesh of tets of points or a closed surface. Points (.node .csv .txt .xyz .ply) "
         "become their Delaunay mesh, the inside of a surface (.poly .smesh .ply .stl .off) a mesh "
         "of well-shaped tets, by TetGen. The mesh stream goes to F.mesh, or with -o - to standard "
-        "output, as for `leafcast convert -'; INPUT may be -, too.\v",
+        "output, as for `leafcast convert -'; INPUT may be -, too."
+        "\vExample:\n  leafcast tetrahedralize bunny.stl -o bunny.mesh",
     .children = children,
 };
 

@@ -25,15 +25,17 @@ enum { BRIEF = 1, FULL };
 
 static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Measuring:", 1},
-    {"against", AGAINST, "DIR", 0, "fail where a count is off its tolerance in DIR/SUITE.csv", 0},
+    {"against", AGAINST, "DIR", CLI_BASIC,
+     "fail where a count is off its tolerance in DIR/SUITE.csv", 0},
     {"baselines", BASELINES, "DIR", 0, "write this run's counts, with tolerances, there", 0},
-    {"data", DATA, "DIR", 0, "where the papers' volumes are ($LEAFCAST_DATA)", 0},
-    {"form", FORM, "NAME", 0, "brief (small volumes; what `all` does) or full", 0},
+    {"data", DATA, "DIR", CLI_BASIC, "where the papers' volumes are ($LEAFCAST_DATA)", 0},
+    {"form", FORM, "NAME", CLI_BASIC, "brief (small volumes; what `all` does) or full", 0},
     {"largest", LARGEST, "N", 0, "figure414: up to N^3 samples (1024)", 0},
-    {"out", OUT, "DIR", 0, "write SUITE.csv and SUITE.svg into this folder", 0},
-    {"plot", PLOT, "FILE.svg", 0, "draw the table's main columns", 0},
+    {"out", OUT, "DIR", CLI_BASIC, "write SUITE.csv and SUITE.svg into this folder", 0},
+    {"plot", PLOT, "FILE.svg", CLI_BASIC, "draw the table's main columns", 0},
     {"ray-cells", COUNT, "N", 0, "intersectors: at most N ray-cells (500000)", 0},
-    {"runs", RUNS, "N", 0, "runs of each, interleaved; medians are reported (9, brief: 3)", 0},
+    {"runs", RUNS, "N", CLI_BASIC, "runs of each, interleaved; medians are reported (9, brief: 3)",
+     0},
     {"scratch", SCRATCH, "DIR", 0, "keep converted volumes there (in $TMPDIR, for this run)", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
@@ -269,7 +271,12 @@ static char *describe(void) {
     FILE *out = open_memstream(&text, &size);
     if (!out)
         return NULL;
-    fputs("Measure: the papers' tables and ours, each number with its error.\vSuites:\n", out);
+    fputs("Measure: the papers' tables and ours, each number with its error.\v"
+          "Example:\n  leafcast bench frames bonsai.leaf --iso 37\n\nSuites (--help-all): ",
+          out);
+    for (int i = 0; (suite = bench_suite_at(i)); i++)
+        fprintf(out, "%s, ", suite->name);
+    fputs("peers and all.\vSuites:\n", out);
     for (int i = 0; (suite = bench_suite_at(i)); i++) {
         fprintf(out, "  %s%s%s\n      ", suite->name, *suite->takes ? " " : "", suite->takes);
         for (const char *at = suite->about; *at; at++)
@@ -280,7 +287,10 @@ static char *describe(void) {
           "  all\n      all of them, in brief\n"
           "The table goes to standard output, with -o FILE.csv also there as CSV. Suites that are "
           "given no file measure the papers' volumes, from the data folder where they are there, "
-          "and generated ones.",
+          "and generated ones.\n\n"
+          "M08: Gerd Marmitt, Interactive Volume Ray Tracing, 2008. W07: Ingo Wald, Heiko "
+          "Friedrich, Aaron Knoll, Charles Hansen, Interactive Isosurface Ray Tracing of "
+          "Time-Varying Tetrahedral Volumes, 2007.",
           out);
     fclose(out);
     return text;
@@ -302,7 +312,7 @@ int main(int argc, char **argv) {
                               .job = {.count = 500000, .largest = 1024}};
     const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
     struct argp_option options[VIEW_OPTIONS_ROOM];
-    view_options_join(options, OPTIONS);
+    view_options_join(options, OPTIONS, "iso size");
     char *doc = describe();
     const struct argp table = {.options = options,
                                .parser = parse,

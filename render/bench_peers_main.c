@@ -27,10 +27,11 @@ enum { RUNS = 0x3000, PICTURE, PLOT, STEP };
 
 static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Measuring:", 1},
-    {"picture", PICTURE, "FILE.png", 0, "ours, Embree's, and how far apart, side by side", 0},
-    {"plot", PLOT, "FILE.svg", 0, "draw the table's main columns", 0},
-    {"runs", RUNS, "N", 0, "runs of each, interleaved; medians are reported (9)", 0},
-    {"step", STEP, "D", 0, "between new isovalues (a thousandth of the volume's range)", 0},
+    {"picture", PICTURE, "FILE.png", CLI_BASIC, "ours, Embree's, and how far apart, side by side",
+     0},
+    {"plot", PLOT, "FILE.svg", CLI_BASIC, "draw the table's main columns", 0},
+    {"runs", RUNS, "N", CLI_BASIC, "runs of each, interleaved; medians are reported (9)", 0},
+    {"step", STEP, "D", CLI_BASIC, "between new isovalues (a thousandth of the volume's range)", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status set_option(peers_options *o, int key, const char *text) {
@@ -158,12 +159,13 @@ int main(int argc, char **argv) {
     static peers_options o = {.common = {.verb = "bench peers"}, .runs = 9};
     const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
     struct argp_option options[VIEW_OPTIONS_ROOM];
-    view_options_join(options, OPTIONS);
+    view_options_join(options, OPTIONS, "iso size");
     const struct argp table = {
         .options = options,
         .parser = parse,
         .args_doc = "F.leaf --iso V",
         .doc = "Measure beside others: Embree on the extracted triangles, VTK's flying edges.\v"
+               "Example:\n  leafcast bench peers bonsai.leaf --iso 37\v"
                "The same volume, isovalue, camera, picture and threads, in turn. A new isovalue: "
                "another one for each picture; `ms` then holds what it takes to get at it. "
                "Embree's rows are its rtcIntersectN; `x Embree` is against its faster "

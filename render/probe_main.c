@@ -27,11 +27,11 @@ enum { AT = 0x3000, POINT, RAY, HITS };
 
 static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Where (one of these):", 1},
-    {"at", AT, "X,Y", 0, "the ray of this pixel; 0,0 is at the top left", 0},
-    {"ray", RAY, "X,Y,Z,DX,DY,DZ", 0, "a ray from a point in a direction", 0},
-    {"point", POINT, "X,Y,Z", 0, "a point", 0},
+    {"at", AT, "X,Y", CLI_BASIC, "the ray of this pixel; 0,0 is at the top left", 0},
+    {"ray", RAY, "X,Y,Z,DX,DY,DZ", CLI_BASIC, "a ray from a point in a direction", 0},
+    {"point", POINT, "X,Y,Z", CLI_BASIC, "a point", 0},
     {NULL, 0, NULL, 0, "How much:", 2},
-    {"hits", HITS, "N", 0, "at most N hits (20)", 0},
+    {"hits", HITS, "N", CLI_BASIC, "at most N hits (20)", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status numbers(const char *text, const char *what, int count, double *out) {
@@ -309,16 +309,18 @@ static status run(probe_options *o, json_t *answer) {
 }
 
 int main(int argc, char **argv) {
-    static probe_options o = {.common = {.verb = "probe"}, .hits = 20};
+    static probe_options o = {.common = {.verb = "probe", .without = "output force threads"},
+                              .hits = 20};
     const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
     struct argp_option options[VIEW_OPTIONS_ROOM];
-    view_options_join(options, OPTIONS);
+    view_options_join(options, OPTIONS, "iso size eye look-at");
     const struct argp table = {
         .options = options,
         .parser = parse,
         .args_doc = "F.leaf",
         .doc = "Tell what a pixel's ray or a point sees: hits, cells, values, gradients, the error "
-               "bound.\vThe flags are those of render, so that a picture's pixel is found again. "
+               "bound.\vExample:\n  leafcast probe bonsai.leaf --iso 37 --at 512,400\v"
+               "The flags are those of render, so that a picture's pixel is found again. "
                "With --json the answer is one line of JSON.",
         .children = children};
     view_options_init(&o.view);

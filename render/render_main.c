@@ -43,7 +43,8 @@ static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Outputs (-o takes .png or .exr):", 1},
     {"depth-f64", DEPTH, "FILE", 0, "distances from the eye as raw doubles", 0},
     {"stats", STATS, "FILE", 0, "times, rays, treelets and bytes as JSON", 0},
-    {"repeat", REPEAT, "N", 0, "draw N times; the statistics are the median picture's", 0},
+    {"repeat", REPEAT, "N", CLI_EXPERIMENT, "draw N times; the statistics are the median picture's",
+     0},
     {NULL, 0, NULL, 0, "Many pictures (-o out.png becomes out_0000.png ...):", 50},
     {"iso-list", ISO_LIST, "V1,V2,...", 0, "a picture for each isovalue; V:V is a picture with two",
      0},
@@ -55,20 +56,21 @@ static const struct argp_option OPTIONS[] = {
      "flags, with \"output\"; each is answered by a line of JSON",
      0},
     {NULL, 0, NULL, 0, "Machine:", 60},
-    {"backend", BACKEND, "NAME", 0, "how treelets come in: auto, mapped or arena", 0},
-    {"schema", SCHEMA, "N", 0,
+    {"backend", BACKEND, "NAME", CLI_EXPERIMENT, "how treelets come in: auto, mapped or arena", 0},
+    {"schema", SCHEMA, "N", CLI_EXPERIMENT,
      "how another time step of a mesh comes in, 1: each step's trees are read, and stay beside "
      "those "
      "of other steps; 2: one tree, refit to vertices that are read (1 where all steps fit)",
      0},
-    {"treelet-limit", TREELET_LIMIT, "N", 0,
+    {"treelet-limit", TREELET_LIMIT, "N", CLI_EXPERIMENT,
      "never hold more than N treelets (0: what memory allows); for experiments", 0},
-    {"isa", ISA, "NAME", 0, "instructions to use: auto, scalar, sse42, avx2, avx512", 0},
-    {"packets", PACKETS, "NAME", 0,
+    {"isa", ISA, "NAME", CLI_EXPERIMENT, "instructions to use: auto, scalar, sse42, avx2, avx512",
+     0},
+    {"packets", PACKETS, "NAME", CLI_EXPERIMENT,
      "of a mesh: how rays walk together: by tile, or in packets of 2, 4, 8 or 16 on a side as "
      "W07's",
      0},
-    {"isopolygons", ISOPOLYGONS, "NAME", 0,
+    {"isopolygons", ISOPOLYGONS, "NAME", CLI_EXPERIMENT,
      "of a mesh: onthefly, or kept: precompute, or cache (when rays first meet them) (onthefly)",
      0},
     {NULL, 0, NULL, 0, NULL, 0}};
@@ -482,12 +484,14 @@ int main(int argc, char **argv) {
     static render_options o = {.common = {.verb = "render"}, .repeat = 1};
     const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
     struct argp_option options[VIEW_OPTIONS_ROOM];
-    view_options_join(options, OPTIONS);
+    view_options_join(options, OPTIONS,
+                      "iso color opacity size eye look-at light shadows clip-box");
     const struct argp table = {
         .options = options,
         .parser = parse,
-        .args_doc = "F.leaf",
+        .args_doc = "F.leaf -o FILE.png",
         .doc = "Draw isosurfaces of a treelet file into a PNG or EXR picture.\v"
+               "Example:\n  leafcast render bonsai.leaf --iso 37 -o bonsai.png\v"
                "Without --eye the camera looks at the middle of the volume from the direction "
                "(1, 0.6, 0.8), 2.2 (standard) or 1.1 (close) times its longest edge away. Vectors "
                "are in world space. The picture is exact unless --lod, --preview or --intersector "

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/base/cli_options.h"
 #include "formats/base/num.h"
 #include "render/colour.h"
 #include "render/intersect.h"
@@ -80,8 +81,9 @@ const struct argp_option view_options_table[] = {
     {"lod", LOD, "LEVEL", 0,
      "exact, pixel (no finer than a pixel) or a level of the pyramid (exact)", 0},
     {"preview", PREVIEW, NULL, 0, "draw what is there instead of waiting for what is not", 0},
-    {"sweep", SWEEP, NULL, 0, "load all that the isovalues need, not only what is seen", 0},
-    {"intersector", INTERSECTOR, "NAME", 0,
+    {"sweep", SWEEP, NULL, CLI_EXPERIMENT,
+     "load all that the isovalues need, not only what is seen", 0},
+    {"intersector", INTERSECTOR, "NAME", CLI_EXPERIMENT,
      "midpoint, linear, neubauer, schwarze, marmitt-3 or marmitt (the exact one)", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
@@ -93,14 +95,17 @@ static bool has_own(const struct argp_option *own, const char *name) {
     return false;
 }
 
-void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own) {
+void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own,
+                       const char *basic) {
     int n = 0;
     for (const struct argp_option *o = own; o->name || o->doc; o++)
         out[n++] = *o;
     for (const struct argp_option *o = view_options_table; o->name || o->doc; o++) {
         assert(n < VIEW_OPTIONS_ROOM - 1);
-        if (!has_own(own, o->name))
-            out[n++] = *o;
+        if (has_own(own, o->name))
+            continue;
+        out[n] = *o;
+        out[n++].flags |= cli_options_listed(basic, o->name) ? CLI_BASIC : 0;
     }
     out[n] = (struct argp_option){0};
 }

@@ -31,9 +31,11 @@ typedef struct view_options {
 extern const struct argp_option view_options_table[];
 
 /* view_options_join() - a verb's own options, then the table but for what has the name of one of
- * them, for argp. */
+ * them, for argp. basic: names, divided by blanks, of the table's options that the verb's --help
+ * shows, too. */
 enum { VIEW_OPTIONS_ROOM = 64 };
-void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own);
+void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own,
+                       const char *basic);
 
 void view_options_init(view_options *v);
 

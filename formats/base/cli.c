@@ -8,6 +8,7 @@
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <stdnoreturn.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -45,19 +46,56 @@ static void install_signals(void) {
     signal(SIGPIPE, SIG_IGN);
 }
 
+/* ---- exit codes ---- */
+
+static int exit_code(status st) {
+    switch (st) {
+    case ST_OK: return 0;
+    case ST_USAGE: return EXIT_USAGE;
+    case ST_CORRUPT:
+    case ST_UNSUPPORTED: return EXIT_INPUT;
+    case ST_NOMEM:
+    case ST_NOSPACE: return EXIT_RESOURCE;
+    default: return 1;
+    }
+}
+
+/* Results that did not reach standard output are a failure too. */
+static status flush_results(void) {
+    errno = 0;
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return ST_OK;
+    return status_describe(errno == ENOSPC ? ST_NOSPACE : ST_IO,
+                           "standard output: cannot write: %s", strerror(errno ? errno : EIO));
+}
+
 /* ---- flags ---- */
 
-enum { KEY_THREADS = 0x1000, KEY_MEMORY, KEY_JSON, KEY_FORCE };
+enum {
+    KEY_THREADS = 0x1000,
+    KEY_MEMORY,
+    KEY_JSON,
+    KEY_FORCE,
+    KEY_HELP_ALL,
+    KEY_USAGE,
+    KEY_VERSION,
+    KEY_LIST
+};
 
 static const struct argp_option common_options[] = {
     {NULL, 0, NULL, 0, "Common options:", 90},
-    {"output", 'o', "FILE", 0, "write to FILE", 0},
+    {"output", 'o', "FILE", CLI_BASIC, "write to FILE", 0},
     {"quiet", 'q', NULL, 0, "say nothing but errors", 0},
     {"verbose", 'v', NULL, 0, "say more (-vv: even more)", 0},
     {"threads", KEY_THREADS, "N", 0, "use N threads (default: all CPUs this process may use)", 0},
     {"memory", KEY_MEMORY, "SIZE", 0, "stay below SIZE bytes of memory, such as 256M or 2G", 0},
-    {"json", KEY_JSON, NULL, 0, "results as JSON", 0},
-    {"force", KEY_FORCE, NULL, 0, "overwrite existing outputs", 0},
+    {"json", KEY_JSON, NULL, 0, "results and errors as JSON", 0},
+    {"force", KEY_FORCE, NULL, CLI_BASIC, "overwrite existing outputs", 0},
+    {"help", 'h', NULL, CLI_BASIC, "what most people need", 0},
+    {"help-all", KEY_HELP_ALL, NULL, CLI_BASIC, "all options, experiments last", 0},
+    {"usage", KEY_USAGE, NULL, 0, "all options in a few lines", 0},
+    {"version", KEY_VERSION, NULL, 0, "the version", 0},
+    {"list-options", KEY_LIST, NULL, OPTION_HIDDEN, "for completion: a line an option", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static void usage_unless(struct argp_state *state, status st) {
@@ -65,9 +103,38 @@ static void usage_unless(struct argp_state *state, status st) {
         argp_error(state, "%s", status_text());
 }
 
+/* What is being parsed, for its help. */
+static const struct argp *parsed;
+static char command[128]; /* "leafcast VERB" */
+
+static noreturn void tell(const cli_common *c, int key) {
+    /* Without the remark that short options take arguments, too. */
+    setenv("ARGP_HELP_FMT", "no-dup-args-note", 0);
+    switch (key) {
+    case 'h': cli_options_help(parsed, c->without, command, CLI_VIEW_BASIC, stdout); break;
+    case KEY_HELP_ALL: cli_options_help(parsed, c->without, command, CLI_VIEW_ALL, stdout); break;
+    case KEY_USAGE: cli_options_help(parsed, c->without, command, CLI_VIEW_USAGE, stdout); break;
+    case KEY_LIST: cli_options_list(parsed, c->without, stdout); break;
+    default: printf("leafcast %s\n", LEAFCAST_VERSION);
+    }
+    const status st = flush_results();
+    if (st != ST_OK)
+        fprintf(stderr, "%s: %s\n", command, status_text());
+    exit(exit_code(st));
+}
+
+/* An option that this verb does not have. */
+static void refuse_option(struct argp_state *state, const cli_common *c, int key) {
+    for (const struct argp_option *o = common_options; o->name || o->doc; o++)
+        if (o->key == key && o->name && cli_options_listed(c->without, o->name))
+            argp_error(state, "there is no --%s: it would change nothing", o->name);
+}
+
 static error_t parse_common(int key, char *arg, struct argp_state *state) {
     cli_common *c = state->input;
     int64_t threads = 0;
+    if (c)
+        refuse_option(state, c, key);
     switch (key) {
     case 'o': c->output = arg; break;
     case 'q': c->verbosity = 0; break;
@@ -83,6 +150,11 @@ static error_t parse_common(int key, char *arg, struct argp_state *state) {
         break;
     case KEY_JSON: c->json = true; break;
     case KEY_FORCE: c->force = true; break;
+    case 'h':
+    case KEY_HELP_ALL:
+    case KEY_USAGE:
+    case KEY_VERSION:
+    case KEY_LIST: tell(c, key);
     default: return ARGP_ERR_UNKNOWN;
     }
     return 0;
@@ -90,23 +162,17 @@ static error_t parse_common(int key, char *arg, struct argp_state *state) {
 
 const struct argp cli_common_argp = {.options = common_options, .parser = parse_common};
 
-static void print_version(FILE *stream, struct argp_state *state) {
-    (void)state;
-    fprintf(stream, "leafcast %s\n", LEAFCAST_VERSION);
-}
-
 void cli_parse(const struct argp *table, cli_common *common, int argc, char **argv, void *input) {
     /* Messages start with the command as it is typed: argp takes it from argv[0]. */
-    static char command[128];
     snprintf(command, sizeof command, "leafcast %s", common->verb);
     if (argc > 0)
         argv[0] = command;
     install_signals();
     common->threads = pool_default_threads();
     common->verbosity = 1;
-    argp_program_version_hook = print_version;
     argp_err_exit_status = EXIT_USAGE;
-    error_t error = argp_parse(table, argc, argv, 0, NULL, input);
+    parsed = table;
+    error_t error = argp_parse(table, argc, argv, ARGP_NO_HELP, NULL, input);
     if (error) {
         fprintf(stderr, "%s: %s\n", command, strerror(error));
         exit(EXIT_USAGE);
@@ -215,27 +281,6 @@ void cli_note(const cli_common *common, int verbosity, const char *fmt, ...) {
     fputc('\n', stderr);
     funlockfile(stderr);
     va_end(args);
-}
-
-static int exit_code(status st) {
-    switch (st) {
-    case ST_OK: return 0;
-    case ST_USAGE: return EXIT_USAGE;
-    case ST_CORRUPT:
-    case ST_UNSUPPORTED: return EXIT_INPUT;
-    case ST_NOMEM:
-    case ST_NOSPACE: return EXIT_RESOURCE;
-    default: return 1;
-    }
-}
-
-/* Results that did not reach standard output are a failure too. */
-static status flush_results(void) {
-    errno = 0;
-    if (fflush(stdout) == 0 && !ferror(stdout))
-        return ST_OK;
-    return status_describe(errno == ENOSPC ? ST_NOSPACE : ST_IO,
-                           "standard output: cannot write: %s", strerror(errno ? errno : EIO));
 }
 
 int cli_finish(const cli_common *common, status st) {

@@ -12,27 +12,30 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "formats/base/cli_options.h"
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
 
 typedef struct cli_common {
-    const char *verb;   /* set by the verb before parsing */
-    const char *output; /* -o FILE; NULL when absent */
-    int threads;        /* --threads N; default: the CPUs this process may use */
-    uint64_t memory;    /* --memory SIZE in bytes; 0 when absent */
-    int verbosity;      /* 0 quiet, 1 normal, 2+ verbose */
-    bool json;          /* --json */
-    bool force;         /* --force: overwrite outputs */
+    const char *verb;    /* set by the verb before parsing, as is */
+    const char *without; /* names, divided by blanks, of common options that it refuses; or NULL */
+    const char *output;  /* -o FILE; NULL when absent */
+    int threads;         /* --threads N; default: the CPUs this process may use */
+    uint64_t memory;     /* --memory SIZE in bytes; 0 when absent */
+    int verbosity;       /* 0 quiet, 1 normal, 2+ verbose */
+    bool json;           /* --json */
+    bool force;          /* --force: overwrite outputs */
 } cli_common;
 
 extern const struct argp cli_common_argp;
 
-/* cli_parse() - parse argv with a verb's argp table. --help, --usage and --version print on stdout
- * and exit 0; a usage error prints a line on stderr, and one that says where help is, and exits 2
- * (this is a main program's function, it may). Sets the defaults of common but for its verb; the
- * verb's own parser calls argp_error() for usage errors. Installs the handlers for SIGINT, SIGTERM
- * and SIGHUP that make the progress of cli_progress() stop the job; a second signal kills. Ignores
- * SIGPIPE and SIGXFSZ, so that they come back as errors of the write. */
+/* cli_parse() - parse argv with a verb's argp table. Options that ask for help, see cli_options.h,
+ * and --version print on stdout and exit 0; a usage error prints a line on stderr, and one that
+ * says where help is, and exits 2 (this is a main program's function, it may). Sets the defaults of
+ * common but for its verb; the verb's own parser calls argp_error() for usage errors. Installs the
+ * handlers for SIGINT, SIGTERM and SIGHUP that make the progress of cli_progress() stop the job; a
+ * second signal kills. Ignores SIGPIPE and SIGXFSZ, so that they come back as errors of the write.
+ */
 void cli_parse(const struct argp *table, cli_common *common, int argc, char **argv, void *input);
 
 /* cli_progress() - bar on a terminal, otherwise a line every few seconds, nothing with -q. Valid

@@ -50,7 +50,7 @@ judge_frames() { # judge_frames FILE ROWS-AT-LEAST
         'all(float(r[c]) > 0 for r in t for c in ("ms", "Mray/s", "active MB", "read MB", "peak MB")) and all(float(r["read MB"]) <= float(r["active MB"]) for r in t)'
 }
 exits "all suites, in brief" 0 "$leafcast" bench all --out "$tmp/all" --runs 1 --ray-cells 2000 --size 48x48
-for suite in $("$leafcast" bench --help | sed -nE '/^Suites/,$s/^  ([a-z][a-z0-9]*).*/\1/p' | grep -v -e all -e figure49 -e peers -e '^time$'); do
+for suite in $("$leafcast" bench --help-all | sed| sed -nE '/^Suites/,$s/^  ([a-z][a-z0-9]*).*/\1/p' | grep -v -e all -e figure49 -e peers -e '^time$'); do
     ok "$suite: CSV and SVG" [ -s "$tmp/all/$suite.csv" -a -s "$tmp/all/$suite.svg" ]
     ok "$suite: sound SVG" python3 -c 'import sys, xml.dom.minidom as x; x.parse(sys.argv[1])' "$tmp/all/$suite.svg"
 done

@@ -1,0 +1,177 @@
+#include "formats/base/cli_options.h"
+
+#include <ctype.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { GROUP_EXPERIMENTS = 95 };
+
+/* An option, or a heading of several. */
+static bool is_row(const struct argp_option *o) {
+    return o->name || o->key || o->doc;
+}
+
+static bool is_heading(const struct argp_option *o) {
+    return !o->name && !o->key;
+}
+
+bool cli_options_listed(const char *list, const char *name) {
+    const size_t size = name ? strlen(name) : 0;
+    for (const char *at = list; at && size && *at; at += strcspn(at, " "), at += *at == ' ')
+        if (strcspn(at, " ") == size && strncmp(at, name, size) == 0)
+            return true;
+    return false;
+}
+
+/* ---- the rows of one view ---- */
+
+typedef struct rows {
+    struct argp_option *list; /* ends with an empty one */
+    size_t count;
+} rows;
+
+/* A heading gives way to the next one where nothing came between. */
+static void add_row(rows *r, struct argp_option option) {
+    if (is_heading(&option) && r->count > 0 && is_heading(&r->list[r->count - 1]))
+        r->count--;
+    r->list[r->count++] = option;
+}
+
+/* The options of --help stand in the order of their table, which a group each makes argp keep. */
+static void add_basic(rows *r, const struct argp_option *from, const char *without) {
+    bool shown = false;
+    for (const struct argp_option *o = from; is_row(o); o++) {
+        struct argp_option row = *o;
+        if (!(o->flags & OPTION_ALIAS))
+            shown = o->flags & CLI_BASIC;
+        if (!shown || (o->flags & OPTION_ALIAS) || cli_options_listed(without, o->name))
+            continue;
+        row.group = (int)r->count + 1;
+        add_row(r, row);
+    }
+}
+
+/* Either what is no experiment, under its headings, or the experiments. An alias goes where the
+ * option before it went. */
+static void add_all(rows *r, const struct argp_option *from, const char *without,
+                    bool experiments) {
+    bool experiment = false;
+    for (const struct argp_option *o = from; is_row(o); o++) {
+        struct argp_option row = *o;
+        if (!(o->flags & OPTION_ALIAS))
+            experiment = o->flags & CLI_EXPERIMENT;
+        if (experiment != experiments || cli_options_listed(without, o->name))
+            continue;
+        if (experiment)
+            row.group = GROUP_EXPERIMENTS;
+        add_row(r, row);
+    }
+}
+
+static bool has_experiments(const struct argp_option *from) {
+    for (const struct argp_option *o = from; is_row(o); o++)
+        if (o->flags & CLI_EXPERIMENT)
+            return true;
+    return false;
+}
+
+/* The tables of a verb: its own, if it has one, then its children's. */
+enum { TABLES_MAX = 4 };
+
+static int tables_of(const struct argp *table, const struct argp_option *out[TABLES_MAX]) {
+    int count = 0;
+    if (table->options)
+        out[count++] = table->options;
+    for (const struct argp_child *c = table->children; c && c->argp && count < TABLES_MAX; c++)
+        out[count++] = c->argp->options;
+    return count;
+}
+
+static rows make_rows(const struct argp *table, const char *without, cli_view view) {
+    const struct argp_option *tables[TABLES_MAX];
+    const int count = tables_of(table, tables);
+    size_t most = 2;
+    for (int i = 0; i < count; i++)
+        for (const struct argp_option *o = tables[i]; is_row(o); o++)
+            most++;
+    rows r = {.list = calloc(most, sizeof *r.list)};
+    if (!r.list)
+        return r;
+    for (int i = 0; i < count; i++)
+        if (view == CLI_VIEW_BASIC)
+            add_basic(&r, tables[i], without);
+        else
+            add_all(&r, tables[i], without, false);
+    if (view != CLI_VIEW_BASIC && has_experiments(tables[0])) {
+        add_row(&r, (struct argp_option){.doc = "Experiments:", .group = GROUP_EXPERIMENTS});
+        add_all(&r, tables[0], without, true);
+    }
+    return r;
+}
+
+/* ---- help ---- */
+
+/* The parts of "does\vexample\vmore" that a view shows, as argp's doc; to be freed. */
+static char *doc_of(const char *doc, cli_view view) {
+    char *text = NULL;
+    const char *first = doc ? doc : "";
+    const int does = (int)strcspn(first, "\v");
+    const char *second = first[does] ? first + does + 1 : "";
+    const int shown = (int)strcspn(second, "\v");
+    const char *third = second[shown] && view == CLI_VIEW_ALL ? second + shown + 1 : "";
+    const char *gap = shown > 0 && *third ? "\n\n" : "";
+    if (asprintf(&text, "%.*s\v%.*s%s%s", does, first, shown, second, gap, third) < 0)
+        return NULL;
+    return text;
+}
+
+void cli_options_help(const struct argp *table, const char *without, const char *command,
+                      cli_view view, FILE *out) {
+    rows r = make_rows(table, without, view);
+    char *doc = doc_of(table->doc, view);
+    const struct argp shown = {.options = r.list, .args_doc = table->args_doc, .doc = doc};
+    char name[128];
+    snprintf(name, sizeof name, "%s", command);
+    if (r.list && doc)
+        argp_help(&shown, out, view == CLI_VIEW_USAGE ? ARGP_HELP_USAGE : ARGP_HELP_STD_HELP, name);
+    free(doc);
+    free(r.list);
+}
+
+/* ---- the list for completion ---- */
+
+static const char *class_of(const struct argp_option *o) {
+    return o->flags & OPTION_ALIAS     ? "alias"
+           : o->flags & CLI_EXPERIMENT ? "experiment"
+           : o->flags & CLI_BASIC      ? "basic"
+                                       : "more";
+}
+
+static void list_table(const struct argp_option *from, const char *without, FILE *out) {
+    const char *arg = NULL, *doc = NULL;
+    for (const struct argp_option *o = from; is_row(o); o++) {
+        if (is_heading(o) || (o->flags & OPTION_HIDDEN) || cli_options_listed(without, o->name))
+            continue;
+        if (!(o->flags & OPTION_ALIAS)) {
+            arg = o->arg;
+            doc = o->doc;
+        }
+        fprintf(out, "--%s\t", o->name);
+        if (o->key > 0 && o->key < 128 && isgraph(o->key) && !(o->flags & OPTION_ALIAS))
+            fprintf(out, "-%c", o->key);
+        fprintf(out, "\t%s%s\t%s\t%s\n", o->flags & OPTION_ARG_OPTIONAL ? "?" : "", arg ? arg : "",
+                class_of(o), doc ? doc : "");
+    }
+}
+
+void cli_options_list(const struct argp *table, const char *without, FILE *out) {
+    const struct argp_option *tables[TABLES_MAX];
+    const int count = tables_of(table, tables);
+    /* Of several lines of arguments the first. */
+    const char *args = table->args_doc ? table->args_doc : "";
+    fprintf(out, "\t\t%.*s\t\t\n", (int)strcspn(args, "\n"), args);
+    for (int i = 0; i < count; i++)
+        list_table(tables[i], without, out);
+}
