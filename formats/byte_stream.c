@@ -8,6 +8,7 @@
 
 #include "formats/base/fault.h"
 #include "formats/base/file.h"
+#include "formats/base/file_guard.h"
 
 struct byte_stream {
     mem *m;
@@ -28,7 +29,7 @@ static bool is_regular(const char *path) {
 static status open_source(byte_stream *s, const char *path) {
     if (strcmp(path, "-") == 0) {
         s->fd = STDIN_FILENO;
-        return ST_OK;
+        return file_guard_opened(s->fd, s->name);
     }
     if (is_regular(path))
         return file_open(s->m, path, &s->f);

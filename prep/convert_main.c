@@ -8,6 +8,7 @@
 
 #include "formats/base/cli.h"
 #include "formats/base/clock.h"
+#include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/volume.h"
 #include "prep/convert.h"
@@ -619,12 +620,29 @@ static status convert_stream(arguments *a, mem *m, byte_stream *s, bool is_mesh,
     return st;
 }
 
+/* Before an input is opened, for hours perhaps. */
+static status guard_files(const arguments *a) {
+    const char *output = a->dry_run ? NULL : a->common.output;
+    if (output && strcmp(output, "-") == 0)
+        return status_describe(ST_USAGE, "-o -: a treelet file cannot go to standard output: its "
+                                         "header is written last (./- is a file)");
+    file_guard_watch();
+    status st = ST_OK;
+    for (int i = 0; i < a->input_count && st == ST_OK; i++)
+        st = file_guard_input(a->inputs[i]);
+    for (int i = 0; i < 3 && st == ST_OK; i++)
+        st = file_guard_input(a->hints.axis_file[i]);
+    return st == ST_OK ? file_guard_output(output) : st;
+}
+
 static status run(arguments *a) {
     mem m;
     mem_init(&m, a->common.memory ? a->common.memory : (uint64_t)MEMORY_DEFAULT_MIB << 20);
     double start = clock_seconds();
     byte_stream *s = NULL;
-    status st = byte_stream_open(&m, a->input, &s);
+    status st = guard_files(a);
+    if (st == ST_OK)
+        st = byte_stream_open(&m, a->input, &s);
     bool is_mesh = false;
     if (st == ST_OK)
         st = mesh_recognise_stream(s, &is_mesh);

@@ -7,6 +7,7 @@
 
 #include "formats/base/cli.h"
 #include "formats/base/clock.h"
+#include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/nrrd_writer.h"
 #include "prep/resample.h"
@@ -227,7 +228,12 @@ static status run(arguments *a) {
                                a->source.path);
     if (!is_leaf && a->step >= 0)
         return status_describe(ST_USAGE, "--step is for treelet files of several steps");
-    status st = resample_input_open(&m, &a->source, cli_progress(&a->common), &f);
+    file_guard_watch();
+    status st = file_guard_input(a->source.path);
+    if (st == ST_OK)
+        st = file_guard_output(a->common.output);
+    if (st == ST_OK)
+        st = resample_input_open(&m, &a->source, cli_progress(&a->common), &f);
     if (st == ST_OK)
         st = resample(a, &m, f, start);
     leaf_file_close(f);

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "prep/tetrahedralize.h"
 
@@ -164,7 +165,12 @@ static status run(arguments *a) {
     a->how.memory = a->common.memory;
     a->how.threads = a->common.threads;
     tetrahedralize_report report;
-    status st = tetrahedralize(&m, &a->how, cli_progress(&a->common), &report);
+    file_guard_watch();
+    status st = file_guard_input(a->how.input);
+    if (st == ST_OK)
+        st = file_guard_output(a->common.output);
+    if (st == ST_OK)
+        st = tetrahedralize(&m, &a->how, cli_progress(&a->common), &report);
     if (st != ST_OK)
         return st;
     print_report(a, &report);

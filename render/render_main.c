@@ -7,6 +7,7 @@
 
 #include "formats/base/cli.h"
 #include "formats/base/file.h"
+#include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/base/sequence.h"
 #include "render/render_job.h"
@@ -362,14 +363,32 @@ static status count_frames(const render_options *o, sequence *s) {
     return st;
 }
 
+/* What it reads; outputs are held against it. */
+static status guard_inputs(const render_options *o) {
+    file_guard_watch();
+    status st = file_guard_input(o->volume);
+    if (st == ST_OK)
+        st = file_guard_input(o->camera_path);
+    return st == ST_OK ? file_guard_input(o->script) : st;
+}
+
+static status guard_frame(const script_frame *frame) {
+    status st = frame->output[0] ? file_guard_output(frame->output) : ST_OK;
+    return st == ST_OK && frame->depth[0] ? file_guard_output(frame->depth) : st;
+}
+
 static status check_sequence(const render_options *o, const render_job *job, sequence *s,
                              script_frame *frame) {
     status st = ST_OK;
     for (int i = 0; i < s->count && st == ST_OK; i++) {
         st = describe_frame(o, s, i, frame);
         if (st == ST_OK)
+            st = guard_frame(frame);
+        if (st == ST_OK)
             st = render_job_check(job, frame);
     }
+    if (st == ST_OK)
+        st = file_guard_output(o->stats);
     if (st == ST_OK && o->stats && !o->common.force && access(o->stats, F_OK) == 0)
         st = status_describe(ST_EXISTS, "%s exists (--force overwrites)", o->stats);
     return st;
@@ -439,6 +458,9 @@ static status answer_line(render_options *o, render_job *job, const char *text, 
     frame.view = o->view;
     frame.output[0] = frame.depth[0] = 0;
     status st = script_parse(&frame, text, size, what);
+    file_guard_next(); /* a line may replace the picture of another, with --force */
+    if (st == ST_OK)
+        st = guard_frame(&frame);
     if (st == ST_OK)
         st = render_job_check(job, &frame);
     if (st == ST_OK)
@@ -505,7 +527,9 @@ int main(int argc, char **argv) {
     o.open.threads = o.common.threads;
     render_job job = {
         .force = o.common.force, .repeat = o.repeat, .watch = cli_progress(&o.common)};
-    status st = o.script ? run_script(&o, &job) : run_sequence(&o, &job);
+    status st = guard_inputs(&o);
+    if (st == ST_OK)
+        st = o.script ? run_script(&o, &job) : run_sequence(&o, &job);
     render_job_close(&job);
     return cli_finish(&o.common, st);
 }

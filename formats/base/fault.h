@@ -1,7 +1,7 @@
 /* fault.h - the tests' hook: let the k-th allocation, read or thread creation of this process fail.
  *
- * Off by default, and then one relaxed load. The only state in the library that is global, and only
- * tests set it.
+ * Off by default, and then one relaxed load. With the table of file_guard.h
+ * the only state in the library that is global; only tests set it.
  */
 #ifndef FORMATS_BASE_FAULT_H
 #define FORMATS_BASE_FAULT_H

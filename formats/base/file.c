@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "formats/base/fault.h"
+#include "formats/base/file_guard.h"
 
 struct file {
     mem *m;
@@ -48,7 +49,7 @@ static status open_regular(file *f, const char *path) {
     if (!S_ISREG(info.st_mode))
         return status_describe(ST_IO, "%s: not a regular file", path);
     f->size = (uint64_t)info.st_size;
-    return ST_OK;
+    return file_guard_opened(f->fd, path);
 }
 
 status file_open(mem *m, const char *path, file **out) {
@@ -184,13 +185,19 @@ static status exists(const char *path) {
     return status_describe(ST_EXISTS, "%s: exists already (--force overwrites it)", path);
 }
 
-/* What stands under the final name may be replaced only if it is a file, and only with force. */
+/* What stands under the final name may be replaced only if it is a file but no input, and only with
+ * force. A symbolic link stands there too, wherever it leads. */
 static status check_target(const char *path, bool force) {
+    if (strcmp(path, "-") == 0)
+        return status_describe(ST_USAGE, "-: this cannot go to standard output (./- is a file)");
+    status st = file_guard_check(path);
+    if (st != ST_OK)
+        return st;
     struct stat info;
-    if (stat(path, &info) != 0)
-        return errno == ENOENT ? ST_OK : file_failed(errno, path, "cannot create");
-    if (!S_ISREG(info.st_mode))
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode))
         return status_describe(ST_EXISTS, "%s: exists already and is not a regular file", path);
+    if (lstat(path, &info) != 0)
+        return errno == ENOENT ? ST_OK : file_failed(errno, path, "cannot create");
     return force ? ST_OK : exists(path);
 }
 
@@ -329,9 +336,12 @@ static status publish(out_file *f) {
         return file_failed(ENOSPC, f->path, "cannot write");
     if (fsync(f->fd) != 0)
         return file_failed(errno, f->path, "cannot write");
+    status st = file_guard_check(f->path);
+    if (st != ST_OK)
+        return st;
     if (!f->force)
         return rename_new(f);
-    status st = check_target(f->path, true);
+    st = check_target(f->path, true);
     if (st == ST_OK && rename(f->temporary, f->path) != 0)
         st = file_failed(errno, f->path, "cannot rename to");
     return st;

@@ -1,0 +1,141 @@
+/* test_file_guard.c - files are told apart by what they are, not by what they are called. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "formats/base/fault.h"
+#include "formats/base/file.h"
+#include "formats/base/file_guard.h"
+#include "tests/support/scratch.h"
+
+static int reset(void **state) {
+    (void)state;
+    file_guard_reset();
+    return 0;
+}
+
+static char *copy(const char *text) {
+    char *c = strdup(text);
+    assert_non_null(c);
+    return c;
+}
+
+static void test_names(void **state) {
+    (void)state;
+    char *in = copy(scratch_text("in", "data"));
+    char *soft = copy(scratch_path("soft")), *hard = copy(scratch_path("hard"));
+    assert_int_equal(symlink(in, soft), 0);
+    assert_int_equal(link(in, hard), 0);
+    assert_int_equal(file_guard_input(in), ST_OK);
+    assert_int_equal(file_guard_input(in), ST_OK);
+    assert_int_equal(file_guard_input(hard), ST_OK);
+    assert_int_equal(file_guard_input(scratch_path("none")), ST_OK);
+    assert_int_equal(file_guard_output(in), ST_USAGE);
+    assert_int_equal(file_guard_output(soft), ST_USAGE);
+    assert_non_null(strstr(status_text(), "soft: is the same file as"));
+    assert_int_equal(file_guard_output(hard), ST_USAGE);
+    assert_int_equal(file_guard_check(hard), ST_USAGE);
+    assert_int_equal(file_guard_output(scratch_path("out")), ST_OK);
+    assert_int_equal(file_guard_check(scratch_path("out")), ST_OK);
+    assert_int_equal(file_guard_output(NULL), ST_OK);
+    assert_int_equal(file_guard_output("-"), ST_OK);
+    assert_int_equal(file_guard_output("-"), ST_OK);
+    remove(soft);
+    remove(hard);
+    remove(in);
+    free(soft);
+    free(hard);
+    free(in);
+}
+
+static void test_outputs(void **state) {
+    (void)state;
+    char *a = copy(scratch_path("a")), *b = copy(scratch_path("b"));
+    char *folder = copy(scratch_path("folder"));
+    char again[4096];
+    *strrchr(b, '/') = 0;
+    assert_int_equal(symlink(b, folder), 0);
+    snprintf(again, sizeof again, "%s/a", folder);
+    assert_int_equal(file_guard_output(a), ST_OK);
+    assert_int_equal(file_guard_output(a), ST_USAGE);
+    assert_int_equal(file_guard_output(again), ST_USAGE);
+    assert_int_equal(file_guard_output(scratch_path("b")), ST_OK);
+    /* The next round may have the same outputs, though not the same inputs. */
+    char *in = copy(scratch_text("in", "data"));
+    assert_int_equal(file_guard_input(in), ST_OK);
+    file_guard_next();
+    assert_int_equal(file_guard_output(again), ST_OK);
+    assert_int_equal(file_guard_output(in), ST_USAGE);
+    /* What is announced may not be opened as an input either. */
+    assert_int_equal(file_guard_output(scratch_text("b", "x")), ST_OK);
+    assert_int_equal(file_guard_input(scratch_path("b")), ST_USAGE);
+    remove(scratch_path("b"));
+    remove(folder);
+    remove(in);
+    free(a);
+    free(b);
+    free(folder);
+    free(in);
+}
+
+static void test_watching(void **state) {
+    (void)state;
+    mem m;
+    mem_init(&m, 0);
+    char *in = copy(scratch_text("in", "data"));
+    file *f = NULL;
+    out_file *out = NULL;
+    assert_int_equal(file_open(&m, in, &f), ST_OK);
+    file_close(f);
+    assert_int_equal(file_guard_check(in), ST_OK);
+    file_guard_watch();
+    assert_int_equal(out_file_create(&m, in, true, &out), ST_OK);
+    assert_int_equal(file_open(&m, in, &f), ST_OK);
+    file_close(f);
+    /* Opened after the output was begun. */
+    assert_int_equal(out_file_commit(out), ST_USAGE);
+    assert_int_equal(out_file_create(&m, in, true, &out), ST_USAGE);
+    assert_int_equal(out_file_create(&m, in, false, &out), ST_USAGE);
+    assert_int_equal(out_file_create(&m, "-", true, &out), ST_USAGE);
+    char *data = scratch_read(in, NULL);
+    assert_string_equal(data, "data");
+    free(data);
+    remove(in);
+    free(in);
+    assert_int_equal(mem_used(&m), 0);
+    assert_int_equal(scratch_count(), 0);
+}
+
+static void test_no_memory(void **state) {
+    (void)state;
+    char *in = copy(scratch_text("in", "data"));
+    for (long k = 1; k <= 2; k++) {
+        fault_arm(FAULT_ALLOC, k);
+        assert_int_equal(file_guard_input(in), ST_NOMEM);
+        fault_arm(FAULT_ALLOC, 0);
+        assert_int_equal(file_guard_check(in), ST_OK);
+    }
+    assert_int_equal(file_guard_input(in), ST_OK);
+    fault_arm(FAULT_ALLOC, 1);
+    assert_int_equal(file_guard_output(in), ST_NOMEM);
+    fault_arm(FAULT_ALLOC, 0);
+    assert_int_equal(file_guard_output(in), ST_USAGE);
+    remove(in);
+    free(in);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_names, reset, reset),
+        cmocka_unit_test_setup_teardown(test_outputs, reset, reset),
+        cmocka_unit_test_setup_teardown(test_watching, reset, reset),
+        cmocka_unit_test_setup_teardown(test_no_memory, reset, reset),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
