@@ -1,7 +1,7 @@
 #include "formats/byte_stream.h"
 
 #include <errno.h>
-#include <fcntl.h>
+#include <poll.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -9,6 +9,7 @@
 #include "formats/base/fault.h"
 #include "formats/base/file.h"
 #include "formats/base/file_guard.h"
+#include "formats/base/wait.h"
 
 struct byte_stream {
     mem *m;
@@ -33,8 +34,7 @@ static status open_source(byte_stream *s, const char *path) {
     }
     if (is_regular(path))
         return file_open(s->m, path, &s->f);
-    s->fd = open(path, O_RDONLY | O_CLOEXEC);
-    return s->fd < 0 ? file_failed(errno, path, "cannot open") : ST_OK;
+    return file_open_pipe(path, &s->fd);
 }
 
 status byte_stream_open(mem *m, const char *path, byte_stream **out) {
@@ -95,9 +95,12 @@ static status fetch(byte_stream *s, void *to, size_t size, size_t *got) {
     if (fault_hit(FAULT_READ))
         return file_failed(EIO, s->name, "cannot read");
     ssize_t count;
-    do
+    do {
+        status st = wait_ready(s->fd, POLLIN, s->name);
+        if (st != ST_OK)
+            return st;
         count = read(s->fd, to, size);
-    while (count < 0 && errno == EINTR);
+    } while (count < 0 && (errno == EINTR || errno == EAGAIN));
     if (count < 0)
         return file_failed(errno, s->name, "cannot read");
     s->ended = count == 0;

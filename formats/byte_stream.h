@@ -17,8 +17,8 @@ typedef struct byte_stream byte_stream;
 
 enum { BYTE_STREAM_BUFFER = 1 << 16 };
 
-/* byte_stream_open() - a path, or "-" for standard input (which is not closed). Whatever is no
- * regular file is read as a pipe. */
+/* byte_stream_open() - a path, or "-" for standard input (which is not closed). A named
+ * pipe is waited for (see wait.h); folders, devices and sockets are refused. */
 CHECKED status byte_stream_open(mem *m, const char *path, byte_stream **out);
 void byte_stream_close(byte_stream *s); /* NULL is fine */
 

@@ -25,9 +25,20 @@ bool header_fields_same(const char *a, const char *b) {
     }
 }
 
+/* Equal for keys that are header_fields_same() (FNV-1a). Long keys that differ in their last letter
+ * are told apart without being gone through once for each field. */
+static uint64_t hash_key(const char *key) {
+    uint64_t hash = 0xcbf29ce484222325;
+    for (key = skip_blanks(key); *key; key = skip_blanks(key + 1))
+        hash = (hash ^ (uint64_t)tolower((unsigned char)*key)) * 0x100000001b3;
+    return hash;
+}
+
 static const header_field *find(const header_fields *h, const char *key, bool pair) {
+    const uint64_t hash = hash_key(key);
     for (size_t i = 0; i < h->count; i++)
-        if (h->items[i].pair == pair && header_fields_same(h->items[i].key, key))
+        if (h->items[i].hash == hash && h->items[i].pair == pair &&
+            header_fields_same(h->items[i].key, key))
             return &h->items[i];
     return NULL;
 }
@@ -93,6 +104,7 @@ static status add_field(header_fields *h, const char *line, unsigned number, cha
     while (key_end > f.key && strchr(" \t", key_end[-1]))
         key_end--;
     *key_end = 0;
+    f.hash = hash_key(f.key);
     if (find(h, f.key, f.pair)) {
         st = header_fields_fault(h, &f, ST_CORRUPT, "comes twice");
         mem_free(h->m, f.key);

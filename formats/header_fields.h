@@ -17,6 +17,7 @@
 typedef struct header_field {
     char *key;
     char *value;   /* without blanks around it; behind the key in one block */
+    uint64_t hash; /* of the key, for the search */
     unsigned line; /* from 1 */
     bool pair;     /* NRRD: "key:=value", the user's own */
 } header_field;

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/base/file.h"
 #include "formats/byte_stream.h"
 #include "formats/inflate_stream.h"
 #include "formats/metaimage.h"
@@ -48,25 +49,24 @@ static void apply_spacing(grid *g, int a, double spacing) {
 
 /* The whole of a text file, NUL-terminated. */
 static status read_text(mem *m, const char *path, char **out) {
-    byte_stream *s;
-    status st = byte_stream_open(m, path, &s);
+    file *f = NULL;
+    char *text = NULL;
+    status st = file_open(m, path, &f);
     if (st != ST_OK)
         return st;
-    uint64_t size = byte_stream_left(s);
-    size_t got = 0;
-    char *text = NULL;
+    const size_t size = (size_t)file_size(f);
     if (size > TEXT_LINE_MAX)
         st = status_describe(ST_UNSUPPORTED, "%s: expected a text file of coordinates", path);
-    else if (!(text = mem_alloc(m, (size_t)size + 1)))
+    else if (!(text = mem_alloc(m, size + 1)))
         st = ST_NOMEM;
-    if (st == ST_OK)
-        st = byte_stream_read(s, text, (size_t)size, &got);
-    byte_stream_close(s);
+    else
+        st = file_read_at(f, 0, text, size);
+    file_close(f);
     if (st != ST_OK) {
         mem_free(m, text);
         return st;
     }
-    text[got] = 0;
+    text[size] = 0;
     *out = text;
     return ST_OK;
 }

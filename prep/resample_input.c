@@ -5,16 +5,18 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "formats/base/file.h"
 #include "prep/mesh_convert.h"
 
 bool resample_input_is_leaf(const char *path) {
     char magic[sizeof LEAF_MAGIC - 1];
-    FILE *stream = strcmp(path, "-") ? fopen(path, "rb") : NULL;
-    if (!stream)
-        return false;
-    const bool is =
-        fread(magic, sizeof magic, 1, stream) == 1 && memcmp(magic, LEAF_MAGIC, sizeof magic) == 0;
-    fclose(stream);
+    mem m;
+    file *f = NULL;
+    mem_init(&m, 0);
+    const bool is = strcmp(path, "-") != 0 && file_open(&m, path, &f) == ST_OK &&
+                    file_read_at(f, 0, magic, sizeof magic) == ST_OK &&
+                    memcmp(magic, LEAF_MAGIC, sizeof magic) == 0;
+    file_close(f);
     return is;
 }
 

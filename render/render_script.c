@@ -1,7 +1,6 @@
 #include "render/render_script.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <poll.h>
 #include <string.h>
 #include <unistd.h>
@@ -128,9 +127,14 @@ status script_parse(script_frame *frame, const char *text, size_t size, const ch
 
 status script_load_path(const char *path, json_t **out) {
     json_error_t error;
-    json_t *array = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
-    if (!array && error.line < 0)
-        return status_describe(ST_IO, "%s: %s", path, error.text);
+    mem m;
+    file *f = NULL;
+    mem_init(&m, 0);
+    status st = file_open(&m, path, &f);
+    if (st != ST_OK)
+        return st;
+    json_t *array = json_loadfd(file_descriptor(f), JSON_REJECT_DUPLICATES, &error);
+    file_close(f);
     if (!array)
         return status_describe(ST_CORRUPT, "%s: line %d: %s", path, error.line, error.text);
     if (!json_is_array(array) || json_array_size(array) == 0) {
@@ -155,9 +159,10 @@ struct script_reader {
 
 status script_open(mem *m, const char *path, script_reader **out) {
     const bool standard = strcmp(path, "-") == 0;
-    const int fd = standard ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0)
-        return file_failed(errno, path, "cannot open");
+    int fd = STDIN_FILENO;
+    status st = standard ? ST_OK : file_open_pipe(path, &fd);
+    if (st != ST_OK)
+        return st;
     script_reader *r = mem_alloc(m, sizeof *r);
     if (!r) {
         if (!standard)

@@ -15,6 +15,7 @@
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
 #include "formats/base/pool.h"
+#include "formats/base/wait.h"
 
 #ifndef LEAFCAST_VERSION
 #define LEAFCAST_VERSION "unknown"
@@ -30,9 +31,14 @@ static void on_signal(int number) {
     caught = number;
 }
 
+static bool signal_caught(void) {
+    return caught != 0;
+}
+
 static void install_signals(void) {
-    /* The first signal asks the job to stop; a second one of the kind ends the process as usual. */
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND | SA_RESTART};
+    /* The first signal asks the job to stop; a second one of the kind ends the process as usual. It
+     * also ends a write of results that waits for their reader, hence no SA_RESTART. */
+    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
     const int stopping[] = {SIGINT, SIGTERM, SIGHUP};
     for (size_t i = 0; i < sizeof stopping / sizeof stopping[0]; i++) {
         struct sigaction before;
@@ -44,6 +50,7 @@ static void install_signals(void) {
      * the others. */
     signal(SIGXFSZ, SIG_IGN);
     signal(SIGPIPE, SIG_IGN);
+    wait_stop_when(signal_caught);
 }
 
 /* ---- exit codes ---- */
@@ -237,7 +244,7 @@ static void report(void *ctx, const char *stage, double fraction) {
 
 static bool stop_asked(void *ctx) {
     (void)ctx;
-    return caught != 0;
+    return signal_caught();
 }
 
 static bool bar_wanted(void) {

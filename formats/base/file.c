@@ -2,6 +2,8 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <poll.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
@@ -10,6 +12,7 @@
 
 #include "formats/base/fault.h"
 #include "formats/base/file_guard.h"
+#include "formats/base/wait.h"
 
 struct file {
     mem *m;
@@ -39,15 +42,36 @@ status file_failed(int error, const char *path, const char *doing) {
 
 /* ---- reading ---- */
 
+static const char *kind_name(mode_t mode) {
+    return S_ISDIR(mode)    ? "a folder"
+           : S_ISFIFO(mode) ? "a named pipe"
+           : S_ISSOCK(mode) ? "a socket"
+                            : "a device";
+}
+
+static status wrong_kind(const char *path, mode_t mode, const char *wanted) {
+    return status_describe(ST_IO, "%s: is %s, expected %s", path, kind_name(mode), wanted);
+}
+
+/* O_NONBLOCK: a named pipe without a writer must not hold us up; regular files do not care. */
+static status open_any(const char *path, int *fd, struct stat *info) {
+    *fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (*fd < 0) {
+        const int error = errno;
+        if (error == ENXIO && stat(path, info) == 0)
+            return wrong_kind(path, info->st_mode, "a file");
+        return file_failed(error, path, "cannot open");
+    }
+    return fstat(*fd, info) == 0 ? ST_OK : file_failed(errno, path, "cannot look at");
+}
+
 static status open_regular(file *f, const char *path) {
-    f->fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (f->fd < 0)
-        return file_failed(errno, path, "cannot open");
     struct stat info;
-    if (fstat(f->fd, &info) != 0)
-        return file_failed(errno, path, "cannot look at");
+    status st = open_any(path, &f->fd, &info);
+    if (st != ST_OK)
+        return st;
     if (!S_ISREG(info.st_mode))
-        return status_describe(ST_IO, "%s: not a regular file", path);
+        return wrong_kind(path, info.st_mode, "a regular file");
     f->size = (uint64_t)info.st_size;
     return file_guard_opened(f->fd, path);
 }
@@ -68,6 +92,16 @@ status file_open(mem *m, const char *path, file **out) {
     }
     *out = f;
     return ST_OK;
+}
+
+status file_open_pipe(const char *path, int *fd) {
+    struct stat info;
+    status st = open_any(path, fd, &info);
+    if (st == ST_OK && !S_ISFIFO(info.st_mode) && !S_ISREG(info.st_mode) && !isatty(*fd))
+        st = wrong_kind(path, info.st_mode, "a file or a pipe");
+    if (st != ST_OK && *fd >= 0)
+        close(*fd);
+    return st;
 }
 
 status file_open_part(mem *m, const char *path, uint64_t offset, uint64_t size, file **out) {
@@ -274,16 +308,31 @@ status out_file_scratch(mem *m, const char *path, out_file **out) {
     return ST_OK;
 }
 
+/* Bytes that one write() may take. When a pipe is ready for any, it is for PIPE_BUF; more of them
+ * would wait inside of the call, where nobody can stop it. */
+static status ready_for(int fd, const char *path, const uint64_t *offset, size_t *chunk) {
+    struct stat info;
+    *chunk = CHUNK;
+    if (offset || (fstat(fd, &info) == 0 && S_ISREG(info.st_mode)))
+        return ST_OK;
+    *chunk = PIPE_BUF;
+    return wait_ready(fd, POLLOUT, path);
+}
+
 status file_write_all(int fd, const char *path, const uint64_t *offset, const void *data,
                       size_t size) {
     if (fault_hit(FAULT_WRITE))
         return file_failed(ENOSPC, path, "cannot write");
     for (size_t done = 0; done < size;) {
-        size_t step = size - done < CHUNK ? size - done : CHUNK;
+        size_t step = 0;
+        status st = ready_for(fd, path, offset, &step);
+        if (st != ST_OK)
+            return st;
+        step = size - done < step ? size - done : step;
         const char *from = (const char *)data + done;
         ssize_t put =
             offset ? pwrite(fd, from, step, (off_t)(*offset + done)) : write(fd, from, step);
-        if (put < 0 && errno != EINTR)
+        if (put < 0 && errno != EINTR && errno != EAGAIN)
             return file_failed(errno, path, "cannot write");
         done += put > 0 ? (size_t)put : 0;
     }

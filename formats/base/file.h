@@ -15,10 +15,14 @@
 
 typedef struct file file;
 
-/* file_open() - a regular file for reading; ST_IO with the system's reason otherwise. The path is
- * copied. */
+/* file_open() - a regular file for reading; ST_IO with the system's reason otherwise, at once for
+ * named pipes, devices, sockets and folders. The path is copied. */
 CHECKED status file_open(mem *m, const char *path, file **out);
 void file_close(file *f); /* NULL is fine */
+
+/* file_open_pipe() - a descriptor to read what comes in order: of a file, a pipe or a terminal;
+ * ST_IO for anything else. Does not wait for a pipe's writer: wait_ready() before each read. */
+CHECKED status file_open_pipe(const char *path, int *fd);
 
 /* file_open_part() - bytes [offset, offset + size) of a file, which are then 0 .. size - 1 of this
  * one; they need not be there. Its path says which part it is. */
@@ -62,7 +66,8 @@ CHECKED status out_file_commit(out_file *f);
 void out_file_discard(out_file *f);
 
 /* file_write_all() - for streams such as standard output: size bytes to a descriptor, at *offset
- * or, when that is NULL, where it stands; `path` names it in the description. */
+ * or, when that is NULL, where it stands; `path` names it in the description. Waits for a pipe's
+ * reader by wait_ready(), so ST_STOPPED, too. */
 CHECKED status file_write_all(int fd, const char *path, const uint64_t *offset, const void *data,
                               size_t size);
 
