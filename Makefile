@@ -224,11 +224,13 @@ COUNT ?= 5000000
 stress: all $B/tests/tool_stress
 	$B/tests/tool_stress --count $(COUNT) $(if $(CSV),--csv $(CSV))
 
-# These two need nothing but make and a compiler: libraries are looked for after the set-up.
+# These two need nothing but make and a compiler: libraries are looked for after the set-up. Without
+# a -j of the caller's they take all cores.
+ALL_CORES = $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 test: setup
-	@$(MAKE) --no-print-directory run-tests
+	@$(MAKE) --no-print-directory $(ALL_CORES) run-tests
 demo: setup
-	@$(MAKE) --no-print-directory all
+	@$(MAKE) --no-print-directory $(ALL_CORES) all
 	@LEAFCAST=$(FRONT) scripts/demo
 setup:
 	@scripts/setup-debian
