@@ -81,7 +81,7 @@ RUN := $(filter $(foreach t,$T,$B/tests/$t tests/cli/$t.sh),$(RUN))
 endif
 
 # ---- libraries -----------------------------------------------------------------------------------
-LIBS_PC := zlib libzstd jansson libxxhash expat
+LIBS_PC := zlib libzstd jansson libxxhash expat libpng
 ifneq ($(filter-out list help clean setup test demo,$(or $(MAKECMDGOALS),all)),)
 MISSING := $(if $(shell command -v pkg-config),,pkg-config) \
            $(foreach p,$(LIBS_PC),$(shell pkg-config --exists $p 2>/dev/null || echo $p))
@@ -165,7 +165,7 @@ else
 $B/libexec/leafcast-write-image:
 	@rm -f $@
 	@echo "no OpenImageIO here (libopenimageio-dev and $(CXX)): leafcast-write-image is left out," \
-	      "so render cannot write PNG or EXR"
+	      "so render writes PNG, PPM and PFM, but no EXR"
 endif
 
 # TetGen is AGPL, and may crash: it is linked into a process of its own, too.

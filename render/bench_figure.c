@@ -72,7 +72,7 @@ status bench_figure_draw(mem *m, const char *path, bool force, uint32_t side,
     leafcast_camera view = VIEW;
     view.width = view.height = side;
     camera c;
-    status st = image_out_check(path, force);
+    status st = image_out_check(&(image_out_options){.force = force}, path);
     if (st == ST_OK)
         st = camera_init(&c, &view);
     if (st)
@@ -86,7 +86,8 @@ status bench_figure_draw(mem *m, const char *path, bool force, uint32_t side,
     result->left =
         draw_half(intersector_find(LEAFCAST_NEUBAUER), &c, side, 0, &image, &result->rays);
     result->right = draw_half(intersector_find(LEAFCAST_MARMITT), &c, side, side, &image, &twice);
-    st = image_out_write(m, path, force, 2 * side, side, &image, NULL, 0);
+    st = image_out_write(m, path, force,
+                         &(picture){.width = 2 * side, .height = side, .image = &image});
     mem_free(m, planes);
     return st;
 }

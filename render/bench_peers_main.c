@@ -104,7 +104,7 @@ static status check(peers_options *o) {
         if (outputs[i] && !o->common.force && access(outputs[i], F_OK) == 0)
             st = status_describe(ST_EXISTS, "%s exists (--force overwrites)", outputs[i]);
     if (st == ST_OK && o->picture)
-        st = image_out_check(o->picture, o->common.force);
+        st = image_out_check(&(image_out_options){.force = o->common.force}, o->picture);
     return st;
 }
 

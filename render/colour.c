@@ -19,9 +19,8 @@ static double fifth_root(double x) {
     }
 }
 
-/* IEC 61966-2-1: x^2.4 = x^2 (x^2)^(1/5). */
-static double linear_of(unsigned byte) {
-    const double x = byte / 255.0;
+/* x^2.4 = x^2 (x^2)^(1/5). */
+double colour_linear(double x) {
     if (x <= 0.04045)
         return x / 12.92;
     const double base = (x + 0.055) / 1.055;
@@ -46,7 +45,7 @@ static bool parse_hex(const char *text, int count, double out[4]) {
         const int byte = hex_byte(text + 1 + 2 * i);
         if (byte < 0)
             return false;
-        out[i] = i < 3 ? linear_of((unsigned)byte) : byte / 255.0;
+        out[i] = i < 3 ? colour_linear(byte / 255.0) : byte / 255.0;
     }
     return true;
 }

@@ -1,191 +1,212 @@
 #include "render/image_out.h"
 
-#include <errno.h>
-#include <math.h>
-#include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-#include "formats/base/child.h"
 #include "formats/base/file.h"
-#include "formats/base/sibling.h"
+#include "formats/base/pool.h"
+#include "render/image_helper.h"
+#include "render/picture_png.h"
+#include "render/picture_pnm.h"
 
-static const char HELPER[] = "leafcast-write-image";
-enum { CHUNK_VALUES = 16384, NAME_BYTES = 32 };
+typedef struct image_format {
+    const char *name; /* and the end of files' names */
+    status (*write)(mem *m, pool *threads, const picture *p,
+                    const byte_sink *to); /* NULL: helper */
+    bool all;                             /* takes every plane */
+} image_format;
 
-/* ---- the helper process ---- */
-
-static status no_helper(void) {
-    return status_describe(ST_UNSUPPORTED,
-                           "%s is not there: pictures need it (built where OpenImageIO is "
-                           "installed; --depth-f64 does without)",
-                           HELPER);
+static status write_depth(mem *m, pool *threads, const picture *p, const byte_sink *to) {
+    (void)m;
+    (void)threads;
+    return to->put(to->ctx, p->image->z, (size_t)p->width * p->height * sizeof *p->image->z);
 }
 
-static status start_helper(child *h, const char *path, bool force) {
-    char program[SIBLING_PATH];
-    if (!sibling_find(HELPER, program))
-        return no_helper();
-    /* A path that starts with a dash is no flag. */
-    char *target = NULL;
-    if (asprintf(&target, "%s%s", path[0] == '-' ? "./" : "", path) < 0)
-        return file_failed(ENOMEM, program, "cannot start");
-    char overwrite[] = "--force";
-    char *argv[] = {program, target, force ? overwrite : NULL, NULL};
-    status st = child_start(program, argv, false, h);
-    free(target);
-    return st;
+static const image_format FORMATS[] = {{"png", picture_png_write, false},
+                                       {"ppm", picture_ppm_write, false},
+                                       {"pfm", picture_pfm_write, false},
+                                       {"exr", NULL, true}};
+static const image_format DEPTH = {"f64", write_depth, true};
+enum { FORMAT_COUNT = sizeof FORMATS / sizeof *FORMATS };
+
+struct image_out {
+    mem *m;
+    image_out_options options;
+    pool *threads;
+    image_helper *helper;
+};
+
+struct image_target {
+    image_out *owner;
+    const image_format *format;
+    out_file *file; /* NULL: standard output */
+    char path[];
+};
+
+/* ---- Formats ---- */
+
+static bool is_stdout(const char *path) {
+    return strcmp(path, "-") == 0;
 }
 
-/* Wait for the helper's end and translate what became of it. */
-static status end_helper(child *h, const char *path, bool fed) {
-    int code;
-    status st = child_end(h, &code);
-    if (st != ST_OK || (code == 0 && fed))
-        return st;
-    if (code > 128)
-        return status_describe(code == 128 + SIGINT || code == 128 + SIGTERM ? ST_STOPPED
-                                                                             : ST_FAILED,
-                               "%s: %s was ended by signal %d", path, HELPER, code - 128);
-    const size_t prefix = strlen(HELPER) + 2;
-    const bool named = strncmp(h->words, HELPER, prefix - 2) == 0 && h->said > prefix;
-    return status_describe(code == 2 ? ST_USAGE : ST_IO, "%s: %s", path,
-                           h->said == 0 ? "the picture's writer gave up"
-                           : named      ? h->words + prefix
-                                        : h->words);
+static bool ends_in(const char *path, const char *name) {
+    const size_t n = strlen(path), t = strlen(name);
+    return n > t + 1 && path[n - t - 1] == '.' && strcasecmp(path + n - t, name) == 0;
 }
 
-/* ---- the stream ---- */
-
-static bool feed_u32(child *h, uint32_t value) {
-    const unsigned char bytes[4] = {(unsigned char)value, (unsigned char)(value >> 8),
-                                    (unsigned char)(value >> 16), (unsigned char)(value >> 24)};
-    return child_feed(h, bytes, sizeof bytes);
+/* NULL where there is none. */
+static const image_format *format_of(const image_out_options *options, const char *path) {
+    for (int i = 0; i < FORMAT_COUNT; i++)
+        if (options->format ? strcasecmp(options->format, FORMATS[i].name) == 0
+                            : ends_in(path, FORMATS[i].name))
+            return &FORMATS[i];
+    return is_stdout(path) && !options->format ? &FORMATS[0] : NULL;
 }
 
-static bool feed_text(child *h, const char *text) {
-    const size_t n = strlen(text);
-    return feed_u32(h, (uint32_t)n) && child_feed(h, text, n);
+bool image_out_wants_all(const image_out_options *options, const char *path) {
+    const image_format *f = format_of(options, path);
+    return f && f->all;
 }
 
-typedef enum plane_kind { PLANE_FLOAT, PLANE_DOUBLE, PLANE_INT, PLANE_COLOUR } plane_kind;
-
-typedef struct plane {
-    const char *name;
-    const void *data;
-    plane_kind kind;
-} plane;
-
-enum { PLANES = 9 };
-
-/* The planes that the file's kind takes and that are there. */
-static int planes_of(const leafcast_image *image, bool png, plane out[PLANES]) {
-    const plane_kind colour = png && image->a ? PLANE_COLOUR : PLANE_FLOAT;
-    const plane all[PLANES] = {
-        {"R", image->r, colour},
-        {"G", image->g, colour},
-        {"B", image->b, colour},
-        {"A", image->a, PLANE_FLOAT},
-        {"Z", image->z, PLANE_DOUBLE},
-        {"N.x", image->normal[0], PLANE_FLOAT},
-        {"N.y", image->normal[1], PLANE_FLOAT},
-        {"N.z", image->normal[2], PLANE_FLOAT},
-        {"id", image->id, PLANE_INT},
-    };
-    int n = 0;
-    for (int i = 0; i < (png ? 4 : PLANES); i++)
-        if (all[i].data)
-            out[n++] = all[i];
-    return n;
+size_t image_out_bytes(const image_out_options *options, const char *path, uint32_t width) {
+    const image_format *f = format_of(options, path);
+    if (f && f->write == picture_png_write)
+        return picture_png_bytes(options->threads, width);
+    return (size_t)width * 3 * sizeof(float);
 }
 
-/* Values first .. first + count of a plane as floats. */
-static void convert(const plane *p, const float *alpha, size_t first, size_t count, float *out) {
-    for (size_t i = 0; i < count; i++) {
-        const size_t at = first + i;
-        switch (p->kind) {
-        case PLANE_FLOAT: out[i] = ((const float *)p->data)[at]; break;
-        case PLANE_DOUBLE: out[i] = (float)((const double *)p->data)[at]; break;
-        case PLANE_INT: out[i] = (float)((const int32_t *)p->data)[at]; break;
-        case PLANE_COLOUR:
-            out[i] = alpha[at] > 0.0f ? ((const float *)p->data)[at] / alpha[at] : 0.0f;
-            break;
-        }
-    }
-}
+/* ---- Before anything is opened ---- */
 
-static bool feed_plane(child *h, const plane *p, const float *alpha, size_t count, float *buffer) {
-    for (size_t first = 0; first < count; first += CHUNK_VALUES) {
-        const size_t n = count - first < CHUNK_VALUES ? count - first : CHUNK_VALUES;
-        convert(p, alpha, first, n, buffer);
-        if (!child_feed(h, buffer, n * sizeof *buffer))
-            return false;
-    }
-    return true;
-}
-
-static bool feed_header(child *h, uint32_t width, uint32_t height, const plane *planes,
-                        int plane_count, const image_meta *meta, size_t meta_count) {
-    bool good = child_feed(h, "LFIM", 4) && feed_u32(h, 1) && feed_u32(h, width) &&
-                feed_u32(h, height) && feed_u32(h, (uint32_t)plane_count);
-    for (int i = 0; i < plane_count && good; i++) {
-        char name[NAME_BYTES] = {0};
-        snprintf(name, sizeof name, "%s", planes[i].name);
-        good = child_feed(h, name, sizeof name);
-    }
-    good = good && feed_u32(h, (uint32_t)meta_count);
-    for (size_t i = 0; i < meta_count && good; i++)
-        good = feed_text(h, meta[i].key) && feed_text(h, meta[i].value);
-    return good;
-}
-
-/* ---- files ---- */
-
-static bool ends_in(const char *path, const char *tail) {
-    const size_t n = strlen(path), t = strlen(tail);
-    return n > t && strcmp(path + n - t, tail) == 0;
-}
-
-status image_out_check(const char *path, bool force) {
-    char program[SIBLING_PATH];
-    if (!ends_in(path, ".png") && !ends_in(path, ".exr"))
-        return status_describe(ST_USAGE, "%s: the name of a picture ends in .png or .exr", path);
-    if (!force && access(path, F_OK) == 0)
+status image_out_check_depth(const image_out_options *options, const char *path) {
+    struct stat info;
+    if (is_stdout(path) && isatty(STDOUT_FILENO))
+        return status_describe(ST_USAGE, "standard output is a terminal, which shows no bytes: "
+                                         "send it to a file or a program");
+    if (!is_stdout(path) && !options->force && stat(path, &info) == 0)
         return status_describe(ST_EXISTS, "%s exists (--force overwrites)", path);
-    return sibling_find(HELPER, program) ? ST_OK : no_helper();
+    return ST_OK;
 }
 
-status image_out_write(mem *m, const char *path, bool force, uint32_t width, uint32_t height,
-                       const leafcast_image *image, const image_meta *meta, size_t meta_count) {
-    plane planes[PLANES];
-    const int n = planes_of(image, ends_in(path, ".png"), planes);
-    const size_t count = (size_t)width * height;
-    float *buffer = mem_array(m, CHUNK_VALUES, sizeof *buffer);
-    if (!buffer)
+status image_out_check(const image_out_options *options, const char *path) {
+    const image_format *f = format_of(options, path);
+    if (!f && options->format)
+        return status_describe(ST_USAGE, "--format: \"%s\" is none of png, ppm, pfm, exr",
+                               options->format);
+    if (!f)
+        return status_describe(ST_USAGE,
+                               "%s: the name of a picture ends in .png, .ppm, .pfm or .exr", path);
+    status st = image_out_check_depth(options, path);
+    return st == ST_OK && !f->write ? image_helper_check() : st;
+}
+
+/* ---- Targets ---- */
+
+static status put(void *ctx, const void *data, size_t size) {
+    const image_target *t = ctx;
+    return t->file ? out_file_append(t->file, data, size)
+                   : file_write_all(STDOUT_FILENO, "standard output", NULL, data, size);
+}
+
+static status begin(image_out *o, const char *path, const image_format *f, image_target **out) {
+    const size_t bytes = strlen(path) + 1;
+    image_target *t = mem_zalloc(o->m, sizeof *t + bytes);
+    if (!t)
         return ST_NOMEM;
-    child h;
-    status st = start_helper(&h, path, force);
-    if (st == ST_OK) {
-        bool fed = feed_header(&h, width, height, planes, n, meta, meta_count);
-        for (int i = 0; i < n && fed; i++)
-            fed = feed_plane(&h, &planes[i], image->a, count, buffer);
-        st = end_helper(&h, path, fed);
+    *t = (image_target){.owner = o, .format = f};
+    memcpy(t->path, path, bytes);
+    status st = ST_OK;
+    if (!is_stdout(path))
+        st = out_file_create(o->m, path, o->options.force, &t->file);
+    if (st == ST_OK && !f->write && !o->helper)
+        st = image_helper_start(o->m, o->options.stop, o->options.ctx, &o->helper);
+    if (st != ST_OK) {
+        image_out_discard(t);
+        return st;
     }
-    mem_free(m, buffer);
+    *out = t;
+    return ST_OK;
+}
+
+status image_out_begin(image_out *o, const char *path, image_target **out) {
+    status st = image_out_check(&o->options, path);
+    return st == ST_OK ? begin(o, path, format_of(&o->options, path), out) : st;
+}
+
+status image_out_begin_depth(image_out *o, const char *path, image_target **out) {
+    status st = image_out_check_depth(&o->options, path);
+    return st == ST_OK ? begin(o, path, &DEPTH, out) : st;
+}
+
+void image_out_discard(image_target *t) {
+    if (!t)
+        return;
+    out_file_discard(t->file);
+    mem_free(t->owner->m, t);
+}
+
+/* A helper that failed is not asked again: the next picture gets another. */
+static status through_helper(image_target *t, const picture *p, const byte_sink *to) {
+    image_out *o = t->owner;
+    status st = image_helper_write(o->helper, t->format->name, t->path, p, to);
+    if (st != ST_OK) {
+        status_note note;
+        status_note_take(&note, st);
+        image_helper_end(o->helper);
+        o->helper = NULL;
+        st = status_note_raise(&note);
+    }
     return st;
 }
 
-status image_out_depth(mem *m, const char *path, bool force, const double *z, size_t count) {
-    out_file *f = NULL;
-    status st = out_file_create(m, path, force, &f);
-    if (st)
-        return st;
-    st = out_file_append(f, z, count * sizeof *z);
-    if (st) {
-        out_file_discard(f);
-        return st;
+status image_out_finish(image_target *t, const picture *p) {
+    const byte_sink to = {put, t};
+    image_out *o = t->owner;
+    status st = ST_OK;
+    if (t->format->write == picture_png_write && !o->threads)
+        st = pool_create(o->m, o->options.threads, &o->threads);
+    if (st == ST_OK)
+        st = t->format->write ? t->format->write(o->m, o->threads, p, &to)
+                              : through_helper(t, p, &to);
+    if (st == ST_OK && t->file) {
+        out_file *f = t->file;
+        t->file = NULL;
+        st = out_file_commit(f);
     }
-    return out_file_commit(f);
+    image_out_discard(t);
+    return st;
+}
+
+/* ---- All of them ---- */
+
+status image_out_open(mem *m, const image_out_options *options, image_out **out) {
+    image_out *o = mem_zalloc(m, sizeof *o);
+    if (!o)
+        return ST_NOMEM;
+    o->m = m;
+    o->options = *options;
+    *out = o;
+    return ST_OK;
+}
+
+void image_out_close(image_out *o) {
+    if (!o)
+        return;
+    image_helper_end(o->helper);
+    pool_destroy(o->threads);
+    mem_free(o->m, o);
+}
+
+status image_out_write(mem *m, const char *path, bool force, const picture *p) {
+    const image_out_options options = {.force = force, .threads = pool_default_threads()};
+    image_out *o = NULL;
+    image_target *t = NULL;
+    status st = image_out_open(m, &options, &o);
+    if (st == ST_OK)
+        st = image_out_begin(o, path, &t);
+    if (st == ST_OK)
+        st = image_out_finish(t, p);
+    image_out_close(o);
+    return st;
 }

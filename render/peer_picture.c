@@ -89,7 +89,8 @@ status peer_picture_write(mem *m, const char *path, bool force, uint32_t width, 
                 both.b[to + i * width] = b[i];
             }
         }
-    status st = image_out_write(m, path, force, 3 * width, height, &both, NULL, 0);
+    status st = image_out_write(m, path, force,
+                                &(picture){.width = 3 * width, .height = height, .image = &both});
     mem_free(m, planes);
     return st;
 }

@@ -2,11 +2,9 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
-#include "render/image_out.h"
 
 enum { META_TEXT_MAX = 1024 };
 
@@ -20,6 +18,8 @@ status render_job_open(render_job *job, const char *path, const leafcast_options
     status st = render_status(leafcast_open(path, options, &job->volume));
     if (st == ST_OK)
         job->info = leafcast_describe(job->volume);
+    if (st == ST_OK)
+        st = image_out_open(&job->m, &job->out, &job->files);
     return st;
 }
 
@@ -34,6 +34,8 @@ static void release_planes(render_job *job) {
 
 void render_job_close(render_job *job) {
     release_planes(job);
+    image_out_close(job->files);
+    job->files = NULL;
     leafcast_close(job->volume);
     job->volume = NULL;
 }
@@ -43,18 +45,13 @@ void render_job_close(render_job *job) {
 status render_job_check(const render_job *job, script_frame *frame) {
     status st = view_options_check(&frame->view);
     if (st == ST_OK && frame->output[0])
-        st = image_out_check(frame->output, job->force);
-    if (st == ST_OK && frame->depth[0] && !job->force && access(frame->depth, F_OK) == 0)
-        st = status_describe(ST_EXISTS, "%s exists (--force overwrites)", frame->depth);
+        st = image_out_check(&job->out, frame->output);
+    if (st == ST_OK && frame->depth[0])
+        st = image_out_check_depth(&job->out, frame->depth);
     return st;
 }
 
 /* ---- drawing ---- */
-
-static bool is_exr(const char *path) {
-    const size_t n = strlen(path);
-    return n > 4 && strcmp(path + n - 4, ".exr") == 0;
-}
 
 /* A plane as it is wanted now: the one that is there, a new one, or NULL. *failed when there is no
  * memory. */
@@ -70,7 +67,8 @@ static void *plane(render_job *job, void *there, bool wanted, size_t size, bool 
 /* Only the planes that are written: they come out of the same memory as the treelets. */
 static status make_planes(render_job *job, const script_frame *frame) {
     const leafcast_camera *c = &frame->view.camera;
-    const bool colour = frame->output[0] || !frame->depth[0], all = is_exr(frame->output);
+    const bool colour = frame->output[0] || !frame->depth[0];
+    const bool all = image_out_wants_all(&job->out, frame->output);
     leafcast_image *i = &job->image;
     if (job->width != c->width || job->height != c->height)
         release_planes(job);
@@ -178,9 +176,9 @@ static bool several(const render_job *job) {
     return job->info.fields > 1 || job->info.steps > 1;
 }
 
-/* What one needs to draw the picture again. */
-static status write_picture(render_job *job, const script_frame *frame,
-                            const leafcast_camera *camera) {
+/* What one needs to draw the picture again goes into it. */
+static status finish_picture(render_job *job, const script_frame *frame,
+                             const leafcast_camera *camera, image_target *to) {
     char isos[META_TEXT_MAX] = "", eye[META_TEXT_MAX] = "", look_at[META_TEXT_MAX] = "";
     char up[META_TEXT_MAX] = "", fov[META_TEXT_MAX] = "", step[META_TEXT_MAX] = "";
     const double number = job->step;
@@ -201,16 +199,55 @@ static status write_picture(render_job *job, const script_frame *frame,
                                {"fov", fov},
                                {"field", leafcast_field_name(job->volume, job->field)},
                                {"step", step}};
-    /* The last two only where there is more than one. */
-    const size_t count = sizeof meta / sizeof *meta - (several(job) ? 0 : 2);
-    return image_out_write(&job->m, frame->output, job->force, job->width, job->height, &job->image,
-                           meta, count);
+    const picture p = {
+        .width = job->width,
+        .height = job->height,
+        .image = &job->image,
+        .meta = meta,
+        /* The last two only where there is more than one. */
+        .meta_count = sizeof meta / sizeof *meta - (several(job) ? 0 : 2),
+    };
+    return image_out_finish(to, &p);
 }
 
-status render_job_draw(render_job *job, const script_frame *frame, render_stats *stats) {
+/* ---- a picture ---- */
+
+/* What a picture is written to; NULL: nothing. */
+typedef struct targets {
+    image_target *picture, *depth;
+} targets;
+
+static status open_targets(render_job *job, const script_frame *frame, targets *to) {
+    status st = ST_OK;
+    if (frame->output[0])
+        st = image_out_begin(job->files, frame->output, &to->picture);
+    if (st == ST_OK && frame->depth[0])
+        st = image_out_begin_depth(job->files, frame->depth, &to->depth);
+    return st;
+}
+
+static status write_targets(render_job *job, const script_frame *frame,
+                            const leafcast_camera *camera, targets *to) {
+    const picture depth = {.width = job->width, .height = job->height, .image = &job->image};
+    targets now = *to;
+    status st = ST_OK;
+    if (now.depth) {
+        to->depth = NULL;
+        st = image_out_finish(now.depth, &depth);
+    }
+    if (st == ST_OK && now.picture) {
+        to->picture = NULL;
+        st = finish_picture(job, frame, camera, now.picture);
+    }
+    return st;
+}
+
+static status draw_picture(render_job *job, const script_frame *frame, targets *to,
+                           render_stats *stats) {
     const leafcast_camera camera = view_options_camera(&frame->view, job->volume);
-    *stats = (render_stats){.repeats = job->repeat};
-    status st = make_planes(job, frame);
+    status st = open_targets(job, frame, to);
+    if (st == ST_OK)
+        st = make_planes(job, frame);
     if (st == ST_OK)
         st = select_surfaces(job, &frame->view);
     if (st == ST_OK)
@@ -218,17 +255,25 @@ status render_job_draw(render_job *job, const script_frame *frame, render_stats 
     if (st == ST_OK)
         st = trace(job, &frame->view, &camera, &stats->trace);
     const double traced = clock_seconds();
-    if (st == ST_OK && frame->depth[0])
-        st = image_out_depth(&job->m, frame->depth, job->force, job->image.z,
-                             (size_t)job->width * job->height);
-    if (st == ST_OK && frame->output[0])
-        st = write_picture(job, frame, &camera);
+    if (st == ST_OK)
+        st = write_targets(job, frame, &camera, to);
+    stats->write_s = clock_seconds() - traced;
+    return st;
+}
+
+status render_job_draw(render_job *job, const script_frame *frame, render_stats *stats) {
+    const double begun = clock_seconds();
+    targets to = {NULL, NULL};
+    *stats = (render_stats){.repeats = job->repeat};
+    status st = draw_picture(job, frame, &to, stats);
+    image_out_discard(to.picture);
+    image_out_discard(to.depth);
     if (several(job)) {
         stats->field = leafcast_field_name(job->volume, job->field);
         stats->step = job->step;
         stats->time = leafcast_step_time(job->volume, job->step);
     }
-    stats->write_s = clock_seconds() - traced;
+    stats->total_s = clock_seconds() - begun;
     stats->peak_rss_bytes = render_stats_peak_rss();
     return st;
 }

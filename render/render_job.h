@@ -6,6 +6,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
+#include "render/image_out.h"
 #include "render/render_script.h"
 #include "render/render_stats.h"
 
@@ -17,9 +18,10 @@ typedef struct render_job {
     const progress *watch;
     double done, share; /* of the whole job: before this picture, and this picture; share 0:
                            unknown, only stop() is asked */
-    bool force;
+    image_out_options out;
     int repeat;
     /* Kept between pictures. */
+    image_out *files;
     leafcast_image image;
     uint32_t width, height;
     leafcast_surface selected[LEAFCAST_SURFACES_MAX];
@@ -30,7 +32,7 @@ typedef struct render_job {
 /* render_status() - a public status as an internal one; the description is the same. */
 status render_status(leafcast_status st);
 
-/* render_job_open() - *job is zeroed but for force, repeat and watch, which the caller has set.
+/* render_job_open() - *job is zeroed but for out, repeat and watch, which the caller has set.
  * render_job_close() in any case. */
 CHECKED status render_job_open(render_job *job, const char *path, const leafcast_options *options);
 void render_job_close(render_job *job);
@@ -40,7 +42,8 @@ void render_job_close(render_job *job);
  */
 CHECKED status render_job_check(const render_job *job, script_frame *frame);
 
-/* render_job_draw() - draw a checked picture job->repeat times, write its files once. */
+/* render_job_draw() - open a checked picture's files, draw it job->repeat times, write them once.
+ */
 CHECKED status render_job_draw(render_job *job, const script_frame *frame, render_stats *stats);
 
 #endif

@@ -16,7 +16,7 @@ typedef struct render_options {
     cli_common common;
     view_options view;
     leafcast_options open;
-    const char *volume, *depth, *stats, *script, *iso_list, *camera_path;
+    const char *volume, *depth, *stats, *script, *iso_list, *camera_path, *format;
     bool series; /* --steps: */
     uint32_t first_step, last_step;
     int repeat;
@@ -32,6 +32,7 @@ enum {
     CAMERA_PATH,
     SCRIPT,
     STEPS,
+    FORMAT,
     BACKEND,
     SCHEMA,
     TREELET_LIMIT,
@@ -41,7 +42,9 @@ enum {
 };
 
 static const struct argp_option OPTIONS[] = {
-    {NULL, 0, NULL, 0, "Outputs (-o takes .png or .exr):", 1},
+    {NULL, 0, NULL, 0, "Outputs (-o takes .png, .ppm, .pfm, .exr; -: standard output):", 1},
+    {"format", FORMAT, "NAME", 0, "png, ppm, pfm or exr, whatever the name's end is (-o -: png)",
+     0},
     {"depth-f64", DEPTH, "FILE", 0, "distances from the eye as raw doubles", 0},
     {"stats", STATS, "FILE", 0, "times, rays, treelets and bytes as JSON", 0},
     {"repeat", REPEAT, "N", CLI_EXPERIMENT, "draw N times; the statistics are the median picture's",
@@ -133,6 +136,7 @@ static status set_option(render_options *o, int key, const char *text) {
     status st = ST_OK;
     switch (key) {
     case DEPTH: o->depth = text; return ST_OK;
+    case FORMAT: o->format = text; return ST_OK;
     case STATS: o->stats = text; return ST_OK;
     case SCRIPT: o->script = text; return ST_OK;
     case ISO_LIST: o->iso_list = text; return ST_OK;
@@ -162,6 +166,10 @@ static bool is_sequence(const render_options *o) {
     return o->iso_list || o->series || o->camera_path;
 }
 
+static bool to_stdout(const char *path) {
+    return path && strcmp(path, "-") == 0;
+}
+
 /* What must hold over all flags. */
 static status check_options(const render_options *o) {
     const bool sequence = is_sequence(o);
@@ -172,6 +180,9 @@ static status check_options(const render_options *o) {
         return status_describe(ST_USAGE,
                                "--script takes its outputs from its lines and answers them on "
                                "standard output");
+    if (to_stdout(o->common.output) + to_stdout(o->depth) + o->common.json > 1)
+        return status_describe(ST_USAGE, "standard output takes one of -o -, --depth-f64 - and "
+                                         "--json");
     if (!o->script && !output)
         return status_describe(ST_USAGE, "nothing to write: -o FILE.png");
     if (o->iso_list && o->view.isos > 0)
@@ -223,10 +234,12 @@ static void say_done(const render_options *o, const script_frame *frame, const r
     const leafcast_stats *t = &s->trace;
     const char *name = frame->output[0] ? frame->output : frame->depth[0] ? frame->depth : "drawn";
     cli_note(&o->common, 1,
-             "%s: %u x %u, %.3g s, %.3g Mray/s; %llu of %llu active treelets, %.1f MB read", name,
-             frame->view.camera.width, frame->view.camera.height, t->render_s,
-             (double)t->rays / t->render_s * 1e-6, (unsigned long long)t->treelets_loaded,
-             (unsigned long long)t->treelets_active, (double)t->bytes_read * 1e-6);
+             "%s: %u x %u in %.3g s: trace %.3g (load %.3g), write %.3g; %.3g Mray/s; %llu of %llu "
+             "active treelets, %.1f MB read",
+             name, frame->view.camera.width, frame->view.camera.height, s->total_s, t->render_s,
+             t->load_s, s->write_s, (double)t->rays / t->render_s * 1e-6,
+             (unsigned long long)t->treelets_loaded, (unsigned long long)t->treelets_active,
+             (double)t->bytes_read * 1e-6);
     if (t->provisional_pixels)
         cli_note(&o->common, 1, "%llu pixels are provisional",
                  (unsigned long long)t->provisional_pixels);
@@ -310,7 +323,7 @@ static status name_outputs(const render_options *o, bool many, int index, script
     char *const outs[2] = {frame->output, frame->depth};
     for (int i = 0; i < 2 && st == ST_OK; i++) {
         outs[i][0] = 0;
-        if (names[i] && many)
+        if (names[i] && many && strcmp(names[i], "-") != 0) /* pictures follow one another there */
             st = sequence_name(names[i], index, outs[i], SCRIPT_PATH_MAX);
         else if (names[i] &&
                  (size_t)snprintf(outs[i], SCRIPT_PATH_MAX, "%s", names[i]) >= SCRIPT_PATH_MAX)
@@ -512,7 +525,7 @@ int main(int argc, char **argv) {
         .options = options,
         .parser = parse,
         .args_doc = "F.leaf -o FILE.png",
-        .doc = "Draw isosurfaces of a treelet file into a PNG or EXR picture.\v"
+        .doc = "Draw isosurfaces of a treelet file into a picture.\v"
                "Example:\n  leafcast render bonsai.leaf --iso 37 -o bonsai.png\v"
                "Without --eye the camera looks at the middle of the volume from the direction "
                "(1, 0.6, 0.8), 2.2 (standard) or 1.1 (close) times its longest edge away. Vectors "
@@ -525,8 +538,12 @@ int main(int argc, char **argv) {
 
     o.open.memory = o.common.memory;
     o.open.threads = o.common.threads;
-    render_job job = {
-        .force = o.common.force, .repeat = o.repeat, .watch = cli_progress(&o.common)};
+    render_job job = {.repeat = o.repeat, .watch = cli_progress(&o.common)};
+    job.out = (image_out_options){.force = o.common.force,
+                                  .threads = o.common.threads,
+                                  .format = o.format,
+                                  .stop = job.watch->stop,
+                                  .ctx = job.watch->ctx};
     status st = guard_inputs(&o);
     if (st == ST_OK)
         st = o.script ? run_script(&o, &job) : run_sequence(&o, &job);

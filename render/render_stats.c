@@ -44,9 +44,9 @@ json_t *render_stats_json(const render_stats *s, const view_options *view, const
     json_object_set_new(root, "size",
                         json_pack("[i,i]", (int)view->camera.width, (int)view->camera.height));
     json_object_set_new(root, "time_s",
-                        json_pack("{s:f, s:f, s:f, s:f, s:f}", "open", t->open_s, "first_image",
-                                  t->first_image_s, "load", t->load_s, "render", t->render_s,
-                                  "write", s->write_s));
+                        json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "open", t->open_s,
+                                  "first_image", t->first_image_s, "load", t->load_s, "render",
+                                  t->render_s, "write", s->write_s, "total", s->total_s));
     json_object_set_new(root, "rays", count_of(t->rays));
     json_object_set_new(root, "primary_rays", count_of(t->primary_rays));
     json_object_set_new(root, "shadow_rays", count_of(t->shadow_rays));

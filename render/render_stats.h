@@ -9,7 +9,8 @@
 
 typedef struct render_stats {
     leafcast_stats trace;
-    double write_s;          /* pictures and depth files */
+    double write_s; /* pictures and depth files */
+    double total_s; /* from opening the picture's files to their final names, repeats included */
     uint64_t peak_rss_bytes; /* of the process so far */
     const char *field; /* of a mesh with several fields or steps, else NULL: what was drawn, */
     uint32_t step;

@@ -1,52 +1,52 @@
-/* write_image_main.cpp - the helper process that turns float planes into a picture.
+/* write_image_main.cpp - the helper process that turns float planes into a picture's bytes.
  *
- *   leafcast-write-image OUT.png|OUT.exr [--force] < planes
+ *   leafcast-write-image < pictures > files
  *
  * OpenImageIO brings some 250 shared objects, half a second of loading: only this process pays,
- * beside the renderer that feeds it through a pipe. The stream, little endian, nothing aligned:
+ * beside the renderer that feeds it through a pipe and takes the bytes back through another. It
+ * opens no file. The stream holds pictures one after another, little endian, nothing aligned:
  *
  *   offset  size  field
  *        0     4  magic "LFIM"
- *        4     4  u32 version, 1
- *        8     4  u32 width   1 .. 65536
- *       12     4  u32 height  1 .. 65536
- *       16     4  u32 nchannels  1 .. 64
- *       20  32*n  channel names, NUL-padded, at most 31 letters each, no two alike
+ *        4     4  u32 version, 2
+ *        8     8  format, NUL-padded: "exr"
+ *       16     4  u32 width   1 .. 65536
+ *       20     4  u32 height  1 .. 65536
+ *       24     4  u32 nchannels  1 .. 64
+ *       28  32*n  channel names, NUL-padded, at most 31 letters each, no two alike
  *        .     4  u32 nmeta, at most 256
  *        .     .  nmeta times: u32 length, key bytes, u32 length, value bytes; each at most 65536
  *        .     .  nchannels planes of height rows of width float32, the top row first
  *
- * and not a byte more. PNG takes the channels R G B and A (opaque where there is none) as 8 bits,
- * sRGB encoded unless the metadata hold colour=linear; nothing is composited. EXR takes every
- * channel as float32, bit by bit. Metadata are kept as "leafcast:KEY". The same stream gives the
- * same bytes.
+ * Each is answered when it is complete:
  *
- * The picture appears under its name when it is complete. Exit codes: 0; 1 cannot write; 2 usage; 3
- * malformed stream; 128+n by signal.
+ *        0     4  magic "LFOK"
+ *        4     8  u64 size
+ *       12     .  size bytes, the file
+ *
+ * EXR takes every channel as float32, bit by bit. Metadata are kept as "leafcast:KEY". The same
+ * stream gives the same bytes.
+ *
+ * Exit codes: 0 when the stream ends between two pictures; 1 cannot write; 2 usage; 3 malformed
+ * stream; 128+n by signal.
  */
-#include <cerrno>
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <fcntl.h>
-#include <unistd.h>
-
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 namespace {
 
 constexpr uint32_t MAX_SIDE = 65536, MAX_CHANNELS = 64, MAX_META = 256, MAX_TEXT = 65536;
-constexpr int NAME_BYTES = 32;
+constexpr int NAME_BYTES = 32, FORMAT_BYTES = 8;
 
 struct failure : std::runtime_error {
     int code;
@@ -54,23 +54,11 @@ struct failure : std::runtime_error {
 };
 
 struct picture {
+    std::string format;
     uint32_t width = 0, height = 0;
     std::vector<std::string> names;
     std::vector<std::pair<std::string, std::string>> meta;
     std::vector<std::unique_ptr<float[]>> planes;
-
-    const float *plane(const std::string &name) const {
-        for (size_t c = 0; c < names.size(); c++)
-            if (names[c] == name)
-                return planes[c].get();
-        return nullptr;
-    }
-    bool says(const std::string &key, const std::string &value) const {
-        for (const auto &m : meta)
-            if (m.first == key && m.second == value)
-                return true;
-        return false;
-    }
 };
 
 /* ---- the stream ---------------------------------------------------------------------------------
@@ -112,6 +100,15 @@ std::string get_name(const picture &p) {
     return name;
 }
 
+std::string get_format() {
+    char raw[FORMAT_BYTES];
+    get(raw, sizeof raw, "the format");
+    std::string format(raw, strnlen(raw, sizeof raw));
+    if (format != "exr")
+        throw failure(3, "the format is none that is known here (exr)");
+    return format;
+}
+
 /* A header that promises more than comes costs address space only: a plane's memory is not touched
  * before its bytes are there. */
 picture get_picture() {
@@ -120,7 +117,8 @@ picture get_picture() {
     get(magic, sizeof magic, "the magic number");
     if (memcmp(magic, "LFIM", sizeof magic) != 0)
         throw failure(3, "this is no LFIM stream");
-    get_u32(1, 1, "the version");
+    get_u32(2, 2, "the version");
+    p.format = get_format();
     p.width = get_u32(1, MAX_SIDE, "the width");
     p.height = get_u32(1, MAX_SIDE, "the height");
     uint32_t channels = get_u32(1, MAX_CHANNELS, "the number of channels");
@@ -136,155 +134,83 @@ picture get_picture() {
         p.planes.emplace_back(new float[samples]);
         get(p.planes.back().get(), samples * sizeof(float), "the planes");
     }
-    if (getchar() != EOF)
-        throw failure(3, "the stream goes on after its last plane");
     return p;
 }
 
 /* ---- the picture --------------------------------------------------------------------------------
  */
 
-struct layout {
-    const char *format; /* OpenImageIO's name */
-    OIIO::TypeDesc type;
-    std::vector<std::string> channels;
-};
-
-layout layout_for(const picture &p, const std::string &file) {
-    auto ends = [&](const char *tail) {
-        size_t n = strlen(tail);
-        return file.size() > n && file.compare(file.size() - n, n, tail) == 0;
-    };
-    if (ends(".exr"))
-        return {"openexr", OIIO::TypeDesc::FLOAT, p.names};
-    if (!ends(".png"))
-        throw failure(2, file + ": the name must end in .png or .exr");
-    for (const char *name : {"R", "G", "B"})
-        if (!p.plane(name))
-            throw failure(3, std::string("a PNG needs the channel ") + name);
-    return {"png", OIIO::TypeDesc::UINT8, {"R", "G", "B", "A"}};
-}
-
-unsigned char to_byte(float v, bool srgb) {
-    double x = v > 0 ? (v < 1 ? v : 1) : 0; /* NaN becomes 0 */
-    if (srgb)
-        x = x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
-    return static_cast<unsigned char>(x * 255 + 0.5);
-}
-
-/* Write in bands of 64 rows, so that only one band is held twice. */
-template <typename T, typename Convert>
-bool write_bands(OIIO::ImageOutput &out, const picture &p, const layout &to, Convert convert) {
+/* Written in bands of 64 rows, so that only one band is held twice. */
+void write_bands(OIIO::ImageOutput &out, const picture &p) {
     constexpr uint32_t BAND = 64;
-    size_t n = to.channels.size();
-    std::vector<T> band(n * p.width * std::min(BAND, p.height));
+    size_t n = p.names.size();
+    std::vector<float> band(n * p.width * (p.height < BAND ? p.height : BAND));
     for (uint32_t y = 0; y < p.height; y += BAND) {
-        uint32_t end = std::min(y + BAND, p.height);
+        uint32_t end = p.height - y < BAND ? p.height : y + BAND;
         size_t first = size_t(y) * p.width, samples = size_t(end - y) * p.width;
-        for (size_t c = 0; c < n; c++) {
-            const float *plane = p.plane(to.channels[c]);
+        for (size_t c = 0; c < n; c++)
             for (size_t i = 0; i < samples; i++)
-                band[i * n + c] = convert(plane ? plane[first + i] : 1, to.channels[c] == "A");
-        }
-        if (!out.write_scanlines(int(y), int(end), 0, to.type, band.data()))
-            return false;
+                band[i * n + c] = p.planes[c][first + i];
+        if (!out.write_scanlines(int(y), int(end), 0, OIIO::TypeDesc::FLOAT, band.data()))
+            throw failure(1, out.geterror());
     }
-    return true;
 }
 
-void write_file(const picture &p, const layout &to, const std::string &file) {
-    OIIO::ImageSpec spec(int(p.width), int(p.height), int(to.channels.size()), to.type);
-    spec.channelnames = to.channels;
-    bool linear = to.type == OIIO::TypeDesc::FLOAT || p.says("colour", "linear");
-    spec.attribute("oiio:ColorSpace", linear ? "Linear" : "sRGB");
-    if (to.type == OIIO::TypeDesc::UINT8)
-        spec.attribute("oiio:UnassociatedAlpha", 1); /* as they come: nothing is divided */
+std::vector<unsigned char> encode(const picture &p) {
+    OIIO::ImageSpec spec(int(p.width), int(p.height), int(p.names.size()), OIIO::TypeDesc::FLOAT);
+    spec.channelnames = p.names;
+    spec.attribute("oiio:ColorSpace", "Linear");
     spec.attribute("compression", "zip");
     spec.attribute("Software", "leafcast " LEAFCAST_VERSION);
     spec.attribute("DateTime", "1970:01:01 00:00:00"); /* EXR would take the clock's */
     for (const auto &m : p.meta)
         spec.attribute("leafcast:" + m.first, m.second);
 
-    auto out = OIIO::ImageOutput::create(to.format);
+    OIIO::Filesystem::IOVecOutput bytes;
+    auto out = OIIO::ImageOutput::create(p.format);
     if (!out)
         throw failure(1, OIIO::geterror());
-    bool ok = out->open(file, spec);
-    if (ok && to.type == OIIO::TypeDesc::FLOAT)
-        ok = write_bands<float>(*out, p, to, [](float v, bool) { return v; });
-    else if (ok)
-        ok = write_bands<unsigned char>(
-            *out, p, to, [linear](float v, bool alpha) { return to_byte(v, !linear && !alpha); });
-    if (!ok || !out->close())
+    if (!out->set_ioproxy(&bytes) || !out->open("picture." + p.format, spec))
         throw failure(1, out->geterror());
+    write_bands(*out, p);
+    if (!out->close())
+        throw failure(1, out->geterror());
+    return bytes.buffer();
 }
 
-/* ---- under its name when it is complete ---------------------------------------------------------
- */
-
-char unfinished[4096]; /* the temporary file, for the signal handler; "" when there is none */
-
-void on_signal(int n) {
-    if (unfinished[0])
-        unlink(unfinished);
-    _exit(128 + n);
+void answer(const std::vector<unsigned char> &bytes) {
+    unsigned char head[12] = {'L', 'F', 'O', 'K'};
+    for (int i = 0; i < 8; i++)
+        head[4 + i] = static_cast<unsigned char>(uint64_t(bytes.size()) >> (8 * i));
+    if (fwrite(head, 1, sizeof head, stdout) != sizeof head ||
+        fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size() || fflush(stdout) != 0)
+        throw failure(1, "the picture's bytes are not taken");
 }
 
-void publish(const std::string &file, bool force) {
-    if (renameat2(AT_FDCWD, unfinished, AT_FDCWD, file.c_str(), force ? 0 : RENAME_NOREPLACE) == 0)
-        return;
-    if (errno == EINVAL && access(file.c_str(), F_OK) != 0 && rename(unfinished, file.c_str()) == 0)
-        return; /* a file system that cannot refuse to replace */
-    throw failure(1, file + ": " + strerror(errno));
-}
-
-void write_image(const std::string &file, bool force) {
-    if (!force && access(file.c_str(), F_OK) == 0)
-        throw failure(1, file + " exists (--force overwrites)");
-    picture p = get_picture();
-    layout to = layout_for(p, file);
-    int n = snprintf(unfinished, sizeof unfinished, "%s.%ld.tmp", file.c_str(), long(getpid()));
-    if (n < 0 || size_t(n) >= sizeof unfinished) {
-        unfinished[0] = '\0';
-        throw failure(1, "the file's name is too long");
-    }
-    try {
-        write_file(p, to, unfinished);
-        publish(file, force);
-    } catch (...) {
-        unlink(unfinished);
-        throw;
-    }
+bool more() {
+    int c = getchar();
+    if (c != EOF)
+        ungetc(c, stdin);
+    return c != EOF;
 }
 
 } // namespace
 
 int main(int argc, char **argv) {
-    const char *usage = "Usage: leafcast-write-image OUT.png|OUT.exr [--force] < planes\n"
-                        "Write float planes from standard input as a picture (render's helper).\n";
-    std::string file;
-    bool force = false;
-    for (int i = 1; i < argc; i++) {
-        std::string arg = argv[i];
-        if (arg == "--help")
-            return fputs(usage, stdout) < 0;
-        if (arg == "--version")
-            return puts("leafcast-write-image " LEAFCAST_VERSION) < 0;
-        if (arg == "--force")
-            force = true;
-        else if (file.empty() && arg[0] != '-')
-            file = arg;
-        else
-            return fputs(usage, stderr), 2;
-    }
-    if (file.empty())
+    const char *usage = "Usage: leafcast-write-image < pictures > files\n"
+                        "Turn float planes into pictures' bytes (render's helper).\n";
+    if (argc > 1 && strcmp(argv[1], "--help") == 0)
+        return fputs(usage, stdout) < 0;
+    if (argc > 1 && strcmp(argv[1], "--version") == 0)
+        return puts("leafcast-write-image " LEAFCAST_VERSION) < 0;
+    if (argc > 1)
         return fputs(usage, stderr), 2;
-    for (int n : {SIGINT, SIGTERM, SIGHUP})
-        signal(n, on_signal);
     /* No thread pools: they cost more to start than a picture takes to write. */
     OIIO::attribute("threads", 1);
     OIIO::attribute("exr_threads", -1);
     try {
-        write_image(file, force);
+        while (more())
+            answer(encode(get_picture()));
     } catch (const failure &f) {
         fprintf(stderr, "leafcast-write-image: %s\n", f.what());
         return f.code;

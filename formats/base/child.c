@@ -80,20 +80,6 @@ status child_start(const char *program, char *const argv[], bool result, child *
 
 /* ---- talking ---- */
 
-bool child_feed(child *c, const void *data, size_t size) {
-    const char *at = data;
-    while (size > 0) {
-        const ssize_t n = send(c->feed, at, size, MSG_NOSIGNAL);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            return false;
-        at += n;
-        size -= (size_t)n;
-    }
-    return true;
-}
-
 void child_fed(child *c) {
     close_end(&c->feed);
 }
@@ -123,6 +109,26 @@ static bool hear(child *c) {
     return n > 0 || (n < 0 && errno == EINTR);
 }
 
+bool child_feed(child *c, const void *data, size_t size) {
+    const char *at = data;
+    while (size > 0) {
+        struct pollfd ends[2] = {{c->feed, POLLOUT, 0}, {c->complain, POLLIN, 0}};
+        const int ready = poll(ends, 2, WAIT_MS);
+        if (ready > 0 && ends[1].revents && !hear(c))
+            close_end(&c->complain); /* poll() passes over a negative descriptor */
+        if (ready > 0 && ends[0].revents) {
+            const ssize_t n = send(c->feed, at, size, MSG_NOSIGNAL | MSG_DONTWAIT);
+            if (n < 0 && errno != EINTR && errno != EAGAIN)
+                return false;
+            at += n > 0 ? n : 0;
+            size -= n > 0 ? (size_t)n : 0;
+        }
+        if (ready <= 0 && c->wait && c->wait(c->wait_ctx) != ST_OK)
+            return false;
+    }
+    return true;
+}
+
 status child_read(child *c, void *data, size_t size, size_t *got, status (*wait)(void *ctx),
                   void *ctx) {
     status st = ST_OK;
@@ -132,7 +138,7 @@ status child_read(child *c, void *data, size_t size, size_t *got, status (*wait)
         struct pollfd ends[2] = {{c->result, POLLIN, 0}, {c->complain, POLLIN, 0}};
         const int ready = poll(ends, 2, WAIT_MS);
         if (ready > 0 && ends[1].revents && !hear(c))
-            close_end(&c->complain); /* poll() passes over a negative descriptor */
+            close_end(&c->complain);
         if (ready > 0 && ends[0].revents) {
             const ssize_t n = read(c->result, (char *)data + *got, size - *got);
             open = n > 0 || (n < 0 && errno == EINTR);

@@ -17,6 +17,9 @@ typedef struct child {
                      SIGPIPE */
     int result;   /* its standard output; -1 where it has this process's */
     int complain; /* its standard error */
+    status (*wait)(void *ctx); /* NULL, or set after the start: asked every tenth of a second while
+                                  child_feed() waits; other than ST_OK ends the feeding */
+    void *wait_ctx;
     size_t said;
     char words[STATUS_TEXT_MAX]; /* the end of what it said, without line feeds at the end */
 } child;
@@ -25,7 +28,9 @@ typedef struct child {
  * child_read(). Signals that this process ignores are as usual in the child. End it in any case. */
 CHECKED status child_start(const char *program, char *const argv[], bool result, child *c);
 
-/* child_feed() - false: the child listens no more; it will say why. child_fed() - that was all. */
+/* child_feed() - what the child says meanwhile is heard, so that it may speak before it listens.
+ * false: it listens no more, and will say why; or wait() has ended the feeding. child_fed() - that
+ * was all. */
 bool child_feed(child *c, const void *data, size_t size);
 void child_fed(child *c);
 

@@ -48,12 +48,8 @@ else
     exits "in a space of its own" 0 "$leafcast" bench peers "$tmp/t.leaf" --iso 127.5 --size 203x190 --runs 1 -o "$tmp/t.csv"
     ok "sees the same there" csv "$tmp/t.csv" \
         'int(by["leafcast", "-"]["hits"]) > 3000 and int(by["rtcIntersect16", "medium"]["only peer"]) + int(by["rtcIntersect16", "medium"]["only ours"]) < 5 and float(by["rtcIntersect16", "medium"]["p99 cells"]) < 0.3 and float(by["rtcIntersect16", "medium"]["colour rms"]) < 0.02'
-    if [ -x "$(dirname "$leafcast")/../libexec/leafcast-write-image" ]; then
-        exits "side by side" 0 "$leafcast" bench peers "$leaf" --iso 127.5 --size 64x48 --runs 1 --picture "$tmp/p.png"
-        ok "three pictures wide" sh -c 'oiiotool --info "$1" | grep -q "192 x *48"' - "$tmp/p.png"
-    else
-        skip "side by side" "no OpenImageIO here"
-    fi
+    exits "side by side" 0 "$leafcast" bench peers "$leaf" --iso 127.5 --size 64x48 --runs 1 --picture "$tmp/p.png"
+    ok "three pictures wide" [ "$(od -An -tx1 -j16 -N8 "$tmp/p.png" | tr -d ' ')" = 000000c000000030 ]
 fi
 if grep -q 'no VTK' "$tmp/said"; then
     ok "says what to install" grep -q python3-vtk9 "$tmp/said"

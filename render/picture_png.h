@@ -1,0 +1,20 @@
+/* picture_png.h - pictures as PNG: R G B A of 8 bits, sRGB encoded, not premultiplied.
+ *
+ * Filtering and deflating are shared out over threads in bands of rows; a band's bytes depend on
+ * nothing but its rows, so the file does not depend on the threads. libpng writes everything but
+ * the pixels.
+ */
+#ifndef RENDER_PICTURE_PNG_H
+#define RENDER_PICTURE_PNG_H
+
+#include "formats/base/mem.h"
+#include "formats/base/pool.h"
+#include "render/picture.h"
+
+/* picture_png_write() - ST_NOMEM, or what the sink returned. */
+CHECKED status picture_png_write(mem *m, pool *threads, const picture *p, const byte_sink *to);
+
+/* picture_png_bytes() - memory that this takes at a time, about. */
+size_t picture_png_bytes(int threads, uint32_t width);
+
+#endif
