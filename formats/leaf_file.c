@@ -243,6 +243,8 @@ static status open_part(mem *m, const char *path, const leaf_part *part, leaf_fi
     status st = part->bytes ? file_open_part(m, path, part->offset, part->bytes, &f->source)
                             : file_open(m, path, &f->source);
     if (st == ST_OK)
+        st = file_mark_take(f->source, &f->mark);
+    if (st == ST_OK)
         st = read_head(&o);
     if (st == ST_OK)
         st = allocate_directory(f);

@@ -9,7 +9,7 @@
 
 #include <stdbool.h>
 
-#include "formats/base/file.h"
+#include "formats/base/file_mark.h"
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/leaf.h"
@@ -44,6 +44,7 @@ typedef struct leaf_file {
     double *axis[3];
     mesh_directory *mesh; /* NULL: a grid */
     file *source;
+    file_mark mark; /* of the file, or of the one that this is a part of, when it was opened */
     mem *m;
     uint64_t directory_bytes; /* in the file: header, section table, sections */
     uint64_t payloads_end;    /* of the last run of payloads */

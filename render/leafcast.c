@@ -58,6 +58,13 @@ leafcast_status leafcast_public_status(status st) {
     }
 }
 
+status leafcast_check_file(const leafcast *v, status st) {
+    if (st != ST_OK && st != ST_CORRUPT && st != ST_IO)
+        return st;
+    const status changed = file_mark_check(v->file->source, &v->file->mark);
+    return changed != ST_OK ? changed : st;
+}
+
 const char *leafcast_error_text(void) {
     return status_text();
 }
@@ -574,7 +581,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
         st = share_budget(v, &f);
     }
     if (st != ST_OK)
-        return leafcast_public_status(st);
+        return leafcast_public_status(leafcast_check_file(v, st));
     if (!scene->preview)
         loader_follow(v->treelets, v->touched);
     for (uint32_t t = 0; t < v->file->layout.treelets; t++)
@@ -590,6 +597,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
     if (st == ST_OK && scene->sweep && !scene->preview)
         st = loader_settle(v->treelets);
     const double end = clock_seconds();
+    st = leafcast_check_file(v, st);
     if (st == ST_OK && v->first_image_s == 0.0)
         v->first_image_s = end - v->opened_at;
     if (stats)

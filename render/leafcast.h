@@ -45,8 +45,10 @@ typedef struct leafcast leafcast;
 
 typedef enum leafcast_backend {
     LEAFCAST_BACKEND_AUTO = 0,
-    LEAFCAST_BACKEND_MAPPED, /* the file is mapped once; treelets are populated and checked */
-    LEAFCAST_BACKEND_ARENA   /* treelets are read (and decompressed) into memory of our own */
+    /* Treelets of a grid are checked and used where the file is mapped: if somebody cuts it short
+     * meanwhile, SIGBUS is raised. Those of a mesh hold indices, and are read as by the arena. */
+    LEAFCAST_BACKEND_MAPPED,
+    LEAFCAST_BACKEND_ARENA /* treelets are read (and decompressed) into memory of our own */
 } leafcast_backend;
 
 /* How another time step of a mesh comes in; the pictures are the same. */
@@ -82,7 +84,9 @@ typedef struct leafcast_options {
     leafcast_isopolygons isopolygons;
 } leafcast_options;
 
-/* leafcast_open() - options may be NULL for the defaults. */
+/* leafcast_open() - options may be NULL for the defaults. The file must stay as it is while it is
+ * open: pictures and probes are LEAFCAST_CORRUPT as soon as its size, its time of last modification
+ * or the file of its name is another. */
 leafcast_status leafcast_open(const char *path, const leafcast_options *options, leafcast **volume);
 void leafcast_close(leafcast *volume); /* NULL is fine */
 

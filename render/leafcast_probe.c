@@ -88,9 +88,8 @@ static status describe_hit(leafcast *v, const tracer *tr, const ray *r, const do
     return tr->tree ? tet_of_hit(v, h, out) : cell_of_hit(v, tr, r, h, out);
 }
 
-leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, const double origin[3],
-                                   const double direction[3], leafcast_hit *hits, int max,
-                                   int *count) {
+static status probe_ray(leafcast *v, const leafcast_scene *scene, const double origin[3],
+                        const double direction[3], leafcast_hit *hits, int max, int *count) {
     tracer tr;
     ray r;
     walk_counters counters = {0};
@@ -101,16 +100,15 @@ leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, con
         place += fabs(origin[a]);
     }
     if (!(length > 0.0 && length < INFINITY && place < INFINITY))
-        return leafcast_public_status(status_describe(ST_USAGE,
-                                                      "a ray needs a finite origin and a finite "
-                                                      "direction that is not 0,0,0"));
+        return status_describe(ST_USAGE, "a ray needs a finite origin and a finite direction that "
+                                         "is not 0,0,0");
     status st = leafcast_tracer(v, scene, NULL, &tr);
     if (st != ST_OK)
-        return leafcast_public_status(st);
+        return st;
     tr.preview = false;
     loader_forget_failures(v->treelets);
     if (!tracer_ray(&tr, origin, direction, 0.0, INFINITY, &r))
-        return LEAFCAST_OK;
+        return ST_OK;
     const hit before = hit_before_all();
     trace_state state = trace_begin(&before);
     while (*count < max) {
@@ -120,17 +118,24 @@ leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, con
         if (result == TRACE_BLOCKED) {
             st = need(v, state.blocked);
             if (st != ST_OK)
-                return leafcast_public_status(st);
+                return st;
             continue;
         }
         st = describe_hit(v, &tr, &r, origin, direction, &state, &hits[*count]);
         if (st != ST_OK)
-            return leafcast_public_status(st);
+            return st;
         ++*count;
         const hit behind = state.best;
         state = trace_begin(&behind);
     }
-    return LEAFCAST_OK;
+    return ST_OK;
+}
+
+leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, const double origin[3],
+                                   const double direction[3], leafcast_hit *hits, int max,
+                                   int *count) {
+    const status st = probe_ray(v, scene, origin, direction, hits, max, count);
+    return leafcast_public_status(leafcast_check_file(v, st));
 }
 
 /* ---- Points ---- */
@@ -212,6 +217,6 @@ static status point_in_mesh(leafcast *v, const double point[3], leafcast_sample 
 leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcast_sample *sample) {
     *sample = (leafcast_sample){.value = NAN};
     loader_forget_failures(v->treelets);
-    return leafcast_public_status(
-        (v->file->mesh ? point_in_mesh : point_in_grid)(v, point, sample));
+    const status st = (v->file->mesh ? point_in_mesh : point_in_grid)(v, point, sample);
+    return leafcast_public_status(leafcast_check_file(v, st));
 }

@@ -33,6 +33,11 @@ struct leafcast {
 /* leafcast_public_status() - an internal status as the interface has it. */
 leafcast_status leafcast_public_status(status st);
 
+/* leafcast_check_file() - what becomes of a picture or an answer with this status, now that it is
+ * made: ST_CORRUPT if the file changed since it was opened. That is said then rather than which
+ * bytes were found wrong. */
+CHECKED status leafcast_check_file(const leafcast *v, status st);
+
 /* leafcast_open_file() - all else of v, whose budget, options, kernels and file are there. */
 CHECKED status leafcast_open_file(leafcast *v);
 

@@ -85,6 +85,31 @@ static const backend arena_backend = {arena_load, arena_evict};
 
 /* ---- both ---- */
 
+static status map_file(source *s) {
+    const leaf_file *f = s->file;
+    const char *path = file_path(f->source);
+    if (f->header.codec != LEAF_CODEC_RAW)
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: compressed payloads cannot be mapped: use the arena backend",
+                               path);
+    if (f->mesh) {
+        s->kind = SOURCE_ARENA;
+        return ST_OK;
+    }
+    if (file_offset(f->source))
+        return status_describe(ST_UNSUPPORTED, "%s: a part of a file cannot be mapped", path);
+    file_mark_settle(&f->mark);
+    void *map = mmap(NULL, (size_t)file_size(f->source), PROT_READ, MAP_SHARED,
+                     file_descriptor(f->source), 0);
+    if (map == MAP_FAILED)
+        return status_describe(errno == ENOMEM ? ST_NOMEM : ST_IO, "%s: cannot be mapped: %s", path,
+                               strerror(errno));
+    (void)madvise(map, (size_t)file_size(f->source), MADV_RANDOM);
+    s->map = map;
+    s->backend = &mapped_backend;
+    return ST_OK;
+}
+
 status source_open(mem *m, leaf_file *f, source_kind kind, source **out) {
     source *s = mem_zalloc(m, sizeof *s);
     if (!s)
@@ -94,28 +119,10 @@ status source_open(mem *m, leaf_file *f, source_kind kind, source **out) {
     s->kind = kind == SOURCE_AUTO ? SOURCE_ARENA : kind;
     s->page = (size_t)sysconf(_SC_PAGESIZE);
     s->backend = &arena_backend;
-    if (s->kind == SOURCE_MAPPED) {
-        if (f->header.codec != LEAF_CODEC_RAW) {
-            mem_free(m, s);
-            return status_describe(
-                ST_UNSUPPORTED, "%s: compressed payloads cannot be mapped: use the arena backend",
-                file_path(f->source));
-        }
-        if (file_offset(f->source)) {
-            mem_free(m, s);
-            return status_describe(ST_UNSUPPORTED, "%s: a part of a file cannot be mapped",
-                                   file_path(f->source));
-        }
-        void *map = mmap(NULL, (size_t)file_size(f->source), PROT_READ, MAP_SHARED,
-                         file_descriptor(f->source), 0);
-        if (map == MAP_FAILED) {
-            mem_free(m, s);
-            return status_describe(ST_IO, "%s: cannot be mapped: %s", file_path(f->source),
-                                   strerror(errno));
-        }
-        (void)madvise(map, (size_t)file_size(f->source), MADV_RANDOM);
-        s->map = map;
-        s->backend = &mapped_backend;
+    const status st = s->kind == SOURCE_MAPPED ? map_file(s) : ST_OK;
+    if (st != ST_OK) {
+        mem_free(m, s);
+        return st;
     }
     *out = s;
     return ST_OK;
@@ -160,8 +167,4 @@ status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *t
 size_t source_overhead_bytes(const source *s) {
     /* The mapped backend rounds to pages on both sides. */
     return s->kind == SOURCE_MAPPED ? 2 * s->page : 128;
-}
-
-source_kind source_kind_of(const source *s) {
-    return s->kind;
 }

@@ -2,8 +2,14 @@
  *
  *   mapped  the file is mapped once; a load populates the treelet's pages with MADV_POPULATE_READ
  *           (which reports an error instead of raising SIGBUS) and checks them; an eviction gives
- *           them back with MADV_DONTNEED; raw payloads only
+ *           them back with MADV_DONTNEED; raw payloads of grids only
  *   arena   a load reads (and decompresses) into a buffer of our own
+ *
+ * Somebody may write to the file at any time. What the arena checked stays as it was. Mapped bytes
+ * may change after the check, so nothing may follow an index, an offset or a count that it read
+ * there: samples and codes of a grid are numbers to compare and to compute with, and no more. A
+ * mesh's payloads hold indices, so they are always read by the arena. What became of the whole file
+ * says leafcast_check_file().
  *
  * Thread-safe: any number of loads at once, each with a scratch of its own.
  */
@@ -16,8 +22,9 @@ typedef enum source_kind { SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA } source_kin
 
 typedef struct source source;
 
-/* source_open() - AUTO is the arena (see README.md); ST_UNSUPPORTED when mapped is asked for
- * compressed payloads. The file stays the caller's and must outlive the source. */
+/* source_open() - AUTO is the arena (see README.md), and so is MAPPED for a mesh; ST_UNSUPPORTED
+ * when mapped is asked for compressed payloads. The file stays the caller's and must outlive the
+ * source. */
 CHECKED status source_open(mem *m, leaf_file *f, source_kind kind, source **out);
 void source_close(source *s); /* NULL is fine */
 
@@ -39,7 +46,5 @@ CHECKED status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes,
 
 /* source_overhead_bytes() - what a loaded payload costs at most beside its bytes. */
 size_t source_overhead_bytes(const source *s);
-
-source_kind source_kind_of(const source *s);
 
 #endif

@@ -12,6 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "formats/base/bus_error.h"
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
 #include "formats/base/pool.h"
@@ -175,6 +176,7 @@ void cli_parse(const struct argp *table, cli_common *common, int argc, char **ar
     if (argc > 0)
         argv[0] = command;
     install_signals();
+    bus_error_install(command);
     common->threads = pool_default_threads();
     common->verbosity = 1;
     argp_err_exit_status = EXIT_USAGE;

@@ -1,0 +1,60 @@
+#include "formats/base/file_mark.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <sys/stat.h>
+#include <time.h>
+
+static file_mark mark_of(const struct stat *s) {
+    return (file_mark){.device = (uint64_t)s->st_dev,
+                       .inode = (uint64_t)s->st_ino,
+                       .size = (uint64_t)s->st_size,
+                       .modified_s = s->st_mtim.tv_sec,
+                       .modified_ns = s->st_mtim.tv_nsec};
+}
+
+status file_mark_take(const file *f, file_mark *mark) {
+    struct stat s;
+    if (fstat(file_descriptor(f), &s) != 0)
+        return file_failed(errno, file_path(f), "looking at its size");
+    *mark = mark_of(&s);
+    return ST_OK;
+}
+
+status file_mark_check(const file *f, const file_mark *mark) {
+    struct stat s;
+    const char *path = file_path(f);
+    assert(file_offset(f) == 0);
+    if (fstat(file_descriptor(f), &s) != 0)
+        return file_failed(errno, path, "looking at its size");
+    const file_mark now = mark_of(&s);
+    if (now.size != mark->size)
+        return status_describe(ST_CORRUPT,
+                               "%s changed while it was open: it had %llu bytes, and has %llu now",
+                               path, (unsigned long long)mark->size, (unsigned long long)now.size);
+    if (now.modified_s != mark->modified_s || now.modified_ns != mark->modified_ns)
+        return status_describe(ST_CORRUPT, "%s changed while it was open: it was written to", path);
+    if (stat(path, &s) != 0)
+        return ST_OK;
+    const file_mark named = mark_of(&s);
+    if (named.device == mark->device && named.inode == mark->inode)
+        return ST_OK;
+    return status_describe(ST_CORRUPT,
+                           "%s changed while it was open: another file has taken its place", path);
+}
+
+void file_mark_settle(const file_mark *mark) {
+    enum { TRIES = 100 }; /* a time that lies ahead is no reason to wait for it */
+    const struct timespec a_while = {.tv_nsec = 1000000};
+    struct timespec now;
+    for (int i = 0; i < TRIES; i++) {
+        /* The clock that files get their times from. */
+        if (clock_gettime(CLOCK_REALTIME_COARSE, &now) != 0 || now.tv_sec > mark->modified_s + 1 ||
+            now.tv_sec < mark->modified_s - 1)
+            return;
+        if (now.tv_sec > mark->modified_s ||
+            (now.tv_sec == mark->modified_s && now.tv_nsec > mark->modified_ns))
+            return;
+        (void)nanosleep(&a_while, NULL);
+    }
+}

@@ -1,0 +1,31 @@
+/* file_mark.h - whether a file is still the one that was opened.
+ *
+ * A mark holds a file's size, inode and time of last modification. What it cannot see: bytes that
+ * change without a new time, as through a writable mapping of a file on tmpfs.
+ */
+#ifndef FORMATS_BASE_FILE_MARK_H
+#define FORMATS_BASE_FILE_MARK_H
+
+#include <stdint.h>
+
+#include "formats/base/file.h"
+
+typedef struct file_mark {
+    uint64_t device, inode, size;
+    int64_t modified_s, modified_ns;
+} file_mark;
+
+/* file_mark_take() - of a whole file, right after it was opened. */
+CHECKED status file_mark_take(const file *f, file_mark *mark);
+
+/* file_mark_check() - ST_CORRUPT, with what changed, if the file has another size or time than its
+ * mark, or if its name now belongs to another file. A file without a name any more is unchanged.
+ * Thread-safe. */
+CHECKED status file_mark_check(const file *f, const file_mark *mark);
+
+/* file_mark_settle() - wait until the next write must give the file another time than its mark's: a
+ * tick of the clock at most, and only for a file that was written just now. Before bytes are used
+ * in place. */
+void file_mark_settle(const file_mark *mark);
+
+#endif
