@@ -499,7 +499,7 @@ static json_t *activity_json(const facts *x, double iso,
                      (double)all.bytes / (double)x->f->header.file_bytes, "levels", rows);
 }
 
-static void print_json(const arguments *a, const facts *x) {
+static status print_json(const arguments *a, const facts *x) {
     const bool mesh = x->f->mesh != NULL;
     json_t *json = mesh ? mesh_json(x) : header_json(x);
     if (!mesh)
@@ -512,13 +512,12 @@ static void print_json(const arguments *a, const facts *x) {
                                              : activity_json(x, a->isos[i], x->activity[i]));
         json_object_set_new(json, "isovalues", isos);
     }
-    json_dumpf(json, stdout, JSON_INDENT(2));
-    putchar('\n');
-    json_decref(json);
+    return cli_print_json(&a->common, json);
 }
 
 static void print_text(const arguments *a, const facts *x) {
     const bool mesh = x->f->mesh != NULL;
+    cli_results(&a->common, false);
     if (mesh) {
         print_mesh_header(x);
         print_mesh_parts(x);
@@ -544,7 +543,7 @@ static status report(arguments *a, mem *m, leaf_file *f) {
         st = leaf_stats_activity(m, f, a->isos[i], a->common.threads, cli_progress(&a->common),
                                  x.activity[i]);
     if (st == ST_OK && a->common.json)
-        print_json(a, &x);
+        st = print_json(a, &x);
     if (st == ST_OK && !a->common.json)
         print_text(a, &x);
     mem_free(m, x.activity);

@@ -40,22 +40,22 @@ static const struct argp table = {
     .children = children,
 };
 
-static void report(const arguments *a, const leaf_file *f) {
+static status report(const arguments *a, const leaf_file *f) {
     const leaf_header *h = &f->header;
     char id[33];
     snprintf(id, sizeof id, "%016llx%016llx", (unsigned long long)h->id[1],
              (unsigned long long)h->id[0]);
     if (!a->common.json) {
+        if (!cli_results(&a->common, true))
+            return ST_OK;
         printf("%s: sound: %llu treelets, %llu bytes, id %s\n", a->input,
                (unsigned long long)h->treelets, (unsigned long long)h->file_bytes, id);
-        return;
+        return ST_OK;
     }
     json_t *json =
         json_pack("{s:b, s:I, s:I, s:s}", "sound", 1, "treelets", (json_int_t)h->treelets,
                   "file_bytes", (json_int_t)h->file_bytes, "id", id);
-    json_dumpf(json, stdout, JSON_INDENT(2));
-    putchar('\n');
-    json_decref(json);
+    return cli_print_json(&a->common, json);
 }
 
 static status run(arguments *a) {
@@ -66,7 +66,7 @@ static status run(arguments *a) {
     if (st == ST_OK)
         st = leaf_verify(&m, f, a->common.threads, cli_progress(&a->common));
     if (st == ST_OK)
-        report(a, f);
+        st = report(a, f);
     leaf_file_close(f);
     return st;
 }

@@ -357,22 +357,23 @@ static uint64_t peak_rss(void) {
 }
 
 /* o: NULL for a dry run. */
-static void report(const arguments *a, const convert_plan *plan, const grid *g, const outcome *o) {
+static status report(const arguments *a, const convert_plan *plan, const grid *g,
+                     const outcome *o) {
     if (!a->common.json) {
+        if (!cli_results(&a->common, o != NULL))
+            return ST_OK;
         if (o)
             print_outcome(o, plan, g);
         else
             print_plan(plan, g, a->file.codec != LEAF_CODEC_RAW);
-        return;
+        return ST_OK;
     }
     json_t *json = plan_json(plan, g);
     if (o)
         add_outcome(json, o);
     else
         json_object_set_new(json, "file_bytes", json_integer((json_int_t)plan->file_bytes));
-    json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
-    putchar('\n');
-    json_decref(json);
+    return cli_print_json(&a->common, json);
 }
 
 static status convert_volume(arguments *a, mem *m, volume *v, double start) {
@@ -388,8 +389,7 @@ static status convert_volume(arguments *a, mem *m, volume *v, double start) {
     if (st != ST_OK)
         return st;
     if (a->dry_run) {
-        report(a, &plan, volume_grid(v), NULL);
-        return ST_OK;
+        return report(a, &plan, volume_grid(v), NULL);
     }
     if (plan.spilled_levels)
         cli_note(&a->common, 1,
@@ -406,8 +406,7 @@ static status convert_volume(arguments *a, mem *m, volume *v, double start) {
     if (out.result.trailing_bytes)
         cli_note(&a->common, 1, "%s: %llu bytes behind the samples are ignored", a->input,
                  (unsigned long long)out.result.trailing_bytes);
-    report(a, &plan, volume_grid(v), &out);
-    return ST_OK;
+    return report(a, &plan, volume_grid(v), &out);
 }
 
 /* ---- meshes ---- */
@@ -506,23 +505,23 @@ static json_t *fields_json(const arguments *a, const mesh_result *r) {
     return fields;
 }
 
-static void report_mesh(const arguments *a, const mesh_result *r, double seconds) {
+static status report_mesh(const arguments *a, const mesh_result *r, double seconds) {
     if (a->common.json) {
         json_t *json = mesh_plan_json(r);
         json_object_set_new(json, "steps", json_integer(a->input_count));
         json_object_set_new(json, "fields", fields_json(a, r));
         if (!a->dry_run)
             add_mesh(json, r, seconds);
-        json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
-        putchar('\n');
-        json_decref(json);
-        return;
+        return cli_print_json(&a->common, json);
     }
+    if (!cli_results(&a->common, !a->dry_run))
+        return ST_OK;
     print_input(a, &r->report);
     if (a->dry_run)
         print_mesh_plan(&r->plan);
     else
         print_mesh(r, seconds);
+    return ST_OK;
 }
 
 static status convert_mesh(arguments *a, mem *m, mesh *x, const mesh_series *series, double start) {
@@ -542,7 +541,7 @@ static status convert_mesh(arguments *a, mem *m, mesh *x, const mesh_series *ser
     status st = a->dry_run ? mesh_convert_dry(m, x, &o, p, &r)
                            : mesh_convert_run(m, x, a->common.output, &o, p, &r);
     if (st == ST_OK)
-        report_mesh(a, &r, clock_seconds() - start);
+        st = report_mesh(a, &r, clock_seconds() - start);
     return st;
 }
 

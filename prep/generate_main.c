@@ -1,10 +1,12 @@
 /* leafcast generate - analytic test volumes as NRRD, or as meshes of tets. */
+#include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/clock.h"
 #include "formats/base/num.h"
 #include "prep/generate.h"
 #include "prep/tet_generate.h"
@@ -203,20 +205,38 @@ static status run_tets(arguments *a, mem *m) {
     return tet_generate_files(m, &how, a->common.output, a->common.force, cli_progress(&a->common));
 }
 
-static status run(arguments *a) {
-    if (strcmp(a->common.output, "-") == 0 && isatty(STDOUT_FILENO))
-        return status_describe(ST_USAGE, "-o -: samples do not go to a terminal");
-    mem m;
-    mem_init(&m, a->common.memory);
-    if (a->tets)
-        return run_tets(a, &m);
+static status run_grid(arguments *a, mem *m) {
     grid g = make_grid(a);
     const generate_options how = {.info = a->info,
                                   .seed = a->seed,
                                   .threads = a->common.threads,
                                   .output = a->common.output,
                                   .force = a->common.force};
-    return generate_volume(&m, &g, &how, cli_progress(&a->common));
+    return generate_volume(m, &g, &how, cli_progress(&a->common));
+}
+
+static json_t *report_json(const arguments *a, double seconds) {
+    json_t *json = json_pack("{s:s, s:s, s:s, s:[i,i,i], s:[f,f,f], s:s, s:I, s:f}", "output",
+                             a->common.output, "field", a->info->name, "kind",
+                             a->tets ? "tets" : "grid", "dims", (int)a->dims[0], (int)a->dims[1],
+                             (int)a->dims[2], "spacing", a->spacing[0], a->spacing[1],
+                             a->spacing[2], "type", sample_name(a->tets ? SAMPLE_F32 : a->type),
+                             "seed", (json_int_t)a->seed, "seconds", seconds);
+    if (json && a->tets)
+        json_object_set_new(json, "steps", json_integer(a->steps ? a->steps : 1));
+    return json;
+}
+
+static status run(arguments *a) {
+    if (strcmp(a->common.output, "-") == 0 && isatty(STDOUT_FILENO))
+        return status_describe(ST_USAGE, "-o -: samples do not go to a terminal");
+    mem m;
+    mem_init(&m, a->common.memory);
+    const double start = clock_seconds();
+    status st = a->tets ? run_tets(a, &m) : run_grid(a, &m);
+    if (st == ST_OK && a->common.json)
+        st = cli_print_json(&a->common, report_json(a, clock_seconds() - start));
+    return st;
 }
 
 int main(int argc, char **argv) {

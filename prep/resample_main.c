@@ -1,4 +1,5 @@
 /* leafcast resample - a mesh of tets to a regular grid. */
+#include <jansson.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -144,26 +145,29 @@ static bool to_stdout(const arguments *a) {
     return strcmp(a->common.output, "-") == 0;
 }
 
-static void report(const arguments *a, const resample_grid *g, const resample_result *r,
-                   double seconds) {
-    const unsigned long long nodes = r->nodes, held = r->held, read = r->bytes_read;
+static json_t *report_json(const resample_grid *g, const resample_result *r, double seconds) {
+    return json_pack("{s:[i,i,i], s:[f,f,f], s:I, s:I, s:I, s:I, s:f}", "dims", (int)g->dims[0],
+                     (int)g->dims[1], (int)g->dims[2], "spacing", g->spacing[0], g->spacing[1],
+                     g->spacing[2], "nodes", (json_int_t)r->nodes, "held", (json_int_t)r->held,
+                     "slabs", (json_int_t)r->slabs, "bytes_read", (json_int_t)r->bytes_read,
+                     "seconds", seconds);
+}
+
+static status report(const arguments *a, const resample_grid *g, const resample_result *r,
+                     double seconds) {
     char number[3][NUM_TEXT_MAX];
-    if (to_stdout(a))
-        return;
-    if (a->common.json) {
-        printf("{\"dims\": [%u, %u, %u], \"spacing\": [%s, %s, %s], \"nodes\": %llu, "
-               "\"held\": %llu, \"slabs\": %llu, \"bytes_read\": %llu, \"seconds\": %.3f}\n",
-               g->dims[0], g->dims[1], g->dims[2], num_print(g->spacing[0], number[0]),
-               num_print(g->spacing[1], number[1]), num_print(g->spacing[2], number[2]), nodes,
-               held, (unsigned long long)r->slabs, read, seconds);
-        return;
-    }
+    if (a->common.json)
+        return cli_print_json(&a->common, report_json(g, r, seconds));
+    if (to_stdout(a) || !cli_results(&a->common, true))
+        return ST_OK;
     printf("grid        %u x %u x %u, %s x %s x %s apart\n", g->dims[0], g->dims[1], g->dims[2],
            num_print(g->spacing[0], number[0]), num_print(g->spacing[1], number[1]),
            num_print(g->spacing[2], number[2]));
-    printf("in the mesh %llu of %llu nodes\n", held, nodes);
+    printf("in the mesh %llu of %llu nodes\n", (unsigned long long)r->held,
+           (unsigned long long)r->nodes);
     printf("time        %.2f s, %llu passes, %.1f MiB read\n", seconds,
-           (unsigned long long)r->slabs, (double)read / 0x1p20);
+           (unsigned long long)r->slabs, (double)r->bytes_read / 0x1p20);
+    return ST_OK;
 }
 
 static status append(void *ctx, const float *samples, size_t count) {
@@ -209,7 +213,7 @@ static status resample(arguments *a, mem *m, leaf_file *f, double start) {
     }
     st = nrrd_writer_commit(writer);
     if (st == ST_OK)
-        report(a, &g, &result, clock_seconds() - start);
+        st = report(a, &g, &result, clock_seconds() - start);
     return st;
 }
 

@@ -138,26 +138,20 @@ static void print_report(const arguments *a, const tetrahedralize_report *r) {
                  (unsigned long long)r->flat);
 }
 
-static status print_json(const tetrahedralize_report *r) {
-    json_t *json = json_pack(
-        "{s:b, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:s}", "surface", (int)r->surface,
-        "points_in", (json_int_t)r->points_in, "facets_in", (json_int_t)r->facets_in, "welded",
-        (json_int_t)r->cleaned.welded, "flat_facets", (json_int_t)r->cleaned.flat,
-        "repeated_facets", (json_int_t)r->cleaned.repeated, "points", (json_int_t)r->points, "tets",
-        (json_int_t)r->tets, "unused_points", (json_int_t)r->unused, "flat_tets",
-        (json_int_t)r->flat, "volume", r->volume, "field", r->field);
-    const int failed = json ? json_dumpf(json, stdout, JSON_INDENT(2)) : -1;
-    json_decref(json);
-    puts("");
-    return failed ? status_describe(ST_FAILED, "cannot print the report") : ST_OK;
+static json_t *report_json(const tetrahedralize_report *r) {
+    return json_pack("{s:b, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:s}", "surface",
+                     (int)r->surface, "points_in", (json_int_t)r->points_in, "facets_in",
+                     (json_int_t)r->facets_in, "welded", (json_int_t)r->cleaned.welded,
+                     "flat_facets", (json_int_t)r->cleaned.flat, "repeated_facets",
+                     (json_int_t)r->cleaned.repeated, "points", (json_int_t)r->points, "tets",
+                     (json_int_t)r->tets, "unused_points", (json_int_t)r->unused, "flat_tets",
+                     (json_int_t)r->flat, "volume", r->volume, "field", r->field);
 }
 
 static status run(arguments *a) {
     const bool pipe = strcmp(a->common.output, "-") == 0;
     if (pipe && isatty(STDOUT_FILENO))
         return status_describe(ST_USAGE, "-o -: a mesh does not go to a terminal");
-    if (pipe && a->common.json)
-        return status_describe(ST_USAGE, "--json: standard output is the mesh's");
     mem m;
     mem_init(&m, a->common.memory);
     a->how.output = a->common.output;
@@ -174,7 +168,7 @@ static status run(arguments *a) {
     if (st != ST_OK)
         return st;
     print_report(a, &report);
-    return a->common.json ? print_json(&report) : ST_OK;
+    return a->common.json ? cli_print_json(&a->common, report_json(&report)) : ST_OK;
 }
 
 int main(int argc, char **argv) {

@@ -205,12 +205,17 @@ static status run_suite(bench_options *o, const bench_suite *suite) {
         return st;
     o->job.output = o->folder && !o->common.output ? names.png : o->common.output;
     st = suite->run(&o->job);
-    if (o->job.table.rows > 0)
+    cli_results(&o->common, false);
+    if (o->job.table.rows > 0 && !o->common.json)
         bench_table_print(&o->job.table, stdout);
     fflush(stdout);
     if (st == ST_OK)
         st = write_products(o, suite, &names);
-    return st == ST_OK ? check_counts(o, suite) : st;
+    if (st == ST_OK)
+        st = check_counts(o, suite);
+    if (st == ST_OK && o->common.json)
+        st = cli_print_json(&o->common, bench_table_json(&o->job.table, suite->name));
+    return st;
 }
 
 /* Every suite; one that lacks something here is passed over, one whose counts are off does not
@@ -241,6 +246,7 @@ static status run(bench_options *o) {
     const char *name = o->suite ? o->suite : "intersectors";
     const bench_suite *suite = bench_suite_find(name);
     const bool all = strcmp(name, "all") == 0;
+    o->common.json_lines = all;
     if (!suite && !all)
         return status_describe(ST_USAGE, "no suite \"%s\"; --help lists them", name);
     if ((job->view.field[0] && !(suite && suite->series)) || job->view.step)

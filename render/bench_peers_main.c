@@ -145,14 +145,20 @@ static status run(peers_options *o) {
     st = peer_race_run(&o->m, &race, &o->table, &missing);
     if (st)
         return st;
-    bench_table_print(&o->table, stdout);
+    cli_results(&o->common, false);
+    if (!o->common.json)
+        bench_table_print(&o->table, stdout);
     if (missing.embree[0])
         cli_note(&o->common, 1, "no Embree: %s", missing.embree);
     if (missing.vtk[0])
         cli_note(&o->common, 1, "no VTK: %s", missing.vtk);
-    if (o->common.output)
+    if (st == ST_OK && o->common.output)
         st = write_table(o, o->common.output, false);
-    return st == ST_OK && o->plot ? write_table(o, o->plot, true) : st;
+    if (st == ST_OK && o->plot)
+        st = write_table(o, o->plot, true);
+    if (st == ST_OK && o->common.json)
+        st = cli_print_json(&o->common, bench_table_json(&o->table, "peers"));
+    return st;
 }
 
 int main(int argc, char **argv) {

@@ -1,9 +1,12 @@
 #include "render/bench_table.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "formats/base/num.h"
 
 void bench_table_init(bench_table *t, const char *title, const char *headings) {
     memset(t, 0, sizeof *t);
@@ -70,6 +73,25 @@ void bench_table_csv(const bench_table *t, FILE *out) {
     csv_row(t, t->heading, out);
     for (int r = 0; r < t->rows; r++)
         csv_row(t, t->cell[r], out);
+}
+
+/* "n/a", "-" and the like stay text. */
+static json_t *cell_json(const char *text) {
+    double value = 0.0;
+    if (num_double(text, "", &value) != ST_OK || !isfinite(value))
+        return json_string(text);
+    return json_real(value);
+}
+
+json_t *bench_table_json(const bench_table *t, const char *suite) {
+    json_t *rows = json_array();
+    for (int r = 0; r < t->rows; r++) {
+        json_t *row = json_object();
+        for (int c = 0; c < t->columns; c++)
+            json_object_set_new(row, t->heading[c], cell_json(t->cell[r][c]));
+        json_array_append_new(rows, row);
+    }
+    return json_pack("{s:s, s:s, s:o}", "suite", suite, "title", t->title, "rows", rows);
 }
 
 static int by_value(const void *a, const void *b) {

@@ -3,6 +3,7 @@
 #ifndef RENDER_BENCH_TABLE_H
 #define RENDER_BENCH_TABLE_H
 
+#include <jansson.h>
 #include <stdio.h>
 
 enum { BENCH_COLUMNS = 24, BENCH_ROWS = 256, BENCH_TEXT = 40 };
@@ -25,6 +26,10 @@ int bench_table_column(const bench_table *t, const char *heading);
 
 void bench_table_print(const bench_table *t, FILE *out);
 void bench_table_csv(const bench_table *t, FILE *out);
+
+/* bench_table_json() - {"suite": ..., "title": ..., "rows": [{HEADING: CELL, ...}, ...]}, where
+ * cells that are numbers are numbers. NULL where there is no memory. */
+json_t *bench_table_json(const bench_table *t, const char *suite);
 
 /* bench_median() - of count >= 1 values, which are sorted; *spread, unless NULL: half the range of
  * the middle half. */

@@ -321,7 +321,7 @@ int main(int argc, char **argv) {
         .doc = "Tell what a pixel's ray or a point sees: hits, cells, values, gradients, the error "
                "bound.\vExample:\n  leafcast probe bonsai.leaf --iso 37 --at 512,400\v"
                "The flags are those of render, so that a picture's pixel is found again. "
-               "With --json the answer is one line of JSON.",
+               "With --json the answer is a JSON object.",
         .children = children};
     view_options_init(&o.view);
     cli_parse(&table, &o.common, argc, argv, &o);
@@ -330,10 +330,9 @@ int main(int argc, char **argv) {
     status st = run(&o, answer);
     json_object_set_new(answer, "rerun", rerun_line(argc, argv));
     if (st == ST_OK && o.common.json) {
-        char *text = json_dumps(answer, JSON_COMPACT);
-        puts(text ? text : "{}");
-        free(text);
+        st = cli_print_json(&o.common, json_incref(answer));
     } else if (st == ST_OK) {
+        cli_results(&o.common, false);
         print_text(answer, 0);
     }
     json_decref(answer);

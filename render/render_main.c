@@ -259,16 +259,6 @@ static status draw(render_options *o, render_job *job, const script_frame *frame
     return ST_OK;
 }
 
-static status print_line(const json_t *object) {
-    char *text = json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(9));
-    if (!text)
-        return status_describe(ST_NOMEM, "no memory for the statistics");
-    puts(text);
-    fflush(stdout);
-    free(text);
-    return ST_OK;
-}
-
 static status write_stats(render_options *o, const json_t *stats) {
     mem m;
     out_file *f = NULL;
@@ -407,6 +397,13 @@ static status check_sequence(const render_options *o, const render_job *job, seq
     return st;
 }
 
+static status write_frames(render_options *o, json_t *all) {
+    json_t *frames = json_pack("{s:O}", "frames", all);
+    status st = write_stats(o, frames);
+    json_decref(frames);
+    return st;
+}
+
 static status draw_sequence(render_options *o, render_job *job, sequence *s, script_frame *frame,
                             json_t *all) {
     status st = ST_OK;
@@ -419,18 +416,18 @@ static status draw_sequence(render_options *o, render_job *job, sequence *s, scr
             st = render_job_check(job, frame);
         if (st == ST_OK)
             st = draw(o, job, frame, &stats);
-        if (st == ST_OK && o->common.json)
-            st = print_line(stats);
+        if (st == ST_OK && o->common.json && is_sequence(o))
+            st = cli_print_json(&o->common, json_incref(stats));
         if (stats)
             json_array_append_new(all, stats);
     }
-    if (st || !o->stats)
-        return st;
-    if (!is_sequence(o))
-        return write_stats(o, json_array_get(all, 0));
-    json_t *frames = json_pack("{s:O}", "frames", all);
-    st = write_stats(o, frames);
-    json_decref(frames);
+    if (st || is_sequence(o))
+        return st || !o->stats ? st : write_frames(o, all);
+    json_t *one = json_array_get(all, 0);
+    if (o->stats)
+        st = write_stats(o, one);
+    if (st == ST_OK && o->common.json)
+        st = cli_print_json(&o->common, json_incref(one));
     return st;
 }
 
@@ -484,12 +481,10 @@ static status answer_line(render_options *o, render_job *job, const char *text, 
         /* One bad line does not end the run. */
         *failed = true;
         cli_note(&o->common, 0, "%s", status_text());
-        answer = json_pack("{s:s}", "error", status_text());
+        answer = cli_error_json(st);
     }
     json_object_set_new(answer, "line", json_integer(number));
-    st = print_line(answer);
-    json_decref(answer);
-    return st;
+    return cli_print_json(&o->common, answer);
 }
 
 static status run_script(render_options *o, render_job *job) {
@@ -544,6 +539,7 @@ int main(int argc, char **argv) {
                                   .format = o.format,
                                   .stop = job.watch->stop,
                                   .ctx = job.watch->ctx};
+    o.common.json_lines = o.script || is_sequence(&o);
     status st = guard_inputs(&o);
     if (st == ST_OK)
         st = o.script ? run_script(&o, &job) : run_sequence(&o, &job);

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <stdnoreturn.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "formats/base/bus_error.h"
@@ -75,6 +76,10 @@ static status flush_results(void) {
         return ST_OK;
     return status_describe(errno == ENOSPC ? ST_NOSPACE : ST_IO,
                            "standard output: cannot write: %s", strerror(errno ? errno : EIO));
+}
+
+json_t *cli_error_json(status st) {
+    return cli_json_error(st, exit_code(st), status_text());
 }
 
 /* ---- flags ---- */
@@ -163,12 +168,74 @@ static error_t parse_common(int key, char *arg, struct argp_state *state) {
     case KEY_USAGE:
     case KEY_VERSION:
     case KEY_LIST: tell(c, key);
+    case ARGP_KEY_END:
+        if (c->json && c->output && strcmp(c->output, "-") == 0)
+            argp_error(state, "--json: standard output is taken by -o -");
+        break;
     default: return ARGP_ERR_UNKNOWN;
     }
     return 0;
 }
 
 const struct argp cli_common_argp = {.options = common_options, .parser = parse_common};
+
+/* ---- usage errors ---- */
+
+/* argp and getopt write to stderr and exit. While they parse, stderr is a text, which is said when
+ * the program ends: with a suggestion, and as JSON where that was asked for. */
+static struct {
+    FILE *stream, *real; /* stream: NULL when it is over */
+    char *text;
+    size_t size;
+    bool json;
+} said;
+
+static void stop_listening(void) {
+    fclose(said.stream);
+    stderr = said.real;
+    said.stream = NULL;
+}
+
+/* The message alone: its first line, without the command. */
+static void cut_message(char *message) {
+    const size_t prefix = strlen(command);
+    message[strcspn(message, "\n")] = 0;
+    if (strncmp(message, command, prefix) == 0 && message[prefix] == ':')
+        memmove(message, message + prefix + 2, strlen(message + prefix + 2) + 1);
+}
+
+static void at_exit(void) {
+    char message[STATUS_TEXT_MAX], near[64] = "";
+    if (!said.stream)
+        return;
+    stop_listening();
+    if (said.size == 0)
+        return;
+    snprintf(message, sizeof message, "%s", said.text);
+    const bool slip = strstr(message, "unrecognized option '--") != NULL;
+    if (slip && cli_options_nearest(parsed, strstr(message, "'--") + 3, near, sizeof near))
+        fprintf(stderr, "%.*s; did you mean '--%s'?%s", (int)strcspn(said.text, "\n"), said.text,
+                near, said.text + strcspn(said.text, "\n"));
+    else
+        fputs(said.text, stderr);
+    cut_message(message);
+    if (said.json && cli_json_write(stdout, cli_json_error(ST_USAGE, EXIT_USAGE, message), false))
+        fprintf(stderr, "%s: %s\n", command, status_text());
+}
+
+static void listen_in(int argc, char **argv) {
+    /* Before it is parsed: --json may stand behind what is wrong. */
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++)
+        said.json |= strlen(argv[i]) > 2 && strncmp("--json", argv[i], strlen(argv[i])) == 0;
+    said.real = stderr;
+    said.stream = open_memstream(&said.text, &said.size);
+    if (said.stream && atexit(at_exit) == 0)
+        stderr = said.stream;
+}
+
+/* ---- parsing ---- */
+
+static double started; /* when the verb was */
 
 void cli_parse(const struct argp *table, cli_common *common, int argc, char **argv, void *input) {
     /* Messages start with the command as it is typed: argp takes it from argv[0]. */
@@ -177,15 +244,21 @@ void cli_parse(const struct argp *table, cli_common *common, int argc, char **ar
         argv[0] = command;
     install_signals();
     bus_error_install(command);
+    started = clock_seconds();
     common->threads = pool_default_threads();
     common->verbosity = 1;
     argp_err_exit_status = EXIT_USAGE;
     parsed = table;
+    listen_in(argc, argv);
     error_t error = argp_parse(table, argc, argv, ARGP_NO_HELP, NULL, input);
     if (error) {
         fprintf(stderr, "%s: %s\n", command, strerror(error));
         exit(EXIT_USAGE);
     }
+    if (said.stream)
+        stop_listening();
+    cli_note(common, 3, "%d threads; memory: %.1f MiB (0: the verb's own measure)", common->threads,
+             (double)common->memory / 0x1p20);
 }
 
 /* ---- progress ---- */
@@ -195,10 +268,12 @@ static struct {
     progress interface;
     const char *verb;
     bool bar;
-    bool drawn;      /* a bar stands on the current line */
-    double start;    /* when the job began, seconds */
-    double next;     /* not before this is anything printed again */
-    double fraction; /* never goes back */
+    bool stages;       /* -v: each is told as it begins */
+    const char *stage; /* of the last report */
+    bool drawn;        /* a bar stands on the current line */
+    double start;      /* when the job began, seconds */
+    double next;       /* not before this is anything printed again */
+    double fraction;   /* never goes back */
 } meter = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 static void print_duration(char *text, size_t room, double seconds) {
@@ -224,10 +299,25 @@ static void draw_bar(const char *stage, const char *eta) {
     meter.drawn = true;
 }
 
+static void erase_bar(void) {
+    if (meter.drawn)
+        fputs("\r\033[K", stderr);
+    meter.drawn = false;
+}
+
+static void tell_stage(const char *stage, double t) {
+    if (!meter.stages || (meter.stage && strcmp(meter.stage, stage) == 0))
+        return;
+    erase_bar();
+    fprintf(stderr, "leafcast %s: at %.2f s: %s\n", meter.verb, t - started, stage);
+    meter.stage = stage;
+}
+
 static void report(void *ctx, const char *stage, double fraction) {
     (void)ctx;
     pthread_mutex_lock(&meter.lock);
     double t = clock_seconds();
+    tell_stage(stage, t);
     if (fraction > meter.fraction)
         meter.fraction = fraction < 1 ? fraction : 1;
     if (t >= meter.next) {
@@ -258,6 +348,7 @@ const progress *cli_progress(cli_common *common) {
     pthread_mutex_lock(&meter.lock);
     meter.verb = common->verb;
     meter.bar = bar_wanted();
+    meter.stages = common->verbosity > 1;
     meter.start = clock_seconds();
     /* Short jobs draw nothing. */
     meter.next = meter.start + (meter.bar ? 0.3 : 5);
@@ -270,9 +361,7 @@ const progress *cli_progress(cli_common *common) {
 
 static void clear_bar(void) {
     pthread_mutex_lock(&meter.lock);
-    if (meter.drawn)
-        fputs("\r\033[K", stderr);
-    meter.drawn = false;
+    erase_bar();
     pthread_mutex_unlock(&meter.lock);
 }
 
@@ -292,16 +381,48 @@ void cli_note(const cli_common *common, int verbosity, const char *fmt, ...) {
     va_end(args);
 }
 
+bool cli_results(const cli_common *common, bool summary) {
+    clear_bar();
+    return !summary || common->verbosity > 0;
+}
+
+status cli_print_json(const cli_common *common, json_t *results) {
+    clear_bar();
+    status st = cli_json_write(stdout, results, common->json_lines);
+    /* A reader of lines waits for each. */
+    return st == ST_OK && common->json_lines ? flush_results() : st;
+}
+
+/* What the job took, for -v. */
+static void tell_costs(const cli_common *common) {
+    struct rusage used;
+    if (common->verbosity < 2 || getrusage(RUSAGE_SELF, &used) != 0)
+        return;
+    const double cpu = (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+                       1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+    cli_note(common, 2, "%.2f s, %.2f s of CPU, at most %.1f MiB of memory, %d threads asked for",
+             clock_seconds() - started, cpu, (double)used.ru_maxrss / 1024.0, common->threads);
+}
+
+/* The same error to a program. */
+static void print_error(const cli_common *common, status st, int code) {
+    if (common->json &&
+        cli_json_write(stdout, cli_json_error(st, code, status_text()), common->json_lines))
+        cli_note(common, 0, "%s", status_text());
+    fflush(stdout);
+}
+
 int cli_finish(const cli_common *common, status st) {
     clear_bar();
     if (st == ST_OK)
         st = flush_results();
+    tell_costs(common);
     if (st == ST_OK)
         return 0;
-    if (caught) {
-        cli_note(common, 0, "stopped by signal %d (%s)", caught, strsignal(caught));
-        return EXIT_SIGNAL + caught;
-    }
+    if (caught)
+        st = status_describe(ST_STOPPED, "stopped by signal %d (%s)", caught, strsignal(caught));
+    const int code = caught ? EXIT_SIGNAL + caught : exit_code(st);
     cli_note(common, 0, "%s", status_text());
-    return exit_code(st);
+    print_error(common, st, code);
+    return code;
 }

@@ -12,6 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "formats/base/cli_json.h"
 #include "formats/base/cli_options.h"
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
@@ -24,6 +25,7 @@ typedef struct cli_common {
     uint64_t memory;     /* --memory SIZE in bytes; 0 when absent */
     int verbosity;       /* 0 quiet, 1 normal, 2+ verbose */
     bool json;           /* --json */
+    bool json_lines;     /* --json gives a line each time: set by the verb, before it prints any */
     bool force;          /* --force: overwrite outputs */
 } cli_common;
 
@@ -46,9 +48,20 @@ const progress *cli_progress(cli_common *common);
 void cli_note(const cli_common *common, int verbosity, const char *fmt, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* cli_finish() - end the progress bar; say the error, if any, on stderr; return the exit code: 0
- * ok, 1 failure, 2 usage, 3 malformed or unsupported input, 4 out of memory or disk, 128+n when
- * signal n stopped the job. */
+/* cli_results() - to be called before results are printed on stdout: takes the progress bar away.
+ * Whether they are wanted: a summary of what was done is not with -q. */
+bool cli_results(const cli_common *common, bool summary);
+
+/* cli_print_json() - the verb's results (takes the reference) on stdout, as one document or as one
+ * of several lines. An error where it cannot be; see cli_json_write(). */
+CHECKED status cli_print_json(const cli_common *common, json_t *results);
+
+/* cli_error_json() - the described error as --json tells it. */
+json_t *cli_error_json(status st);
+
+/* cli_finish() - end the progress bar; say the error, if any, on stderr, with --json also as JSON
+ * on stdout; with -v what it took; return the exit code: 0 ok, 1 failure, 2 usage, 3 malformed or
+ * unsupported input, 4 out of memory or disk, 128+n when signal n stopped the job. */
 int cli_finish(const cli_common *common, status st);
 
 #endif

@@ -175,3 +175,45 @@ void cli_options_list(const struct argp *table, const char *without, FILE *out) 
     for (int i = 0; i < count; i++)
         list_table(tables[i], without, out);
 }
+
+/* ---- slips ---- */
+
+enum { NAME_MAX_COMPARED = 40 };
+
+/* How many letters are to be changed, added, left out. */
+static int distance(const char *a, const char *b) {
+    int row[NAME_MAX_COMPARED + 1];
+    const int n = (int)strlen(b);
+    for (int j = 0; j <= n; j++)
+        row[j] = j;
+    for (int i = 0; a[i]; i++) {
+        int corner = row[0]++;
+        for (int j = 0; j < n; j++) {
+            const int changed = corner + (a[i] != b[j]);
+            const int shorter = (row[j] < row[j + 1] ? row[j] : row[j + 1]) + 1;
+            corner = row[j + 1];
+            row[j + 1] = changed < shorter ? changed : shorter;
+        }
+    }
+    return row[n];
+}
+
+bool cli_options_nearest(const struct argp *table, const char *name, char *near, size_t room) {
+    const struct argp_option *tables[TABLES_MAX];
+    const int count = tables_of(table, tables);
+    char word[NAME_MAX_COMPARED];
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(name, "'="), name);
+    /* Slips rarely change the first letter. */
+    int best = strlen(word) > 3 ? 6 : 4;
+    const int far = best;
+    for (int i = 0; i < count; i++)
+        for (const struct argp_option *o = tables[i]; is_row(o); o++) {
+            if (!o->name || (o->flags & OPTION_HIDDEN) || strlen(o->name) > NAME_MAX_COMPARED)
+                continue;
+            const int d = 2 * distance(word, o->name) + (word[0] != o->name[0]);
+            if (d < best)
+                snprintf(near, room, "%s", o->name);
+            best = d < best ? d : best;
+        }
+    return best < far;
+}

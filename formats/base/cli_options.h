@@ -34,4 +34,8 @@ void cli_options_help(const struct argp *table, const char *without, const char 
  * of the arguments, whose name is empty. Hidden options are left out. */
 void cli_options_list(const struct argp *table, const char *without, FILE *out);
 
+/* cli_options_nearest() - the long option that was likely meant by a name of none (which ends at a
+ * quote, a '=' or its end); false where none is near. */
+bool cli_options_nearest(const struct argp *table, const char *name, char *near, size_t room);
+
 #endif

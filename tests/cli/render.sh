@@ -160,7 +160,7 @@ JSON
 exits "a script with two bad lines" 1 "$leafcast" render "$leaf" --iso 128 --script "$tmp/script"
 ok "answers every line" lines 5
 ok "says what was wrong" says 'line 3: there is no "lights"' err
-ok "in the answer too" says '"error":"line 5: ' out
+ok "in the answer too" says '"message":"line 5: ' out
 ok "numbers its lines" json "$tmp/out" 'j["line"] == 6 and j["rays"] == 64'
 ok "goes on after them" cmp -s "$tmp/s1.f64" "$tmp/s2.f64"
 rm -f "$tmp/s1.f64" "$tmp/s2.f64"

@@ -1,0 +1,43 @@
+#include "formats/base/cli_json.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+status cli_json_write(FILE *out, json_t *document, bool line) {
+    const size_t layout = line ? JSON_COMPACT : JSON_INDENT(2);
+    char *text = document ? json_dumps(document, layout | JSON_REAL_PRECISION(17)) : NULL;
+    json_decref(document);
+    if (!text)
+        return status_describe(ST_FAILED, "the results cannot be written as JSON");
+    fputs(text, out);
+    fputc('\n', out);
+    free(text);
+    return ST_OK;
+}
+
+static const char *name_of(status st) {
+    static const char *const names[] = {
+        [ST_OK] = "ok",           [ST_AGAIN] = "again",      [ST_USAGE] = "usage",
+        [ST_CORRUPT] = "corrupt", [ST_NOMEM] = "no memory",  [ST_UNSUPPORTED] = "unsupported",
+        [ST_IO] = "io",           [ST_NOSPACE] = "no space", [ST_EXISTS] = "exists",
+        [ST_STOPPED] = "stopped", [ST_FAILED] = "failed"};
+    return names[st];
+}
+
+json_t *cli_json_error(status st, int code, const char *message) {
+    char text[STATUS_TEXT_MAX];
+    snprintf(text, sizeof text, "%s", message);
+    json_t *said = json_string(text);
+    for (char *at = text; !said && *at; at++)
+        if ((unsigned char)*at >= 0x80)
+            *at = '?';
+    if (!said)
+        said = json_string(text);
+    return json_pack("{s:{s:s, s:i, s:o}}", "error", "status", name_of(st), "exit", code, "message",
+                     said);
+}
+
+json_t *cli_json_real(double value) {
+    return isfinite(value) ? json_real(value) : json_null();
+}

@@ -1,0 +1,23 @@
+/* cli_json.h - results and errors of the verbs as JSON: one way to write them for all. */
+#ifndef FORMATS_BASE_CLI_JSON_H
+#define FORMATS_BASE_CLI_JSON_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "formats/base/status.h"
+
+/* cli_json_write() - a document, indented by two blanks, or a line of it; and a newline. Takes the
+ * reference. ST_FAILED where document is NULL, which is how jansson refuses text that is no UTF-8.
+ * What did not reach the stream is fflush()'s to find. */
+CHECKED status cli_json_write(FILE *out, json_t *document, bool line);
+
+/* cli_json_error() - {"error": {"status": NAME, "exit": CODE, "message": TEXT}}; bytes of the text
+ * that are no UTF-8 become question marks. NULL where there is no memory. */
+json_t *cli_json_error(status st, int code, const char *message);
+
+/* cli_json_real() - a number, or null where it is not finite: JSON has no other word for it. */
+json_t *cli_json_real(double value);
+
+#endif
