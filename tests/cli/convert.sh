@@ -8,11 +8,11 @@ says() { grep -q -- "$1" "$tmp/$2"; }
 left() { [ "$(find "$tmp" -name '*.leaf*' | wc -l)" = "$1" ]; }
 run "$leafcast" generate gyroid --dims 70,60,50 --type u16 -o "$in"
 
-exits "a small volume" 0 "$leafcast" convert "$in" -o "$out" -q
+exits "a small volume" 0 "$leafcast" convert "$in" -o "$out"
 ok "tells the file's size" says '^file .* of raw$' out
 ok "tells grid and levels" says '^grid  *70 x 60 x 50 u16, 3 levels, 15 treelets$' out
 ok "tells values, time, memory" [ "$(grep -c '^values\|^time\|^memory' "$tmp/out")" = 3 ]
-ok "is quiet with -q" [ ! -s "$tmp/err" ]
+ok "says nothing else" [ ! -s "$tmp/err" ]
 ok "leaves one file" left 1
 exits "verify" 0 "$leafcast" verify "$out"
 ok "says it is sound" says ': sound: 15 treelets' out
@@ -21,6 +21,8 @@ ok "is JSON" says '"sound": true' out
 
 exits "an existing output" 1 "$leafcast" convert "$in" -o "$out"
 ok "and the way out is told" says '--force' err
+exits "--force -q" 0 "$leafcast" convert "$in" -o "$out" --force -q
+ok "is quiet" [ ! -s "$tmp/out" -a ! -s "$tmp/err" ]
 exits "--force" 0 "$leafcast" convert "$in" -o "$out" --force --json
 ok "with --json" says '"treelets": 15' out
 for how in "--threads 1" "--threads 3 --memory 1500K" "--memory 40M"; do

@@ -8,13 +8,13 @@ says() { grep -q -- "$1" "$tmp/$2"; }
 left() { [ "$(find "$tmp" -name '*.leaf*' | wc -l)" = "$1" ]; }
 run "$leafcast" generate buckyball --tets --dims 32 -o "$in"
 
-exits "a mesh stream" 0 "$leafcast" convert "$in" -o "$out" -q
+exits "a mesh stream" 0 "$leafcast" convert "$in" -o "$out"
 ok "tells what came in" says '^input  *32768 points, 178746 tets$' out
 ok "tells the field" says '^field  *buckyball$' out
 ok "tells the file's size" says '^file .* bytes a tet$' out
 ok "tells the mesh" says '^mesh  *178746 tets, 32768 vertices, [1-9][0-9]* treelets$' out
 ok "at most 20 bytes a tet" awk '/^file/ { exit !($4 < 20) }' "$tmp/out"
-ok "is quiet with -q" [ ! -s "$tmp/err" ]
+ok "says nothing else" [ ! -s "$tmp/err" ]
 ok "leaves one file" left 1
 exits "verify" 0 "$leafcast" verify "$out"
 exits "an existing output" 1 "$leafcast" convert "$in" -o "$out"

@@ -86,7 +86,7 @@ exits "--force, quietly" 0 "$leafcast" render $small --depth-f64 "$d" --force -q
 ok "says nothing" quiet err
 ok "gives the same bits" cmp -s "$d" "$tmp/first.f64"
 exits "--json without outputs" 0 "$leafcast" render $small --json --repeat 3
-ok "prints a line" lines 1
+ok "prints an object" says '^{$' out
 ok "of the median of three" json "$tmp/out" 'j["repeats"] == 3 and j["size"] == [40, 30]'
 
 # ---- isovalues that draw nothing ----

@@ -28,7 +28,7 @@ floats "$tmp/out" 4913 && cp "$tmp/samples" "$tmp/first"
 floats "$out" 4913
 ok "gives the same samples" cmp "$tmp/first" "$tmp/samples"
 # shellcheck disable=SC2016
-exits "on to convert" 0 sh -c '"$1" resample "$2" --spacing 0.5 -q -o - | "$1" convert - -q -o "$3" && "$1" verify "$3"' \
+exits "on to convert" 0 sh -c '"$1" resample "$2" --spacing 0.5 -q -o - | "$1" convert - -o "$3" && "$1" verify "$3"' \
     sh "$leafcast" "$tmp/b.mleaf" "$tmp/b.vleaf"
 ok "a grid of twice the points" grep -q "33 x 33 x 33 f32" "$tmp/out"
 exits "a part, and beyond" 0 "$leafcast" resample "$tmp/b.mleaf" --dims 9,9,9 --bounds=-8,0,0,8,16,16 --json --force -o "$out"
