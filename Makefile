@@ -66,19 +66,19 @@ TOOLS    := $(call programs,tool)
 FUZZERS  := $(if $(filter fuzz,$(CONFIG)),$(call programs,fuzz))
 CLI      := $(sort $(wildcard tests/cli/*.sh))
 
-# The tests that start threads: those worth running under CONFIG=thread.
-TSAN_TESTS := test_pool test_mem test_field test_nrrd test_pyramid test_convert test_exact \
-              test_trace test_loader test_render_faults test_cell_stress test_watertight \
-              test_peer_mesh test_kept_polygons test_tet_generate test_mesh_sort test_mesh_build \
-              test_mesh_series test_mesh_steps test_mesh_gradients test_tetrahedralize test_resample \
-              test_mesh_coarse test_mesh_preview render render_mesh
+# A test says what it is in a line of its own, `marks: threads` (it starts threads: run under
+# CONFIG=thread) or `marks: long` (it takes long: begun first, left out by `make quick`), or both.
+names  = $(basename $(notdir $1))
+marked = $(call names,$(shell grep -lE '^[^ ]+ marks:.*\b$1\b' tests/test_*.c tests/cli/*.sh))
+LONG  := $(call marked,long)
+QUICK  = $(filter-out $(LONG),$(call names,$(TESTS) $(CLI)))
 
 # T="NAME..." runs only the tests of those names: make test T="test_pool front_door"
-T   ?= $(if $(filter thread,$(CONFIG)),$(TSAN_TESTS))
-RUN := $(TESTS) $(CLI)
-ifneq ($(strip $(T)),)
-RUN := $(filter $(foreach t,$T,$B/tests/$t tests/cli/$t.sh),$(RUN))
-endif
+T   ?= $(if $(filter thread,$(CONFIG)),$(call marked,threads))
+only = $(filter $(foreach t,$1,$B/tests/$t tests/cli/$t.sh),$2)
+ASKED := $(if $(strip $T),$(call only,$T,$(TESTS) $(CLI)),$(TESTS) $(CLI))
+RUN   := $(call only,$(LONG),$(ASKED))
+RUN   += $(filter-out $(RUN),$(ASKED))
 
 # ---- libraries -----------------------------------------------------------------------------------
 LIBS_PC := zlib libzstd jansson libxxhash expat libpng
@@ -105,7 +105,7 @@ endif
 # ---- building ------------------------------------------------------------------------------------
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all tests run-tests test stress demo setup bench check install list help clean FORCE
+.PHONY: all tests run-tests quick mutants test stress demo setup bench check install list help clean FORCE
 
 Q   := $(if $(V),,@)
 say  = $(if $(V),,@echo "  $1  $2")
@@ -214,10 +214,18 @@ $(TESTS) $(TOOLS) $(FUZZERS): $B/tests/%: $B/obj/tests/%.o $(SUPPORT) $(LIB)
 	$(link) $(LINK_TESTS)
 
 tests: all $(TESTS) $(TOOLS)
+TEST_ENV = LEAFCAST_BUILD=$(CURDIR)/$B LEAFCAST=$(CURDIR)/$(FRONT) \
+           LEAFCAST_COMPILE=$(call quoted,$(CC) $(ALL_C)) LEAFCAST_LIBS='$(ALL_LIBS) -lcmocka'
 run-tests: all $(TOOLS) $(filter $B/%,$(RUN))
-	@LEAFCAST_BUILD=$(CURDIR)/$B LEAFCAST=$(CURDIR)/$(FRONT) \
-	    LEAFCAST_COMPILE=$(call quoted,$(CC) $(ALL_C)) LEAFCAST_LIBS='$(ALL_LIBS) -lcmocka' \
-	    scripts/run-tests --timeout $(TIMEOUT) $(RUN)
+	@$(TEST_ENV) scripts/run-tests --timeout $(TIMEOUT) $(RUN)
+quick:
+	@scripts/check_layers
+	@scripts/check_headers
+	@scripts/check_size
+	@$(MAKE) --no-print-directory $(ALL_CORES) run-tests T="$(QUICK)"
+# All that tests/cli/mutants.sh takes samples of; T="PART..." only those with this in their names.
+mutants: all $(TESTS)
+	@$(TEST_ENV) scripts/run-mutants $(foreach t,$T,$(call quoted,$t))
 
 # The stress lab at length, COUNT ray-cells of each case; its short form is in `make test`.
 COUNT ?= 5000000
@@ -261,6 +269,8 @@ install: all
 list help:
 	@echo "make            build everything into $B (and build/leafcast)"
 	@echo "make test       install what is missing, build, run all tests; T=\"NAME...\" for some"
+	@echo "make quick      rules of the house and all tests but the long ones, in a minute"
+	@echo "make mutants    all wrong kernels, of which make test takes a sample; T=\"PART...\" for some"
 	@echo "make stress     ray-cells by the million against the reference; COUNT=$(COUNT) CSV=FILE"
 	@echo "make demo       install what is missing, build, generate, convert, render: demo.png"
 	@echo "make bench      the benchmark tables; SUITE=NAME for one"

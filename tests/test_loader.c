@@ -1,6 +1,7 @@
 /* test_loader.c - selections: what the sweep over the directory says, masks made on the first look
  * by any number of threads at once, and treelets that keep what they have read.
  */
+/* marks: threads */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,6 @@
 /* test_mem.c - the counted allocator, its budget, the fault hook; statuses and their descriptions.
  */
+/* marks: threads */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,6 @@
 /* test_mesh_series.c - meshes of several steps and fields: what the file holds is what the inputs
  * do, whatever the budget and the threads; steps that are unlike the first are refused. */
+/* marks: threads */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,5 @@
 /* The mesh that peers are given: closed, in place, the same whatever the threads. */
+/* marks: threads */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

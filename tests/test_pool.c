@@ -1,6 +1,7 @@
 /* test_pool.c - loops shared out to threads: every index once, errors told, threads that cannot be
  * made.
  */
+/* marks: threads */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

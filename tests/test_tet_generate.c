@@ -1,6 +1,7 @@
 /* test_tet_generate.c - generated meshes: they fill their box, fit together and stay sound however
  * deformed; the same for any threads and memory; files and time series.
  */
+/* marks: threads */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -2,6 +2,7 @@
  * meshes of their inside; distances against brute force; fields; each failure of TetGen as an
  * error; faults.
  */
+/* marks: threads */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
