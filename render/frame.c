@@ -380,6 +380,7 @@ static void add_counters(frame_counters *total, const frame_counters *c) {
     total->packets.isopolygons += c->packets.isopolygons;
     total->primary_rays += c->primary_rays;
     total->shadow_rays += c->shadow_rays;
+    total->covered_pixels += c->covered_pixels;
     total->provisional_pixels += c->provisional_pixels;
     total->ill_conditioned += c->ill_conditioned;
 }

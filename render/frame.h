@@ -48,7 +48,7 @@ typedef struct packet_counters {
 typedef struct frame_counters {
     walk_counters walk;
     packet_counters packets;
-    uint64_t primary_rays, shadow_rays, provisional_pixels, ill_conditioned, passes;
+    uint64_t primary_rays, shadow_rays, covered_pixels, provisional_pixels, ill_conditioned, passes;
 } frame_counters;
 
 /* frame_render() - draw into f->image. ST_STOPPED when watch() said so; the planes are then partly

@@ -233,6 +233,7 @@ typedef struct leafcast_stats {
     uint64_t bytes_peak;     /* of the memory budget */
     /* Traversal steps; cells handed to the intersector; hits it found. */
     uint64_t nodes, cells, roots;
+    uint64_t covered_pixels; /* that show a surface */
     uint64_t provisional_pixels, ill_conditioned;
     uint64_t passes; /* how often suspended rays were resumed */
     /* Of packets through a mesh (W07 table 4): rays individually tested against boxes and against

@@ -76,9 +76,10 @@ static shade_point shading_of(const frame *f, const pixel_ray *p) {
 
 /* ---- Steps ---- */
 
-static void write_first_hit(const frame *f, const pixel_ray *p) {
+static void write_first_hit(const frame *f, const pixel_ray *p, frame_counters *counters) {
     const leafcast_image *image = &f->image;
     const bool any = hit_exists(&p->current);
+    counters->covered_pixels += any;
     if (image->z)
         image->z[p->pixel] = any ? p->current.t : INFINITY;
     if (image->id)
@@ -226,7 +227,7 @@ bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters) {
             p->current = p->search.best;
             p->point = p->search.point;
             if (p->layers == 0)
-                write_first_hit(f, p);
+                write_first_hit(f, p, counters);
             if (result == TRACE_MISS)
                 break;
             begin_lighting(f, p);

@@ -20,6 +20,8 @@ typedef struct render_options {
     bool series; /* --steps: */
     uint32_t first_step, last_step;
     int repeat;
+    bool fail_empty;
+    int empty; /* pictures without any surface, so far */
 } render_options;
 
 /* ---- flags ---- */
@@ -28,6 +30,7 @@ enum {
     DEPTH = 0x3000,
     STATS,
     REPEAT,
+    FAIL_EMPTY,
     ISO_LIST,
     CAMERA_PATH,
     SCRIPT,
@@ -47,6 +50,7 @@ static const struct argp_option OPTIONS[] = {
      0},
     {"depth-f64", DEPTH, "FILE", 0, "distances from the eye as raw doubles", 0},
     {"stats", STATS, "FILE", 0, "times, rays, treelets and bytes as JSON", 0},
+    {"fail-empty", FAIL_EMPTY, NULL, 0, "exit 1 where a picture shows no surface", 0},
     {"repeat", REPEAT, "N", CLI_EXPERIMENT, "draw N times; the statistics are the median picture's",
      0},
     {NULL, 0, NULL, 0, "Many pictures (-o out.png becomes out_0000.png ...):", 50},
@@ -150,6 +154,7 @@ static status set_option(render_options *o, int key, const char *text) {
     case ISA: o->open.isa = text; return ST_OK;
     case ISOPOLYGONS: return set_isopolygons(&o->open, text);
     case PACKETS: return set_packets(&o->open, text);
+    case FAIL_EMPTY: o->fail_empty = true; return ST_OK;
     case REPEAT:
         st = num_int(text, "--repeat", 1, 10000, &n);
         o->repeat = (int)n;
@@ -217,17 +222,38 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
 
 /* ---- one picture ---- */
 
-static void say_empty(const render_options *o, const render_job *job, const view_options *view) {
+/* Isovalues without a surface in what is shown. Whether any has one. */
+static bool say_absent(const render_options *o, const render_job *job, const view_options *view) {
     char value[NUM_TEXT_MAX], lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX];
+    double range[2];
+    bool any = false;
+    if (leafcast_range(job->volume, job->field, job->step, range) != LEAFCAST_OK)
+        return true;
     for (int i = 0; i < view->isos; i++) {
         const double iso = view->surfaces[i].isovalue;
         /* A surface is where f >= iso begins: at the smallest value it is everywhere. */
-        if (iso > job->info.value_min && iso <= job->info.value_max)
-            continue;
-        cli_note(&o->common, 1, "no surface at isovalue %s: the values are %s to %s",
-                 num_print(iso, value), num_print(job->info.value_min, lo),
-                 num_print(job->info.value_max, hi));
+        const bool there = iso > range[0] && iso <= range[1];
+        any |= there;
+        if (!there && range[0] > range[1])
+            cli_note(&o->common, 1, "no surface at isovalue %s: there are no finite values",
+                     num_print(iso, value));
+        else if (!there)
+            cli_note(&o->common, 1, "no surface at isovalue %s: the values are %s to %s",
+                     num_print(iso, value), num_print(range[0], lo), num_print(range[1], hi));
     }
+    return any;
+}
+
+static void say_empty(render_options *o, const render_job *job, const view_options *view,
+                      const leafcast_stats *t) {
+    const bool any = say_absent(o, job, view);
+    if (t->covered_pixels > 0)
+        return;
+    o->empty++;
+    if (any)
+        cli_note(&o->common, 1,
+                 "no surface in the picture: there is one, but outside of the camera's view, or "
+                 "clipped away");
 }
 
 static void say_done(const render_options *o, const script_frame *frame, const render_stats *s) {
@@ -250,10 +276,10 @@ static void say_done(const render_options *o, const script_frame *frame, const r
 
 static status draw(render_options *o, render_job *job, const script_frame *frame, json_t **stats) {
     render_stats s;
-    say_empty(o, job, &frame->view);
     status st = render_job_draw(job, frame, &s);
     if (st)
         return st;
+    say_empty(o, job, &frame->view, &s.trace);
     say_done(o, frame, &s);
     *stats = render_stats_json(&s, &frame->view, frame->output);
     return ST_OK;
@@ -543,6 +569,8 @@ int main(int argc, char **argv) {
     status st = guard_inputs(&o);
     if (st == ST_OK)
         st = o.script ? run_script(&o, &job) : run_sequence(&o, &job);
+    if (st == ST_OK && o.fail_empty && o.empty > 0)
+        st = status_describe(ST_FAILED, "%d pictures show no surface", o.empty);
     render_job_close(&job);
     return cli_finish(&o.common, st);
 }

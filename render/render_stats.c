@@ -66,6 +66,7 @@ json_t *render_stats_json(const render_stats *s, const view_options *view, const
     json_object_set_new(root, "nodes", count_of(t->nodes));
     json_object_set_new(root, "cells", count_of(t->cells));
     json_object_set_new(root, "roots", count_of(t->roots));
+    json_object_set_new(root, "covered_pixels", count_of(t->covered_pixels));
     json_object_set_new(root, "provisional_pixels", count_of(t->provisional_pixels));
     json_object_set_new(root, "ill_conditioned", count_of(t->ill_conditioned));
     json_object_set_new(root, "passes", count_of(t->passes));

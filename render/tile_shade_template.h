@@ -228,7 +228,10 @@ static void write_tile(const tile_state *s, bool together, const tile_pixels *p)
             out->at[i] = s->at[i];
         }
         out->found[y] = found;
-        write_row(s, y, s->asked[y] & ~(left | found), p);
+        const unsigned done = s->asked[y] & ~(left | found);
+        s->counters->covered_pixels +=
+            (unsigned)__builtin_popcount(done & hits_from(s, TILE * y, TILE));
+        write_row(s, y, done, p);
     }
     f_stream_end();
 }
