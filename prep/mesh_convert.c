@@ -458,14 +458,6 @@ status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, const cha
     return st;
 }
 
-/* At once, not after an hour: whether the output may be written. */
-static status check_output(mem *m, const char *output, bool force) {
-    out_file *probe = NULL;
-    status st = out_file_create(m, output, force, &probe);
-    out_file_discard(probe);
-    return st;
-}
-
 static status read_all(mem *m, mesh *x, const mesh_options *o, mesh_gather *g, bool count,
                        mesh_report *report) {
     if (o->series)
@@ -500,7 +492,7 @@ status mesh_convert_run(mem *m, mesh *x, const char *output, const mesh_options 
     mesh_gather g = {0};
     *result = (mesh_result){0};
     const double start = clock_seconds();
-    status st = check_output(m, output, o->force);
+    status st = out_file_check(m, output, o->force);
     if (st == ST_OK)
         st = check_budget(m, x, o, p, result);
     if (st != ST_OK)

@@ -1,11 +1,13 @@
 #include "prep/resample_input.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "formats/base/file.h"
+#include "formats/base/partial.h"
 #include "prep/mesh_convert.h"
 
 bool resample_input_is_leaf(const char *path) {
@@ -41,6 +43,7 @@ static status convert(mem *m, const resample_source *s, const char *path, const 
     const progress first = {.report = report_half, .stop = stop_half, .ctx = &h};
     mesh_options o = mesh_options_default();
     o.threads = s->threads;
+    o.force = true;
     if (m->limit)
         o.memory = m->limit;
     mesh *x = NULL;
@@ -52,28 +55,51 @@ static status convert(mem *m, const resample_source *s, const char *path, const 
     return st;
 }
 
-static char *scratch_name(mem *m, const resample_source *s) {
+/* Where temporary files go: beside the output, or in $TMPDIR under a name of this user's. */
+static status find_place(mem *m, const resample_source *s, char **path) {
     const char *folder = getenv("TMPDIR");
     if (!folder || !*folder)
         folder = "/tmp";
-    const char *before = s->beside ? s->beside : folder;
-    const size_t size = strlen(before) + 64;
-    char *path = mem_alloc(m, size);
-    if (path)
-        snprintf(path, size, "%s%s.mesh-%ld.leaf", before, s->beside ? "" : "/leafcast-resample",
-                 (long)getpid());
-    return path;
+    const size_t size = strlen(s->beside ? s->beside : folder) + 64;
+    *path = mem_alloc(m, size);
+    if (!*path)
+        return ST_NOMEM;
+    if (s->beside)
+        snprintf(*path, size, "%s", s->beside);
+    else
+        snprintf(*path, size, "%s/leafcast-resample-%ld", folder, (long)getuid());
+    return ST_OK;
+}
+
+/* Convert to PLACE.partial-N.leaf, which nobody else writes as long as PLACE.partial-N is locked.
+ * It has a name only until it is open; the next run finds what a killed one left. */
+static status open_scratch(mem *m, const resample_source *s, const char *place, const progress *p,
+                           leaf_file **out) {
+    const size_t size = strlen(place) + PARTIAL_ROOM;
+    char *name = mem_alloc(m, size), *path = mem_alloc(m, size);
+    const int fd = name && path ? partial_open(place, name) : -1;
+    status st = name && path ? ST_OK : ST_NOMEM;
+    if (st == ST_OK && fd < 0)
+        st = file_failed(errno, place, "cannot create a temporary file beside");
+    if (st == ST_OK) {
+        snprintf(path, size, "%s.leaf", name);
+        st = convert(m, s, path, p);
+        if (st == ST_OK)
+            st = leaf_file_open(m, path, out);
+        (void)unlink(path);
+        (void)unlink(name);
+        close(fd);
+    }
+    mem_free(m, path);
+    mem_free(m, name);
+    return st;
 }
 
 static status open_mesh(mem *m, const resample_source *s, const progress *p, leaf_file **out) {
-    char *path = scratch_name(m, s);
-    if (!path)
-        return ST_NOMEM;
-    status st = convert(m, s, path, p);
-    if (st == ST_OK) {
-        st = leaf_file_open(m, path, out);
-        (void)unlink(path);
-    }
+    char *path = NULL;
+    status st = find_place(m, s, &path);
+    if (st == ST_OK)
+        st = open_scratch(m, s, path, p, out);
     mem_free(m, path);
     return st;
 }

@@ -8,6 +8,7 @@
 
 #include "formats/base/cli.h"
 #include "formats/base/clock.h"
+#include "formats/base/file.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/nrrd_writer.h"
@@ -236,6 +237,8 @@ static status run(arguments *a) {
     status st = file_guard_input(a->source.path);
     if (st == ST_OK)
         st = file_guard_output(a->common.output);
+    if (st == ST_OK && !to_stdout(a))
+        st = out_file_check(&m, a->common.output, a->common.force);
     if (st == ST_OK)
         st = resample_input_open(&m, &a->source, cli_progress(&a->common), &f);
     if (st == ST_OK)

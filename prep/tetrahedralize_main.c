@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/file.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "prep/tetrahedralize.h"
@@ -163,6 +164,8 @@ static status run(arguments *a) {
     status st = file_guard_input(a->how.input);
     if (st == ST_OK)
         st = file_guard_output(a->common.output);
+    if (st == ST_OK && !pipe)
+        st = out_file_check(&m, a->common.output, a->common.force);
     if (st == ST_OK)
         st = tetrahedralize(&m, &a->how, cli_progress(&a->common), &report);
     if (st != ST_OK)

@@ -208,7 +208,8 @@ static status run_suite(bench_options *o, const bench_suite *suite) {
     cli_results(&o->common, false);
     if (o->job.table.rows > 0 && !o->common.json)
         bench_table_print(&o->job.table, stdout);
-    fflush(stdout);
+    if (st == ST_OK)
+        st = cli_flush();
     if (st == ST_OK)
         st = write_products(o, suite, &names);
     if (st == ST_OK)

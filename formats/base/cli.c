@@ -1,6 +1,7 @@
 #include "formats/base/cli.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <pthread.h>
 #include <signal.h>
@@ -16,6 +17,7 @@
 #include "formats/base/bus_error.h"
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
+#include "formats/base/partial.h"
 #include "formats/base/pool.h"
 #include "formats/base/wait.h"
 
@@ -70,7 +72,7 @@ static int exit_code(status st) {
 }
 
 /* Results that did not reach standard output are a failure too. */
-static status flush_results(void) {
+status cli_flush(void) {
     errno = 0;
     if (fflush(stdout) == 0 && !ferror(stdout))
         return ST_OK;
@@ -118,7 +120,8 @@ static void usage_unless(struct argp_state *state, status st) {
 
 /* What is being parsed, for its help. */
 static const struct argp *parsed;
-static char command[128]; /* "leafcast VERB" */
+static char command[128];       /* "leafcast VERB" */
+static const cli_common *sayer; /* how much may be said */
 
 static noreturn void tell(const cli_common *c, int key) {
     /* Without the remark that short options take arguments, too. */
@@ -130,7 +133,7 @@ static noreturn void tell(const cli_common *c, int key) {
     case KEY_LIST: cli_options_list(parsed, c->without, stdout); break;
     default: printf("leafcast %s\n", LEAFCAST_VERSION);
     }
-    const status st = flush_results();
+    const status st = cli_flush();
     if (st != ST_OK)
         fprintf(stderr, "%s: %s\n", command, status_text());
     exit(exit_code(st));
@@ -237,14 +240,34 @@ static void listen_in(int argc, char **argv) {
 
 static double started; /* when the verb was */
 
+/* An output must never be opened as descriptor 0, 1 or 2: messages would be written into it. What
+ * is closed stays of no use: it cannot be written (0: read). */
+static void fill_standard(void) {
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
+        if (fcntl(fd, F_GETFD) < 0 && errno == EBADF &&
+            open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY) != fd)
+            _exit(EXIT_RESOURCE);
+}
+
+static void say_leftover(const char *name, uint64_t bytes, bool removed) {
+    cli_note(sayer, 1,
+             removed ? "removed %s, which a killed run left (%.1f MiB)"
+                     : "%s may be what a killed run left (%.1f MiB); remove it if no other machine "
+                       "writes it",
+             name, (double)bytes / 0x1p20);
+}
+
 void cli_parse(const struct argp *table, cli_common *common, int argc, char **argv, void *input) {
     /* Messages start with the command as it is typed: argp takes it from argv[0]. */
     snprintf(command, sizeof command, "leafcast %s", common->verb);
     if (argc > 0)
         argv[0] = command;
+    fill_standard();
     install_signals();
     bus_error_install(command);
     started = clock_seconds();
+    sayer = common;
+    partial_on_leftover(say_leftover);
     common->threads = pool_default_threads();
     common->verbosity = 1;
     argp_err_exit_status = EXIT_USAGE;
@@ -390,7 +413,7 @@ status cli_print_json(const cli_common *common, json_t *results) {
     clear_bar();
     status st = cli_json_write(stdout, results, common->json_lines);
     /* A reader of lines waits for each. */
-    return st == ST_OK && common->json_lines ? flush_results() : st;
+    return st == ST_OK && common->json_lines ? cli_flush() : st;
 }
 
 /* What the job took, for -v. */
@@ -415,7 +438,7 @@ static void print_error(const cli_common *common, status st, int code) {
 int cli_finish(const cli_common *common, status st) {
     clear_bar();
     if (st == ST_OK)
-        st = flush_results();
+        st = cli_flush();
     tell_costs(common);
     if (st == ST_OK)
         return 0;

@@ -59,6 +59,10 @@ CHECKED status cli_print_json(const cli_common *common, json_t *results);
 /* cli_error_json() - the described error as --json tells it. */
 json_t *cli_error_json(status st);
 
+/* cli_flush() - results that did not reach standard output are a failure: ST_NOSPACE or ST_IO, with
+ * the reason. cli_finish() asks it, too. */
+CHECKED status cli_flush(void);
+
 /* cli_finish() - end the progress bar; say the error, if any, on stderr, with --json also as JSON
  * on stdout; with -v what it took; return the exit code: 0 ok, 1 failure, 2 usage, 3 malformed or
  * unsupported input, 4 out of memory or disk, 128+n when signal n stopped the job. */

@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <poll.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -12,6 +11,7 @@
 
 #include "formats/base/fault.h"
 #include "formats/base/file_guard.h"
+#include "formats/base/partial.h"
 #include "formats/base/wait.h"
 
 struct file {
@@ -178,25 +178,12 @@ status file_read_at(file *f, uint64_t offset, void *buffer, size_t size) {
 
 /* ---- writing ---- */
 
-enum { SUFFIX_ROOM = 48, NAME_TRIES = 100 };
-
-/* Open path.partial-PID-N, N counting over the process, so that no two writers ever share one. */
 static status open_temporary(out_file *f) {
-    static atomic_uint counter;
-    size_t room = strlen(f->path) + SUFFIX_ROOM;
-    f->temporary = mem_alloc(f->m, room);
+    f->temporary = mem_alloc(f->m, strlen(f->path) + PARTIAL_ROOM);
     if (!f->temporary)
         return ST_NOMEM;
-    for (int i = 0; i < NAME_TRIES; i++) {
-        snprintf(f->temporary, room, "%s.partial-%ld-%u", f->path, (long)getpid(),
-                 atomic_fetch_add(&counter, 1));
-        f->fd = open(f->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (f->fd >= 0)
-            return ST_OK;
-        if (errno != EEXIST)
-            break;
-    }
-    return file_failed(errno, f->path, "cannot create");
+    f->fd = partial_open(f->path, f->temporary);
+    return f->fd >= 0 ? ST_OK : file_failed(errno, f->path, "cannot create");
 }
 
 static void close_out(out_file *f) {
@@ -265,6 +252,13 @@ status out_file_create(mem *m, const char *path, bool force, out_file **out) {
     }
     *out = f;
     return ST_OK;
+}
+
+status out_file_check(mem *m, const char *path, bool force) {
+    out_file *probe = NULL;
+    status st = out_file_create(m, path, force, &probe);
+    out_file_discard(probe);
+    return st;
 }
 
 /* The folder a path lies in, opened; -1 and errno on failure. */

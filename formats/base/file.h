@@ -39,11 +39,15 @@ CHECKED status file_read_at(file *f, uint64_t offset, void *buffer, size_t size)
 
 typedef struct out_file out_file;
 
-/* out_file_create() - open a temporary file beside path (path.partial-PID-N). ST_EXISTS when path
+/* out_file_create() - open a temporary file beside path, see partial.h. ST_EXISTS when path
  * exists and force is false, or when it is no regular file. ST_USAGE when it is an input, see
  * file_guard.h, or "-". Data that is also read back (a spill, a
  * header written last) goes through out_file_read_at(). */
 CHECKED status out_file_create(mem *m, const char *path, bool force, out_file **out);
+
+/* out_file_check() - what out_file_create() would return, told before work begins; leaves nothing.
+ */
+CHECKED status out_file_check(mem *m, const char *path, bool force);
 
 /* out_file_scratch() - a temporary file beside path that has no name and vanishes on close. */
 CHECKED status out_file_scratch(mem *m, const char *path, out_file **out);

@@ -1,0 +1,123 @@
+#include "formats/base/partial.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <sys/statfs.h>
+#include <unistd.h>
+
+enum { RANDOM_TRIES = 16 };
+
+static partial_leftover on_leftover;
+
+void partial_on_leftover(partial_leftover say) {
+    on_leftover = say;
+}
+
+static void slot_name(const char *path, int slot, char *name) {
+    snprintf(name, strlen(path) + PARTIAL_ROOM, "%s.partial-%d", path, slot);
+}
+
+/* Whether the name still stands for the open file: another process may have removed it, and made a
+ * new one. */
+static bool still_named(int fd, const char *name, struct stat *info) {
+    struct stat named;
+    return fstat(fd, info) == 0 && lstat(name, &named) == 0 && info->st_dev == named.st_dev &&
+           info->st_ino == named.st_ino;
+}
+
+/* File systems of one machine, where a lock is seen by all who could write the file. */
+static bool locks_are_seen(int fd) {
+    static const uint32_t local[] = {
+        0xEF53,     /* ext2, ext3, ext4 */
+        0x58465342, /* XFS */
+        0x9123683E, /* Btrfs */
+        0x01021994, /* tmpfs */
+        0x858458F6, /* ramfs */
+        0x794C7630, /* overlay */
+        0x2FC12FC1, /* ZFS */
+        0xF2F52010, /* F2FS */
+        0xCA451A4E, /* bcachefs */
+        0x3153464A, /* JFS */
+        0x4D44,     /* FAT */
+        0x2011BAB0, /* exFAT */
+        0x7366746E, /* NTFS */
+    };
+    struct statfs info;
+    if (fstatfs(fd, &info) != 0)
+        return false;
+    for (size_t i = 0; i < sizeof local / sizeof *local; i++)
+        if ((uint32_t)info.f_type == local[i])
+            return true;
+    return false;
+}
+
+static int lock(int fd) {
+    int failed;
+    do
+        failed = flock(fd, LOCK_EX | LOCK_NB);
+    while (failed && errno == EINTR);
+    return failed;
+}
+
+/* Remove one that nobody has locked. It stays locked meanwhile: no other process can take it for a
+ * leftover too, and remove a newer file of its name. */
+static void remove_leftover(const char *name) {
+    struct stat info;
+    if (lstat(name, &info) != 0 || !S_ISREG(info.st_mode))
+        return;
+    const int fd = open(name, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0)
+        return;
+    if (lock(fd) == 0 && still_named(fd, name, &info)) {
+        const bool removed = locks_are_seen(fd) && unlink(name) == 0;
+        if (on_leftover)
+            on_leftover(name, (uint64_t)info.st_size, removed);
+    }
+    close(fd);
+}
+
+/* Create and lock. -1 and EEXIST also when another process took the new file for a leftover before
+ * it was locked; it then removes it, and this one must not. */
+static int create(const char *name) {
+    const int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0)
+        return -1;
+    struct stat info;
+    const bool taken = lock(fd) != 0 && errno == EWOULDBLOCK;
+    if (!taken && still_named(fd, name, &info))
+        return fd;
+    close(fd);
+    errno = EEXIST;
+    return -1;
+}
+
+int partial_open(const char *path, char *name) {
+    for (int slot = 1; slot <= PARTIAL_SLOTS; slot++) {
+        slot_name(path, slot, name);
+        remove_leftover(name);
+    }
+    for (int slot = 1; slot <= PARTIAL_SLOTS; slot++) {
+        slot_name(path, slot, name);
+        const int fd = create(name);
+        if (fd >= 0 || errno != EEXIST)
+            return fd;
+    }
+    /* Many write to it, or someone put other things in the way. */
+    for (int i = 0; i < RANDOM_TRIES; i++) {
+        uint64_t number = 0;
+        if (getrandom(&number, sizeof number, 0) != sizeof number)
+            break;
+        snprintf(name, strlen(path) + PARTIAL_ROOM, "%s.partial-%016llx", path,
+                 (unsigned long long)number);
+        const int fd = create(name);
+        if (fd >= 0 || errno != EEXIST)
+            return fd;
+    }
+    errno = EEXIST;
+    return -1;
+}
