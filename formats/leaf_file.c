@@ -6,6 +6,7 @@
 #include <zstd.h>
 
 #include "formats/base/hash.h"
+#include "formats/base/text.h"
 #include "formats/leaf_check.h"
 
 _Static_assert(
@@ -233,6 +234,16 @@ static status check_directory(const opening *o) {
     return st == ST_OK ? leaf_check_directory(path, &f->header, &f->layout, &d) : st;
 }
 
+/* Whoever wrote the file, its names can be printed and put into JSON. */
+static void clean_names(leaf_file *f) {
+    leaf_header *h = &f->header;
+    text_name(h->name, sizeof h->name, h->name);
+    text_name(h->field, sizeof h->field, h->field);
+    text_name(h->provenance, sizeof h->provenance, h->provenance);
+    for (uint32_t i = 0; f->mesh && i < f->mesh->fields; i++)
+        text_name(f->mesh->names[i], sizeof *f->mesh->names, f->mesh->names[i]);
+}
+
 /* part: all of the file where it has no bytes. */
 static status open_part(mem *m, const char *path, const leaf_part *part, leaf_file **out) {
     leaf_file *f = mem_zalloc(m, sizeof *f);
@@ -258,6 +269,7 @@ static status open_part(mem *m, const char *path, const leaf_part *part, leaf_fi
         leaf_file_close(f);
         return st;
     }
+    clean_names(f);
     f->directory_bytes = o.end;
     const uint32_t last = f->layout.payloads - 1;
     f->payloads_end =

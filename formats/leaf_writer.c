@@ -8,6 +8,7 @@
 
 #include "formats/base/file.h"
 #include "formats/base/hash.h"
+#include "formats/base/text.h"
 #include "formats/leaf_check.h"
 #include "formats/mesh_leaf.h"
 
@@ -96,7 +97,9 @@ uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max) {
 /* ---- creating ---- */
 
 static void copy_text(char *to, size_t size, const char *text) {
-    memcpy(to, text, strnlen(text, size - 1));
+    char name[TEXT_NAME_MAX];
+    text_name(name, size, text);
+    memcpy(to, name, strlen(name));
 }
 
 static void fill_common(leaf_writer *w) {

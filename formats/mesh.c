@@ -7,6 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "formats/base/text.h"
+#include "formats/foreign.h"
 #include "formats/mesh_feed.h"
 #include "formats/mesh_gmsh.h"
 #include "formats/mesh_reader.h"
@@ -78,9 +80,9 @@ static void name_mesh(mesh_source *source) {
     const char *slash = strrchr(source->path, '/');
     const char *name = slash ? slash + 1 : source->path;
     const char *dot = strrchr(name, '.');
-    size_t length = dot ? (size_t)(dot - name) : strlen(name);
-    snprintf(source->name, sizeof source->name, "%.*s",
-             (int)(length < MESH_NAME_MAX ? length : MESH_NAME_MAX), name);
+    char front[TEXT_NAME_MAX];
+    snprintf(front, sizeof front, "%.*s", dot ? (int)(dot - name) : TEXT_NAME_MAX, name);
+    text_name(source->name, sizeof source->name, front);
 }
 
 static status open_reader(mesh *x) {
@@ -92,8 +94,8 @@ static status open_reader(mesh *x) {
         return st;
     x->reader = find_reader(source->path, start, size);
     if (!x->reader)
-        return status_describe(ST_UNSUPPORTED, "%s: no mesh of a known format",
-                               byte_stream_name(source->data));
+        return foreign_refuse(source->data, "expected a mesh: TetGen (.node and .ele), VTK (.vtk, "
+                                            ".vtu), Gmsh (.msh) or a mesh stream");
     return x->reader->open(source, &x->state);
 }
 
@@ -113,6 +115,7 @@ status mesh_open_stream(mem *m, byte_stream *s, const mesh_hints *hints, mesh **
         mesh_close(x);
         return st;
     }
+    text_name(x->source.name, sizeof x->source.name, x->source.name);
     *out = x;
     return ST_OK;
 }
@@ -136,8 +139,21 @@ const char *mesh_name(const mesh *x) {
     return x->source.name;
 }
 
+typedef struct taker {
+    void (*take)(void *ctx, const char *name);
+    void *ctx;
+} taker;
+
+static void take_clean(void *ctx, const char *name) {
+    const taker *t = ctx;
+    char clean[MESH_NAME_MAX + 1];
+    text_name(clean, sizeof clean, name);
+    t->take(t->ctx, clean);
+}
+
 void mesh_fields(const mesh *x, void (*take)(void *ctx, const char *name), void *ctx) {
-    x->reader->fields(x->state, take, ctx);
+    taker t = {take, ctx};
+    x->reader->fields(x->state, take_clean, &t);
 }
 
 /* ---- reading ---- */
@@ -156,6 +172,7 @@ status mesh_read(mesh *x, const mesh_sink *sink, mesh_report *report) {
         st = x->reader->read(x->state, &feed);
     if (st == ST_OK)
         st = mesh_feed_end(&feed);
+    text_name(report->field, sizeof report->field, report->field);
     x->feed = NULL;
     x->share = 1;
     mesh_feed_release(&feed);

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/base/text.h"
 #include "formats/gmsh_file.h"
 #include "formats/id_map.h"
 #include "formats/mesh_average.h"
@@ -65,7 +66,7 @@ static bool gmsh_known(const char *path, const uint8_t *start, size_t size) {
 
 static bool is_wanted(const gmsh_array *a, const mesh_hints *hints) {
     return (a->owner == GMSH_ELEMENTS) == hints->cells_to_points &&
-           (!hints->field || strncmp(a->name, hints->field, MESH_NAME_MAX) == 0);
+           (!hints->field || text_same_name(a->name, hints->field, sizeof a->name));
 }
 
 static status no_array(const gmsh_state *s) {

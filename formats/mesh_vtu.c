@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "formats/base/num.h"
+#include "formats/foreign.h"
 #include "formats/vtk_cursor.h"
 #include "formats/vtk_grid.h"
 
@@ -412,8 +413,9 @@ static status scan_file(vtk_grid *g, byte_stream *data) {
 
 static bool known(const char *path, const uint8_t *start, size_t size) {
     static const char tag[] = "<VTKFile";
-    return memmem(start, size < 1024 ? size : 1024, tag, sizeof tag - 1) ||
-           mesh_reader_suffix(path, ".vtu");
+    return (memmem(start, size < 1024 ? size : 1024, tag, sizeof tag - 1) ||
+            mesh_reader_suffix(path, ".vtu")) &&
+           !foreign_is_vtk(start, size);
 }
 
 static status open_file(mesh_source *source, void **state) {

@@ -5,6 +5,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include "formats/base/text.h"
+#include "formats/foreign.h"
 #include "formats/mesh_reader.h"
 #include "formats/plc_off.h"
 #include "formats/plc_ply.h"
@@ -126,10 +128,8 @@ static status find_format(const plc_source *s, const plc_format **out) {
     else if (st == ST_OK && size >= 6 && memcmp(start, "solid ", 6) == 0)
         *out = format_named("stl");
     if (st == ST_OK && !*out)
-        return status_describe(ST_UNSUPPORTED,
-                               "%s: points or surface of no known format, expected .node .csv .ply "
-                               ".stl .off .poly .smesh",
-                               byte_stream_name(s->data));
+        return foreign_refuse(s->data, "expected points or a surface: .node .csv .ply .stl .off "
+                                       ".poly .smesh, or what --format names");
     return st;
 }
 
@@ -149,13 +149,6 @@ static status check_corners(const plc_source *s) {
                                        x->counted_from, x->points.count);
     }
     return ST_OK;
-}
-
-/* Names go into a header of lines. */
-static void clean_name(char *name) {
-    for (; *name; name++)
-        if ((unsigned char)*name < ' ' || *name == 127)
-            *name = '_';
 }
 
 static void name_plc(const char *path, char name[MESH_NAME_MAX + 1]) {
@@ -181,8 +174,8 @@ status plc_read(mem *m, const char *path, const plc_hints *hints, plc *out) {
         st = format->read(&s);
     if (st == ST_OK)
         st = check_corners(&s);
-    clean_name(out->name);
-    clean_name(out->field);
+    text_name(out->name, sizeof out->name, out->name);
+    text_name(out->field, sizeof out->field, out->field);
     byte_stream_close(s.data);
     return st;
 }

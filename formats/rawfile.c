@@ -7,6 +7,8 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include "formats/foreign.h"
+
 enum { PATH_ROOM = 4096, JSON_MAX = 1 << 20 };
 
 /* What is known of the samples so far. */
@@ -199,10 +201,23 @@ static void apply_hints(facts *known, const volume_hints *hints) {
 }
 
 static status gather(volume_layout *l, const char *path, facts *known) {
+    if (strcmp(path, "-") == 0)
+        return ST_OK;
     if (rawfile_is_json(path))
         return open_json(l, path, known);
     size_t front = parse_name(base_name(path), known);
     return read_json_beside(l->m, path, front, known);
+}
+
+/* Too few bytes, whose first ones tell a format: bonsai_256x256x256_uint8.raw.zst. */
+static bool is_packed(volume_layout *l, const facts *known) {
+    const double want = (double)known->dims[0] * known->dims[1] * known->dims[2] *
+                        (double)sample_size(known->type);
+    const uint8_t *start;
+    size_t size;
+    return (double)byte_stream_left(l->data) < want &&
+           byte_stream_peek(l->data, FOREIGN_PEEK, &start, &size) == ST_OK &&
+           foreign_find("-", start, size, UINT64_MAX);
 }
 
 status rawfile_open(volume_layout *l, const char *path, const volume_hints *hints) {
@@ -212,11 +227,17 @@ status rawfile_open(volume_layout *l, const char *path, const volume_hints *hint
     if (st != ST_OK)
         return st;
     apply_hints(&known, hints);
-    if (!known.type || !known.dims[0] || !known.dims[1] || !known.dims[2])
+    const bool unknown = !known.type || !known.dims[0] || !known.dims[1] || !known.dims[2];
+    if (unknown && rawfile_is_json(path))
         return status_describe(ST_UNSUPPORTED,
-                               "%s: no known format; raw samples need --dims and --type, a JSON "
-                               "beside the file, or a name like x_64x64x64_uint8.raw",
+                               "%s: expected \"size\" and \"type\" of the samples (or --dims and "
+                               "--type)",
                                path);
+    if (unknown)
+        return foreign_refuse(l->data, "raw samples need --dims and --type, a JSON beside the "
+                                       "file, or a name like x_64x64x64_uint8.raw");
+    if (is_packed(l, &known))
+        return foreign_refuse(l->data, "");
     grid_init(&l->g, known.dims, known.type);
     double direction[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     volume_layout_place(l, direction, known.spacing, known.origin);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "formats/base/file.h"
+#include "formats/base/text.h"
 #include "formats/byte_stream.h"
 #include "formats/inflate_stream.h"
 #include "formats/metaimage.h"
@@ -17,6 +18,7 @@
 struct volume {
     mem *m;
     volume_layout layout;
+    const char *format;
     inflate_stream *inflate; /* VOLUME_DEFLATE */
     uint32_t slice;          /* the next one */
     bool has_missing;
@@ -25,18 +27,20 @@ struct volume {
 
 /* ---- opening ---- */
 
-static status open_header(volume_layout *l, const char *path, const volume_hints *hints) {
+static status open_header(volume *v, const char *path, const volume_hints *hints) {
+    volume_layout *l = &v->layout;
     const uint8_t *start;
     size_t size;
     status st = byte_stream_peek(l->data, 16, &start, &size);
     if (st != ST_OK)
         return st;
+    v->format = "NRRD";
     if (nrrd_known(start, size))
         return nrrd_open(l);
-    if (strcmp(path, "-") == 0)
-        return status_describe(ST_UNSUPPORTED, "standard input: expected NRRD");
+    v->format = "MetaImage";
     if (metaimage_known(path, start, size))
         return metaimage_open(l);
+    v->format = VOLUME_RAW_SAMPLES;
     return rawfile_open(l, path, hints);
 }
 
@@ -100,14 +104,15 @@ static status apply_hints(volume_layout *l, const volume_hints *hints, const cha
 
 /* A grid that has no name gets that of its file. */
 static void name_grid(grid *g, const char *path) {
+    text_name(g->name, sizeof g->name, g->name);
     if (g->name[0] || strcmp(path, "-") == 0)
         return;
     const char *slash = strrchr(path, '/');
     const char *name = slash ? slash + 1 : path;
     const char *dot = strrchr(name, '.');
-    size_t length = dot ? (size_t)(dot - name) : strlen(name);
-    snprintf(g->name, sizeof g->name, "%.*s",
-             (int)(length < GRID_NAME_MAX ? length : GRID_NAME_MAX), name);
+    char front[TEXT_NAME_MAX];
+    snprintf(front, sizeof front, "%.*s", dot ? (int)(dot - name) : TEXT_NAME_MAX, name);
+    text_name(g->name, sizeof g->name, front);
 }
 
 /* Decompressed bytes in front of the samples go. */
@@ -129,7 +134,7 @@ static status skip_decoded(volume *v) {
 
 static status open_volume(volume *v, const char *path, const volume_hints *hints) {
     volume_layout *l = &v->layout;
-    status st = open_header(l, path, hints);
+    status st = open_header(v, path, hints);
     if (st == ST_OK)
         st = volume_layout_check(l);
     if (st == ST_OK)
@@ -195,6 +200,10 @@ void volume_close(volume *v) {
 
 const grid *volume_grid(const volume *v) {
     return &v->layout.g;
+}
+
+const char *volume_format(const volume *v) {
+    return v->format;
 }
 
 /* ---- reading ---- */

@@ -37,7 +37,8 @@ typedef struct volume_hints {
                                  white space), per axis */
 } volume_hints;
 
-/* volume_open() - path, or "-" for NRRD on standard input. hints may be NULL. ST_CORRUPT,
+/* volume_open() - path, or "-" for standard input: NRRD, MetaImage, or raw samples whose sizes and
+ * type the hints give. hints may be NULL. ST_CORRUPT,
  * ST_UNSUPPORTED (also for a file of no known format) or ST_IO, naming file and line. */
 CHECKED status volume_open(mem *m, const char *path, const volume_hints *hints, volume **out);
 
@@ -47,6 +48,10 @@ CHECKED status volume_open_stream(mem *m, byte_stream *s, const volume_hints *hi
 void volume_close(volume *v); /* NULL is fine */
 
 const grid *volume_grid(const volume *v);
+
+/* volume_format() - what it was read as: "NRRD", "MetaImage", VOLUME_RAW_SAMPLES. */
+#define VOLUME_RAW_SAMPLES "raw samples"
+const char *volume_format(const volume *v);
 
 /* volume_read() - the next `count` z slices, native byte order, type volume_grid()->type, into
  * buffer (count * grid_slice_bytes()). ST_CORRUPT when the data ends early, naming slice and byte.

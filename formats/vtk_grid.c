@@ -4,6 +4,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "formats/base/text.h"
 #include "formats/mesh_choice.h"
 #include "formats/vtk_average.h"
 #include "formats/vtk_cursor.h"
@@ -56,7 +57,7 @@ static bool is_numeric(const vtk_array *a) {
 static const vtk_array *find_field(const vtk_piece *p, vtk_owner owner, const char *name) {
     for (size_t i = 0; i < p->count[owner]; i++) {
         const vtk_array *a = &p->fields[owner][i];
-        if (name ? strcmp(a->name, name) == 0 : is_numeric(a))
+        if (name ? text_same_name(a->name, name, MESH_NAME_MAX + 1) : is_numeric(a))
             return a;
     }
     return NULL;

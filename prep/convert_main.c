@@ -10,6 +10,7 @@
 #include "formats/base/clock.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
+#include "formats/base/text.h"
 #include "formats/volume.h"
 #include "prep/convert.h"
 #include "prep/mesh_convert.h"
@@ -176,9 +177,11 @@ static void parse_inputs(struct argp_state *state, arguments *a) {
 static void parse_field(struct argp_state *state, arguments *a, const char *name) {
     if (a->field_count == FIELDS_MAX)
         argp_error(state, "more than %d fields", FIELDS_MAX);
+    char *clean = a->field_names[a->field_count];
+    text_name(clean, sizeof a->field_names[0], name);
     if (a->field_count == 0)
-        a->mesh.field = name;
-    a->fields[a->field_count++] = name;
+        a->mesh.field = clean;
+    a->fields[a->field_count++] = clean;
 }
 
 static error_t parse(int key, char *arg, struct argp_state *state) {

@@ -403,7 +403,7 @@ static void test_pipe(void **state) {
     }
     double got[VOLUMES_SAMPLES];
     assert_int_equal(read_piped("hello, world", 12, got), ST_UNSUPPORTED);
-    assert_int_equal(read_piped("", 0, got), ST_UNSUPPORTED);
+    assert_int_equal(read_piped("", 0, got), ST_CORRUPT);
 }
 
 /* ---- rectilinear axes, and the writer ---- */

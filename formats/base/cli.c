@@ -19,6 +19,7 @@
 #include "formats/base/num.h"
 #include "formats/base/partial.h"
 #include "formats/base/pool.h"
+#include "formats/base/text.h"
 #include "formats/base/wait.h"
 
 #ifndef LEAFCAST_VERSION
@@ -395,13 +396,11 @@ void cli_note(const cli_common *common, int verbosity, const char *fmt, ...) {
         return;
     clear_bar();
     va_list args;
+    char text[2 * STATUS_TEXT_MAX], line[4 * STATUS_TEXT_MAX];
     va_start(args, fmt);
-    flockfile(stderr);
-    fprintf(stderr, "leafcast %s: ", common->verb);
-    vfprintf(stderr, fmt, args);
-    fputc('\n', stderr);
-    funlockfile(stderr);
+    vsnprintf(text, sizeof text, fmt, args);
     va_end(args);
+    fprintf(stderr, "leafcast %s: %s\n", common->verb, text_printable(line, sizeof line, text));
 }
 
 bool cli_results(const cli_common *common, bool summary) {

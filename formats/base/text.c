@@ -1,0 +1,98 @@
+#include "formats/base/text.h"
+
+#include <assert.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Bytes of the UTF-8 character at `at`, which ends in NUL; 0 when there is none (RFC 3629: neither
+ * overlong, nor a surrogate, nor beyond U+10FFFF). */
+static size_t character(const char *at, uint32_t *code) {
+    static const uint32_t least[5] = {0, 0, 0x80, 0x800, 0x10000};
+    const uint8_t first = (uint8_t)*at;
+    const size_t size = first < 0x80   ? 1
+                        : first < 0xc0 ? 0
+                        : first < 0xe0 ? 2
+                        : first < 0xf0 ? 3
+                                       : 4;
+    *code = size == 1 ? first : first & (0x7fu >> size);
+    for (size_t i = 1; i < size; i++) {
+        const uint8_t next = (uint8_t)at[i];
+        if ((next & 0xc0) != 0x80)
+            return 0;
+        *code = *code << 6 | (next & 0x3fu);
+    }
+    const bool surrogate = *code >= 0xd800 && *code < 0xe000;
+    return size == 0 || *code < least[size] || surrogate || *code > 0x10ffff ? 0 : size;
+}
+
+static bool is_control(uint32_t code) {
+    return code < 0x20 || (code >= 0x7f && code < 0xa0);
+}
+
+/* The next character of *from as it may be kept, and its size; moves *from behind it. */
+static const char *keep(const char **from, size_t *size) {
+    uint32_t code = 0;
+    const char *at = *from;
+    *size = character(at, &code);
+    *from += *size ? *size : 1;
+    if (*size > 0 && !is_control(code))
+        return at;
+    *size = 3;
+    return "\xef\xbf\xbd";
+}
+
+void text_name(char *to, size_t room, const char *from) {
+    char kept[TEXT_NAME_MAX];
+    size_t length = 0, size = 0;
+    assert(room > 0 && room <= sizeof kept);
+    while (*from) {
+        const char *next = keep(&from, &size);
+        if (length + size >= room)
+            break;
+        memcpy(kept + length, next, size);
+        length += size;
+    }
+    memcpy(to, kept, length);
+    to[length] = 0;
+}
+
+bool text_same_name(const char *a, const char *b, size_t room) {
+    char first[TEXT_NAME_MAX], second[TEXT_NAME_MAX];
+    text_name(first, room, a);
+    text_name(second, room, b);
+    return strcmp(first, second) == 0;
+}
+
+/* The next character of *from as it may be printed; moves *from behind it. */
+static void escape(const char **from, char out[8]) {
+    uint32_t code = 0;
+    const char *at = *from;
+    const size_t size = character(at, &code);
+    *from += size ? size : 1;
+    if (size > 0 && !is_control(code)) {
+        memcpy(out, at, size);
+        out[size] = 0;
+    } else if (*at == '\n' || *at == '\t') {
+        snprintf(out, 8, "\\%c", *at == '\n' ? 'n' : 't');
+    } else {
+        /* A control character of two bytes, U+0080 to U+009F, is told by its code. */
+        snprintf(out, 8, "\\x%02x", size > 1 ? (unsigned)code : (unsigned)(uint8_t)*at);
+    }
+}
+
+char *text_printable(char *to, size_t room, const char *from) {
+    size_t length = 0;
+    while (*from) {
+        char next[8];
+        escape(&from, next);
+        const size_t size = strlen(next);
+        if (length + size >= room)
+            break;
+        memcpy(to + length, next, size);
+        length += size;
+    }
+    if (room > 0)
+        to[length] = 0;
+    return to;
+}
