@@ -135,6 +135,10 @@ void mesh_close(mesh *x) {
     mem_free(x->m, x);
 }
 
+const char *mesh_format(const mesh *x) {
+    return x->reader->format;
+}
+
 const char *mesh_name(const mesh *x) {
     return x->source.name;
 }

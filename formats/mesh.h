@@ -83,6 +83,9 @@ void mesh_close(mesh *x); /* NULL is fine */
 /* mesh_name() - of the data set: its own, or the file's without suffix; "" on standard input. */
 const char *mesh_name(const mesh *x);
 
+/* mesh_format() - what it was read as: "TetGen". */
+const char *mesh_format(const mesh *x);
+
 /* mesh_share() - how much of it mesh_read() has handed over, 0 to 1; for a sink that wants to tell.
  * Never less than before. */
 double mesh_share(mesh *x);

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/text.h"
 #include "formats/leaf_file.h"
 #include "formats/leaf_verify.h"
 
@@ -42,14 +43,15 @@ static const struct argp table = {
 
 static status report(const arguments *a, const leaf_file *f) {
     const leaf_header *h = &f->header;
-    char id[33];
+    char id[33], path[4096];
     snprintf(id, sizeof id, "%016llx%016llx", (unsigned long long)h->id[1],
              (unsigned long long)h->id[0]);
     if (!a->common.json) {
         if (!cli_results(&a->common, true))
             return ST_OK;
-        printf("%s: sound: %llu treelets, %llu bytes, id %s\n", a->input,
-               (unsigned long long)h->treelets, (unsigned long long)h->file_bytes, id);
+        printf("%s: sound: %llu treelets, %llu bytes, id %s\n",
+               text_printable(path, sizeof path, a->input), (unsigned long long)h->treelets,
+               (unsigned long long)h->file_bytes, id);
         return ST_OK;
     }
     json_t *json =

@@ -35,6 +35,7 @@ typedef struct arguments {
     bool coarse, sah;
     leaf_parameters file;
     bool gradients, dry_run;
+    uint64_t given; /* bit KEY_X - KEY_COMPRESS: that option */
 } arguments;
 
 enum {
@@ -61,7 +62,8 @@ enum {
     KEY_LEAF_TETS,
     KEY_BUILD,
     KEY_COARSE,
-    KEY_GRADIENTS
+    KEY_GRADIENTS,
+    KEY_LAST = KEY_GRADIENTS
 };
 
 static const struct argp_option options[] = {
@@ -78,7 +80,7 @@ static const struct argp_option options[] = {
     {"type", KEY_TYPE, "TYPE", CLI_BASIC, "u8 i8 u16 i16 u32 i32 f32 f64", 1},
     {"big-endian", KEY_BIG_ENDIAN, NULL, 0, "most significant byte first", 1},
     {"skip", KEY_SKIP, "BYTES", 0, "header bytes to pass over", 1},
-    {NULL, 0, NULL, 0, "What any input may have wrong:", 2},
+    {NULL, 0, NULL, 0, "What any grid may have wrong:", 2},
     {"spacing", KEY_SPACING, "X,Y,Z", CLI_BASIC,
      "distance of samples, or scale of an axis' coordinates; may be negative", 2},
     {"missing", KEY_MISSING, "VALUE", 0, "f32 and f64: this value stands for no data", 2},
@@ -108,6 +110,53 @@ static const struct argp_option options[] = {
     {"gradients", KEY_GRADIENTS, NULL, CLI_BASIC,
      "store the gradient at each vertex, too, for smooth normals", 3},
     {NULL, 0, NULL, 0, NULL, 0}};
+
+/* What an input is, and which inputs can use an option. Those that are not here serve all. */
+enum { RAW = 1, HEADED = 2, GRID = RAW | HEADED, MESH = 4 };
+static const char *const input_names[] = {
+    [RAW] = "raw samples", [GRID] = "grids", [MESH] = "meshes"};
+static const struct {
+    int key, inputs;
+} uses[] = {{KEY_TREELET, GRID},
+            {KEY_HALO, GRID},
+            {KEY_DIMS, RAW},
+            {KEY_TYPE, RAW},
+            {KEY_BIG_ENDIAN, RAW},
+            {KEY_SKIP, RAW},
+            {KEY_SPACING, GRID},
+            {KEY_MISSING, GRID},
+            {KEY_ORIGIN, GRID},
+            {KEY_AXIS_X, GRID},
+            {KEY_AXIS_Y, GRID},
+            {KEY_AXIS_Z, GRID},
+            {KEY_FIELD, MESH},
+            {KEY_FIELDS, MESH},
+            {KEY_TIMES, MESH},
+            {KEY_COMPONENT, MESH},
+            {KEY_CELLS_TO_POINTS, MESH},
+            {KEY_COARSE, MESH},
+            {KEY_TREELET_TETS, MESH},
+            {KEY_LEAF_TETS, MESH},
+            {KEY_BUILD, MESH},
+            {KEY_GRADIENTS, MESH}};
+
+static const char *option_name(int key) {
+    int i = 0;
+    while (options[i].key != key)
+        i++;
+    return options[i].name;
+}
+
+/* Options that the input cannot use are refused: they would change nothing. */
+static status check_uses(const arguments *a, int input, const char *format) {
+    for (size_t i = 0; i < sizeof uses / sizeof *uses; i++)
+        if ((a->given >> (uses[i].key - KEY_COMPRESS) & 1) && !(uses[i].inputs & input))
+            return status_describe(ST_USAGE,
+                                   "--%s is for %s, and %s is %s: it would change nothing",
+                                   option_name(uses[i].key), input_names[uses[i].inputs],
+                                   strcmp(a->input, "-") ? a->input : "standard input", format);
+    return ST_OK;
+}
 
 static void usage_unless(struct argp_state *state, status st) {
     if (st != ST_OK)
@@ -186,6 +235,8 @@ static void parse_field(struct argp_state *state, arguments *a, const char *name
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
     arguments *a = state->input;
+    if (key >= KEY_COMPRESS && key <= KEY_LAST)
+        a->given |= (uint64_t)1 << (key - KEY_COMPRESS);
     switch (key) {
     case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; break;
     case KEY_COMPRESS: parse_compress(state, a, arg); break;
@@ -380,9 +431,6 @@ static status report(const arguments *a, const convert_plan *plan, const grid *g
 }
 
 static status convert_volume(arguments *a, mem *m, volume *v, double start) {
-    if (a->gradients)
-        return status_describe(ST_USAGE, "--gradients is for meshes: a volume's normals come from "
-                                         "its samples");
     convert_options o = {.file = a->file,
                          .memory = m->limit,
                          .threads = a->common.threads,
@@ -615,6 +663,12 @@ static status convert_stream(arguments *a, mem *m, byte_stream *s, bool is_mesh,
     mesh *x = NULL;
     status st =
         is_mesh ? mesh_open_stream(m, s, &a->mesh, &x) : volume_open_stream(m, s, &a->hints, &v);
+    const char *format = st != ST_OK ? "" : is_mesh ? mesh_format(x) : volume_format(v);
+    const int input = is_mesh ? MESH : strcmp(format, VOLUME_RAW_SAMPLES) == 0 ? RAW : HEADED;
+    if (st == ST_OK)
+        st = check_uses(a, input, format);
+    if (st == ST_OK && !is_mesh && a->input_count > 1)
+        st = status_describe(ST_USAGE, "%s: only meshes have several steps yet", a->input);
     if (st == ST_OK)
         st = is_mesh ? convert_meshes(a, m, x, start) : convert_volume(a, m, v, start);
     mesh_close(x);
@@ -648,9 +702,6 @@ static status run(arguments *a) {
     bool is_mesh = false;
     if (st == ST_OK)
         st = mesh_recognise_stream(s, &is_mesh);
-    if (st == ST_OK && !is_mesh && (a->input_count > 1 || a->all_fields || a->times))
-        st =
-            status_describe(ST_USAGE, "%s: only meshes have several steps or fields yet", a->input);
     if (st != ST_OK) {
         byte_stream_close(s);
         return st;

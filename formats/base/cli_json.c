@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/base/text.h"
+
 status cli_json_write(FILE *out, json_t *document, bool line) {
     const size_t layout = line ? JSON_COMPACT : JSON_INDENT(2);
     char *text = document ? json_dumps(document, layout | JSON_REAL_PRECISION(17)) : NULL;
@@ -26,16 +28,9 @@ static const char *name_of(status st) {
 }
 
 json_t *cli_json_error(status st, int code, const char *message) {
-    char text[STATUS_TEXT_MAX];
-    snprintf(text, sizeof text, "%s", message);
-    json_t *said = json_string(text);
-    for (char *at = text; !said && *at; at++)
-        if ((unsigned char)*at >= 0x80)
-            *at = '?';
-    if (!said)
-        said = json_string(text);
-    return json_pack("{s:{s:s, s:i, s:o}}", "error", "status", name_of(st), "exit", code, "message",
-                     said);
+    char text[4 * STATUS_TEXT_MAX];
+    return json_pack("{s:{s:s, s:i, s:s}}", "error", "status", name_of(st), "exit", code, "message",
+                     text_printable(text, sizeof text, message));
 }
 
 json_t *cli_json_real(double value) {

@@ -42,4 +42,138 @@ done
 exits "a key that comes twice in a long header" 3 timeout 30 "$leafcast" convert "$tmp/twice.nrrd" -o "$tmp/x.leaf"
 ok "is told with its line" says 'line 4006: .*comes twice'
 rm "$tmp"/*.nrrd "$tmp"/*.vtk
+
+# ---- options: each is used or refused ----
+
+"$leafcast" generate sphere --dims 8 -o "$tmp/a.nrrd"
+"$leafcast" generate sphere --tets --dims 5 -o "$tmp/a.mesh"
+tail -c 512 "$tmp/a.nrrd" >"$tmp/a_8x8x8_uint8.raw"
+printf '%s\n' 0 1 2 3 4 5 6 9 >"$tmp/axis"
+# The options of convert that depend on the input, with a value, and the inputs that can use them: r(aw) h(eader) m(esh).
+cat >"$tmp/options" <<TABLE
+compress=zstd:1 rhm
+treelet=16 rh
+halo=0 rh
+dims=8,8,8 r
+type=u8 r
+big-endian r
+skip=0 r
+spacing=1,2,3 rh
+origin=1,2,3 rh
+axis-x=$tmp/axis rh
+axis-y=$tmp/axis rh
+axis-z=$tmp/axis rh
+field=sphere m
+fields=all m
+times=7 m
+component=1 m
+cells-to-points -
+coarse=4 m
+treelet-tets=64 m
+leaf-tets=4 m
+build=sah m
+gradients m
+dry-run rhm
+TABLE
+while read -r option inputs; do
+    for kind in r h m; do
+        case $kind in
+            r) input=$tmp/a_8x8x8_uint8.raw ;;
+            h) input=$tmp/a.nrrd ;;
+            *) input=$tmp/a.mesh ;;
+        esac
+        case $inputs in
+            *$kind*) want=0 ;;
+            *) want=2 ;;
+        esac
+        exits "convert $kind --$option" $want "$leafcast" convert "$input" "--$option" -o "$tmp/x.leaf" --force
+        [ $want = 0 ] || ok "says so" says "${option%%=*}\|no array"
+    done
+done <"$tmp/options"
+# Every option of convert but those that any input can use is in that table.
+"$leafcast" convert --help-all | sed -n 's/^ *\(-[a-zA-Z?], \)*--\([a-z-]*\).*/\2/p' | sort -u >"$tmp/all"
+{
+    sed 's/[= ].*//' "$tmp/options"
+    printf '%s\n' missing name allow-empty force help help-all json memory output quiet threads usage verbose version
+} | sort -u >"$tmp/known"
+ok "no option is left out" [ -z "$(comm -23 "$tmp/all" "$tmp/known")" ]
+"$leafcast" convert "$tmp/a.nrrd" -o "$tmp/plain.leaf" --force >/dev/null
+"$leafcast" convert "$tmp/a.mesh" -o "$tmp/mesh.leaf" --force >/dev/null
+for wrong in "mesh.leaf --component 1" "mesh.leaf --cells-to-points" "a.mesh --step 0" "mesh.leaf --step 1" \
+    "mesh.leaf --field nothing" "a.mesh --dims 4 --spacing 1"; do
+    # shellcheck disable=SC2086 # split on purpose
+    exits "resample $wrong" 2 "$leafcast" resample "$tmp"/$wrong -o "$tmp/x.nrrd"
+done
+
+# ---- raw samples through a pipe ----
+
+# shellcheck disable=SC2016
+piped='tail -c 512 "$2" | "$1" convert - --dims 8,8,8 --type u8 -o "$3" --force'
+exits "raw samples from a pipe" 0 sh -c "$piped" sh "$leafcast" "$tmp/a.nrrd" "$tmp/piped.leaf"
+"$leafcast" info --json "$tmp/piped.leaf" | grep value >"$tmp/piped"
+"$leafcast" info --json "$tmp/plain.leaf" | grep value >"$tmp/plain"
+ok "are those of the file" cmp "$tmp/piped" "$tmp/plain"
+# shellcheck disable=SC2016
+exits "too few of them" 3 sh -c 'head -c 500 "$2" | "$1" convert - --dims 8,8,8 --type u8 -o "$3" --force' sh \
+    "$leafcast" "$tmp/a_8x8x8_uint8.raw" "$tmp/x.leaf"
+ok "are told" says "standard input: ends at byte 500"
+# shellcheck disable=SC2016
+exits "--skip, --spacing" 0 sh -c '"$1" convert - --dims 8,8,7 --type u8 --skip 64 --spacing 1,1,2 -o "$3" --force <"$2"' \
+    sh "$leafcast" "$tmp/a_8x8x8_uint8.raw" "$tmp/x.leaf"
+exits "an empty pipe" 3 "$leafcast" convert - -o "$tmp/x.leaf"
+ok "is told" says "standard input: is empty"
+
+# ---- what is not read is named ----
+
+python3 - "$tmp" <<'PY'
+import sys
+folder = sys.argv[1] + "/"
+def write(name, *parts):
+    data = bytearray(600)
+    for at, text in parts:
+        data[at:at + len(text)] = text
+    open(folder + name, "wb").write(data)
+write("NIfTI-1", (0, b"\x5c\x01\0\0"), (344, b"n+1\0"))
+write("NIfTI-2", (0, b"\x1c\x02\0\0n+2\0\r\n\x1a\n"))
+write("Analyze", (0, b"\x5c\x01\0\0"))
+write("DICOM", (128, b"DICM"))
+write("MRC", (208, b"MAP "))
+write("TIFF", (0, b"II*\0"))
+write("BigTIFF", (0, b"MM\0+"))
+write("HDF5", (0, b"\x89HDF\r\n\x1a\n"))
+write("NetCDF", (0, b"CDF\x02"))
+write("NumPy", (0, b"\x93NUMPY\x01\0"))
+write("OpenVDB", (0, b" BDV\0\0\0\0"))
+write("PNG", (0, b"\x89PNG\r\n\x1a\n"))
+write("JPEG", (0, b"\xff\xd8\xff\xe0"))
+write("OpenEXR", (0, b"\x76\x2f\x31\x01"))
+write("gzip", (0, b"\x1f\x8b\x08"))
+write("zstd", (0, b"\x28\xb5\x2f\xfd"))
+write("VTK image data", (0, b'<?xml version="1.0"?>\n<VTKFile type="ImageData">'))
+write("structured points", (0, b"# vtk DataFile Version 3.0\nt\nBINARY\nDATASET STRUCTURED_POINTS\n"))
+open(folder + "PLOT3D", "wb").write(b"\0\0\0\2\0\0\0\3\0\0\0\4" + bytes(24 * 12))
+open(folder + "x.dcm", "wb").write(b"not at all")
+PY
+for format in NIfTI-1 NIfTI-2 Analyze DICOM MRC TIFF BigTIFF HDF5 NetCDF NumPy OpenVDB PNG JPEG OpenEXR gzip zstd \
+    "VTK image data" "structured points" PLOT3D; do
+    exits "$format" 3 "$leafcast" convert "$tmp/$format" -o "$tmp/x.leaf" --force
+    ok "is named" says "/$format: this is .*$format"
+done
+exits "a suffix" 3 "$leafcast" convert "$tmp/x.dcm" -o "$tmp/x.leaf" --force
+ok "is a hint" says "this is DICOM"
+for verb in resample tetrahedralize; do
+    exits "$verb of NIfTI-1" 3 "$leafcast" $verb "$tmp/NIfTI-1" -o "$tmp/x.out"
+    ok "is named" says "this is NIfTI-1"
+done
+exits "a grid resampled" 3 "$leafcast" resample "$tmp/a.nrrd" -o "$tmp/x.nrrd"
+ok "is sent to convert" says "this is NRRD.*convert"
+exits "a treelet file converted" 3 "$leafcast" convert "$tmp/plain.leaf" -o "$tmp/x.leaf" --force
+ok "is named" says "this is a treelet file"
+cp "$tmp/zstd" "$tmp/z_64x64x64_uint8.raw.zst"
+exits "packed raw samples" 3 "$leafcast" convert "$tmp/z_64x64x64_uint8.raw.zst" -o "$tmp/x.leaf" --force
+ok "are named, with what to do" says "this is zstd.*zstd -dc"
+printf 'hello, world' >"$tmp/hello"
+exits "no known format" 3 "$leafcast" convert "$tmp/hello" -o "$tmp/x.leaf" --force
+ok "is shown" says "begins with 68 65 6c 6c 6f"
+ok "and what is expected" says "raw samples need --dims and --type"
 finish
