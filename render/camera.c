@@ -84,11 +84,18 @@ status camera_init(camera *c, const leafcast_camera *from) {
     }
     c->width = from->width;
     c->height = from->height;
+    camera_shift(c, 0.0, 0.0);
     return ST_OK;
 }
 
+void camera_shift(camera *c, double dx, double dy) {
+    c->middle[0] = c->width - 2.0 * dx;
+    c->middle[1] = c->height - 2.0 * dy;
+}
+
 void camera_ray(const camera *c, double x, double y, double origin[3], double direction[3]) {
-    const double u = (2.0 * x - c->width) / c->height, v = (c->height - 2.0 * y) / c->height;
+    const double u = (2.0 * x - c->middle[0]) / c->height;
+    const double v = (c->middle[1] - 2.0 * y) / c->height;
     double d[3];
     for (int a = 0; a < 3; a++)
         d[a] = c->forward[a] + u * c->right[a] + v * c->up[a];

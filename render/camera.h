@@ -10,13 +10,15 @@
 #include "formats/base/status.h"
 #include "render/leafcast.h"
 
-/* A leafcast_camera made ready: d(x, y) = forward + ((2x - width) / height) right + ((height - 2y)
- * / height) up. */
+/* A leafcast_camera made ready: d(x, y) = forward + ((2x - middle x) / height) right + ((middle y -
+ * 2y) / height) up. */
 typedef struct camera {
     double eye[3];
     double forward[3];      /* unit length */
     double right[3], up[3]; /* as long as half the height of the picture at distance 1 */
     double width, height;   /* pixels */
+    double middle[2];       /* twice the pixel that `forward` goes through: width, height, unless
+                               camera_shift() says otherwise */
 } camera;
 
 /* The index of a pixel fits 32 bits, signed or not. */
@@ -25,6 +27,9 @@ enum { CAMERA_PIXELS_MAX = INT32_MAX };
 /* camera_init() - ST_USAGE when there is no such camera: numbers that are not finite, no or too
  * many pixels, fov outside (0, 180), nothing between eye and look_at, `up` along the view. */
 CHECKED status camera_init(camera *c, const leafcast_camera *from);
+
+/* camera_shift() - from now on, rays go through what was (x + dx, y + dy); at most half a pixel. */
+void camera_shift(camera *c, double dx, double dy);
 
 /* camera_ray() - the ray through (x, y), in pixels: from the eye, unit direction; no component is
  * -0. */

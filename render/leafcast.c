@@ -11,6 +11,7 @@
 #include "render/kept_polygons.h"
 #include "render/leafcast_volume.h"
 #include "render/mesh_preview.h"
+#include "render/samples.h"
 
 _Static_assert((int)LEAFCAST_USAGE == (int)ST_USAGE && (int)LEAFCAST_CORRUPT == (int)ST_CORRUPT &&
                    (int)LEAFCAST_UNSUPPORTED == (int)ST_UNSUPPORTED &&
@@ -407,6 +408,9 @@ status leafcast_tracer(leafcast *v, const leafcast_scene *scene, const camera *c
                                          "leafcast convert --gradients stores them");
     if (v->file->mesh && scene->lod == LEAFCAST_LOD_LEVEL && scene->lod_level > 0)
         return status_describe(ST_USAGE, "this mesh has no coarse levels");
+    if (!samples_valid(scene->samples))
+        return status_describe(ST_USAGE, "%d samples a pixel: 1, 4 and 16 are possible",
+                               scene->samples);
     if (scene->light_count < 0 || scene->light_count > LEAFCAST_LIGHTS_MAX)
         return status_describe(ST_USAGE, "%d lights: 0 to %d are possible", scene->light_count,
                                LEAFCAST_LIGHTS_MAX);
@@ -456,26 +460,54 @@ static size_t image_bytes(const leafcast_image *image, size_t pixels) {
     return bytes + (image->provisional ? pixels : 0);
 }
 
+/* What more than one sample a pixel needs: a picture that is not summed up yet. */
+static leafcast_image colours_of(const leafcast_image *image) {
+    return (leafcast_image){.r = image->r, .g = image->g, .b = image->b, .a = image->a};
+}
+
+/* Records of suspended rays, as many as there may be use for. */
+static uint32_t records_wanted(const leafcast *v, size_t pixels) {
+    const uint32_t least = frame_records_min(v->file->mesh, pool_threads(v->threads));
+    const size_t records = (pixels + 255) / 256 * 256 * 2;
+    return records < least ? least : records < UINT32_MAX / 2 ? (uint32_t)records : UINT32_MAX / 2;
+}
+
+/* All of the budget but records and treelets. */
+static size_t fixed_bytes(const leafcast *v, const frame *f) {
+    const size_t pixels = (size_t)f->width * f->height;
+    const leafcast_image colours = colours_of(&f->image);
+    return v->base_bytes + v->beside + mesh_preview_bytes(v) + image_bytes(&f->image, pixels) +
+           (f->scene->samples > 1 ? image_bytes(&colours, pixels) : 0) +
+           (v->file->mesh ? 0 : projection_bytes(&v->file->layout)) +
+           frame_bytes(v->file->mesh, v->file->layout.treelets, records_wanted(v, pixels), f->width,
+                       f->height, pool_threads(v->threads));
+}
+
+/* With the fewest records, and one treelet at a time. */
+static status check_budget(const leafcast *v, size_t fixed) {
+    const uint32_t least = frame_records_min(v->file->mesh, pool_threads(v->threads));
+    const size_t needed = fixed + least * frame_record_bytes() + loader_place_bytes(v->treelets);
+    if (v->budget.limit == 0 || needed <= v->budget.limit)
+        return ST_OK;
+    return status_describe(
+        ST_NOMEM,
+        "the memory budget of %zu bytes is too small for this picture: %zu bytes would do",
+        v->budget.limit, needed);
+}
+
 /* Share the budget out: what is there, the picture, records of suspended rays (a quarter of the
  * rest, or what one treelet leaves), treelets. */
 static status share_budget(leafcast *v, frame *f) {
     const uint32_t treelets = v->file->layout.treelets;
     const uint32_t least = frame_records_min(v->file->mesh, pool_threads(v->threads));
-    const size_t pixels = (size_t)f->width * f->height, place = loader_place_bytes(v->treelets);
-    size_t places = treelets, shelf = SIZE_MAX, records = (pixels + 255) / 256 * 256 * 2;
-    records = records < least ? least : records < UINT32_MAX / 2 ? records : UINT32_MAX / 2;
+    const size_t place = loader_place_bytes(v->treelets);
+    size_t places = treelets, shelf = SIZE_MAX;
+    size_t records = records_wanted(v, (size_t)f->width * f->height);
     if (v->budget.limit) {
-        const size_t fixed = v->base_bytes + mesh_preview_bytes(v) +
-                             image_bytes(&f->image, pixels) +
-                             (v->file->mesh ? 0 : projection_bytes(&v->file->layout)) +
-                             frame_bytes(v->file->mesh, treelets, (uint32_t)records, f->width,
-                                         f->height, pool_threads(v->threads));
-        const size_t needed = fixed + least * frame_record_bytes() + place;
-        if (v->budget.limit < needed)
-            return status_describe(
-                ST_NOMEM,
-                "the memory budget of %zu bytes is too small for this picture: %zu bytes would do",
-                v->budget.limit, needed);
+        const size_t fixed = fixed_bytes(v, f);
+        status st = check_budget(v, fixed);
+        if (st != ST_OK)
+            return st;
         const size_t rest = v->budget.limit - fixed, beside = rest - place;
         const size_t most = (rest / 4 < beside ? rest / 4 : beside) / frame_record_bytes();
         records = most < least ? least : most < records ? most : records;
@@ -549,6 +581,101 @@ static void fill_stats(leafcast *v, const frame_counters *c, double render_s,
                               .isa = v->kernels.name};
 }
 
+leafcast_status leafcast_check_room(leafcast *v, const leafcast_scene *scene,
+                                    const leafcast_camera *camera_of, const leafcast_image *planes,
+                                    uint64_t beside) {
+    const frame f = {
+        .scene = scene, .width = camera_of->width, .height = camera_of->height, .image = *planes};
+    camera c;
+    status st = camera_init(&c, camera_of);
+    v->beside = (size_t)beside;
+    if (st == ST_OK)
+        st = check_budget(v, fixed_bytes(v, &f));
+    return leafcast_public_status(st);
+}
+
+/* One of the pictures that a picture is made of. */
+typedef struct part {
+    const frame *whole;
+    int done, count;
+} part;
+
+static bool watch_part(void *ctx, double done) {
+    const part *p = ctx;
+    return p->whole->watch(p->whole->watch_ctx, (p->done + done) / p->count);
+}
+
+static status draw_part(leafcast *v, const part *p, const leafcast_image *image,
+                        const double shift[2], frame_counters *counters) {
+    frame f = *p->whole;
+    const uint64_t provisional = counters->provisional_pixels;
+    f.image = *image;
+    f.watch = f.watch ? watch_part : NULL;
+    f.watch_ctx = (void *)p;
+    f.projection = NULL;
+    camera_shift(&f.camera, shift[0], shift[1]);
+    counters->provisional_pixels = 0;
+    status st = project(v, &f);
+    if (st == ST_OK)
+        st = frame_render(&f, counters);
+    projection_release(&v->projection);
+    /* A pixel counts once. */
+    if (counters->provisional_pixels < provisional)
+        counters->provisional_pixels = provisional;
+    return st;
+}
+
+static status alloc_colours(mem *m, const leafcast_image *like, size_t pixels,
+                            leafcast_image *out) {
+    float *const there[4] = {like->r, like->g, like->b, like->a};
+    float **const made[4] = {&out->r, &out->g, &out->b, &out->a};
+    bool failed = false;
+    *out = (leafcast_image){0};
+    for (int i = 0; i < 4; i++) {
+        *made[i] = there[i] ? mem_array(m, pixels, sizeof(float)) : NULL;
+        failed |= there[i] && !*made[i];
+    }
+    return failed ? ST_NOMEM : ST_OK;
+}
+
+/* The planes of the pixels' centres, then the colours sample by sample; see samples.h. */
+static status draw_samples(leafcast *v, const frame *f, frame_counters *counters) {
+    static const double centre[2] = {0.0, 0.0};
+    const leafcast_image colours = colours_of(&f->image);
+    const bool coloured = colours.r || colours.g || colours.b || colours.a;
+    const size_t pixels = (size_t)f->width * f->height;
+    const int samples = coloured ? f->scene->samples : 0;
+    leafcast_image planes = f->image, now = {0};
+    planes.r = planes.g = planes.b = planes.a = NULL;
+    const bool others = !coloured || image_bytes(&planes, 1) > 0;
+    part p = {f, 0, samples + others};
+    status st = ST_OK;
+    if (others)
+        st = draw_part(v, &p, &planes, centre, counters);
+    if (st == ST_OK && samples)
+        st = alloc_colours(&v->budget, &colours, pixels, &now);
+    for (int s = 0; s < samples && st == ST_OK; s++) {
+        double shift[2];
+        samples_shift(samples, s, shift);
+        p.done = s + others;
+        st = draw_part(v, &p, s ? &now : &colours, shift, counters);
+        if (st == ST_OK && s)
+            st = samples_add(v->threads, &colours, &now, pixels,
+                             s + 1 < samples ? 1.0f : 1.0f / (float)samples);
+    }
+    float *const made[4] = {now.r, now.g, now.b, now.a};
+    for (int i = 0; i < 4; i++)
+        mem_free(&v->budget, made[i]);
+    return st;
+}
+
+static status draw(leafcast *v, const frame *f, frame_counters *counters) {
+    static const double centre[2] = {0.0, 0.0};
+    const part whole = {f, 0, 1};
+    return f->scene->samples > 1 ? draw_samples(v, f, counters)
+                                 : draw_part(v, &whole, &f->image, centre, counters);
+}
+
 leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
                                const leafcast_camera *from, const leafcast_image *image,
                                leafcast_stats *stats, bool (*watch)(void *, double),
@@ -589,12 +716,9 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
         atomic_store_explicit(&v->touched[t], 0, memory_order_relaxed);
     if (scene->sweep || scene->preview)
         loader_sweep(v->treelets);
-    st = project(v, &f);
-    if (st == ST_OK)
-        st = frame_render(&f, &counters);
+    st = draw(v, &f, &counters);
     if (st == ST_OK && f.coarse)
         st = loader_failure(v->coarse->treelets);
-    projection_release(&v->projection);
     if (st == ST_OK && scene->sweep && !scene->preview)
         st = loader_settle(v->treelets);
     const double end = clock_seconds();

@@ -193,6 +193,9 @@ typedef struct leafcast_scene {
                      where tets are absent, and say where that is provisional */
     bool sweep;   /* load everything the isovalues need, coarse first, instead of what the rays ask
                      for */
+    int samples;  /* rays a pixel for r, g, b, a: 0 or 1 (through its centre), 4 or 16 on a fixed
+                     pattern, whose mean is taken; each takes the time of a picture. z, normal and
+                     id stay those of the pixel's centre */
     int layers_max; /* stop after so many transparent surfaces on a ray; 0: no limit */
 } leafcast_scene;
 
@@ -243,6 +246,14 @@ typedef struct leafcast_stats {
     int threads;
     const char *isa;
 } leafcast_stats;
+
+/* leafcast_check_room() - whether the memory budget holds such a picture, before its planes are
+ * there: planes may have any pointers that are not NULL. `beside`: bytes of the caller's own that
+ * shall count too, in this and in the following pictures. LEAFCAST_NOMEM names the smallest budget
+ * that would do. */
+leafcast_status leafcast_check_room(leafcast *volume, const leafcast_scene *scene,
+                                    const leafcast_camera *camera, const leafcast_image *planes,
+                                    uint64_t beside);
 
 /* leafcast_trace() - one picture. stats may be NULL. watch, when not NULL, is told now and then (by
  * any render thread) which share of the pixels is done; false ends it with LEAFCAST_STOPPED. */

@@ -26,6 +26,7 @@ struct leafcast {
     atomic_uchar *touched;
     uint8_t *stop;          /* per treelet, for --lod pixel */
     size_t base_bytes;      /* of the budget, before any treelet */
+    size_t beside;          /* of the budget, the caller's: leafcast_check_room() */
     intersect_fn intersect; /* instead of the scene's, see experiment.h */
     double opened_at, open_s, first_image_s;
 };

@@ -66,6 +66,8 @@ status peer_race_check(view_options *view) {
                                          "at the eye");
     if (s->clip_box || s->clip_plane_count > 0 || s->lod != LEAFCAST_LOD_EXACT || s->preview)
         return status_describe(ST_USAGE, "peers draw all of the surface, at full resolution");
+    if (s->samples > 1)
+        return status_describe(ST_USAGE, "peers trace one ray a pixel");
     return ST_OK;
 }
 

@@ -71,6 +71,8 @@ static status check_options(probe_options *o) {
             return status_describe(ST_USAGE, "--at: no such pixel in %g x %g", size[0], size[1]);
     if (o->ray && o->line[3] == 0.0 && o->line[4] == 0.0 && o->line[5] == 0.0)
         return status_describe(ST_USAGE, "--ray: the direction is zero");
+    if (o->view.scene.samples > 1)
+        return status_describe(ST_USAGE, "--samples: a probe follows one ray");
     return o->point && o->view.isos == 0 ? ST_OK : view_options_check(&o->view);
 }
 

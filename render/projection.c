@@ -50,7 +50,9 @@ static double scale_of(const affine *space) {
  * w|) sum far / w, and the reciprocal's 2^-21; doubled and rounded up. rounded: how much more the
  * entries are. */
 static void set_bounds(projection *p, const camera *c, double worst, double rounded) {
-    const double u = rounded * ldexp(1.0, -24), half = 0.5 * fmax(c->width, c->height);
+    const double u = rounded * ldexp(1.0, -24);
+    const double shift = fmax(fabs(c->width - c->middle[0]), fabs(c->height - c->middle[1]));
+    const double half = 0.5 * (fmax(c->width, c->height) + shift);
     const double reach = 0.5 * c->height / sqrt(fmin(dot(c->right, c->right), dot(c->up, c->up)));
     p->margin = (float)(8.0 * u / (double)projection_depth_share * (reach + half) +
                         ldexp(half, -20) + 1e-4);
@@ -62,7 +64,7 @@ static void set_bounds(projection *p, const camera *c, double worst, double roun
 status projection_init(projection *p, mem *m, const leaf_layout *layout,
                        const level_planes levels[], const affine *space, const camera *c) {
     *p = (projection){.m = m,
-                      .centre = {(float)(0.5 * c->width), (float)(0.5 * c->height)},
+                      .centre = {(float)(0.5 * c->middle[0]), (float)(0.5 * c->middle[1])},
                       .block = mem_array(m, planes_in_all(layout), sizeof *p->block)};
     if (!p->block)
         return ST_NOMEM;
@@ -104,7 +106,7 @@ void projection_init_mesh(projection *p, const float bounds[6], const camera *c)
     const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     double worst = 0.0;
     affine_init(&world, identity);
-    *p = (projection){.centre = {(float)(0.5 * c->width), (float)(0.5 * c->height)},
+    *p = (projection){.centre = {(float)(0.5 * c->middle[0]), (float)(0.5 * c->middle[1])},
                       .scale = 1.0,
                       .unscale = 1.0};
     for (int a = 0; a < 3; a++) {

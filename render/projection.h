@@ -15,8 +15,9 @@
 #include "render/camera.h"
 #include "render/level_planes.h"
 
-/* What a plane adds: pixels right of the picture's centre, below it, and depth are x / w, y / w, w;
- * all w scaled alike. far bounds the share of any of the point's distance that is due to this axis.
+/* What a plane adds: pixels right of where the camera looks, below it, and depth are x / w, y / w,
+ * w; all w scaled alike. far bounds the share of any of the point's distance that is due to this
+ * axis.
  */
 typedef struct plane_projection {
     float x, y, w, far;
@@ -30,7 +31,7 @@ typedef struct projection {
     float axis[3][4]; /* of a mesh, world space: x, y, w, far of a plane at 1 from the eye */
     bool usable;      /* false: numbers beyond float; nothing else is set then */
     double eye[3];    /* grid space */
-    float centre[2];  /* of the picture: pixels from its left and top edge */
+    float centre[2];  /* where the camera looks: pixels from the picture's left and top edge */
     /* x / w of a corner is right to margin pixels within the picture, where w is at least
      * depth_share of the sum of its far; beyond the picture it does not come in. */
     float margin;

@@ -53,9 +53,26 @@ status render_job_check(const render_job *job, script_frame *frame) {
 
 /* ---- drawing ---- */
 
+/* Which planes a picture takes: those that are written. */
+static leafcast_image planes_wanted(const render_job *job, const script_frame *frame) {
+    static float any_float;
+    static double any_double;
+    static int32_t any_id;
+    const bool colour = frame->output[0] || !frame->depth[0];
+    const bool all = image_out_wants_all(&job->out, frame->output);
+    float *const c = colour ? &any_float : NULL, *const n = all ? &any_float : NULL;
+    return (leafcast_image){.r = c,
+                            .g = c,
+                            .b = c,
+                            .a = c,
+                            .z = all || frame->depth[0] ? &any_double : NULL,
+                            .normal = {n, n, n},
+                            .id = all ? &any_id : NULL};
+}
+
 /* A plane as it is wanted now: the one that is there, a new one, or NULL. *failed when there is no
  * memory. */
-static void *plane(render_job *job, void *there, bool wanted, size_t size, bool *failed) {
+static void *plane(render_job *job, void *there, const void *wanted, size_t size, bool *failed) {
     if (there && wanted)
         return there;
     mem_free(&job->m, there);
@@ -64,25 +81,30 @@ static void *plane(render_job *job, void *there, bool wanted, size_t size, bool 
     return made;
 }
 
-/* Only the planes that are written: they come out of the same memory as the treelets. */
-static status make_planes(render_job *job, const script_frame *frame) {
-    const leafcast_camera *c = &frame->view.camera;
-    const bool colour = frame->output[0] || !frame->depth[0];
-    const bool all = image_out_wants_all(&job->out, frame->output);
+/* They come out of the same budget as the treelets; whether they fit is asked before memory is
+ * taken. */
+static status make_planes(render_job *job, const script_frame *frame,
+                          const leafcast_camera *camera) {
+    const leafcast_image w = planes_wanted(job, frame);
     leafcast_image *i = &job->image;
-    if (job->width != c->width || job->height != c->height)
+    if (job->width != camera->width || job->height != camera->height)
         release_planes(job);
-    job->width = c->width;
-    job->height = c->height;
+    status st = render_status(
+        leafcast_check_room(job->volume, &frame->view.scene, camera, &w,
+                            image_out_bytes(&job->out, frame->output, camera->width)));
+    if (st != ST_OK)
+        return st;
+    job->width = camera->width;
+    job->height = camera->height;
     bool failed = false;
-    i->r = plane(job, i->r, colour, sizeof *i->r, &failed);
-    i->g = plane(job, i->g, colour, sizeof *i->g, &failed);
-    i->b = plane(job, i->b, colour, sizeof *i->b, &failed);
-    i->a = plane(job, i->a, colour, sizeof *i->a, &failed);
-    i->z = plane(job, i->z, all || frame->depth[0], sizeof *i->z, &failed);
+    i->r = plane(job, i->r, w.r, sizeof *i->r, &failed);
+    i->g = plane(job, i->g, w.g, sizeof *i->g, &failed);
+    i->b = plane(job, i->b, w.b, sizeof *i->b, &failed);
+    i->a = plane(job, i->a, w.a, sizeof *i->a, &failed);
+    i->z = plane(job, i->z, w.z, sizeof *i->z, &failed);
     for (int a = 0; a < 3; a++)
-        i->normal[a] = plane(job, i->normal[a], all, sizeof *i->normal[a], &failed);
-    i->id = plane(job, i->id, all, sizeof *i->id, &failed);
+        i->normal[a] = plane(job, i->normal[a], w.normal[a], sizeof *i->normal[a], &failed);
+    i->id = plane(job, i->id, w.id, sizeof *i->id, &failed);
     return failed ? ST_NOMEM : ST_OK;
 }
 
@@ -247,7 +269,7 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
     const leafcast_camera camera = view_options_camera(&frame->view, job->volume);
     status st = open_targets(job, frame, to);
     if (st == ST_OK)
-        st = make_planes(job, frame);
+        st = make_planes(job, frame, &camera);
     if (st == ST_OK)
         st = select_surfaces(job, &frame->view);
     if (st == ST_OK)

@@ -285,31 +285,29 @@ static status draw(render_options *o, render_job *job, const script_frame *frame
     return ST_OK;
 }
 
-static status write_stats(render_options *o, const json_t *stats) {
-    mem m;
-    out_file *f = NULL;
-    mem_init(&m, 0);
+/* Consumes f in any case. */
+static status write_stats(out_file *f, const json_t *stats) {
     char *text = json_dumps(stats, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-    if (!text)
-        return status_describe(ST_NOMEM, "no memory for the statistics");
-    status st = out_file_create(&m, o->stats, o->common.force, &f);
-    if (st == ST_OK) {
-        st = out_file_append(f, text, strlen(text));
-        if (st == ST_OK)
-            st = out_file_append(f, "\n", 1);
-        if (st == ST_OK)
-            st = out_file_commit(f);
-        else
-            out_file_discard(f);
-    }
+    status st = text ? out_file_append(f, text, strlen(text))
+                     : status_describe(ST_NOMEM, "no memory for the statistics");
     free(text);
+    if (st == ST_OK)
+        st = out_file_append(f, "\n", 1);
+    if (st == ST_OK)
+        return out_file_commit(f);
+    out_file_discard(f);
     return st;
 }
 
 /* ---- sequences; a single picture is one of one ---- */
 
+/* Pictures of one run: a name has room for so many, and memory for their statistics. */
+enum { PICTURES_MAX = 1000000 };
+
 typedef struct sequence {
-    json_t *path; /* NULL: no camera path */
+    mem m;
+    out_file *stats; /* NULL: none are wanted */
+    json_t *path;    /* NULL: no camera path */
     int count;
     const char *isos; /* the rest of --iso-list */
 } sequence;
@@ -380,15 +378,17 @@ static status describe_frame(const render_options *o, sequence *s, int index, sc
 }
 
 static status count_frames(const render_options *o, sequence *s) {
-    s->count = 1;
+    uint64_t count = 1; /* less than 2^17 steps times 2^21 isovalues times views below */
     for (const char *at = o->iso_list ? o->iso_list : ""; *at; at++)
-        s->count += *at == ',';
-    s->count *= steps_of(o);
-    if (!o->camera_path)
-        return ST_OK;
-    status st = script_load_path(o->camera_path, &s->path);
-    if (st == ST_OK)
-        s->count *= (int)json_array_size(s->path);
+        count += *at == ',';
+    count *= (uint64_t)steps_of(o);
+    status st = o->camera_path ? script_load_path(o->camera_path, &s->path) : ST_OK;
+    if (st == ST_OK && s->path)
+        count *= json_array_size(s->path);
+    if (st == ST_OK && count > PICTURES_MAX)
+        st = status_describe(ST_USAGE, "%llu pictures are more than %d, the most of one run",
+                             (unsigned long long)count, PICTURES_MAX);
+    s->count = (int)count;
     return st;
 }
 
@@ -423,13 +423,6 @@ static status check_sequence(const render_options *o, const render_job *job, seq
     return st;
 }
 
-static status write_frames(render_options *o, json_t *all) {
-    json_t *frames = json_pack("{s:O}", "frames", all);
-    status st = write_stats(o, frames);
-    json_decref(frames);
-    return st;
-}
-
 static status draw_sequence(render_options *o, render_job *job, sequence *s, script_frame *frame,
                             json_t *all) {
     status st = ST_OK;
@@ -447,13 +440,15 @@ static status draw_sequence(render_options *o, render_job *job, sequence *s, scr
         if (stats)
             json_array_append_new(all, stats);
     }
-    if (st || is_sequence(o))
-        return st || !o->stats ? st : write_frames(o, all);
-    json_t *one = json_array_get(all, 0);
-    if (o->stats)
-        st = write_stats(o, one);
-    if (st == ST_OK && o->common.json)
-        st = cli_print_json(&o->common, json_incref(one));
+    if (st == ST_OK && o->common.json && !is_sequence(o))
+        st = cli_print_json(&o->common, json_incref(json_array_get(all, 0)));
+    if (st || !s->stats)
+        return st;
+    json_t *frames =
+        is_sequence(o) ? json_pack("{s:O}", "frames", all) : json_incref(json_array_get(all, 0));
+    st = write_stats(s->stats, frames);
+    s->stats = NULL;
+    json_decref(frames);
     return st;
 }
 
@@ -469,6 +464,7 @@ static status run_sequence(render_options *o, render_job *job) {
     static script_frame frame;
     sequence s = {0};
     json_t *all = json_array();
+    mem_init(&s.m, 0);
     status st = count_frames(o, &s);
     if (st == ST_OK)
         st = check_sequence(o, job, &s, &frame);
@@ -476,8 +472,11 @@ static status run_sequence(render_options *o, render_job *job) {
         st = render_job_open(job, o->volume, &o->open);
     if (st == ST_OK)
         st = check_steps(o, job);
+    if (st == ST_OK && o->stats)
+        st = out_file_create(&s.m, o->stats, o->common.force, &s.stats);
     if (st == ST_OK)
         st = draw_sequence(o, job, &s, &frame, all);
+    out_file_discard(s.stats);
     json_decref(all);
     json_decref(s.path);
     return st;

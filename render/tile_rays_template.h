@@ -114,14 +114,14 @@ SIMD unsigned make_rays(const frame *f, bool boxed, vd u, vd v, unsigned at, til
 /* All rays of a tile; those that single rays must do are marked. */
 static void tile_rays_make(const frame *f, uint32_t x0, uint32_t y0, tile_rays *rays) {
     const tracer *tr = f->tracer;
-    const double width = f->camera.width, height = f->camera.height;
+    const double *middle = f->camera.middle, height = f->camera.height;
     const bool boxed = tr->preview || tr->stop || tr->target_level > 0;
     double u[TILE];
     for (unsigned x = 0; x < TILE; x++)
-        u[x] = (2.0 * (x0 + x + 0.5) - width) / height;
+        u[x] = (2.0 * (x0 + x + 0.5) - middle[0]) / height;
     for (unsigned y = 0; y < TILE; y++) {
         unsigned single = 0;
-        const vd v = d_set((height - 2.0 * (y0 + y + 0.5)) / height);
+        const vd v = d_set((middle[1] - 2.0 * (y0 + y + 0.5)) / height);
         for (unsigned x = 0; x < TILE; x += VD_N)
             single |= make_rays(f, boxed, d_load(u + x), v, TILE * y + x, rays) << x;
         for (int a = 0; a < 3 && TILE_WINDOWS; a++)

@@ -27,15 +27,15 @@ typedef struct tile_rects {
     unsigned alive;   /* those that are not empty */
 } tile_rects;
 
-/* A tile in the picture: its first pixel's centre, from the picture's centre. */
+/* A tile in the picture: its first pixel's centre, from where the camera looks. */
 typedef struct tile_place {
     const projection *p;
     float x, y;
 } tile_place;
 
 SIMD tile_place tile_place_of(const frame *f, uint32_t x0, uint32_t y0) {
-    return (tile_place){f->projection, (float)(x0 + 0.5 - 0.5 * f->camera.width),
-                        (float)(y0 + 0.5 - 0.5 * f->camera.height)};
+    return (tile_place){f->projection, (float)(x0 + 0.5 - 0.5 * f->camera.middle[0]),
+                        (float)(y0 + 0.5 - 0.5 * f->camera.middle[1])};
 }
 
 /* One coordinate of the eight children: at their lower and at their upper planes. */

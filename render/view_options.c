@@ -14,6 +14,7 @@ enum {
     COLOUR,
     OPACITY,
     LAYERS,
+    SAMPLES,
     EYE,
     LOOK_AT,
     UP,
@@ -55,6 +56,7 @@ const struct argp_option view_options_table[] = {
     {"up", UP, "X,Y,Z", 0, "what is up (0,0,1)", 0},
     {"fov", FOV, "DEG", 0, "vertical field of view (45)", 0},
     {"size", SIZE, "WxH", 0, "pixels (1024x1024)", 0},
+    {"samples", SAMPLES, "N", 0, "rays a pixel, against jagged edges: 1, 4 or 16 (1)", 0},
 
     {NULL, 0, NULL, 0, "Light and colour:", 30},
     {"shading", SHADING, "NAME", 0, "diffuse, phong or flat (diffuse)", 0},
@@ -332,6 +334,15 @@ static status set_surface(view_options *v, int key, const char *text) {
     }
 }
 
+static status set_samples(const char *text, int *samples) {
+    int64_t n = 0;
+    status st = num_int(text, "--samples", 1, 16, &n);
+    if (st == ST_OK && n != 1 && n != 4 && n != 16)
+        st = status_describe(ST_USAGE, "--samples: %d is none of 1, 4, 16", (int)n);
+    *samples = (int)n;
+    return st;
+}
+
 static status set_camera(view_options *v, int key, const char *text) {
     static const char *const views[] = {"standard", "close"};
     leafcast_camera *c = &v->camera;
@@ -343,6 +354,7 @@ static status set_camera(view_options *v, int key, const char *text) {
     case UP: v->up = true; return parse_vector(text, "--up", 3, c->up);
     case FOV: v->fov = true; return parse_finite(text, "--fov", 1e-6, 179.999, &c->fov);
     case SIZE: return parse_size(text, c);
+    case SAMPLES: return set_samples(text, &v->scene.samples);
     case VIEW:
         st = parse_name(text, "--view", views, 2, &which);
         v->distance = which == 0 ? 2.2 : 1.1;
