@@ -608,20 +608,22 @@ static bool watch_part(void *ctx, double done) {
 static status draw_part(leafcast *v, const part *p, const leafcast_image *image,
                         const double shift[2], frame_counters *counters) {
     frame f = *p->whole;
-    const uint64_t provisional = counters->provisional_pixels;
+    const uint64_t provisional = counters->provisional_pixels, covered = counters->covered_pixels;
     f.image = *image;
     f.watch = f.watch ? watch_part : NULL;
     f.watch_ctx = (void *)p;
     f.projection = NULL;
     camera_shift(&f.camera, shift[0], shift[1]);
-    counters->provisional_pixels = 0;
+    counters->provisional_pixels = counters->covered_pixels = 0;
     status st = project(v, &f);
     if (st == ST_OK)
         st = frame_render(&f, counters);
     projection_release(&v->projection);
-    /* A pixel counts once. */
+    /* A pixel counts once: the largest count of any sample's picture. */
     if (counters->provisional_pixels < provisional)
         counters->provisional_pixels = provisional;
+    if (counters->covered_pixels < covered)
+        counters->covered_pixels = covered;
     return st;
 }
 

@@ -484,6 +484,12 @@ static status run_sequence(render_options *o, render_job *job) {
 
 /* ---- scripts ---- */
 
+static status check_line(const script_frame *frame) {
+    if (!to_stdout(frame->output) && !to_stdout(frame->depth))
+        return ST_OK;
+    return status_describe(ST_USAGE, "standard output is for a script's answers");
+}
+
 static status answer_line(render_options *o, render_job *job, const char *text, size_t size,
                           long number, bool *failed) {
     static script_frame frame;
@@ -494,6 +500,8 @@ static status answer_line(render_options *o, render_job *job, const char *text, 
     frame.output[0] = frame.depth[0] = 0;
     status st = script_parse(&frame, text, size, what);
     file_guard_next(); /* a line may replace the picture of another, with --force */
+    if (st == ST_OK)
+        st = check_line(&frame);
     if (st == ST_OK)
         st = guard_frame(&frame);
     if (st == ST_OK)

@@ -46,6 +46,9 @@ draw --depth-f64 "$tmp/d.f64"
 ok "distances too" cmp "$tmp/out.f64" "$tmp/d.f64"
 exits "two outputs there" 2 draw -o - --depth-f64 -
 exits "pictures and JSON there" 2 draw -o - --json
+echo '{"output": "-"}' >"$tmp/script"
+exits "nor has a script's line a picture there" 1 "$leafcast" render "$leaf" --iso 128 --script "$tmp/script"
+ok "but its answer" grep -q "standard output is for a script's answers" "$tmp/out"
 rc=0
 { draw --size 2000x2000 --format pfm -o - 2>"$tmp/err"; echo $? >"$tmp/rc"; } | head -c 10 >/dev/null
 ok "a reader that leaves: exit 1 (got $(cat "$tmp/rc"))" [ "$(cat "$tmp/rc")" = 1 ]
