@@ -9,6 +9,7 @@
 
 #include "formats/base/cli.h"
 #include "formats/base/file.h"
+#include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/base/sibling.h"
 #include "render/bench_suite.h"
@@ -135,10 +136,12 @@ static status write_product(bench_options *o, const bench_suite *suite, const ch
     return st;
 }
 
-static status refuse_existing(const bench_options *o, const char *path) {
-    if (!path || o->common.force || access(path, F_OK) != 0)
+/* Told before the suite runs. */
+static status check_product(bench_options *o, const char *path) {
+    if (!path || !*path)
         return ST_OK;
-    return status_describe(ST_EXISTS, "%s exists (--force overwrites)", path);
+    status st = file_guard_output(path);
+    return st == ST_OK ? out_file_check(&o->job.m, path, o->common.force) : st;
 }
 
 /* DIR/SUITE.csv and the like, in the folders of --out and --baselines. */
@@ -146,7 +149,7 @@ typedef struct folder_names {
     char csv[PATH_MAX], svg[PATH_MAX], png[PATH_MAX], baseline[PATH_MAX];
 } folder_names;
 
-static status name_in(const bench_options *o, const char *folder, const bench_suite *suite,
+static status name_in(bench_options *o, const char *folder, const bench_suite *suite,
                       const char *extension, char path[PATH_MAX]) {
     if (!folder)
         return ST_OK;
@@ -155,10 +158,10 @@ static status name_in(const bench_options *o, const char *folder, const bench_su
     if (mkdir(folder, 0777) != 0 && errno != EEXIST)
         return file_failed(errno, folder, "cannot make the folder");
     snprintf(path, PATH_MAX, "%.4000s/%s%s", folder, suite->name, extension);
-    return refuse_existing(o, path);
+    return check_product(o, path);
 }
 
-static status names_of(const bench_options *o, const bench_suite *suite, folder_names *n) {
+static status names_of(bench_options *o, const bench_suite *suite, folder_names *n) {
     status st = name_in(o, o->folder, suite, ".csv", n->csv);
     if (st == ST_OK)
         st = name_in(o, o->folder, suite, ".svg", n->svg);
@@ -182,25 +185,41 @@ static status write_products(bench_options *o, const bench_suite *suite,
     return st;
 }
 
+static void against_name(const bench_options *o, const bench_suite *suite, char path[PATH_MAX]) {
+    snprintf(path, PATH_MAX, "%.4000s/%s.csv", o->against, suite->name);
+}
+
 static status check_counts(bench_options *o, const bench_suite *suite) {
     char path[PATH_MAX];
     bench_verdict v;
     if (!o->against || !suite->counts)
         return ST_OK;
-    snprintf(path, sizeof path, "%.4000s/%s.csv", o->against, suite->name);
+    against_name(o, suite, path);
     status st = bench_baseline_check(&o->job.m, &o->job.table, suite->labels, path, &v);
     cli_note(&o->common, 1, "%s: %d counts within tolerance, %d off, %d of kernels not here",
              suite->name, v.within, v.off, v.absent);
     return st;
 }
 
+/* What the suite reads; its outputs are held against it. */
+static status guard_inputs(const bench_options *o, const bench_suite *suite) {
+    char path[PATH_MAX];
+    status st = file_guard_input(o->job.target);
+    if (st != ST_OK || !o->against || !suite->counts)
+        return st;
+    against_name(o, suite, path);
+    return file_guard_input(path);
+}
+
 static status run_suite(bench_options *o, const bench_suite *suite) {
     folder_names names;
-    status st = names_of(o, suite, &names);
+    status st = guard_inputs(o, suite);
     if (st == ST_OK)
-        st = refuse_existing(o, o->common.output);
+        st = names_of(o, suite, &names);
     if (st == ST_OK)
-        st = refuse_existing(o, o->plot);
+        st = check_product(o, o->common.output);
+    if (st == ST_OK)
+        st = check_product(o, o->plot);
     if (st != ST_OK)
         return st;
     o->job.output = o->folder && !o->common.output ? names.png : o->common.output;
@@ -248,6 +267,8 @@ static status run(bench_options *o) {
     const bench_suite *suite = bench_suite_find(name);
     const bool all = strcmp(name, "all") == 0;
     o->common.json_lines = all;
+    if (o->common.output && strcmp(o->common.output, "-") == 0)
+        return status_describe(ST_USAGE, "-o -: standard output has the table already");
     if (!suite && !all)
         return status_describe(ST_USAGE, "no suite \"%s\"; --help lists them", name);
     if ((job->view.field[0] && !(suite && suite->series)) || job->view.step)

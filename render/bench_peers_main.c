@@ -8,6 +8,7 @@
 
 #include "formats/base/cli.h"
 #include "formats/base/file.h"
+#include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "render/bench_plot.h"
 #include "render/image_out.h"
@@ -100,9 +101,15 @@ static status write_table(peers_options *o, const char *path, bool plot) {
 static status check(peers_options *o) {
     const char *const outputs[] = {o->common.output, o->plot};
     status st = peer_race_check(&o->view);
-    for (int i = 0; i < 2 && st == ST_OK; i++)
-        if (outputs[i] && !o->common.force && access(outputs[i], F_OK) == 0)
-            st = status_describe(ST_EXISTS, "%s exists (--force overwrites)", outputs[i]);
+    if (st == ST_OK)
+        st = file_guard_input(o->volume);
+    for (int i = 0; i < 2 && st == ST_OK; i++) {
+        st = file_guard_output(outputs[i]);
+        if (st == ST_OK && outputs[i])
+            st = out_file_check(&o->m, outputs[i], o->common.force);
+    }
+    if (st == ST_OK)
+        st = file_guard_output(o->picture);
     if (st == ST_OK && o->picture)
         st = image_out_check(&(image_out_options){.force = o->common.force}, o->picture);
     return st;

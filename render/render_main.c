@@ -406,6 +406,13 @@ static status guard_frame(const script_frame *frame) {
     return st == ST_OK && frame->depth[0] ? file_guard_output(frame->depth) : st;
 }
 
+/* Told before the first picture. */
+static status check_stats(const render_options *o) {
+    mem m;
+    mem_init(&m, 0);
+    return out_file_check(&m, o->stats, o->common.force);
+}
+
 static status check_sequence(const render_options *o, const render_job *job, sequence *s,
                              script_frame *frame) {
     status st = ST_OK;
@@ -418,8 +425,8 @@ static status check_sequence(const render_options *o, const render_job *job, seq
     }
     if (st == ST_OK)
         st = file_guard_output(o->stats);
-    if (st == ST_OK && o->stats && !o->common.force && access(o->stats, F_OK) == 0)
-        st = status_describe(ST_EXISTS, "%s exists (--force overwrites)", o->stats);
+    if (st == ST_OK && o->stats)
+        st = check_stats(o);
     return st;
 }
 

@@ -76,6 +76,10 @@ echo '{"depth_f64": "s.leaf"}' >script
 run shot --script script --force
 ok "a line over the volume: exit 1" [ "$rc" = 1 ]
 ok "the answer says so" grep -q 'is an input' "$tmp/out"
+measure() { "$leafcast" bench intersectors s.leaf --iso 100 --form brief --runs 1 --ray-cells 9 "$@"; }
+refused "a table over the volume" s.leaf measure -o s.leaf --force
+refused "a plot over the volume" s.leaf measure --plot "$tmp/alias/folder/s.leaf" --force
+refused "a table and its plot in one new file" s.leaf measure -o both --plot ./both
 printf '{"depth_f64": "a"}\n{"depth_f64": "a"}\n' >script
 exits "a line may replace another's output" 0 shot --script script --force
 finish
