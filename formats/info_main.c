@@ -1,11 +1,15 @@
-/* leafcast info - what is in a treelet file. */
+/* leafcast info - what is in a treelet file, or in an input of convert. */
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/file.h"
 #include "formats/base/num.h"
+#include "formats/base/text.h"
+#include "formats/input_facts.h"
 #include "formats/leaf_file.h"
 #include "formats/leaf_stats.h"
 
@@ -16,12 +20,31 @@ typedef struct arguments {
     const char *input;
     double isos[ISOS_MAX];
     int iso_count;
+    input_question question; /* of an input that is no treelet file */
+    unsigned given;          /* bit KEY_X - KEY_ISO: that option */
 } arguments;
 
-enum { KEY_ISO = 0x2000 };
+enum {
+    KEY_ISO = 0x2000,
+    KEY_QUICK,
+    KEY_FIELD,
+    KEY_DIMS,
+    KEY_TYPE,
+    KEY_BIG_ENDIAN,
+    KEY_SKIP,
+    KEY_LAST = KEY_SKIP
+};
 
 static const struct argp_option options[] = {
-    {"iso", KEY_ISO, "V", CLI_BASIC, "count what this isovalue needs; may be repeated", 0},
+    {"iso", KEY_ISO, "V", CLI_BASIC,
+     "of a treelet file: count what this isovalue needs; may be repeated", 0},
+    {NULL, 0, NULL, 0, "Other inputs:", 1},
+    {"quick", KEY_QUICK, NULL, CLI_BASIC, "tell what the header says; do not read the values", 1},
+    {"field", KEY_FIELD, "NAME", CLI_BASIC, "of a mesh: this array (default: the first)", 1},
+    {"dims", KEY_DIMS, "X,Y,Z", CLI_BASIC, "of raw samples: how many per axis", 1},
+    {"type", KEY_TYPE, "TYPE", CLI_BASIC, "of raw samples: u8 i8 u16 i16 u32 i32 f32 f64", 1},
+    {"big-endian", KEY_BIG_ENDIAN, NULL, 0, "of raw samples: most significant byte first", 1},
+    {"skip", KEY_SKIP, "BYTES", 0, "of raw samples: header bytes to pass over", 1},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static void parse_iso(struct argp_state *state, arguments *a, const char *text) {
@@ -31,11 +54,38 @@ static void parse_iso(struct argp_state *state, arguments *a, const char *text) 
         argp_error(state, "%s", status_text());
 }
 
+static void parse_dims(struct argp_state *state, arguments *a, const char *text) {
+    double sizes[3];
+    if (num_doubles(text, "--dims", ", x", 3, sizes) != ST_OK)
+        argp_error(state, "%s", status_text());
+    for (int i = 0; i < 3; i++) {
+        if (!(sizes[i] >= 1 && sizes[i] <= GRID_DIM_MAX && sizes[i] == (uint32_t)sizes[i]))
+            argp_error(state, "--dims: \"%s\": expected whole numbers from 1 to %d", text,
+                       GRID_DIM_MAX);
+        a->question.grid.dims[i] = (uint32_t)sizes[i];
+    }
+}
+
 static error_t parse(int key, char *arg, struct argp_state *state) {
     arguments *a = state->input;
+    input_question *q = &a->question;
+    if (key >= KEY_ISO && key <= KEY_LAST)
+        a->given |= 1u << (key - KEY_ISO);
     switch (key) {
     case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; break;
     case KEY_ISO: parse_iso(state, a, arg); break;
+    case KEY_QUICK: q->header_only = true; break;
+    case KEY_FIELD: q->mesh.field = arg; break;
+    case KEY_DIMS: parse_dims(state, a, arg); break;
+    case KEY_TYPE:
+        if (!sample_parse(arg, &q->grid.type))
+            argp_error(state, "--type: \"%s\" is none of u8 i8 u16 i16 u32 i32 f32 f64", arg);
+        break;
+    case KEY_BIG_ENDIAN: q->grid.big_endian = true; break;
+    case KEY_SKIP:
+        if (num_size(arg, "--skip", &q->grid.skip) != ST_OK)
+            argp_error(state, "%s", status_text());
+        break;
     case ARGP_KEY_ARG:
         if (a->input)
             argp_error(state, "one file at a time, not also \"%s\"", arg);
@@ -43,7 +93,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         break;
     case ARGP_KEY_END:
         if (!a->input)
-            argp_error(state, "a treelet file is needed");
+            argp_error(state, "an INPUT is needed");
         break;
     default: return ARGP_ERR_UNKNOWN;
     }
@@ -54,8 +104,10 @@ static const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {NU
 static const struct argp table = {
     .options = options,
     .parser = parse,
-    .args_doc = "F.leaf",
-    .doc = "Say what is in a treelet file. An active treelet, cell or tet is one with min < V <= "
+    .args_doc = "INPUT",
+    .doc = "Say what is in a treelet file, or in any input of convert: its format, sizes, fields, "
+           "values as a histogram, the isovalues that are worth a look, and what to do next. An "
+           "active treelet, cell or tet is one with min < V <= "
            "max over its samples.\vExample:\n  leafcast info bonsai.leaf --iso 37",
     .children = children,
 };
@@ -208,27 +260,27 @@ static void field_range(const leaf_file *f, uint32_t field, double range[2]) {
 
 /* The name of a lone field; of several, their ranges too. */
 static void print_fields(const facts *x) {
-    const mesh_directory *mesh = x->f->mesh;
-    if (mesh->fields == 1) {
-        if (mesh->names[0][0])
-            printf("field       %s\n", mesh->names[0]);
+    const mesh_directory *d = x->f->mesh;
+    if (d->fields == 1) {
+        if (d->names[0][0])
+            printf("field       %s\n", d->names[0]);
         return;
     }
-    for (uint32_t i = 0; i < mesh->fields; i++) {
+    for (uint32_t i = 0; i < d->fields; i++) {
         char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
         double range[2];
         field_range(x->f, i, range);
-        printf("%s%s: %s .. %s\n", i ? "            " : "fields      ", mesh->names[i],
+        printf("%s%s: %s .. %s\n", i ? "            " : "fields      ", d->names[i],
                num_print(range[0], a), num_print(range[1], b));
     }
 }
 
 static void print_steps(const facts *x) {
-    const mesh_directory *mesh = x->f->mesh;
+    const mesh_directory *d = x->f->mesh;
     char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
-    if (mesh->steps > 1)
-        printf("steps       %u, times %s .. %s%s\n", mesh->steps, num_print(mesh->times[0], a),
-               num_print(mesh->times[mesh->steps - 1], b),
+    if (d->steps > 1)
+        printf("steps       %u, times %s .. %s%s\n", d->steps, num_print(d->times[0], a),
+               num_print(d->times[d->steps - 1], b),
                x->f->layout.moved_steps ? ", vertices move" : "");
 }
 
@@ -429,7 +481,7 @@ static json_t *mesh_json(const facts *x) {
         h->name, "provenance", h->provenance, "id", x->id, "field", h->field, "tets",
         (json_int_t)h->tets, "vertices", (json_int_t)h->vertices, "flat", (json_int_t)h->flat,
         "inverted", (json_int_t)h->inverted, "repeated", (json_int_t)h->repeated, "bad",
-        (json_int_t)h->bad, "fields", (json_int_t)h->fields, "steps", (json_int_t)h->steps,
+        (json_int_t)h->bad, "field_count", (json_int_t)h->fields, "steps", (json_int_t)h->steps,
         "bounds", bounds_json(h), "value_min", json_number(h->value_min), "value_max",
         json_number(h->value_max), "non_finite", (json_int_t)h->non_finite);
     json_t *sizes = json_pack(
@@ -446,7 +498,7 @@ static json_t *mesh_json(const facts *x) {
     json_decref(sizes);
     json_object_set_new(json, "gradients", json_boolean(h->gradients));
     json_object_set_new(json, "moving", json_boolean(h->moving));
-    json_object_set_new(json, "field_list", fields_json(x->f));
+    json_object_set_new(json, "fields", fields_json(x->f));
     json_object_set_new(json, "times", times_json(x->f));
     json_object_set_new(json, "coarse_sets", json_integer(coarse_sets(x->f)));
     json_object_set_new(json, "coarse_bytes", json_integer((json_int_t)coarse_bytes(x->f)));
@@ -500,25 +552,27 @@ static json_t *activity_json(const facts *x, double iso,
 }
 
 static status print_json(const arguments *a, const facts *x) {
-    const bool mesh = x->f->mesh != NULL;
-    json_t *json = mesh ? mesh_json(x) : header_json(x);
-    if (!mesh)
+    const bool is_mesh = x->f->mesh != NULL;
+    json_t *json = is_mesh ? mesh_json(x) : header_json(x);
+    json_object_set_new(json, "format", json_string("treelet file"));
+    json_object_set_new(json, "kind", json_string(is_mesh ? "mesh" : "grid"));
+    if (!is_mesh)
         json_object_set_new(json, "levels", levels_json(x));
     json_object_set_new(json, "payload_sizes", histogram_json(x));
     if (a->iso_count) {
         json_t *isos = json_array();
         for (int i = 0; i < a->iso_count; i++)
-            json_array_append_new(isos, mesh ? mesh_activity_json(x, a->isos[i], x->activity[i])
-                                             : activity_json(x, a->isos[i], x->activity[i]));
+            json_array_append_new(isos, is_mesh ? mesh_activity_json(x, a->isos[i], x->activity[i])
+                                                : activity_json(x, a->isos[i], x->activity[i]));
         json_object_set_new(json, "isovalues", isos);
     }
     return cli_print_json(&a->common, json);
 }
 
 static void print_text(const arguments *a, const facts *x) {
-    const bool mesh = x->f->mesh != NULL;
+    const bool is_mesh = x->f->mesh != NULL;
     cli_results(&a->common, false);
-    if (mesh) {
+    if (is_mesh) {
         print_mesh_header(x);
         print_mesh_parts(x);
     } else {
@@ -526,7 +580,7 @@ static void print_text(const arguments *a, const facts *x) {
         print_levels(x);
     }
     for (int i = 0; i < a->iso_count; i++)
-        if (mesh)
+        if (is_mesh)
             print_mesh_activity(x, a->isos[i], x->activity[i]);
         else
             print_activity(x, a->isos[i], x->activity[i]);
@@ -550,11 +604,97 @@ static status report(arguments *a, mem *m, leaf_file *f) {
     return st;
 }
 
+/* ---- an input that is no treelet file ---- */
+
+/* What an input is, and which inputs can use an option. */
+enum { LEAF = 1, RAW = 2, HEADED = 4, MESH = 8 };
+static const char *const input_names[] = {[LEAF] = "treelet files",
+                                          [RAW] = "raw samples",
+                                          [MESH] = "meshes",
+                                          [RAW | HEADED | MESH] = "inputs of convert"};
+static const struct {
+    int key, inputs;
+    const char *name;
+} uses[] = {{KEY_ISO, LEAF, "iso"},     {KEY_QUICK, RAW | HEADED | MESH, "quick"},
+            {KEY_FIELD, MESH, "field"}, {KEY_DIMS, RAW, "dims"},
+            {KEY_TYPE, RAW, "type"},    {KEY_BIG_ENDIAN, RAW, "big-endian"},
+            {KEY_SKIP, RAW, "skip"}};
+
+/* Options that the input cannot use are refused: they would change nothing. */
+static status check_uses(const arguments *a, int input, const char *format) {
+    for (size_t i = 0; i < sizeof uses / sizeof *uses; i++)
+        if ((a->given >> (uses[i].key - KEY_ISO) & 1) && !(uses[i].inputs & input))
+            return status_describe(ST_USAGE,
+                                   "--%s is for %s, and %s is %s: it would change nothing",
+                                   uses[i].name, input_names[uses[i].inputs], a->input, format);
+    return ST_OK;
+}
+
+static status report_input(arguments *a, const input_facts *x) {
+    char next[8192], line[8192];
+    input_facts_next(x, &a->question, next, sizeof next);
+    if (a->common.json) {
+        json_t *json = input_facts_json(x);
+        text_printable(line, sizeof line, next);
+        json_object_set_new(json, "next", json_string(line));
+        return cli_print_json(&a->common, json);
+    }
+    cli_results(&a->common, false);
+    input_facts_print(stdout, x);
+    printf("next        %s\n", text_printable(line, sizeof line, next));
+    return ST_OK;
+}
+
+static status check_opened(void *ctx, const input_facts *x) {
+    return check_uses(ctx, x->is_mesh ? MESH : x->is_raw ? RAW : HEADED, x->format);
+}
+
+static status run_input(arguments *a, mem *m) {
+    input_facts *x = mem_zalloc(m, sizeof *x);
+    if (!x)
+        return ST_NOMEM;
+    a->question.path = a->input;
+    a->question.opened = check_opened;
+    a->question.ctx = a;
+    status st = input_facts_read(m, &a->question, cli_progress(&a->common), x);
+    if (st == ST_OK)
+        st = report_input(a, x);
+    mem_free(m, x);
+    return st;
+}
+
+/* By its first bytes or its name: what is called F.leaf is to be told why it is none. */
+static status is_leaf(mem *m, const char *path, bool *is) {
+    const size_t length = strlen(path);
+    *is = length > 5 && strcmp(path + length - 5, ".leaf") == 0;
+    if (*is || strcmp(path, "-") == 0)
+        return ST_OK;
+    file *f = NULL;
+    char magic[sizeof LEAF_MAGIC - 1];
+    struct stat info;
+    if (stat(path, &info) != 0 || !S_ISREG(info.st_mode))
+        return ST_OK;
+    status st = file_open(m, path, &f);
+    if (st == ST_OK && file_size(f) >= sizeof magic)
+        st = file_read_at(f, 0, magic, sizeof magic);
+    *is =
+        st == ST_OK && file_size(f) >= sizeof magic && memcmp(magic, LEAF_MAGIC, sizeof magic) == 0;
+    file_close(f);
+    return st;
+}
+
 static status run(arguments *a) {
     mem m;
     mem_init(&m, a->common.memory);
     leaf_file *f = NULL;
-    status st = leaf_file_open(&m, a->input, &f);
+    bool leaf = false;
+    status st = is_leaf(&m, a->input, &leaf);
+    if (st == ST_OK && !leaf)
+        return run_input(a, &m);
+    if (st == ST_OK)
+        st = check_uses(a, LEAF, "a treelet file");
+    if (st == ST_OK)
+        st = leaf_file_open(&m, a->input, &f);
     if (st == ST_OK)
         st = report(a, &m, f);
     leaf_file_close(f);

@@ -215,7 +215,8 @@ static status check_field(const stream_state *s, const mesh_hints *hints) {
     mesh_choice_names points = {0}, cells = {0};
     if (field[0])
         mesh_choice_add(&points, field);
-    if (hints->cells_to_points || (hints->field && !text_same_name(hints->field, field, sizeof s->header.field)))
+    if (hints->cells_to_points ||
+        (hints->field && !text_same_name(hints->field, field, sizeof s->header.field)))
         return mesh_choice_missing(s->file, hints, &points, &cells);
     return mesh_choice_component(s->file, hints, field, 1);
 }

@@ -211,8 +211,8 @@ static status gather(volume_layout *l, const char *path, facts *known) {
 
 /* Too few bytes, whose first ones tell a format: bonsai_256x256x256_uint8.raw.zst. */
 static bool is_packed(volume_layout *l, const facts *known) {
-    const double want = (double)known->dims[0] * known->dims[1] * known->dims[2] *
-                        (double)sample_size(known->type);
+    const double want =
+        (double)known->dims[0] * known->dims[1] * known->dims[2] * (double)sample_size(known->type);
     const uint8_t *start;
     size_t size;
     return (double)byte_stream_left(l->data) < want &&

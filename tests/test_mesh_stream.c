@@ -144,7 +144,8 @@ static void test_refused(void **state) {
     } cases[] = {
         {"LEAFCAST MESH 2\npoints: 0\ntets: 0\n\n", ST_UNSUPPORTED, "expected \"LEAFCAST MESH 1\""},
         {"LEAFCAST MESH \npoints: 0\ntets: 0\n\n", ST_UNSUPPORTED, "expected \"LEAFCAST MESH 1\""},
-        {"LEAFCAST MESH", ST_UNSUPPORTED, "no known format (it begins with 4c 45 41 46 43 41 53 54"},
+        {"LEAFCAST MESH", ST_UNSUPPORTED,
+         "no known format (it begins with 4c 45 41 46 43 41 53 54"},
         {START "points: 0\n\n", ST_CORRUPT, "line 3: \"\", expected lines"},
         {START "points: 0\ntets: 0\n", ST_CORRUPT, "line 4: \"\", expected a line"},
         {START "points: -1\ntets: 0\n\n", ST_CORRUPT, "line 2: \"points: -1\", expected a number"},

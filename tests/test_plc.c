@@ -178,7 +178,8 @@ static void test_tables_refused(void **state) {
     refused(scratch_text("t.csv", "x y z t\n"), &(plc_hints){.field = "s"}, ST_UNSUPPORTED,
             "t.csv: no field \"s\" among the 4 columns");
     refused(scratch_path("none.csv"), NULL, ST_IO, "none.csv");
-    refused(scratch_text("t.dat", "0 0 0\n"), NULL, ST_UNSUPPORTED, "no known format (it begins with 30");
+    refused(scratch_text("t.dat", "0 0 0\n"), NULL, ST_UNSUPPORTED,
+            "no known format (it begins with 30");
     refused(scratch_path("t.dat"), &(plc_hints){.format = "obj"}, ST_USAGE, "no format \"obj\"");
     assert_int_equal(only_status(scratch_path("t.dat"), &(plc_hints){.format = "CSV"}), ST_OK);
 }

@@ -29,7 +29,7 @@ exits "at times of its own" 0 "$leafcast" convert "$tmp"/b_000?.mesh --times=-1,
 ok "--json tells fields and steps" json 'x["steps"] == 4 and x["fields"] == ["buckyball"] and x["moving"]'
 exits "info --json" 0 "$leafcast" info "$tmp/b.leaf" --json
 ok "has the times" json 'x["times"] == [-1, 0, 0.5, 7] and x["moving"] and not x["gradients"]'
-ok "has a range a step" json 'len(x["field_list"][0]["step_ranges"]) == 4'
+ok "has a range a step" json 'len(x["fields"][0]["step_ranges"]) == 4'
 ok "its positions count" json 'x["parts"]["stored_positions"] > 0 and x["parts"]["moved"] == 3 * x["parts"]["positions"]'
 exits "--dry-run" 0 "$leafcast" convert "$tmp"/b_000?.mesh --dry-run --json
 ok "reads it all" json 'x["steps"] == 4 and x["memory_least"] < x["memory_planned"]'
@@ -78,8 +78,8 @@ ok "half of the tets are the other way round" json 'x["inverted"] == 15019'
 exits "verify" 0 "$leafcast" verify "$out"
 exits "info" 0 "$leafcast" info "$out" --json --iso 0.3
 ok "times, and nothing moves" json 'x["times"] == [200, 400, 600, 800, 1000] and not x["moving"]'
-ok "the speed at each step" json '[round(r[1], 4) for r in x["field_list"][0]["step_ranges"]] == [0.9548, 0.4966, 0.3963, 0.3236, 0.2357]'
-ok "the pressure at each step" json '[round(r[0], 3) for r in x["field_list"][1]["step_ranges"]] == [0.217, 0.093, -0.01, -0.045, -0.059]'
+ok "the speed at each step" json '[round(r[1], 4) for r in x["fields"][0]["step_ranges"]] == [0.9548, 0.4966, 0.3963, 0.3236, 0.2357]'
+ok "the pressure at each step" json '[round(r[0], 3) for r in x["fields"][1]["step_ranges"]] == [0.217, 0.093, -0.01, -0.045, -0.059]'
 ok "active tets of the first" json 'x["isovalues"][0]["active_tets"] > 1000'
 sets=$(python3 -c 'import json, sys; x = json.load(open(sys.argv[1])); print("%.3f" % (x["parts"]["stored_values"] / 10 / x["tets"]))' "$tmp/out")
 echo "# a further field or step takes $sets bytes a tet"

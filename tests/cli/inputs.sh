@@ -176,4 +176,88 @@ printf 'hello, world' >"$tmp/hello"
 exits "no known format" 3 "$leafcast" convert "$tmp/hello" -o "$tmp/x.leaf" --force
 ok "is shown" says "begins with 68 65 6c 6c 6f"
 ok "and what is expected" says "raw samples need --dims and --type"
+
+# ---- info of inputs ----
+
+json() { python3 -c 'import json, sys; x = json.load(open(sys.argv[1])); sys.exit(not ('"$1"'))' "$tmp/out"; }
+prints() { grep -q -- "$1" "$tmp/out"; }
+exits "info of a grid" 0 "$leafcast" info "$tmp/a.nrrd"
+ok "tells the format" prints '^format  *NRRD$'
+ok "tells dims and type" prints '^grid  *8 x 8 x 8 u8'
+ok "tells values" prints '^values  *[0-9]* \.\. [0-9]*$'
+ok "has a histogram" prints '%.*##'
+ok "suggests isovalues" prints '^isovalues '
+ok "tells what comes next" prints "^next  *leafcast convert $tmp/a.nrrd -o a.leaf$"
+for raw in "$tmp/a_8x8x8_uint8.raw" "- --dims 8,8,8 --type u8"; do
+    # shellcheck disable=SC2086,SC2016 # split on purpose
+    exits "info of raw samples" 0 sh -c 'input=$1; shift; "$@" <"$input"' sh "$tmp/a_8x8x8_uint8.raw" "$leafcast" info $raw --json
+    ok "tells the format" json 'x["format"] == "raw samples" and x["kind"] == "grid" and x["dims"] == [8, 8, 8]'
+    ok "counts all" json 'sum(x["histogram"]["samples"]) == 512 and x["histogram"]["cells"] == 343'
+done
+ok "what comes next has the options" json '"convert - --dims 8,8,8 --type u8 -o" in x["next"]'
+# The same as of the treelet file that convert makes, whatever the type and the size of the blocks that are read.
+for type in u8 u16 f32; do
+    "$leafcast" generate gyroid --dims 150,140,90 --type $type --spacing 1,2,-3 -o "$tmp/g.nrrd" --force
+    "$leafcast" convert "$tmp/g.nrrd" -o "$tmp/g.leaf" --force >/dev/null
+    for memory in 24M 2G; do
+        "$leafcast" info "$tmp/g.nrrd" --json --memory $memory >"$tmp/input.json"
+        "$leafcast" info "$tmp/g.leaf" --json >"$tmp/out"
+        cp "$tmp/input.json" "$tmp/out.input"
+        ok "$type within $memory: values, places, histogram as of the treelet file" python3 - "$tmp" <<'PY'
+import json, sys
+a, b = json.load(open(sys.argv[1] + "/input.json")), json.load(open(sys.argv[1] + "/out"))
+for key in "kind", "dims", "sample_type", "source_type", "to_world", "value_min", "value_max", "non_finite", "histogram":
+    if key in b and a[key] != b[key]:
+        sys.exit(key)
+sys.exit(a["histogram"]["total"] != 150 * 140 * 90)
+PY
+    done
+done
+python3 -c '
+import struct, sys
+v = [float("nan"), 1e30, -2.5, float("inf")] + [0.5] * 23
+open(sys.argv[1], "wb").write(struct.pack("<27d", *v) + b"more")' "$tmp/nan_3x3x3_f64.raw"
+exits "info of doubles with holes" 0 "$leafcast" info "$tmp/nan_3x3x3_f64.raw" --json
+ok "counts what is not finite, and what is behind" \
+    json 'x["non_finite"] == 2 and x["trailing_bytes"] == 4 and x["value_min"] == -2.5 and x["sample_type"] == "f32"'
+exits "info of a mesh" 0 "$leafcast" info "$tmp/a.mesh" --json
+ok "tells tets, points, fields, bounds" json \
+    'x["tets"] == 384 and x["vertices"] == 125 and x["fields"] == [{"name": "sphere"}] and x["bounds"] == [0, 0, 0, 4, 4, 4]'
+ok "draws all tets" json 'x["histogram"]["drawn"] == 384'
+"$leafcast" info "$tmp/mesh.leaf" --json >"$tmp/out"
+ok "as a treelet file" json \
+    'x["tets"] == 384 and x["field_count"] == 1 and x["fields"][0]["name"] == "sphere" and x["kind"] == "mesh"'
+exits "info --quick" 0 "$leafcast" info "$tmp/a.mesh" --quick --json
+ok "reads no values" json '"value_min" not in x and "histogram" not in x and x["field_count"] == 1'
+head -c 300 "$tmp/a.nrrd" >"$tmp/cut.nrrd"
+exits "info of a cut file" 3 "$leafcast" info "$tmp/cut.nrrd" --json
+exits "info of a cut mesh" 3 sh -c 'head -c 3000 "$2" | "$1" info -' sh "$leafcast" "$tmp/a.mesh"
+exits "info of NIfTI-1" 3 "$leafcast" info "$tmp/NIfTI-1"
+ok "is named" says "this is NIfTI-1"
+exits "info within too little memory" 4 "$leafcast" info "$tmp/g.nrrd" --memory 1M
+# Options of info, and the inputs that can use them: l(eaf), r(aw), h(eader), m(esh).
+cat >"$tmp/options" <<TABLE
+iso=50 l
+quick rhm
+field=sphere m
+dims=8,8,8 r
+type=u8 r
+big-endian r
+skip=0 r
+TABLE
+while read -r option inputs; do
+    for kind in l r h m; do
+        case $kind in
+            l) input=$tmp/plain.leaf ;;
+            r) input=$tmp/a_8x8x8_uint8.raw ;;
+            h) input=$tmp/a.nrrd ;;
+            *) input=$tmp/a.mesh ;;
+        esac
+        case $inputs in
+            *$kind*) want=0 ;;
+            *) want=2 ;;
+        esac
+        exits "info $kind --$option" $want "$leafcast" info "$input" "--$option"
+    done
+done <"$tmp/options"
 finish

@@ -46,6 +46,7 @@ for json in "" --json; do
         "$tmp/content.nrrd"; do
         fine "convert $json" 0 "$leafcast" convert "$input" -o "$dir/x.leaf" --force $json
         fine "info $json" 0 "$leafcast" info "$dir/x.leaf" $json
+        fine "info of an input $json" 0 "$leafcast" info "$input" $json
         fine "verify $json" 0 "$leafcast" verify "$dir/x.leaf" $json
     done
 done

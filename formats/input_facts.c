@@ -1,0 +1,489 @@
+#include "formats/input_facts.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "formats/base/num.h"
+#include "formats/base/text.h"
+#include "formats/histogram_draw.h"
+#include "formats/histogram_text.h"
+
+enum { BLOCK_BYTES = 32 << 20 };
+
+static void add_value(input_facts *x, double value) {
+    if (!isfinite(value))
+        x->non_finite++;
+    else {
+        x->range[0] = value < x->range[0] ? value : x->range[0];
+        x->range[1] = value > x->range[1] ? value : x->range[1];
+    }
+}
+
+/* ---- a grid ---- */
+
+/* Slices as they are read and as they would be stored; `held` of the latter begin at slice `first`.
+ */
+typedef struct slices {
+    volume *v;
+    const grid *g;
+    void *read, *stored;
+    uint64_t count; /* samples of a slice */
+    uint32_t room, first, held;
+} slices;
+
+static status make_slices(mem *m, volume *v, slices *s) {
+    *s = (slices){.v = v, .g = volume_grid(v)};
+    s->count = (uint64_t)s->g->dims[0] * s->g->dims[1];
+    const uint64_t left = m->limit ? m->limit - mem_used(m) : UINT64_MAX;
+    const uint64_t bytes = left / 4 < BLOCK_BYTES ? left / 4 : BLOCK_BYTES;
+    const uint64_t room = bytes / grid_slice_bytes(s->g);
+    s->room = room < 2 ? 2 : room < s->g->dims[2] ? (uint32_t)room : s->g->dims[2];
+    s->read = mem_alloc(m, s->room * grid_slice_bytes(s->g));
+    s->stored = mem_alloc(m, s->room * s->count * sample_size(sample_stored(s->g->type)));
+    return s->read && s->stored ? ST_OK : ST_NOMEM;
+}
+
+/* More slices behind those held, which fill the room or reach the end. */
+static status read_more(slices *s, input_facts *x) {
+    const uint32_t left = s->g->dims[2] - s->first - s->held;
+    const uint32_t more = s->room - s->held < left ? s->room - s->held : left;
+    const sample_type type = sample_stored(s->g->type);
+    char *to = (char *)s->stored + s->held * s->count * sample_size(type);
+    status st = volume_read(s->v, more, s->read);
+    if (st != ST_OK)
+        return st;
+    sample_to_stored(s->g->type, s->read, to, more * s->count);
+    for (uint64_t i = 0; i < more * s->count; i++)
+        add_value(x, (double)sample_get(type, to, i));
+    s->held += more;
+    return ST_OK;
+}
+
+/* Nodes of all slices held but the last, which belongs to the next block, too. */
+static void draw_held(slices *s, const histogram_draw *d, const histogram_space *space,
+                      histogram_cell *cells) {
+    const sample_type type = sample_stored(s->g->type);
+    const bool last = s->first + s->held == s->g->dims[2];
+    const uint32_t drawn = s->held - !last;
+    const histogram_block b = {.first = {0, 0, s->first},
+                               .end = {s->g->dims[0], s->g->dims[1], s->first + drawn},
+                               .type = type,
+                               .samples = s->stored,
+                               .row = s->g->dims[0],
+                               .slice = s->count};
+    histogram_draw_take(d, space, &b, cells);
+    const size_t bytes = s->count * sample_size(type);
+    if (!last)
+        memmove(s->stored, (char *)s->stored + drawn * bytes, bytes);
+    s->first += drawn;
+    s->held = !last;
+}
+
+static status count_slices(slices *s, const histogram_draw *d, histogram_cell *cells,
+                           const progress *p, input_facts *x) {
+    histogram_space space = histogram_space_of(x->to_world);
+    for (int a = 0; a < 3; a++)
+        space.axis[a] = s->g->axis[a];
+    while (s->first < s->g->dims[2]) {
+        status st = read_more(s, x);
+        if (st == ST_OK)
+            st = progress_step(p, "reading", (double)(s->first + s->held) / s->g->dims[2]);
+        if (st != ST_OK)
+            return st;
+        draw_held(s, d, &space, cells);
+    }
+    return volume_finish(s->v, &x->trailing);
+}
+
+static status count_volume(mem *m, volume *v, const progress *p, input_facts *x) {
+    const grid *g = volume_grid(v);
+    const histogram_draw d = histogram_draw_grid(g->dims);
+    slices s;
+    status st = make_slices(m, v, &s);
+    histogram_cell *cells = mem_array(m, d.count, sizeof *cells);
+    if (!cells)
+        st = ST_NOMEM;
+    if (st == ST_OK)
+        st = count_slices(&s, &d, cells, p, x);
+    if (st == ST_OK)
+        histogram_build(&x->values, cells, d.count, sample_stored(g->type), x->range,
+                        grid_samples(g));
+    mem_free(m, cells);
+    mem_free(m, s.read);
+    mem_free(m, s.stored);
+    return st;
+}
+
+static status ask_volume(mem *m, byte_stream *s, const input_question *q, const progress *p,
+                         input_facts *x) {
+    volume *v = NULL;
+    status st = volume_open_stream(m, s, &q->grid, &v);
+    if (st != ST_OK)
+        return st;
+    const grid *g = volume_grid(v);
+    x->format = volume_format(v);
+    x->is_raw = strcmp(x->format, VOLUME_RAW_SAMPLES) == 0;
+    x->type = g->type;
+    x->rectilinear = grid_is_rectilinear(g);
+    memcpy(x->dims, g->dims, sizeof x->dims);
+    memcpy(x->to_world, g->to_world, sizeof x->to_world);
+    text_name(x->name, sizeof x->name, g->name);
+    if (q->opened)
+        st = q->opened(q->ctx, x);
+    if (st == ST_OK && !q->header_only)
+        st = count_volume(m, v, p, x);
+    volume_close(v);
+    return st;
+}
+
+/* ---- a mesh ---- */
+
+/* Positions and values of all points; of the tets every step-th, few enough for the room. */
+typedef struct gathered {
+    mem *m;
+    mesh *mesh;
+    const progress *p;
+    input_facts *x;
+    float (*xyz)[3];
+    float *values;
+    size_t xyz_room, value_room, points;
+    uint32_t (*ids)[4];
+    uint64_t tets, step;
+    uint32_t kept;
+} gathered;
+
+static status grow(mem *m, void **array, size_t *room, size_t need, size_t size) {
+    if (need <= *room)
+        return ST_OK;
+    const size_t more = need > 2 * *room ? need : 2 * *room;
+    void *larger = mem_array(m, more, size);
+    if (!larger)
+        return ST_NOMEM;
+    if (*array)
+        memcpy(larger, *array, *room * size);
+    mem_free(m, *array);
+    *array = larger;
+    *room = more;
+    return ST_OK;
+}
+
+static status take_points(void *ctx, uint64_t first, size_t count, const float (*xyz)[3]) {
+    gathered *g = ctx;
+    void *array = g->xyz;
+    status st = grow(g->m, &array, &g->xyz_room, (size_t)first + count, sizeof *g->xyz);
+    g->xyz = array;
+    if (st != ST_OK)
+        return st;
+    memcpy(g->xyz + first, xyz, count * sizeof *xyz);
+    g->points = (size_t)first + count;
+    for (size_t i = 0; i < count; i++)
+        for (int a = 0; a < 3; a++) {
+            g->x->bounds[a] = fminf(g->x->bounds[a], xyz[i][a]);
+            g->x->bounds[a + 3] = fmaxf(g->x->bounds[a + 3], xyz[i][a]);
+        }
+    return progress_step(g->p, "reading", mesh_share(g->mesh));
+}
+
+static status take_values(void *ctx, uint64_t first, size_t count, const float *values) {
+    gathered *g = ctx;
+    void *array = g->values;
+    status st = grow(g->m, &array, &g->value_room, (size_t)first + count, sizeof *g->values);
+    g->values = array;
+    if (st != ST_OK)
+        return st;
+    memcpy(g->values + first, values, count * sizeof *values);
+    for (size_t i = 0; i < count; i++)
+        add_value(g->x, (double)values[i]);
+    return progress_step(g->p, "reading", mesh_share(g->mesh));
+}
+
+/* Every other one of those kept goes. */
+static void thin(gathered *g) {
+    for (uint32_t i = 0; i < g->kept; i += 2)
+        memcpy(g->ids[i / 2], g->ids[i], sizeof *g->ids);
+    g->kept = (g->kept + 1) / 2;
+    g->step *= 2;
+}
+
+static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
+    gathered *g = ctx;
+    for (size_t i = 0; i < count; i++, g->tets++) {
+        if (g->kept == HISTOGRAM_TETS)
+            thin(g);
+        if (g->tets % g->step == 0)
+            memcpy(g->ids[g->kept++], ids[i], sizeof *g->ids);
+    }
+    return progress_step(g->p, "reading", mesh_share(g->mesh));
+}
+
+static status count_tets(gathered *g) {
+    histogram_cell *cells = mem_array(g->m, g->kept, sizeof *cells);
+    if (!cells)
+        return ST_NOMEM;
+    for (uint32_t i = 0; i < g->kept; i++) {
+        const float *corners[4];
+        float values[4];
+        for (int c = 0; c < 4; c++) {
+            corners[c] = g->xyz[g->ids[i][c]];
+            values[c] = g->values[g->ids[i][c]];
+        }
+        cells[i] = histogram_tet(corners, values);
+    }
+    histogram_build(&g->x->values, cells, g->kept, SAMPLE_F32, g->x->range, g->tets);
+    mem_free(g->m, cells);
+    return ST_OK;
+}
+
+static status count_mesh(mem *m, mesh *x, const progress *p, input_facts *out) {
+    gathered g = {.m = m, .mesh = x, .p = p, .x = out, .step = 1};
+    const mesh_sink sink = {&g, take_points, take_values, take_tets};
+    g.ids = mem_array(m, HISTOGRAM_TETS, sizeof *g.ids);
+    status st = g.ids ? mesh_read(x, &sink, &out->report) : ST_NOMEM;
+    if (st == ST_OK)
+        st = count_tets(&g);
+    mem_free(m, g.ids);
+    mem_free(m, g.xyz);
+    mem_free(m, g.values);
+    return st;
+}
+
+static void take_name(void *ctx, const char *name) {
+    input_facts *x = ctx;
+    for (uint32_t i = 0; i < x->field_count && i < INPUT_FACTS_FIELDS; i++)
+        if (strcmp(x->fields[i], name) == 0)
+            return;
+    if (x->field_count < INPUT_FACTS_FIELDS)
+        text_name(x->fields[x->field_count], sizeof x->fields[0], name);
+    x->field_count++;
+}
+
+static status ask_mesh(mem *m, byte_stream *s, const input_question *q, const progress *p,
+                       input_facts *x) {
+    mesh *found = NULL;
+    status st = mesh_open_stream(m, s, &q->mesh, &found);
+    if (st != ST_OK)
+        return st;
+    x->is_mesh = true;
+    x->format = mesh_format(found);
+    memcpy(x->name, mesh_name(found), strlen(mesh_name(found)) + 1);
+    mesh_fields(found, take_name, x);
+    if (q->opened)
+        st = q->opened(q->ctx, x);
+    if (st == ST_OK && !q->header_only)
+        st = count_mesh(m, found, p, x);
+    mesh_close(found);
+    return st;
+}
+
+/* ---- either ---- */
+
+status input_facts_read(mem *m, const input_question *q, const progress *p, input_facts *out) {
+    byte_stream *s = NULL;
+    bool is_mesh = false;
+    *out = (input_facts){.path = q->path,
+                         .read = !q->header_only,
+                         .range = {DBL_MAX, -DBL_MAX},
+                         .bounds = {FLT_MAX, FLT_MAX, FLT_MAX, -FLT_MAX, -FLT_MAX, -FLT_MAX}};
+    status st = byte_stream_open(m, q->path, &s);
+    if (st != ST_OK)
+        return st;
+    st = mesh_recognise_stream(s, &is_mesh);
+    if (st != ST_OK) {
+        byte_stream_close(s);
+        return st;
+    }
+    return is_mesh ? ask_mesh(m, s, q, p, out) : ask_volume(m, s, q, p, out);
+}
+
+/* ---- for people ---- */
+
+static double spacing_of(const input_facts *x, int a) {
+    const double *w = x->to_world;
+    return sqrt(w[a] * w[a] + w[a + 4] * w[a + 4] + w[a + 8] * w[a + 8]);
+}
+
+static void print_grid(FILE *to, const input_facts *x) {
+    char n[3][NUM_TEXT_MAX];
+    const double bytes =
+        (double)x->dims[0] * x->dims[1] * x->dims[2] * (double)sample_size(x->type);
+    fprintf(to, "grid        %u x %u x %u %s, %.1f MiB\n", x->dims[0], x->dims[1], x->dims[2],
+            sample_name(x->type), bytes / 0x1p20);
+    fprintf(to, "spacing     %s %s %s%s\n", num_print(spacing_of(x, 0), n[0]),
+            num_print(spacing_of(x, 1), n[1]), num_print(spacing_of(x, 2), n[2]),
+            x->rectilinear ? ", times the coordinates of its axes (rectilinear)" : "");
+    fprintf(to, "origin      %s %s %s\n", num_print(x->to_world[3], n[0]),
+            num_print(x->to_world[7], n[1]), num_print(x->to_world[11], n[2]));
+}
+
+static void print_mesh(FILE *to, const input_facts *x) {
+    char n[2][NUM_TEXT_MAX];
+    if (x->read)
+        fprintf(to, "mesh        %llu tets, %llu points\n", (unsigned long long)x->report.tets,
+                (unsigned long long)x->report.points);
+    for (uint32_t i = 0; i < x->field_count && i < INPUT_FACTS_FIELDS; i++)
+        fprintf(to, "%s%s%s\n", i ? "            " : "fields      ", x->fields[i],
+                strcmp(x->fields[i], x->report.field) == 0 ? " (taken here)" : "");
+    if (x->field_count == 0)
+        fprintf(to, "fields      none\n");
+    else if (x->field_count > INPUT_FACTS_FIELDS)
+        fprintf(to, "            .. %u in all\n", x->field_count);
+    for (int a = 0; a < 3 && x->read && x->report.points > 0; a++)
+        fprintf(to, "%s%s .. %s\n", a ? "            " : "bounds      ",
+                num_print((double)x->bounds[a], n[0]), num_print((double)x->bounds[a + 3], n[1]));
+}
+
+static void print_values(FILE *to, const input_facts *x) {
+    char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX];
+    if (x->range[0] <= x->range[1])
+        fprintf(to, "values      %s .. %s\n", num_print(x->range[0], lo),
+                num_print(x->range[1], hi));
+    else
+        fprintf(to, "values      none that are finite\n");
+    if (x->non_finite)
+        fprintf(to, "no data     %llu values are NaN or infinite\n",
+                (unsigned long long)x->non_finite);
+    if (x->trailing)
+        fprintf(to, "behind      %llu bytes behind the samples\n", (unsigned long long)x->trailing);
+    histogram_print(to, &x->values, x->is_mesh ? "tets" : "samples");
+    histogram_print_isovalues(to, &x->values);
+}
+
+void input_facts_print(FILE *to, const input_facts *x) {
+    char path[4096];
+    fprintf(to, "input       %s\n", text_printable(path, sizeof path, x->path));
+    fprintf(to, "format      %s\n", x->format);
+    if (x->name[0])
+        fprintf(to, "name        %s\n", x->name);
+    if (x->is_mesh)
+        print_mesh(to, x);
+    else
+        print_grid(to, x);
+    if (x->read)
+        print_values(to, x);
+}
+
+/* Text that grows while there is room. */
+typedef struct command {
+    char *text;
+    size_t room, length;
+} command;
+
+static void put(command *c, const char *text) {
+    const size_t size = strlen(text);
+    if (c->length + size < c->room) {
+        memcpy(c->text + c->length, text, size + 1);
+        c->length += size;
+    }
+}
+
+/* As a shell takes it: in quotes unless it is plain. */
+static void put_quoted(command *c, const char *text) {
+    static const char plain[] =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./+,";
+    if (*text && *text != '-' && !text[strspn(text, plain)]) {
+        put(c, text);
+        return;
+    }
+    put(c, "'");
+    for (; *text; text++)
+        put(c, *text == '\'' ? "'\\''" : (char[]){*text, 0});
+    put(c, "'");
+}
+
+/* NAME.leaf in the folder where one is, of the input's name without its last suffix. */
+static void put_leaf_name(command *c, const char *path) {
+    char name[4096];
+    const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
+    const char *dot = strrchr(base, '.');
+    const size_t length = dot && dot > base ? (size_t)(dot - base) : strlen(base);
+    if (strcmp(path, "-") == 0)
+        put(c, "F.leaf");
+    else if (length + sizeof ".leaf" <= sizeof name) {
+        memcpy(name, base, length);
+        memcpy(name + length, ".leaf", sizeof ".leaf");
+        put_quoted(c, name);
+    }
+}
+
+void input_facts_next(const input_facts *x, const input_question *q, char *text, size_t room) {
+    command c = {text, room, 0};
+    char number[64];
+    *text = 0;
+    put(&c, "leafcast convert ");
+    if (strcmp(x->path, "-") == 0)
+        put(&c, "-");
+    else
+        put_quoted(&c, x->path);
+    if (q->grid.dims[0]) {
+        snprintf(number, sizeof number, " --dims %u,%u,%u", q->grid.dims[0], q->grid.dims[1],
+                 q->grid.dims[2]);
+        put(&c, number);
+    }
+    if (q->grid.type) {
+        put(&c, " --type ");
+        put(&c, sample_name(q->grid.type));
+    }
+    if (q->mesh.field) {
+        put(&c, " --field ");
+        put_quoted(&c, q->mesh.field);
+    }
+    if (q->mesh.cells_to_points)
+        put(&c, " --cells-to-points");
+    put(&c, " -o ");
+    put_leaf_name(&c, x->path);
+}
+
+/* ---- for programs ---- */
+
+static json_t *number_or_null(double value) {
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static void set_grid(json_t *json, const input_facts *x) {
+    json_t *world = json_array();
+    for (int i = 0; i < 12; i++)
+        json_array_append_new(world, json_real(x->to_world[i]));
+    json_t *more = json_pack("{s:[I,I,I], s:s, s:s, s:b, s:o, s:I}", "dims", (json_int_t)x->dims[0],
+                             (json_int_t)x->dims[1], (json_int_t)x->dims[2], "sample_type",
+                             sample_name(sample_stored(x->type)), "source_type",
+                             sample_name(x->type), "rectilinear", (int)x->rectilinear, "to_world",
+                             world, "trailing_bytes", (json_int_t)x->trailing);
+    json_object_update(json, more);
+    json_decref(more);
+}
+
+static void set_mesh(json_t *json, const input_facts *x) {
+    json_t *bounds = json_array(), *fields = json_array();
+    for (int i = 0; i < 6 && x->read && x->report.points > 0; i++)
+        json_array_append_new(bounds, json_real((double)x->bounds[i]));
+    for (uint32_t i = 0; i < x->field_count && i < INPUT_FACTS_FIELDS; i++)
+        json_array_append_new(fields, json_pack("{s:s}", "name", x->fields[i]));
+    json_object_set_new(json, "field_count", json_integer(x->field_count));
+    json_object_set_new(json, "fields", fields);
+    json_object_set_new(json, "field", json_string(x->report.field));
+    json_object_set_new(json, "bounds", bounds);
+    if (x->read) {
+        json_object_set_new(json, "tets", json_integer((json_int_t)x->report.tets));
+        json_object_set_new(json, "vertices", json_integer((json_int_t)x->report.points));
+        json_object_set_new(json, "repeated", json_integer((json_int_t)x->report.repeated));
+        json_object_set_new(json, "bad", json_integer((json_int_t)x->report.bad_indices));
+    }
+}
+
+json_t *input_facts_json(const input_facts *x) {
+    const bool any = x->range[0] <= x->range[1];
+    json_t *json = json_pack("{s:s, s:s, s:s, s:I}", "format", x->format, "kind",
+                             x->is_mesh ? "mesh" : "grid", "name", x->name, "steps", (json_int_t)1);
+    if (x->is_mesh)
+        set_mesh(json, x);
+    else
+        set_grid(json, x);
+    if (x->read) {
+        json_object_set_new(json, "value_min", number_or_null(any ? x->range[0] : NAN));
+        json_object_set_new(json, "value_max", number_or_null(any ? x->range[1] : NAN));
+        json_object_set_new(json, "non_finite", json_integer((json_int_t)x->non_finite));
+        json_object_set_new(json, "histogram", histogram_json(&x->values));
+    }
+    return json;
+}
