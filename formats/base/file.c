@@ -360,17 +360,34 @@ const char *out_file_path(const out_file *f) {
     return f->path;
 }
 
+/* For file systems with neither RENAME_NOREPLACE nor hard links: take the name first, by an empty
+ * file, then replace that. */
+static int claim_and_rename(const out_file *f) {
+    const int fd = open(f->path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0)
+        return -1;
+    close(fd);
+    if (rename(f->temporary, f->path) == 0)
+        return 0;
+    const int error = errno;
+    unlink(f->path);
+    errno = error;
+    return -1;
+}
+
 /* Give the file its final name without ever replacing another that came up meanwhile. */
 static status rename_new(const out_file *f) {
-    if (renameat2(AT_FDCWD, f->temporary, AT_FDCWD, f->path, RENAME_NOREPLACE) == 0)
-        return ST_OK;
-    if (errno == EINVAL || errno == ENOSYS) {
+    int failed = renameat2(AT_FDCWD, f->temporary, AT_FDCWD, f->path, RENAME_NOREPLACE);
+    if (failed && (errno == EINVAL || errno == ENOSYS)) {
         /* A file system without RENAME_NOREPLACE: a hard link refuses an existing name as well. */
-        if (link(f->temporary, f->path) == 0) {
+        failed = link(f->temporary, f->path);
+        if (!failed)
             unlink(f->temporary);
-            return ST_OK;
-        }
+        else if (errno != EEXIST)
+            failed = claim_and_rename(f);
     }
+    if (!failed)
+        return ST_OK;
     return errno == EEXIST ? exists(f->path) : file_failed(errno, f->path, "cannot rename to");
 }
 
