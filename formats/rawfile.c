@@ -209,15 +209,24 @@ static status gather(volume_layout *l, const char *path, facts *known) {
     return read_json_beside(l->m, path, front, known);
 }
 
-/* Too few bytes, whose first ones tell a format: bonsai_256x256x256_uint8.raw.zst. */
-static bool is_packed(volume_layout *l, const facts *known) {
+/* How the samples lie in the file. Too few bytes, whose first ones tell a format, are packed:
+ * bonsai_256x256x256_uint8.raw.gz is unpacked on the way, .zst is refused by name. */
+static status find_encoding(volume_layout *l, const facts *known) {
     const double want =
         (double)known->dims[0] * known->dims[1] * known->dims[2] * (double)sample_size(known->type);
     const uint8_t *start;
     size_t size;
-    return (double)byte_stream_left(l->data) < want &&
-           byte_stream_peek(l->data, FOREIGN_PEEK, &start, &size) == ST_OK &&
-           foreign_find("-", start, size, UINT64_MAX);
+    l->encoding = VOLUME_RAW;
+    if ((double)byte_stream_left(l->data) >= want)
+        return ST_OK;
+    status st = byte_stream_peek(l->data, FOREIGN_PEEK, &start, &size);
+    if (st != ST_OK)
+        return st;
+    if (size > 2 && memcmp(start, "\x1f\x8b\x08", 3) == 0)
+        l->encoding = VOLUME_DEFLATE;
+    else if (foreign_find("-", start, size, UINT64_MAX))
+        return foreign_refuse(l->data, "");
+    return ST_OK;
 }
 
 status rawfile_open(volume_layout *l, const char *path, const volume_hints *hints) {
@@ -236,13 +245,13 @@ status rawfile_open(volume_layout *l, const char *path, const volume_hints *hint
     if (unknown)
         return foreign_refuse(l->data, "raw samples need --dims and --type, a JSON beside the "
                                        "file, or a name like x_64x64x64_uint8.raw");
-    if (is_packed(l, &known))
-        return foreign_refuse(l->data, "");
+    st = find_encoding(l, &known);
+    if (st != ST_OK)
+        return st;
     grid_init(&l->g, known.dims, known.type);
     double direction[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     volume_layout_place(l, direction, known.spacing, known.origin);
     memcpy(l->g.name, known.name, sizeof l->g.name);
-    l->encoding = VOLUME_RAW;
     l->big_endian = known.big_endian;
     if (known.skip > INT64_MAX)
         return status_describe(ST_USAGE, "%s: cannot skip %llu bytes", path,

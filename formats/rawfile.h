@@ -8,7 +8,8 @@
  * lies beside the samples (bonsai.json or bonsai_256x256x256_uint8.json), or is opened itself; it
  * then names them by "file", by the last part of "url", or by its own name (bonsai.json:
  * bonsai.raw). What a hint says goes before the JSON, which goes before the name. Understood beyond
- * that: "origin" [x,y,z], "endian" "big" or "little".
+ * that: "origin" [x,y,z], "endian" "big" or "little". Files may be packed by
+ * gzip; bytes to skip are then unpacked ones.
  */
 #ifndef FORMATS_RAWFILE_H
 #define FORMATS_RAWFILE_H

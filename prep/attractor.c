@@ -7,7 +7,7 @@
 const field_info attractor_info = {
     "attractor",
     "how densely orbits of the Lorenz attractor pass by; u8 maps [0, 255] to itself; try 10", 0,
-    255};
+    255, true};
 
 enum {
     LANES = 8,            /* orbits integrated side by side */

@@ -306,8 +306,9 @@ static const struct argp table = {
     .args_doc = "INPUT... -o F.leaf",
     .doc = "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, raw samples "
            "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
-           "TetGen (.node, .ele), VTK (.vtk, .vtu), Gmsh (.msh), a mesh stream; or - for NRRD or a "
-           "mesh on standard input. Several meshes are the steps of a time series: of the same "
+           "TetGen (.node, .ele), VTK (.vtk, .vtu), Gmsh (.msh), a mesh stream; or - for any of "
+           "these on standard input that takes one file and one pass. Several meshes are the steps "
+           "of a time series: of the same "
            "tets, whose points may move."
            "\vExample:\n  leafcast convert bonsai_256x256x256_uint8.raw -o bonsai.leaf\v"
            "The input is read once (a mesh: once for each field). Memory stays below --memory "

@@ -12,6 +12,7 @@
 #ifndef PREP_FIELD_H
 #define PREP_FIELD_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -24,6 +25,7 @@ typedef struct field_info {
     const char *name;
     const char *about; /* what it is and which isovalues are interesting, for --help */
     double lo, hi;     /* what u8 and u16 map to their ends */
+    bool seeded;       /* a seed gives another one of its kind */
 } field_info;
 
 /* field_at() - the fields there are, by index from 0 on; NULL behind the last. field_find() - the
@@ -33,7 +35,7 @@ const field_info *field_find(const char *name);
 
 typedef struct field field;
 
-/* field_create() - a field on a grid of dims nodes. seed matters to noise and attractor. samples:
+/* field_create() - a field on a grid of dims nodes. seed: of those that are seeded. samples:
  * at most so many are asked of one field_fill(); the attractor has a counter for each, and
  * integrates its orbits again for every fill. */
 CHECKED status field_create(mem *m, const field_info *info, const uint32_t dims[3], uint64_t seed,

@@ -17,6 +17,7 @@ typedef struct arguments {
     uint32_t dims[3];
     sample_type type;
     uint64_t seed;
+    bool seed_given;
     double spacing[3];
     bool tets, typed; /* --type was given */
     uint32_t copies[3];
@@ -131,6 +132,8 @@ static void check_arguments(struct argp_state *state, const arguments *a) {
         argp_error(state, "--deform, --replicate and --steps are for meshes: --tets");
     if (a->tets && a->typed && a->type != SAMPLE_F32)
         argp_error(state, "--type: the values of --tets are f32");
+    if (a->seed_given && a->info && !a->info->seeded)
+        argp_error(state, "--seed: %s is the same for any", a->info->name);
     if (a->steps > 0 && a->deform == 0)
         argp_error(state, "--steps: --deform says how much the mesh moves");
     if (a->steps > 0 && strcmp(a->common.output, "-") == 0)
@@ -143,7 +146,10 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; break;
     case KEY_DIMS: parse_dims(state, a, arg); break;
     case KEY_TYPE: parse_type(state, a, arg); break;
-    case KEY_SEED: a->seed = (uint64_t)parse_int(state, arg, "--seed", 0, INT64_MAX); break;
+    case KEY_SEED:
+        a->seed = (uint64_t)parse_int(state, arg, "--seed", 0, INT64_MAX);
+        a->seed_given = true;
+        break;
     case KEY_SPACING: parse_triple(state, arg, "--spacing", ", ", a->spacing); break;
     case KEY_TETS: a->tets = true; break;
     case KEY_DEFORM: parse_deform(state, a, arg); break;

@@ -123,6 +123,24 @@ exits "--skip, --spacing" 0 sh -c '"$1" convert - --dims 8,8,7 --type u8 --skip 
 exits "an empty pipe" 3 "$leafcast" convert - -o "$tmp/x.leaf"
 ok "is told" says "standard input: is empty"
 
+# Files of them may be packed by gzip.
+gzip -c "$tmp/a_8x8x8_uint8.raw" >"$tmp/a_8x8x8_uint8.raw.gz"
+exits "raw samples in gzip" 0 "$leafcast" convert "$tmp/a_8x8x8_uint8.raw.gz" -o "$tmp/gz.leaf"
+"$leafcast" convert "$tmp/a_8x8x8_uint8.raw" -o "$tmp/raw.leaf" >/dev/null
+"$leafcast" info --json "$tmp/gz.leaf" | grep '"value' >"$tmp/piped"
+"$leafcast" info --json "$tmp/raw.leaf" | grep '"value' >"$tmp/plain"
+ok "are those of the file" cmp "$tmp/piped" "$tmp/plain"
+head -c 100 "$tmp/a_8x8x8_uint8.raw.gz" >"$tmp/cut_8x8x8_uint8.raw.gz"
+exits "cut gzip" 3 "$leafcast" convert "$tmp/cut_8x8x8_uint8.raw.gz" -o "$tmp/x.leaf" --force
+
+# generate: a seed is for fields that have one.
+exits "generate noise --seed" 0 "$leafcast" generate noise --dims 8 --seed 3 -o "$tmp/x.nrrd"
+exits "generate attractor --seed" 0 "$leafcast" generate attractor --dims 8 --seed 3 -o "$tmp/x.nrrd" --force
+for field in sphere gyroid buckyball orbital marschner-lobb; do
+    exits "generate $field --seed" 2 "$leafcast" generate $field --dims 8 --seed 3 -o "$tmp/x.nrrd" --force
+done
+rm "$tmp/x.nrrd"
+
 # ---- what is not read is named ----
 
 python3 - "$tmp" <<'PY'
