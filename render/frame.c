@@ -18,6 +18,18 @@ typedef struct tally {
     _Alignas(64) frame_counters counters;
 } tally;
 
+/* Rays of a tile that have suspended, on their way into records. */
+typedef struct suspended_rays {
+    pixel_ray ray[BATCH];
+    uint32_t count;
+} suspended_rays;
+
+/* What a thread draws a tile in; the tile's kernel has the rest of the scratch. */
+typedef struct easel {
+    _Alignas(64) tile_outcome todo;
+    suspended_rays suspended;
+} easel;
+
 typedef struct drawing {
     const frame *f;
     uint32_t side; /* of a tile */
@@ -54,6 +66,18 @@ uint32_t frame_records_min(bool mesh, int threads) {
 
 size_t frame_record_bytes(void) {
     return sizeof(pixel_ray) + sizeof(uint32_t);
+}
+
+size_t frame_scratch_bytes(bool mesh) {
+    return sizeof(easel) + tile_scratch_bytes(mesh);
+}
+
+static easel *easel_of(const frame *f, int worker) {
+    easel *e =
+        (easel *)((char *)f->scratch + (size_t)worker * frame_scratch_bytes(f->tracer->tree));
+    e->todo.scratch = e + 1;
+    e->suspended.count = 0;
+    return e;
 }
 
 static uint32_t tiles_of(uint32_t pixels, uint32_t side) {
@@ -166,12 +190,6 @@ static uint32_t pixels_of(const tile_row rows[], uint32_t side) {
     return count;
 }
 
-/* Rays of a tile that have suspended, on their way into records. */
-typedef struct suspended_rays {
-    pixel_ray ray[BATCH];
-    uint32_t count;
-} suspended_rays;
-
 /* The reservation has made sure of room. */
 static status keep_suspended(drawing *d, suspended_rays *s) {
     status st = ST_OK;
@@ -218,20 +236,17 @@ static status draw_row(drawing *d, const tile_outcome *todo, uint32_t x0, uint32
 }
 
 /* Trace a tile's rays, all together as far as that goes. */
-static status draw_tile(drawing *d, uint32_t tile, frame_counters *counters) {
-    tile_outcome todo;
-    suspended_rays suspended;
+static status draw_tile(drawing *d, uint32_t tile, easel *e, frame_counters *counters) {
     uint32_t kept = 0;
     const uint32_t x0 = tile % d->tiles_x * d->side, y0 = tile / d->tiles_x * d->side;
     const uint32_t asked = pixels_of(rows_to_do(d, tile), d->side);
-    suspended.count = 0;
-    begin_tile(d, tile, x0, y0, &todo, counters);
+    begin_tile(d, tile, x0, y0, &e->todo, counters);
     status st = ST_OK;
     for (uint32_t y = 0; y < d->side && st == ST_OK; y++)
-        st = draw_row(d, &todo, x0, y0, y, &suspended, &kept, counters);
+        st = draw_row(d, &e->todo, x0, y0, y, &e->suspended, &kept, counters);
     if (st == ST_OK)
-        st = keep_suspended(d, &suspended);
-    const uint32_t begun = asked - pixels_of(todo.waits, d->side);
+        st = keep_suspended(d, &e->suspended);
+    const uint32_t begun = asked - pixels_of(e->todo.waits, d->side);
     counters->primary_rays += begun;
     atomic_fetch_add_explicit(&d->finished, begun - kept, memory_order_relaxed);
     unreserve(d, d->side * d->side - kept);
@@ -286,7 +301,7 @@ static status run_item(void *ctx, size_t index, int worker) {
         put_off(d, tile);
         return ST_OK;
     }
-    return draw_tile(d, tile, counters);
+    return draw_tile(d, tile, easel_of(f, worker), counters);
 }
 
 /* ---- Passes ---- */

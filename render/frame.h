@@ -31,6 +31,7 @@ typedef struct frame {
     const projection *projection; /* NULL: every ray by itself, else tiles of them; see tile.h */
     uint32_t width, height;
     leafcast_image image;
+    void *scratch;        /* frame_scratch_bytes() for each thread, not initialised */
     uint32_t records_max; /* suspended rays at a time, at least frame_records_min() */
     bool (*watch)(void *ctx, double done); /* see leafcast_trace() */
     void *watch_ctx;
@@ -59,6 +60,9 @@ CHECKED status frame_render(const frame *f, frame_counters *counters);
  * memory of one. */
 uint32_t frame_records_min(bool mesh, int threads);
 size_t frame_record_bytes(void);
+
+/* frame_scratch_bytes() - memory that a thread draws in, whatever the picture; a multiple of 64. */
+size_t frame_scratch_bytes(bool mesh);
 
 /* frame_bytes() - memory that a frame needs beside records, treelets and image. */
 size_t frame_bytes(bool mesh, uint32_t treelets, uint32_t records_max, uint32_t width,

@@ -109,7 +109,9 @@ status leafcast_open_file(leafcast *v) {
         return st;
     v->touched = mem_array(m, v->file->layout.treelets, sizeof *v->touched);
     v->stop = mem_array(m, v->file->layout.treelets, sizeof *v->stop);
-    if (!v->touched || !v->stop)
+    v->scratch =
+        mem_alloc(m, (size_t)pool_threads(v->threads) * frame_scratch_bytes(v->file->mesh));
+    if (!v->touched || !v->stop || !v->scratch)
         return ST_NOMEM;
     affine_init(&v->space, v->file->header.to_world);
     v->base_bytes = mem_used(m);
@@ -158,6 +160,7 @@ void leafcast_close(leafcast *v) {
     pool_destroy(v->threads);
     if (v->file && !v->file->mesh)
         level_planes_release(&v->planes);
+    mem_free(&v->budget, v->scratch);
     mem_free(&v->budget, v->stop);
     mem_free(&v->budget, v->touched);
     leaf_file_close(v->file);
@@ -687,6 +690,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
                .threads = v->threads,
                .treelets = v->treelets,
                .tracer = &tr,
+               .scratch = v->scratch,
                .kernels = &v->kernels,
                .scene = scene,
                .surfaces = v->surfaces,

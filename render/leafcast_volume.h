@@ -25,6 +25,7 @@ struct leafcast {
     uint32_t coarse_set;  /* of which set */
     atomic_uchar *touched;
     uint8_t *stop;          /* per treelet, for --lod pixel */
+    void *scratch;          /* of all threads, for frames */
     size_t base_bytes;      /* of the budget, before any treelet */
     size_t beside;          /* of the budget, the caller's: leafcast_check_room() */
     intersect_fn intersect; /* instead of the scene's, see experiment.h */

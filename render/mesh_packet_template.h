@@ -17,6 +17,20 @@
 void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                             tile_outcome *out, frame_counters *counters);
 
+/* A box with its planes as seen from the eye is `packet_box`; what is still to be visited: */
+typedef struct packet_pending {
+    packet_box box;
+    float near2; /* its distance from the eye, squared */
+    int first;   /* the rays before it pass the box by */
+    bool only;   /* an only child: entered unseen */
+    uint32_t level, i;
+} packet_pending;
+
+enum {
+    PACKET_TREELET_STACK = MESH_DEPTH_MAX * (MESH_CHILDREN - 1) + 1,
+    PACKET_TREE_STACK = TREELET_TREE_LEVELS_MAX * TREELET_TREE_ARITY
+};
+
 typedef struct packet {
     tile_state s; /* of the tile that it is part of */
     packet_counters *counters;
@@ -27,24 +41,18 @@ typedef struct packet {
     bool lowered; /* rays have found something since `sight.far` was taken */
     tet_rays rays;
     uint32_t tet[TILE_RAYS]; /* of what the tile's rays have found: its place in its treelet */
+    packet_pending in_treelet[PACKET_TREELET_STACK], in_tree[PACKET_TREE_STACK]; /* stacks */
 } packet;
 
-/* A box with its planes as seen from the eye is `packet_box`; what is still to be visited: */
-typedef struct packet_pending {
-    packet_box box;
-    float near2; /* its distance from the eye, squared */
-    int first;   /* the rays before it pass the box by */
-    bool only;   /* an only child: entered unseen */
-    uint32_t level, i;
-} packet_pending;
+/* What lies in the outcome's scratch. */
+typedef struct packet_work {
+    packet packet;
+    mesh_shading shading;
+} packet_work;
+_Static_assert(sizeof(packet_work) <= MESH_TILE_SCRATCH, "a tile has room in its scratch");
 
 /* Rays on a side of W07's smallest packets: all are tested at once. */
 enum { PACKET_SMALLEST = 2 };
-
-enum {
-    PACKET_TREELET_STACK = MESH_DEPTH_MAX * (MESH_CHILDREN - 1) + 1,
-    PACKET_TREE_STACK = TREELET_TREE_LEVELS_MAX * TREELET_TREE_ARITY
-};
 
 /* ---- Rays and boxes ---- */
 
@@ -277,7 +285,7 @@ SIMD int open_node(packet *w, const treelet *at, const packet_pending *p, packet
 }
 
 static void packet_treelet(packet *w, const treelet *at, int first_ray) {
-    packet_pending stack[PACKET_TREELET_STACK];
+    packet_pending *stack = w->in_treelet;
     int top = 0;
     stack[top++] = (packet_pending){.first = first_ray, .only = true};
     while (top > 0) {
@@ -351,7 +359,7 @@ SIMD int open_family(packet *w, const packet_pending *p, packet_pending *stack, 
 static void packet_mesh(packet *w, int first_ray) {
     const treelet_tree *tree = w->s.f->tracer->tree;
     const uint32_t last = tree->levels - 1;
-    packet_pending stack[PACKET_TREE_STACK];
+    packet_pending *stack = w->in_tree;
     int top = 0;
     w->counters->isorange_tests++;
     if (tree->active[last][0]) {
@@ -437,24 +445,25 @@ static void packet_end(packet *w) {
 
 void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                             tile_outcome *out, frame_counters *counters) {
-    packet w;
-    tile_state_begin(&w.s, f, x0, y0, asked, out, counters);
-    tile_state_rays(&w.s);
-    w.counters = &counters->packets;
-    w.side = f->kernels->packet;
-    w.count = (int)(w.side * w.side);
-    w.rays.one_origin = true;
+    packet_work *work = out->scratch;
+    packet *w = &work->packet;
+    tile_state_begin(&w->s, f, x0, y0, asked, out, counters);
+    tile_state_rays(&w->s);
+    w->counters = &counters->packets;
+    w->side = f->kernels->packet;
+    w->count = (int)(w->side * w->side);
+    w->rays.one_origin = true;
     for (int a = 0; a < 3; a++)
-        w.eye[a] = f->projection->eye[a];
-    for (w.y = 0; w.y < TILE; w.y += w.side)
-        for (w.x = 0; w.x < TILE; w.x += w.side) {
-            const int first = packet_begin(&w);
-            if (first == w.count)
+        w->eye[a] = f->projection->eye[a];
+    for (w->y = 0; w->y < TILE; w->y += w->side)
+        for (w->x = 0; w->x < TILE; w->x += w->side) {
+            const int first = packet_begin(w);
+            if (first == w->count)
                 continue;
-            packet_mesh(&w, first);
-            packet_end(&w);
+            packet_mesh(w, first);
+            packet_end(w);
         }
-    mesh_shade(&w.s, w.tet);
+    mesh_shade(&w->s, w->tet, &work->shading);
 }
 
 #endif

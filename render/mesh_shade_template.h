@@ -26,6 +26,14 @@ typedef struct hit_tets {
     uint16_t of[TILE_RAYS]; /* a ray's place there */
 } hit_tets;
 
+/* Room for all that follows. */
+typedef struct mesh_shading {
+    tile_pixels pixels;
+    hit_tets tets;
+    float normal[TILE_RAYS / VD_N][3][VD_N]; /* of the tets */
+    tet_smooth known[KNOWN_TETS]; /* what the rays have in common that hit a tet's isopolygon */
+} mesh_shading;
+
 static void list_tets(const tile_state *s, const uint32_t tet_of[TILE_RAYS], hit_tets *l) {
     uint16_t known[KNOWN_TETS] = {0};
     l->count = 0;
@@ -64,9 +72,10 @@ SIMD void faceted_normals(const tile_state *s, const uint32_t tet_of[TILE_RAYS],
 }
 
 /* Where gradients at the vertices give normals, they take the place of faceted ones. */
-static void smooth_normals(const tile_state *s, const uint32_t tet_of[TILE_RAYS], const hit_tets *l,
-                           tile_pixels *p) {
-    tet_smooth known[KNOWN_TETS]; /* what the rays have in common that hit a tet's isopolygon */
+static void smooth_normals(const tile_state *s, const uint32_t tet_of[TILE_RAYS], mesh_shading *m) {
+    const hit_tets *l = &m->tets;
+    tile_pixels *p = &m->pixels;
+    tet_smooth *known = m->known;
     uint16_t place[KNOWN_TETS];
     bool has[KNOWN_TETS];
     memset(place, 0xff, sizeof place);
@@ -94,34 +103,33 @@ static void smooth_normals(const tile_state *s, const uint32_t tet_of[TILE_RAYS]
 }
 
 /* tet_of: where in their treelets the tets lie that were hit. */
-static void normals_of_tets(const tile_state *s, const uint32_t tet_of[TILE_RAYS], tile_pixels *p) {
-    hit_tets l;
-    float normal[TILE_RAYS / VD_N][3][VD_N];
-    list_tets(s, tet_of, &l);
-    for (unsigned n = l.count; n % VD_N; n++)
-        l.ray[n] = l.ray[0];
-    for (unsigned n = 0; n < l.count; n += VD_N)
-        faceted_normals(s, tet_of, &l, n, normal[n / VD_N]);
+static void normals_of_tets(const tile_state *s, const uint32_t tet_of[TILE_RAYS],
+                            mesh_shading *m) {
+    hit_tets *l = &m->tets;
+    list_tets(s, tet_of, l);
+    for (unsigned n = l->count; n % VD_N; n++)
+        l->ray[n] = l->ray[0];
+    for (unsigned n = 0; n < l->count; n += VD_N)
+        faceted_normals(s, tet_of, l, n, m->normal[n / VD_N]);
     for (unsigned i = 0; i < TILE_RAYS; i++) {
         if (!(s->t[i] < INFINITY))
             continue;
         for (int a = 0; a < 3; a++)
-            p->normal[a][i] = normal[l.of[i] / VD_N][a][l.of[i] % VD_N];
+            m->pixels.normal[a][i] = m->normal[l->of[i] / VD_N][a][l->of[i] % VD_N];
     }
     if (s->f->tracer->smooth_normals)
-        smooth_normals(s, tet_of, &l, p);
+        smooth_normals(s, tet_of, m);
 }
 
 /* The tile's pixels, and its outcome. */
-static void mesh_shade(const tile_state *s, const uint32_t tet_of[TILE_RAYS]) {
-    tile_pixels pixels;
-    clear_pixels(s->f, &pixels);
+static void mesh_shade(const tile_state *s, const uint32_t tet_of[TILE_RAYS], mesh_shading *m) {
+    clear_pixels(s->f, &m->pixels);
     const bool together = shaded_together(s->f);
     if (together) {
-        normals_of_tets(s, tet_of, &pixels);
-        shade_tile(s, &pixels);
+        normals_of_tets(s, tet_of, m);
+        shade_tile(s, &m->pixels);
     }
-    write_tile(s, together, &pixels);
+    write_tile(s, together, &m->pixels);
     for (unsigned i = 0; i < TILE_RAYS && !together; i++)
         if (s->out->found[i / TILE] >> i % TILE & 1u)
             s->out->hits[i].cell = s->at[i]->first_tet + tet_of[i];

@@ -36,6 +36,13 @@ typedef struct mesh_tile {
     uint32_t tet[TILE_RAYS];      /* of what has been found: its place in its treelet */
 } mesh_tile;
 
+/* What lies in the outcome's scratch. */
+typedef struct mesh_work {
+    mesh_tile tile;
+    mesh_shading shading;
+} mesh_work;
+_Static_assert(sizeof(mesh_work) <= MESH_TILE_SCRATCH, "a tile has room in its scratch");
+
 /* ---- Who is behind what ---- */
 
 /* What is given away on distances (squared) of single precision: more than their rounding. */
@@ -632,15 +639,16 @@ static void walk_mesh(mesh_tile *w, tile_rect rect) {
 
 void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                           tile_outcome *out, frame_counters *counters) {
-    mesh_tile w;
-    tile_state_begin(&w.s, f, x0, y0, asked, out, counters);
-    w.place = tile_place_of(f, x0, y0);
-    w.lanes = (tet_lanes){.count = 0};
-    look_at_all(&w);
+    mesh_work *work = out->scratch;
+    mesh_tile *w = &work->tile;
+    tile_state_begin(&w->s, f, x0, y0, asked, out, counters);
+    w->place = tile_place_of(f, x0, y0);
+    w->lanes = (tet_lanes){.count = 0};
+    look_at_all(w);
     for (int a = 0; a < 3; a++)
-        w.eye[a] = f->projection->eye[a];
-    walk_mesh(&w, (tile_rect){0, TILE - 1, 0, TILE - 1});
-    mesh_shade(&w.s, w.tet);
+        w->eye[a] = f->projection->eye[a];
+    walk_mesh(w, (tile_rect){0, TILE - 1, 0, TILE - 1});
+    mesh_shade(&w->s, w->tet, &work->shading);
 }
 
 #endif

@@ -30,6 +30,7 @@ enum { TILE_ABSENT_MAX = 32 };
 /* What is left to do. Rows and rays of the tile that there is, rays row by row. All other pixels
  * that were asked for have been written. */
 typedef struct tile_outcome {
+    void *scratch; /* tile_scratch_bytes() of the caller's, 64-byte aligned: stacks may be small */
     tile_row open[TILE_MAX];          /* to be traced one by one, from their start */
     tile_row waits[TILE_MAX];         /* met an absent treelet: again with it, or one by one */
     uint32_t absent[TILE_ABSENT_MAX]; /* those treelets, as many as there is room for */
@@ -43,6 +44,12 @@ typedef struct tile_outcome {
  * must be usable. */
 typedef void (*tile_fn)(const frame *f, uint32_t x0, uint32_t y0, const tile_row pixels[],
                         tile_outcome *out, frame_counters *counters);
+
+/* tile_scratch_bytes() - what any tile_fn needs, of a mesh or of a grid. */
+enum { GRID_TILE_SCRATCH = 64 << 10, MESH_TILE_SCRATCH = 288 << 10 };
+static inline size_t tile_scratch_bytes(bool mesh) {
+    return mesh ? MESH_TILE_SCRATCH : GRID_TILE_SCRATCH;
+}
 
 /* tile_for() - NULL where there is none: every ray by itself. */
 tile_fn tile_for(cpu_isa isa);

@@ -163,10 +163,12 @@ SIMD uint32_t finite_f32(const float *s, vf limit) {
 
 /* ---- Rows of cells ---- */
 
-/* One word of up to 32 cells for every row of nodes (y + nodes * z), where any or all of a cell's
- * two samples on the row reach the isovalue; where any is NaN or inf. */
+/* One word of up to 32 cells for every row of nodes of a layer of blocks (y + nodes * z, z from the
+ * layer's first plane on), where any or all of a cell's two samples on the row reach the isovalue;
+ * where any is NaN or inf. */
+enum { PLANES = BLOCK + 1 };
 typedef struct row_bits {
-    uint32_t any[NODES_MAX * NODES_MAX], all[NODES_MAX * NODES_MAX], bad[NODES_MAX * NODES_MAX];
+    uint32_t any[NODES_MAX * PLANES], all[NODES_MAX * PLANES], bad[NODES_MAX * PLANES];
 } row_bits;
 
 /* What is looked at: one treelet's samples, from the halo on. */
@@ -268,24 +270,43 @@ static void rows_of_plane(const sample_rows *s, uint32_t x, uint32_t y, uint32_t
 /* Which rows of blocks are looked at: a bit by, for every bz. */
 typedef uint16_t wanted_rows[BLOCKS_A_SIDE_MAX];
 
-/* The words of all rows that wanted rows of blocks touch. */
-static void rows_wanted(const sample_rows *s, const uint32_t cells[3], uint32_t side, uint32_t x,
-                        const wanted_rows wanted, const threshold *limit, row_bits *rows) {
-    for (uint32_t z = 0; z <= cells[2]; z++) {
-        const uint32_t bz = z / BLOCK;
-        unsigned held = z < side ? wanted[bz] : 0;
-        if (z % BLOCK == 0 && z > 0)
-            held |= wanted[bz - 1];
-        while (held) {
-            const unsigned by = (unsigned)__builtin_ctz(held);
-            const unsigned run = (unsigned)__builtin_ctz(~(held >> by));
-            held &= ~(((1u << run) - 1u) << by);
-            const uint32_t y = by * BLOCK, last = y + run * BLOCK;
-            if (y >= cells[1])
-                break;
-            rows_of_plane(s, x, y, z, (last < cells[1] ? last : cells[1]) - y + 1, limit, rows,
-                          (size_t)z * (side + 1) + y);
+/* The words of the rows of plane z that these rows of blocks touch; at: where the plane's go. */
+static void rows_wanted(const sample_rows *s, const uint32_t cells[3], unsigned held, uint32_t x,
+                        uint32_t z, const threshold *limit, row_bits *rows, size_t at) {
+    while (held) {
+        const unsigned by = (unsigned)__builtin_ctz(held);
+        const unsigned run = (unsigned)__builtin_ctz(~(held >> by));
+        held &= ~(((1u << run) - 1u) << by);
+        const uint32_t y = by * BLOCK, last = y + run * BLOCK;
+        if (y >= cells[1])
+            break;
+        rows_of_plane(s, x, y, z, (last < cells[1] ? last : cells[1]) - y + 1, limit, rows, at + y);
+    }
+}
+
+/* The words of layer bz of blocks. Its first plane is the last one of the layer below, if that was
+ * looked at. */
+static void layer_wanted(const sample_rows *s, const uint32_t cells[3], uint32_t side, uint32_t x,
+                         const wanted_rows wanted, uint32_t bz, const threshold *limit,
+                         row_bits *rows) {
+    const uint32_t nodes = side + 1, z0 = bz * BLOCK;
+    const uint32_t last = cells[2] - z0 < BLOCK ? cells[2] - z0 : BLOCK;
+    uint32_t k = 0;
+    if (bz > 0 && wanted[bz - 1]) {
+        const size_t bytes = nodes * sizeof *rows->any, from = (size_t)BLOCK * nodes;
+        if (limit) {
+            memcpy(rows->any, rows->any + from, bytes);
+            memcpy(rows->all, rows->all + from, bytes);
+        } else {
+            memcpy(rows->bad, rows->bad + from, bytes);
         }
+        k = 1;
+    }
+    for (; k <= last; k++) {
+        /* The next layer takes the last plane over. */
+        const bool shared = k == BLOCK && z0 + BLOCK < side;
+        rows_wanted(s, cells, wanted[bz] | (shared ? wanted[bz + 1] : 0u), x, z0 + k, limit, rows,
+                    (size_t)k * nodes);
     }
 }
 
@@ -354,25 +375,23 @@ SIMD void put_blocks(const __m128i m[BLOCK], uint32_t blocks, uint64_t *cells) {
     add_blocks(cells + SPREAD[6], _mm_unpackhi_epi32(hi0, hi1));
 }
 
-/* Masks of all wanted rows of blocks from the words of their rows. */
+/* Masks of the wanted rows of blocks of layer bz from the words of their rows. */
 static void blocks_wanted(const row_bits *rows, const uint32_t cells[3], uint32_t side, uint32_t x,
-                          const wanted_rows wanted, bool non_finite, uint64_t *out) {
-    const uint32_t left = cells[0] - x;
+                          const wanted_rows wanted, uint32_t bz, bool non_finite, uint64_t *out) {
+    const uint32_t left = cells[0] - x, z = bz * BLOCK;
     const __m128i row = _mm_set1_epi32(left < ROW ? (int)((1u << left) - 1u) : -1);
     const __m128i lanes = _mm_setr_epi32(0, 1, 2, 3);
-    for (uint32_t bz = 0; bz * BLOCK < cells[2]; bz++) {
-        for (unsigned held = wanted[bz]; held; held &= held - 1) {
-            const uint32_t by = (uint32_t)__builtin_ctz(held), y = by * BLOCK, z = bz * BLOCK;
-            __m128i m[BLOCK];
-            mixed_cells(rows, y + (size_t)z * (side + 1), side + 1, non_finite, m);
-            /* Only cells that exist. */
-            const __m128i valid =
-                _mm_and_si128(row, _mm_cmpgt_epi32(_mm_set1_epi32((int)cells[1] - (int)y), lanes));
-            for (uint32_t k = 0; k < BLOCK; k++)
-                m[k] = z + k < cells[2] ? _mm_and_si128(m[k], valid) : _mm_setzero_si128();
-            put_blocks(m, side / BLOCK,
-                       out + SPREAD[x / BLOCK] + (SPREAD[by] << 1) + (SPREAD[bz] << 2));
-        }
+    for (unsigned held = wanted[bz]; held; held &= held - 1) {
+        const uint32_t by = (uint32_t)__builtin_ctz(held), y = by * BLOCK;
+        __m128i m[BLOCK];
+        mixed_cells(rows, y, side + 1, non_finite, m);
+        /* Only cells that exist. */
+        const __m128i valid =
+            _mm_and_si128(row, _mm_cmpgt_epi32(_mm_set1_epi32((int)cells[1] - (int)y), lanes));
+        for (uint32_t k = 0; k < BLOCK; k++)
+            m[k] = z + k < cells[2] ? _mm_and_si128(m[k], valid) : _mm_setzero_si128();
+        put_blocks(m, side / BLOCK,
+                   out + SPREAD[x / BLOCK] + (SPREAD[by] << 1) + (SPREAD[bz] << 2));
     }
 }
 
@@ -465,7 +484,7 @@ static void word_of_cells(active_masks *masks, const sample_rows *s, const leaf_
                           uint32_t x, const wanted_rows wanted, bool non_finite,
                           const active_set *set) {
     const uint32_t side = BLOCK << shape->node_levels;
-    const size_t used = (size_t)(side + 1) * (side + 1) * sizeof(uint32_t);
+    const size_t used = (size_t)(side + 1) * PLANES * sizeof(uint32_t);
     row_bits rows;
     if (shape->cells[1] < side || shape->cells[2] < side) {
         /* Rows that do not exist are looked at with those that do. */
@@ -473,14 +492,18 @@ static void word_of_cells(active_masks *masks, const sample_rows *s, const leaf_
         memset(rows.all, 0, used);
         memset(rows.bad, 0, used);
     }
-    if (non_finite)
-        rows_wanted(s, shape->cells, side, x, wanted, NULL, &rows);
     for (int i = 0; i < set->count; i++) {
         threshold limit = {0, 0.0f};
         if (!threshold_of(s->type, set->isovalues[i], &limit))
             continue;
-        rows_wanted(s, shape->cells, side, x, wanted, &limit, &rows);
-        blocks_wanted(&rows, shape->cells, side, x, wanted, non_finite, masks->cells);
+        for (uint32_t bz = 0; bz * BLOCK < shape->cells[2]; bz++) {
+            if (!wanted[bz])
+                continue;
+            if (non_finite)
+                layer_wanted(s, shape->cells, side, x, wanted, bz, NULL, &rows);
+            layer_wanted(s, shape->cells, side, x, wanted, bz, &limit, &rows);
+            blocks_wanted(&rows, shape->cells, side, x, wanted, bz, non_finite, masks->cells);
+        }
     }
 }
 
