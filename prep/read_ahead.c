@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "formats/base/fault.h"
+#include "formats/base/thread.h"
 #include "formats/sample.h"
 
 enum { BATCHES = 2 };
@@ -142,10 +142,9 @@ status read_ahead_create(mem *m, volume *v, uint32_t batch, read_ahead **out) {
         if (!r->slices[i])
             goto fail;
     }
-    if (fault_hit(FAULT_THREAD) || pthread_create(&r->thread, NULL, work, r) != 0) {
-        st = status_describe(ST_FAILED, "the thread that reads the input could not be created");
+    st = thread_start(&r->thread, work, r, "the thread that reads the input");
+    if (st != ST_OK)
         goto fail;
-    }
     r->started = true;
     *out = r;
     return ST_OK;

@@ -109,9 +109,7 @@ status leafcast_open_file(leafcast *v) {
         return st;
     v->touched = mem_array(m, v->file->layout.treelets, sizeof *v->touched);
     v->stop = mem_array(m, v->file->layout.treelets, sizeof *v->stop);
-    v->scratch =
-        mem_alloc(m, (size_t)pool_threads(v->threads) * frame_scratch_bytes(v->file->mesh));
-    if (!v->touched || !v->stop || !v->scratch)
+    if (!v->touched || !v->stop)
         return ST_NOMEM;
     affine_init(&v->space, v->file->header.to_world);
     v->base_bytes = mem_used(m);
@@ -475,11 +473,17 @@ static uint32_t records_wanted(const leafcast *v, size_t pixels) {
     return records < least ? least : records < UINT32_MAX / 2 ? (uint32_t)records : UINT32_MAX / 2;
 }
 
+/* What all threads draw in. */
+static size_t scratch_bytes(const leafcast *v) {
+    return (size_t)pool_threads(v->threads) * frame_scratch_bytes(v->file->mesh);
+}
+
 /* All of the budget but records and treelets. */
 static size_t fixed_bytes(const leafcast *v, const frame *f) {
     const size_t pixels = (size_t)f->width * f->height;
     const leafcast_image colours = colours_of(&f->image);
-    return v->base_bytes + v->beside + mesh_preview_bytes(v) + image_bytes(&f->image, pixels) +
+    return v->base_bytes + scratch_bytes(v) + v->beside + mesh_preview_bytes(v) +
+           image_bytes(&f->image, pixels) +
            (f->scene->samples > 1 ? image_bytes(&colours, pixels) : 0) +
            (v->file->mesh ? 0 : projection_bytes(&v->file->layout)) +
            frame_bytes(v->file->mesh, v->file->layout.treelets, records_wanted(v, pixels), f->width,
@@ -496,6 +500,14 @@ static status check_budget(const leafcast *v, size_t fixed) {
         ST_NOMEM,
         "the memory budget of %zu bytes is too small for this picture: %zu bytes would do",
         v->budget.limit, needed);
+}
+
+/* Once, for all frames. */
+static status make_scratch(leafcast *v, frame *f) {
+    if (!v->scratch)
+        v->scratch = mem_alloc(&v->budget, scratch_bytes(v));
+    f->scratch = v->scratch;
+    return v->scratch ? ST_OK : ST_NOMEM;
 }
 
 /* Share the budget out: what is there, the picture, records of suspended rays (a quarter of the
@@ -690,7 +702,6 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
                .threads = v->threads,
                .treelets = v->treelets,
                .tracer = &tr,
-               .scratch = v->scratch,
                .kernels = &v->kernels,
                .scene = scene,
                .surfaces = v->surfaces,
@@ -722,7 +733,9 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
         atomic_store_explicit(&v->touched[t], 0, memory_order_relaxed);
     if (scene->sweep || scene->preview)
         loader_sweep(v->treelets);
-    st = draw(v, &f, &counters);
+    st = make_scratch(v, &f);
+    if (st == ST_OK)
+        st = draw(v, &f, &counters);
     if (st == ST_OK && f.coarse)
         st = loader_failure(v->coarse->treelets);
     if (st == ST_OK && scene->sweep && !scene->preview)

@@ -3,11 +3,12 @@
 #include <pthread.h>
 #include <sched.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "formats/base/clock.h"
-#include "formats/base/fault.h"
+#include "formats/base/thread.h"
 #include "stream/shelf.h"
 
 typedef enum residence { ABSENT, QUEUED, LOADING, READY, FAILED } residence;
@@ -378,10 +379,12 @@ static status start_readers(loader *l, int workers) {
         status st = mesh_scratch_init(&h->store, &r->scratch);
         if (st != ST_OK)
             return st;
-        if (fault_hit(FAULT_THREAD) || pthread_create(&r->thread, NULL, read_treelets, r) != 0) {
+        char what[64];
+        snprintf(what, sizeof what, "loader thread %d of %d", h->started + 1, workers);
+        st = thread_start(&r->thread, read_treelets, r, what);
+        if (st != ST_OK) {
             mesh_scratch_release(&h->store, &r->scratch);
-            return status_describe(ST_FAILED, "loader thread %d of %d could not be created",
-                                   h->started + 1, workers);
+            return st;
         }
     }
     return ST_OK;

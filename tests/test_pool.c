@@ -99,7 +99,7 @@ static void test_faults(void **state) {
     for (long k = 1; k <= 4; k++) {
         pool *p = NULL;
         fault_arm(FAULT_THREAD, k);
-        assert_int_equal(pool_create(&m, 5, &p), ST_FAILED);
+        assert_int_equal(pool_create(&m, 5, &p), ST_NOMEM);
         assert_non_null(strstr(status_text(), "of 5 could not be created"));
         assert_null(p);
         assert_int_equal(mem_used(&m), 0);

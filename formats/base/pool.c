@@ -5,9 +5,10 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
-#include "formats/base/fault.h"
+#include "formats/base/thread.h"
 
 typedef struct worker {
     pool *owner;
@@ -94,11 +95,11 @@ status pool_create(mem *m, int threads, pool **out) {
         worker *w = &p->workers[p->started];
         w->owner = p;
         w->index = p->started + 1;
-        if (fault_hit(FAULT_THREAD) || pthread_create(&w->thread, NULL, work, w) != 0) {
-            st = status_describe(ST_FAILED, "thread %d of %d could not be created", w->index + 1,
-                                 p->threads);
+        char what[64];
+        snprintf(what, sizeof what, "thread %d of %d", w->index + 1, p->threads);
+        st = thread_start(&w->thread, work, w, what);
+        if (st != ST_OK)
             goto fail;
-        }
     }
     *out = p;
     return ST_OK;

@@ -17,7 +17,7 @@ typedef struct pool pool;
 /* A loop body: index in [0, count), worker in [0, pool_threads()) for per-thread scratch. */
 typedef status (*pool_body)(void *ctx, size_t index, int worker);
 
-/* pool_create() - threads >= 1 workers, the caller being one of them; ST_FAILED if a thread cannot
+/* pool_create() - threads >= 1 workers, the caller being one of them; ST_NOMEM if a thread cannot
  * be created. */
 CHECKED status pool_create(mem *m, int threads, pool **out);
 

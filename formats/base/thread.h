@@ -1,0 +1,15 @@
+/* thread.h - threads with a stack of a known size. */
+#ifndef FORMATS_BASE_THREAD_H
+#define FORMATS_BASE_THREAD_H
+
+#include <pthread.h>
+
+#include "formats/base/status.h"
+
+/* thread_start() - body(arg) on a thread of its own, which the caller joins. Its stack is 256 KiB:
+ * no function of the library has more than 32 KiB of its own, and none calls itself. what: who it
+ * is, for the description. ST_NOMEM when the system gives no more threads, or has no memory for it.
+ */
+CHECKED status thread_start(pthread_t *out, void *(*body)(void *), void *arg, const char *what);
+
+#endif
