@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "formats/base/num.h"
+#include "render/colour_names.h"
 
 /* x^(1/5) for x in (0, 1], by Newton from above, where every step but the last goes down. */
 static double fifth_root(double x) {
@@ -61,7 +62,12 @@ status colour_parse(const char *text, const char *what, float rgb[3], float *alp
     double value[4] = {0.0, 0.0, 0.0, 1.0};
     const size_t length = strlen(text);
     bool good = false;
-    if (text[0] == '#') {
+    uint32_t named = 0;
+    if (colour_names_find(text, &named)) {
+        for (int i = 0; i < 3; i++)
+            value[i] = colour_linear((double)(named >> (16 - 8 * i) & 0xff) / 255.0);
+        good = true;
+    } else if (text[0] == '#') {
         good = (length == 7 || (length == 9 && alpha)) && parse_hex(text, (int)length / 2, value);
     } else if (commas(text) == 2 || (commas(text) == 3 && alpha)) {
         status st = num_doubles(text, what, ",", commas(text) + 1, value);
@@ -72,7 +78,9 @@ status colour_parse(const char *text, const char *what, float rgb[3], float *alp
     for (int i = 0; i < 4 && good; i++)
         good = value[i] >= 0.0 && value[i] <= (i < 3 ? 1e6 : 1.0);
     if (!good)
-        return status_describe(ST_USAGE, "%s: \"%s\" is no colour: R,G,B or #rrggbb", what, text);
+        return status_describe(ST_USAGE,
+                               "%s: \"%s\" is no colour: a name such as 'red', R,G,B or #rrggbb",
+                               what, text);
     for (int i = 0; i < 3; i++)
         rgb[i] = (float)value[i];
     if (alpha)

@@ -4,8 +4,8 @@
 
 #include "formats/base/status.h"
 
-/* colour_parse() - "R,G,B" are linear numbers >= 0; "#rrggbb" is what a screen shows (sRGB), made
- * linear. With alpha, "R,G,B,A" and
+/* colour_parse() - a name of CSS, as a screen shows it; "R,G,B" are linear numbers >= 0; "#rrggbb"
+ * is what a screen shows (sRGB), made linear. With alpha, "R,G,B,A" and
  * "#rrggbbaa" too (A in [0, 1], not encoded), else alpha may be NULL. rgb is not premultiplied;
  * *alpha is 1 when absent. ST_USAGE naming `what` and the text. The same bits on every CPU: no
  * libm. */

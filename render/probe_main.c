@@ -303,6 +303,8 @@ static status run(probe_options *o, json_t *answer) {
     if (st == ST_OK)
         o->is_mesh = leafcast_describe(volume).tets > 0;
     if (st == ST_OK)
+        st = view_options_check_volume(&o->view, volume);
+    if (st == ST_OK)
         st = select_set(o, volume, answer);
     if (st == ST_OK)
         st = o->point ? probe_point(o, volume, answer) : probe_ray(o, volume, answer);

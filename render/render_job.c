@@ -44,6 +44,8 @@ void render_job_close(render_job *job) {
 
 status render_job_check(const render_job *job, script_frame *frame) {
     status st = view_options_check(&frame->view);
+    if (st == ST_OK && job->volume)
+        st = view_options_check_volume(&frame->view, job->volume);
     if (st == ST_OK && frame->output[0])
         st = image_out_check(&job->out, frame->output);
     if (st == ST_OK && frame->depth[0])

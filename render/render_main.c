@@ -20,16 +20,20 @@ typedef struct render_options {
     bool series; /* --steps: */
     uint32_t first_step, last_step;
     int repeat;
+    int turns; /* --turntable; 0: none */
     bool fail_empty;
     int empty; /* pictures without any surface, so far */
 } render_options;
 
 /* ---- flags ---- */
 
+enum { PICTURES_MAX = 1000000 };
+
 enum {
     DEPTH = 0x3000,
     STATS,
     REPEAT,
+    TURNTABLE,
     FAIL_EMPTY,
     ISO_LIST,
     CAMERA_PATH,
@@ -59,6 +63,8 @@ static const struct argp_option OPTIONS[] = {
     {"steps", STEPS, "A:B", 0, "a picture for each time step of a mesh from A to B", 0},
     {"camera-path", CAMERA_PATH, "FILE", 0,
      "a picture for each entry of a JSON array: [{\"eye\": [1,2,3]}, ...]", 0},
+    {"turntable", TURNTABLE, "N", 0,
+     "N pictures around what the camera looks at, about what is up, at equal angles", 0},
     {"script", SCRIPT, "FILE", 0,
      "a picture for each line, as it comes (-: standard input): a JSON object whose keys are these "
      "flags, with \"output\"; each is answered by a line of JSON",
@@ -154,6 +160,10 @@ static status set_option(render_options *o, int key, const char *text) {
     case ISA: o->open.isa = text; return ST_OK;
     case ISOPOLYGONS: return set_isopolygons(&o->open, text);
     case PACKETS: return set_packets(&o->open, text);
+    case TURNTABLE:
+        st = num_int(text, "--turntable", 1, PICTURES_MAX, &n);
+        o->turns = (int)n;
+        return st;
     case FAIL_EMPTY: o->fail_empty = true; return ST_OK;
     case REPEAT:
         st = num_int(text, "--repeat", 1, 10000, &n);
@@ -168,7 +178,7 @@ static status set_option(render_options *o, int key, const char *text) {
 }
 
 static bool is_sequence(const render_options *o) {
-    return o->iso_list || o->series || o->camera_path;
+    return o->iso_list || o->series || o->camera_path || o->turns;
 }
 
 static bool to_stdout(const char *path) {
@@ -192,6 +202,8 @@ static status check_options(const render_options *o) {
         return status_describe(ST_USAGE, "nothing to write: -o FILE.png");
     if (o->iso_list && o->view.isos > 0)
         return status_describe(ST_USAGE, "either --iso or --iso-list");
+    if (o->series && o->view.step > 0)
+        return status_describe(ST_USAGE, "either --step or --steps");
     if (!o->script && !o->iso_list && !o->camera_path && o->view.isos == 0)
         return status_describe(ST_USAGE, "which isosurface? --iso V");
     return ST_OK;
@@ -302,7 +314,6 @@ static status write_stats(out_file *f, const json_t *stats) {
 /* ---- sequences; a single picture is one of one ---- */
 
 /* Pictures of one run: a name has room for so many, and memory for their statistics. */
-enum { PICTURES_MAX = 1000000 };
 
 typedef struct sequence {
     mem m;
@@ -350,13 +361,19 @@ static int steps_of(const render_options *o) {
     return o->series ? (int)(o->last_step - o->first_step) + 1 : 1;
 }
 
-/* Picture `index` of the command line: for each isovalue, step by step, view by view. In order,
- * since the list of isovalues is eaten up. */
-static status describe_frame(const render_options *o, sequence *s, int index, script_frame *frame) {
+static int turns_of(const render_options *o) {
+    return o->turns ? o->turns : 1;
+}
+
+/* Picture `number` of the command line: for each isovalue, step by step, view by view, each turned
+ * about. In order, since the list of isovalues is eaten up. */
+static status describe_frame(const render_options *o, sequence *s, int number,
+                             script_frame *frame) {
     const int views = s->path ? (int)json_array_size(s->path) : 1;
-    const bool next = index % (views * steps_of(o)) == 0;
+    const int index = number / turns_of(o);
+    const bool next = number % (turns_of(o) * views * steps_of(o)) == 0;
     status st = ST_OK;
-    if (index == 0)
+    if (number == 0)
         s->isos = o->iso_list;
     view_options isos = next ? o->view : frame->view;
     if (o->iso_list && next)
@@ -373,23 +390,28 @@ static status describe_frame(const render_options *o, sequence *s, int index, sc
         st = script_apply(frame, json_array_get(s->path, (size_t)(index % views)), what);
     }
     if (st == ST_OK)
-        st = name_outputs(o, is_sequence(o), index, frame);
+        st = name_outputs(o, is_sequence(o), number, frame);
     return st;
 }
 
 static status count_frames(const render_options *o, sequence *s) {
-    uint64_t count = 1; /* less than 2^17 steps times 2^21 isovalues times views below */
+    int64_t count = 1;
     for (const char *at = o->iso_list ? o->iso_list : ""; *at; at++)
         count += *at == ',';
-    count *= (uint64_t)steps_of(o);
     status st = o->camera_path ? script_load_path(o->camera_path, &s->path) : ST_OK;
-    if (st == ST_OK && s->path)
-        count *= json_array_size(s->path);
-    if (st == ST_OK && count > PICTURES_MAX)
-        st = status_describe(ST_USAGE, "%llu pictures are more than %d, the most of one run",
-                             (unsigned long long)count, PICTURES_MAX);
+    if (st != ST_OK)
+        return st;
+    /* Each factor is below 2^31, and a product that is too large ends it. */
+    const int64_t factors[] = {steps_of(o), turns_of(o),
+                               s->path ? (int64_t)json_array_size(s->path) : 1};
+    for (size_t i = 0; i < sizeof factors / sizeof *factors && count <= PICTURES_MAX; i++)
+        count *= factors[i];
+    if (count > PICTURES_MAX)
+        return status_describe(ST_USAGE,
+                               "%lld pictures or more are more than %d, the most of one run",
+                               (long long)count, PICTURES_MAX);
     s->count = (int)count;
-    return st;
+    return ST_OK;
 }
 
 /* What it reads; outputs are held against it. */
@@ -440,6 +462,8 @@ static status draw_sequence(render_options *o, render_job *job, sequence *s, scr
         st = describe_frame(o, s, i, frame);
         if (st == ST_OK)
             st = render_job_check(job, frame);
+        if (st == ST_OK && o->turns)
+            view_options_turn(&frame->view, job->volume, (double)(i % o->turns) / o->turns);
         if (st == ST_OK)
             st = draw(o, job, frame, &stats);
         if (st == ST_OK && o->common.json && is_sequence(o))
@@ -459,8 +483,21 @@ static status draw_sequence(render_options *o, render_job *job, sequence *s, scr
     return st;
 }
 
-/* Before the first picture is drawn. */
-static status check_steps(const render_options *o, const render_job *job) {
+/* Before the first picture is drawn: flags that would change nothing, steps that are not there. */
+static status check_file(const render_options *o, const render_job *job) {
+    const bool mesh = job->info.tets > 0;
+    const struct {
+        bool given;
+        const char *name;
+    } of_meshes[] = {{o->open.packets != 0, "--packets"},
+                     {o->open.isopolygons != 0, "--isopolygons"},
+                     {o->open.schema != 0, "--schema"}};
+    for (size_t i = 0; i < sizeof of_meshes / sizeof *of_meshes; i++)
+        if (of_meshes[i].given && !mesh)
+            return status_describe(ST_USAGE, "%s is for meshes, and %s is a grid",
+                                   of_meshes[i].name, o->volume);
+    if (o->open.schema != 0 && job->info.steps == 1)
+        return status_describe(ST_USAGE, "--schema: %s has one step", o->volume);
     if (!o->series || o->last_step < job->info.steps)
         return ST_OK;
     return status_describe(ST_USAGE, "--steps: there is no step %u: %s has %u", o->last_step,
@@ -478,7 +515,7 @@ static status run_sequence(render_options *o, render_job *job) {
     if (st == ST_OK)
         st = render_job_open(job, o->volume, &o->open);
     if (st == ST_OK)
-        st = check_steps(o, job);
+        st = check_file(o, job);
     if (st == ST_OK && o->stats)
         st = out_file_create(&s.m, o->stats, o->common.force, &s.stats);
     if (st == ST_OK)
@@ -533,6 +570,8 @@ static status run_script(render_options *o, render_job *job) {
     bool failed = false;
     mem_init(&m, 0);
     status st = render_job_open(job, o->volume, &o->open);
+    if (st == ST_OK)
+        st = check_file(o, job);
     if (st == ST_OK)
         st = script_open(&m, o->script, &script);
     while (st == ST_OK) {

@@ -2,6 +2,7 @@
 
 #include <assert.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "formats/base/cli_options.h"
@@ -42,9 +43,9 @@ enum {
 
 const struct argp_option view_options_table[] = {
     {NULL, 0, NULL, 0, "Isosurfaces (repeat for more than one):", 10},
-    {"iso", ISO, "V", 0, "draw the isosurface of value V", 0},
+    {"iso", ISO, "V[,V...]", 0, "draw the isosurface of value V", 0},
     {"color", COLOUR, "COLOR", 0,
-     "of the isosurface of the same place: R,G,B (linear) or #rrggbb (as seen)", 0},
+     "of the isosurface of the same place: a name (red), R,G,B (linear) or #rrggbb (as seen)", 0},
     {"colour", COLOUR, NULL, OPTION_ALIAS, NULL, 0},
     {"opacity", OPACITY, "A", 0, "of the isosurface of the same place, above 0 to 1 (1)", 0},
     {"layers", LAYERS, "N", 0, "depth peeling: stop after N surfaces on a ray (0: no limit)", 0},
@@ -245,12 +246,22 @@ static status room(const char *what, int count, int max) {
     return status_describe(ST_USAGE, "%s: more than %d of them", what, max);
 }
 
+/* V or V,V,...: several surfaces in one picture. */
 static status add_iso(view_options *v, const char *text) {
-    status st = room("--iso", v->isos, LEAFCAST_SURFACES_MAX);
-    if (st == ST_OK)
-        st = parse_finite(text, "--iso", -INFINITY, INFINITY, &v->surfaces[v->isos].isovalue);
-    v->isos += st == ST_OK;
-    return st;
+    for (const char *at = text;; at++) {
+        char one[64];
+        const size_t n = strcspn(at, ",");
+        snprintf(one, sizeof one, "%.*s", (int)(n < 63 ? n : 63), at);
+        status st = room("--iso", v->isos, LEAFCAST_SURFACES_MAX);
+        if (st == ST_OK)
+            st = parse_finite(one, "--iso", -INFINITY, INFINITY, &v->surfaces[v->isos].isovalue);
+        if (st != ST_OK)
+            return st;
+        v->isos++;
+        at += n;
+        if (!*at)
+            return ST_OK;
+    }
 }
 
 static status add_colour(view_options *v, const char *text) {
@@ -379,6 +390,7 @@ static status set_light(view_options *v, int key, const char *text) {
         st = parse_name(text, "--normals", normals, 4, &which);
         s->analytic_normals = which == 1 || which == 2;
         s->smooth_normals = which == 3;
+        v->normals = which;
         return st;
     case LIGHT: return add_light(s, false, text);
     case POINT_LIGHT: return add_light(s, true, text);
@@ -406,7 +418,7 @@ static status set_extent(view_options *v, int key, const char *text) {
     }
 }
 
-status view_options_set(view_options *v, int key, const char *text) {
+static status set_any(view_options *v, int key, const char *text) {
     status st = set_surface(v, key, text);
     if (st == ST_AGAIN)
         st = set_camera(v, key, text);
@@ -421,9 +433,21 @@ status view_options_set(view_options *v, int key, const char *text) {
     return st;
 }
 
+static uint64_t bit_of(int key) {
+    return (uint64_t)1 << (key - ISO);
+}
+
+status view_options_set(view_options *v, int key, const char *text) {
+    status st = set_any(v, key, text);
+    if (st == ST_OK)
+        v->given |= bit_of(key);
+    return st;
+}
+
 void view_options_clear(view_options *v, int key) {
     leafcast_scene *s = &v->scene;
     int kept = 0;
+    v->given &= ~bit_of(key);
     switch (key) {
     case ISO: v->isos = 0; break;
     case COLOUR: v->colours = 0; break;
@@ -457,6 +481,90 @@ static const float PALETTE[][3] = {{0.90f, 0.85f, 0.75f}, {0.75f, 0.13f, 0.10f},
                                    {0.10f, 0.32f, 0.75f}, {0.80f, 0.55f, 0.08f},
                                    {0.12f, 0.50f, 0.20f}, {0.50f, 0.15f, 0.55f}};
 
+/* ---- flags that would change nothing ---- */
+
+static bool is_lit(const view_options *v) {
+    return v->scene.shading != LEAFCAST_SHADING_FLAT;
+}
+
+static bool has_light(const view_options *v) {
+    return is_lit(v) && v->scene.light_count > 0;
+}
+
+static bool is_phong(const view_options *v) {
+    return v->scene.shading == LEAFCAST_SHADING_PHONG;
+}
+
+static bool is_transparent(const view_options *v) {
+    for (int i = 0; i < v->opacities; i++)
+        if (v->surfaces[i].opacity < 1.0f)
+            return true;
+    return false;
+}
+
+typedef struct flag_need {
+    int key;
+    bool (*met)(const view_options *v);
+    const char *why;
+} flag_need;
+
+static const flag_need NEEDS[] = {
+    {SHADOWS, has_light,
+     "--shadows: the light at the eye casts none that can be seen; --light says where another is"},
+    {LIGHT, is_lit, "--light: there is none in --shading flat"},
+    {POINT_LIGHT, is_lit, "--point-light: there is none in --shading flat"},
+    {AMBIENT, is_lit, "--ambient: there is no light in --shading flat"},
+    {SPECULAR, is_phong, "--specular: highlights are --shading phong's"},
+    {SHININESS, is_phong, "--shininess: highlights are --shading phong's"},
+    {LAYERS, is_transparent, "--layers: nothing is seen behind a surface without --opacity"}};
+
+static status check_needs(const view_options *v) {
+    for (size_t i = 0; i < sizeof NEEDS / sizeof *NEEDS; i++)
+        if ((v->given & bit_of(NEEDS[i].key)) && !NEEDS[i].met(v))
+            return status_describe(ST_USAGE, "%s", NEEDS[i].why);
+    return ST_OK;
+}
+
+static bool lod_is_exact(const view_options *v) {
+    return v->scene.lod == LEAFCAST_LOD_EXACT;
+}
+
+static bool intersector_is_exact(const view_options *v) {
+    return v->scene.intersector == leafcast_scene_default().intersector;
+}
+
+static bool normals_of_grids(const view_options *v) {
+    return v->normals < 2;
+}
+
+static bool normals_of_meshes(const view_options *v) {
+    return v->normals >= 2;
+}
+
+static bool never(const view_options *v) {
+    (void)v;
+    return false;
+}
+
+static const flag_need GRID_NEEDS[] = {
+    {FIELD, never, "--field: a grid has one field"},
+    {STEP, never, "--step: a grid has one step"},
+    {NORMALS, normals_of_grids, "--normals: a grid's are central or analytic"}};
+static const flag_need MESH_NEEDS[] = {
+    {LOD, lod_is_exact, "--lod: a mesh has no levels of detail"},
+    {INTERSECTOR, intersector_is_exact, "--intersector: a mesh has but the exact one"},
+    {NORMALS, normals_of_meshes, "--normals: a mesh's are faceted or smooth"}};
+
+status view_options_check_volume(const view_options *v, const leafcast *volume) {
+    const bool mesh = leafcast_describe(volume).tets > 0;
+    const flag_need *needs = mesh ? MESH_NEEDS : GRID_NEEDS;
+    for (size_t i = 0; i < sizeof GRID_NEEDS / sizeof *GRID_NEEDS; i++)
+        if ((v->given & bit_of(needs[i].key)) && !needs[i].met(v))
+            return status_describe(ST_USAGE, "%s", needs[i].why);
+    return ST_OK;
+}
+_Static_assert(sizeof GRID_NEEDS == sizeof MESH_NEEDS, "one loop for both");
+
 status view_options_check(view_options *v) {
     if (v->isos == 0)
         return status_describe(ST_USAGE, "which isosurface? --iso V");
@@ -469,7 +577,7 @@ status view_options_check(view_options *v) {
         memcpy(v->surfaces[i].rgb, PALETTE[i % PALETTE_SIZE], sizeof PALETTE[0]);
     for (int i = v->opacities; i < v->isos; i++)
         v->surfaces[i].opacity = 1.0f;
-    return ST_OK;
+    return check_needs(v);
 }
 
 leafcast_camera view_options_camera(const view_options *v, const leafcast *volume) {
@@ -489,6 +597,29 @@ leafcast_camera view_options_camera(const view_options *v, const leafcast *volum
         c.up[2] = 0.0;
     }
     return c;
+}
+
+void view_options_turn(view_options *v, const leafcast *volume, double share) {
+    const leafcast_camera c = view_options_camera(v, volume);
+    const double turn = 2.0 * 3.14159265358979323846 * share, cosine = cos(turn), sine = sin(turn);
+    double axis[3], from[3], along = 0.0, length = 0.0;
+    for (int a = 0; a < 3; a++)
+        length += c.up[a] * c.up[a];
+    for (int a = 0; a < 3; a++) {
+        axis[a] = c.up[a] / sqrt(length);
+        from[a] = c.eye[a] - c.look_at[a];
+        along += axis[a] * from[a];
+    }
+    /* Rodrigues: what is along the axis stays, the rest turns. */
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, d = (a + 2) % 3;
+        const double across = axis[b] * from[d] - axis[d] * from[b];
+        v->camera.eye[a] =
+            c.look_at[a] + axis[a] * along + (from[a] - axis[a] * along) * cosine + across * sine;
+    }
+    memcpy(v->camera.look_at, c.look_at, sizeof c.look_at);
+    memcpy(v->camera.up, c.up, sizeof c.up);
+    v->eye = v->look_at = v->up = true;
 }
 
 status view_options_field(const view_options *v, const leafcast *volume, uint32_t *field) {

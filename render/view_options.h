@@ -22,6 +22,8 @@ typedef struct view_options {
     leafcast_scene scene;
     leafcast_camera camera; /* width and height, and what the flags below say was given */
     bool eye, look_at, up, fov;
+    uint64_t given;             /* which flags: a bit each, of view_options.c */
+    int normals;                /* of --normals: as view_options.c numbers them */
     double distance;            /* of --view, in longest edges */
     char field[VIEW_FIELD_MAX]; /* "": the first */
     uint32_t step;
@@ -52,12 +54,20 @@ void view_options_clear(view_options *v, int key);
 int view_options_key(const char *name, bool *repeats, bool *flag);
 
 /* view_options_check() - what must hold over all flags: at least one isovalue, no more colours or
- * opacities than isovalues. */
+ * opacities than isovalues, no flag that would change nothing. */
 CHECKED status view_options_check(view_options *v);
+
+/* view_options_check_volume() - likewise, of this volume: ST_USAGE for a flag that is of no meaning
+ * for its kind. */
+CHECKED status view_options_check_volume(const view_options *v, const leafcast *volume);
 
 /* view_options_camera() - the camera for this volume: the standard or close view with whatever was
  * given put in its place. */
 leafcast_camera view_options_camera(const view_options *v, const leafcast *volume);
+
+/* view_options_turn() - fix the camera of view_options_camera(), turned about the axis through
+ * look_at along up by this share of a full turn, to the right as seen from above. */
+void view_options_turn(view_options *v, const leafcast *volume, double share);
 
 /* view_options_field() - the number of the field that is meant. */
 CHECKED status view_options_field(const view_options *v, const leafcast *volume, uint32_t *field);
