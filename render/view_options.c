@@ -551,8 +551,8 @@ static const flag_need GRID_NEEDS[] = {
     {STEP, never, "--step: a grid has one step"},
     {NORMALS, normals_of_grids, "--normals: a grid's are central or analytic"}};
 static const flag_need MESH_NEEDS[] = {
-    {LOD, lod_is_exact, "--lod: a mesh has no levels of detail"},
-    {INTERSECTOR, intersector_is_exact, "--intersector: a mesh has but the exact one"},
+    {LOD, lod_is_exact, "--lod: a mesh has no coarse levels"},
+    {INTERSECTOR, intersector_is_exact, "--intersector: intersectors are for grids"},
     {NORMALS, normals_of_meshes, "--normals: a mesh's are faceted or smooth"}};
 
 status view_options_check_volume(const view_options *v, const leafcast *volume) {

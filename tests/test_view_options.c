@@ -30,7 +30,7 @@ static void test_colours(void **state) {
             fail_msg("%s is %.9g, not %.9g", text, (double)rgb[0], want);
     }
     const char *wrong[] = {"",       "#12345",  "#12345g", "#1234567", "#12345678", "1,2",
-                           "1,2,-3", "1,2,nan", "1,2,3,1", "red",      "1,2,3,"};
+                           "1,2,-3", "1,2,nan", "1,2,3,1", "redd",     "1,2,3,"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
         assert_int_equal(colour_parse(wrong[i], "c", rgb, NULL), ST_USAGE);
     assert_int_equal(colour_parse("1,1,1,1.5", "c", rgb, &alpha), ST_USAGE);

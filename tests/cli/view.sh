@@ -83,8 +83,8 @@ refused "a grid's step" "one step" "$g" --iso 120 --step 0
 refused "a grid's field" "one field" "$g" --iso 120 --field 0
 refused "a grid's smooth normals" "central or analytic" "$g" --iso 120 --normals smooth
 refused "a mesh's central normals" "faceted or smooth" "$m" --iso 0.3 --normals central
-refused "a mesh's level of detail" "no levels" "$m" --iso 0.3 --lod 1
-refused "a mesh's intersector" "exact" "$m" --iso 0.3 --intersector linear
+refused "a mesh's level of detail" "no coarse levels" "$m" --iso 0.3 --lod 1
+refused "a mesh's intersector" "for grids" "$m" --iso 0.3 --intersector linear
 for flag in "--packets 4" "--isopolygons cache" "--schema 2"; do
     # shellcheck disable=SC2086 # a flag with its value
     exits "$flag of a grid" 2 "$leafcast" render "$g" --iso 120 --size 8x8 --json $flag
