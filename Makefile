@@ -263,6 +263,8 @@ install: all
 	install -m 644 $(LIB) $D/lib
 	install -m 644 $(wildcard render/leafcast.h prep/leafcast_prep.h) $D/include/leafcast
 	install -m 644 $(wildcard scripts/man/*.1) $D/share/man/man1
+	install -D -m 644 scripts/completion.bash $D/share/bash-completion/completions/leafcast
+	install -D -m 644 scripts/completion.zsh $D/share/zsh/site-functions/_leafcast
 	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|; s|@REQUIRES@|$(LIBS_PC)|' \
 	    scripts/leafcast.pc.in >$D/lib/pkgconfig/leafcast.pc
 

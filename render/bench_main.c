@@ -30,7 +30,7 @@ static const struct argp_option OPTIONS[] = {
      "fail where a count is off its tolerance in DIR/SUITE.csv", 0},
     {"baselines", BASELINES, "DIR", 0, "write this run's counts, with tolerances, there", 0},
     {"data", DATA, "DIR", CLI_BASIC, "where the papers' volumes are ($LEAFCAST_DATA)", 0},
-    {"form", FORM, "NAME", CLI_BASIC, "brief (small volumes; what `all` does) or full", 0},
+    {"form", FORM, "brief|full", CLI_BASIC, "brief (small volumes; what `all` does) or full", 0},
     {"largest", LARGEST, "N", 0, "figure414: up to N^3 samples (1024)", 0},
     {"out", OUT, "DIR", CLI_BASIC, "write SUITE.csv and SUITE.svg into this folder", 0},
     {"plot", PLOT, "FILE.svg", CLI_BASIC, "draw the table's main columns", 0},

@@ -70,7 +70,8 @@ static const struct argp_option OPTIONS[] = {
      "flags, with \"output\"; each is answered by a line of JSON",
      0},
     {NULL, 0, NULL, 0, "Machine:", 60},
-    {"backend", BACKEND, "NAME", CLI_EXPERIMENT, "how treelets come in: auto, mapped or arena", 0},
+    {"backend", BACKEND, "auto|mapped|arena", CLI_EXPERIMENT,
+     "how treelets come in: auto, mapped or arena", 0},
     {"schema", SCHEMA, "N", CLI_EXPERIMENT,
      "how another time step of a mesh comes in, 1: each step's trees are read, and stay beside "
      "those "
@@ -78,13 +79,13 @@ static const struct argp_option OPTIONS[] = {
      0},
     {"treelet-limit", TREELET_LIMIT, "N", CLI_EXPERIMENT,
      "never hold more than N treelets (0: what memory allows); for experiments", 0},
-    {"isa", ISA, "NAME", CLI_EXPERIMENT, "instructions to use: auto, scalar, sse42, avx2, avx512",
-     0},
-    {"packets", PACKETS, "NAME", CLI_EXPERIMENT,
+    {"isa", ISA, "auto|scalar|sse42|avx2|avx512", CLI_EXPERIMENT,
+     "instructions to use: auto, scalar, sse42, avx2, avx512", 0},
+    {"packets", PACKETS, "tile|2|4|8|16", CLI_EXPERIMENT,
      "of a mesh: how rays walk together: by tile, or in packets of 2, 4, 8 or 16 on a side as "
      "W07's",
      0},
-    {"isopolygons", ISOPOLYGONS, "NAME", CLI_EXPERIMENT,
+    {"isopolygons", ISOPOLYGONS, "onthefly|precompute|cache", CLI_EXPERIMENT,
      "of a mesh: onthefly, or kept: precompute, or cache (when rays first meet them) (onthefly)",
      0},
     {NULL, 0, NULL, 0, NULL, 0}};

@@ -60,8 +60,8 @@ const struct argp_option view_options_table[] = {
     {"samples", SAMPLES, "N", 0, "rays a pixel, against jagged edges: 1, 4 or 16 (1)", 0},
 
     {NULL, 0, NULL, 0, "Light and colour:", 30},
-    {"shading", SHADING, "NAME", 0, "diffuse, phong or flat (diffuse)", 0},
-    {"normals", NORMALS, "NAME", 0,
+    {"shading", SHADING, "diffuse|phong|flat", 0, "diffuse, phong or flat (diffuse)", 0},
+    {"normals", NORMALS, "central|analytic|faceted|smooth", 0,
      "of volumes central (differences) or analytic (of the cell's own trilinear form) (central); "
      "of "
      "meshes faceted (of the tet's own) or smooth (between gradients at the vertices) (faceted)",
