@@ -27,6 +27,7 @@ typedef struct render_options {
 
 /* ---- flags ---- */
 
+/* Pictures of one run: a name has room for so many, and memory for their statistics. */
 enum { PICTURES_MAX = 1000000 };
 
 enum {
@@ -313,8 +314,6 @@ static status write_stats(out_file *f, const json_t *stats) {
 }
 
 /* ---- sequences; a single picture is one of one ---- */
-
-/* Pictures of one run: a name has room for so many, and memory for their statistics. */
 
 typedef struct sequence {
     mem m;
