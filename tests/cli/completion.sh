@@ -38,7 +38,7 @@ while read -r verb; do
 done <"$tmp/verbs"
 gives "the rest of an option" "render --iso-l" "--iso-list"
 gives "treelet files" "render" "a.leaf b.leaf folder/" ""
-gives "of which one" "info a" "a.leaf"
+gives "of which one" "verify a" "a.leaf"
 gives "any input" "convert a" "a.leaf a.nrrd"
 gives "what convert writes" "convert a.nrrd -o b" "b.leaf"
 gives "pictures" "render a.leaf -o p" "p.png"
