@@ -30,6 +30,21 @@ for threads in 1 2 7; do
     ok "write the same bytes" cmp "$tmp/t.png" "$tmp/a.png"
 done
 
+# ---- without OpenImageIO's helper ----
+mkdir "$tmp/bare"
+cp "$(dirname "$leafcast")/../libexec/leafcast-render" "$tmp/bare/"
+bare() { PATH=/usr/bin:/bin "$tmp/bare/leafcast-render" "$leaf" --iso 128 --size 60x40 -q "$@"; }
+if [ -x /usr/bin/leafcast-write-image ]; then
+    skip "no helper" "one is installed"
+else
+    for name in b.png b.ppm b.pfm; do
+        exits "$name without the helper" 0 bare -o "$tmp/$name"
+        ok "is the same" cmp "$tmp/$name" "$tmp/a.${name#b.}"
+    done
+    exits "EXR without it" 3 bare -o "$tmp/b.exr"
+    ok "says what is missing" says 'leafcast-write-image is not there'
+fi
+
 # ---- standard output ----
 for format in png ppm pfm; do
     draw --format $format -o - >"$tmp/out.$format" 2>"$tmp/err"
