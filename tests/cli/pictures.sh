@@ -37,11 +37,11 @@ bare() { PATH=/usr/bin:/bin "$tmp/bare/leafcast-render" "$leaf" --iso 128 --size
 if [ -x /usr/bin/leafcast-write-image ]; then
     skip "no helper" "one is installed"
 else
-    for name in b.png b.ppm b.pfm; do
+    for name in bare.png bare.ppm bare.pfm; do
         exits "$name without the helper" 0 bare -o "$tmp/$name"
-        ok "is the same" cmp "$tmp/$name" "$tmp/a.${name#b.}"
+        ok "is the same" cmp "$tmp/$name" "$tmp/a.${name#bare.}"
     done
-    exits "EXR without it" 3 bare -o "$tmp/b.exr"
+    exits "EXR without it" 3 bare -o "$tmp/bare.exr"
     ok "says what is missing" says 'leafcast-write-image is not there'
 fi
 
