@@ -105,7 +105,7 @@ endif
 # ---- building ------------------------------------------------------------------------------------
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all tests run-tests quick mutants test stress demo setup bench check install list help clean FORCE
+.PHONY: all tests run-tests quick mutants fuzz run-fuzz test stress demo setup bench check install list help clean FORCE
 
 Q   := $(if $(V),,@)
 say  = $(if $(V),,@echo "  $1  $2")
@@ -227,6 +227,13 @@ quick:
 mutants: all $(TESTS)
 	@$(TEST_ENV) scripts/run-mutants $(foreach t,$T,$(call quoted,$t))
 
+# All fuzz targets from their corpora, or T="NAME..."; clang's sanitizers watch.
+FUZZ ?= 60
+fuzz:
+	@$(MAKE) --no-print-directory $(ALL_CORES) CONFIG=fuzz run-fuzz
+run-fuzz: $(if $(strip $T),$(call only,$T,$(FUZZERS)),$(FUZZERS))
+	@scripts/run-fuzz $(FUZZ) $^
+
 # The stress lab at length, COUNT ray-cells of each case; its short form is in `make test`.
 COUNT ?= 5000000
 stress: all $B/tests/tool_stress
@@ -273,6 +280,7 @@ list help:
 	@echo "make test       install what is missing, build, run all tests; T=\"NAME...\" for some"
 	@echo "make quick      rules of the house and all tests but the long ones, in a minute"
 	@echo "make mutants    all wrong kernels, of which make test takes a sample; T=\"PART...\" for some"
+	@echo "make fuzz       hostile files, FUZZ=$(FUZZ) seconds for each fuzz target, with clang; T=\"NAME...\" for some"
 	@echo "make stress     ray-cells by the million against the reference; COUNT=$(COUNT) CSV=FILE"
 	@echo "make demo       install what is missing, build, generate, convert, render: demo.png"
 	@echo "make bench      the benchmark tables; SUITE=NAME for one"

@@ -1,5 +1,6 @@
 /* test_adversarial.c - grids, isovalues and rays that tempt a ray tracer to err, each by its name,
  * against the reference: nothing missed, nothing false outside the grazing band. */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -5,7 +5,7 @@
  *   test_cell_stress cell CASE SEED INDEX [BY...]   one ray-cell, with all answers
  *   test_cell_stress block NAME SEED INDEX          one ray through a block of cells
  */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* test_exact.c - the exact picture is the same bits whatever was resident when: any budget, treelet
  * size, backend, codec, number of threads. */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

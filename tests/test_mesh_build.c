@@ -1,7 +1,7 @@
 /* test_mesh_build.c - meshes to treelet files: what is in the file is the mesh, tightly boxed;
  * nothing but mesh and parameters has a say in the bytes; a failure leaves nothing behind.
  */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

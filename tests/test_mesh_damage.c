@@ -1,5 +1,6 @@
 /* test_mesh_damage.c - treelet files of meshes cut short, damaged, and made to do harm: refused,
  * each of them, by both readers alike. */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

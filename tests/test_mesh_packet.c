@@ -1,6 +1,7 @@
 /* test_mesh_packet.c - packets of rays through meshes give the bits of single rays, whatever their
  * size, the ISA, the scene, the threads, the treelets and their number at a time; and large ones
  * save what W07 says they save. */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* test_mesh_preview.c - previews of meshes with a coarse grid: where treelets are there the exact
  * picture to the bit, elsewhere that of the grid, marked; the exact one once all have come.
  */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

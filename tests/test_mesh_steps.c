@@ -3,7 +3,7 @@
  * what is refit is what the file has; nothing is read twice that there is room for, and no more
  * than is needed.
  */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,7 @@
 /* test_mesh_tile.c - pictures of meshes: tiles of rays give the bits of single rays, whatever the
  * ISA, the view, the scene, the threads, the treelets and their number at a time; and these are
  * what the reference says. */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* test_render_faults.c - when something fails while a volume is opened, streamed and drawn: one
  * error with a text, nothing left behind, and the right picture from the next try on. */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

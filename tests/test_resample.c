@@ -1,7 +1,7 @@
 /* test_resample.c - meshes to grids: each node against all tets, by brute force in long double with
  * exact signs; the same samples whatever the memory, the threads and the treelets.
  */
-/* marks: threads */
+/* marks: threads, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,6 @@
 /* test_tile.c - tiles of rays give the bits of single rays: every ISA, any view, scene and field.
  */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
