@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
+#include <sys/stat.h>
 
 #include "formats/foreign.h"
 
@@ -156,7 +156,8 @@ static status read_json_beside(mem *m, const char *path, size_t front, facts *kn
         char json[PATH_ROOM];
         int length = snprintf(json, sizeof json, "%.*s.json",
                               (int)((size_t)(name - path) + lengths[i]), path);
-        if (length >= PATH_ROOM || access(json, R_OK) != 0)
+        struct stat info;
+        if (length >= PATH_ROOM || stat(json, &info) != 0 || !S_ISREG(info.st_mode))
             continue;
         byte_stream *s;
         status st = byte_stream_open(m, json, &s);
