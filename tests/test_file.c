@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -139,6 +140,28 @@ static void test_never_a_device(void **state) {
     check_left(0);
 }
 
+/* As long as the system allows: temporary names are longer. */
+static void test_long_name(void **state) {
+    (void)state;
+    char path[600];
+    snprintf(path, sizeof path, "%s", scratch_path("x"));
+    const size_t folder = strlen(path) - 1;
+    memset(path + folder, 'n', NAME_MAX);
+    path[folder + NAME_MAX] = 0;
+    out_file *f, *g;
+    assert_int_equal(out_file_create(&m, path, false, &f), ST_OK);
+    assert_int_equal(out_file_create(&m, path, true, &g), ST_OK);
+    assert_string_not_equal(out_file_temporary(f), out_file_temporary(g));
+    assert_int_equal(out_file_commit(f), ST_OK);
+    assert_int_equal(out_file_commit(g), ST_OK);
+    assert_int_equal(remove(path), 0);
+    path[folder + NAME_MAX] = 'n';
+    path[folder + NAME_MAX + 1] = 0;
+    assert_int_equal(out_file_create(&m, path, false, &f), ST_IO);
+    assert_int_equal(out_file_create(&m, "", true, &f), ST_USAGE);
+    check_left(0);
+}
+
 static void test_scratch_file(void **state) {
     (void)state;
     out_file *f;
@@ -223,6 +246,7 @@ int main(void) {
         cmocka_unit_test_setup(test_discard, set_up),
         cmocka_unit_test_setup(test_exists, set_up),
         cmocka_unit_test_setup(test_never_a_device, set_up),
+        cmocka_unit_test_setup(test_long_name, set_up),
         cmocka_unit_test_setup(test_scratch_file, set_up),
         cmocka_unit_test_setup(test_full, set_up),
         cmocka_unit_test_setup(test_faults, set_up),

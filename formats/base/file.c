@@ -211,6 +211,8 @@ static status exists(const char *path) {
 static status check_target(const char *path, bool force) {
     if (strcmp(path, "-") == 0)
         return status_describe(ST_USAGE, "-: this cannot go to standard output (./- is a file)");
+    if (!*path)
+        return status_describe(ST_USAGE, "an output without a name");
     status st = file_guard_check(path);
     if (st != ST_OK)
         return st;

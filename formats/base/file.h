@@ -41,7 +41,7 @@ typedef struct out_file out_file;
 
 /* out_file_create() - open a temporary file beside path, see partial.h. ST_EXISTS when path
  * exists and force is false, or when it is no regular file. ST_USAGE when it is an input, see
- * file_guard.h, or "-". Data that is also read back (a spill, a
+ * file_guard.h, or "-", or empty. Data that is also read back (a spill, a
  * header written last) goes through out_file_read_at(). */
 CHECKED status out_file_create(mem *m, const char *path, bool force, out_file **out);
 

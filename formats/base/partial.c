@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/file.h>
@@ -18,8 +19,16 @@ void partial_on_leftover(partial_leftover say) {
     on_leftover = say;
 }
 
+/* Bytes of the path that are part of temporary names: all, but of names near the system's limit. */
+static int stem(const char *path) {
+    const size_t suffix = strlen(".partial-") + 16, most = NAME_MAX - suffix;
+    const char *slash = strrchr(path, '/');
+    const size_t length = strlen(slash ? slash + 1 : path);
+    return (int)(strlen(path) - (length > most ? length - most : 0));
+}
+
 static void slot_name(const char *path, int slot, char *name) {
-    snprintf(name, strlen(path) + PARTIAL_ROOM, "%s.partial-%d", path, slot);
+    snprintf(name, strlen(path) + PARTIAL_ROOM, "%.*s.partial-%d", stem(path), path, slot);
 }
 
 /* Whether the name still stands for the open file: another process may have removed it, and made a
@@ -112,7 +121,7 @@ int partial_open(const char *path, char *name) {
         uint64_t number = 0;
         if (getrandom(&number, sizeof number, 0) != sizeof number)
             break;
-        snprintf(name, strlen(path) + PARTIAL_ROOM, "%s.partial-%016llx", path,
+        snprintf(name, strlen(path) + PARTIAL_ROOM, "%.*s.partial-%016llx", stem(path), path,
                  (unsigned long long)number);
         const int fd = create(name);
         if (fd >= 0 || errno != EEXIST)
