@@ -1,6 +1,7 @@
 #include "render/bench_store.h"
 
 #include <assert.h>
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -15,6 +16,7 @@
 #include <zstd.h>
 
 #include "formats/base/file.h"
+#include "formats/base/partial.h"
 #include "formats/base/sibling.h"
 
 enum { NUMBER = 16, KEPT_MAX = 64, FOLDER_MAX = 3000 };
@@ -35,19 +37,61 @@ struct bench_store {
     const char *data;
     char threads[NUMBER];
     bool ours; /* the folder goes with the store */
+    int lock;  /* of the name that our folder's is made of */
+    char lock_name[FOLDER_MAX];
     char kept[KEPT_MAX][PATH_MAX];
     int kept_count;
 };
 
 /* ---- opening ---- */
 
+/* A folder of that name, ours while its lock is held: a killed run left it, with its volumes. */
+static status empty_folder(const char *folder) {
+    const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    struct stat info;
+    if (fd < 0 || fstat(fd, &info) != 0 || info.st_uid != geteuid()) {
+        const int error = fd < 0 ? errno : EEXIST;
+        if (fd >= 0)
+            close(fd);
+        return file_failed(error, folder, "cannot make the folder");
+    }
+    DIR *d = fdopendir(fd);
+    if (!d) {
+        close(fd);
+        return file_failed(ENOMEM, folder, "cannot read");
+    }
+    for (struct dirent *e; (e = readdir(d)) != NULL;)
+        (void)unlinkat(fd, e->d_name, 0); /* "." and "..", too, in vain */
+    closedir(d);
+    return ST_OK;
+}
+
+/* $TMPDIR/leafcast-bench-UID.partial-N.d, where .partial-N is locked as long as we live. */
 static status own_folder(bench_store *s) {
     const char *parent = getenv("TMPDIR");
-    if (snprintf(s->folder, sizeof s->folder, "%s/leafcast-bench-XXXXXX",
-                 parent && *parent ? parent : "/tmp") > FOLDER_MAX)
+    char path[FOLDER_MAX];
+    if (snprintf(path, sizeof path, "%s/leafcast-bench-%ld", parent && *parent ? parent : "/tmp",
+                 (long)geteuid()) > FOLDER_MAX - PARTIAL_ROOM)
         return status_describe(ST_USAGE, "$TMPDIR: too long a path");
+    s->lock = partial_open(path, s->lock_name);
+    if (s->lock < 0)
+        return file_failed(errno, path, "cannot create");
     s->ours = true;
-    return mkdtemp(s->folder) ? ST_OK : file_failed(errno, s->folder, "cannot make the folder");
+    snprintf(s->folder, sizeof s->folder, "%s.d", s->lock_name);
+    if (mkdir(s->folder, 0700) == 0)
+        return ST_OK;
+    return errno == EEXIST ? empty_folder(s->folder)
+                           : file_failed(errno, s->folder, "cannot make the folder");
+}
+
+static void leave_folder(bench_store *s) {
+    if (!s->ours)
+        return;
+    for (int i = 0; i < s->kept_count; i++)
+        (void)unlink(s->kept[i]);
+    (void)rmdir(s->folder);
+    (void)unlink(s->lock_name);
+    close(s->lock);
 }
 
 status bench_store_open(mem *m, const char *folder, const char *data, int threads,
@@ -68,6 +112,7 @@ status bench_store_open(mem *m, const char *folder, const char *data, int thread
     else if (mkdir(folder, 0777) != 0 && errno != EEXIST)
         st = file_failed(errno, folder, "cannot make the folder");
     if (st != ST_OK) {
+        leave_folder(s);
         mem_free(m, s);
         return st;
     }
@@ -78,10 +123,7 @@ status bench_store_open(mem *m, const char *folder, const char *data, int thread
 void bench_store_close(bench_store *s) {
     if (!s)
         return;
-    for (int i = 0; s->ours && i < s->kept_count; i++)
-        (void)unlink(s->kept[i]);
-    if (s->ours)
-        (void)rmdir(s->folder);
+    leave_folder(s);
     mem_free(s->m, s);
 }
 

@@ -92,6 +92,23 @@ ok "removes it" [ -z "$(names)" ]
 ok "the same bytes" cmp "$tmp/good.nrrd" "$tmp/out"
 unset TMPDIR
 
+# Volumes that bench makes for itself.
+TMPDIR=$disk
+export TMPDIR
+"$leafcast" bench intersectors --form brief --runs 1000 >/dev/null 2>&1 &
+pid=$!
+ok "a measurement has begun" wait_for
+sleep 0.3
+kill -9 "$pid"
+wait "$pid" 2>/dev/null
+sleep 1 # a verb that it ran may end first
+ok "killed: it left its folder" [ -n "$(names)" ]
+exits "the next one" 0 "$leafcast" bench intersectors --form brief --runs 1 --ray-cells 9
+ok "says so" says 'removed .*/leafcast-bench-.*, which a killed run left'
+ok "leaves nothing" [ -z "$(ls -A "$disk")" ]
+unset TMPDIR
+rm -rf "${disk:?}"/*
+
 # Pictures and depths.
 for output in "-o $disk/p.png" "--depth-f64 $disk/p.f64"; do
     # shellcheck disable=SC2086 # split on purpose
