@@ -13,7 +13,7 @@ sys.exit(not eval(f"({sys.argv[2]})"))' "$tmp/out" "$1"
 draw() { # draw NAME FILE OPTION...
     name=$1
     shift
-    exits "drawn: $name" 0 "$leafcast" render "$@" --iso 0.3 --size 160x120 -o "$tmp/p.exr" --force \
+    exits "drawn: $name" 0 "$leafcast" render "$@" --iso 0.3 --size 160x120 -o "$tmp/p.pfm" --force \
         --depth-f64 "$tmp/$name.depth" --stats "$tmp/$name.json"
 }
 alike() { cmp -s "$tmp/$1.depth" "$tmp/$2.depth"; }
@@ -37,12 +37,12 @@ draw limited "$tmp/z.leaf" --treelet-limit 1
 ok "and with one treelet at a time" alike one limited
 draw swept "$tmp/z.leaf" --sweep
 ok "and with all of them" alike one swept
-exits "too little memory" 4 "$leafcast" render "$tmp/z.leaf" --iso 0.3 --memory 100K -o "$tmp/p.exr" --force
+exits "too little memory" 4 "$leafcast" render "$tmp/z.leaf" --iso 0.3 --memory 100K -o "$tmp/p.pfm" --force
 ok "is told with what would do" says "bytes would do" err
 
-exits "no intersector to choose" 2 "$leafcast" render "$tmp/b.leaf" --iso 0.3 --intersector linear -o "$tmp/p.exr" --force
+exits "no intersector to choose" 2 "$leafcast" render "$tmp/b.leaf" --iso 0.3 --intersector linear -o "$tmp/p.pfm" --force
 ok "is said" says "intersectors are for grids" err
-exits "no coarse level" 2 "$leafcast" render "$tmp/b.leaf" --iso 0.3 --lod 1 -o "$tmp/p.exr" --force
+exits "no coarse level" 2 "$leafcast" render "$tmp/b.leaf" --iso 0.3 --lod 1 -o "$tmp/p.pfm" --force
 ok "is said, too" says "no coarse levels" err
 
 exits "gradients, too" 0 "$leafcast" convert "$tmp/b.mesh" --gradients -o "$tmp/g.leaf" -q
@@ -56,7 +56,7 @@ ok "differ, and little else" python3 -c 'import json, sys
 a, b = (json.load(open(f))["hits"] for f in sys.argv[1:])
 sys.exit(not (a and all(x["t"] == y["t"] and x["normal"] != y["normal"] and
     sum(p * q for p, q in zip(x["normal"], y["normal"])) > 0.5 for x, y in zip(a, b))))' "$tmp/smooth.out" "$tmp/out"
-exits "smooth without gradients" 2 "$leafcast" render "$tmp/b.leaf" --iso 0.3 --normals smooth -o "$tmp/p.exr" --force
+exits "smooth without gradients" 2 "$leafcast" render "$tmp/b.leaf" --iso 0.3 --normals smooth -o "$tmp/p.pfm" --force
 ok "is said, with what to do" says "convert --gradients" err
 exits "gradients of a volume" 2 "$leafcast" convert tests/cli/convert.sh --dims 2,2,2 --type u8 --gradients -o "$tmp/v.leaf"
 ok "are refused" says "gradients is for meshes" err
