@@ -11,6 +11,7 @@
 
 /* README.md, "Writing pictures", has what other levels and filters cost. */
 enum { LEVEL = 1, WINDOW_BITS = 15, MEMORY_LEVEL = 8, FILTER_UP = 2 };
+enum { WIDTH_MAX = 1 << 28 }; /* zlib counts a row in 32 bits */
 enum { BAND_BYTES = 256 << 10, SLOTS_PER_THREAD = 2, PIXEL = 4 };
 
 /* ---- Bands: rows, filtered and deflated ---- */
@@ -261,6 +262,9 @@ static status put_picture(bands *b, pool *threads, const byte_sink *to) {
 
 status picture_png_write(mem *m, pool *threads, const picture *p, const byte_sink *to) {
     bands b;
+    if (p->width > WIDTH_MAX)
+        return status_describe(ST_UNSUPPORTED, "a PNG of %u columns: at most %d are possible",
+                               p->width, WIDTH_MAX);
     status st = bands_init(&b, m, p, pool_threads(threads));
     if (st == ST_OK)
         st = put_picture(&b, threads, to);

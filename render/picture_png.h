@@ -11,7 +11,9 @@
 #include "formats/base/pool.h"
 #include "render/picture.h"
 
-/* picture_png_write() - ST_NOMEM, or what the sink returned. */
+/* picture_png_write() - ST_NOMEM, ST_UNSUPPORTED of more than 2^28 columns, or what the sink
+ * returned.
+ */
 CHECKED status picture_png_write(mem *m, pool *threads, const picture *p, const byte_sink *to);
 
 /* picture_png_bytes() - memory that this takes at a time, about. */
