@@ -11,6 +11,8 @@
 #include <sys/statfs.h>
 #include <unistd.h>
 
+#include "formats/base/file_guard.h"
+
 enum { RANDOM_TRIES = 16 };
 
 static partial_leftover on_leftover;
@@ -77,8 +79,8 @@ static int lock(int fd) {
  * leftover too, and remove a newer file of its name. */
 static void remove_leftover(const char *name) {
     struct stat info;
-    if (lstat(name, &info) != 0 || !S_ISREG(info.st_mode))
-        return;
+    if (lstat(name, &info) != 0 || !S_ISREG(info.st_mode) || file_guard_check(name) != ST_OK)
+        return; /* an input stays, whatever its name */
     const int fd = open(name, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (fd < 0)
         return;

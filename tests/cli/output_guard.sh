@@ -51,6 +51,10 @@ rm p.leaf
 
 refused "resample a mesh" m.mesh "$leafcast" resample m.mesh -o m.mesh --force
 refused "resample a treelet file" m.leaf "$leafcast" resample m.leaf -o "$tmp/alias/folder/m.leaf" --force
+cp m.mesh left.nrrd.partial-1
+exits "an input that is called as a temporary file is" 0 "$leafcast" resample left.nrrd.partial-1 -o left.nrrd
+ok "stays" cmp m.mesh left.nrrd.partial-1
+rm left.nrrd left.nrrd.partial-1
 if "$leafcast" tetrahedralize p.node -o - >/dev/null 2>&1; then
     refused "tetrahedralize" p.node "$leafcast" tetrahedralize p.node --points -o p.node --force
 else
