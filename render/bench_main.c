@@ -336,7 +336,7 @@ static int hand_over(char **argv) {
 int main(int argc, char **argv) {
     if (argc > 1 && strcmp(argv[1], "peers") == 0)
         return hand_over(argv + 1);
-    static bench_options o = {.common = {.verb = "bench"},
+    static bench_options o = {.common = {.verb = "bench", .without = "memory"},
                               .job = {.count = 500000, .largest = 1024}};
     const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
     struct argp_option options[VIEW_OPTIONS_ROOM];

@@ -84,7 +84,7 @@ static const struct argp_option OPTIONS[] = {
      "instructions to use: auto, scalar, sse42, avx2, avx512", 0},
     {"packets", PACKETS, "tile|2|4|8|16", CLI_EXPERIMENT,
      "of a mesh: how rays walk together: by tile, or in packets of 2, 4, 8 or 16 on a side as "
-     "W07's",
+     "those of Wald and others, 2007",
      0},
     {"isopolygons", ISOPOLYGONS, "onthefly|precompute|cache", CLI_EXPERIMENT,
      "of a mesh: onthefly, or kept: precompute, or cache (when rays first meet them) (onthefly)",
