@@ -112,6 +112,13 @@ static float limited(double v) {
     return v < (double)FLT_MAX ? (float)v : FLT_MAX;
 }
 
+static void widen(uint8_t box[6], const uint8_t place[3], bool first) {
+    for (int a = 0; a < 3; a++) {
+        box[a] = first || place[a] < box[a] ? place[a] : box[a];
+        box[3 + a] = first || place[a] > box[3 + a] ? place[a] : box[3 + a];
+    }
+}
+
 void histogram_count(histogram *h, const histogram_cell *cells, uint32_t count, uint64_t total) {
     double slope[HISTOGRAM_BINS] = {0}, area[HISTOGRAM_BINS] = {0};
     h->drawn = h->cells = 0;
@@ -120,6 +127,7 @@ void histogram_count(histogram *h, const histogram_cell *cells, uint32_t count, 
     memset(h->active, 0, sizeof h->active);
     memset(h->gradient, 0, sizeof h->gradient);
     memset(h->area, 0, sizeof h->area);
+    memset(h->box, 0, sizeof h->box);
     if (h->bins == 0)
         return;
     const ruler r = ruler_of(h);
@@ -135,7 +143,7 @@ void histogram_count(histogram *h, const histogram_cell *cells, uint32_t count, 
         h->cells++;
         const int32_t from = last_edge(&r, c->lo) + 1, to = last_edge(&r, c->hi);
         for (int32_t k = from; k <= to && k < r.bins; k++) {
-            h->active[k]++;
+            widen(h->box[k], c->place, h->active[k]++ == 0);
             slope[k] += (double)c->slope;
             area[k] += (double)c->area;
         }
@@ -172,6 +180,9 @@ const char *histogram_fault(const histogram *h) {
         if ((!used && (h->samples[i] || h->active[i])) ||
             (!h->active[i] && (h->gradient[i] != 0 || h->area[i] != 0)))
             return "something in a bin that is empty";
+        for (int a = 0; a < 3; a++)
+            if (h->box[i][a] > h->box[i][a + 3])
+                return "a box that ends before it begins";
         if (i + 1 > h->bins && h->bins && h->edges[i + 1] != 0)
             return "edges behind the last bin";
     }
@@ -182,39 +193,95 @@ const char *histogram_fault(const histogram *h) {
 
 /* ---- what is worth a look ---- */
 
-/* The rule "strong edges": the score of an isovalue is the area of its surface times the mean
- * gradient there, smoothed over neighbouring bins. Its peaks are suggested, highest first. */
+/* The rule "sharp and large". The score of an isovalue is the mean gradient g where its surface is,
+ * times the surface's size: the fifth root of its area A times the volume V of the smaller one of
+ * the two sides, which is a length. Boundaries of things score high; noise has a large area but a
+ * small gradient, bright specks a large gradient but hardly any size. Area alone (g A) drew the
+ * noise of 6 of 27 scans and simulations, volume alone (g cbrt V) the rim of one; this none.
+ *
+ * g^5 A V puts isovalues into the same order and needs no root; g and A are shares of their largest
+ * ones, and means over some bins, the nearer ones counting more. Of isovalues that are as good as
+ * equal, as between two materials, the middle one is taken. Further ones are other peaks. */
 
-enum { SMOOTHING = 2 };
+enum { SMOOTHING = 2, PEAK_WIDTH = HISTOGRAM_BINS / 16 };
+
+static void smooth(const float *from, int bins, double to[HISTOGRAM_BINS]) {
+    double most = 0;
+    for (int k = 0; k < bins; k++) {
+        double sum = 0, weights = 0;
+        for (int d = -SMOOTHING; d <= SMOOTHING; d++)
+            if (k + d >= 0 && k + d < bins) {
+                const double weight = SMOOTHING + 1 - abs(d);
+                sum += (double)from[k + d] * weight;
+                weights += weight;
+            }
+        to[k] = sum / weights;
+        most = fmax(most, to[k]);
+    }
+    for (int k = 0; k < bins && most > 0; k++)
+        to[k] /= most;
+}
 
 static void scores_of(const histogram *h, double score[HISTOGRAM_BINS]) {
-    double raw[HISTOGRAM_BINS];
-    for (uint32_t k = 0; k < h->bins; k++)
-        raw[k] = (double)h->area[k] * (double)h->gradient[k];
-    for (int64_t k = 0; k < h->bins; k++) {
-        score[k] = 0;
-        for (int64_t d = -SMOOTHING; d <= SMOOTHING; d++)
-            if (k + d >= 0 && k + d < h->bins)
-                score[k] += raw[k + d] * (double)(SMOOTHING + 1 - llabs(d));
+    const int bins = (int)h->bins;
+    double gradient[HISTOGRAM_BINS], area[HISTOGRAM_BINS];
+    uint64_t below = 0;
+    smooth(h->gradient, bins, gradient);
+    smooth(h->area, bins, area);
+    for (int k = 0; k < bins; k++) {
+        const uint64_t above = h->drawn - below;
+        const double g = gradient[k], volume = (double)(below < above ? below : above);
+        score[k] = h->active[k] ? g * g * g * g * g * area[k] * volume : 0;
+        below += h->samples[k];
     }
 }
 
+/* The shortest decimal within half a bin of an edge, unless the bin is one integer's. */
+static double shortened(const histogram *h, int k) {
+    const double edge = h->edges[k];
+    const double width = fmin(h->edges[k + 1] - edge, k > 0 ? edge - h->edges[k - 1] : INFINITY);
+    double unit = 1;
+    if (width == 1 && edge != floor(edge))
+        return edge;
+    if (width >= 1) {
+        while (unit * 10 <= width)
+            unit *= 10;
+        return unit * nearbyint(edge / unit);
+    }
+    while (unit * width < 1 && unit < 1e22)
+        unit *= 10;
+    return unit < 1e22 ? nearbyint(edge * unit) / unit : edge;
+}
+
+/* The middle of what is as good as bin k, on its right. */
+static int middle(const double *score, int bins, int k) {
+    int end = k;
+    while (end + 1 < bins && score[end + 1] >= 0.999 * score[k])
+        end++;
+    return (k + end) / 2;
+}
+
 int histogram_suggest(const histogram *h, double *isovalues, int most) {
+    const int bins = (int)h->bins;
     double score[HISTOGRAM_BINS];
-    bool taken[HISTOGRAM_BINS] = {false};
+    bool peak[HISTOGRAM_BINS];
     int count = 0;
     scores_of(h, score);
-    while (count < most) {
+    for (int k = 0; k < bins; k++) {
+        peak[k] = score[k] > 0;
+        for (int i = k - PEAK_WIDTH; i <= k + PEAK_WIDTH; i++)
+            if (i >= 0 && i < bins && (i < k ? score[i] >= score[k] : score[i] > score[k]))
+                peak[k] = false;
+    }
+    for (; count < most; count++) {
         int best = -1;
-        for (int k = 0; k < (int)h->bins; k++)
-            if (!taken[k] && h->active[k] && (best < 0 || score[k] > score[best]))
+        for (int k = 0; k < bins; k++)
+            if (peak[k] && (best < 0 || score[k] > score[best]))
                 best = k;
         if (best < 0)
             break;
-        isovalues[count++] = h->edges[best];
-        for (int k = 0; k < (int)h->bins; k++)
-            if (abs(k - best) * 8 < (int)h->bins)
-                taken[k] = true;
+        peak[best] = false;
+        isovalues[count] = shortened(h, middle(score, bins, best));
     }
     return count;
 }

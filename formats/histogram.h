@@ -13,16 +13,17 @@
 
 #include "formats/sample.h"
 
-enum { HISTOGRAM_BINS = 256, HISTOGRAM_DRAWS = 1 << 18, HISTOGRAM_ISOVALUES = 4 };
+enum { HISTOGRAM_BINS = 256, HISTOGRAM_DRAWS = 1 << 16, HISTOGRAM_ISOVALUES = 4 };
 
 /* What was drawn: a node of a grid and the cell that begins there, or a tetrahedron. */
 typedef struct histogram_cell {
     float value; /* the node's; of a tet the mean of its four; NaN: not finite */
     float lo,
         hi; /* of the cell's corners; lo > hi: no cell begins there, or a corner is NaN or inf */
-    float slope; /* length of the gradient in the middle of the cell, per world unit */
-    float area;  /* mean area of its surfaces over the isovalues in (lo, hi], world units: its
-                    volume times slope / (hi - lo) */
+    float slope;      /* length of the gradient in the middle of the cell, per world unit */
+    float area;       /* mean area of its surfaces over the isovalues in (lo, hi], world units: its
+                         volume times slope / (hi - lo) */
+    uint8_t place[4]; /* of a grid's cell: 255 * node / cells on x, y, z, rounded down; then 0 */
 } histogram_cell;
 
 /* Bin i holds the values with edges[i] <= value < edges[i + 1]. At the isovalue edges[i] a cell is
@@ -44,8 +45,11 @@ typedef struct histogram {            /* offset size */
     float gradient[HISTOGRAM_BINS];   /* 4160 1024  their mean slope; 0 where there are none */
     float area[HISTOGRAM_BINS];       /* 5184 1024  of the surface at edges[i], about: the sum of
                                                     their areas times total / number drawn */
+    uint8_t box[HISTOGRAM_BINS][6];   /* 6208 1536  of the cells counted in active[i]: smallest
+                                                    place on x, y, z, then largest; of a mesh, and
+                                                    where there are none, 0 */
 } histogram;
-_Static_assert(sizeof(histogram) == 6208, "histogram is 6208 bytes");
+_Static_assert(sizeof(histogram) == 7744, "histogram is 7744 bytes");
 
 /* histogram_build() - of count cells that were drawn from `total`. type: a stored one, that of the
  * samples. range: of all finite values, drawn or not; lo > hi: there are none. */
@@ -60,7 +64,7 @@ void histogram_count(histogram *h, const histogram_cell *cells, uint32_t count, 
 const char *histogram_fault(const histogram *h);
 
 /* histogram_suggest() - up to `most` isovalues that are worth a look, best first; returns how many.
- * None where all values are equal or not finite. The rule, "strong edges": see histogram.c. */
+ * None where all values are equal or not finite. The rule, "sharp and large": see histogram.c. */
 int histogram_suggest(const histogram *h, double *isovalues, int most);
 
 #endif

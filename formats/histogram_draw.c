@@ -65,7 +65,7 @@ static float limited(double v) {
     return v < (double)FLT_MAX ? (float)v : FLT_MAX;
 }
 
-static const histogram_cell nothing = {NAN, INFINITY, -INFINITY, 0, 0};
+static const histogram_cell nothing = {NAN, INFINITY, -INFINITY, 0, 0, {0, 0, 0, 0}};
 
 /* The range of some values; false if one is not finite. */
 static bool range_of(const float *v, int count, histogram_cell *c) {
@@ -82,7 +82,7 @@ static bool range_of(const float *v, int count, histogram_cell *c) {
     return true;
 }
 
-histogram_space histogram_space_of(const double to_world[12]) {
+histogram_space histogram_space_of(const double *to_world) {
     const double *m = to_world;
     histogram_space s = {.axis = {NULL, NULL, NULL}};
     double det = 0;
@@ -137,6 +137,8 @@ static histogram_cell look(const histogram_draw *d, const histogram_space *s,
     for (int a = 0; a < 3; a++)
         if (node[a] + 1 == d->dims[a])
             return c;
+    for (int a = 0; a < 3; a++)
+        c.place[a] = (uint8_t)((uint64_t)node[a] * 255 / (d->dims[a] - 1));
     corners_of(b, at, v);
     if (!range_of(v, 8, &c) || c.lo == c.hi)
         return c;

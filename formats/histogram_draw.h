@@ -37,8 +37,8 @@ typedef struct histogram_space {
     const double *axis[3]; /* coordinates of the nodes in grid space; NULL: 0, 1, 2, .. */
 } histogram_space;
 
-/* histogram_space_of() - to_world: row-major 3x4, invertible. axis[] is NULL then. */
-histogram_space histogram_space_of(const double to_world[12]);
+/* histogram_space_of() - to_world: double[12], row-major 3x4, invertible. axis[] is NULL then. */
+histogram_space histogram_space_of(const double *to_world);
 
 /* Samples of a box of nodes. Nodes [first, end) are drawn from; samples begin at node `first`, and
  * there is one more on each axis unless that is the grid's end. */
@@ -62,7 +62,7 @@ typedef struct histogram_run {
 
 /* histogram_draw_tets() - for a mesh of `total` tets whose values are `sets` sets: at most
  * HISTOGRAM_TETS / sets of them, but one at least. */
-enum { HISTOGRAM_TETS = 1 << 17 };
+enum { HISTOGRAM_TETS = 1 << 16 };
 histogram_run histogram_draw_tets(uint64_t total, uint32_t sets);
 
 /* histogram_draw_tet() - the tet that is drawn from run i. */

@@ -50,18 +50,18 @@ void histogram_print(FILE *to, const histogram *h, const char *what) {
     const int count = make_rows(h, rows);
     const int marks = histogram_suggest(h, isovalues, HISTOGRAM_ISOVALUES);
     for (int i = 0; i < count; i++)
-        most = fmax(most, log1p((double)rows[i].samples));
+        most = fmax(most, cbrt((double)rows[i].samples));
     if (h->drawn == h->total)
-        fprintf(to, "\nhistogram of %llu %s, bars logarithmic, * a suggested isovalue\n",
+        fprintf(to, "\nhistogram of %llu %s, bars by cube roots, * a suggested isovalue\n",
                 (unsigned long long)h->total, what);
     else
-        fprintf(to, "\nhistogram of %llu of %llu %s, bars logarithmic, * a suggested isovalue\n",
+        fprintf(to, "\nhistogram of %llu of %llu %s, bars by cube roots, * a suggested isovalue\n",
                 (unsigned long long)h->drawn, (unsigned long long)h->total, what);
     for (int i = 0; i < count; i++) {
         const row *r = &rows[i];
         char bar[BAR + 1] = "";
         const double share = (double)r->samples / (double)(h->drawn ? h->drawn : 1);
-        memset(bar, '#', (size_t)lround(BAR * log1p((double)r->samples) / fmax(most, 1e-9)));
+        memset(bar, '#', (size_t)lround(BAR * cbrt((double)r->samples) / fmax(most, 1e-9)));
         fprintf(to, "%12.6g .. %-12.6g %c %7.3f %% %s\n", h->edges[r->first], h->edges[r->end],
                 suggested(h, r, isovalues, marks) ? '*' : ' ', 100 * share, bar);
     }

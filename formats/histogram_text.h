@@ -7,8 +7,8 @@
 
 #include "formats/histogram.h"
 
-/* histogram_print() - up to 24 lines of bars, on a logarithmic scale, and a mark where isovalues
- * are suggested; what: "samples", "tets". Nothing for a histogram without bins. */
+/* histogram_print() - up to 26 lines of bars, as long as the cube roots of the counts, and a mark
+ * where isovalues are suggested; what: "samples", "tets". Nothing for a histogram without bins. */
 void histogram_print(FILE *to, const histogram *h, const char *what);
 
 /* histogram_print_isovalues() - the suggested isovalues, best first, in one line; nothing where

@@ -9,8 +9,10 @@
 #include "formats/base/file.h"
 #include "formats/base/num.h"
 #include "formats/base/text.h"
+#include "formats/histogram_text.h"
 #include "formats/input_facts.h"
 #include "formats/leaf_file.h"
+#include "formats/leaf_histogram.h"
 #include "formats/leaf_stats.h"
 
 enum { ISOS_MAX = 64, HISTOGRAM_MAX = 32 };
@@ -121,6 +123,7 @@ typedef struct facts {
     leaf_activity (*activity)[LEAF_LEVELS_MAX];
     char id[33];
     leaf_mesh_parts parts; /* of a mesh */
+    histogram values;      /* of the first set */
 } facts;
 
 static int log2_of(uint64_t size) {
@@ -201,7 +204,7 @@ static void print_header(const facts *x) {
     print_bytes(x);
 }
 
-static void print_histogram(const facts *x) {
+static void print_sizes(const facts *x) {
     printf("\nstored size        payloads\n");
     for (int i = 0; i < HISTOGRAM_MAX; i++)
         if (x->histogram[i])
@@ -219,7 +222,7 @@ static void print_levels(const facts *x) {
         printf("%5u %18s %10u %14llu\n", i, dims, l->level[i].count,
                (unsigned long long)x->level_bytes[i]);
     }
-    print_histogram(x);
+    print_sizes(x);
 }
 
 /* ---- text: a mesh ---- */
@@ -359,7 +362,7 @@ static void print_mesh_parts(const facts *x) {
         if (stored[i])
             printf("%-12s %28llu %7.3f\n", names[i], (unsigned long long)stored[i],
                    (double)stored[i] / tets);
-    print_histogram(x);
+    print_sizes(x);
 }
 
 static void print_mesh_activity(const facts *x, double iso, const leaf_activity *level) {
@@ -526,7 +529,7 @@ static json_t *levels_json(const facts *x) {
     return levels;
 }
 
-static json_t *histogram_json(const facts *x) {
+static json_t *sizes_json(const facts *x) {
     json_t *rows = json_array();
     for (int i = 0; i < HISTOGRAM_MAX; i++)
         if (x->histogram[i])
@@ -558,7 +561,8 @@ static status print_json(const arguments *a, const facts *x) {
     json_object_set_new(json, "kind", json_string(is_mesh ? "mesh" : "grid"));
     if (!is_mesh)
         json_object_set_new(json, "levels", levels_json(x));
-    json_object_set_new(json, "payload_sizes", histogram_json(x));
+    json_object_set_new(json, "payload_sizes", sizes_json(x));
+    json_object_set_new(json, "histogram", histogram_json(&x->values));
     if (a->iso_count) {
         json_t *isos = json_array();
         for (int i = 0; i < a->iso_count; i++)
@@ -567,6 +571,20 @@ static status print_json(const arguments *a, const facts *x) {
         json_object_set_new(json, "isovalues", isos);
     }
     return cli_print_json(&a->common, json);
+}
+
+/* How the values are spread, and what to do next. */
+static void print_values_of_first(const arguments *a, const facts *x) {
+    const char *slash = strrchr(a->input, '/'), *name = slash ? slash + 1 : a->input;
+    const char *dot = strrchr(name, '.');
+    histogram_print(stdout, &x->values,
+                    !x->f->histograms ? "treelets"
+                    : x->f->mesh      ? "tets"
+                                      : "samples");
+    printf("\n");
+    histogram_print_isovalues(stdout, &x->values);
+    printf("next        leafcast render '%s' -o '%.*s.png'\n", a->input,
+           (int)(dot ? dot - name : (long)strlen(name)), name);
 }
 
 static void print_text(const arguments *a, const facts *x) {
@@ -579,6 +597,7 @@ static void print_text(const arguments *a, const facts *x) {
         print_header(x);
         print_levels(x);
     }
+    print_values_of_first(a, x);
     for (int i = 0; i < a->iso_count; i++)
         if (is_mesh)
             print_mesh_activity(x, a->isos[i], x->activity[i]);
@@ -592,7 +611,7 @@ static status report(arguments *a, mem *m, leaf_file *f) {
     x.activity = mem_array(m, (size_t)a->iso_count, sizeof *x.activity);
     if (!x.activity)
         return ST_NOMEM;
-    status st = ST_OK;
+    status st = leaf_histogram_get(m, f, 0, &x.values);
     for (int i = 0; i < a->iso_count && st == ST_OK; i++)
         st = leaf_stats_activity(m, f, a->isos[i], a->common.threads, cli_progress(&a->common),
                                  x.activity[i]);

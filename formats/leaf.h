@@ -37,7 +37,8 @@ enum {
     LEAF_SECTIONS_MAX = 64,
     LEAF_TREELET_TETS_MAX = 16384, /* so that 16 bits number the vertices of any treelet */
     LEAF_LEAF_TETS_MAX = 64,
-    LEAF_SETS_MAX = 65536 /* fields, steps, and their product */
+    LEAF_SETS_MAX = 65536,     /* fields, steps, and their product */
+    LEAF_HISTOGRAMS_MAX = 1024 /* files of more sets have no histograms */
 };
 
 #define LEAF_MAGIC "\x89LEAF\r\n\x1a"
@@ -157,7 +158,9 @@ typedef enum leaf_section_kind {
     LEAF_SECTION_COARSE = 12, /* mesh, may be missing: leaf_part: a set's coarse grid */
     LEAF_SECTION_LAST = 12,   /* of those known here */
     LEAF_SECTION_ANCILLARY =
-        1 << 30 /* set in kinds that a reader may pass over; others it must know */
+        1 << 30, /* set in kinds that a reader may pass over; others it must know */
+    LEAF_SECTION_HISTOGRAMS = LEAF_SECTION_ANCILLARY | 1 /* histogram (histogram.h): an element a
+                                                            set; a grid is one set */
 } leaf_section_kind;
 /* A treelet without a finite sample has lo = +inf, hi = -inf. */
 

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/histogram.h"
 #include "formats/mesh_leaf.h"
 #include "formats/sample.h"
 
@@ -309,7 +310,8 @@ status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l)
 /* ---- sections ---- */
 
 bool leaf_section_optional(uint32_t kind) {
-    return kind == LEAF_SECTION_FIELDS || kind == LEAF_SECTION_TIMES || kind == LEAF_SECTION_COARSE;
+    return kind == LEAF_SECTION_HISTOGRAMS || kind == LEAF_SECTION_FIELDS ||
+           kind == LEAF_SECTION_TIMES || kind == LEAF_SECTION_COARSE;
 }
 
 uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
@@ -333,6 +335,7 @@ uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
     case LEAF_SECTION_FIELDS: return mesh ? h->fields * sizeof(char[64]) : 0;
     case LEAF_SECTION_TIMES: return mesh && h->steps > 1 ? h->steps * sizeof(double) : 0;
     case LEAF_SECTION_COARSE: return mesh ? sets * sizeof(leaf_part) : 0;
+    case LEAF_SECTION_HISTOGRAMS: return sets <= LEAF_HISTOGRAMS_MAX ? sets * sizeof(histogram) : 0;
     default: return 0;
     }
 }
@@ -344,7 +347,8 @@ static uint64_t aligned(uint64_t at) {
 /* One entry: its kind, and that it lies right behind `end`. */
 static status check_section(const char *path, const leaf_header *h, const leaf_section *s,
                             uint64_t entry, uint64_t *end) {
-    bool known = s->kind >= 1 && s->kind <= LEAF_SECTION_LAST;
+    const bool histograms = s->kind == LEAF_SECTION_HISTOGRAMS && s->version == 1;
+    bool known = (s->kind >= 1 && s->kind <= LEAF_SECTION_LAST) || histograms;
     if (!known && !(s->kind & LEAF_SECTION_ANCILLARY))
         return status_describe(
             ST_UNSUPPORTED, "%s: byte %llu: a section of kind %u, which this program does not know",

@@ -12,6 +12,7 @@
 #include "formats/base/file_mark.h"
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
+#include "formats/histogram.h"
 #include "formats/leaf.h"
 #include "formats/leaf_layout.h"
 
@@ -42,7 +43,8 @@ typedef struct leaf_file {
     uint64_t *checksums;
     /* Level-0 node coordinates in grid space, always there (0, 1, 2, ... for a regular grid). */
     double *axis[3];
-    mesh_directory *mesh; /* NULL: a grid */
+    mesh_directory *mesh;  /* NULL: a grid */
+    histogram *histograms; /* of each set, a grid being one; NULL: the file has none */
     file *source;
     file_mark mark; /* of the file, or of the one that this is a part of, when it was opened */
     mem *m;

@@ -8,6 +8,7 @@
 
 #include "formats/base/hash.h"
 #include "formats/base/pool.h"
+#include "formats/leaf_histogram.h"
 #include "formats/mesh_leaf_check.h"
 #include "formats/quantize.h"
 
@@ -25,8 +26,14 @@ typedef struct verification {
     shared *edges;        /* per treelet */
     uint64_t *non_finite; /* per treelet of level 0: of the samples that no treelet behind it has;
                              of a mesh: of all its vertices' values */
-    /* Per thread; of a mesh, behind a payload's room: that of values, then scratch. */
+    /* Per thread; of a mesh, behind a payload's room: that of values, of positions, then scratch.
+     */
     char **payloads, **stored;
+    /* Of histograms; cells is NULL where the file has none. */
+    histogram_draw draw;
+    histogram_space space;
+    histogram_run run;
+    histogram_cell *cells; /* of each set */
 } verification;
 
 /* One treelet while it is looked at. */
@@ -268,6 +275,8 @@ static status verify_treelet(void *ctx, size_t index, int worker) {
     if (st != ST_OK)
         return st;
     note_shared(&s, &v->edges[t]);
+    if (v->cells && f->layout.level_of[t] == 0)
+        leaf_histogram_take(&f->layout, &v->draw, &v->space, t, s.bytes, v->cells);
     if (f->layout.level_of[t] == 0 && (f->flags[t] & LEAF_FLAG_NON_FINITE))
         v->non_finite[t] = count_non_finite(&s);
     return ST_OK;
@@ -283,11 +292,34 @@ static uint32_t count_values(const leaf_file *f, uint32_t t, const void *values)
     return count;
 }
 
-/* Payload p of a treelet, but for its topology. */
+/* Of a set's values; positions: room for those of a step that are elsewhere than at the first. */
+static status look_at_tets(const verification *v, uint32_t set, uint32_t t, const char *topology,
+                           const char *values, char *positions, char *stored) {
+    leaf_file *f = v->f;
+    const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
+    const float(*places)[3] = mesh_leaf_positions(&s, topology);
+    const uint32_t step = set % f->mesh->steps;
+    if (!v->cells)
+        return ST_OK;
+    if (step > 0 && f->layout.moved_steps > 0) {
+        status st =
+            leaf_file_load(f, leaf_layout_positions(&f->layout, step, t), stored, positions);
+        if (st != ST_OK)
+            return st;
+        places = mesh_leaf_moved(&s, positions);
+    }
+    leaf_histogram_take_tets(&v->run, f->mesh->first_tet[t], &s, mesh_leaf_tets(&s, topology),
+                             places, mesh_leaf_values(&s, values),
+                             v->cells + (size_t)set * v->run.count);
+    return ST_OK;
+}
+
+/* Payload p of a treelet, but for its topology; room: of another payload, then scratch. */
 static status verify_block(const verification *v, uint32_t p, const char *topology,
-                           const char *payload, char *scratch) {
+                           const char *payload, char *room, char *stored) {
     leaf_file *f = v->f;
     const uint32_t t = p % f->layout.treelets;
+    char *scratch = room + leaf_layout_payload_max(&f->layout);
     uint32_t index;
     status st;
     switch (leaf_layout_block_of(&f->layout, p, &index)) {
@@ -295,7 +327,7 @@ static status verify_block(const verification *v, uint32_t p, const char *topolo
         st = mesh_leaf_check_values(f, index, t, topology, payload, scratch);
         if (st == ST_OK && (f->flags[p - f->layout.treelets] & LEAF_FLAG_NON_FINITE))
             v->non_finite[t] += count_values(f, t, payload);
-        return st;
+        return st == ST_OK ? look_at_tets(v, index, t, topology, payload, room, stored) : st;
     case LEAF_BLOCK_GRADIENTS: return mesh_leaf_check_gradients(f, index, t, payload);
     default:
         st = mesh_leaf_check_moved(f, index, t, payload);
@@ -309,7 +341,8 @@ static status verify_mesh_treelet(void *ctx, size_t index, int worker) {
     leaf_file *f = v->f;
     const size_t room = leaf_layout_payload_max(&f->layout);
     const uint32_t t = (uint32_t)index;
-    char *topology = v->payloads[worker], *values = topology + room, *scratch = values + room;
+    char *topology = v->payloads[worker], *values = topology + room, *other = values + room,
+         *scratch = other + room;
     status st = leaf_file_load(f, t, v->stored[worker], topology);
     if (st == ST_OK)
         st = report(v, t);
@@ -321,7 +354,7 @@ static status verify_mesh_treelet(void *ctx, size_t index, int worker) {
          p += f->layout.treelets) {
         st = leaf_file_load(f, p, v->stored[worker], values);
         if (st == ST_OK)
-            st = verify_block(v, p, topology, values, scratch);
+            st = verify_block(v, p, topology, values, other, v->stored[worker]);
     }
     return st;
 }
@@ -389,6 +422,24 @@ static status check_gaps(const verification *v) {
     return ST_OK;
 }
 
+/* The same cells in the same bins; sums of floats in the same order are the same bits. */
+static status check_histograms(const verification *v) {
+    const leaf_file *f = v->f;
+    const uint32_t sets = v->cells ? f->mesh ? f->mesh->sets : 1 : 0;
+    const uint32_t count = f->mesh ? v->run.count : v->draw.count;
+    const uint64_t total =
+        f->mesh ? v->run.total
+                : (uint64_t)f->header.dims[0] * f->header.dims[1] * f->header.dims[2];
+    for (uint32_t set = 0; set < sets; set++) {
+        histogram again = f->histograms[set];
+        histogram_count(&again, v->cells + (size_t)set * count, count, total);
+        if (memcmp(&again, &f->histograms[set], sizeof again) != 0)
+            return status_describe(ST_CORRUPT, "%s: histogram %u differs from what its %s give",
+                                   file_path(f->source), set, f->mesh ? "tets" : "samples");
+    }
+    return ST_OK;
+}
+
 static status verify_all(verification *v, pool *workers) {
     const bool mesh = v->f->mesh != NULL;
     status st =
@@ -397,6 +448,8 @@ static status verify_all(verification *v, pool *workers) {
         st = check_neighbours(v);
     if (st == ST_OK)
         st = check_count(v);
+    if (st == ST_OK)
+        st = check_histograms(v);
     if (st == ST_OK)
         st = check_gaps(v);
     return st;
@@ -413,7 +466,24 @@ static size_t thread_bytes(const leaf_file *f) {
         const size_t bytes = mesh_leaf_check_scratch(&s);
         scratch = bytes > scratch ? bytes : scratch;
     }
-    return 2 * payload + scratch;
+    return 3 * payload + scratch;
+}
+
+static status allocate_histograms(verification *v, mem *m) {
+    const leaf_file *f = v->f;
+    if (!f->histograms)
+        return ST_OK;
+    if (f->mesh) {
+        v->run = histogram_draw_tets(f->header.tets, f->mesh->sets);
+        v->cells = mem_array(m, (size_t)v->run.count * f->mesh->sets, sizeof *v->cells);
+    } else {
+        v->draw = histogram_draw_grid(f->header.dims);
+        v->space = histogram_space_of(f->header.to_world);
+        for (int a = 0; a < 3 && f->header.rectilinear; a++)
+            v->space.axis[a] = f->axis[a];
+        v->cells = mem_array(m, v->draw.count, sizeof *v->cells);
+    }
+    return v->cells ? ST_OK : ST_NOMEM;
 }
 
 static status allocate(verification *v, mem *m, int threads) {
@@ -430,7 +500,7 @@ static status allocate(verification *v, mem *m, int threads) {
         if (!v->payloads[i] || !v->stored[i])
             return ST_NOMEM;
     }
-    return ST_OK;
+    return allocate_histograms(v, m);
 }
 
 static void release(verification *v, mem *m, int threads) {
@@ -444,6 +514,7 @@ static void release(verification *v, mem *m, int threads) {
     mem_free(m, v->stored);
     mem_free(m, v->edges);
     mem_free(m, v->non_finite);
+    mem_free(m, v->cells);
 }
 
 static status verify_file(mem *m, leaf_file *f, int threads, const progress *p) {

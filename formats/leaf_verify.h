@@ -4,7 +4,8 @@
  * reads the payloads too, all of them: checksums, padding, samples within the own range, every code
  * recomputed from its samples, inner nodes from their children, halos that repeat the neighbour's
  * samples or the volume's border, the number of non-finite samples. Only what the levels' samples
- * should be is the writer's affair.
+ * should be is the writer's affair. Histograms are counted again, with the
+ * edges of bins as they are.
  *
  * Of a mesh: checksums, padding, trees (mesh_leaf_check.h), bounds and ranges exactly those of the
  * vertices, every code recomputed, each vertex some tet's, as many non-finite values as can be.
@@ -21,8 +22,8 @@
 #include "formats/leaf_file.h"
 
 /* leaf_verify() - ST_OK, or ST_CORRUPT naming file, byte (of the file, or within a compressed
- * treelet's payload) and what was expected. Memory: two payloads a thread (of a mesh three,
- * and up to 640 KiB) and 56 bytes a treelet. p may be NULL. */
+ * treelet's payload) and what was expected. Memory: two payloads a thread (of a mesh four,
+ * and up to 640 KiB), 56 bytes a treelet, and up to 2 MiB for histograms. p may be NULL. */
 CHECKED status leaf_verify(mem *m, leaf_file *f, int threads, const progress *p);
 
 #endif

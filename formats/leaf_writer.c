@@ -17,7 +17,7 @@ struct leaf_writer {
     leaf_parameters p;
     leaf_layout layout;
     leaf_header header;
-    leaf_section table[LEAF_SECTION_LAST];
+    leaf_section table[LEAF_SECTION_LAST + 1];
     /* The directory, as in leaf_section_kind. */
     float (*ranges)[2];
     float (*own)[2];
@@ -28,7 +28,8 @@ struct leaf_writer {
     uint32_t (*counts)[4];
     char (*names)[64]; /* or NULL, as times */
     double *times;
-    leaf_part *parts; /* coarse grids; or NULL */
+    leaf_part *parts;      /* coarse grids; or NULL */
+    histogram *histograms; /* of sets; or NULL */
     bool settled;
     out_file *out;
     /* Where payloads wait until all sizes are known: compressed ones, and a mesh's. NULL: they are
@@ -65,7 +66,7 @@ enum {
 
 uint64_t leaf_writer_memory(const leaf_layout *l, leaf_codec codec) {
     uint64_t each = LAYOUT_BYTES + RANGE_BYTES + PAYLOAD_BYTES;
-    uint64_t bytes = sizeof(leaf_writer) + 4096;
+    uint64_t bytes = sizeof(leaf_writer) + sizeof(histogram) + 4096;
     if (codec != LEAF_CODEC_RAW) {
         each += sizeof(uint64_t);
         bytes += leaf_layout_payload_max(l);
@@ -91,6 +92,7 @@ uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max) {
     return sizeof(leaf_writer) + 4096 + payload_max + mesh->treelets * each +
            mesh->fields * sizeof(char[64]) + mesh->steps * sizeof(double) +
            (mesh->coarse ? sets * sizeof(leaf_part) : 0) +
+           (sets <= LEAF_HISTOGRAMS_MAX ? sets * sizeof(histogram) : 0) +
            leaf_blocks_payloads(&blocks) * (PAYLOAD_BYTES + sizeof(uint64_t));
 }
 
@@ -154,18 +156,25 @@ static uint64_t sections_end(const leaf_writer *w) {
 static bool has_section(const leaf_writer *w, uint32_t kind) {
     if (!leaf_section_bytes(&w->header, kind))
         return false;
-    return kind == LEAF_SECTION_FIELDS   ? w->names != NULL
-           : kind == LEAF_SECTION_TIMES  ? w->times != NULL
-           : kind == LEAF_SECTION_COARSE ? w->parts != NULL
-                                         : true;
+    return kind == LEAF_SECTION_FIELDS       ? w->names != NULL
+           : kind == LEAF_SECTION_TIMES      ? w->times != NULL
+           : kind == LEAF_SECTION_COARSE     ? w->parts != NULL
+           : kind == LEAF_SECTION_HISTOGRAMS ? w->histograms != NULL
+                                             : true;
+}
+
+static void add_section(leaf_writer *w, uint32_t kind) {
+    leaf_header *h = &w->header;
+    if (has_section(w, kind))
+        w->table[h->sections++] =
+            (leaf_section){.kind = kind, .version = 1, .bytes = leaf_section_bytes(h, kind)};
 }
 
 static void place_sections(leaf_writer *w) {
     leaf_header *h = &w->header;
     for (uint32_t kind = 1; kind <= LEAF_SECTION_LAST; kind++)
-        if (has_section(w, kind))
-            w->table[h->sections++] =
-                (leaf_section){.kind = kind, .version = 1, .bytes = leaf_section_bytes(h, kind)};
+        add_section(w, kind);
+    add_section(w, LEAF_SECTION_HISTOGRAMS);
     uint64_t end = LEAF_HEADER_BYTES + h->sections * sizeof *w->table;
     for (uint32_t i = 0; i < h->sections; i++) {
         w->table[i].offset = leaf_layout_aligned(end, LEAF_ALIGN_LOG2);
@@ -186,6 +195,14 @@ static void place_payloads(leaf_writer *w) {
     w->header.file_bytes = leaf_layout_aligned(end, w->p.run_align_log2);
 }
 
+static status allocate_histograms(leaf_writer *w) {
+    const uint32_t sets = w->layout.sets ? w->layout.sets : 1;
+    if (!w->p.histograms || sets > LEAF_HISTOGRAMS_MAX)
+        return ST_OK;
+    w->histograms = mem_array(w->m, sets, sizeof *w->histograms);
+    return w->histograms ? ST_OK : ST_NOMEM;
+}
+
 /* ranges: elements of the sections that hold them. */
 static status allocate(leaf_writer *w, size_t ranges) {
     const size_t payloads = w->layout.payloads;
@@ -195,8 +212,9 @@ static status allocate(leaf_writer *w, size_t ranges) {
     w->offsets = mem_array(w->m, payloads, sizeof *w->offsets);
     w->sizes = mem_array(w->m, payloads, sizeof *w->sizes);
     w->checksums = mem_array(w->m, payloads, sizeof *w->checksums);
-    return w->ranges && w->own && w->flags && w->offsets && w->sizes && w->checksums ? ST_OK
-                                                                                     : ST_NOMEM;
+    if (!w->ranges || !w->own || !w->flags || !w->offsets || !w->sizes || !w->checksums)
+        return ST_NOMEM;
+    return allocate_histograms(w);
 }
 
 static status allocate_axes(leaf_writer *w, const grid *g) {
@@ -349,12 +367,30 @@ void leaf_writer_discard(leaf_writer *w) {
     mem_free(w->m, w->names);
     mem_free(w->m, w->times);
     mem_free(w->m, w->parts);
+    mem_free(w->m, w->histograms);
     (void)pthread_mutex_destroy(&w->lock);
     mem_free(w->m, w);
 }
 
 const leaf_layout *leaf_writer_layout(const leaf_writer *w) {
     return &w->layout;
+}
+
+histogram *leaf_writer_histograms(leaf_writer *w) {
+    return w->histograms;
+}
+
+void leaf_writer_range(const leaf_writer *w, uint32_t set, double range[2]) {
+    const leaf_layout *l = &w->layout;
+    const float(*own)[2] = (const float(*)[2])w->own + (size_t)set * l->treelets;
+    range[0] = (double)INFINITY;
+    range[1] = -(double)INFINITY;
+    for (uint32_t t = 0; t < l->treelets; t++) {
+        if (l->level_of[t] != 0)
+            continue;
+        range[0] = fmin(range[0], (double)own[t][0]);
+        range[1] = fmax(range[1], (double)own[t][1]);
+    }
 }
 
 /* ---- payloads ---- */
@@ -568,8 +604,10 @@ static status write_sections(leaf_writer *w) {
                                              w->counts, w->names,     w->times, w->parts};
     for (uint32_t i = 0; i < w->header.sections; i++) {
         leaf_section *s = &w->table[i];
-        s->checksum = hash_bytes(arrays[s->kind - 1], (size_t)s->bytes);
-        status st = out_file_write_at(w->out, s->offset, arrays[s->kind - 1], (size_t)s->bytes);
+        const void *bytes =
+            s->kind == LEAF_SECTION_HISTOGRAMS ? w->histograms : arrays[s->kind - 1];
+        s->checksum = hash_bytes(bytes, (size_t)s->bytes);
+        status st = out_file_write_at(w->out, s->offset, bytes, (size_t)s->bytes);
         if (st != ST_OK)
             return st;
     }

@@ -20,6 +20,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/grid.h"
+#include "formats/histogram.h"
 #include "formats/leaf.h"
 #include "formats/leaf_layout.h"
 
@@ -31,10 +32,11 @@ typedef struct leaf_parameters {
     uint32_t halo;           /* 0, 1 */
     uint32_t run_align_log2; /* 12 */
     leaf_codec codec;
-    int zstd_level; /* 1 .. ZSTD_maxCLevel() */
+    int zstd_level;  /* 1 .. ZSTD_maxCLevel() */
+    bool histograms; /* a histogram of each set: leaf_writer_histograms() */
 } leaf_parameters;
 
-/* leaf_parameters_default() - B = 32, h = 1, runs at 4096, raw. */
+/* leaf_parameters_default() - B = 32, h = 1, runs at 4096, raw, no histograms. */
 leaf_parameters leaf_parameters_default(void);
 
 /* What a treelet brings to the directory. */
@@ -88,6 +90,12 @@ uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max);
 size_t leaf_writer_pack_bytes(const leaf_layout *l, leaf_codec codec);
 
 const leaf_layout *leaf_writer_layout(const leaf_writer *w);
+
+/* leaf_writer_histograms() - the file's, one for each set (a grid is one set), to be filled before
+ * leaf_writer_settle() and leaf_writer_finish(); NULL where it is to have none, or too many sets.
+ * leaf_writer_range() - of the finite values of a set, once all is put; lo > hi: there are none. */
+histogram *leaf_writer_histograms(leaf_writer *w);
+void leaf_writer_range(const leaf_writer *w, uint32_t set, double range[2]);
 
 /* What one thread keeps between puts: a compressor, whose state lives outside `mem`; NULL for the
  * raw codec. */

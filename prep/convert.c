@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/base/pool.h"
+#include "formats/leaf_histogram.h"
 #include "formats/leaf_writer.h"
 #include "prep/pyramid.h"
 #include "prep/read_ahead.h"
@@ -41,6 +42,10 @@ typedef struct conversion {
     stage stages[LEAF_LEVELS_MAX];
     read_ahead *input;
     uint32_t slices_done;
+    /* Of the histogram; cells is NULL where there is to be none. */
+    histogram_draw draw;
+    histogram_space space;
+    histogram_cell *cells;
 } conversion;
 
 /* ---- from slabs to payloads ---- */
@@ -55,6 +60,8 @@ static status make_treelet(const conversion *c, const bench *b, const sample_box
     treelet_summary summary;
     treelet_build(c->layout, t, box, b->scratch, b->payload, &summary);
     leaf_entry entry = {.own = {summary.own[0], summary.own[1]}, .flags = summary.flags};
+    if (c->cells && c->layout->level_of[t] == 0)
+        leaf_histogram_take(c->layout, &c->draw, &c->space, t, b->payload, c->cells);
     return leaf_writer_put(c->writer, b->packer, t, &entry, b->payload, b->pack);
 }
 
@@ -193,8 +200,29 @@ static status create_stages(conversion *c, const char *output) {
     return ST_OK;
 }
 
+static status begin_histogram(conversion *c, const grid *g) {
+    if (!leaf_writer_histograms(c->writer))
+        return ST_OK;
+    c->draw = histogram_draw_grid(g->dims);
+    c->space = histogram_space_of(&g->to_world[0][0]);
+    for (int a = 0; a < 3 && grid_is_rectilinear(g); a++)
+        c->space.axis[a] = g->axis[a];
+    c->cells = mem_array(c->m, c->draw.count, sizeof *c->cells);
+    return c->cells ? ST_OK : ST_NOMEM;
+}
+
+static void end_histogram(conversion *c, const grid *g) {
+    double range[2];
+    if (!c->cells)
+        return;
+    leaf_writer_range(c->writer, 0, range);
+    histogram_build(leaf_writer_histograms(c->writer), c->cells, c->draw.count, c->layout->type,
+                    range, grid_samples(g));
+}
+
 /* Everything but the writer, which leaf_writer_finish() consumes. */
 static void release(conversion *c) {
+    mem_free(c->m, c->cells);
     read_ahead_destroy(c->input);
     for (uint32_t level = 0; level < LEAF_LEVELS_MAX; level++) {
         slab_destroy(c->stages[level].slab);
@@ -233,6 +261,8 @@ status convert_run(mem *m, volume *v, const char *output, const convert_options 
     if (st == ST_OK)
         st = create_stages(&c, output);
     if (st == ST_OK)
+        st = begin_histogram(&c, g);
+    if (st == ST_OK)
         st = read_ahead_create(m, v, plan->batch, &c.input);
     if (st == ST_OK)
         st = convert_slices(&c);
@@ -242,6 +272,7 @@ status convert_run(mem *m, volume *v, const char *output, const convert_options 
         return st;
     }
     read_ahead_facts seen = read_ahead_end(c.input);
+    end_histogram(&c, g);
     release(&c);
     char provenance[256];
     describe_origin(o, g->type, provenance, sizeof provenance);

@@ -715,6 +715,7 @@ int main(int argc, char **argv) {
                    .treelet_tets = MESH_TREELET_TETS,
                    .leaf_tets = MESH_LEAF_TETS,
                    .file = leaf_parameters_default()};
+    a.file.histograms = true;
     cli_parse(&table, &a.common, argc, argv, &a);
     return cli_finish(&a.common, run(&a));
 }

@@ -1,5 +1,6 @@
 #include "prep/convert_plan.h"
 
+#include "formats/histogram_draw.h"
 #include "formats/leaf_check.h"
 #include "prep/pyramid.h"
 #include "prep/read_ahead.h"
@@ -29,6 +30,8 @@ static uint64_t fixed_memory(const grid *g, const convert_options *o, const leaf
                       treelet_scratch_bytes() + packer + THREAD_BYTES;
     uint64_t bytes =
         leaf_writer_memory(l, o->file.codec) + (uint64_t)o->threads * thread + FIXED_BYTES;
+    if (o->file.histograms)
+        bytes += histogram_draw_grid(g->dims).count * sizeof(histogram_cell);
     for (uint32_t level = 0; level + 1 < l->levels; level++)
         bytes += pyramid_memory(sample_stored(g->type), l->level[level].dims, o->threads);
     return bytes;
@@ -95,9 +98,12 @@ static void plan_sizes(convert_plan *plan, const grid *g, const convert_options 
     leaf_header h = {.treelets = l->treelets, .dims = {g->dims[0], g->dims[1], g->dims[2]}};
     h.rectilinear = grid_is_rectilinear(g);
     h.sections = h.rectilinear ? LEAF_SECTION_AXES : LEAF_SECTION_AXES - 1;
-    uint64_t bytes = LEAF_HEADER_BYTES + h.sections * sizeof(leaf_section);
+    uint64_t bytes = LEAF_HEADER_BYTES + (h.sections + o->file.histograms) * sizeof(leaf_section);
     for (uint32_t kind = 1; kind <= h.sections; kind++)
         bytes = leaf_layout_aligned(bytes, LEAF_ALIGN_LOG2) + leaf_section_bytes(&h, kind);
+    if (o->file.histograms)
+        bytes = leaf_layout_aligned(bytes, LEAF_ALIGN_LOG2) +
+                leaf_section_bytes(&h, LEAF_SECTION_HISTOGRAMS);
     bytes = leaf_layout_aligned(bytes, o->file.run_align_log2);
     for (uint32_t level = 0; level < l->levels; level++) {
         sort sorts[3][3];

@@ -9,6 +9,7 @@
 #include "formats/base/pool.h"
 #include "prep/mesh_coarse.h"
 #include "prep/mesh_cut.h"
+#include "prep/mesh_histogram.h"
 #include "prep/mesh_keys.h"
 #include "prep/mesh_sah.h"
 #include "prep/mesh_treelet.h"
@@ -38,6 +39,7 @@ typedef struct batch {
     size_t *first;
     size_t count, most;
     uint32_t treelet; /* index of the first */
+    uint64_t tet;     /* number of the first tet */
 } batch;
 
 typedef struct conversion {
@@ -57,6 +59,7 @@ typedef struct conversion {
     bench *benches;
     batch batch;
     uint32_t first_step, end_step; /* what is being built */
+    mesh_histogram histogram;
 } conversion;
 
 mesh_options mesh_options_default(void) {
@@ -115,6 +118,7 @@ static status for_each_batch(conversion *c, status (*take)(conversion *c)) {
         size_t count;
         status st = mesh_runs_window(c->runs, used, &b->records, &count, &last);
         b->count = 0;
+        b->tet = done;
         for (used = 0; b->count < b->most && used < count;) {
             if (!last && count - used <= c->o->treelet_tets)
                 break;
@@ -190,11 +194,29 @@ static status make_gradients(conversion *c, const char *output) {
 
 /* ---- building ---- */
 
+/* What one treelet is made from. */
+typedef struct piece {
+    uint32_t treelet;
+    uint64_t first_tet;
+    const mesh_record *records;
+    size_t count;
+} piece;
+
+/* k->values: of the set. */
+static status take_histogram(const conversion *c, bench *k, const piece *p, uint32_t step,
+                             uint32_t set) {
+    if (!c->histogram.cells)
+        return ST_OK;
+    k->points.first = mesh_gather_points(c->g, step);
+    return mesh_histogram_take(&c->histogram, set, p->first_tet, p->records, p->count, &k->points,
+                               &k->values);
+}
+
 /* The topology, and the first field at the first step. */
-static status build_first(const conversion *c, bench *k, uint32_t treelet,
-                          const mesh_record *records, size_t count, mesh_treelet *t) {
+static status build_first(const conversion *c, bench *k, const piece *p, mesh_treelet *t) {
+    const uint32_t treelet = p->treelet;
     k->points.first = k->values.first = 0;
-    status st = mesh_treelet_build(k->builder, records, count, &k->points, &k->values, t);
+    status st = mesh_treelet_build(k->builder, p->records, p->count, &k->points, &k->values, t);
     if (st != ST_OK)
         return st;
     k->flat += t->flat;
@@ -202,20 +224,22 @@ static status build_first(const conversion *c, bench *k, uint32_t treelet,
     k->negative += t->negative;
     st = leaf_writer_put_topology(c->writer, k->packer, treelet, t->bounds, t->counts, t->topology,
                                   k->pack);
-    return st == ST_OK ? leaf_writer_put_values(c->writer, k->packer, 0, treelet, &t->entry,
-                                                t->values, k->pack)
-                       : st;
+    if (st == ST_OK)
+        st =
+            leaf_writer_put_values(c->writer, k->packer, 0, treelet, &t->entry, t->values, k->pack);
+    return st == ST_OK ? take_histogram(c, k, p, 0, 0) : st;
 }
 
-static status build_values(const conversion *c, bench *k, uint32_t treelet, uint32_t step,
+static status build_values(const conversion *c, bench *k, const piece *p, uint32_t step,
                            uint32_t field, mesh_treelet *t) {
     k->values.first = mesh_gather_values(c->g, step, field);
     status st = mesh_treelet_revalue(k->builder, &k->values, t);
     if (st != ST_OK)
         return st;
     const uint32_t set = leaf_layout_set(leaf_writer_layout(c->writer), field, step);
-    return leaf_writer_put_values(c->writer, k->packer, set, treelet, &t->entry, t->values,
-                                  k->pack);
+    st = leaf_writer_put_values(c->writer, k->packer, set, p->treelet, &t->entry, t->values,
+                                k->pack);
+    return st == ST_OK ? take_histogram(c, k, p, step, set) : st;
 }
 
 static status build_positions(const conversion *c, bench *k, uint32_t treelet, uint32_t step,
@@ -252,6 +276,8 @@ static status build_one(void *ctx, size_t index, int worker) {
     const mesh_record *records = b->records + b->first[index];
     const size_t count = b->first[index + 1] - b->first[index];
     const uint32_t treelet = b->treelet + (uint32_t)index;
+    piece p = {
+        .treelet = treelet, .first_tet = b->tet + (b->first[index] - b->first[0]), .count = count};
     mesh_treelet t;
     status st = ST_OK;
     k->points.first = 0;
@@ -259,13 +285,14 @@ static status build_one(void *ctx, size_t index, int worker) {
         st = mesh_sah_order(k->sah, records, count, &k->points, &records);
     if (st != ST_OK)
         return st;
+    p.records = records;
     if (c->first_step == 0)
-        st = build_first(c, k, treelet, records, count, &t);
+        st = build_first(c, k, &p, &t);
     else
         mesh_treelet_begin(k->builder, records, count, &t);
     for (uint32_t step = c->first_step; step < c->end_step; step++) {
         for (uint32_t field = step ? 0 : 1; st == ST_OK && field < c->g->fields; field++)
-            st = build_values(c, k, treelet, step, field, &t);
+            st = build_values(c, k, &p, step, field, &t);
         if (st == ST_OK && step > 0 && c->g->moving)
             st = build_positions(c, k, treelet, step, &t);
     }
@@ -377,7 +404,13 @@ static status build_treelets(conversion *c, const char *field, const char *outpu
         st = leaf_writer_create_mesh(c->m, output, c->o->force, &parts, &c->o->file, &c->writer);
     if (st == ST_OK)
         st = create_benches(c);
-    return st == ST_OK ? build_steps(c) : st;
+    if (st == ST_OK && leaf_writer_histograms(c->writer))
+        st = mesh_histogram_begin(&c->histogram, c->m, c->tets, c->g->fields * c->g->steps);
+    if (st == ST_OK)
+        st = build_steps(c);
+    if (st == ST_OK)
+        mesh_histogram_end(&c->histogram, c->writer);
+    return st;
 }
 
 /* ---- all of it ---- */
@@ -405,6 +438,7 @@ static void describe_origin(const mesh_options *o, const mesh_report *r, char *t
 static void release(conversion *c, leaf_facts *facts) {
     release_benches(c, facts);
     mesh_runs_destroy(c->runs);
+    mesh_histogram_release(&c->histogram);
     mesh_spool_release(&c->gradients);
     mem_free(c->m, c->batch.first);
     pool_destroy(c->workers);

@@ -1,12 +1,13 @@
 #include "prep/mesh_plan.h"
 
+#include "prep/mesh_histogram.h"
 #include "prep/mesh_keys.h"
 #include "prep/mesh_pages.h"
 #include "prep/mesh_sah.h"
 #include "prep/mesh_treelet.h"
 
 /* Book-keeping: the thread pool, stacks as far as they are touched, rounding of blocks. */
-enum { FIXED_BYTES = 256 << 10, THREAD_BYTES = 64 << 10 };
+enum { FIXED_BYTES = 512 << 10, THREAD_BYTES = 64 << 10 };
 
 /* What a plan is made from. */
 typedef struct needs {
@@ -67,7 +68,8 @@ static uint64_t build_fixed(const needs *n) {
         thread += mesh_treelet_moved_memory(o->treelet_tets, o->leaf_tets);
     if (o->file.codec != LEAF_CODEC_RAW)
         thread += mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets) + 128;
-    return n->others + writer_memory(o, n->g, n->treelets) + (uint64_t)o->threads * thread;
+    return n->others + writer_memory(o, n->g, n->treelets) + (uint64_t)o->threads * thread +
+           (o->file.histograms ? mesh_histogram_memory() : 0);
 }
 
 /* ---- choosing ---- */

@@ -348,6 +348,7 @@ int main(int argc, char **argv) {
                                .doc = doc,
                                .children = children};
     view_options_init(&o.job.view);
+    o.job.view.fit = false;      /* what is measured stays what it was */
     o.job.view.camera.width = 0; /* not given */
     mem_init(&o.job.m, 0);
     cli_parse(&table, &o.common, argc, argv, &o);

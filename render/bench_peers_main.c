@@ -185,6 +185,7 @@ int main(int argc, char **argv) {
                "rtcIntersect16. What is not installed is left out, and said.",
         .children = children};
     view_options_init(&o.view);
+    o.view.fit = false; /* what is measured stays what it was */
     mem_init(&o.m, 0);
     cli_parse(&table, &o.common, argc, argv, &o);
     return cli_finish(&o.common, run(&o));

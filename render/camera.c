@@ -123,3 +123,68 @@ leafcast_camera camera_standard(const double bounds[2][3], double distance, uint
     }
     return view;
 }
+
+/* ---- the view that fits ---- */
+
+/* Towards the eye: across, third axis, up. 27 degrees to the side, 24 above. */
+static const double FIT_ACROSS = 0.5, FIT_DEPTH = 1.0, FIT_UP = 0.5;
+static const double FIT_MARGIN = 1.04;
+
+/* Which world axes are up and across; the box's extents are size[]. */
+static void fit_axes(const double size[3], int *up, int *across) {
+    const double sides = fmax(size[0], size[1]);
+    *up = size[2] > 2.0 * sides ? (size[0] >= size[1] ? 0 : 1) : 2;
+    *across = *up == 2 ? (size[0] >= size[1] ? 0 : 1) : 2;
+}
+
+/* How far from the middle along `back` the eye must be to see a corner at `offset` from it. */
+static double fit_distance(const double offset[3], const camera *c, double aspect) {
+    const double towards = -dot(offset, c->forward);
+    const double half = dot(c->up, c->up); /* tan^2 of half the field of view */
+    const double x = fabs(dot(offset, c->right)) / (half * aspect),
+                 y = fabs(dot(offset, c->up)) / half;
+    return towards + FIT_MARGIN * fmax(x, y);
+}
+
+leafcast_camera camera_fit(const double corners[8][3], double fov, uint32_t width,
+                           uint32_t height) {
+    leafcast_camera view = {.fov = fov, .width = width, .height = height};
+    double lo[3], hi[3], size[3], distance = 0.0;
+    for (int a = 0; a < 3; a++) {
+        lo[a] = hi[a] = corners[0][a];
+        for (int i = 1; i < 8; i++) {
+            lo[a] = fmin(lo[a], corners[i][a]);
+            hi[a] = fmax(hi[a], corners[i][a]);
+        }
+        size[a] = hi[a] - lo[a];
+        view.look_at[a] = 0.5 * lo[a] + 0.5 * hi[a];
+    }
+    int up, across;
+    fit_axes(size, &up, &across);
+    /* Right-handed: across x up points away from the picture, to the eye, on one side or the other
+     * of the third axis. */
+    const int depth = 3 - up - across;
+    const double side = (across + 1) % 3 == up ? 1.0 : -1.0;
+    double back[3], edge = fmax(fmax(size[0], size[1]), size[2]);
+    back[across] = FIT_ACROSS;
+    back[up] = FIT_UP;
+    back[depth] = side * FIT_DEPTH;
+    if (!normalise(back))
+        return view;
+    view.up[up] = 1.0;
+    edge = edge > 0.0 ? edge : 1.0;
+    for (int a = 0; a < 3; a++)
+        view.eye[a] = view.look_at[a] + edge * back[a];
+    camera c;
+    if (camera_init(&c, &view) != ST_OK)
+        return view;
+    for (int i = 0; i < 8; i++) {
+        double offset[3];
+        for (int a = 0; a < 3; a++)
+            offset[a] = corners[i][a] - view.look_at[a];
+        distance = fmax(distance, fit_distance(offset, &c, (double)width / height));
+    }
+    for (int a = 0; a < 3 && distance > 0.0; a++)
+        view.eye[a] = view.look_at[a] + distance * back[a];
+    return view;
+}

@@ -39,6 +39,13 @@ void camera_ray(const camera *c, double x, double y, double origin[3], double di
  * what --lod pixel goes by. */
 double camera_pixel(const camera *c);
 
+/* camera_fit() - the nearest place from which all corners of a box are in the picture, looking at
+ * its middle. corners: as bits of the index say, along the box's axes 0, 1, 2, in world space.
+ * Up is +z, unless the box is more than twice as long along z as along x and y: then it is laid
+ * down, and up is the longer one of these. The longer of the two other axes lies across, left to
+ * right; the eye is a little to the side of the third, and above: see camera.c. */
+leafcast_camera camera_fit(const double corners[8][3], double fov, uint32_t width, uint32_t height);
+
 /* camera_standard() - fov 45, up +z, from `distance` times the longest edge of the box in the
  * direction (1, 0.6, 0.8) of its centre. bounds: minimum and maximum in world space. */
 leafcast_camera camera_standard(const double bounds[2][3], double distance, uint32_t width,

@@ -213,6 +213,45 @@ typedef struct leafcast_camera {
 leafcast_camera leafcast_standard_view(const leafcast *volume, double distance, uint32_t width,
                                        uint32_t height);
 
+/* ---- What is worth a look ---- */
+
+/* How the values of a field at a step are spread. Bin i holds the values v with edges[i] <= v <
+ * edges[i + 1]. Of a large volume not all samples are counted, but `drawn` of `total` ones, which
+ * is enough to know shares to a few in a thousand. Files of earlier versions have none: then
+ * treelets are counted, by their ranges. */
+enum { LEAFCAST_BINS_MAX = 256 };
+
+typedef struct leafcast_histogram {
+    uint32_t bins;  /* 0: no value is finite */
+    uint64_t drawn; /* values that were counted: the sum of samples[] */
+    uint64_t cells; /* cells, or tets, that were looked at */
+    uint64_t total; /* samples, or tets, that there are */
+    double edges[LEAFCAST_BINS_MAX + 1];
+    uint32_t samples[LEAFCAST_BINS_MAX];
+    uint32_t active[LEAFCAST_BINS_MAX]; /* cells that the isosurface of edges[i] crosses */
+    float gradient[LEAFCAST_BINS_MAX];  /* mean length of the gradient in these, per world unit */
+    float area[LEAFCAST_BINS_MAX];      /* of the isosurface of edges[i], about; world units */
+} leafcast_histogram;
+
+/* leafcast_get_histogram() - LEAFCAST_USAGE if there is no such field or step. */
+leafcast_status leafcast_get_histogram(const leafcast *volume, uint32_t field, uint32_t step,
+                                       leafcast_histogram *histogram);
+
+/* leafcast_suggested_isovalues() - up to `max` (at most LEAFCAST_SUGGESTIONS_MAX) isovalues whose
+ * surfaces are worth a look, best first; *count may become 0. */
+enum { LEAFCAST_SUGGESTIONS_MAX = 4 };
+leafcast_status leafcast_suggested_isovalues(const leafcast *volume, uint32_t field, uint32_t step,
+                                             double *isovalues, int max, int *count);
+
+/* leafcast_fit_view() - a view of what these isovalues make active, of the whole volume where they
+ * make nothing so. Up is +z, unless the box is more than twice as long along z as along x and y:
+ * then up is the longer one of these. The longest of the other axes lies across. fov: vertical,
+ * degrees; 0: LEAFCAST_FIT_FOV. */
+enum { LEAFCAST_FIT_FOV = 35 };
+leafcast_status leafcast_fit_view(const leafcast *volume, uint32_t field, uint32_t step,
+                                  const double *isovalues, int count, double fov, uint32_t width,
+                                  uint32_t height, leafcast_camera *camera);
+
 /* ---- Pictures ---- */
 
 /* Planes of width * height values, row by row from the top, the caller's own; any may be NULL. */

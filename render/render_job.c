@@ -42,8 +42,35 @@ void render_job_close(render_job *job) {
 
 /* ---- before anything is drawn ---- */
 
+/* Where no isovalue is given, one that is worth a look. Before the volume is open any will do, as
+ * nothing is drawn then. */
+static status choose_isovalue(const render_job *job, script_frame *frame) {
+    view_options *v = &frame->view;
+    uint32_t field;
+    frame->suggestions = 0;
+    if (v->isos > 0)
+        return ST_OK;
+    v->isos = 1;
+    v->surfaces[0].isovalue = 0.0;
+    if (!job->volume)
+        return ST_OK;
+    status st = view_options_field(v, job->volume, &field);
+    if (st == ST_OK)
+        st = render_status(leafcast_suggested_isovalues(job->volume, field, v->step,
+                                                        frame->suggested, LEAFCAST_SUGGESTIONS_MAX,
+                                                        &frame->suggestions));
+    if (st == ST_OK && frame->suggestions == 0)
+        st = status_describe(ST_USAGE, "which isosurface? None can be suggested, as no two values "
+                                       "differ: --iso V");
+    if (st == ST_OK)
+        v->surfaces[0].isovalue = frame->suggested[0];
+    return st;
+}
+
 status render_job_check(const render_job *job, script_frame *frame) {
-    status st = view_options_check(&frame->view);
+    status st = choose_isovalue(job, frame);
+    if (st == ST_OK)
+        st = view_options_check(&frame->view);
     if (st == ST_OK && job->volume)
         st = view_options_check_volume(&frame->view, job->volume);
     if (st == ST_OK && frame->output[0])
@@ -266,9 +293,21 @@ static status write_targets(render_job *job, const script_frame *frame,
     return st;
 }
 
+/* Pictures of one run keep the view that was fitted to the first of their size. */
+static leafcast_camera camera_of(render_job *job, const view_options *view) {
+    view_options held = *view;
+    const leafcast_camera *size = &view->camera;
+    if (view_options_fits(view)) {
+        if (job->fitted.width != size->width || job->fitted.height != size->height)
+            job->fitted = view_options_fit(view, job->volume);
+        held.hold = &job->fitted;
+    }
+    return view_options_camera(&held, job->volume);
+}
+
 static status draw_picture(render_job *job, const script_frame *frame, targets *to,
                            render_stats *stats) {
-    const leafcast_camera camera = view_options_camera(&frame->view, job->volume);
+    const leafcast_camera camera = camera_of(job, &frame->view);
     status st = open_targets(job, frame, to);
     if (st == ST_OK)
         st = make_planes(job, frame, &camera);

@@ -14,7 +14,8 @@ typedef struct render_job {
     mem m; /* of the planes; counted against the volume's budget by leafcast_trace() */
     leafcast *volume;
     leafcast_info info;
-    const char *source; /* the treelet file's path, for the pictures' metadata */
+    leafcast_camera fitted; /* to the first picture; width 0: to none yet */
+    const char *source;     /* the treelet file's path, for the pictures' metadata */
     const progress *watch;
     double done, share; /* of the whole job: before this picture, and this picture; share 0:
                            unknown, only stop() is asked */

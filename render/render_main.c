@@ -206,8 +206,6 @@ static status check_options(const render_options *o) {
         return status_describe(ST_USAGE, "either --iso or --iso-list");
     if (o->series && o->view.step > 0)
         return status_describe(ST_USAGE, "either --step or --steps");
-    if (!o->script && !o->iso_list && !o->camera_path && o->view.isos == 0)
-        return status_describe(ST_USAGE, "which isosurface? --iso V");
     return ST_OK;
 }
 
@@ -270,6 +268,18 @@ static void say_empty(render_options *o, const render_job *job, const view_optio
                  "clipped away");
 }
 
+static void say_suggested(const render_options *o, const script_frame *frame) {
+    char value[NUM_TEXT_MAX], others[LEAFCAST_SUGGESTIONS_MAX * NUM_TEXT_MAX + 16] = "";
+    if (frame->suggestions == 0)
+        return;
+    for (int i = 1; i < frame->suggestions; i++) {
+        strcat(others, i == 1 ? "; also " : ", ");
+        strcat(others, num_print(frame->suggested[i], value));
+    }
+    cli_note(&o->common, 1, "isovalue %s, as its values suggest%s; --iso V draws another",
+             num_print(frame->suggested[0], value), others);
+}
+
 static void say_done(const render_options *o, const script_frame *frame, const render_stats *s) {
     const leafcast_stats *t = &s->trace;
     const char *name = frame->output[0] ? frame->output : frame->depth[0] ? frame->depth : "drawn";
@@ -290,6 +300,7 @@ static void say_done(const render_options *o, const script_frame *frame, const r
 
 static status draw(render_options *o, render_job *job, const script_frame *frame, json_t **stats) {
     render_stats s;
+    say_suggested(o, frame);
     status st = render_job_draw(job, frame, &s);
     if (st)
         return st;
@@ -601,8 +612,11 @@ int main(int argc, char **argv) {
         .args_doc = "F.leaf -o FILE.png",
         .doc = "Draw isosurfaces of a treelet file into a picture.\v"
                "Example:\n  leafcast render bonsai.leaf --iso 37 -o bonsai.png\v"
-               "Without --eye the camera looks at the middle of the volume from the direction "
-               "(1, 0.6, 0.8), 2.2 (standard) or 1.1 (close) times its longest edge away. Vectors "
+               "Without --iso it draws the isosurface that the histogram in the file suggests, and "
+               "says which. Without --eye the view fits what the isovalues make active: up is +z, "
+               "the longer of the other sides lies across. --view standard and close look at the "
+               "middle of the volume from the direction "
+               "(1, 0.6, 0.8), 2.2 or 1.1 times its longest edge away. Vectors "
                "are in world space. The picture is exact unless --lod, --preview or --intersector "
                "say otherwise. A mesh of tetrahedra has no levels of detail and no intersector but "
                "the exact one.",

@@ -29,8 +29,10 @@ enum { SCRIPT_PATH_MAX = 4096 };
 /* One picture to draw. */
 typedef struct script_frame {
     view_options view;
-    char output[SCRIPT_PATH_MAX]; /* "": no picture is written */
-    char depth[SCRIPT_PATH_MAX];  /* "": no depth file */
+    char output[SCRIPT_PATH_MAX];               /* "": no picture is written */
+    char depth[SCRIPT_PATH_MAX];                /* "": no depth file */
+    double suggested[LEAFCAST_SUGGESTIONS_MAX]; /* by render_job_check(): the first is drawn; */
+    int suggestions;                            /* 0: the isovalues were given */
 } script_frame;
 
 /* script_apply() - put what an object says into *frame, which holds what was there before. ST_USAGE

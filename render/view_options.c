@@ -51,11 +51,12 @@ const struct argp_option view_options_table[] = {
     {"layers", LAYERS, "N", 0, "depth peeling: stop after N surfaces on a ray (0: no limit)", 0},
 
     {NULL, 0, NULL, 0, "Camera:", 20},
-    {"view", VIEW, "NAME", 0, "standard or close, where nothing else is said (standard)", 0},
+    {"view", VIEW, "NAME", 0,
+     "where nothing else is said: fit (what is drawn), standard or close (the volume) (fit)", 0},
     {"eye", EYE, "X,Y,Z", 0, "where the camera is", 0},
     {"look-at", LOOK_AT, "X,Y,Z", 0, "what is in the middle (the volume's centre)", 0},
     {"up", UP, "X,Y,Z", 0, "what is up (0,0,1)", 0},
-    {"fov", FOV, "DEG", 0, "vertical field of view (45)", 0},
+    {"fov", FOV, "DEG", 0, "vertical field of view (fit: 35, else 45)", 0},
     {"size", SIZE, "WxH", 0, "pixels (1024x1024)", 0},
     {"samples", SAMPLES, "N", 0, "rays a pixel, against jagged edges: 1, 4 or 16 (1)", 0},
 
@@ -73,7 +74,8 @@ const struct argp_option view_options_table[] = {
     {"ambient", AMBIENT, "A", 0, "share of light that comes from everywhere, 0 to 1 (0.15)", 0},
     {"specular", SPECULAR, "S", 0, "weight of phong's highlight (0.3)", 0},
     {"shininess", SHININESS, "N", 0, "its exponent, 1 to 1024 (32)", 0},
-    {"background", BACKGROUND, "COLOR", 0, "also R,G,B,A or #rrggbbaa (0,0,0,0: transparent)", 0},
+    {"background", BACKGROUND, "COLOR", 0,
+     "also R,G,B,A or #rrggbbaa; 0,0,0,0 is transparent (a dark slate)", 0},
 
     {NULL, 0, NULL, 0, "What is drawn:", 40},
     {"field", FIELD, "NAME", 0, "of a mesh with several: this one, by name or number (the first)",
@@ -114,9 +116,12 @@ void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct a
 }
 
 void view_options_init(view_options *v) {
+    static const float slate[4] = {0.014f, 0.02f, 0.032f, 1.0f};
     *v = (view_options){.scene = leafcast_scene_default(),
                         .camera = {.width = 1024, .height = 1024, .fov = 45.0},
+                        .fit = true,
                         .distance = 2.2};
+    memcpy(v->scene.background, slate, sizeof slate);
 }
 
 int view_options_key(const char *name, bool *repeats, bool *flag) {
@@ -355,7 +360,7 @@ static status set_samples(const char *text, int *samples) {
 }
 
 static status set_camera(view_options *v, int key, const char *text) {
-    static const char *const views[] = {"standard", "close"};
+    static const char *const views[] = {"standard", "close", "fit"};
     leafcast_camera *c = &v->camera;
     int which = 0;
     status st = ST_OK;
@@ -367,8 +372,9 @@ static status set_camera(view_options *v, int key, const char *text) {
     case SIZE: return parse_size(text, c);
     case SAMPLES: return set_samples(text, &v->scene.samples);
     case VIEW:
-        st = parse_name(text, "--view", views, 2, &which);
-        v->distance = which == 0 ? 2.2 : 1.1;
+        st = parse_name(text, "--view", views, 3, &which);
+        v->fit = which == 2;
+        v->distance = which == 1 ? 1.1 : 2.2;
         return st;
     default: return ST_AGAIN;
     }
@@ -580,9 +586,35 @@ status view_options_check(view_options *v) {
     return check_needs(v);
 }
 
+bool view_options_fits(const view_options *v) {
+    return v->fit && !v->eye;
+}
+
+leafcast_camera view_options_fit(const view_options *v, const leafcast *volume) {
+    const leafcast_camera *given = &v->camera;
+    double isovalues[LEAFCAST_SURFACES_MAX];
+    uint32_t field;
+    leafcast_camera c;
+    for (int i = 0; i < v->isos; i++)
+        isovalues[i] = v->surfaces[i].isovalue;
+    if (view_options_field(v, volume, &field) == ST_OK &&
+        leafcast_fit_view(volume, field, v->step, isovalues, v->isos, v->fov ? given->fov : 0.0,
+                          given->width, given->height, &c) == LEAFCAST_OK)
+        return c;
+    /* No such field or step: whoever draws will say so. */
+    return leafcast_standard_view(volume, v->distance, given->width, given->height);
+}
+
+static leafcast_camera first_view(const view_options *v, const leafcast *volume) {
+    const leafcast_camera *given = &v->camera;
+    if (view_options_fits(v))
+        return v->hold ? *v->hold : view_options_fit(v, volume);
+    return leafcast_standard_view(volume, v->distance, given->width, given->height);
+}
+
 leafcast_camera view_options_camera(const view_options *v, const leafcast *volume) {
     const leafcast_camera *given = &v->camera;
-    leafcast_camera c = leafcast_standard_view(volume, v->distance, given->width, given->height);
+    leafcast_camera c = first_view(v, volume);
     if (v->eye)
         memcpy(c.eye, given->eye, sizeof c.eye);
     if (v->look_at)

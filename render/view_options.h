@@ -22,10 +22,12 @@ typedef struct view_options {
     leafcast_scene scene;
     leafcast_camera camera; /* width and height, and what the flags below say was given */
     bool eye, look_at, up, fov;
-    uint64_t given;             /* which flags: a bit each, of view_options.c */
-    int normals;                /* of --normals: as view_options.c numbers them */
-    double distance;            /* of --view, in longest edges */
-    char field[VIEW_FIELD_MAX]; /* "": the first */
+    uint64_t given;              /* which flags: a bit each, of view_options.c */
+    int normals;                 /* of --normals: as view_options.c numbers them */
+    bool fit;                    /* --view fit, else */
+    double distance;             /* of --view, in longest edges */
+    const leafcast_camera *hold; /* instead of one that is fitted anew; NULL */
+    char field[VIEW_FIELD_MAX];  /* "": the first */
     uint32_t step;
 } view_options;
 
@@ -61,13 +63,20 @@ CHECKED status view_options_check(view_options *v);
  * for its kind. */
 CHECKED status view_options_check_volume(const view_options *v, const leafcast *volume);
 
-/* view_options_camera() - the camera for this volume: the standard or close view with whatever was
- * given put in its place. */
+/* view_options_camera() - the camera for this volume: the view that fits the isovalues, field and
+ * step (without an eye), or the standard or close view, with whatever was given put in its place.
+ */
 leafcast_camera view_options_camera(const view_options *v, const leafcast *volume);
 
 /* view_options_turn() - fix the camera of view_options_camera(), turned about the axis through
  * look_at along up by this share of a full turn, to the right as seen from above. */
 void view_options_turn(view_options *v, const leafcast *volume, double share);
+
+/* view_options_fit() - the view that fits, before anything else is put in its place; what `hold` is
+ * to be for further pictures. view_options_fits() - whether view_options_camera() starts from it.
+ */
+leafcast_camera view_options_fit(const view_options *v, const leafcast *volume);
+bool view_options_fits(const view_options *v);
 
 /* view_options_field() - the number of the field that is meant. */
 CHECKED status view_options_field(const view_options *v, const leafcast *volume, uint32_t *field);

@@ -25,7 +25,7 @@ exits "--force -q" 0 "$leafcast" convert "$in" -o "$out" --force -q
 ok "is quiet" [ ! -s "$tmp/out" -a ! -s "$tmp/err" ]
 exits "--force" 0 "$leafcast" convert "$in" -o "$out" --force --json
 ok "with --json" says '"treelets": 15' out
-for how in "--threads 1" "--threads 3 --memory 1500K" "--memory 40M"; do
+for how in "--threads 1" "--threads 3 --memory 4M" "--memory 40M"; do
     # shellcheck disable=SC2086 # split on purpose
     exits "convert $how" 0 "$leafcast" convert "$in" -o "$tmp/b.leaf" --force $how
     ok "gives the same bytes" cmp -s "$out" "$tmp/b.leaf"
@@ -48,7 +48,8 @@ rm -f "$tmp"/*.leaf
 
 exits "--dry-run" 0 "$leafcast" convert "$in" --dry-run
 ok "tells levels, file, memory, spilling" [ "$(grep -c '^levels\|^file\|^memory\|^spilled  *nothing' "$tmp/out")" = 4 ]
-exits "--dry-run with little memory" 0 "$leafcast" convert "$in" --dry-run --memory 1500K --threads 1
+run "$leafcast" generate gyroid --dims 140,120,80 --type u16 -o "$tmp/wide.nrrd"
+exits "--dry-run with little memory" 0 "$leafcast" convert "$tmp/wide.nrrd" --dry-run --memory 4M --threads 1
 ok "says what is spilled" says '^spilled  *[1-9] levels through a temporary file' out
 exits "--dry-run --json" 0 "$leafcast" convert "$in" --dry-run --json -o "$out"
 ok "is JSON" says '"memory_least": ' out

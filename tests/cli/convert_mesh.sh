@@ -19,7 +19,7 @@ ok "leaves one file" left 1
 exits "verify" 0 "$leafcast" verify "$out"
 exits "an existing output" 1 "$leafcast" convert "$in" -o "$out"
 ok "and the way out is told" says '--force' err
-for how in "--threads 1" "--threads 3 --memory 8M" "--memory 6M" "--json"; do
+for how in "--threads 1" "--threads 3 --memory 9M" "--memory 7M" "--json"; do
     # shellcheck disable=SC2086 # split on purpose
     exits "convert $how" 0 "$leafcast" convert "$in" -o "$tmp/b.leaf" --force $how
     ok "gives the same bytes" cmp -s "$out" "$tmp/b.leaf"

@@ -20,7 +20,7 @@ exits "info" 0 "$leafcast" info "$out"
 ok "steps and times" says '^steps  *4, times 0 .. 3, vertices move$' out
 ok "places by part" says '^later places  *[1-9]' out
 ok "stored positions" says '^positions  *[1-9]' out
-for how in "--threads 1" "--threads 3 --memory 9M" "--memory 5M --threads 1"; do
+for how in "--threads 1" "--threads 3 --memory 10M" "--memory 6M --threads 1"; do
     # shellcheck disable=SC2086 # split on purpose
     exits "convert $how" 0 "$leafcast" convert "$tmp"/b_000?.mesh -o "$tmp/b.leaf" --force $how
     ok "gives the same bytes" same a.leaf b.leaf
@@ -89,7 +89,7 @@ ok "says so" says '^fields  *pressure$' out
 run "$leafcast" info "$tmp/b.leaf"
 ok "in that order" says '^fields  *pressure: -0.059' out
 # shellcheck disable=SC2086
-exits "with little memory" 0 "$leafcast" convert $files --fields all --times 200,400,600,800,1000 --memory 5M --threads 1 -o "$tmp/b.leaf" --force
+exits "with little memory" 0 "$leafcast" convert $files --fields all --times 200,400,600,800,1000 --memory 6M --threads 1 -o "$tmp/b.leaf" --force
 ok "the same bytes" same a.leaf b.leaf
 exits "one array for all steps" 2 "$leafcast" convert $files "$tmp/other.mesh" --field speed -o "$tmp/c.leaf"
 ok "and where there is none" says 'other.mesh: no array "speed" of the points' err

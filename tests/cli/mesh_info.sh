@@ -41,7 +41,7 @@ head -c $((size - 1)) "$out" >"$tmp/short.leaf"
 exits "cut short" 3 "$leafcast" info "$tmp/short.leaf"
 ok "names the file" says 'short.leaf' err
 cp "$out" "$tmp/bad.leaf"
-printf '\377\377\377' | dd of="$tmp/bad.leaf" bs=1 seek=8192 conv=notrunc 2>/dev/null
+printf '\377\377\377' | dd of="$tmp/bad.leaf" bs=1 seek=16384 conv=notrunc 2>/dev/null
 exits "a payload changed" 3 "$leafcast" verify "$tmp/bad.leaf"
 ok "names payload and byte" says "bad.leaf: byte [0-9]*: treelet 0's topology" err
 finish

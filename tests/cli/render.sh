@@ -34,7 +34,6 @@ wrong() { # wrong TEXT ARGUMENT...
 }
 d=$tmp/x.f64
 wrong "which treelet file" --iso 1 --depth-f64 "$d"
-wrong "which isosurface" "$leaf" --depth-f64 "$d"
 wrong "nothing to write" "$leaf" --iso 1
 wrong "nan is not a finite number" "$leaf" --iso nan --depth-f64 "$d"
 wrong "-inf is not a finite number" "$leaf" --iso -inf --depth-f64 "$d"
