@@ -190,6 +190,10 @@ rm -f "$disk"/*
 "$leafcast" generate sphere --dims 8 -o kept.nrrd
 sh -c '"$1" generate sphere --dims 8 -v -o closed.nrrd 0<&- >&- 2>&-' - "$leafcast"
 ok "closed descriptors: messages are not written into the output" cmp kept.nrrd closed.nrrd
+rm closed.nrrd
+# The output would be opened as descriptor 2.
+sh -c '"$1" generate sphere --dims 8 -v -o closed.nrrd 2>&-' - "$leafcast"
+ok "standard error closed: messages are not written into the output" cmp kept.nrrd closed.nrrd
 sh -c '"$1" convert kept.nrrd -o closed.leaf 0<&- >&- 2>&-' - "$leafcast"
 ok "results that go nowhere are a failure" [ $? = 1 ]
 exits "but not in the treelet file" 0 "$leafcast" verify closed.leaf
