@@ -67,14 +67,17 @@ FUZZERS  := $(if $(filter fuzz,$(CONFIG)),$(call programs,fuzz))
 CLI      := $(sort $(wildcard tests/cli/*.sh))
 
 # A test says what it is in a line of its own, `marks: threads` (it starts threads: run under
-# CONFIG=thread) or `marks: long` (it takes long: begun first, left out by `make quick`), or both.
+# CONFIG=thread), `long` (it takes long: begun first, left out by `make quick`), `plain` (it holds numbers
+# against numbers, on input that other tests read, too: left out under CONFIG=sanitize), or several.
 names  = $(basename $(notdir $1))
 marked = $(call names,$(shell grep -lE '^[^ ]+ marks:.*\b$1\b' tests/test_*.c tests/cli/*.sh))
 LONG  := $(call marked,long)
 QUICK  = $(filter-out $(LONG),$(call names,$(TESTS) $(CLI)))
 
 # T="NAME..." runs only the tests of those names: make test T="test_pool front_door"
-T   ?= $(if $(filter thread,$(CONFIG)),$(call marked,threads))
+T_thread   = $(call marked,threads)
+T_sanitize = $(filter-out $(call marked,plain),$(call names,$(TESTS) $(CLI)))
+T         ?= $(T_$(CONFIG))
 only = $(filter $(foreach t,$1,$B/tests/$t tests/cli/$t.sh),$2)
 ASKED := $(if $(strip $T),$(call only,$T,$(TESTS) $(CLI)),$(TESTS) $(CLI))
 RUN   := $(call only,$(LONG),$(ASKED))

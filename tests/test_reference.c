@@ -1,5 +1,6 @@
 /* test_reference.c - the reference renderer against what can be known without it: formulas, parity,
  * dense sampling. */
+/* marks: plain */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 /* test_tet_judge.c - meshes from files, and what the judge of pictures of them lets pass. */
-/* marks: long */
+/* marks: long, plain */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,6 +1,6 @@
 /* test_tet_reference.c - the reference for tetrahedra against what can be known without it:
  * formulas, parity, dense sampling. */
-/* marks: long */
+/* marks: long, plain */
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>

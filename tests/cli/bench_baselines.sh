@@ -4,6 +4,7 @@
 #
 # After a change that is meant to move them, write them anew, with $how of below:
 #   build/leafcast bench all $how --baselines tests/baselines --force
+# marks: plain
 . tests/support/tap.sh
 
 how="--form brief --runs 1 --ray-cells 20000 --size 96x96 --threads 2"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # oracle.sh - convert, render --depth-f64, and the reference: no surface missed, none false, from far, near, inside, along
 # grid planes. $LEAFCAST_ORACLE_EVERY: one pixel in so many (default 2 for test fields, 97 for scans).
-# marks: long
+# marks: long, plain
 . tests/support/tap.sh
 
 tools=${LEAFCAST_BUILD:-build/release}/tests

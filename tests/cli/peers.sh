@@ -1,5 +1,6 @@
 #!/bin/sh
 # peers.sh - leafcast bench peers: that the peers draw the same surface, whatever the machine's speed.
+# marks: plain
 . tests/support/tap.sh
 
 leaf=$tmp/v.leaf

@@ -1,5 +1,6 @@
 #!/bin/sh
 # stress.sh - the stress lab's tool: tables, CSV, and the lines that rerun a fault.
+# marks: plain
 . tests/support/tap.sh
 
 tool=${LEAFCAST_BUILD:-build/release}/tests/tool_stress
