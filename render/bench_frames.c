@@ -141,9 +141,10 @@ static void scale_rows(bench_table *t, const bench_subject *volumes,
 status bench_figure414(bench_job *job) {
     static const char *const names[] = {"ml-32",  "ml-64",   "ml-128", "ml-256",
                                         "ml-512", "ml-1024", NULL};
-    bench_racer racers[SIZES][CONTESTANTS] = {{{0}}};
+    static bench_racer racers[SIZES][CONTESTANTS]; /* large */
     bench_subject volumes[SIZES];
     int sizes = 0;
+    memset(racers, 0, sizeof racers);
     bench_table_init(&job->table,
                      "M08 figure 4.14: Marschner-Lobb on 32^3 to 1024^3 samples, standard view; "
                      "one thread, medians of CPU time, all sizes interleaved",

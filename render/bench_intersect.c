@@ -316,7 +316,7 @@ static uint64_t differences(const cell_batch_hits *x, const cell_batch_hits *y) 
 /* ns[isa]: a ray-cell; 0 where there is no such ISA or too few ray-cells. Adds to *differ. */
 static void time_batches(leafcast_intersector how, const bench_ray_cells *c, batches *b,
                          double ns[CPU_ISAS], uint64_t *differ) {
-    cell_batch_hits hits[CHUNK], truth[CHUNK];
+    static cell_batch_hits hits[CHUNK], truth[CHUNK]; /* large */
     int chunks = 0;
     b->next = 0;
     for (int isa = 0; isa < CPU_ISAS; isa++)

@@ -98,7 +98,8 @@ static void add_row(bench_table *t, const bench_subject *s, const bench_racer *r
 
 static status trade(bench_job *job, const bench_subject *s) {
     contestant contestants[CONTESTANTS];
-    bench_racer racers[CONTESTANTS] = {{0}};
+    static bench_racer racers[CONTESTANTS]; /* large */
+    memset(racers, 0, sizeof racers);
     leafcast_info info = {0};
     status st = enter(s, &(contestant){.how = intersector_named("marmitt"), .shrink = 1}, racers);
     if (st == ST_OK)
