@@ -38,6 +38,8 @@ COMMON := $(FLAGS_$(CONFIG)) -ffp-contract=off -fno-math-errno -pthread -I. \
 WARN   := -Wall -Wextra -Wshadow -Wvla -Wpointer-arith -Wwrite-strings -Wundef \
           $(if $(filter 1,$(WERROR)),-Werror)
 WARN_C := -Wconversion -Wno-sign-conversion -Wstrict-prototypes -Wmissing-prototypes -Wold-style-definition
+# Stacks may be small (formats/base/thread.h); other builds have larger frames.
+FRAMES := $(if $(filter release,$(CONFIG)),$(if $(CLANG),,-Wframe-larger-than=32768))
 ALL_C   = -std=c17 -D_GNU_SOURCE $(COMMON) $(WARN) $(WARN_C) $(DEPS_CFLAGS) $(CPPFLAGS) $(CFLAGS)
 # The helpers in C++ go without sanitizers: OpenImageIO and TetGen are not built for them.
 ALL_CXX = -std=c++17 -D_GNU_SOURCE $(filter-out -fsanitize=%,$(COMMON)) $(WARN) \
@@ -141,7 +143,7 @@ $B/obj/tests/test_tet_sight.o: ISA := -Wno-psabi
 $B/obj/%.o: %.c $B/flags
 	@mkdir -p $(@D)
 	$(call say,CC  ,$<)
-	$(Q)$(CC) $(ALL_C) $(ISA) -MMD -MP -c -o $@ $<
+	$(Q)$(CC) $(ALL_C) $(ISA) $(if $(filter tests/%,$<),,$(FRAMES)) -MMD -MP -c -o $@ $<
 
 $(LIB): $(LIB_OBJS) $B/objects
 	@mkdir -p $(@D) && rm -f $@

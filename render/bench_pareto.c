@@ -1,6 +1,7 @@
 #include "render/bench_pareto.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "render/bench_race.h"
 #include "render/intersect.h"
