@@ -554,6 +554,17 @@ static json_t *activity_json(const facts *x, double iso,
                      (double)all.bytes / (double)x->f->header.file_bytes, "levels", rows);
 }
 
+enum { NEXT_MAX = 8192 };
+
+static char *next_command(const arguments *a, char to[NEXT_MAX]) {
+    const char *slash = strrchr(a->input, '/'), *name = slash ? slash + 1 : a->input;
+    const char *dot = strrchr(name, '.');
+    char line[NEXT_MAX];
+    snprintf(line, sizeof line, "leafcast render '%s' -o '%.*s.png'", a->input,
+             (int)(dot ? dot - name : (long)strlen(name)), name);
+    return text_printable(to, NEXT_MAX, line);
+}
+
 static status print_json(const arguments *a, const facts *x) {
     const bool is_mesh = x->f->mesh != NULL;
     json_t *json = is_mesh ? mesh_json(x) : header_json(x);
@@ -562,7 +573,9 @@ static status print_json(const arguments *a, const facts *x) {
     if (!is_mesh)
         json_object_set_new(json, "levels", levels_json(x));
     json_object_set_new(json, "payload_sizes", sizes_json(x));
+    char next[NEXT_MAX];
     json_object_set_new(json, "histogram", histogram_json(&x->values));
+    json_object_set_new(json, "next", json_string(next_command(a, next)));
     if (a->iso_count) {
         json_t *isos = json_array();
         for (int i = 0; i < a->iso_count; i++)
@@ -575,16 +588,14 @@ static status print_json(const arguments *a, const facts *x) {
 
 /* How the values are spread, and what to do next. */
 static void print_values_of_first(const arguments *a, const facts *x) {
-    const char *slash = strrchr(a->input, '/'), *name = slash ? slash + 1 : a->input;
-    const char *dot = strrchr(name, '.');
+    char next[NEXT_MAX];
     histogram_print(stdout, &x->values,
                     !x->f->histograms ? "treelets"
                     : x->f->mesh      ? "tets"
                                       : "samples");
     printf("\n");
     histogram_print_isovalues(stdout, &x->values);
-    printf("next        leafcast render '%s' -o '%.*s.png'\n", a->input,
-           (int)(dot ? dot - name : (long)strlen(name)), name);
+    printf("next        %s\n", next_command(a, next));
 }
 
 static void print_text(const arguments *a, const facts *x) {

@@ -75,7 +75,7 @@ ok "draws the same" cmp "$tmp/script.pfm" "$tmp/four.pfm"
 # is a disc of tan(asin(R / D)).
 for n in 1 4 16; do
     run "$leafcast" render "$tmp/s.leaf" --iso 0.6 --samples $n --shading flat --colour 1,1,1 --size 101x97 \
-        --eye 32,32,160 --look-at 32,32,32 --up 0,1,0 --fov 30 -o "$tmp/c$n.pfm" -q
+        --eye 32,32,160 --look-at 32,32,32 --up 0,1,0 --fov 30 --background 0,0,0,0 -o "$tmp/c$n.pfm" -q
 done
 cat >"$tmp/coverage.py" <<'PY'
 import array, math, sys
