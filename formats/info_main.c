@@ -8,6 +8,7 @@
 #include "formats/base/cli.h"
 #include "formats/base/file.h"
 #include "formats/base/num.h"
+#include "formats/base/shell_line.h"
 #include "formats/base/text.h"
 #include "formats/histogram_text.h"
 #include "formats/input_facts.h"
@@ -559,9 +560,14 @@ enum { NEXT_MAX = 8192 };
 static char *next_command(const arguments *a, char to[NEXT_MAX]) {
     const char *slash = strrchr(a->input, '/'), *name = slash ? slash + 1 : a->input;
     const char *dot = strrchr(name, '.');
-    char line[NEXT_MAX];
-    snprintf(line, sizeof line, "leafcast render '%s' -o '%.*s.png'", a->input,
-             (int)(dot ? dot - name : (long)strlen(name)), name);
+    char line[NEXT_MAX], picture[NEXT_MAX];
+    snprintf(picture, sizeof picture, "%.*s.png", (int)(dot ? dot - name : (long)strlen(name)),
+             name);
+    shell_line l = shell_line_begin(line, sizeof line);
+    shell_line_put(&l, "leafcast render ");
+    shell_line_path(&l, a->input);
+    shell_line_put(&l, " -o ");
+    shell_line_path(&l, picture);
     return text_printable(to, NEXT_MAX, line);
 }
 

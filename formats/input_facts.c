@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/base/num.h"
+#include "formats/base/shell_line.h"
 #include "formats/base/text.h"
 #include "formats/histogram_draw.h"
 #include "formats/histogram_text.h"
@@ -363,74 +364,45 @@ void input_facts_print(FILE *to, const input_facts *x) {
         print_values(to, x);
 }
 
-/* Text that grows while there is room. */
-typedef struct command {
-    char *text;
-    size_t room, length;
-} command;
-
-static void put(command *c, const char *text) {
-    const size_t size = strlen(text);
-    if (c->length + size < c->room) {
-        memcpy(c->text + c->length, text, size + 1);
-        c->length += size;
-    }
-}
-
-/* As a shell takes it: in quotes unless it is plain. */
-static void put_quoted(command *c, const char *text) {
-    static const char plain[] =
-        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./+,";
-    if (*text && *text != '-' && !text[strspn(text, plain)]) {
-        put(c, text);
-        return;
-    }
-    put(c, "'");
-    for (; *text; text++)
-        put(c, *text == '\'' ? "'\\''" : (char[]){*text, 0});
-    put(c, "'");
-}
-
 /* NAME.leaf in the folder where one is, of the input's name without its last suffix. */
-static void put_leaf_name(command *c, const char *path) {
+static void put_leaf_name(shell_line *c, const char *path) {
     char name[4096];
     const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
     const char *dot = strrchr(base, '.');
     const size_t length = dot && dot > base ? (size_t)(dot - base) : strlen(base);
     if (strcmp(path, "-") == 0)
-        put(c, "F.leaf");
+        shell_line_put(c, "F.leaf");
     else if (length + sizeof ".leaf" <= sizeof name) {
         memcpy(name, base, length);
         memcpy(name + length, ".leaf", sizeof ".leaf");
-        put_quoted(c, name);
+        shell_line_path(c, name);
     }
 }
 
 void input_facts_next(const input_facts *x, const input_question *q, char *text, size_t room) {
-    command c = {text, room, 0};
+    shell_line c = shell_line_begin(text, room);
     char number[64];
-    *text = 0;
-    put(&c, "leafcast convert ");
+    shell_line_put(&c, "leafcast convert ");
     if (strcmp(x->path, "-") == 0)
-        put(&c, "-");
+        shell_line_put(&c, "-");
     else
-        put_quoted(&c, x->path);
+        shell_line_path(&c, x->path);
     if (q->grid.dims[0]) {
         snprintf(number, sizeof number, " --dims %u,%u,%u", q->grid.dims[0], q->grid.dims[1],
                  q->grid.dims[2]);
-        put(&c, number);
+        shell_line_put(&c, number);
     }
     if (q->grid.type) {
-        put(&c, " --type ");
-        put(&c, sample_name(q->grid.type));
+        shell_line_put(&c, " --type ");
+        shell_line_put(&c, sample_name(q->grid.type));
     }
     if (q->mesh.field) {
-        put(&c, " --field ");
-        put_quoted(&c, q->mesh.field);
+        shell_line_put(&c, " --field ");
+        shell_line_word(&c, q->mesh.field);
     }
     if (q->mesh.cells_to_points)
-        put(&c, " --cells-to-points");
-    put(&c, " -o ");
+        shell_line_put(&c, " --cells-to-points");
+    shell_line_put(&c, " -o ");
     put_leaf_name(&c, x->path);
 }
 

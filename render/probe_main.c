@@ -7,6 +7,7 @@
 
 #include "formats/base/cli.h"
 #include "formats/base/num.h"
+#include "formats/base/shell_line.h"
 #include "render/render_job.h"
 
 enum { HITS_MAX = 1000 };
@@ -261,23 +262,14 @@ static status probe_point(const probe_options *o, leafcast *volume, json_t *answ
 /* The command as it can be typed again. */
 static json_t *rerun_line(int argc, char **argv) {
     char line[4096];
-    size_t n = 0;
+    shell_line l = shell_line_begin(line, sizeof line);
     for (int i = 0; i < argc; i++) {
-        const bool plain =
-            i == 0 ||
-            (argv[i][0] &&
-             argv[i][strspn(argv[i], "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                                     "0123456789-_=.,:/+%@")] == 0);
-        if (n + 4 * strlen(argv[i]) + 4 > sizeof line)
-            break;
-        n += (size_t)sprintf(line + n, "%s%s", i ? " " : "", plain ? "" : "'");
-        for (const char *c = argv[i]; *c; c++) {
-            const char letter[2] = {*c, 0};
-            n += (size_t)sprintf(line + n, "%s", *c == '\'' ? "'\\''" : letter);
-        }
-        n += (size_t)sprintf(line + n, "%s", plain ? "" : "'");
+        shell_line_put(&l, i ? " " : "");
+        if (i == 0) /* "leafcast probe" */
+            shell_line_put(&l, argv[i]);
+        else
+            shell_line_word(&l, argv[i]);
     }
-    line[n] = 0;
     return json_string(line);
 }
 

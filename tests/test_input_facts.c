@@ -38,7 +38,7 @@ static const char *make_mesh(uint64_t points) {
     assert_int_equal(mesh_stream_create(&m, path, true, &h, &w), ST_OK);
     for (uint64_t i = 0; i < points; i++) {
         const float t = (float)i;
-        const float xyz[1][3] = {{t, t * t, i % 2 ? 1 : 0}};
+        const float xyz[1][3] = {{t, t * t, i % 2 ? 1.0f : 0.0f}};
         assert_int_equal(mesh_stream_points(w, 1, xyz), ST_OK);
     }
     for (uint64_t i = 0; i < points; i++)

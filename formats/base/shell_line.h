@@ -1,0 +1,27 @@
+/* shell_line.h - a command line that can be typed, or pasted into a shell, as it is printed.
+ *
+ * Text and words that do not fit are left out, so the line always ends with a NUL.
+ */
+#ifndef FORMATS_BASE_SHELL_LINE_H
+#define FORMATS_BASE_SHELL_LINE_H
+
+#include <stddef.h>
+
+typedef struct shell_line {
+    char *text; /* the caller's, of `room` bytes */
+    size_t room, length;
+} shell_line;
+
+/* shell_line_begin() - an empty line in the caller's text; room is at least 1. */
+shell_line shell_line_begin(char *text, size_t room);
+
+/* shell_line_put() - text as it is. */
+void shell_line_put(shell_line *l, const char *text);
+
+/* shell_line_word() - one word, in quotes unless it is plain. */
+void shell_line_word(shell_line *l, const char *word);
+
+/* shell_line_path() - a file's name as one word that is not taken for an option. */
+void shell_line_path(shell_line *l, const char *path);
+
+#endif
