@@ -294,7 +294,7 @@ static status write_targets(render_job *job, const script_frame *frame,
 }
 
 /* Pictures of one run keep the view that was fitted to the first of their size. */
-static leafcast_camera camera_of(render_job *job, const view_options *view) {
+static view_options hold_fitted(render_job *job, const view_options *view) {
     view_options held = *view;
     const leafcast_camera *size = &view->camera;
     if (view_options_fits(view)) {
@@ -302,7 +302,17 @@ static leafcast_camera camera_of(render_job *job, const view_options *view) {
             job->fitted = view_options_fit(view, job->volume);
         held.hold = &job->fitted;
     }
+    return held;
+}
+
+static leafcast_camera camera_of(render_job *job, const view_options *view) {
+    const view_options held = hold_fitted(job, view);
     return view_options_camera(&held, job->volume);
+}
+
+void render_job_turn(render_job *job, view_options *view, double share) {
+    *view = hold_fitted(job, view);
+    view_options_turn(view, job->volume, share);
 }
 
 static status draw_picture(render_job *job, const script_frame *frame, targets *to,

@@ -206,7 +206,8 @@ static status check_options(const render_options *o) {
         return status_describe(ST_USAGE, "either --iso or --iso-list");
     if (o->series && o->view.step > 0)
         return status_describe(ST_USAGE, "either --step or --steps");
-    return ST_OK;
+    /* Of a path or a script, too: its entries may say either. */
+    return view_options_check_camera(&o->view);
 }
 
 static error_t parse(int key, char *arg, struct argp_state *state) {
@@ -474,7 +475,7 @@ static status draw_sequence(render_options *o, render_job *job, sequence *s, scr
         if (st == ST_OK)
             st = render_job_check(job, frame);
         if (st == ST_OK && o->turns)
-            view_options_turn(&frame->view, job->volume, (double)(i % o->turns) / o->turns);
+            render_job_turn(job, &frame->view, (double)(i % o->turns) / o->turns);
         if (st == ST_OK)
             st = draw(o, job, frame, &stats);
         if (st == ST_OK && o->common.json && is_sequence(o))

@@ -112,6 +112,7 @@ static status apply_object(script_frame *frame, json_t *object, const char *what
 }
 
 status script_apply(script_frame *frame, json_t *object, const char *what) {
+    view_options_inherit(&frame->view);
     return apply_object(frame, object, what, 0);
 }
 

@@ -480,6 +480,10 @@ void view_options_clear(view_options *v, int key) {
     }
 }
 
+void view_options_inherit(view_options *v) {
+    v->given &= ~bit_of(VIEW);
+}
+
 /* ---- all together ---- */
 
 /* Told apart by more than their hue. */
@@ -528,6 +532,12 @@ static status check_needs(const view_options *v) {
     for (size_t i = 0; i < sizeof NEEDS / sizeof *NEEDS; i++)
         if ((v->given & bit_of(NEEDS[i].key)) && !NEEDS[i].met(v))
             return status_describe(ST_USAGE, "%s", NEEDS[i].why);
+    return ST_OK;
+}
+
+status view_options_check_camera(const view_options *v) {
+    if (v->eye && (v->given & bit_of(VIEW)))
+        return status_describe(ST_USAGE, "either --view or --eye: both say where the camera is");
     return ST_OK;
 }
 
@@ -583,7 +593,8 @@ status view_options_check(view_options *v) {
         memcpy(v->surfaces[i].rgb, PALETTE[i % PALETTE_SIZE], sizeof PALETTE[0]);
     for (int i = v->opacities; i < v->isos; i++)
         v->surfaces[i].opacity = 1.0f;
-    return check_needs(v);
+    status st = view_options_check_camera(v);
+    return st == ST_OK ? check_needs(v) : st;
 }
 
 bool view_options_fits(const view_options *v) {
@@ -651,7 +662,8 @@ void view_options_turn(view_options *v, const leafcast *volume, double share) {
     }
     memcpy(v->camera.look_at, c.look_at, sizeof c.look_at);
     memcpy(v->camera.up, c.up, sizeof c.up);
-    v->eye = v->look_at = v->up = true;
+    v->camera.fov = c.fov;
+    v->eye = v->look_at = v->up = v->fov = true;
 }
 
 status view_options_field(const view_options *v, const leafcast *volume, uint32_t *field) {

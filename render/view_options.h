@@ -51,6 +51,10 @@ CHECKED status view_options_set(view_options *v, int key, const char *text);
  * line. */
 void view_options_clear(view_options *v, int key);
 
+/* view_options_inherit() - what was given so far is what a line of a script or an entry of a path
+ * starts from: its eye may then be said instead of the --view that was. */
+void view_options_inherit(view_options *v);
+
 /* view_options_key() - a flag's key by its long name, '_' for '-' allowed; 0 when there is none
  * such. *repeats: it may be given several times; *flag: it takes no value. */
 int view_options_key(const char *name, bool *repeats, bool *flag);
@@ -58,6 +62,9 @@ int view_options_key(const char *name, bool *repeats, bool *flag);
 /* view_options_check() - what must hold over all flags: at least one isovalue, no more colours or
  * opacities than isovalues, no flag that would change nothing. */
 CHECKED status view_options_check(view_options *v);
+
+/* view_options_check_camera() - likewise, of what says where the camera is. */
+CHECKED status view_options_check_camera(const view_options *v);
 
 /* view_options_check_volume() - likewise, of this volume: ST_USAGE for a flag that is of no meaning
  * for its kind. */

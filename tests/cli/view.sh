@@ -48,7 +48,7 @@ centre="9.5 11.5 13.5"
 eye=$(awk -v c="$centre" 'BEGIN { split(c, m); d = 2.2 * 27 / sqrt(1 + 0.36 + 0.64)
     printf "%.17g,%.17g,%.17g", m[1] - d, m[2] - 0.6 * d, m[3] + 0.8 * d }')
 run "$leafcast" render "$g" --iso 120 --size 40x30 --eye "$eye" --depth-f64 "$tmp/half.z"
-run "$leafcast" render "$g" --iso 120 --size 40x30 --turntable 2 --depth-f64 "$tmp/turn.z"
+run "$leafcast" render "$g" --iso 120 --view standard --size 40x30 --turntable 2 --depth-f64 "$tmp/turn.z"
 near() {
     od -An -v -t f8 -w8 "$1" >"$tmp/a"
     od -An -v -t f8 -w8 "$2" >"$tmp/b"
