@@ -163,7 +163,7 @@ static const char *codec_name(const leaf_header *h) {
 
 static void print_common(const facts *x) {
     const leaf_header *h = &x->f->header;
-    printf("name        %s\n", h->name);
+    printf("name        %s\n", x->f->name);
     printf("made by     %s\n", h->provenance);
     printf("id          %s\n", x->id);
 }
@@ -415,7 +415,7 @@ static json_t *header_json(const facts *x) {
     for (int i = 0; i < 12; i++)
         json_array_append_new(world, json_real(h->to_world[i]));
     json_t *json = json_pack(
-        "{s:s, s:s, s:s, s:[I,I,I], s:s, s:s, s:b, s:o, s:o, s:o, s:I, s:o}", "name", h->name,
+        "{s:s, s:s, s:s, s:[I,I,I], s:s, s:s, s:b, s:o, s:o, s:o, s:I, s:o}", "name", x->f->name,
         "provenance", h->provenance, "id", x->id, "dims", (json_int_t)h->dims[0],
         (json_int_t)h->dims[1], (json_int_t)h->dims[2], "sample_type",
         sample_name(x->f->layout.type), "source_type", sample_name((sample_type)h->source_type),
@@ -482,7 +482,7 @@ static json_t *mesh_json(const facts *x) {
     const leaf_header *h = &x->f->header;
     json_t *json = json_pack(
         "{s:s, s:s, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:I}", "name",
-        h->name, "provenance", h->provenance, "id", x->id, "field", h->field, "tets",
+        x->f->name, "provenance", h->provenance, "id", x->id, "field", h->field, "tets",
         (json_int_t)h->tets, "vertices", (json_int_t)h->vertices, "flat", (json_int_t)h->flat,
         "inverted", (json_int_t)h->inverted, "repeated", (json_int_t)h->repeated, "bad",
         (json_int_t)h->bad, "field_count", (json_int_t)h->fields, "steps", (json_int_t)h->steps,

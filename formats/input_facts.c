@@ -116,6 +116,14 @@ static status count_volume(mem *m, volume *v, const progress *p, input_facts *x)
     return st;
 }
 
+/* Its own, or where it has none, the file's without the suffix. */
+static void set_name(input_facts *x, const char *own) {
+    if (*own || strcmp(x->path, "-") == 0)
+        text_name(x->name, sizeof x->name, own);
+    else
+        text_file_name(x->name, sizeof x->name, x->path);
+}
+
 static status ask_volume(mem *m, byte_stream *s, const input_question *q, const progress *p,
                          input_facts *x) {
     volume *v = NULL;
@@ -129,7 +137,7 @@ static status ask_volume(mem *m, byte_stream *s, const input_question *q, const 
     x->rectilinear = grid_is_rectilinear(g);
     memcpy(x->dims, g->dims, sizeof x->dims);
     memcpy(x->to_world, g->to_world, sizeof x->to_world);
-    text_name(x->name, sizeof x->name, g->name);
+    set_name(x, g->name);
     if (q->opened)
         st = q->opened(q->ctx, x);
     if (st == ST_OK && !q->header_only)
@@ -267,7 +275,7 @@ static status ask_mesh(mem *m, byte_stream *s, const input_question *q, const pr
         return st;
     x->is_mesh = true;
     x->format = mesh_format(found);
-    memcpy(x->name, mesh_name(found), strlen(mesh_name(found)) + 1);
+    set_name(x, mesh_name(found));
     mesh_fields(found, take_name, x);
     if (q->opened)
         st = q->opened(q->ctx, x);

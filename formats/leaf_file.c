@@ -254,9 +254,12 @@ static status check_directory(const opening *o) {
 }
 
 /* Whoever wrote the file, its names can be printed and put into JSON. */
-static void clean_names(leaf_file *f) {
+static void clean_names(leaf_file *f, const char *path) {
     leaf_header *h = &f->header;
     text_name(h->name, sizeof h->name, h->name);
+    memcpy(f->name, h->name, sizeof f->name);
+    if (!*f->name)
+        text_file_name(f->name, sizeof f->name, path);
     text_name(h->field, sizeof h->field, h->field);
     text_name(h->provenance, sizeof h->provenance, h->provenance);
     for (uint32_t i = 0; f->mesh && i < f->mesh->fields; i++)
@@ -288,7 +291,7 @@ static status open_part(mem *m, const char *path, const leaf_part *part, leaf_fi
         leaf_file_close(f);
         return st;
     }
-    clean_names(f);
+    clean_names(f, path);
     f->directory_bytes = o.end;
     const uint32_t last = f->layout.payloads - 1;
     f->payloads_end =

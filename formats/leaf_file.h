@@ -32,6 +32,7 @@ typedef struct mesh_directory {
 
 typedef struct leaf_file {
     leaf_header header;
+    char name[64]; /* to show: the header's, or the file's own without its suffix */
     leaf_layout layout;
     /* The directory, an element a treelet; of a mesh: ranges, own, flags an element set * treelets
      * + treelet; offsets, sizes, checksums an element a payload (leaf_layout_values()). */

@@ -1,7 +1,6 @@
 #include "formats/mesh.h"
 
 #include <fcntl.h>
-#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
@@ -74,17 +73,6 @@ status mesh_recognise_stream(byte_stream *s, bool *known) {
 
 /* ---- opening ---- */
 
-static void name_mesh(mesh_source *source) {
-    if (strcmp(source->path, "-") == 0)
-        return;
-    const char *slash = strrchr(source->path, '/');
-    const char *name = slash ? slash + 1 : source->path;
-    const char *dot = strrchr(name, '.');
-    char front[TEXT_NAME_MAX];
-    snprintf(front, sizeof front, "%.*s", dot ? (int)(dot - name) : TEXT_NAME_MAX, name);
-    text_name(source->name, sizeof source->name, front);
-}
-
 static status open_reader(mesh *x) {
     mesh_source *source = &x->source;
     const uint8_t *start;
@@ -109,13 +97,13 @@ status mesh_open_stream(mem *m, byte_stream *s, const mesh_hints *hints, mesh **
     x->source = (mesh_source){.m = m, .path = byte_stream_path(s), .data = s};
     if (hints)
         x->source.hints = *hints;
-    name_mesh(&x->source);
     status st = open_reader(x);
     if (st != ST_OK) {
         mesh_close(x);
         return st;
     }
-    text_name(x->source.name, sizeof x->source.name, x->source.name);
+    const char *name = x->source.hints.name;
+    text_name(x->source.name, sizeof x->source.name, name ? name : x->source.name);
     *out = x;
     return ST_OK;
 }

@@ -41,6 +41,7 @@ typedef struct mesh_hints {
     int component;     /* of a vector array: 1, 2, ..; 0: its magnitude */
     bool
         cells_to_points; /* take cell data, averaged to the points: the mean over a point's cells */
+    const char *name;    /* of the data set, in place of the mesh's own */
 } mesh_hints;
 
 /* The cells that are split, by the number of their vertices' arrangement; also indexes
@@ -80,7 +81,8 @@ CHECKED status mesh_open(mem *m, const char *path, const mesh_hints *hints, mesh
 CHECKED status mesh_open_stream(mem *m, byte_stream *s, const mesh_hints *hints, mesh **out);
 void mesh_close(mesh *x); /* NULL is fine */
 
-/* mesh_name() - of the data set: its own, or the file's without suffix; "" on standard input. */
+/* mesh_name() - of the data set: the hints', or its own, or "". Never the file's: the same mesh is
+ * the same data set. */
 const char *mesh_name(const mesh *x);
 
 /* mesh_format() - what it was read as: "TetGen". */

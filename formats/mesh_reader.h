@@ -15,7 +15,7 @@ typedef struct mesh_source {
     const char *path;  /* "-": standard input */
     byte_stream *data; /* at the start of the file; closed by mesh.c */
     mesh_hints hints;
-    char name[MESH_NAME_MAX + 1]; /* of the data set, from the file's; open() may replace it */
+    char name[MESH_NAME_MAX + 1]; /* of the data set; empty unless open() finds one */
 } mesh_source;
 
 typedef struct mesh_reader {

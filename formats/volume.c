@@ -2,7 +2,6 @@
 
 #include <endian.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "formats/base/file.h"
@@ -102,19 +101,6 @@ static status apply_hints(volume_layout *l, const volume_hints *hints, const cha
     return ST_OK;
 }
 
-/* A grid that has no name gets that of its file. */
-static void name_grid(grid *g, const char *path) {
-    text_name(g->name, sizeof g->name, g->name);
-    if (g->name[0] || strcmp(path, "-") == 0)
-        return;
-    const char *slash = strrchr(path, '/');
-    const char *name = slash ? slash + 1 : path;
-    const char *dot = strrchr(name, '.');
-    char front[TEXT_NAME_MAX];
-    snprintf(front, sizeof front, "%.*s", dot ? (int)(dot - name) : TEXT_NAME_MAX, name);
-    text_name(g->name, sizeof g->name, front);
-}
-
 /* Decompressed bytes in front of the samples go. */
 static status skip_decoded(volume *v) {
     uint8_t waste[4096];
@@ -145,7 +131,8 @@ static status open_volume(volume *v, const char *path, const volume_hints *hints
         st = grid_check(&l->g, byte_stream_name(l->data));
     if (st != ST_OK)
         return st;
-    name_grid(&l->g, path);
+    /* Never the file's: the same samples are the same data set. */
+    text_name(l->g.name, sizeof l->g.name, hints->name ? hints->name : l->g.name);
     if (l->encoding != VOLUME_DEFLATE)
         return ST_OK;
     st = inflate_stream_open(v->m, l->data, &v->inflate);

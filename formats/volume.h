@@ -35,6 +35,7 @@ typedef struct volume_hints {
     double missing;
     const char *axis_file[3]; /* rectilinear: a text file with one coordinate a line (or split by
                                  white space), per axis */
+    const char *name;         /* of the data set, in place of the input's own */
 } volume_hints;
 
 /* volume_open() - path, or "-" for standard input: NRRD, MetaImage, or raw samples whose sizes and

@@ -63,7 +63,8 @@ enum {
     KEY_BUILD,
     KEY_COARSE,
     KEY_GRADIENTS,
-    KEY_LAST = KEY_GRADIENTS
+    KEY_NAME,
+    KEY_LAST = KEY_NAME
 };
 
 static const struct argp_option options[] = {
@@ -73,6 +74,8 @@ static const struct argp_option options[] = {
      "cells per axis of a treelet: 16, 32 (default) or 64", 0},
     {"halo", KEY_HALO, "0|1", CLI_EXPERIMENT, "samples around a treelet, for normals (default 1)",
      0},
+    {"name", KEY_NAME, "TEXT", 0,
+     "of the data set (default: what the input says itself; its file's name stays out)", 0},
     {"dry-run", KEY_DRY_RUN, NULL, CLI_BASIC,
      "print sizes, memory, levels and treelets; write nothing", 0},
     {NULL, 0, NULL, 0, "What a raw input does not say itself:", 1},
@@ -288,6 +291,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         a->coarse_dims = arg ? (uint32_t)parse_int(state, arg, "--coarse", 2, GRID_DIM_MAX) : 0;
         break;
     case KEY_GRADIENTS: a->gradients = true; break;
+    case KEY_NAME: a->hints.name = a->mesh.name = arg; break;
     case ARGP_KEY_END:
         if (a->all_fields && a->field_count)
             argp_error(state, "--fields all and --field exclude each other");
@@ -314,7 +318,8 @@ static const struct argp table = {
            "The input is read once (a mesh: once for each field). Memory stays below --memory "
            "(default 2G) whatever its size; "
            "what does not fit (of a volume: two slabs in half of it) goes through temporary files "
-           "beside the output. The output's bytes depend on neither --memory nor --threads.",
+           "beside the output. The output's bytes depend on neither --memory nor --threads, "
+           "nor on what the input's file is called.",
     .children = children,
 };
 

@@ -210,7 +210,7 @@ leafcast_info leafcast_describe(const leafcast *v) {
                           .moving = v->file->layout.moved_steps > 0,
                           .treelets = v->file->layout.treelets,
                           .sample_type = sample_name((sample_type)h->sample_type),
-                          .name = h->name,
+                          .name = v->file->name,
                           .value_min = h->value_min,
                           .value_max = h->value_max,
                           .cell_size = 1.0,

@@ -57,6 +57,15 @@ void text_name(char *to, size_t room, const char *from) {
     to[length] = 0;
 }
 
+void text_file_name(char *to, size_t room, const char *path) {
+    const char *slash = strrchr(path, '/');
+    const char *name = slash ? slash + 1 : path;
+    const char *dot = strrchr(name, '.');
+    char front[TEXT_NAME_MAX];
+    snprintf(front, sizeof front, "%.*s", dot ? (int)(dot - name) : TEXT_NAME_MAX, name);
+    text_name(to, room, front);
+}
+
 bool text_same_name(const char *a, const char *b, size_t room) {
     char first[TEXT_NAME_MAX], second[TEXT_NAME_MAX];
     text_name(first, room, a);

@@ -17,6 +17,10 @@
 enum { TEXT_NAME_MAX = 1024 };
 void text_name(char *to, size_t room, const char *from);
 
+/* text_file_name() - a file's own name for people: without its folder and its last suffix, as
+ * text_name() makes it. room as there. */
+void text_file_name(char *to, size_t room, const char *path);
+
 /* text_same_name() - whether two texts are the same name, cut to less than room bytes. */
 bool text_same_name(const char *a, const char *b, size_t room);
 
