@@ -22,7 +22,8 @@ typedef struct render_options {
     int repeat;
     int turns; /* --turntable; 0: none */
     bool fail_empty;
-    int empty; /* pictures without any surface, so far */
+    int drawn; /* pictures so far; of these */
+    int empty; /* without any surface */
 } render_options;
 
 /* ---- flags ---- */
@@ -305,6 +306,7 @@ static status draw(render_options *o, render_job *job, const script_frame *frame
     status st = render_job_draw(job, frame, &s);
     if (st)
         return st;
+    o->drawn++;
     say_empty(o, job, &frame->view, &s.trace);
     say_done(o, frame, &s);
     *stats = render_stats_json(&s, &frame->view, frame->output);
@@ -601,6 +603,14 @@ static status run_script(render_options *o, render_job *job) {
     return st;
 }
 
+static status check_empty(const render_options *o) {
+    if (!o->fail_empty || o->empty == 0)
+        return ST_OK;
+    if (o->drawn == 1)
+        return status_describe(ST_FAILED, "the picture shows no surface");
+    return status_describe(ST_FAILED, "%d of %d pictures show no surface", o->empty, o->drawn);
+}
+
 int main(int argc, char **argv) {
     static render_options o = {.common = {.verb = "render"}, .repeat = 1};
     const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
@@ -637,8 +647,8 @@ int main(int argc, char **argv) {
     status st = guard_inputs(&o);
     if (st == ST_OK)
         st = o.script ? run_script(&o, &job) : run_sequence(&o, &job);
-    if (st == ST_OK && o.fail_empty && o.empty > 0)
-        st = status_describe(ST_FAILED, "%d pictures show no surface", o.empty);
+    if (st == ST_OK)
+        st = check_empty(&o);
     render_job_close(&job);
     return cli_finish(&o.common, st);
 }

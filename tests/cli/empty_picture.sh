@@ -27,6 +27,7 @@ ok "says so" says 'no surface at isovalue 999: the values are 34 to 249$'
 ok "counts no pixel" [ "$(covered)" = 0 ]
 exits "--fail-empty" 1 "$leafcast" render "$g" --iso 999 --size 8x8 -o "$tmp/e.png" --fail-empty
 ok "the picture is there" [ -s "$tmp/e.png" ]
+ok "says that it is empty" says ': the picture shows no surface$'
 exits "a view past it" 1 "$leafcast" render "$g" --iso 150 --size 8x8 --eye 200,200,200 \
     --look-at 300,300,300 --json --fail-empty
 ok "says that it is the view" says 'outside of the camera'
@@ -35,6 +36,7 @@ ok "says that, too" says 'clipped away'
 exits "something seen" 0 "$leafcast" render "$g" --iso 150 --iso 999 --size 8x8 --json --fail-empty
 ok "though one isovalue has nothing" says 'no surface at isovalue 999'
 exits "a sequence with an empty one" 1 "$leafcast" render "$g" --iso-list 150,999,160 --size 8x8 --json --fail-empty
+ok "says how many" says ': 1 of 3 pictures show no surface$'
 ok "draws all" [ "$(grep -c '"isovalues"' "$tmp/out")" = 3 ]
 
 # Two fields of different ranges: it is the chosen one's that counts.

@@ -14,6 +14,7 @@ for verb in $verbs "bench peers"; do
     set -- $verb
     exits "$verb --help" 0 "$leafcast" "$@" --help
     cp "$tmp/out" "$tmp/basic"
+    ok "$verb: ends with a line" [ -z "$(tail -c 1 "$tmp/basic")" ]
     sed '/^Example:/,$d' "$tmp/basic" >"$tmp/options"
     ok "$verb: at most 16 options" [ "$(long "$tmp/options" | wc -l)" -le 16 ]
     ok "$verb: one example, of the verb" [ "$(grep -c "^  leafcast $verb " "$tmp/basic")" = 1 ]
