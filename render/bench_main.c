@@ -17,7 +17,8 @@
 typedef struct bench_options {
     cli_common common;
     const char *suite, *plot, *folder, *scratch, *data, *against, *baselines;
-    int form; /* 0: as the suite says */
+    int form;       /* 0: as the suite says */
+    unsigned given; /* which of the options below: a bit each */
     bench_job job;
 } bench_options;
 
@@ -54,7 +55,13 @@ static status set_form(bench_options *o, const char *text) {
     return o->form ? ST_OK : status_describe(ST_USAGE, "--form: %s: brief or full", text);
 }
 
+static unsigned bit_of(int key) {
+    return 1u << (key - RUNS);
+}
+
 static status set_option(bench_options *o, int key, const char *text) {
+    if (key >= RUNS && key <= BASELINES)
+        o->given |= bit_of(key);
     switch (key) {
     case RUNS: return set_number(text, "--runs", 1, 1000, &o->job.runs);
     case COUNT: return set_number(text, "--ray-cells", 1, 1 << 24, &o->job.count);
@@ -261,6 +268,69 @@ static status run_all(bench_options *o) {
     return st == ST_OK && off.st != ST_OK ? status_note_raise(&off) : st;
 }
 
+/* ---- what would change nothing ---- */
+
+/* suite: NULL for all of them. */
+static bool has_sizes(const bench_options *o, const bench_suite *suite) {
+    return !o->job.brief && (!suite || suite == bench_suite_find("figure414"));
+}
+
+static bool has_ray_cells(const bench_options *o, const bench_suite *suite) {
+    (void)o;
+    return !suite || suite == bench_suite_find("intersectors");
+}
+
+static bool has_counts(const bench_options *o, const bench_suite *suite) {
+    (void)o;
+    return !suite || suite->counts;
+}
+
+static bool has_runs(const bench_options *o, const bench_suite *suite) {
+    (void)o;
+    return !suite || !suite->once;
+}
+
+static bool has_store(const bench_options *o, const bench_suite *suite) {
+    (void)suite;
+    return !o->job.target;
+}
+
+static status check_needs(const bench_options *o, const bench_suite *suite) {
+    static const struct {
+        int key;
+        bool (*met)(const bench_options *o, const bench_suite *suite);
+        const char *why;
+    } needs[] = {{LARGEST, has_sizes, "--largest: is for figure414 --form full"},
+                 {COUNT, has_ray_cells, "--ray-cells: is for intersectors"},
+                 {AGAINST, has_counts, "--against: this suite has no counts"},
+                 {BASELINES, has_counts, "--baselines: this suite has no counts"},
+                 {RUNS, has_runs, "--runs: this suite needs one"},
+                 {DATA, has_store, "--data: there is a file already"},
+                 {SCRATCH, has_store, "--scratch: there is a file already"}};
+    for (size_t i = 0; i < sizeof needs / sizeof *needs; i++)
+        if ((o->given & bit_of(needs[i].key)) && !needs[i].met(o, suite))
+            return status_describe(ST_USAGE, "%s", needs[i].why);
+    return ST_OK;
+}
+
+/* The flags of a view that a suite goes by. Its own volumes have isovalues of their own; a field
+ * has no view at all. */
+static status check_view(const bench_options *o, const bench_suite *suite) {
+    const char *target = o->job.target, *name = suite ? suite->name : "all";
+    char names[256] = "size", who[64];
+    const bool field = target && !strchr(target, '.') && has_ray_cells(o, suite);
+    if (suite && target && !suite->surfaces)
+        return status_describe(ST_USAGE, "%s: bench %s takes no file", target, name);
+    if (suite)
+        snprintf(names, sizeof names, "%s %s", field ? "" : suite->view,
+                 target && !field ? suite->surfaces : "");
+    snprintf(who, sizeof who, "bench %s", name);
+    status st = view_options_only(&o->job.view, names, who);
+    if (st == ST_OK && o->job.view.isos > 1 && !suite->several)
+        st = status_describe(ST_USAGE, "--iso: bench %s draws one isosurface", name);
+    return st == ST_OK ? view_options_check_camera(&o->job.view) : st;
+}
+
 static status run(bench_options *o) {
     bench_job *job = &o->job;
     const char *name = o->suite ? o->suite : "intersectors";
@@ -277,14 +347,19 @@ static status run(bench_options *o) {
                                "bench time --field NAME draws all steps",
                                job->view.step ? "--step" : "--field");
     job->brief = o->form == BRIEF || (all && o->form != FULL);
+    status st = check_needs(o, suite);
+    if (st == ST_OK)
+        st = check_view(o, suite);
+    if (st != ST_OK)
+        return st;
     job->runs = job->runs ? job->runs : job->brief ? 3 : 9;
     job->threads = o->common.threads;
     job->force = o->common.force;
     if (job->view.camera.width == 0)
         job->view.camera.width = job->view.camera.height = job->brief ? 128 : 1024;
     const char *data = o->data ? o->data : getenv("LEAFCAST_DATA");
-    status st = bench_store_open(&job->m, o->scratch, data && *data ? data : NULL,
-                                 o->common.threads, &job->store);
+    st = bench_store_open(&job->m, o->scratch, data && *data ? data : NULL, o->common.threads,
+                          &job->store);
     if (st == ST_OK)
         st = all ? run_all(o) : run_suite(o, suite);
     bench_store_close(job->store);

@@ -97,10 +97,18 @@ static status write_table(peers_options *o, const char *path, bool plot) {
     return st;
 }
 
+/* Those that peer_race_check() looks at are among them. */
+#define PEER_FLAGS                                                                          \
+    "iso color opacity size samples view eye look-at up fov ambient shading normals light " \
+    "point-light shadows clip-box clip-plane lod preview"
+
 /* What would fail only after minutes. */
 static status check(peers_options *o) {
     const char *const outputs[] = {o->common.output, o->plot};
-    status st = peer_race_check(&o->view);
+    status st = view_options_only(&o->view, o->picture ? PEER_FLAGS " background" : PEER_FLAGS,
+                                  "bench peers");
+    if (st == ST_OK)
+        st = peer_race_check(&o->view);
     if (st == ST_OK)
         st = file_guard_input(o->volume);
     for (int i = 0; i < 2 && st == ST_OK; i++) {

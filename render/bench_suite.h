@@ -36,6 +36,10 @@ typedef struct bench_suite {
     const char *takes; /* what may follow the name */
     const char *about; /* lines for --help, '\n' between them */
     status (*run)(bench_job *job);
+    const char *view;                       /* flags of a view that it goes by, and */
+    const char *surfaces;                   /* those of a file that it is given; NULL: takes none */
+    bool several;                           /* isovalues at a time */
+    bool once;                              /* whatever --runs says */
     bool picture;                           /* -o is a picture, not the table */
     bool alone;                             /* not part of `all` */
     bool series;                            /* of a field's time steps */

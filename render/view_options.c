@@ -541,6 +541,14 @@ status view_options_check_camera(const view_options *v) {
     return ST_OK;
 }
 
+status view_options_only(const view_options *v, const char *names, const char *who) {
+    for (const struct argp_option *o = view_options_table; o->name || o->doc; o++)
+        if (o->name && !(o->flags & OPTION_ALIAS) && (v->given & bit_of(o->key)) &&
+            !cli_options_listed(names, o->name))
+            return status_describe(ST_USAGE, "--%s: %s would not change by it", o->name, who);
+    return ST_OK;
+}
+
 static bool lod_is_exact(const view_options *v) {
     return v->scene.lod == LEAFCAST_LOD_EXACT;
 }

@@ -66,6 +66,10 @@ CHECKED status view_options_check(view_options *v);
 /* view_options_check_camera() - likewise, of what says where the camera is. */
 CHECKED status view_options_check_camera(const view_options *v);
 
+/* view_options_only() - ST_USAGE for a flag that was given and is none of these names, divided by
+ * blanks; who: what would not change by it. */
+CHECKED status view_options_only(const view_options *v, const char *names, const char *who);
+
 /* view_options_check_volume() - likewise, of this volume: ST_USAGE for a flag that is of no meaning
  * for its kind. */
 CHECKED status view_options_check_volume(const view_options *v, const leafcast *volume);
