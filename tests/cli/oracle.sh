@@ -12,8 +12,9 @@ table=$tmp/table
 # judge NAME EVERY VOLUME_FLAGS VIEW_FLAGS - draw $tmp/v.leaf and compare with $tmp/v.nrrd or $volume.
 judge() {
     judge_name=$1 judge_every=$2
+    case $4 in *--eye* | *--view*) judge_view=$4 ;; *) judge_view="$4 --view standard" ;; esac
     # shellcheck disable=SC2086 # lists of flags
-    run "$leafcast" render "$tmp/v.leaf" $4 --depth-f64 "$tmp/d" --force -q
+    run "$leafcast" render "$tmp/v.leaf" $judge_view --depth-f64 "$tmp/d" --force -q
     ok "$judge_name: render" [ "$rc" = 0 ]
     # shellcheck disable=SC2086
     run "$oracle" "$volume" $3 $4 --depth "$tmp/d" --every "$judge_every"

@@ -33,9 +33,9 @@ generate a volume:a.nrrd:generate sphere --dims 160 -o
 generate a mesh:a.mesh:generate sphere --dims 40 --tets -o
 convert a volume:a.leaf:convert $in/g.nrrd -o
 convert a volume, compressed:z.leaf:convert $in/g.nrrd --compress zstd:1 -o
-convert a volume, spilling:s.leaf:convert $in/g.nrrd --memory 2M --threads 1 -o
+convert a volume, spilling:s.leaf:convert $in/g.nrrd --memory 3M --threads 1 -o
 convert a mesh:m.leaf:convert $in/m.mesh -o
-convert a mesh, spilling:n.leaf:convert $in/m.mesh --memory 4M --threads 1 -o
+convert a mesh, spilling:n.leaf:convert $in/m.mesh --memory 5M --threads 1 -o
 resample a mesh:r.nrrd:resample $in/m.mesh --dims 100 -o
 depths:d.f64:render $in/g.leaf --iso 30000 --size 512,512 --depth-f64
 statistics:stats.json:render $in/g.leaf --iso 30000 --size 16,16 --stats

@@ -11,8 +11,9 @@ table=$tmp/table
 
 # judge NAME EVERY MESH_FLAGS VIEW_FLAGS - draw $tmp/v.leaf and compare.
 judge() {
+    case $4 in *--eye* | *--view*) judge_view=$4 ;; *) judge_view="$4 --view standard" ;; esac
     # shellcheck disable=SC2086 # lists of flags
-    run "$leafcast" render "$tmp/v.leaf" $4 --depth-f64 "$tmp/d" --force -q
+    run "$leafcast" render "$tmp/v.leaf" $judge_view --depth-f64 "$tmp/d" --force -q
     ok "$1: render" [ "$rc" = 0 ]
     # shellcheck disable=SC2086
     run "$oracle" $3 $4 --depth "$tmp/d" --every "$2"
