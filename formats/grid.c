@@ -106,6 +106,10 @@ bool grid_is_rectilinear(const grid *g) {
     return g->axis[0] != NULL;
 }
 
+sample_type grid_source(const grid *g) {
+    return g->source ? g->source : g->type;
+}
+
 uint64_t grid_samples(const grid *g) {
     return (uint64_t)g->dims[0] * g->dims[1] * g->dims[2];
 }

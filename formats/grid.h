@@ -21,7 +21,8 @@ enum { GRID_NAME_MAX = 64, GRID_DIM_MAX = 1 << 20 };
 
 typedef struct grid {
     uint32_t dims[3];      /* nodes per axis, each 2 .. GRID_DIM_MAX */
-    sample_type type;      /* as the input has it */
+    sample_type type;      /* as samples are read */
+    sample_type source;    /* as the input has them, where that is another; else 0 */
     double to_world[3][4]; /* row-major affine map, grid space to world space; invertible */
     double *axis[3]; /* rectilinear: dims[a] strictly increasing coordinates; all three NULL for a
                         regular grid */
@@ -44,6 +45,7 @@ CHECKED status grid_set_axis(grid *g, mem *m, const char *what, int a, const dou
 CHECKED status grid_check(const grid *g, const char *what);
 
 bool grid_is_rectilinear(const grid *g);
+sample_type grid_source(const grid *g);   /* the type that the input's samples have */
 uint64_t grid_samples(const grid *g);     /* dims[0] * dims[1] * dims[2] */
 uint64_t grid_slice_bytes(const grid *g); /* bytes of one z slice of samples of g->type */
 

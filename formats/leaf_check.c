@@ -137,7 +137,9 @@ static status check_parameters(const char *path, const leaf_header *h) {
                                        : check_grid_parameters(path, h);
     if (st != ST_OK)
         return st;
-    if (sample_stored((sample_type)h->source_type) != (sample_type)h->sample_type)
+    /* Integers with a value for no data are stored as f32, too, which has NaN for it. */
+    const bool any = h->kind == LEAF_KIND_GRID && h->sample_type == SAMPLE_F32;
+    if (!any && sample_stored((sample_type)h->source_type) != (sample_type)h->sample_type)
         return corrupt(path, offsetof(leaf_header, source_type),
                        "expected a type that is stored as %s, found %s",
                        sample_name((sample_type)h->sample_type),

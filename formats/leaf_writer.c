@@ -119,7 +119,7 @@ static void fill_grid(leaf_writer *w, const grid *g) {
     leaf_header *h = &w->header;
     fill_common(w);
     h->kind = LEAF_KIND_GRID;
-    h->source_type = g->type;
+    h->source_type = grid_source(g);
     memcpy(h->dims, g->dims, sizeof h->dims);
     h->cells_log2 = w->p.cells_log2;
     h->halo = w->p.halo;

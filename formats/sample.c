@@ -1,6 +1,7 @@
 #include "formats/sample.h"
 
 #include <byteswap.h>
+#include <float.h>
 #include <math.h>
 #include <string.h>
 #include <strings.h>
@@ -130,4 +131,47 @@ double sample_to_stored(sample_type type, const void *in, void *out, size_t coun
         break;
     }
     return worst;
+}
+
+bool sample_is_integer(sample_type type) {
+    return is_type(type) && type != SAMPLE_F32 && type != SAMPLE_F64;
+}
+
+bool sample_holds(sample_type type, double value) {
+    static const double range[TYPES][2] = {
+        [SAMPLE_U8] = {0, UINT8_MAX},       [SAMPLE_I8] = {INT8_MIN, INT8_MAX},
+        [SAMPLE_U16] = {0, UINT16_MAX},     [SAMPLE_I16] = {INT16_MIN, INT16_MAX},
+        [SAMPLE_U32] = {0, UINT32_MAX},     [SAMPLE_I32] = {INT32_MIN, INT32_MAX},
+        [SAMPLE_F32] = {-FLT_MAX, FLT_MAX}, [SAMPLE_F64] = {-DBL_MAX, DBL_MAX},
+    };
+    const bool whole = sample_is_integer(type);
+    if (!isfinite(value))
+        return !whole;
+    return value >= range[type][0] && value <= range[type][1] && (!whole || value == rint(value));
+}
+
+#define FLOAT_ALL(type)                                        \
+    for (size_t i = 0; i < count; i++) {                       \
+        type v;                                                \
+        memcpy(&v, (const char *)in + i * sizeof v, sizeof v); \
+        const bool no_data = (double)v == missing;             \
+        const float f = no_data ? NAN : (float)v;              \
+        if (!no_data && (double)f != (double)v && i < first)   \
+            first = i;                                         \
+        memcpy((char *)out + i * sizeof f, &f, sizeof f);      \
+    }
+
+size_t sample_to_floats(sample_type type, const void *in, float *out, size_t count,
+                        double missing) {
+    size_t first = count;
+    switch (type) {
+    case SAMPLE_U8: FLOAT_ALL(uint8_t) break;
+    case SAMPLE_I8: FLOAT_ALL(int8_t) break;
+    case SAMPLE_U16: FLOAT_ALL(uint16_t) break;
+    case SAMPLE_I16: FLOAT_ALL(int16_t) break;
+    case SAMPLE_U32: FLOAT_ALL(uint32_t) break;
+    case SAMPLE_I32: FLOAT_ALL(int32_t) break;
+    default: break;
+    }
+    return first;
 }

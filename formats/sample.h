@@ -41,6 +41,18 @@ void sample_swap(sample_type type, void *samples, size_t count);
  * does the error. */
 double sample_to_stored(sample_type type, const void *in, void *out, size_t count);
 
+/* sample_is_integer() - u8 to i32. */
+bool sample_is_integer(sample_type type);
+
+/* sample_holds() - whether a sample of this type can have that value: of integers a whole one in
+ * their range, of floats any but a finite one beyond their range. */
+bool sample_holds(sample_type type, double value);
+
+/* sample_to_floats() - integers to floats, those that equal `missing` to NaN. in may lie at the end
+ * of out's buffer. Returns the first sample that a float cannot hold exactly; count when there is
+ * none. */
+size_t sample_to_floats(sample_type type, const void *in, float *out, size_t count, double missing);
+
 /* sample_get() - one sample of a stored type as a float; exact. */
 static inline float sample_get(sample_type type, const void *samples, size_t index) {
     switch (type) {

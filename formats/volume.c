@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/base/file.h"
+#include "formats/base/num.h"
 #include "formats/base/text.h"
 #include "formats/byte_stream.h"
 #include "formats/inflate_stream.h"
@@ -18,6 +19,7 @@ struct volume {
     mem *m;
     volume_layout layout;
     const char *format;
+    sample_type type;        /* of the samples in the file; layout.g.type: as they are handed out */
     inflate_stream *inflate; /* VOLUME_DEFLATE */
     uint32_t slice;          /* the next one */
     bool has_missing;
@@ -83,7 +85,7 @@ static status apply_axis_file(volume_layout *l, int a, const char *path) {
     return st;
 }
 
-static status apply_hints(volume_layout *l, const volume_hints *hints, const char *name) {
+static status apply_hints(volume_layout *l, const volume_hints *hints) {
     for (int a = 0; a < 3; a++) {
         /* Coordinates first: they set the axis' step, which the hint replaces. */
         status st = hints->axis_file[a] ? apply_axis_file(l, a, hints->axis_file[a]) : ST_OK;
@@ -94,10 +96,28 @@ static status apply_hints(volume_layout *l, const volume_hints *hints, const cha
         if (hints->has_origin)
             l->g.to_world[a][3] = hints->origin[a];
     }
-    if (hints->has_missing && l->g.type != SAMPLE_F32 && l->g.type != SAMPLE_F64)
-        return status_describe(ST_UNSUPPORTED,
-                               "%s: a missing value needs samples of type f32 or f64, these are %s",
-                               name, sample_name(l->g.type));
+    return ST_OK;
+}
+
+/* Integers have no NaN: with a value for missing data they are handed out as floats. */
+static status apply_missing(volume *v, const volume_hints *hints) {
+    grid *g = &v->layout.g;
+    char value[NUM_TEXT_MAX];
+    v->type = g->type;
+    v->has_missing = hints->has_missing;
+    v->missing = hints->missing;
+    if (!v->has_missing)
+        return ST_OK;
+    if (!sample_holds(g->type, v->missing))
+        return status_describe(ST_USAGE,
+                               "%s: its samples are of type %s: none can be %s, the value for "
+                               "missing data",
+                               byte_stream_name(v->layout.data), sample_name(g->type),
+                               num_print(v->missing, value));
+    if (sample_is_integer(g->type)) {
+        g->source = g->type;
+        g->type = SAMPLE_F32;
+    }
     return ST_OK;
 }
 
@@ -124,9 +144,9 @@ static status open_volume(volume *v, const char *path, const volume_hints *hints
     if (st == ST_OK)
         st = volume_layout_check(l);
     if (st == ST_OK)
-        st = apply_hints(l, hints, byte_stream_name(l->data));
-    v->has_missing = hints->has_missing;
-    v->missing = hints->missing;
+        st = apply_hints(l, hints);
+    if (st == ST_OK)
+        st = apply_missing(v, hints);
     if (st == ST_OK)
         st = grid_check(&l->g, byte_stream_name(l->data));
     if (st != ST_OK)
@@ -198,13 +218,13 @@ const char *volume_format(const volume *v) {
 /* Samples of the file's byte order, native for VOLUME_TEXT; *got counts bytes. */
 static status read_encoded(volume *v, void *buffer, size_t size, size_t *got) {
     const volume_layout *l = &v->layout;
-    size_t width = sample_size(l->g.type);
+    size_t width = sample_size(v->type);
     status st = ST_OK;
     switch (l->encoding) {
     case VOLUME_RAW: return byte_stream_read(l->data, buffer, size, got);
     case VOLUME_DEFLATE: return inflate_stream_read(v->inflate, buffer, size, got);
     case VOLUME_TEXT:
-        st = text_stream_read(l->data, l->g.type, buffer, size / width, got);
+        st = text_stream_read(l->data, v->type, buffer, size / width, got);
         *got *= width;
         break;
     }
@@ -216,24 +236,41 @@ static bool is_foreign(const volume_layout *l) {
     return l->encoding != VOLUME_TEXT && l->big_endian != big_here;
 }
 
-/* Missing data is NaN from here on. Compared in the samples' own precision, as it was written. */
-static void mark_missing(const volume *v, void *buffer, size_t count) {
-    if (v->layout.g.type == SAMPLE_F32) {
+/* Missing data is NaN from here on. Compared in the samples' own precision, as it was written.
+ * at: the samples, at the end of buffer. */
+static status mark_missing(const volume *v, const void *at, void *buffer, size_t count) {
+    if (v->type == SAMPLE_F32) {
         float *f = buffer, missing = (float)v->missing;
         for (size_t i = 0; i < count; i++)
             f[i] = f[i] == missing ? NAN : f[i];
-    } else {
+    } else if (v->type == SAMPLE_F64) {
         double *d = buffer;
         for (size_t i = 0; i < count; i++)
             d[i] = d[i] == v->missing ? (double)NAN : d[i];
+    } else {
+        const grid *g = &v->layout.g;
+        const uint64_t slice = (uint64_t)g->dims[0] * g->dims[1];
+        const size_t bad = sample_to_floats(v->type, at, buffer, count, v->missing);
+        if (bad < count)
+            return status_describe(ST_UNSUPPORTED,
+                                   "%s: slice %u (counted from 0): with a value for missing data, "
+                                   "samples of type %s are kept as f32, which cannot hold the one "
+                                   "with index %llu, near %.0f",
+                                   byte_stream_name(v->layout.data),
+                                   v->slice + (uint32_t)(bad / slice), sample_name(v->type),
+                                   (unsigned long long)(bad % slice),
+                                   (double)((const float *)buffer)[bad]);
     }
+    return ST_OK;
 }
 
 status volume_read(volume *v, uint32_t count, void *buffer) {
     const grid *g = &v->layout.g;
-    uint64_t slice_bytes = grid_slice_bytes(g);
-    size_t size = (size_t)(count * slice_bytes), got = 0;
-    status st = read_encoded(v, buffer, size, &got);
+    const size_t slice = (size_t)g->dims[0] * g->dims[1], width = sample_size(v->type);
+    const size_t samples = slice * count, size = samples * width;
+    char *at = (char *)buffer + samples * (sample_size(g->type) - width);
+    size_t got = 0;
+    status st = read_encoded(v, at, size, &got);
     if (st != ST_OK)
         return st;
     if (got < size)
@@ -241,13 +278,13 @@ status volume_read(volume *v, uint32_t count, void *buffer) {
                                "%s: ends at byte %llu, inside slice %u of %u (counted from 0)",
                                byte_stream_name(v->layout.data),
                                (unsigned long long)byte_stream_position(v->layout.data),
-                               v->slice + (uint32_t)(got / slice_bytes), g->dims[2]);
+                               v->slice + (uint32_t)(got / (slice * width)), g->dims[2]);
     if (is_foreign(&v->layout))
-        sample_swap(g->type, buffer, size / sample_size(g->type));
+        sample_swap(v->type, at, samples);
     if (v->has_missing)
-        mark_missing(v, buffer, size / sample_size(g->type));
+        st = mark_missing(v, at, buffer, samples);
     v->slice += count;
-    return ST_OK;
+    return st;
 }
 
 /* Bytes that are left, taken and counted. */

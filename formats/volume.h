@@ -31,7 +31,8 @@ typedef struct volume_hints {
                        */
     double origin[3]; /* world position of node (0, 0, 0) */
     bool has_origin;
-    bool has_missing; /* f32 and f64: samples equal to `missing` are read as NaN, no data */
+    bool has_missing; /* samples equal to `missing` are read as NaN, no data; integers are then
+                         handed out as f32, and one that f32 cannot hold is ST_UNSUPPORTED */
     double missing;
     const char *axis_file[3]; /* rectilinear: a text file with one coordinate a line (or split by
                                  white space), per axis */

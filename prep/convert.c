@@ -200,6 +200,18 @@ static status create_stages(conversion *c, const char *output) {
     return ST_OK;
 }
 
+/* All samples have been put. */
+static status check_empty(const conversion *c, const grid *g) {
+    double range[2];
+    leaf_writer_range(c->writer, 0, range);
+    if (!c->o->refuse_empty || range[0] <= range[1])
+        return ST_OK;
+    return status_describe(ST_UNSUPPORTED,
+                           "none of the volume's %llu samples is a finite number: there is nothing "
+                           "to draw (--allow-empty converts it all the same)",
+                           (unsigned long long)grid_samples(g));
+}
+
 static status begin_histogram(conversion *c, const grid *g) {
     if (!leaf_writer_histograms(c->writer))
         return ST_OK;
@@ -266,6 +278,8 @@ status convert_run(mem *m, volume *v, const char *output, const convert_options 
         st = read_ahead_create(m, v, plan->batch, &c.input);
     if (st == ST_OK)
         st = convert_slices(&c);
+    if (st == ST_OK)
+        st = check_empty(&c, g);
     if (st != ST_OK) {
         release(&c);
         leaf_writer_discard(c.writer);
@@ -275,7 +289,7 @@ status convert_run(mem *m, volume *v, const char *output, const convert_options 
     end_histogram(&c, g);
     release(&c);
     char provenance[256];
-    describe_origin(o, g->type, provenance, sizeof provenance);
+    describe_origin(o, grid_source(g), provenance, sizeof provenance);
     leaf_facts facts = {.non_finite = seen.non_finite,
                         .rounding_error = seen.rounding_error,
                         .provenance = provenance};

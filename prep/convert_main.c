@@ -34,7 +34,7 @@ typedef struct arguments {
     uint32_t treelet_tets, leaf_tets, coarse_dims;
     bool coarse, sah;
     leaf_parameters file;
-    bool gradients, dry_run;
+    bool gradients, dry_run, allow_empty;
     uint64_t given; /* bit KEY_X - KEY_COMPRESS: that option */
 } arguments;
 
@@ -64,7 +64,8 @@ enum {
     KEY_COARSE,
     KEY_GRADIENTS,
     KEY_NAME,
-    KEY_LAST = KEY_NAME
+    KEY_ALLOW_EMPTY,
+    KEY_LAST = KEY_ALLOW_EMPTY
 };
 
 static const struct argp_option options[] = {
@@ -76,6 +77,7 @@ static const struct argp_option options[] = {
      0},
     {"name", KEY_NAME, "TEXT", 0,
      "of the data set (default: what the input says itself; its file's name stays out)", 0},
+    {"allow-empty", KEY_ALLOW_EMPTY, NULL, 0, "convert an input without any finite number, too", 0},
     {"dry-run", KEY_DRY_RUN, NULL, CLI_BASIC,
      "print sizes, memory, levels and treelets; write nothing", 0},
     {NULL, 0, NULL, 0, "What a raw input does not say itself:", 1},
@@ -86,7 +88,8 @@ static const struct argp_option options[] = {
     {NULL, 0, NULL, 0, "What any grid may have wrong:", 2},
     {"spacing", KEY_SPACING, "X,Y,Z", CLI_BASIC,
      "distance of samples, or scale of an axis' coordinates; may be negative", 2},
-    {"missing", KEY_MISSING, "VALUE", 0, "f32 and f64: this value stands for no data", 2},
+    {"missing", KEY_MISSING, "VALUE", 0,
+     "this value stands for no data; integers are then kept as f32", 2},
     {"origin", KEY_ORIGIN, "X,Y,Z", 0, "world position of the first sample", 2},
     {"axis-x", KEY_AXIS_X, "FILE", 0,
      "text file with one coordinate per sample: a rectilinear grid", 2},
@@ -291,6 +294,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         a->coarse_dims = arg ? (uint32_t)parse_int(state, arg, "--coarse", 2, GRID_DIM_MAX) : 0;
         break;
     case KEY_GRADIENTS: a->gradients = true; break;
+    case KEY_ALLOW_EMPTY: a->allow_empty = true; break;
     case KEY_NAME: a->hints.name = a->mesh.name = arg; break;
     case ARGP_KEY_END:
         if (a->all_fields && a->field_count)
@@ -338,18 +342,19 @@ static json_t *plan_json(const convert_plan *plan, const grid *g) {
                                                 (json_int_t)v->count));
     }
     return json_pack("{s:s, s:s, s:I, s:o, s:I, s:I, s:I, s:I, s:i}", "source_type",
-                     sample_name(g->type), "sample_type", sample_name(plan->layout.type),
-                     "input_bytes", (json_int_t)(grid_samples(g) * sample_size(g->type)), "levels",
-                     levels, "treelets", (json_int_t)plan->layout.treelets, "memory_planned",
-                     (json_int_t)plan->memory, "memory_least", (json_int_t)plan->memory_least,
-                     "spill_bytes", (json_int_t)plan->spill_bytes, "spilled_levels",
-                     (int)plan->spilled_levels);
+                     sample_name(grid_source(g)), "sample_type", sample_name(plan->layout.type),
+                     "input_bytes", (json_int_t)(grid_samples(g) * sample_size(grid_source(g))),
+                     "levels", levels, "treelets", (json_int_t)plan->layout.treelets,
+                     "memory_planned", (json_int_t)plan->memory, "memory_least",
+                     (json_int_t)plan->memory_least, "spill_bytes", (json_int_t)plan->spill_bytes,
+                     "spilled_levels", (int)plan->spilled_levels);
 }
 
 static void print_plan(const convert_plan *plan, const grid *g, bool compressed) {
     uint64_t raw = grid_samples(g) * sample_size(plan->layout.type);
     printf("input       %u x %u x %u %s, %.1f MiB\n", g->dims[0], g->dims[1], g->dims[2],
-           sample_name(g->type), (double)(grid_samples(g) * sample_size(g->type)) / 0x1p20);
+           sample_name(grid_source(g)),
+           (double)(grid_samples(g) * sample_size(grid_source(g))) / 0x1p20);
     printf("levels      %u, %u treelets\n", plan->layout.levels, plan->layout.treelets);
     printf("file        %s%.1f MiB, %.3f of raw\n", compressed ? "at most " : "",
            (double)plan->file_bytes / 0x1p20, (double)plan->file_bytes / (double)raw);
@@ -440,7 +445,8 @@ static status convert_volume(arguments *a, mem *m, volume *v, double start) {
     convert_options o = {.file = a->file,
                          .memory = m->limit,
                          .threads = a->common.threads,
-                         .force = a->common.force};
+                         .force = a->common.force,
+                         .refuse_empty = !a->allow_empty};
     convert_plan plan;
     status st = convert_plan_make(m, volume_grid(v), &o, &plan);
     if (st != ST_OK)
@@ -592,7 +598,8 @@ static status convert_mesh(arguments *a, mem *m, mesh *x, const mesh_series *ser
                             .memory = m->limit,
                             .threads = a->common.threads,
                             .force = a->common.force,
-                            .gradients = a->gradients};
+                            .gradients = a->gradients,
+                            .refuse_empty = !a->allow_empty};
     mesh_result r;
     const progress *p = cli_progress(&a->common);
     status st = a->dry_run ? mesh_convert_dry(m, x, &o, p, &r)

@@ -19,9 +19,10 @@
 /* What the user asks for. */
 typedef struct convert_options {
     leaf_parameters file;
-    uint64_t memory; /* budget in bytes */
-    int threads;     /* >= 1, beside the one that reads */
-    bool force;      /* replace an existing output */
+    uint64_t memory;   /* budget in bytes */
+    int threads;       /* >= 1, beside the one that reads */
+    bool force;        /* replace an existing output */
+    bool refuse_empty; /* without any sample that is a number: ST_UNSUPPORTED */
 } convert_options;
 
 typedef struct convert_plan {

@@ -413,6 +413,24 @@ static status build_treelets(conversion *c, const char *field, const char *outpu
     return st;
 }
 
+/* All values have been put. A mesh without an array was given zeros. */
+static status check_empty(const conversion *c, const mesh_report *r) {
+    const uint32_t sets = c->g->fields * c->g->steps;
+    bool numbers = false, zeros = true;
+    for (uint32_t set = 0; set < sets; set++) {
+        double range[2];
+        leaf_writer_range(c->writer, set, range);
+        numbers = numbers || range[0] <= range[1];
+        zeros = zeros && range[0] == 0 && range[1] == 0;
+    }
+    if (!c->o->refuse_empty || (numbers && (*r->field || !zeros)))
+        return ST_OK;
+    return status_describe(ST_UNSUPPORTED,
+                           "%s: there is nothing to draw (--allow-empty converts it all the same)",
+                           numbers ? "the mesh has no array of values"
+                                   : "none of the mesh's values is a finite number");
+}
+
 /* ---- all of it ---- */
 
 static void describe_origin(const mesh_options *o, const mesh_report *r, char *text, size_t size) {
@@ -473,6 +491,8 @@ status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, const cha
     start = clock_seconds();
     if (st == ST_OK)
         st = build_treelets(&c, r->field, output);
+    if (st == ST_OK)
+        st = check_empty(&c, r);
     release(&c, &facts);
     result->plan = c.plan;
     if (st != ST_OK) {

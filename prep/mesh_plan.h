@@ -31,6 +31,7 @@ typedef struct mesh_options {
     bool coarse;               /* with a coarse grid of each set, */
     uint32_t coarse_dims;      /* of so many nodes along the longest edge; 0: as suits the mesh */
     bool gradients;            /* the file has one at each vertex */
+    bool refuse_empty;         /* without any value that is a number: ST_UNSUPPORTED */
 } mesh_options;
 
 typedef struct mesh_plan {

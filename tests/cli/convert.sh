@@ -90,7 +90,7 @@ printf '\0\0\200\077\0\0\0\100\0\0\200\277\0\0\0\100\0\0\200\077\0\0\0\100\0\0\2
 exits "missing data" 0 "$leafcast" convert "$tmp/f.bin" --dims 2,2,2 --type f32 --missing=-1 -o "$tmp/m.leaf"
 ok "is counted" says '^no data  *1 samples' out
 ok "and is not the minimum" says '^values  *1 .. 2$' out
-exits "missing data among integers" 3 "$leafcast" convert "$tmp/raw.bin" --dims 10,20,20 --type u16 --missing 3 -o "$tmp/i.leaf"
+exits "missing data among integers" 0 "$leafcast" convert "$tmp/raw.bin" --dims 10,20,20 --type u16 --missing 3 -o "$tmp/i.leaf"
 exits "a one-sample axis" 3 "$leafcast" convert "$tmp/raw.bin" --dims 10,400,1 --type u16 -o "$tmp/flat.leaf"
 
 printf 'x' | dd of="$out" bs=1 seek=9000 conv=notrunc 2>/dev/null

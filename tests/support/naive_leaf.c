@@ -83,7 +83,7 @@ static bool read_header(naive_leaf *leaf) {
     for (int i = 0; i < 12; i++)
         leaf->to_world[i / 4][i % 4] = naive_real64(b + 136 + 8 * i);
     int stored = leaf->source_type <= 5 ? leaf->source_type : 5;
-    if (stored != leaf->sample_type)
+    if (stored != leaf->sample_type && leaf->sample_type != 5)
         return wrong(leaf, "stored type %d of source type %d", leaf->sample_type,
                      leaf->source_type);
     if (!(leaf->rounding_error >= 0) || (leaf->source_type <= 5 && leaf->rounding_error != 0))
