@@ -140,10 +140,37 @@ static void test_axes(void **state) {
     assert_int_equal(mem_used(&m), 0);
 }
 
+static void test_missing(void **state) {
+    (void)state;
+    static const struct {
+        sample_type type;
+        double held, not_held;
+    } rows[] = {{SAMPLE_U8, 255, 256},          {SAMPLE_I8, -128, -129},
+                {SAMPLE_U16, 65535, -1},        {SAMPLE_I16, -32768, 32768},
+                {SAMPLE_U32, 4294967295., 0.5}, {SAMPLE_I32, -2147483648., 2147483648.},
+                {SAMPLE_F32, 0.1, 1e39},        {SAMPLE_F32, NAN, -1e39}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        assert_true(sample_holds(rows[i].type, rows[i].held));
+        assert_false(sample_holds(rows[i].type, rows[i].not_held));
+        assert_true(sample_holds(rows[i].type, NAN) != sample_is_integer(rows[i].type));
+    }
+    /* From the end of the same buffer. */
+    float out[5];
+    const uint8_t bytes[5] = {0, 255, 7, 255, 254};
+    memcpy((char *)out + sizeof out - sizeof bytes, bytes, sizeof bytes);
+    const void *in = (const char *)out + sizeof out - sizeof bytes;
+    assert_int_equal(sample_to_floats(SAMPLE_U8, in, out, 5, 255), 5);
+    assert_true(out[0] == 0 && isnan(out[1]) && out[2] == 7 && isnan(out[3]) && out[4] == 254);
+    const int32_t wide[3] = {16777216, 16777217, 33554433};
+    assert_int_equal(sample_to_floats(SAMPLE_I32, wide, out, 3, -1), 1);
+    assert_int_equal(sample_to_floats(SAMPLE_I32, wide, out, 3, 16777217), 2);
+    assert_true(out[0] == 16777216 && isnan(out[1]));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_names), cmocka_unit_test(test_swap), cmocka_unit_test(test_stored),
-        cmocka_unit_test(test_grid),  cmocka_unit_test(test_axes),
+        cmocka_unit_test(test_grid),  cmocka_unit_test(test_axes), cmocka_unit_test(test_missing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
