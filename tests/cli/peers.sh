@@ -18,6 +18,13 @@ run "$leafcast" convert "$tmp/v.nrrd" -o "$leaf" -q
 exits "without a file" 2 "$leafcast" bench peers --iso 1
 exits "without an isovalue" 2 "$leafcast" bench peers "$leaf"
 exits "more than peers can do" 2 "$leafcast" bench peers "$leaf" --iso 127.5 --shadows
+exits "a background without a picture" 2 "$leafcast" bench peers "$leaf" --iso 127.5 --background red
+exits "within too little memory" 4 "$leafcast" bench peers "$leaf" --iso 127.5 --size 16x16 --runs 1 --memory 1K
+exits "as JSON" 0 "$leafcast" bench peers "$leaf" --iso 127.5 --size 16x16 --runs 1 --json --verbose --output "$tmp/q.csv"
+ok "with a row for us" python3 -c 'import json, sys; sys.exit(json.load(open(sys.argv[1]))["rows"][0]["contestant"] != "leafcast")' "$tmp/out"
+ok "and what it took" grep -q 'of CPU' "$tmp/err"
+exits "--force" 0 "$leafcast" bench peers "$leaf" --iso 127.5 --size 16x16 --runs 1 --force --quiet --output "$tmp/q.csv"
+ok "--quiet says nothing more" [ ! -s "$tmp/err" ]
 exits "two surfaces" 2 "$leafcast" bench peers "$leaf" --iso 127.5 --iso 100
 exits "a race" 0 "$leafcast" bench peers "$leaf" --iso 127.5 --size 203x190 --runs 3 --threads 2 -o "$tmp/p.csv" --plot "$tmp/p.svg"
 cp "$tmp/err" "$tmp/said"
