@@ -72,7 +72,6 @@ json document convert b_0000.mesh --dry-run
 json document verify g.leaf
 json document info g.leaf --iso 120
 json document info b.leaf --iso 0.3
-document info g.nrrd
 json document info g.nrrd
 json document info b_0000.mesh
 json document probe g.leaf --iso 120 --at 500,500
