@@ -17,6 +17,8 @@ page '$ echo 1; echo 2 a' '1'
 exits "a line too few" 1 scripts/transcripts --check "$tmp/page.md"
 page '$ echo 1; echo b; echo 2 a' '1' '...' '2 a'
 exits "lines left out, and said to be" 0 scripts/transcripts --check "$tmp/page.md"
+page '$ echo "leafcast render: rendering: 38%, 0:07 left"; echo 1' '1'
+exits "progress is passed over" 0 scripts/transcripts --check "$tmp/page.md"
 page '$ echo 1; exit 3' '1'
 exits "a command that fails" 1 scripts/transcripts --check "$tmp/page.md"
 page '$ echo 12 of 30' '7 of 9'
