@@ -134,7 +134,7 @@ sys.exit(not (abs(math.tan(math.acos(cosine)) - 8 / 9 * math.tan(math.pi / 8)) <
 
 # ---- pictures of one run keep the view of the first ----
 
-covered() { grep -o '"covered_pixels":[0-9]*' "$tmp/${1:-out}" | cut -d: -f2 | tr '\n' ' '; }
+covered() { grep -o '"covered_pixels":[0-9]*' "$tmp/out" | cut -d: -f2 | tr '\n' ' '; }
 cat >"$tmp/two.raw.py" <<'PY'
 import sys
 # A block of 100 around one of 200: the isovalues 50 and 150 are active in boxes of their own.

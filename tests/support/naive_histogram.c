@@ -233,11 +233,13 @@ const char *naive_histogram_mesh(const naive_mesh *mesh) {
     const long k = mesh->sets < 1 << 16 ? (1 << 16) / mesh->sets : 1, s = (mesh->tets + k - 1) / k;
     const long runs = (mesh->tets + s - 1) / s;
     const char *why = NULL;
-    draw *draws = calloc((size_t)runs, sizeof *draws);
     if (!at)
         return "none";
-    if (!draws || size != ELEMENT * (uint64_t)mesh->sets)
-        return "no memory, or its size";
+    if (size != ELEMENT * (uint64_t)mesh->sets)
+        return "its size";
+    draw *draws = calloc((size_t)runs, sizeof *draws);
+    if (!draws)
+        return "no memory";
     for (long set = 0; set < mesh->sets && !why; set++) {
         const naive_part *p = mesh->part;
         long before = 0;
