@@ -101,7 +101,7 @@ static void test_left_out(void **state) {
     assert_int_equal(a->report.repeated, 2);
     assert_memory_equal(a->tets[0], ids[1], sizeof ids[1]);
     assert_memory_equal(a->tets[1], ids[5], sizeof ids[5]);
-    assert_string_equal(a->name, "a");
+    assert_string_equal(a->name, "");
     assert_string_equal(a->report.field, "");
 }
 

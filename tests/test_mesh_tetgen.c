@@ -33,7 +33,7 @@ static void check_shape(const mesh_copy *a) {
     assert_int_equal(a->report.points, 5);
     assert_int_equal(a->report.tets, 2);
     assert_int_equal(a->report.bad_indices + a->report.repeated + a->report.skipped, 0);
-    assert_string_equal(a->name, "a");
+    assert_string_equal(a->name, "");
     assert_memory_equal(a->xyz, xyz, sizeof xyz);
     assert_memory_equal(a->tets, tets, sizeof tets);
 }
@@ -203,7 +203,7 @@ static void test_real(void **state) {
     assert_int_equal(a->report.points, 12965);
     assert_int_equal(a->report.tets, 57862);
     assert_int_equal(a->report.bad_indices + a->report.repeated, 0);
-    assert_string_equal(a->name, "input.1");
+    assert_string_equal(a->name, "");
     assert_true(a->xyz[0][0] == 28.8506055f && a->xyz[12964][2] == 63.391967246361396f);
     const uint32_t last[4] = {2287, 2323, 5577, 12964};
     assert_memory_equal(a->tets[57861], last, sizeof last);

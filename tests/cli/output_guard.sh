@@ -46,7 +46,7 @@ printf '1 4 0\n1 1 2 3 4\n' >p.ele
 refused "the other file of a pair" p.node "$leafcast" convert p.ele -o p.node --force
 refused "and the other way round" p.ele "$leafcast" convert p.node -o p.ele --force
 refused "a later step" t_0002.mesh "$leafcast" convert t_0000.mesh t_0001.mesh t_0002.mesh -o t_0002.mesh --force
-exits "the first of a pair may have its name's neighbour" 0 "$leafcast" convert p.ele -o p.leaf
+exits "the first of a pair may have its name's neighbour" 0 "$leafcast" convert p.ele -o p.leaf --allow-empty
 rm p.leaf
 
 refused "resample a mesh" m.mesh "$leafcast" resample m.mesh -o m.mesh --force
