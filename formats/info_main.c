@@ -405,10 +405,6 @@ static void print_activity(const facts *x, double iso,
 
 /* ---- JSON ---- */
 
-static json_t *json_number(double value) {
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
 static json_t *header_json(const facts *x) {
     const leaf_header *h = &x->f->header;
     json_t *world = json_array();
@@ -420,8 +416,8 @@ static json_t *header_json(const facts *x) {
         (json_int_t)h->dims[1], (json_int_t)h->dims[2], "sample_type",
         sample_name(x->f->layout.type), "source_type", sample_name((sample_type)h->source_type),
         "rectilinear", (int)h->rectilinear, "to_world", world, "value_min",
-        json_number(h->value_min), "value_max", json_number(h->value_max), "non_finite",
-        (json_int_t)h->non_finite, "rounding_error", json_number(h->rounding_error));
+        cli_json_real(h->value_min), "value_max", cli_json_real(h->value_max), "non_finite",
+        (json_int_t)h->non_finite, "rounding_error", cli_json_real(h->rounding_error));
     json_t *sizes = json_pack(
         "{s:i, s:i, s:i, s:i, s:s, s:I, s:I, s:I, s:I, s:f}", "treelet_cells", 1 << h->cells_log2,
         "halo", (int)h->halo, "block_cells", 1 << h->block_log2, "run_align",
@@ -463,7 +459,7 @@ static json_t *fields_json(const leaf_file *f) {
             double range[2];
             set_range(f, leaf_layout_set(&f->layout, i, step), range);
             json_array_append_new(
-                ranges, json_pack("[o, o]", json_number(range[0]), json_number(range[1])));
+                ranges, json_pack("[o, o]", cli_json_real(range[0]), cli_json_real(range[1])));
         }
         json_array_append_new(
             fields, json_pack("{s:s, s:o}", "name", f->mesh->names[i], "step_ranges", ranges));
@@ -486,8 +482,8 @@ static json_t *mesh_json(const facts *x) {
         (json_int_t)h->tets, "vertices", (json_int_t)h->vertices, "flat", (json_int_t)h->flat,
         "inverted", (json_int_t)h->inverted, "repeated", (json_int_t)h->repeated, "bad",
         (json_int_t)h->bad, "field_count", (json_int_t)h->fields, "steps", (json_int_t)h->steps,
-        "bounds", bounds_json(h), "value_min", json_number(h->value_min), "value_max",
-        json_number(h->value_max), "non_finite", (json_int_t)h->non_finite);
+        "bounds", bounds_json(h), "value_min", cli_json_real(h->value_min), "value_max",
+        cli_json_real(h->value_max), "non_finite", (json_int_t)h->non_finite);
     json_t *sizes = json_pack(
         "{s:I, s:I, s:i, s:s, s:I, s:I, s:I, s:I, s:f, s:f, s:I, s:I, s:I, s:o}", "treelet_tets",
         (json_int_t)h->treelet_tets, "leaf_tets", (json_int_t)h->leaf_tets, "run_align",
@@ -511,7 +507,7 @@ static json_t *mesh_json(const facts *x) {
 
 static json_t *mesh_activity_json(const facts *x, double iso, const leaf_activity *level) {
     const leaf_header *h = &x->f->header;
-    return json_pack("{s:o, s:I, s:I, s:I, s:f, s:f}", "iso", json_number(iso), "active_tets",
+    return json_pack("{s:o, s:I, s:I, s:I, s:f, s:f}", "iso", cli_json_real(iso), "active_tets",
                      (json_int_t)level->cells, "active_treelets", (json_int_t)level->treelets,
                      "active_bytes", (json_int_t)level->bytes, "active_share",
                      (double)level->bytes / (double)h->payload_bytes, "active_share_of_file",
@@ -548,11 +544,12 @@ static json_t *activity_json(const facts *x, double iso,
         json_array_append_new(
             rows, json_pack("{s:I, s:I, s:I}", "treelets", (json_int_t)levels[i].treelets, "bytes",
                             (json_int_t)levels[i].bytes, "cells", (json_int_t)levels[i].cells));
-    return json_pack("{s:o, s:I, s:I, s:I, s:f, s:f, s:o}", "iso", json_number(iso), "active_cells",
-                     (json_int_t)all.cells, "active_treelets", (json_int_t)all.treelets,
-                     "active_bytes", (json_int_t)all.bytes, "active_share",
-                     (double)all.bytes / (double)x->f->header.payload_bytes, "active_share_of_file",
-                     (double)all.bytes / (double)x->f->header.file_bytes, "levels", rows);
+    return json_pack("{s:o, s:I, s:I, s:I, s:f, s:f, s:o}", "iso", cli_json_real(iso),
+                     "active_cells", (json_int_t)all.cells, "active_treelets",
+                     (json_int_t)all.treelets, "active_bytes", (json_int_t)all.bytes,
+                     "active_share", (double)all.bytes / (double)x->f->header.payload_bytes,
+                     "active_share_of_file", (double)all.bytes / (double)x->f->header.file_bytes,
+                     "levels", rows);
 }
 
 enum { NEXT_MAX = 8192 };

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/base/cli_json.h"
 #include "formats/base/num.h"
 #include "formats/base/shell_line.h"
 #include "formats/base/text.h"
@@ -416,10 +417,6 @@ void input_facts_next(const input_facts *x, const input_question *q, char *text,
 
 /* ---- for programs ---- */
 
-static json_t *number_or_null(double value) {
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
 static void set_grid(json_t *json, const input_facts *x) {
     json_t *world = json_array();
     for (int i = 0; i < 12; i++)
@@ -460,8 +457,8 @@ json_t *input_facts_json(const input_facts *x) {
     else
         set_grid(json, x);
     if (x->read) {
-        json_object_set_new(json, "value_min", number_or_null(any ? x->range[0] : NAN));
-        json_object_set_new(json, "value_max", number_or_null(any ? x->range[1] : NAN));
+        json_object_set_new(json, "value_min", cli_json_real(any ? x->range[0] : NAN));
+        json_object_set_new(json, "value_max", cli_json_real(any ? x->range[1] : NAN));
         json_object_set_new(json, "non_finite", json_integer((json_int_t)x->non_finite));
         json_object_set_new(json, "histogram", histogram_json(&x->values));
     }

@@ -329,10 +329,6 @@ static const struct argp table = {
 
 /* ---- results ---- */
 
-static json_t *json_number(double value) {
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
 static json_t *plan_json(const convert_plan *plan, const grid *g) {
     json_t *levels = json_array();
     for (uint32_t i = 0; i < plan->layout.levels; i++) {
@@ -406,9 +402,9 @@ static void add_outcome(json_t *json, const outcome *o) {
     json_t *more =
         json_pack("{s:I, s:I, s:f, s:o, s:o, s:I, s:o, s:I, s:s, s:f, s:f, s:I}", "file_bytes",
                   (json_int_t)h->file_bytes, "payload_bytes", (json_int_t)h->payload_bytes, "ratio",
-                  (double)h->file_bytes / raw, "value_min", json_number(h->value_min), "value_max",
-                  json_number(h->value_max), "non_finite", (json_int_t)h->non_finite,
-                  "rounding_error", json_number(h->rounding_error), "trailing_bytes",
+                  (double)h->file_bytes / raw, "value_min", cli_json_real(h->value_min),
+                  "value_max", cli_json_real(h->value_max), "non_finite", (json_int_t)h->non_finite,
+                  "rounding_error", cli_json_real(h->rounding_error), "trailing_bytes",
                   (json_int_t)o->result.trailing_bytes, "id", id, "seconds", o->seconds, "mb_per_s",
                   raw / 1e6 / o->seconds, "peak_rss_bytes", (json_int_t)o->peak_rss);
     json_object_update(json, more);
@@ -548,7 +544,7 @@ static void add_mesh(json_t *json, const mesh_result *r, double seconds) {
                   (double)h->file_bytes / (double)h->tets, "flat", (json_int_t)h->flat, "inverted",
                   (json_int_t)h->inverted, "repeated", (json_int_t)h->repeated, "bad",
                   (json_int_t)h->bad, "non_finite", (json_int_t)h->non_finite, "value_min",
-                  json_number(h->value_min), "value_max", json_number(h->value_max), "id", id);
+                  cli_json_real(h->value_min), "value_max", cli_json_real(h->value_max), "id", id);
     json_t *times = json_pack("{s:f, s:f, s:f, s:f, s:f, s:I}", "seconds", seconds, "read_s",
                               r->read_s, "sort_s", r->sort_s, "build_s", r->build_s, "tets_per_s",
                               (double)h->tets / seconds, "peak_rss_bytes", (json_int_t)peak_rss());

@@ -14,8 +14,10 @@
 typedef struct image_format {
     const char *name; /* and the end of files' names */
     status (*write)(mem *m, pool *threads, const picture *p,
-                    const byte_sink *to); /* NULL: helper */
-    bool all;                             /* takes every plane */
+                    const byte_sink *to);         /* NULL: helper */
+    size_t (*bytes)(int threads, uint32_t width); /* that writing takes; NULL: those of a row */
+    bool all;                                     /* takes every plane */
+    bool parallel;                                /* goes over the threads */
 } image_format;
 
 static status write_depth(mem *m, pool *threads, const picture *p, const byte_sink *to) {
@@ -24,11 +26,12 @@ static status write_depth(mem *m, pool *threads, const picture *p, const byte_si
     return to->put(to->ctx, p->image->z, (size_t)p->width * p->height * sizeof *p->image->z);
 }
 
-static const image_format FORMATS[] = {{"png", picture_png_write, false},
-                                       {"ppm", picture_ppm_write, false},
-                                       {"pfm", picture_pfm_write, false},
-                                       {"exr", NULL, true}};
-static const image_format DEPTH = {"f64", write_depth, true};
+static const image_format FORMATS[] = {
+    {.name = "png", .write = picture_png_write, .bytes = picture_png_bytes, .parallel = true},
+    {.name = "ppm", .write = picture_ppm_write},
+    {.name = "pfm", .write = picture_pfm_write},
+    {.name = "exr", .all = true}};
+static const image_format DEPTH = {.name = "f64", .write = write_depth};
 enum { FORMAT_COUNT = sizeof FORMATS / sizeof *FORMATS };
 
 struct image_out {
@@ -72,9 +75,7 @@ bool image_out_wants_all(const image_out_options *options, const char *path) {
 
 size_t image_out_bytes(const image_out_options *options, const char *path, uint32_t width) {
     const image_format *f = format_of(options, path);
-    if (f && f->write == picture_png_write)
-        return picture_png_bytes(options->threads, width);
-    return (size_t)width * 3 * sizeof(float);
+    return f && f->bytes ? f->bytes(options->threads, width) : (size_t)width * 3 * sizeof(float);
 }
 
 /* ---- Before anything is opened ---- */
@@ -164,7 +165,7 @@ status image_out_finish(image_target *t, const picture *p) {
     const byte_sink to = {put, t};
     image_out *o = t->owner;
     status st = ST_OK;
-    if (t->format->write == picture_png_write && !o->threads)
+    if (t->format->parallel && !o->threads)
         st = pool_create(o->m, o->options.threads, &o->threads);
     if (st == ST_OK)
         st = t->format->write ? t->format->write(o->m, o->threads, p, &to)

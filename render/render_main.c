@@ -437,16 +437,14 @@ static status guard_inputs(const render_options *o) {
     return st == ST_OK ? file_guard_input(o->script) : st;
 }
 
-static status guard_frame(const script_frame *frame) {
-    status st = frame->output[0] ? file_guard_output(frame->output) : ST_OK;
+/* The outputs of one picture, and the statistics, are different files. Pictures of a sequence have
+ * different numbers, and a line of a script may replace the picture of another, with --force. */
+static status guard_frame(const render_options *o, const script_frame *frame) {
+    file_guard_next();
+    status st = file_guard_output(o->stats);
+    if (st == ST_OK && frame->output[0])
+        st = file_guard_output(frame->output);
     return st == ST_OK && frame->depth[0] ? file_guard_output(frame->depth) : st;
-}
-
-/* Told before the first picture. */
-static status check_stats(const render_options *o) {
-    mem m;
-    mem_init(&m, 0);
-    return out_file_check(&m, o->stats, o->common.force);
 }
 
 static status check_sequence(const render_options *o, const render_job *job, sequence *s,
@@ -455,14 +453,10 @@ static status check_sequence(const render_options *o, const render_job *job, seq
     for (int i = 0; i < s->count && st == ST_OK; i++) {
         st = describe_frame(o, s, i, frame);
         if (st == ST_OK)
-            st = guard_frame(frame);
+            st = guard_frame(o, frame);
         if (st == ST_OK)
             st = render_job_check(job, frame);
     }
-    if (st == ST_OK)
-        st = file_guard_output(o->stats);
-    if (st == ST_OK && o->stats)
-        st = check_stats(o);
     return st;
 }
 
@@ -557,11 +551,10 @@ static status answer_line(render_options *o, render_job *job, const char *text, 
     frame.view = o->view;
     frame.output[0] = frame.depth[0] = 0;
     status st = script_parse(&frame, text, size, what);
-    file_guard_next(); /* a line may replace the picture of another, with --force */
     if (st == ST_OK)
         st = check_line(&frame);
     if (st == ST_OK)
-        st = guard_frame(&frame);
+        st = guard_frame(o, &frame);
     if (st == ST_OK)
         st = render_job_check(job, &frame);
     if (st == ST_OK)

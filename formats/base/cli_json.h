@@ -13,8 +13,8 @@
  * What did not reach the stream is fflush()'s to find. */
 CHECKED status cli_json_write(FILE *out, json_t *document, bool line);
 
-/* cli_json_error() - {"error": {"status": NAME, "exit": CODE, "message": TEXT}}; bytes of the text
- * that are no UTF-8 become question marks. NULL where there is no memory. */
+/* cli_json_error() - {"error": {"status": NAME, "exit": CODE, "message": TEXT}}; the text as
+ * text_printable() has it. NULL where there is no memory. */
 json_t *cli_json_error(status st, int code, const char *message);
 
 /* cli_json_real() - a number, or null where it is not finite: JSON has no other word for it. */

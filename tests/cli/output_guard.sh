@@ -68,6 +68,9 @@ ln s.leaf "$tmp/alias/volume.png"
 refused "a picture over the volume" s.leaf shot -o "$tmp/alias/volume.png" --force
 refused "depths and statistics in one new file" s.leaf shot --depth-f64 new --stats "$tmp/alias/folder/new" --force
 refused "a picture and depths in one new file" s.leaf shot -o k.png --depth-f64 k.png
+# Time must grow with the pictures, not with their square: outputs of one picture are held against each other.
+exits "a long sequence without a folder" 1 timeout 20 "$leafcast" render s.leaf --iso 100 --size 16,16 --turntable 100000 \
+    -o no/x.png --depth-f64 no/x.f64
 refused "statistics over a picture of a sequence" s.leaf "$leafcast" render s.leaf --iso-list 90,100 --size 16,16 \
     --depth-f64 d.f64 --stats d_0001.f64
 printf '[{"eye": [50,10,10]}]' >path.json
