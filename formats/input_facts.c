@@ -411,6 +411,9 @@ void input_facts_next(const input_facts *x, const input_question *q, char *text,
     }
     if (q->mesh.cells_to_points)
         shell_line_put(&c, " --cells-to-points");
+    /* Else it would be refused: there is nothing to draw. */
+    if (x->is_mesh && x->field_count == 0)
+        shell_line_put(&c, " --allow-empty");
     shell_line_put(&c, " -o ");
     put_leaf_name(&c, x->path);
 }

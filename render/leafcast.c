@@ -249,7 +249,7 @@ leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, i
     return LEAFCAST_OK;
 }
 
-static status check_set(const leafcast *v, uint32_t field, uint32_t step) {
+status leafcast_check_set(const leafcast *v, uint32_t field, uint32_t step) {
     const leaf_header *h = &v->file->header;
     if (field < h->fields && step < h->steps)
         return ST_OK;
@@ -258,7 +258,7 @@ static status check_set(const leafcast *v, uint32_t field, uint32_t step) {
 }
 
 leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) {
-    const status st = check_set(v, field, step);
+    const status st = leafcast_check_set(v, field, step);
     if (st != ST_OK)
         return leafcast_public_status(st);
     v->field = field;
@@ -271,7 +271,7 @@ leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) 
 
 leafcast_status leafcast_range(const leafcast *v, uint32_t field, uint32_t step, double range[2]) {
     const leaf_layout *layout = &v->file->layout;
-    const status st = check_set(v, field, step);
+    const status st = leafcast_check_set(v, field, step);
     if (st != ST_OK)
         return leafcast_public_status(st);
     const uint32_t set = v->file->mesh ? leaf_layout_set(layout, field, step) : 0;

@@ -11,11 +11,10 @@ _Static_assert((int)LEAFCAST_BINS_MAX == (int)HISTOGRAM_BINS &&
                "public and internal sizes agree");
 
 static status find_histogram(const leafcast *v, uint32_t field, uint32_t step, histogram *out) {
-    const leaf_header *h = &v->file->header;
     mem outside;
-    if (field >= h->fields || step >= h->steps)
-        return status_describe(ST_USAGE, "field %u at step %u: there are %u fields and %u steps",
-                               field, step, h->fields, h->steps);
+    const status st = leafcast_check_set(v, field, step);
+    if (st != ST_OK)
+        return st;
     mem_init(&outside, 0);
     const uint32_t set = v->file->mesh ? leaf_layout_set(&v->file->layout, field, step) : 0;
     return leaf_histogram_get(&outside, v->file, set, out);
@@ -139,13 +138,11 @@ static void mesh_box(const leafcast *v, uint32_t field, uint32_t step, const dou
 leafcast_status leafcast_fit_view(const leafcast *v, uint32_t field, uint32_t step,
                                   const double *isovalues, int count, double fov, uint32_t width,
                                   uint32_t height, leafcast_camera *view) {
-    const leaf_header *h = &v->file->header;
     double box[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     double corners[8][3];
-    if (field >= h->fields || step >= h->steps)
-        return leafcast_public_status(
-            status_describe(ST_USAGE, "field %u at step %u: there are %u fields and %u steps",
-                            field, step, h->fields, h->steps));
+    const status st = leafcast_check_set(v, field, step);
+    if (st != ST_OK)
+        return leafcast_public_status(st);
     if (v->file->mesh)
         mesh_box(v, field, step, isovalues, count, box);
     else

@@ -35,6 +35,9 @@ struct leafcast {
 /* leafcast_public_status() - an internal status as the interface has it. */
 leafcast_status leafcast_public_status(status st);
 
+/* leafcast_check_set() - ST_USAGE where the file has no such field or step. */
+CHECKED status leafcast_check_set(const leafcast *v, uint32_t field, uint32_t step);
+
 /* leafcast_check_file() - what becomes of a picture or an answer with this status, now that it is
  * made: ST_CORRUPT if the file changed since it was opened. That is said then rather than which
  * bytes were found wrong. */

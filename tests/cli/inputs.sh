@@ -213,6 +213,11 @@ for raw in "$tmp/a_8x8x8_uint8.raw" "- --dims 8,8,8 --type u8"; do
     ok "counts all" json 'sum(x["histogram"]["samples"]) == 512 and x["histogram"]["cells"] == 343'
 done
 ok "what comes next has the options" json '"convert - --dims 8,8,8 --type u8 -o" in x["next"]'
+printf '4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n' >"$tmp/bare.node"
+printf '1 4 0\n1 1 2 3 4\n' >"$tmp/bare.ele"
+exits "a mesh without an array" 0 "$leafcast" info "$tmp/bare.ele"
+sed -n 's/^next  *leafcast //p' "$tmp/out" >"$tmp/next"
+exits "what comes next works" 0 sh -c "cd '$tmp' && '$leafcast' $(cat "$tmp/next")"
 # The same as of the treelet file that convert makes, whatever the type and the size of the blocks that are read.
 for type in u8 u16 f32; do
     "$leafcast" generate gyroid --dims 150,140,90 --type $type --spacing 1,2,-3 -o "$tmp/g.nrrd" --force
