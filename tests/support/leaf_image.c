@@ -51,20 +51,21 @@ void leaf_image_seal(const leaf_image *i) {
     i->header->checksum = leaf_header_checksum(i->header);
 }
 
+/* Entries are copied: in a hostile file the checksums may lie over the section table. */
 void leaf_image_seal_payloads(const leaf_image *i) {
-    const leaf_section *sums = find(i, LEAF_SECTION_CHECKSUMS), *at = find(i, LEAF_SECTION_OFFSETS),
-                       *sizes = find(i, LEAF_SECTION_SIZES);
-    if (!sums || !at || !sizes)
+    const leaf_section *found[] = {find(i, LEAF_SECTION_CHECKSUMS), find(i, LEAF_SECTION_OFFSETS),
+                                   find(i, LEAF_SECTION_SIZES)};
+    if (!found[0] || !found[1] || !found[2])
         return;
+    const leaf_section sums = *found[0], at = *found[1], sizes = *found[2];
     for (uint64_t p = 0;
-         (p + 1) * 8 <= sums->bytes && (p + 1) * 8 <= at->bytes && (p + 1) * 8 <= sizes->bytes;
-         p++) {
+         (p + 1) * 8 <= sums.bytes && (p + 1) * 8 <= at.bytes && (p + 1) * 8 <= sizes.bytes; p++) {
         uint64_t offset, size;
-        memcpy(&offset, i->bytes + at->offset + 8 * p, 8);
-        memcpy(&size, i->bytes + sizes->offset + 8 * p, 8);
+        memcpy(&offset, i->bytes + at.offset + 8 * p, 8);
+        memcpy(&size, i->bytes + sizes.offset + 8 * p, 8);
         if (!is_inside(i, offset, size))
             continue;
         const uint64_t sum = hash_bytes(i->bytes + offset, (size_t)size);
-        memcpy(i->bytes + sums->offset + 8 * p, &sum, 8);
+        memcpy(i->bytes + sums.offset + 8 * p, &sum, 8);
     }
 }
