@@ -151,21 +151,12 @@ static status check_corners(const plc_source *s) {
     return ST_OK;
 }
 
-static void name_plc(const char *path, char name[MESH_NAME_MAX + 1]) {
-    const char *slash = strrchr(path, '/');
-    const char *base = slash ? slash + 1 : path;
-    const char *dot = strrchr(base, '.');
-    if (strcmp(path, "-") != 0)
-        snprintf(name, MESH_NAME_MAX + 1, "%.*s", dot ? (int)(dot - base) : MESH_NAME_MAX, base);
-}
-
 status plc_read(mem *m, const char *path, const plc_hints *hints, plc *out) {
     plc_source s = {.path = path, .out = out};
     const plc_format *format;
     *out = (plc){.m = m};
     if (hints)
         s.hints = *hints;
-    name_plc(path, out->name);
     status st = byte_stream_open(m, path, &s.data);
     if (st != ST_OK)
         return st;
@@ -174,7 +165,6 @@ status plc_read(mem *m, const char *path, const plc_hints *hints, plc *out) {
         st = format->read(&s);
     if (st == ST_OK)
         st = check_corners(&s);
-    text_name(out->name, sizeof out->name, out->name);
     text_name(out->field, sizeof out->field, out->field);
     byte_stream_close(s.data);
     return st;

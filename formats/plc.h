@@ -27,7 +27,6 @@ typedef struct plc_list {
 
 typedef struct plc {
     mem *m;
-    char name[MESH_NAME_MAX + 1];  /* of the data set: the file's without suffix; "" of a pipe */
     char field[MESH_NAME_MAX + 1]; /* what the values are; "": there are none */
     plc_list points;               /* double[3], finite */
     plc_list values;               /* double; NaN: no data; empty without a field */

@@ -267,7 +267,6 @@ static status write_mesh(work *w) {
     mesh_stream_header header = {.points = w->job.points, .tets = w->job.tets};
     mesh_stream_writer *out = NULL;
     tally t = {.used = mem_zalloc(w->m, w->job.points)};
-    strcpy(header.name, w->input.name);
     strcpy(header.field, w->report->field);
     status st = t.used
                     ? mesh_stream_create(w->m, w->options->output, w->options->force, &header, &out)

@@ -56,7 +56,7 @@ static uint8_t alpha_byte(float a) {
 void picture_bytes_rgba(const byte_table *t, const leafcast_image *image, size_t first,
                         size_t count, uint8_t *out) {
     for (size_t i = first; i < first + count; i++, out += 4) {
-        const float a = image->a ? image->a[i] : 1.0f;
+        const float a = image->a[i];
         if (!(a > 0.0f)) {
             memset(out, 0, 4);
             continue;

@@ -26,7 +26,8 @@ void picture_bytes_init(byte_table *t);
 uint8_t picture_byte(const byte_table *t, float linear);
 
 /* picture_bytes_rgba() - pixels first .. first + count: R G B A, not premultiplied.
- * picture_bytes_rgb() - R G B of the premultiplied colours: as seen before black. */
+ * picture_bytes_rgb() - R G B of the premultiplied colours: as seen before black, and as they are
+ * where a picture is opaque. */
 void picture_bytes_rgba(const byte_table *t, const leafcast_image *image, size_t first,
                         size_t count, uint8_t *out);
 void picture_bytes_rgb(const byte_table *t, const leafcast_image *image, size_t first, size_t count,

@@ -12,7 +12,7 @@
 /* README.md, "Writing pictures", has what other levels and filters cost. */
 enum { LEVEL = 1, WINDOW_BITS = 15, MEMORY_LEVEL = 8, FILTER_UP = 2 };
 enum { WIDTH_MAX = 1 << 28 }; /* zlib counts a row in 32 bits */
-enum { BAND_BYTES = 256 << 10, SLOTS_PER_THREAD = 2, PIXEL = 4 };
+enum { BAND_BYTES = 256 << 10, SLOTS_PER_THREAD = 2, PIXEL_MAX = 4 };
 
 /* ---- Bands: rows, filtered and deflated ---- */
 
@@ -34,7 +34,8 @@ typedef struct bands {
     uint32_t rows, count; /* of a band; bands */
     uint32_t first;       /* of this wave */
     size_t stride;        /* bytes of a filtered row */
-    size_t room;          /* of slot.deflated */
+    bool alpha;
+    size_t room; /* of slot.deflated */
     slot *slots;
     int slot_count;
 } bands;
@@ -47,8 +48,11 @@ static void z_free(voidpf m, voidpf block) {
     mem_free(m, block);
 }
 
-static uint32_t rows_of(uint32_t width) {
-    const size_t stride = (size_t)PIXEL * width + 1;
+static size_t stride_of(uint32_t width, bool alpha) {
+    return (size_t)(alpha ? PIXEL_MAX : 3) * width + 1;
+}
+
+static uint32_t rows_of(size_t stride) {
     return stride < BAND_BYTES ? (uint32_t)(BAND_BYTES / stride) : 1;
 }
 
@@ -67,8 +71,9 @@ static bool slot_init(const bands *b, slot *s) {
 }
 
 static status bands_init(bands *b, mem *m, const picture *p, int threads) {
-    *b = (bands){.m = m, .p = p, .rows = rows_of(p->width)};
-    b->stride = (size_t)PIXEL * p->width + 1;
+    *b = (bands){.m = m, .p = p, .alpha = p->image->a != NULL};
+    b->stride = stride_of(p->width, b->alpha);
+    b->rows = rows_of(b->stride);
     b->count = (p->height + b->rows - 1) / b->rows;
     /* deflateBound() of a stream that was never started is the most of any; a flush adds 5 bytes,
      * the end of zlib's stream 4. */
@@ -97,7 +102,11 @@ static void bands_release(bands *b) {
 }
 
 static void encode_row(const bands *b, uint32_t y, uint8_t *out) {
-    picture_bytes_rgba(&b->table, b->p->image, (size_t)y * b->p->width, b->p->width, out);
+    const size_t first = (size_t)y * b->p->width;
+    if (b->alpha)
+        picture_bytes_rgba(&b->table, b->p->image, first, b->p->width, out);
+    else
+        picture_bytes_rgb(&b->table, b->p->image, first, b->p->width, out);
 }
 
 /* Each byte less the one above it. */
@@ -193,7 +202,8 @@ static void add_text(png_structp png, png_infop info, const char *key, const cha
 
 static void describe(png_structp png, png_infop info, const picture *p) {
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
-    png_set_IHDR(png, info, p->width, p->height, 8, PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE,
+    png_set_IHDR(png, info, p->width, p->height, 8,
+                 p->image->a ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
     add_text(png, info, "Software", "leafcast " LEAFCAST_VERSION);
@@ -273,6 +283,6 @@ status picture_png_write(mem *m, pool *threads, const picture *p, const byte_sin
 }
 
 size_t picture_png_bytes(int threads, uint32_t width) {
-    const size_t stride = (size_t)PIXEL * width + 1, band = stride * rows_of(width);
+    const size_t stride = stride_of(width, true), band = stride * rows_of(stride);
     return (size_t)threads * SLOTS_PER_THREAD * (2 * stride + 2 * band + band / 8 + (300 << 10));
 }

@@ -1,4 +1,5 @@
-/* picture_png.h - pictures as PNG: R G B A of 8 bits, sRGB encoded, not premultiplied.
+/* picture_png.h - pictures as PNG: R G B of 8 bits, sRGB encoded; A, too, and not
+ * premultiplied, where there is a plane of it.
  *
  * Filtering and deflating are shared out over threads in bands of rows; a band's bytes depend on
  * nothing but its rows, so the file does not depend on the threads. libpng writes everything but

@@ -89,23 +89,25 @@ static leafcast_image planes_wanted(const render_job *job, const script_frame *f
     static int32_t any_id;
     const bool colour = frame->output[0] || !frame->depth[0];
     const bool all = image_out_wants_all(&job->out, frame->output);
+    const bool opaque = frame->view.scene.background[3] >= 1.0f; /* then so is every pixel */
     float *const c = colour ? &any_float : NULL, *const n = all ? &any_float : NULL;
     return (leafcast_image){.r = c,
                             .g = c,
                             .b = c,
-                            .a = c,
+                            .a = all || !opaque ? c : NULL,
                             .z = all || frame->depth[0] ? &any_double : NULL,
                             .normal = {n, n, n},
                             .id = all ? &any_id : NULL};
 }
 
 /* A plane as it is wanted now: the one that is there, a new one, or NULL. *failed when there is no
- * memory. */
+ * memory. Not zeroed: that would touch its pages on one thread, and a picture writes every pixel.
+ */
 static void *plane(render_job *job, void *there, const void *wanted, size_t size, bool *failed) {
     if (there && wanted)
         return there;
     mem_free(&job->m, there);
-    void *made = wanted ? mem_array(&job->m, (size_t)job->width * job->height, size) : NULL;
+    void *made = wanted ? mem_alloc(&job->m, (size_t)job->width * job->height * size) : NULL;
     *failed |= wanted && !made;
     return made;
 }

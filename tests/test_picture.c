@@ -103,6 +103,7 @@ static void check_pixels(const kept *k, const picture *p) {
     assert_true(png_image_begin_read_from_memory(&png, k->data, k->size));
     assert_int_equal(png.width, p->width);
     assert_int_equal(png.height, p->height);
+    assert_int_equal((png.format & PNG_FORMAT_FLAG_ALPHA) != 0, p->image->a != NULL);
     png.format = PNG_FORMAT_RGBA;
     unsigned char *bytes = malloc(PNG_IMAGE_SIZE(png));
     assert_true(png_image_finish_read(&png, NULL, bytes, 0, NULL));

@@ -147,7 +147,10 @@ need=$("$leafcast" render "$leaf" --iso 128 --size 1500x1500 --memory 5M -o "$tm
 exits "one byte less than what would do" 4 "$leafcast" render "$leaf" --iso 128 --size 1500x1500 --memory $((need - 1)) -o "$tmp/b.png" -q
 exits "what would do" 0 "$leafcast" render "$leaf" --iso 128 --size 1500x1500 --memory "$need" -o "$tmp/b.png" -q
 need_depth=$("$leafcast" render "$leaf" --iso 128 --size 1500x1500 --memory 5M --depth-f64 "$tmp/b.f64" -q 2>&1 | sed -n 's/.*: \([0-9]*\) bytes would do.*/\1/p')
-ok "distances alone need no colours ($need_depth < $need)" [ $((need - need_depth)) -gt $((1500 * 1500 * 7)) ]
+ok "distances alone need no colours ($need_depth < $need)" [ $((need - need_depth)) -gt $((1500 * 1500 * 3)) ]
+# An opaque background makes every pixel opaque: no plane of alpha, in memory or in the file.
+clear=$("$leafcast" render "$leaf" --iso 128 --size 1500x1500 --memory 5M --background 0,0,0,0 -o "$tmp/clear.png" -q 2>&1 | sed -n 's/.*: \([0-9]*\) bytes would do.*/\1/p')
+ok "an opaque picture has no alpha ($need < $clear)" [ $((clear - need)) = $((1500 * 1500 * 4)) ]
 
 # ---- counts ----
 cat >"$tmp/long.py" <<'PY'

@@ -59,7 +59,7 @@ draw four "$tmp/g.leaf" --samples 4
 ok "and does" alike four "$tmp/g.leaf" --samples 4 --memory $((need + 61 * 47 * 8))
 # shellcheck disable=SC2046,SC2086 # lists
 one=$("$leafcast" render "$tmp/g.leaf" $(isos g) $rich --memory 100K -o "$tmp/y.pfm" 2>&1 | sed -n 's/.*: \([0-9]*\) bytes would do.*/\1/p')
-ok "samples need another picture's colours" [ $((need - one)) = $((61 * 47 * 16)) ]
+ok "samples need another picture's colours" [ $((need - one)) = $((61 * 47 * 12)) ]
 
 # ---- in scripts ----
 cat >"$tmp/script" <<JSON

@@ -81,8 +81,7 @@ for kind in off stl ply; do
     ok "has the volume that the surface encloses" within "$(value volume)" "$volume" 1e-6
     ok "with distances, welded" [ "$(value field) $(value points_in)" = "distance 4608" ]
 done
-ok "the same mesh of OFF and PLY" sh -c "tail -c +60 '$tmp/off.mesh' | cksum >'$tmp/a'; \
-    tail -c +60 '$tmp/ply.mesh' | cksum | cmp - '$tmp/a'"
+ok "the same bytes of OFF and PLY, whatever the files' names" cmp "$tmp/off.mesh" "$tmp/ply.mesh"
 exits "a field of the surface" 0 "$leafcast" tetrahedralize "$tmp/torus.ply" --field height \
     --max-volume 0.001 -o "$tmp/height.mesh"
 exits "a picture of it" 0 sh -c "'$leafcast' convert '$tmp/height.mesh' -o '$tmp/height.leaf' &&
