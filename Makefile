@@ -1,7 +1,8 @@
 # leafcast - out-of-core volume ray tracing. `make list` says what can be made.
 #
 # Sources are found by wildcard: every .c file of the four layers goes into libleafcast.a, except
-# X_main.c, which is the verb X (build/release/libexec/leafcast-X). A new source needs no line here.
+# X_main.c, which is the verb X (build/release/libexec/leafcast-X), and what verbs share: render/app and
+# render/bench have archives of their own. A new source needs no line here.
 
 VERSION := $(shell sed -n 's/^.define LEAFCAST_VERSION "\(.*\)"/\1/p' render/leafcast.h)
 CONFIG  ?= release
@@ -51,10 +52,13 @@ X86      := $(filter x86_64% i%86%,$(shell $(CC) -dumpmachine 2>/dev/null))
 SOURCES  := $(sort $(wildcard $(foreach d,formats prep stream render,$d/*.c $d/*/*.c)))
 SOURCES  := $(if $(X86),$(SOURCES),$(filter-out %_sse42.c %_avx2.c %_avx512.c,$(SOURCES)))
 MAINS    := $(filter %_main.c,$(SOURCES))
-TETGEN_C := prep/tetrahedralize_main.c
-NATIVE   := render/peer_embree.c
-LIB_OBJS := $(patsubst %.c,$B/obj/%.o,$(filter-out $(MAINS) $(NATIVE),$(SOURCES)))
+TETGEN_C := prep/tetrahedralize/tetrahedralize_main.c
+NATIVE   := render/bench/peer_embree.c
+PARTS    := $(filter-out $(MAINS) $(NATIVE),$(SOURCES))
 LIB      := $B/lib/libleafcast.a
+APP      := $B/app/libapp.a
+BENCH    := $B/app/libbench.a
+ARCHIVES := $(BENCH) $(APP) $(LIB)
 VERBS_C   = $(if $(TETGEN),$(MAINS),$(filter-out $(TETGEN_C),$(MAINS)))
 verb      = $B/libexec/leafcast-$(subst _,-,$(patsubst %_main.c,%,$(notdir $1)))
 VERBS     = $(foreach m,$(VERBS_C),$(call verb,$m))
@@ -128,7 +132,7 @@ $B/flags: FORCE
 $B/flags-c++: FORCE
 	$(call remember,$(CXX) $(ALL_CXX))
 $B/objects: FORCE
-	$(call remember,$(LIB_OBJS) $(SUPPORT))
+	$(call remember,$(PARTS) $(SUPPORT))
 
 # One translation unit per ISA: only these may hold its instructions (scripts/check_isa).
 # Vectors wider than the ISA's never leave their unit, so how they would be passed is no matter.
@@ -145,13 +149,18 @@ $B/obj/%.o: %.c $B/flags
 	$(call say,CC  ,$<)
 	$(Q)$(CC) $(ALL_C) $(ISA) $(if $(filter tests/%,$<),,$(FRAMES)) -MMD -MP -c -o $@ $<
 
-$(LIB): $(LIB_OBJS) $B/objects
-	@mkdir -p $(@D) && rm -f $@
-	$(call say,AR  ,$@)
-	$(Q)$(AR) rcsD $@ $(LIB_OBJS)
+define archive_rule
+$1: $(patsubst %.c,$B/obj/%.o,$2) $B/objects
+	@mkdir -p $$(@D) && rm -f $$@
+	$$(call say,AR  ,$$@)
+	$(Q)$(AR) rcsD $$@ $$(filter %.o,$$^)
+endef
+$(eval $(call archive_rule,$(APP),$(filter render/app/%,$(PARTS))))
+$(eval $(call archive_rule,$(BENCH),$(filter render/bench/%,$(PARTS))))
+$(eval $(call archive_rule,$(LIB),$(filter-out render/app/% render/bench/%,$(PARTS))))
 
 define verb_rule
-$(call verb,$1): $B/obj/$(1:.c=.o) $(LIB)
+$(call verb,$1): $B/obj/$(1:.c=.o) $(ARCHIVES)
 	@mkdir -p $$(@D)
 	$$(call say,LINK,$$@)
 	$$(link)
@@ -160,7 +169,7 @@ $(foreach m,$(MAINS),$(eval $(call verb_rule,$m)))
 
 # Shared objects by the hundred: OpenImageIO is linked into a process of its own.
 ifneq ($(OIIO),)
-$B/libexec/leafcast-write-image: render/write_image_main.cpp $B/flags-c++
+$B/libexec/leafcast-write-image: render/app/write_image_main.cpp $B/flags-c++
 	@mkdir -p $(@D) $B/obj
 	$(call say,C++ ,$<)
 	$(Q)$(CXX) $(ALL_CXX) $(shell pkg-config --cflags OpenImageIO) -MMD -MP -MF $B/obj/image.d \
@@ -175,7 +184,7 @@ endif
 
 # TetGen is AGPL, and may crash: it is linked into a process of its own, too.
 ifneq ($(TETGEN),)
-$(TETGEN_BIN): prep/tetgen_worker_main.cpp $B/flags-c++
+$(TETGEN_BIN): prep/tetrahedralize/tetgen_worker_main.cpp $B/flags-c++
 	@mkdir -p $(@D) $B/obj
 	$(call say,C++ ,$<)
 	$(Q)$(CXX) $(ALL_CXX) -MMD -MP -MF $B/obj/tetgen.d -o $@ $< $(LDFLAGS) -ltet
@@ -186,13 +195,13 @@ $(TETGEN_BIN):
 	@echo "no TetGen here (libtet1.5-dev and $(CXX)): leafcast tetrahedralize is left out"
 endif
 
-PEERS    := $(call verb,render/bench_peers_main.c)
+PEERS    := $(call verb,render/bench/bench_peers_main.c)
 PEER_VTK := $B/libexec/leafcast-peer-vtk
 # Embree is linked into the peers' benchmark alone, which is made for this machine: a peer runs as
 # fast as it can, and its numbers need not be the same elsewhere.
 $B/native/embree: FORCE
 	$(call remember,$(EMBREE))
-$B/native/%.o: render/%.c $B/flags $B/native/embree
+$B/native/%.o: render/bench/%.c $B/flags $B/native/embree
 	@mkdir -p $(@D)
 	$(call say,CC  ,$<)
 	$(Q)$(CC) $(ALL_C) -march=native -ffp-contract=fast $(if $(EMBREE),-DPEER_WITH_EMBREE) \
@@ -213,7 +222,7 @@ build/leafcast: $(FRONT)
 # ---- tests ---------------------------------------------------------------------------------------
 $(TESTS) $(TOOLS): LINK_TESTS := -lcmocka
 $(FUZZERS): LINK_TESTS := -fsanitize=fuzzer -lcmocka
-$(TESTS) $(TOOLS) $(FUZZERS): $B/tests/%: $B/obj/tests/%.o $(SUPPORT) $(LIB)
+$(TESTS) $(TOOLS) $(FUZZERS): $B/tests/%: $B/obj/tests/%.o $(SUPPORT) $(ARCHIVES)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(link) $(LINK_TESTS)

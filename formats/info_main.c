@@ -10,11 +10,11 @@
 #include "formats/base/num.h"
 #include "formats/base/shell_line.h"
 #include "formats/base/text.h"
-#include "formats/histogram_text.h"
 #include "formats/input_facts.h"
-#include "formats/leaf_file.h"
-#include "formats/leaf_histogram.h"
-#include "formats/leaf_stats.h"
+#include "formats/leaf/histogram_text.h"
+#include "formats/leaf/leaf_file.h"
+#include "formats/leaf/leaf_histogram.h"
+#include "formats/leaf/leaf_stats.h"
 
 enum { ISOS_MAX = 64, HISTOGRAM_MAX = 32 };
 

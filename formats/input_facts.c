@@ -8,8 +8,8 @@
 #include "formats/base/num.h"
 #include "formats/base/shell_line.h"
 #include "formats/base/text.h"
-#include "formats/histogram_draw.h"
-#include "formats/histogram_text.h"
+#include "formats/leaf/histogram_draw.h"
+#include "formats/leaf/histogram_text.h"
 
 enum { BLOCK_BYTES = 32 << 20 };
 

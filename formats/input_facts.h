@@ -16,9 +16,9 @@
 #include "formats/base/mem.h"
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
-#include "formats/histogram.h"
-#include "formats/mesh.h"
-#include "formats/volume.h"
+#include "formats/grid/volume.h"
+#include "formats/leaf/histogram.h"
+#include "formats/mesh/mesh.h"
 
 enum { INPUT_FACTS_FIELDS = 256 };
 

@@ -4,8 +4,8 @@
 
 #include "formats/base/cli.h"
 #include "formats/base/text.h"
-#include "formats/leaf_file.h"
-#include "formats/leaf_verify.h"
+#include "formats/leaf/leaf_file.h"
+#include "formats/leaf/leaf_verify.h"
 
 typedef struct arguments {
     cli_common common;

@@ -11,9 +11,9 @@
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/base/text.h"
-#include "formats/volume.h"
-#include "prep/convert.h"
-#include "prep/mesh_convert.h"
+#include "formats/grid/volume.h"
+#include "prep/grid/convert.h"
+#include "prep/mesh/mesh_convert.h"
 
 enum { MEMORY_DEFAULT_MIB = 2048, ZSTD_LEVEL_DEFAULT = 3, ZSTD_LEVEL_MAX = 22 };
 

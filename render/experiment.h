@@ -3,7 +3,7 @@
 #ifndef RENDER_EXPERIMENT_H
 #define RENDER_EXPERIMENT_H
 
-#include "render/cell_kernel.h"
+#include "render/grid/cell_kernel.h"
 #include "render/leafcast.h"
 
 /* experiment_intersect() - draw with this cell intersector instead of the scene's; NULL: with the

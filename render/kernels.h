@@ -5,11 +5,11 @@
 #ifndef RENDER_KERNELS_H
 #define RENDER_KERNELS_H
 
-#include "render/cell_batch.h"
-#include "render/mesh_packet.h"
-#include "render/mesh_tile.h"
-#include "render/tet_batch.h"
-#include "render/tile.h"
+#include "render/grid/cell_batch.h"
+#include "render/grid/grid_tile.h"
+#include "render/mesh/mesh_packet.h"
+#include "render/mesh/mesh_tile.h"
+#include "render/mesh/tet_batch.h"
 
 typedef struct kernels {
     const char *name;

@@ -8,9 +8,9 @@
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
 #include "render/experiment.h"
-#include "render/kept_polygons.h"
 #include "render/leafcast_volume.h"
-#include "render/mesh_preview.h"
+#include "render/mesh/kept_polygons.h"
+#include "render/mesh/mesh_preview.h"
 #include "render/samples.h"
 
 _Static_assert((int)LEAFCAST_USAGE == (int)ST_USAGE && (int)LEAFCAST_CORRUPT == (int)ST_CORRUPT &&

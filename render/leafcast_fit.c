@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "formats/leaf_histogram.h"
+#include "formats/leaf/leaf_histogram.h"
 #include "render/leafcast_volume.h"
 
 _Static_assert((int)LEAFCAST_BINS_MAX == (int)HISTOGRAM_BINS &&

@@ -1,9 +1,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/edge_sign.h"
 #include "render/leafcast_volume.h"
-#include "render/mesh_walk.h"
+#include "render/mesh/edge_sign.h"
+#include "render/mesh/mesh_walk.h"
 
 /* Bring in the one treelet that a probe needs. */
 static status need(leafcast *v, uint32_t t) {

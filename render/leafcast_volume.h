@@ -3,9 +3,9 @@
 #define RENDER_LEAFCAST_VOLUME_H
 
 #include "render/frame.h"
-#include "render/intersect.h"
+#include "render/grid/intersect.h"
+#include "render/grid/level_planes.h"
 #include "render/kernels.h"
-#include "render/level_planes.h"
 
 struct leafcast {
     mem budget;

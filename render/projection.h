@@ -13,7 +13,7 @@
 
 #include "render/affine.h"
 #include "render/camera.h"
-#include "render/level_planes.h"
+#include "render/grid/level_planes.h"
 
 /* What a plane adds: pixels right of where the camera looks, below it, and depth are x / w, y / w,
  * w; all w scaled alike. far bounds the share of any of the point's distance that is due to this

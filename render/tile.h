@@ -1,13 +1,10 @@
-/* tile.h - the primary rays of a square of pixels through the volume together, up to their first
- * surface.
+/* tile.h - the primary rays of a square of pixels through a volume together, up to their first
+ * surface: what a kind's kernel takes and what it leaves (grid/grid_tile.h, mesh/mesh_tile.h).
  *
- * All of them start at the eye, so one order of cells is front to back for them all. The implicit
- * octree is walked once a tile: every node carries the rectangle of pixels that it can cover
- * (projection.h), and goes when that is empty or all its pixels have their surface: empty space and
- * what is hidden cost nothing more. At an active cell the rays of its rectangle are tested in
- * single precision, conservatively; those that may meet the surface are collected over several
- * cells and go to the cell kernel together (cell_batch.h), whose answer is the same as for single
- * rays. So the picture is the same bits as theirs.
+ * All of them start at the eye, so one order of nodes is front to back for them all. The tree is
+ * walked once a tile: every node carries the rectangle of pixels that it can cover (projection.h),
+ * and goes when that is empty or all its pixels have their surface: empty space and what is hidden
+ * cost nothing more. The picture is the same bits as that of single rays.
  *
  * What single rays do better or alone stays with them: rays that meet a treelet which is absent,
  * and directions with a component that is all but zero.
@@ -40,7 +37,7 @@ typedef struct tile_outcome {
     const treelet *at[TILE_MAX * TILE_MAX];
 } tile_outcome;
 
-/* tile_trace_X() - rays of the tile whose first pixel is (x0, y0); pixels: which. f->projection
+/* tile_fn - rays of the tile whose first pixel is (x0, y0); pixels: which. f->projection
  * must be usable. */
 typedef void (*tile_fn)(const frame *f, uint32_t x0, uint32_t y0, const tile_row pixels[],
                         tile_outcome *out, frame_counters *counters);
@@ -50,8 +47,5 @@ enum { GRID_TILE_SCRATCH = 64 << 10, MESH_TILE_SCRATCH = 288 << 10 };
 static inline size_t tile_scratch_bytes(bool mesh) {
     return mesh ? MESH_TILE_SCRATCH : GRID_TILE_SCRATCH;
 }
-
-/* tile_for() - NULL where there is none: every ray by itself. */
-tile_fn tile_for(cpu_isa isa);
 
 #endif

@@ -1,7 +1,7 @@
 #include "render/tracer.h"
 
-#include "render/mesh_tracer.h"
-#include "render/octree_step.h"
+#include "render/grid/octree_step.h"
+#include "render/mesh/mesh_tracer.h"
 
 /* Cut [t0, t1] by n . (o + t d) + w >= 0. */
 static bool cut(const double plane[4], const double o[3], const double d[3], double *t0,

@@ -11,8 +11,8 @@
 
 #include <stdatomic.h>
 
-#include "render/surface.h"
-#include "render/walk.h"
+#include "render/grid/surface.h"
+#include "render/grid/walk.h"
 #include "stream/loader.h"
 
 typedef struct tracer {

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "formats/quantize.h"
+#include "formats/leaf/quantize.h"
 #include "stream/active_template.h"
 
 enum { BLOCK = 1 << LEAF_BLOCK_LOG2, NODES = BLOCK + 1 };

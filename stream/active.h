@@ -18,7 +18,7 @@
 #include <stdint.h>
 
 #include "formats/base/cpu.h"
-#include "formats/leaf_file.h"
+#include "formats/leaf/leaf_file.h"
 
 enum { ACTIVE_ISOS_MAX = 32 };
 

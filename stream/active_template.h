@@ -22,7 +22,7 @@ active_fn active_compute_sse42, active_compute_avx2, active_compute_avx512;
 #include <stdbool.h>
 #include <string.h>
 
-#include "formats/quantize.h"
+#include "formats/leaf/quantize.h"
 
 enum {
     BLOCK = 1 << LEAF_BLOCK_LOG2,

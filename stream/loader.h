@@ -23,7 +23,7 @@
 #include <stdbool.h>
 
 #include "formats/base/cpu.h"
-#include "formats/leaf_file.h"
+#include "formats/leaf/leaf_file.h"
 #include "stream/mesh_resident.h"
 #include "stream/source.h"
 #include "stream/treelet.h"

@@ -9,7 +9,7 @@
 
 #include <stddef.h>
 
-#include "formats/mesh_leaf.h"
+#include "formats/mesh/mesh_leaf.h"
 
 typedef struct mesh_active {
     uint8_t *children; /* a node: bit c: there are active tets below child c */

@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "formats/mesh_leaf.h"
+#include "formats/mesh/mesh_leaf.h"
 
 /* mesh_refit_scratch() - bytes that the others need for a treelet of this shape. */
 size_t mesh_refit_scratch(const mesh_shape *s);

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "formats/mesh_leaf_check.h"
+#include "formats/mesh/mesh_leaf_check.h"
 #include "stream/mesh_refit.h"
 
 /* ---- sizes ---- */

@@ -16,7 +16,7 @@
 #ifndef STREAM_SOURCE_H
 #define STREAM_SOURCE_H
 
-#include "formats/leaf_file.h"
+#include "formats/leaf/leaf_file.h"
 
 typedef enum source_kind { SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA } source_kind;
 

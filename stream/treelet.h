@@ -9,8 +9,8 @@
 
 #include <stdatomic.h>
 
-#include "formats/leaf_layout.h"
-#include "formats/mesh_leaf.h"
+#include "formats/leaf/leaf_layout.h"
+#include "formats/mesh/mesh_leaf.h"
 #include "stream/active.h"
 #include "stream/mesh_active.h"
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "formats/volume.h"
+#include "formats/grid/volume.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

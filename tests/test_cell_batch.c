@@ -14,9 +14,9 @@
 
 #include <cmocka.h>
 
-#include "render/cell_batch.h"
-#include "render/cell_kernel.h"
-#include "render/intersect.h"
+#include "render/grid/cell_batch.h"
+#include "render/grid/cell_kernel.h"
+#include "render/grid/intersect.h"
 #include "tests/support/cell_batch_wide.h"
 #include "tests/support/fields.h"
 #include "tests/support/ray_cells.h"

@@ -14,8 +14,8 @@
 #include <string.h>
 
 #include "formats/base/fault.h"
-#include "formats/leaf_verify.h"
-#include "prep/pyramid.h"
+#include "formats/leaf/leaf_verify.h"
+#include "prep/grid/pyramid.h"
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/scratch.h"

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "render/edge_sign.h"
+#include "render/mesh/edge_sign.h"
 #include "tests/support/fields.h"
 
 /* ---- whole numbers, as slow as they are plain ------------------------------------------------ */

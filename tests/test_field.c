@@ -15,9 +15,9 @@
 
 #include "formats/base/fault.h"
 #include "formats/base/hash.h"
-#include "formats/volume.h"
-#include "prep/field.h"
-#include "prep/generate.h"
+#include "formats/grid/volume.h"
+#include "prep/generate/field.h"
+#include "prep/generate/generate.h"
 #include "tests/support/scratch.h"
 
 static const long double PI = 3.14159265358979323846264338327950288L;

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "formats/histogram.h"
-#include "formats/histogram_draw.h"
+#include "formats/leaf/histogram.h"
+#include "formats/leaf/histogram_draw.h"
 
 enum { NX = 24, NY = 20, NZ = 17, NODES = NX * NY * NZ };
 

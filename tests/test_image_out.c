@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "render/image_out.h"
+#include "render/app/image_out.h"
 
 static char folder[] = "/tmp/leafcast-image-XXXXXX";
 static char helper[128], target[128];

@@ -11,9 +11,9 @@
 #include <string.h>
 
 #include "formats/base/fault.h"
-#include "formats/histogram_draw.h"
 #include "formats/input_facts.h"
-#include "formats/mesh_stream.h"
+#include "formats/leaf/histogram_draw.h"
+#include "formats/mesh/mesh_stream.h"
 #include "tests/support/scratch.h"
 
 enum { X = 5, Y = 4, Z = 40 };

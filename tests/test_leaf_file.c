@@ -14,8 +14,8 @@
 
 #include "formats/base/fault.h"
 #include "formats/base/hash.h"
-#include "formats/leaf_check.h"
-#include "formats/leaf_verify.h"
+#include "formats/leaf/leaf_check.h"
+#include "formats/leaf/leaf_verify.h"
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/leaf_image.h"

@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "formats/leaf_histogram.h"
-#include "formats/leaf_verify.h"
-#include "prep/mesh_convert.h"
+#include "formats/leaf/leaf_histogram.h"
+#include "formats/leaf/leaf_verify.h"
+#include "prep/mesh/mesh_convert.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/leaf_image.h"
 #include "tests/support/naive_histogram.h"

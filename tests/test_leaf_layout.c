@@ -8,7 +8,7 @@
 #include <cmocka.h>
 #include <string.h>
 
-#include "formats/leaf_layout.h"
+#include "formats/leaf/leaf_layout.h"
 
 static const uint32_t SIZES[][3] = {{2, 2, 2},   {17, 17, 17}, {18, 17, 2},  {33, 33, 33},
                                     {34, 2, 65}, {2, 200, 3},  {65, 66, 67}, {130, 40, 90},

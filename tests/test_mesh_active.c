@@ -8,8 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "formats/leaf_file.h"
-#include "formats/mesh_leaf_check.h"
+#include "formats/leaf/leaf_file.h"
+#include "formats/mesh/mesh_leaf_check.h"
 #include "stream/mesh_active.h"
 #include "stream/treelet_tree.h"
 #include "tests/support/fields.h"

@@ -10,8 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "formats/mesh_choice.h"
-#include "formats/mesh_feed.h"
+#include "formats/mesh/mesh_choice.h"
+#include "formats/mesh/mesh_feed.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/scratch.h"
 

@@ -14,10 +14,10 @@
 #include <unistd.h>
 
 #include "formats/base/hash.h"
-#include "formats/leaf_check.h"
-#include "formats/leaf_stats.h"
-#include "formats/leaf_verify.h"
-#include "formats/mesh_leaf_check.h"
+#include "formats/leaf/leaf_check.h"
+#include "formats/leaf/leaf_stats.h"
+#include "formats/leaf/leaf_verify.h"
+#include "formats/mesh/mesh_leaf_check.h"
 #include "tests/support/fields.h"
 #include "tests/support/leaf_image.h"
 #include "tests/support/mesh_leaves.h"

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "formats/id_map.h"
+#include "formats/base/id_map.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/scratch.h"
 

@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "formats/base/fault.h"
-#include "prep/mesh_gradients.h"
+#include "prep/mesh/mesh_gradients.h"
 #include "tests/support/fields.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/mesh_truth.h"

@@ -11,9 +11,9 @@
 #include <string.h>
 
 #include "formats/base/fault.h"
-#include "formats/leaf_stats.h"
-#include "formats/leaf_verify.h"
-#include "formats/mesh_leaf_check.h"
+#include "formats/leaf/leaf_stats.h"
+#include "formats/leaf/leaf_verify.h"
+#include "formats/mesh/mesh_leaf_check.h"
 #include "tests/support/fields.h"
 #include "tests/support/mesh_leaves.h"
 #include "tests/support/naive_mesh.h"

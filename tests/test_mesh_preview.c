@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "formats/leaf_file.h"
-#include "prep/mesh_series.h"
+#include "formats/leaf/leaf_file.h"
+#include "prep/mesh/mesh_series.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/pictures.h"

@@ -12,8 +12,8 @@
 #include <string.h>
 
 #include "formats/base/fault.h"
-#include "formats/leaf_file.h"
-#include "formats/leaf_verify.h"
+#include "formats/leaf/leaf_file.h"
+#include "formats/leaf/leaf_verify.h"
 #include "tests/support/fields.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/mesh_truth.h"

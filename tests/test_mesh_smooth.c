@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/tet_smooth.h"
+#include "render/mesh/tet_smooth.h"
 #include "tests/support/fixture.h"
 #include "tests/support/lab_leaf.h"
 #include "tests/support/pictures.h"

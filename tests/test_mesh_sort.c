@@ -11,10 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "prep/mesh_cut.h"
-#include "prep/mesh_morton.h"
-#include "prep/mesh_pages.h"
-#include "prep/mesh_runs.h"
+#include "prep/mesh/mesh_cut.h"
+#include "prep/mesh/mesh_morton.h"
+#include "prep/mesh/mesh_pages.h"
+#include "prep/mesh/mesh_runs.h"
 #include "tests/support/fields.h"
 #include "tests/support/scratch.h"
 

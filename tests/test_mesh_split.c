@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "formats/mesh_split.h"
+#include "formats/mesh/mesh_split.h"
 
 typedef struct shape {
     mesh_cell kind;

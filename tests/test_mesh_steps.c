@@ -15,7 +15,7 @@
 #include <string.h>
 
 #include "formats/base/fault.h"
-#include "formats/mesh_leaf_check.h"
+#include "formats/mesh/mesh_leaf_check.h"
 #include "stream/loader.h"
 #include "stream/mesh_refit.h"
 #include "tests/support/fixture.h"

@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "formats/base/fault.h"
-#include "formats/mesh_stream.h"
+#include "formats/mesh/mesh_stream.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/scratch.h"
 

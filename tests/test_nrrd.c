@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "formats/nrrd_writer.h"
+#include "formats/grid/nrrd_writer.h"
 #include "tests/support/scratch.h"
 #include "tests/support/volumes.h"
 

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "render/peer_mesh.h"
+#include "render/bench/peer_mesh.h"
 
 enum { AXES = 3 };
 

@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/picture_bytes.h"
-#include "render/picture_png.h"
-#include "render/picture_pnm.h"
+#include "render/app/picture_bytes.h"
+#include "render/app/picture_png.h"
+#include "render/app/picture_pnm.h"
 
 static mem budget;
 

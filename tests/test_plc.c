@@ -13,8 +13,8 @@
 #include <string.h>
 
 #include "formats/base/fault.h"
-#include "formats/plc.h"
-#include "formats/plc_clean.h"
+#include "formats/surface/plc.h"
+#include "formats/surface/plc_clean.h"
 #include "tests/support/scratch.h"
 
 /* ---- what the tests share ---- */

@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "formats/base/fault.h"
-#include "prep/pyramid.h"
+#include "prep/grid/pyramid.h"
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
 

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "formats/quantize.h"
+#include "formats/leaf/quantize.h"
 #include "tests/support/fields.h"
 
 static bool passes(const quantizer *q, double lo, double hi, double iso) {

@@ -12,9 +12,9 @@
 #include <string.h>
 #include <zstd.h>
 
-#include "formats/leaf_stats.h"
-#include "formats/leaf_verify.h"
-#include "prep/convert.h"
+#include "formats/leaf/leaf_stats.h"
+#include "formats/leaf/leaf_verify.h"
+#include "prep/grid/convert.h"
 #include "tests/support/scratch.h"
 
 enum { THREADS = 2 };

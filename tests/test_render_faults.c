@@ -17,7 +17,7 @@
 
 #include "formats/base/fault.h"
 #include "formats/base/hash.h"
-#include "formats/leaf_file.h"
+#include "formats/leaf/leaf_file.h"
 #include "tests/support/fixture.h"
 #include "tests/support/scratch.h"
 

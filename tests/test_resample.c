@@ -14,8 +14,8 @@
 #include <string.h>
 
 #include "formats/base/fault.h"
-#include "prep/resample.h"
-#include "prep/resample_input.h"
+#include "prep/resample/resample.h"
+#include "prep/resample/resample_input.h"
 #include "tests/support/exact_sum.h"
 #include "tests/support/fields.h"
 #include "tests/support/mesh_cases.h"

@@ -9,8 +9,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "formats/grid.h"
-#include "formats/sample.h"
+#include "formats/base/sample.h"
+#include "formats/grid/grid.h"
 
 static void test_names(void **state) {
     (void)state;

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/tet_batch.h"
+#include "render/mesh/tet_batch.h"
 #include "tests/support/fields.h"
 #include "tests/support/tet_batch_wide.h"
 

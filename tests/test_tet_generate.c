@@ -14,7 +14,7 @@
 
 #include "formats/base/fault.h"
 #include "formats/base/hash.h"
-#include "prep/tet_generate.h"
+#include "prep/generate/tet_generate.h"
 #include "tests/support/scratch.h"
 
 /* ---- a mesh in memory ---- */

@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "formats/mesh_stream.h"
+#include "formats/mesh/mesh_stream.h"
 #include "tests/support/scratch.h"
 #include "tests/support/tet_judge.h"
 #include "tests/support/tet_load.h"

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "render/tet_kernel.h"
+#include "render/mesh/tet_kernel.h"
 #include "tests/support/fields.h"
 
 enum { SEED = 7, COUNT = 40000 };

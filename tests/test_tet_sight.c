@@ -12,8 +12,8 @@
 
 #include "tests/support/simd_wide.h"
 
-#include "render/tet_normals_template.h"
-#include "render/tet_sight_template.h"
+#include "render/mesh/tet_normals_template.h"
+#include "render/mesh/tet_sight_template.h"
 #include "tests/support/fields.h"
 
 enum { TETS = 400000 };

@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/tet_kernel.h"
+#include "render/mesh/tet_kernel.h"
 #include "tests/support/fields.h"
 
 enum { SEED = 11, SIDE_MAX = 6, TETS_MAX = 6 * SIDE_MAX * SIDE_MAX * SIDE_MAX, HITS_MAX = 4096 };

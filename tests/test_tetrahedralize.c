@@ -15,8 +15,8 @@
 
 #include "formats/base/fault.h"
 #include "formats/base/sibling.h"
-#include "prep/tetrahedralize.h"
-#include "prep/triangle_tree.h"
+#include "prep/tetrahedralize/tetrahedralize.h"
+#include "prep/tetrahedralize/triangle_tree.h"
 #include "tests/support/in_sphere.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/scratch.h"

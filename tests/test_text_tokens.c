@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "formats/text_number.h"
-#include "formats/text_tokens.h"
+#include "formats/input/text_number.h"
+#include "formats/input/text_tokens.h"
 #include "tests/support/scratch.h"
 
 static uint64_t seed = 12345;

@@ -12,12 +12,12 @@
 #include "formats/base/cpu.h"
 #include "render/kernels.h"
 #include "tests/support/fixture.h"
+#include "tests/support/grid_tile_wide.h"
 #include "tests/support/pictures.h"
-#include "tests/support/tile_wide.h"
 
 static void open_wide(picture_volumes *v, const char *path, int threads) {
     pictures_open_one(v, path, "scalar", threads);
-    kernels_in_use(v->of[v->count - 1])->tile = tile_trace_wide;
+    kernels_in_use(v->of[v->count - 1])->tile = grid_tile_trace_wide;
     v->name[v->count - 1] = "wide";
 }
 

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "formats/quantize.h"
-#include "prep/treelet_build.h"
+#include "formats/leaf/quantize.h"
+#include "prep/grid/treelet_build.h"
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
 

@@ -9,9 +9,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "render/colour.h"
-#include "render/render_job.h"
-#include "render/render_script.h"
+#include "render/app/colour.h"
+#include "render/app/render_job.h"
+#include "render/app/render_script.h"
 
 static void test_colours(void **state) {
     (void)state;

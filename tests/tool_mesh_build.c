@@ -14,8 +14,8 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
-#include "formats/leaf_file.h"
-#include "formats/mesh_leaf.h"
+#include "formats/leaf/leaf_file.h"
+#include "formats/mesh/mesh_leaf.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/scratch.h"
 

@@ -10,8 +10,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "render/colour.h"
-#include "render/picture_png.h"
+#include "render/app/colour.h"
+#include "render/app/picture_png.h"
 
 static size_t written;
 

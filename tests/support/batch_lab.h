@@ -3,8 +3,8 @@
 #ifndef TESTS_SUPPORT_BATCH_LAB_H
 #define TESTS_SUPPORT_BATCH_LAB_H
 
-#include "render/cell_batch.h"
-#include "render/cell_kernel.h"
+#include "render/grid/cell_batch.h"
+#include "render/grid/cell_kernel.h"
 
 /* The last sixteen ray-cells, each in a lane; begins as zeros. */
 typedef struct batch_lab {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/cell_kernel.h"
+#include "render/grid/cell_kernel.h"
 #include "tests/support/fields.h"
 
 enum {

@@ -4,4 +4,4 @@
 
 #include "tests/support/simd_wide.h"
 
-#include "render/cell_batch_template.h"
+#include "render/grid/cell_batch_template.h"

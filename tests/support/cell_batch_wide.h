@@ -2,7 +2,7 @@
 #ifndef TESTS_SUPPORT_CELL_BATCH_WIDE_H
 #define TESTS_SUPPORT_CELL_BATCH_WIDE_H
 
-#include "render/cell_batch.h"
+#include "render/grid/cell_batch.h"
 
 /* cell_batch_wide() - as every cell_batch_fn. */
 void cell_batch_wide(const cell_batch *b, int lanes, const double *isovalues, int count,

@@ -29,7 +29,7 @@
 #include <stdio.h>
 
 #include "formats/base/pool.h"
-#include "render/intersect.h"
+#include "render/grid/intersect.h"
 #include "tests/support/holes.h"
 
 typedef struct cell_lab_tally {

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "prep/convert.h"
+#include "prep/grid/convert.h"
 #include "tests/support/fixture.h"
 #include "tests/support/scratch.h"
 

@@ -5,9 +5,9 @@
 
 #include <cmocka.h>
 
-#include "formats/mesh_stream.h"
-#include "prep/mesh_convert.h"
-#include "prep/tet_generate.h"
+#include "formats/mesh/mesh_stream.h"
+#include "prep/generate/tet_generate.h"
+#include "prep/mesh/mesh_convert.h"
 #include "tests/support/scratch.h"
 
 const char *lab_leaf_make(const lab_mesh *lab, uint32_t treelet_tets, bool gradients) {

@@ -9,8 +9,8 @@
  * for; the file's path. There is one at a time. */
 const char *lab_leaf_make(const lab_mesh *lab, uint32_t treelet_tets, bool gradients);
 
-/* lab_leaf_field() - the same of a field of prep/field.h on dims^3 nodes of a generated mesh, in
- * treelets of the usual size. */
+/* lab_leaf_field() - the same of a field of prep/generate/field.h on dims^3 nodes of a generated
+ * mesh, in treelets of the usual size. */
 const char *lab_leaf_field(const char *name, uint32_t dims);
 
 #endif

@@ -5,8 +5,8 @@
 
 #include <stdint.h>
 
-#include "formats/leaf_file.h"
-#include "prep/convert.h"
+#include "formats/leaf/leaf_file.h"
+#include "prep/grid/convert.h"
 
 /* A volume to be converted, and how. */
 typedef struct leaf_case {

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-#include "formats/leaf_stats.h"
-#include "formats/leaf_verify.h"
+#include "formats/leaf/leaf_stats.h"
+#include "formats/leaf/leaf_verify.h"
 #include "render/leafcast.h"
 #include "tests/support/leaf_image.h"
 

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "formats/base/hash.h"
-#include "formats/leaf_check.h"
+#include "formats/leaf/leaf_check.h"
 
 leaf_image leaf_image_of(char *bytes, size_t size) {
     leaf_image i = {.bytes = bytes, .size = size};

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "formats/leaf_file.h"
+#include "formats/leaf/leaf_file.h"
 
 typedef struct leaf_image {
     char *bytes; /* malloc'ed; free() it */

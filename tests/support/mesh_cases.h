@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "prep/mesh_convert.h"
+#include "prep/mesh/mesh_convert.h"
 
 typedef struct mesh_case {
     size_t point_count, tet_count;

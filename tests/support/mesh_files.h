@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "formats/mesh.h"
+#include "formats/mesh/mesh.h"
 
 enum { MESH_FILES_ROOM = 1 << 18 };
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "formats/mesh_leaf.h"
+#include "formats/mesh/mesh_leaf.h"
 #include "tests/support/fields.h"
 #include "tests/support/scratch.h"
 

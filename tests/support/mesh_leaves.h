@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "formats/leaf_writer.h"
+#include "formats/leaf/leaf_writer.h"
 
 typedef struct mesh_case {
     size_t points, tets;

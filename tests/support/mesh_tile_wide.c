@@ -3,4 +3,4 @@
 
 #include "tests/support/simd_wide.h"
 
-#include "render/mesh_tile_template.h"
+#include "render/mesh/mesh_tile_template.h"

@@ -2,7 +2,7 @@
 #ifndef TESTS_SUPPORT_MESH_TILE_WIDE_H
 #define TESTS_SUPPORT_MESH_TILE_WIDE_H
 
-#include "render/mesh_tile.h"
+#include "render/mesh/mesh_tile.h"
 
 /* mesh_tile_wide() - as every tile_fn. */
 void mesh_tile_wide(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],

@@ -3,4 +3,4 @@
 
 #include "tests/support/simd_wide.h"
 
-#include "render/tet_batch_template.h"
+#include "render/mesh/tet_batch_template.h"

@@ -2,7 +2,7 @@
 #ifndef TESTS_SUPPORT_TET_BATCH_WIDE_H
 #define TESTS_SUPPORT_TET_BATCH_WIDE_H
 
-#include "render/tet_batch.h"
+#include "render/mesh/tet_batch.h"
 
 /* tet_batch_wide() - a tet_batch_fn. */
 void tet_batch_wide(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,

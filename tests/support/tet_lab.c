@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "render/tet_kernel.h"
+#include "render/mesh/tet_kernel.h"
 #include "tests/support/tet_meshes.h"
 
 enum { HITS_MAX = 64, RAYS_A_MESH = 64, SHOWN = 3 };

@@ -1,5 +1,5 @@
-/* tet_lab.h - the laboratory of tetrahedra: the kernel of render/tet_kernel.h on every tetrahedron
- * of the hostile meshes of tet_meshes.h, judged by the reference.
+/* tet_lab.h - the laboratory of tetrahedra: the kernel of render/mesh/tet_kernel.h on every
+ * tetrahedron of the hostile meshes of tet_meshes.h, judged by the reference.
  *
  * Rays go through small meshes (64 rays share one) and all their surfaces are compared
  * (tet_judge.h). Beside missed, false and too far, which the grazing band excuses, these are

@@ -8,8 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "formats/grid.h"
-#include "formats/volume.h"
+#include "formats/grid/grid.h"
+#include "formats/grid/volume.h"
 
 /* The test volume: 4 x 3 x 2 samples. Sample n of a signed or real type is 7 n - 50, of another 7
  * n. */

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <zlib.h>
 
-#include "formats/mesh_split.h"
+#include "formats/mesh/mesh_split.h"
 #include "tests/support/scratch.h"
 
 /* ---- the mesh ---- */

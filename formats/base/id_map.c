@@ -1,0 +1,92 @@
+#include "formats/base/id_map.h"
+
+#include <string.h>
+
+static status grow(id_map *map) {
+    size_t room = map->room ? 2 * map->room : 64;
+    id_run *larger = mem_array(map->m, room, sizeof *larger);
+    if (!larger)
+        return ST_NOMEM;
+    if (map->count > 0)
+        memcpy(larger, map->runs, map->count * sizeof *larger);
+    mem_free(map->m, map->runs);
+    map->runs = larger;
+    map->room = room;
+    return ST_OK;
+}
+
+status id_map_add(id_map *map, uint64_t id) {
+    id_run *last = map->count ? &map->runs[map->count - 1] : NULL;
+    if (last && id >= last->id && id - last->id == last->count) {
+        last->count++;
+        map->places++;
+        return ST_OK;
+    }
+    status st = map->count == map->room ? grow(map) : ST_OK;
+    if (st == ST_OK)
+        map->runs[map->count++] = (id_run){id, map->places++, 1};
+    return st;
+}
+
+/* Let runs[at] sink to where it belongs in a heap with the largest id on top. */
+static void sink(id_run *runs, size_t at, size_t count) {
+    id_run moved = runs[at];
+    for (size_t child; (child = 2 * at + 1) < count; at = child) {
+        if (child + 1 < count && runs[child + 1].id > runs[child].id)
+            child++;
+        if (runs[child].id <= moved.id)
+            break;
+        runs[at] = runs[child];
+    }
+    runs[at] = moved;
+}
+
+/* Heapsort: no memory beyond the budget, no bad cases. */
+static void sort(id_run *runs, size_t count) {
+    for (size_t i = count / 2; i-- > 0;)
+        sink(runs, i, count);
+    for (size_t left = count; left > 1;) {
+        id_run largest = runs[0];
+        runs[0] = runs[--left];
+        runs[left] = largest;
+        sink(runs, 0, left);
+    }
+}
+
+bool id_map_seal(id_map *map, uint64_t *twice) {
+    bool sorted = true;
+    for (size_t i = 1; i < map->count; i++)
+        sorted = sorted && map->runs[i - 1].id < map->runs[i].id;
+    if (!sorted)
+        sort(map->runs, map->count);
+    for (size_t i = 1; i < map->count; i++) {
+        const id_run *before = &map->runs[i - 1];
+        *twice = map->runs[i].id;
+        if (map->runs[i].id - before->id < before->count)
+            return false;
+    }
+    return true;
+}
+
+uint64_t id_map_find(id_map *map, uint64_t id) {
+    size_t lo = 0, hi = map->count;
+    if (hi == 0)
+        return UINT64_MAX;
+    if (id - map->runs[map->last].id >= map->runs[map->last].count) {
+        while (hi - lo > 1) {
+            size_t middle = lo + (hi - lo) / 2;
+            if (map->runs[middle].id <= id)
+                lo = middle;
+            else
+                hi = middle;
+        }
+        map->last = lo;
+    }
+    const id_run *run = &map->runs[map->last];
+    return id - run->id < run->count ? run->place + (id - run->id) : UINT64_MAX;
+}
+
+void id_map_release(id_map *map) {
+    mem_free(map->m, map->runs);
+    *map = (id_map){.m = map->m};
+}

@@ -1,0 +1,55 @@
+/* grid.h - what a regular or rectilinear grid of samples is: sizes, sample type, where its nodes
+ * lie.
+ *
+ * Nodes (i, j, k) hold samples, x fastest; cells lie between eight nodes. Two spaces:
+ *   grid space   regular: node (i, j, k) at (i, j, k);
+ *                rectilinear: at (axis[0][i], axis[1][j], axis[2][k])
+ *   world space  world = to_world * (grid, 1): spacings (also negative), directions and origin are
+ *                in there, nowhere else
+ */
+#ifndef FORMATS_GRID_GRID_H
+#define FORMATS_GRID_GRID_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/sample.h"
+#include "formats/base/status.h"
+
+enum { GRID_NAME_MAX = 64, GRID_DIM_MAX = 1 << 20 };
+
+typedef struct grid {
+    uint32_t dims[3];      /* nodes per axis, each 2 .. GRID_DIM_MAX */
+    sample_type type;      /* as samples are read */
+    sample_type source;    /* as the input has them, where that is another; else 0 */
+    double to_world[3][4]; /* row-major affine map, grid space to world space; invertible */
+    double *axis[3]; /* rectilinear: dims[a] strictly increasing coordinates; all three NULL for a
+                        regular grid */
+    char name[GRID_NAME_MAX];
+} grid;
+
+/* grid_init() - a regular grid with unit spacing at the origin. */
+void grid_init(grid *g, const uint32_t dims[3], sample_type type);
+
+/* grid_set_axis() - make the grid rectilinear: coordinates[dims[a]] of one axis, copied; axes not
+ * set become 0, 1, 2, ... Coordinates are finite and strictly increasing or strictly decreasing:
+ * ST_CORRUPT naming `what` and the first bad index. Decreasing ones are stored negated and column a
+ * of to_world is negated with them, so that axis[] always increases, no sample moves, and every
+ * node keeps its place in the world. Set to_world first; set an axis once. On ST_NOMEM,
+ * grid_release() as always. */
+CHECKED status grid_set_axis(grid *g, mem *m, const char *what, int a, const double *coordinates);
+
+/* grid_check() - dims in range (a one-sample axis is refused with a clear text), finite invertible
+ * to_world; ST_CORRUPT or ST_UNSUPPORTED naming `what`. Every importer ends with it. */
+CHECKED status grid_check(const grid *g, const char *what);
+
+bool grid_is_rectilinear(const grid *g);
+sample_type grid_source(const grid *g);   /* the type that the input's samples have */
+uint64_t grid_samples(const grid *g);     /* dims[0] * dims[1] * dims[2] */
+uint64_t grid_slice_bytes(const grid *g); /* bytes of one z slice of samples of g->type */
+
+/* grid_release() - free the axes. */
+void grid_release(grid *g, mem *m);
+
+#endif

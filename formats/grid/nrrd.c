@@ -1,0 +1,376 @@
+#include "formats/grid/nrrd.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "formats/base/num.h"
+#include "formats/input/header_fields.h"
+
+/* A header while it is interpreted. Per-axis values are in the order of the file until squeeze()
+ * has picked the three axes. */
+typedef struct nrrd {
+    header_fields fields;
+    volume_layout *l;
+    int axes;  /* 3 or 4 in the file */
+    int first; /* the volume's axes are first .. first + 2 */
+} nrrd;
+
+static const char *const known_fields[] = {
+    "dimension",
+    "type",
+    "block size",
+    "encoding",
+    "endian",
+    "content",
+    "old min",
+    "old max",
+    "min",
+    "max",
+    "data file",
+    "line skip",
+    "byte skip",
+    "number",
+    "sample units",
+    "sizes",
+    "spacings",
+    "thicknesses",
+    "axis mins",
+    "axis maxs",
+    "centers",
+    "centerings",
+    "labels",
+    "units",
+    "kinds",
+    "space",
+    "space dimension",
+    "space units",
+    "space origin",
+    "space directions",
+    "measurement frame",
+};
+
+bool nrrd_known(const uint8_t *start, size_t size) {
+    return size >= 4 && memcmp(start, "NRRD", 4) == 0;
+}
+
+static const header_field *get(const nrrd *n, const char *key) {
+    return header_fields_find(&n->fields, key);
+}
+
+static status need(const nrrd *n, const char *key, const header_field **out) {
+    *out = get(n, key);
+    return *out ? ST_OK : header_fields_missing(&n->fields, key);
+}
+
+static status check_magic(byte_stream *s) {
+    const uint8_t *data;
+    size_t size;
+    status st = byte_stream_peek(s, 10, &data, &size);
+    if (st != ST_OK)
+        return st;
+    if (size < 9 || memcmp(data, "NRRD000", 7) != 0 || data[7] < '1' || data[7] > '9' ||
+        (data[8] != '\n' && data[8] != '\r'))
+        return status_describe(ST_CORRUPT, "%s: line 1: expected NRRD0001 to NRRD0005",
+                               byte_stream_name(s));
+    if (data[7] > '5')
+        return status_describe(ST_UNSUPPORTED, "%s: line 1: NRRD version %c; 1 to 5 are supported",
+                               byte_stream_name(s), data[7]);
+    byte_stream_take(s, data[8] == '\r' && size > 9 && data[9] == '\n' ? 10 : 9);
+    return ST_OK;
+}
+
+/* A misspelt field would silently give another picture: unknown ones are errors, as the format
+ * demands. */
+static status check_known(const nrrd *n) {
+    for (size_t i = 0; i < n->fields.count; i++) {
+        const header_field *f = &n->fields.items[i];
+        bool known = f->pair;
+        for (size_t k = 0; !known && k < sizeof known_fields / sizeof known_fields[0]; k++)
+            known = header_fields_same(f->key, known_fields[k]);
+        if (!known)
+            return header_fields_fault(&n->fields, f, ST_CORRUPT, "no such NRRD field");
+    }
+    return ST_OK;
+}
+
+/* ---- sizes and type ---- */
+
+static status read_sizes(nrrd *n) {
+    const header_field *dimension, *sizes;
+    int64_t axes = 0;
+    status st = need(n, "dimension", &dimension);
+    if (st == ST_OK)
+        st = header_fields_int(&n->fields, dimension, 1, HEADER_FIELDS_AXES, &axes);
+    if (st == ST_OK)
+        st = need(n, "sizes", &sizes);
+    uint32_t all[HEADER_FIELDS_AXES];
+    if (st == ST_OK)
+        st = header_fields_sizes(&n->fields, sizes, (int)axes, all);
+    if (st != ST_OK)
+        return st;
+    n->axes = (int)axes;
+    n->first = axes == 4 && all[0] == 1;
+    if (axes != 3 && !(axes == 4 && (all[0] == 1 || all[3] == 1)))
+        return header_fields_fault(&n->fields, sizes, ST_UNSUPPORTED,
+                                   "\"%s\": a scalar volume has three axes (or a fourth, first or "
+                                   "last, of one sample)",
+                                   sizes->value);
+    memcpy(n->l->g.dims, all + n->first, sizeof n->l->g.dims);
+    return ST_OK;
+}
+
+static status read_content(nrrd *n) {
+    const header_field *f = get(n, "content");
+    if (f)
+        snprintf(n->l->g.name, sizeof n->l->g.name, "%s", f->value);
+    return ST_OK;
+}
+
+static status read_type(nrrd *n) {
+    const header_field *type;
+    status st = need(n, "type", &type);
+    if (st == ST_OK && !sample_parse(type->value, &n->l->g.type))
+        st = header_fields_fault(&n->fields, type, ST_UNSUPPORTED,
+                                 "\"%s\": supported are 8 to 32 bit integers, float and double",
+                                 type->value);
+    return st;
+}
+
+/* ---- encoding and byte order ---- */
+
+static bool is_one_of(const char *value, const char *const *names) {
+    for (; *names; names++)
+        if (strcasecmp(value, *names) == 0)
+            return true;
+    return false;
+}
+
+static status read_encoding(nrrd *n) {
+    static const char *const gzip[] = {"gzip", "gz", NULL};
+    static const char *const text[] = {"text", "txt", "ascii", NULL};
+    const header_field *f;
+    status st = need(n, "encoding", &f);
+    if (st != ST_OK)
+        return st;
+    if (strcasecmp(f->value, "raw") == 0)
+        n->l->encoding = VOLUME_RAW;
+    else if (is_one_of(f->value, gzip))
+        n->l->encoding = VOLUME_DEFLATE;
+    else if (is_one_of(f->value, text))
+        n->l->encoding = VOLUME_TEXT;
+    else
+        return header_fields_fault(&n->fields, f, ST_UNSUPPORTED,
+                                   "\"%s\": supported are raw, gzip and text", f->value);
+    return ST_OK;
+}
+
+static status read_endian(nrrd *n) {
+    const header_field *f = get(n, "endian");
+    bool matters = sample_size(n->l->g.type) > 1 && n->l->encoding != VOLUME_TEXT;
+    if (!f)
+        return matters ? header_fields_missing(&n->fields, "endian") : ST_OK;
+    n->l->big_endian = strcasecmp(f->value, "big") == 0;
+    if (matters && !n->l->big_endian && strcasecmp(f->value, "little") != 0)
+        return header_fields_fault(&n->fields, f, ST_CORRUPT, "\"%s\": expected little or big",
+                                   f->value);
+    return ST_OK;
+}
+
+/* ---- where the nodes lie ---- */
+
+/* A per-axis field of numbers, those of the volume's three axes; NaN where the field is absent or
+ * says nan. */
+static status read_axis_numbers(const nrrd *n, const char *key, double out[3]) {
+    const header_field *f = get(n, key);
+    double all[4] = {NAN, NAN, NAN, NAN};
+    status st = f ? header_fields_numbers(&n->fields, f, n->axes, all) : ST_OK;
+    memcpy(out, all + n->first, 3 * sizeof *out);
+    return st;
+}
+
+/* The vector "(x,y,z)" at *text, or "none"; moves *text behind it. */
+static status take_vector(const nrrd *n, const header_field *f, const char **text, bool *none,
+                          double out[3]) {
+    const char *at = *text + strspn(*text, " \t");
+    *none = strncasecmp(at, "none", 4) == 0;
+    if (*none) {
+        *text = at + 4;
+        return ST_OK;
+    }
+    const char *close = strchr(at, ')');
+    char inside[160];
+    if (*at == '(' && close && (size_t)(close - at) < sizeof inside) {
+        memcpy(inside, at + 1, (size_t)(close - at) - 1);
+        inside[close - at - 1] = 0;
+        *text = close + 1;
+        if (num_doubles(inside, "", ", ", 3, out) == ST_OK)
+            return ST_OK;
+    }
+    return header_fields_fault(&n->fields, f, ST_CORRUPT,
+                               "\"%s\": expected vectors \"(x,y,z)\" of three numbers", f->value);
+}
+
+static status check_space(const nrrd *n) {
+    const header_field *f = get(n, "space dimension");
+    int64_t dimension = 3;
+    if (f) {
+        status st = header_fields_int(&n->fields, f, 1, HEADER_FIELDS_AXES, &dimension);
+        if (st != ST_OK)
+            return st;
+    }
+    if (dimension != 3)
+        return header_fields_fault(&n->fields, f, ST_UNSUPPORTED, "a volume lies in a space of 3");
+    return ST_OK;
+}
+
+/* The step from node to node along each axis: a vector of "space directions", or a spacing along x,
+ * y or z. */
+static status read_directions(const nrrd *n, double direction[3][3], double spacing[3]) {
+    const header_field *f = get(n, "space directions");
+    const char *text = f ? f->value : "";
+    bool any = false;
+    for (int axis = 0; f && axis < n->axes; axis++) {
+        double v[3];
+        bool none;
+        status st = take_vector(n, f, &text, &none, v);
+        if (st != ST_OK)
+            return st;
+        int a = axis - n->first;
+        if (none || a < 0 || a > 2)
+            continue;
+        memcpy(direction[a], v, sizeof v);
+        spacing[a] = 1;
+        any = true;
+    }
+    if (any && text[strspn(text, " \t")])
+        return header_fields_fault(&n->fields, f, ST_CORRUPT, "\"%s\": expected %d vectors",
+                                   f->value, n->axes);
+    return ST_OK;
+}
+
+/* Whether samples sit in the middle of their part of the axis, so that they start half a step
+ * behind its minimum. */
+static bool is_cell_centred(const nrrd *n, int a) {
+    const header_field *f = get(n, "centerings");
+    if (!f)
+        f = get(n, "centers");
+    const char *at = f ? f->value : "";
+    for (int axis = 0; axis < a + n->first; axis++) {
+        at += strcspn(at, " \t");
+        at += strspn(at, " \t");
+    }
+    return strncasecmp(at, "cell", 4) == 0;
+}
+
+/* Spacings and positions of axes given by their ends. */
+static status read_ends(const nrrd *n, double spacing[3], double origin[3]) {
+    double lo[3], hi[3];
+    status st = read_axis_numbers(n, "axis mins", lo);
+    if (st == ST_OK)
+        st = read_axis_numbers(n, "axis maxs", hi);
+    for (int a = 0; st == ST_OK && a < 3; a++) {
+        bool cell = is_cell_centred(n, a);
+        double steps = (double)n->l->g.dims[a] - !cell;
+        if (isnan(spacing[a]))
+            spacing[a] = isnan(lo[a] - hi[a]) || steps == 0 ? 1 : (hi[a] - lo[a]) / steps;
+        origin[a] = isnan(lo[a]) ? 0 : lo[a] + (cell ? spacing[a] / 2 : 0);
+    }
+    return st;
+}
+
+static status read_placement(const nrrd *n) {
+    double direction[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    double spacing[3], origin[3] = {0, 0, 0};
+    status st = check_space(n);
+    if (st == ST_OK)
+        st = read_axis_numbers(n, "spacings", spacing);
+    if (st == ST_OK)
+        st = read_ends(n, spacing, origin);
+    const header_field *f = get(n, "space origin");
+    if (st == ST_OK && (f || get(n, "space directions")))
+        memset(origin, 0, sizeof origin);
+    if (st == ST_OK)
+        st = read_directions(n, direction, spacing);
+    bool none = false;
+    const char *text = f ? f->value : NULL;
+    if (st == ST_OK && f)
+        st = take_vector(n, f, &text, &none, origin);
+    if (st == ST_OK)
+        volume_layout_place(n->l, direction, spacing, origin);
+    return st;
+}
+
+static status read_axes(const nrrd *n) {
+    for (int a = 0; a < 3; a++) {
+        char key[32], what[512];
+        snprintf(key, sizeof key, "leafcast axis %d", a);
+        const header_field *f = header_fields_find_pair(&n->fields, key);
+        if (!f)
+            continue;
+        snprintf(what, sizeof what, "%s: line %u: %s", n->fields.name, f->line, key);
+        status st = volume_layout_axis(n->l, what, a, f->value);
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+/* ---- where the samples are ---- */
+
+static status open_data(const nrrd *n, const header_field *f) {
+    const char *name = f->value;
+    bool several = strncmp(name, "LIST", 4) == 0 || (strchr(name, '%') && strchr(name, ' '));
+    if (several)
+        return header_fields_fault(&n->fields, f, ST_UNSUPPORTED,
+                                   "samples in several files are not supported");
+    return volume_layout_open(n->l, n->fields.name, name);
+}
+
+static status find_samples(const nrrd *n) {
+    const header_field *file = get(n, "data file");
+    const header_field *line_skip = get(n, "line skip"), *byte_skip = get(n, "byte skip");
+    int64_t lines = 0, bytes = 0;
+    status st = ST_OK;
+    if (line_skip)
+        st = header_fields_int(&n->fields, line_skip, 0, INT32_MAX, &lines);
+    if (st == ST_OK && byte_skip)
+        st = header_fields_int(&n->fields, byte_skip, -INT64_MAX, INT64_MAX, &bytes);
+    if (st == ST_OK && file)
+        st = open_data(n, file);
+    return st == ST_OK ? volume_layout_skip(n->l, (uint64_t)lines, bytes) : st;
+}
+
+static status interpret(nrrd *n) {
+    status (*const steps[])(nrrd *) = {read_sizes, read_content, read_type, read_encoding,
+                                       read_endian};
+    status st = check_known(n);
+    for (size_t i = 0; st == ST_OK && i < sizeof steps / sizeof steps[0]; i++)
+        st = steps[i](n);
+    if (st == ST_OK)
+        st = read_placement(n);
+    if (st == ST_OK)
+        st = grid_check(&n->l->g, n->fields.name);
+    if (st == ST_OK)
+        st = read_axes(n);
+    return st;
+}
+
+status nrrd_open(volume_layout *l) {
+    byte_stream *header = l->data;
+    status st = check_magic(header);
+    if (st != ST_OK)
+        return st;
+    nrrd n = {.l = l};
+    static const header_style style = {.separator = ':', .ends_blank = true, .lines_read = 1};
+    const uint32_t none[3] = {0, 0, 0};
+    grid_init(&l->g, none, SAMPLE_U8);
+    st = header_fields_read(&n.fields, l->m, header, &style);
+    if (st == ST_OK)
+        st = interpret(&n);
+    if (st == ST_OK)
+        st = find_samples(&n);
+    header_fields_release(&n.fields);
+    return st;
+}

@@ -1,0 +1,28 @@
+/* nrrd.h - the headers of NRRD files, versions 1 to 5, attached and detached.
+ *
+ * Format: http://teem.sourceforge.net/nrrd/format.html. Understood: raw, gzip and text encodings;
+ * either byte order; 8 to 32 bit integers, float, double; three axes, or four of which the first or
+ * last has one sample; spacings, axis mins and maxs (with their centring), space origin, any
+ * invertible space directions; line skip, byte skip (also -1); a data file named relative to the
+ * header. Refused with ST_UNSUPPORTED: 64-bit integers, blocks, hex and bzip2, lists of files.
+ * Rectilinear axes, which NRRD does not know, are key/value pairs of ours: "leafcast axis 0:=0
+ * 1 2.5 4 ...".
+ */
+#ifndef FORMATS_GRID_NRRD_H
+#define FORMATS_GRID_NRRD_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/base/status.h"
+#include "formats/grid/volume_layout.h"
+
+/* nrrd_known() - whether a file that starts with these bytes is NRRD. */
+bool nrrd_known(const uint8_t *start, size_t size);
+
+/* nrrd_open() - read the header in l->data, which is exchanged for a detached data file. l->m and
+ * l->data are set; release l in any case. */
+CHECKED status nrrd_open(volume_layout *l);
+
+#endif

@@ -1,0 +1,33 @@
+/* nrrd_writer.h - a volume written as NRRD, sample by sample: attached header, raw, little endian.
+ *
+ * The same grid and samples give the same bytes on every machine. Placement goes to space
+ * directions and origin; rectilinear axes to the key/value pairs that nrrd.h reads.
+ */
+#ifndef FORMATS_GRID_NRRD_WRITER_H
+#define FORMATS_GRID_NRRD_WRITER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+#include "formats/grid/grid.h"
+
+typedef struct nrrd_writer nrrd_writer;
+
+/* nrrd_writer_create() - begin the file path ("-": standard output) and write its header. See
+ * out_file_create() for force. */
+CHECKED status nrrd_writer_create(mem *m, const char *path, bool force, const grid *g,
+                                  nrrd_writer **out);
+
+/* nrrd_writer_append() - the next count samples of type g->type in native byte order, x fastest. */
+CHECKED status nrrd_writer_append(nrrd_writer *w, const void *samples, size_t count);
+
+/* nrrd_writer_commit() - all samples are written (an assert): give the file its name. Consumes w in
+ * any case. */
+CHECKED status nrrd_writer_commit(nrrd_writer *w);
+
+/* nrrd_writer_discard() - leave nothing behind. NULL is fine. */
+void nrrd_writer_discard(nrrd_writer *w);
+
+#endif

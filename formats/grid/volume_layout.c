@@ -1,0 +1,149 @@
+#include "formats/grid/volume_layout.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "formats/base/num.h"
+#include "formats/input/inflate_stream.h"
+
+void volume_layout_release(volume_layout *l) {
+    byte_stream_close(l->data);
+    l->data = NULL;
+    grid_release(&l->g, l->m);
+}
+
+status volume_layout_open(volume_layout *l, const char *header, const char *name) {
+    const char *slash = strrchr(header, '/');
+    size_t folder = slash && *name != '/' ? (size_t)(slash - header) + 1 : 0;
+    size_t length = strlen(name) + 1;
+    char *path = mem_alloc(l->m, folder + length);
+    if (!path)
+        return ST_NOMEM;
+    memcpy(path, header, folder);
+    memcpy(path + folder, name, length);
+    byte_stream *data = NULL;
+    status st = byte_stream_open(l->m, path, &data);
+    mem_free(l->m, path);
+    if (st != ST_OK)
+        return st;
+    byte_stream_close(l->data);
+    l->data = data;
+    return ST_OK;
+}
+
+static uint64_t sample_bytes(const volume_layout *l) {
+    return grid_samples(&l->g) * sample_size(l->g.type);
+}
+
+static status skip_lines(volume_layout *l, uint64_t lines) {
+    text_line line = {.m = l->m};
+    status st = ST_OK;
+    for (bool got = true; st == ST_OK && lines > 0; lines--) {
+        st = byte_stream_line(l->data, &line, &got);
+        if (st == ST_OK && !got)
+            st = status_describe(ST_CORRUPT, "%s: ends %llu lines before the samples",
+                                 byte_stream_name(l->data), (unsigned long long)lines);
+    }
+    byte_stream_line_release(&line);
+    return st;
+}
+
+/* So that the samples end `behind` bytes before the file does. */
+static status skip_to_end(volume_layout *l, uint64_t behind) {
+    const char *name = byte_stream_name(l->data);
+    uint64_t left = byte_stream_left(l->data);
+    if (l->encoding != VOLUME_RAW || left == UINT64_MAX)
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: samples counted from the end need the raw encoding and a file",
+                               name);
+    if (behind > left || sample_bytes(l) > left - behind)
+        return status_describe(ST_CORRUPT, "%s: ends before the samples: %llu bytes, expected %llu",
+                               name, (unsigned long long)left, (unsigned long long)sample_bytes(l));
+    return byte_stream_skip(l->data, left - behind - sample_bytes(l));
+}
+
+status volume_layout_skip(volume_layout *l, uint64_t lines, int64_t bytes) {
+    /* Sizes first: products of unchecked ones overflow. */
+    status st = grid_check(&l->g, byte_stream_name(l->data));
+    if (st == ST_OK)
+        st = skip_lines(l, lines);
+    if (st != ST_OK)
+        return st;
+    if (bytes < 0)
+        return skip_to_end(l, (uint64_t)(-1 - bytes));
+    if (l->encoding != VOLUME_DEFLATE)
+        return byte_stream_skip(l->data, (uint64_t)bytes);
+    l->skip_decoded = (uint64_t)bytes;
+    return ST_OK;
+}
+
+status volume_layout_check(const volume_layout *l) {
+    const char *name = byte_stream_name(l->data);
+    status st = grid_check(&l->g, name);
+    if (st != ST_OK)
+        return st;
+    uint64_t left = byte_stream_left(l->data);
+    uint64_t least = sample_bytes(l);
+    if (l->encoding == VOLUME_DEFLATE)
+        least /= INFLATE_STREAM_RATIO;
+    else if (l->encoding == VOLUME_TEXT)
+        least = 2 * grid_samples(&l->g) - 1;
+    if (left < least)
+        return status_describe(ST_CORRUPT,
+                               "%s: ends at byte %llu, expected at least %llu bytes of samples "
+                               "from byte %llu",
+                               name, (unsigned long long)(byte_stream_position(l->data) + left),
+                               (unsigned long long)least,
+                               (unsigned long long)byte_stream_position(l->data));
+    return ST_OK;
+}
+
+void volume_layout_place(volume_layout *l, double direction[3][3], const double spacing[3],
+                         const double origin[3]) {
+    for (int row = 0; row < 3; row++) {
+        for (int a = 0; a < 3; a++)
+            l->g.to_world[row][a] = direction[a][row] * spacing[a];
+        l->g.to_world[row][3] = origin[row];
+    }
+}
+
+static status parse_coordinates(const char *what, const char *text, uint32_t count, double *out) {
+    static const char gaps[] = " \t\r\n,";
+    for (uint32_t i = 0;; i++) {
+        text += strspn(text, gaps);
+        size_t length = strcspn(text, gaps);
+        if (length == 0 && i == count)
+            return ST_OK;
+        char token[64];
+        if (length == 0 || i == count)
+            return status_describe(ST_CORRUPT, "%s: %s than %u coordinates", what,
+                                   length == 0 ? "fewer" : "more", count);
+        size_t kept = length < sizeof token ? length : sizeof token - 1;
+        memcpy(token, text, kept);
+        token[kept] = 0;
+        if (num_double(token, what, &out[i]) != ST_OK)
+            return ST_CORRUPT;
+        text += length;
+    }
+}
+
+static void make_unit(grid *g, int a) {
+    double x = g->to_world[0][a], y = g->to_world[1][a], z = g->to_world[2][a];
+    double length = sqrt(x * x + y * y + z * z);
+    for (int row = 0; row < 3; row++)
+        g->to_world[row][a] /= length;
+}
+
+status volume_layout_axis(volume_layout *l, const char *what, int a, const char *text) {
+    uint32_t count = l->g.dims[a];
+    double *coordinates = mem_array(l->m, count, sizeof *coordinates);
+    if (!coordinates)
+        return ST_NOMEM;
+    status st = parse_coordinates(what, text, count, coordinates);
+    if (st == ST_OK) {
+        make_unit(&l->g, a);
+        st = grid_set_axis(&l->g, l->m, what, a, coordinates);
+    }
+    mem_free(l->m, coordinates);
+    return st;
+}

@@ -1,0 +1,65 @@
+/* byte_stream.h - bytes in order, from a regular file, a pipe or standard input, through a fixed
+ * buffer.
+ *
+ * One thread per stream.
+ */
+#ifndef FORMATS_INPUT_BYTE_STREAM_H
+#define FORMATS_INPUT_BYTE_STREAM_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+
+typedef struct byte_stream byte_stream;
+
+enum { BYTE_STREAM_BUFFER = 1 << 16 };
+
+/* byte_stream_open() - a path, or "-" for standard input (which is not closed). A named
+ * pipe is waited for (see wait.h); folders, devices and sockets are refused. */
+CHECKED status byte_stream_open(mem *m, const char *path, byte_stream **out);
+void byte_stream_close(byte_stream *s); /* NULL is fine */
+
+/* byte_stream_name() - for messages: the path, or "standard input". */
+const char *byte_stream_name(const byte_stream *s);
+
+/* byte_stream_path() - as it was opened: the path, or "-". */
+const char *byte_stream_path(const byte_stream *s);
+
+/* byte_stream_position() - bytes taken so far. byte_stream_left() - bytes still to come; UINT64_MAX
+ * when a pipe does not tell. */
+uint64_t byte_stream_position(const byte_stream *s);
+uint64_t byte_stream_left(const byte_stream *s);
+
+/* byte_stream_peek() - the bytes that come next: at least `want` (up to BYTE_STREAM_BUFFER), fewer
+ * only at the end, 0 behind it. Valid until the next call. byte_stream_take() - move on by size of
+ * them. */
+CHECKED status byte_stream_peek(byte_stream *s, size_t want, const uint8_t **data, size_t *size);
+void byte_stream_take(byte_stream *s, size_t size);
+
+/* byte_stream_read() - size bytes into a buffer; *got is smaller only at the end. */
+CHECKED status byte_stream_read(byte_stream *s, void *buffer, size_t size, size_t *got);
+
+/* byte_stream_skip() - move on by size bytes; ST_CORRUPT when the end comes first. Jumps in a file,
+ * reads from a pipe. */
+CHECKED status byte_stream_skip(byte_stream *s, uint64_t size);
+
+/* A line of text in a buffer that grows; start with {.m = budget}, end with
+ * byte_stream_line_release(). */
+typedef struct text_line {
+    mem *m;
+    char *text; /* without line feed, carriage return and the blanks before them; NUL-terminated */
+    size_t length, room;
+} text_line;
+
+enum { TEXT_LINE_MAX = 1 << 26 };
+
+/* byte_stream_line() - the next line; *got is false at the end of the stream. The last line may
+ * lack its line feed. ST_CORRUPT for a line above TEXT_LINE_MAX bytes or with a NUL in it: this is
+ * no text. */
+CHECKED status byte_stream_line(byte_stream *s, text_line *line, bool *got);
+void byte_stream_line_release(text_line *line);
+
+#endif

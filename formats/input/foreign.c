@@ -1,0 +1,229 @@
+#include "formats/input/foreign.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#include "formats/leaf/leaf.h"
+
+#define BYTES(text) text, sizeof(text) - 1
+
+#define TO_NRRD \
+    "save it as NRRD, for example with 3D Slicer or ITK-SNAP, or with Python (SimpleITK)"
+#define PARAVIEW "save it as .nrrd or .vtu, for example with ParaView"
+#define SLICES   "join the slices to one NRRD, for example with Fiji (File > Save As > NRRD)"
+#define ARRAY    "write the array as raw samples and give --dims X,Y,Z and --type"
+#define MESH     "`leafcast convert' takes it, and `resample' makes a grid of it"
+#define SURFACE  "`leafcast tetrahedralize' fills a surface with tets"
+
+typedef struct row {
+    foreign_format format;
+    size_t at; /* of the bytes in the file; ANYWHERE: in what is looked at */
+    const char *bytes;
+    size_t size;
+    const char *suffixes; /* each with a blank behind; hints where the bytes say nothing */
+} row;
+
+enum { ANYWHERE = FOREIGN_PEEK, ANYWHERE_MESH };
+
+/* What the formats are told by; the first that fits. Formats that another verb reads, first, go by
+ * their bytes alone: a broken one is not to be sent to and fro. */
+static const row rows[] = {
+    {{"a treelet file", "render or info take it as it is"}, 0, BYTES(LEAF_MAGIC), ""},
+    {{"NRRD, a grid", "`leafcast convert' takes it"}, 0, BYTES("NRRD000"), ""},
+    {{"MetaImage, a grid", "`leafcast convert' takes it"}, 0, BYTES("ObjectType"), ""},
+    {{"a mesh stream", MESH}, 0, BYTES("LEAFCAST MESH "), ""},
+    {{"Gmsh", MESH}, 0, BYTES("$MeshFormat"), ""},
+    {{"a VTK mesh", MESH}, ANYWHERE_MESH, BYTES("type=\"UnstructuredGrid\""), ""},
+    {{"a legacy VTK mesh", MESH}, ANYWHERE_MESH, BYTES("DATASET UNSTRUCTURED_GRID"), ""},
+    {{"NIfTI-1", TO_NRRD}, 344, BYTES("n+1\0"), ".nii "},
+    {{"NIfTI-1 (header alone)", TO_NRRD}, 344, BYTES("ni1\0"), ""},
+    {{"NIfTI-2", TO_NRRD}, 4, BYTES("n+2\0\r\n\x1a\n"), ""},
+    {{"NIfTI-2 (header alone)", TO_NRRD}, 4, BYTES("ni2\0\r\n\x1a\n"), ""},
+    {{"Analyze 7.5", TO_NRRD}, 0, BYTES("\x5c\x01\0\0"), ""},
+    {{"Analyze 7.5", TO_NRRD}, 0, BYTES("\0\0\x01\x5c"), ""},
+    {{"DICOM", TO_NRRD}, 128, BYTES("DICM"), ".dcm .ima "},
+    {{"MRC", "write its data with Python (mrcfile) as raw samples"},
+     208,
+     BYTES("MAP "),
+     ".mrc .map "},
+    {{"TIFF", SLICES}, 0, BYTES("II*\0"), ".tif .tiff "},
+    {{"TIFF", SLICES}, 0, BYTES("MM\0*"), ""},
+    {{"BigTIFF", SLICES}, 0, BYTES("II+\0"), ""},
+    {{"BigTIFF", SLICES}, 0, BYTES("MM\0+"), ""},
+    {{"PNG", SLICES}, 0, BYTES("\x89PNG\r\n"), ".png "},
+    {{"JPEG", SLICES}, 0, BYTES("\xff\xd8\xff"), ".jpg .jpeg "},
+    {{"OpenEXR", SLICES}, 0, BYTES("\x76\x2f\x31\x01"), ".exr "},
+    {{"JPEG 2000", SLICES}, 0, BYTES("\0\0\0\x0cjP  \r\n"), ".jp2 "},
+    {{"OpenVDB",
+      "resample it to a dense grid and save that as NRRD or raw samples, for example with "
+      "Python (pyopenvdb: copyToArray)"},
+     0,
+     BYTES(" BDV\0\0\0\0"),
+     ".vdb "},
+    {{"HDF5", ARRAY " (h5dump -d NAME -b LE -o F.raw)"},
+     0,
+     BYTES("\x89HDF\r\n\x1a\n"),
+     ".h5 .hdf5 .nc4 "},
+    {{"HDF4", ARRAY}, 0, BYTES("\x0e\x03\x13\x01"), ".hdf "},
+    {{"NetCDF", ARRAY " (with Python: netCDF4 or xarray, .tofile())"},
+     0,
+     BYTES("CDF\x01"),
+     ".nc .cdf "},
+    {{"NetCDF", ARRAY " (with Python: netCDF4 or xarray, .tofile())"}, 0, BYTES("CDF\x02"), ""},
+    {{"NetCDF", ARRAY " (with Python: netCDF4 or xarray, .tofile())"}, 0, BYTES("CDF\x05"), ""},
+    {{"a NumPy array",
+      "numpy.load(F).tofile(\"F.raw\") makes raw samples; give --dims X,Y,Z (its shape "
+      "from the back) and --type"},
+     0,
+     BYTES("\x93NUMPY"),
+     ".npy "},
+    {{"a MATLAB file", ARRAY}, 0, BYTES("MATLAB 5.0 MAT"), ".mat "},
+    {{"FITS", ARRAY " and --big-endian"}, 0, BYTES("SIMPLE  ="), ".fits .fit "},
+    {{"GRIB", ARRAY}, 0, BYTES("GRIB"), ".grib .grb .grib2 "},
+    {{"VTK image data (.vti)", PARAVIEW}, ANYWHERE, BYTES("type=\"ImageData\""), ".vti "},
+    {{"a VTK rectilinear grid", PARAVIEW}, ANYWHERE, BYTES("type=\"RectilinearGrid\""), ".vtr "},
+    {{"a VTK structured grid", PARAVIEW}, ANYWHERE, BYTES("type=\"StructuredGrid\""), ".vts "},
+    {{"VTK surface data", SURFACE " of .ply or .stl, which ParaView writes"},
+     ANYWHERE,
+     BYTES("type=\"PolyData\""),
+     ".vtp "},
+    {{"a parallel VTK file", "ParaView joins its pieces (File > Save Data)"},
+     ANYWHERE,
+     BYTES("type=\"PUnstructuredGrid\""),
+     ".pvtu .pvti .pvd .vtm "},
+    {{"legacy VTK of structured points", PARAVIEW},
+     ANYWHERE,
+     BYTES("DATASET STRUCTURED_POINTS"),
+     ""},
+    {{"a legacy VTK rectilinear grid", PARAVIEW}, ANYWHERE, BYTES("DATASET RECTILINEAR_GRID"), ""},
+    {{"a legacy VTK structured grid", PARAVIEW}, ANYWHERE, BYTES("DATASET STRUCTURED_GRID"), ""},
+    {{"legacy VTK surface data", SURFACE " of .ply or .stl, which ParaView writes"},
+     ANYWHERE,
+     BYTES("DATASET POLYDATA"),
+     ""},
+    {{"EnSight", PARAVIEW}, 0, BYTES("EnSight"), ".case "},
+    {{"CGNS", PARAVIEW}, 0, NULL, 0, ".cgns "},
+    {{"Exodus", PARAVIEW}, 0, NULL, 0, ".exo .ex2 "},
+    {{"PLOT3D", PARAVIEW}, 0, NULL, 0, ".p3d .q "},
+    {{"XDMF", PARAVIEW}, 0, NULL, 0, ".xdmf .xmf "},
+    {{"PLY", SURFACE}, 0, BYTES("ply\n"), ".ply "},
+    {{"PLY", SURFACE}, 0, BYTES("ply\r"), ""},
+    {{"OFF", SURFACE}, 0, BYTES("OFF\n"), ".off "},
+    {{"STL", SURFACE}, 0, BYTES("solid "), ".stl "},
+    {{"a surface for TetGen", "`leafcast tetrahedralize' takes it"}, 0, NULL, 0, ".poly .smesh "},
+    {{"a table", "`leafcast tetrahedralize' makes tets of points"}, 0, NULL, 0, ".csv .xyz "},
+    {{"Wavefront OBJ", "save it as .ply; " SURFACE}, 0, NULL, 0, ".obj "},
+    {{"gzip",
+      "`gzip -dc F | leafcast convert - -o F.leaf', for raw samples with --dims and --type"},
+     0,
+     BYTES("\x1f\x8b\x08"),
+     ".gz "},
+    {{"zstd",
+      "`zstd -dc F | leafcast convert - -o F.leaf', for raw samples with --dims and --type"},
+     0,
+     BYTES("\x28\xb5\x2f\xfd"),
+     ".zst "},
+    {{"xz", "`xz -dc F | leafcast convert - -o F.leaf', for raw samples with --dims and --type"},
+     0,
+     BYTES("\xfd\x37zXZ\0"),
+     ".xz "},
+    {{"bzip2",
+      "`bzip2 -dc F | leafcast convert - -o F.leaf', for raw samples with --dims and --type"},
+     0,
+     BYTES("BZh"),
+     ".bz2 "},
+    {{"a zip archive", "unpack it first"}, 0, BYTES("PK\x03\x04"), ".zip .npz "},
+    {{"a tar archive", "unpack it first"}, 257, BYTES("ustar"), ".tar "},
+    {{"PDF", "it holds no volume"}, 0, BYTES("%PDF"), ".pdf "},
+};
+
+enum { ROWS = sizeof rows / sizeof *rows };
+
+static bool has_bytes(const row *r, const uint8_t *start, size_t size) {
+    if (!r->bytes)
+        return false;
+    if (r->at >= ANYWHERE)
+        return memmem(start, size, r->bytes, r->size) != NULL;
+    return size >= r->at + r->size && memcmp(start + r->at, r->bytes, r->size) == 0;
+}
+
+bool foreign_is_vtk(const uint8_t *start, size_t size) {
+    for (int i = 0; i < ROWS; i++)
+        if (rows[i].at == ANYWHERE && has_bytes(&rows[i], start, size))
+            return true;
+    return false;
+}
+
+/* Whether the path ends as one of the row's suffixes. */
+static bool has_suffix(const row *r, const char *path) {
+    const size_t length = strlen(path);
+    for (const char *at = r->suffixes; *at; at += strcspn(at, " ") + 1) {
+        const size_t size = strcspn(at, " ");
+        if (length > size && strncasecmp(path + length - size, at, size) == 0)
+            return true;
+    }
+    return false;
+}
+
+static uint64_t word(const uint8_t *at, bool big) {
+    uint64_t value = 0;
+    for (int i = 0; i < 4; i++)
+        value = value << 8 | at[big ? i : 3 - i];
+    return value;
+}
+
+/* PLOT3D has no magic: three sizes, then as many floats as they say (positions, or four numbers and
+ * a solution of five), and not a byte more. */
+static bool is_plot3d(const uint8_t *start, size_t size, uint64_t bytes) {
+    for (int big = 0; big < 2 && size >= 12; big++) {
+        uint64_t nodes = 1;
+        for (int a = 0; a < 3; a++) {
+            const uint64_t n = word(start + 4 * (ptrdiff_t)a, big);
+            nodes = n >= 2 && n < 1 << 16 ? nodes * n : 0;
+        }
+        if (nodes && (bytes == 12 + 12 * nodes || bytes == 28 + 20 * nodes))
+            return true;
+    }
+    return false;
+}
+
+const foreign_format *foreign_find(const char *path, const uint8_t *start, size_t size,
+                                   uint64_t bytes) {
+    static const foreign_format plot3d = {"PLOT3D", PARAVIEW};
+    for (int i = 0; i < ROWS; i++)
+        if (has_bytes(&rows[i], start, size))
+            return &rows[i].format;
+    if (is_plot3d(start, size, bytes))
+        return &plot3d;
+    for (int i = 0; i < ROWS; i++)
+        if (has_suffix(&rows[i], path))
+            return &rows[i].format;
+    return NULL;
+}
+
+/* Up to sixteen bytes for people who know their formats. */
+static void show_start(const uint8_t *start, size_t size, char text[64]) {
+    *text = 0;
+    for (size_t i = 0, at = 0; i < size && i < 16; i++)
+        at += (size_t)snprintf(text + at, 64 - at, "%s%02x", i ? " " : "", start[i]);
+}
+
+status foreign_refuse(byte_stream *s, const char *expected) {
+    const uint8_t *start;
+    size_t size;
+    char bytes[64];
+    status st = byte_stream_peek(s, FOREIGN_PEEK, &start, &size);
+    if (st != ST_OK)
+        return st;
+    if (size == 0)
+        return status_describe(ST_CORRUPT, "%s: is empty", byte_stream_name(s));
+    const foreign_format *f = foreign_find(byte_stream_path(s), start, size, byte_stream_left(s));
+    if (f)
+        return status_describe(ST_UNSUPPORTED, "%s: this is %s, which is not read here: %s",
+                               byte_stream_name(s), f->name, f->advice);
+    show_start(start, size, bytes);
+    return status_describe(ST_UNSUPPORTED, "%s: no known format (it begins with %s): %s",
+                           byte_stream_name(s), bytes, expected);
+}

@@ -1,0 +1,100 @@
+#include "formats/leaf/histogram_text.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "formats/base/num.h"
+
+enum { ROWS = 24, BAR = 40 };
+
+/* Rows of bins: the tails by themselves, the rest in rows of as many bins each. */
+typedef struct row {
+    uint32_t first, end;
+    uint64_t samples;
+} row;
+
+static bool is_tail(const histogram *h, uint32_t bin) {
+    const uint32_t inner = h->bins > 2 ? 1 : 0;
+    const double width = h->edges[inner + 1] - h->edges[inner];
+    return h->edges[bin + 1] - h->edges[bin] > 4 * width;
+}
+
+static int make_rows(const histogram *h, row rows[ROWS + 2]) {
+    const uint32_t each = (h->bins + ROWS - 1) / ROWS;
+    int count = 0;
+    for (uint32_t k = 0; k < h->bins;) {
+        row r = {.first = k, .end = k + each < h->bins ? k + each : h->bins};
+        if (is_tail(h, k))
+            r.end = k + 1;
+        while (r.end > r.first + 1 && is_tail(h, r.end - 1))
+            r.end--;
+        for (; k < r.end; k++)
+            r.samples += h->samples[k];
+        rows[count++] = r;
+    }
+    return count;
+}
+
+static bool suggested(const histogram *h, const row *r, const double *isovalues, int count) {
+    for (int i = 0; i < count; i++)
+        if (isovalues[i] >= h->edges[r->first] && isovalues[i] < h->edges[r->end])
+            return true;
+    return false;
+}
+
+void histogram_print(FILE *to, const histogram *h, const char *what) {
+    row rows[ROWS + 2];
+    double isovalues[HISTOGRAM_ISOVALUES], most = 0;
+    if (h->bins == 0)
+        return;
+    const int count = make_rows(h, rows);
+    const int marks = histogram_suggest(h, isovalues, HISTOGRAM_ISOVALUES);
+    for (int i = 0; i < count; i++)
+        most = fmax(most, cbrt((double)rows[i].samples));
+    if (h->drawn == h->total)
+        fprintf(to, "\nhistogram of %llu %s, bars by cube roots, * a suggested isovalue\n",
+                (unsigned long long)h->total, what);
+    else
+        fprintf(to, "\nhistogram of %llu of %llu %s, bars by cube roots, * a suggested isovalue\n",
+                (unsigned long long)h->drawn, (unsigned long long)h->total, what);
+    for (int i = 0; i < count; i++) {
+        const row *r = &rows[i];
+        char bar[BAR + 1] = "";
+        const double share = (double)r->samples / (double)(h->drawn ? h->drawn : 1);
+        memset(bar, '#', (size_t)lround(BAR * cbrt((double)r->samples) / fmax(most, 1e-9)));
+        fprintf(to, "%12.6g .. %-12.6g %c %7.3f %% %s\n", h->edges[r->first], h->edges[r->end],
+                suggested(h, r, isovalues, marks) ? '*' : ' ', 100 * share, bar);
+    }
+}
+
+void histogram_print_isovalues(FILE *to, const histogram *h) {
+    double isovalues[HISTOGRAM_ISOVALUES];
+    const int count = histogram_suggest(h, isovalues, HISTOGRAM_ISOVALUES);
+    char text[NUM_TEXT_MAX];
+    for (int i = 0; i < count; i++)
+        fprintf(to, "%s%s", i ? ", " : "isovalues   ", num_print(isovalues[i], text));
+    if (count)
+        fprintf(to, " (suggested, best first)\n");
+}
+
+json_t *histogram_json(const histogram *h) {
+    double isovalues[HISTOGRAM_ISOVALUES];
+    const int count = histogram_suggest(h, isovalues, HISTOGRAM_ISOVALUES);
+    json_t *edges = json_array(), *samples = json_array(), *active = json_array(),
+           *gradient = json_array(), *area = json_array(), *suggestions = json_array();
+    for (uint32_t k = 0; k < h->bins; k++) {
+        json_array_append_new(edges, json_real(h->edges[k]));
+        json_array_append_new(samples, json_integer(h->samples[k]));
+        json_array_append_new(active, json_integer(h->active[k]));
+        json_array_append_new(gradient, json_real((double)h->gradient[k]));
+        json_array_append_new(area, json_real((double)h->area[k]));
+    }
+    if (h->bins)
+        json_array_append_new(edges, json_real(h->edges[h->bins]));
+    for (int i = 0; i < count; i++)
+        json_array_append_new(suggestions, json_real(isovalues[i]));
+    return json_pack("{s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "total", (json_int_t)h->total,
+                     "drawn", (json_int_t)h->drawn, "cells", (json_int_t)h->cells, "edges", edges,
+                     "samples", samples, "active", active, "gradient", gradient, "area", area,
+                     "suggested", suggestions);
+}

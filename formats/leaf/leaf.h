@@ -1,0 +1,167 @@
+/* leaf.h - the treelet file, byte for byte; FORMAT.md says the same in words.
+ *
+ *   0                  header page, LEAF_HEADER_BYTES
+ *   LEAF_HEADER_BYTES  section table: header.sections entries of 32 bytes
+ *   ...                directory sections, each at a multiple of 64
+ *   ...                payload runs, each at a multiple of 2^run_align_log2: the payloads of one
+ *                      family of siblings (grid), or of one block (mesh: all topologies, all
+ *                      values of one set, ..), each at a multiple of 64 inside the run
+ *   ...                parts (mesh: leaf_part)
+ *
+ * All little endian. Everything not named is zero, and checked to be.
+ *
+ * A treelet of a grid is a block of up to B^3 cells (B = 2^cells_log2) of one level of detail with
+ * the samples at their nodes, h more samples on every side, and the codes of the min/max kd-tree
+ * over it (M08 4.3, 4.4). Levels count from 0 = full resolution.
+ *
+ * A treelet of a tetrahedral mesh is a subtree of the bounding volume hierarchy over its tets with
+ * them and their vertices (W07 5): one payload of topology, and one of values for each set (a field
+ * at a time step); then, where the file has them, one of gradients for each set, and one of
+ * positions for each step but the first. mesh_leaf.h has what is in these payloads.
+ */
+#ifndef FORMATS_LEAF_LEAF_H
+#define FORMATS_LEAF_LEAF_H
+
+#include <stdint.h>
+
+enum {
+    LEAF_VERSION = 1,
+    LEAF_HEADER_BYTES = 4096,
+    LEAF_ALIGN_LOG2 = 6,
+    LEAF_ALIGN = 1 << LEAF_ALIGN_LOG2, /* of sections, and of payloads inside a run */
+    LEAF_BLOCK_LOG2 = 2,               /* the trees end at blocks of 4^3 cells */
+    LEAF_CELLS_LOG2_MIN = 4,
+    LEAF_CELLS_LOG2_MAX = 6,
+    LEAF_RUN_ALIGN_LOG2_MAX = 21,
+    LEAF_LEVELS_MAX = 24,
+    LEAF_SECTIONS_MAX = 64,
+    LEAF_TREELET_TETS_MAX = 16384, /* so that 16 bits number the vertices of any treelet */
+    LEAF_LEAF_TETS_MAX = 64,
+    LEAF_SETS_MAX = 65536,     /* fields, steps, and their product */
+    LEAF_HISTOGRAMS_MAX = 1024 /* files of more sets have no histograms */
+};
+
+#define LEAF_MAGIC "\x89LEAF\r\n\x1a"
+
+typedef enum leaf_kind { LEAF_KIND_GRID = 1, LEAF_KIND_MESH = 2 } leaf_kind;
+/* With a compressed codec, a payload that would not get smaller is stored raw; its stored size
+ * tells. */
+typedef enum leaf_codec { LEAF_CODEC_RAW = 0, LEAF_CODEC_ZSTD = 1 } leaf_codec;
+
+/* What a treelet's directory flags say. */
+enum {
+    LEAF_FLAG_NON_FINITE = 1u << 0
+}; /* a NaN or inf among its own cells' samples or its vertices' values: use the NaN-aware kernel */
+
+/* clang-format off */
+/* A mesh has 0 in what is of grids alone, and the other way round. */
+typedef struct leaf_header {   /* offset size */
+    char magic[8];             /*    0    8  LEAF_MAGIC, without its NUL */
+    uint32_t version;          /*    8    4  LEAF_VERSION */
+    uint32_t kind;             /*   12    4  leaf_kind */
+    uint32_t sample_type;      /*   16    4  sample_type, one that sample_stored() yields; mesh: f32 */
+    uint32_t source_type;      /*   20    4  sample_type of the input */
+    uint32_t dims[3];          /*   24   12  grid: nodes per axis of level 0 */
+    uint32_t levels;           /*   36    4  grid: the coarsest fits one treelet; mesh: 1 */
+    uint32_t cells_log2;       /*   40    4  grid: B = 2^cells_log2 */
+    uint32_t halo;             /*   44    4  grid: h: 0 or 1 */
+    uint32_t block_log2;       /*   48    4  grid: LEAF_BLOCK_LOG2 */
+    uint32_t run_align_log2;   /*   52    4  12: 4096 */
+    uint32_t codec;            /*   56    4  leaf_codec */
+    uint32_t rectilinear;      /*   60    4  grid: 1: section AXES is there */
+    uint32_t fields;           /*   64    4  grid: 1 for now; mesh: section FIELDS has their names */
+    uint32_t steps;            /*   68    4  grid: 1 for now; mesh: section TIMES has their times */
+    uint32_t sections;         /*   72    4  entries of the section table */
+    uint32_t reserved0;        /*   76    4 */
+    uint64_t treelets;         /*   80    8  grid: of all levels; implied by dims and B */
+    uint64_t payload_bytes;    /*   88    8  sum of the payloads' stored sizes */
+    uint64_t file_bytes;       /*   96    8  length of the whole file */
+    uint64_t non_finite;       /*  104    8  NaN and inf samples of level 0; values of a mesh */
+    double value_min;          /*  112    8  over the finite samples of level 0, values of a mesh; */
+    double value_max;          /*  120    8    min > max when there are none */
+    double rounding_error;     /*  128    8  largest |stored - input| of level 0; may be inf */
+    double to_world[12];       /*  136   96  3x4 row-major, grid space to world space; mesh: identity */
+    uint64_t id[2];            /*  232   16  XXH3-128: header (id, checksum zero), section table */
+    uint64_t checksum;         /*  248    8  XXH3-64 of the header page with this field zero */
+    char name[64];             /*  256   64  of the data set, NUL-padded UTF-8 */
+    char provenance[1024];     /*  320 1024  how it was made; no paths, no times */
+    /* mesh: */
+    uint64_t tets;             /* 1344    8  sum of COUNTS */
+    uint64_t vertices;         /* 1352    8  of the tets, each once, over the whole mesh */
+    float bounds[6];           /* 1360   24  of the whole mesh, at all steps: lo x y z, hi x y z */
+    uint32_t treelet_tets;     /* 1384    4  at most so many in a treelet */
+    uint32_t leaf_tets;        /* 1388    4  at most so many in a leaf of its tree */
+    uint64_t flat;             /* 1392    8  tets among them without a volume */
+    uint64_t inverted;         /* 1400    8  tets that were oriented the other way in the input */
+    uint64_t repeated;         /* 1408    8  left out: tets of the input with a vertex twice, */
+    uint64_t bad;              /* 1416    8    and with an index that is no vertex's */
+    char field[64];            /* 1424   64  name of the first field, as name */
+    uint32_t gradients;        /* 1488    4  1: each set has gradients too, else 0 */
+    uint32_t moving;           /* 1492    4  1: steps behind the first have positions, else 0 */
+    uint8_t reserved[2600];    /* 1496 2600 */
+} leaf_header;
+
+typedef struct leaf_section {  /* offset size */
+    uint32_t kind;             /*    0    4  leaf_section_kind */
+    uint32_t version;          /*    4    4  1 */
+    uint64_t offset;           /*    8    8  from the file's start, a multiple of LEAF_ALIGN */
+    uint64_t bytes;            /*   16    8 */
+    uint64_t checksum;         /*   24    8  XXH3-64 of those bytes */
+} leaf_section;
+
+/* A whole treelet file of kind grid inside a mesh's: the values of a set resampled, for pictures
+ * before the mesh has been read. Parts lie behind the last payload's run, set after set without
+ * gaps, each a multiple of 2^run_align_log2 long. */
+typedef struct leaf_part {     /* offset size */
+    uint64_t offset;           /*    0    8  from the file's start; 0: the set has none, and all is 0 */
+    uint64_t bytes;            /*    8    8 */
+    uint64_t id[2];            /*   16   16  of its header */
+} leaf_part;
+/* clang-format on */
+
+_Static_assert(sizeof(leaf_part) == 32, "leaf_part is 32 bytes");
+_Static_assert(sizeof(leaf_header) == LEAF_HEADER_BYTES, "leaf_header is a page");
+_Static_assert(sizeof(leaf_section) == 32, "leaf_section is 32 bytes");
+
+/* Sections follow the table in its order, each at the first multiple of LEAF_ALIGN behind the one
+ * before; payloads follow the sections in order (leaf_layout_payload_at()). So sizes alone fix
+ * every offset, and no byte is unaccounted for.
+ *
+ * Directory sections: one array each, an element a treelet (grids; they have a payload a treelet),
+ * in treelet order: coarsest level first; within a level by the parent's index, then by octant x +
+ * 2y + 4z. So siblings are neighbours, and the root is treelet 0. Which children exist, and every
+ * treelet's place, follows from dims and B alone.
+ *
+ * Meshes: n treelets in the order of their tets, fields * steps sets of values; set = field * steps
+ * + step. Payloads come in blocks of n, payload block * n + t being treelet t's: one block of
+ * topologies, a block of values for each set, with header.gradients a block of gradients for each
+ * set, with header.moving a block of positions for each step 1 .. steps - 1 (leaf_layout_values()
+ * and so on). RANGES, OWN, FLAGS: an element set * n + t; OFFSETS, SIZES, CHECKSUMS: an element a
+ * payload; BOUNDS: an element step * n + t with header.moving, else a treelet; COUNTS: an element a
+ * treelet. */
+typedef enum leaf_section_kind {
+    LEAF_SECTION_RANGES = 1,  /* float[2]: lo, hi over the treelet's finite samples and all its
+                                 descendants'; of a mesh as OWN */
+    LEAF_SECTION_OWN = 2,     /* float[2]: lo, hi over the treelet's own finite samples, halo apart;
+                                 codes relate to it */
+    LEAF_SECTION_FLAGS = 3,   /* uint8_t: LEAF_FLAG_* */
+    LEAF_SECTION_OFFSETS = 4, /* uint64_t: payload's offset in the file */
+    LEAF_SECTION_SIZES = 5,   /* uint64_t: payload's stored bytes */
+    LEAF_SECTION_CHECKSUMS = 6, /* uint64_t: XXH3-64 of the stored bytes */
+    LEAF_SECTION_AXES = 7,    /* grid: double[dims[0] + dims[1] + dims[2]]: node coordinates in grid
+                                 space, level 0 */
+    LEAF_SECTION_BOUNDS = 8,  /* mesh: float[6]: lo x y z, hi x y z of the treelet's vertices */
+    LEAF_SECTION_COUNTS = 9,  /* mesh: uint32_t[4]: tets, vertices, nodes, leaves */
+    LEAF_SECTION_FIELDS = 10, /* mesh, may be missing: char[64]: name of a field, as header.field */
+    LEAF_SECTION_TIMES = 11,  /* mesh of two steps or more, may be missing: double: time of a step,
+                                 ascending */
+    LEAF_SECTION_COARSE = 12, /* mesh, may be missing: leaf_part: a set's coarse grid */
+    LEAF_SECTION_LAST = 12,   /* of those known here */
+    LEAF_SECTION_ANCILLARY =
+        1 << 30, /* set in kinds that a reader may pass over; others it must know */
+    LEAF_SECTION_HISTOGRAMS = LEAF_SECTION_ANCILLARY | 1 /* histogram (histogram.h): an element a
+                                                            set; a grid is one set */
+} leaf_section_kind;
+/* A treelet without a finite sample has lo = +inf, hi = -inf. */
+
+#endif

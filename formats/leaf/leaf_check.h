@@ -1,0 +1,78 @@
+/* leaf_check.h - whether the header and the directory of a treelet file make sense.
+ *
+ * The reader's door: nothing of a file is used before these functions have passed it. They work on
+ * memory, allocate nothing, and describe what they find as "FILE: byte N: expected ..., found ...".
+ * Checksums detect accidents; these checks hold against any bytes, so also against files made to do
+ * harm.
+ */
+#ifndef FORMATS_LEAF_LEAF_CHECK_H
+#define FORMATS_LEAF_LEAF_CHECK_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "formats/base/hash.h"
+#include "formats/base/status.h"
+#include "formats/leaf/leaf.h"
+#include "formats/leaf/leaf_layout.h"
+
+/* leaf_check_header() - magic, version, checksum, and every field's range, against a file of
+ * file_bytes. ST_UNSUPPORTED for a later version, kind or feature, else ST_CORRUPT. */
+CHECKED status leaf_check_header(const char *path, const leaf_header *h, uint64_t file_bytes);
+
+/* leaf_check_layout() - levels and treelets are those that dims and B imply, and that many (of a
+ * mesh: as many payloads) can be in a file of this size. Fills *l as leaf_layout_levels() and
+ * leaf_layout_mesh() do. */
+CHECKED status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l);
+
+/* leaf_check_sections() - the id; kinds known and present once, sizes as the header implies, each
+ * at the first multiple of LEAF_ALIGN behind the one before. *end becomes where the last one ends.
+ */
+CHECKED status leaf_check_sections(const char *path, const leaf_header *h,
+                                   const leaf_section *table, uint64_t *end);
+
+/* What leaf_check_directory() looks at; the arrays as in leaf_file. */
+typedef struct leaf_directory {
+    const float (*ranges)[2];
+    const float (*own)[2];
+    const uint8_t *flags;
+    const uint64_t *offsets;
+    const uint64_t *sizes;
+    const float (*bounds)[6];       /* mesh */
+    const uint32_t (*counts)[4];    /* mesh */
+    const leaf_part *parts;         /* mesh: section COARSE; NULL without */
+    uint64_t at[LEAF_SECTION_LAST]; /* where section kind k lies in the file is at[k - 1]; for
+                                       messages */
+    uint64_t end;                   /* of the sections */
+} leaf_directory;
+
+/* leaf_check_counts() - of a mesh, before l has them: each can be, and all add up to the header's.
+ */
+CHECKED status leaf_check_counts(const char *path, const leaf_header *h, const leaf_directory *d);
+
+/* leaf_check_directory() - payloads follow one another in treelet order as leaf_layout_payload_at()
+ * says, up to the parts and the end of the file; ranges are well formed, and each merged one is
+ * exactly the union of its own and its children's merged ones. Of a mesh: bounds too, and their
+ * union. */
+CHECKED status leaf_check_directory(const char *path, const leaf_header *h, const leaf_layout *l,
+                                    const leaf_directory *d);
+
+/* leaf_check_axis() - finite and strictly increasing; at: the first coordinate's offset in the
+ * file. */
+CHECKED status leaf_check_axis(const char *path, const double *axis, uint32_t count, uint64_t at);
+
+/* leaf_check_names() - of a mesh's fields, section FIELDS at `at`: texts; the first is the
+ * header's. */
+CHECKED status leaf_check_names(const char *path, const leaf_header *h, const char (*names)[64],
+                                uint64_t at);
+
+/* leaf_section_bytes() - the size that a section of this kind must have; 0 for an unknown kind, and
+ * one that this file has not. leaf_section_optional() - whether it may be missing all the same. */
+uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind);
+bool leaf_section_optional(uint32_t kind);
+
+/* leaf_header_checksum(), leaf_header_id() - as a sound header has them. */
+uint64_t leaf_header_checksum(const leaf_header *h);
+hash_id leaf_header_id(const leaf_header *h, const leaf_section *table);
+
+#endif

@@ -1,0 +1,411 @@
+#include "formats/leaf/leaf_file.h"
+
+#include <assert.h>
+#include <stddef.h>
+#include <string.h>
+#include <zstd.h>
+
+#include "formats/base/hash.h"
+#include "formats/base/text.h"
+#include "formats/leaf/leaf_check.h"
+
+_Static_assert(
+    __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+    "treelet files are little endian and read as they are; swap here for other machines");
+
+/* What only opening needs. */
+typedef struct opening {
+    leaf_file *f;
+    leaf_section table[LEAF_SECTIONS_MAX];
+    uint64_t end;                   /* of the sections */
+    uint64_t at[LEAF_SECTION_LAST]; /* of known section k: at[k - 1] */
+} opening;
+
+static status check_gap(leaf_file *f, uint64_t from, uint64_t to) {
+    unsigned char bytes[512];
+    while (from < to) {
+        size_t size = to - from < sizeof bytes ? (size_t)(to - from) : sizeof bytes;
+        status st = file_read_at(f->source, from, bytes, size);
+        if (st != ST_OK)
+            return st;
+        for (size_t i = 0; i < size; i++)
+            if (bytes[i])
+                return status_describe(
+                    ST_CORRUPT, "%s: byte %llu: expected 0 between sections, found %u",
+                    file_path(f->source), (unsigned long long)(from + i), bytes[i]);
+        from += size;
+    }
+    return ST_OK;
+}
+
+static status read_head(opening *o) {
+    leaf_file *f = o->f;
+    const char *path = file_path(f->source);
+    status st = file_read_at(f->source, 0, &f->header, sizeof f->header);
+    if (st == ST_OK)
+        st = leaf_check_header(path, &f->header, file_size(f->source));
+    if (st == ST_OK)
+        st = leaf_check_layout(path, &f->header, &f->layout);
+    if (st == ST_OK)
+        st = file_read_at(f->source, LEAF_HEADER_BYTES, o->table,
+                          f->header.sections * sizeof *o->table);
+    if (st == ST_OK)
+        st = leaf_check_sections(path, &f->header, o->table, &o->end);
+    return st;
+}
+
+static status check_sum(const leaf_file *f, const leaf_section *s, uint64_t sum) {
+    if (sum == s->checksum)
+        return ST_OK;
+    return status_describe(ST_CORRUPT,
+                           "%s: byte %llu: section %u has the checksum %016llx, expected %016llx",
+                           file_path(f->source), (unsigned long long)s->offset, s->kind,
+                           (unsigned long long)sum, (unsigned long long)s->checksum);
+}
+
+static status read_section(leaf_file *f, const leaf_section *s, void *into) {
+    status st = file_read_at(f->source, s->offset, into, (size_t)s->bytes);
+    return st == ST_OK ? check_sum(f, s, hash_bytes(into, (size_t)s->bytes)) : st;
+}
+
+/* The coordinates lie in one section and one block; axis[0] owns it. */
+static status read_axes(leaf_file *f, const leaf_section *s) {
+    const uint32_t *dims = f->header.dims;
+    size_t count = (size_t)dims[0] + dims[1] + dims[2];
+    f->axis[0] = mem_array(f->m, count, sizeof *f->axis[0]);
+    if (!f->axis[0])
+        return ST_NOMEM;
+    f->axis[1] = f->axis[0] + dims[0];
+    f->axis[2] = f->axis[1] + dims[1];
+    if (!s) {
+        for (int a = 0; a < 3; a++)
+            for (uint32_t i = 0; i < dims[a]; i++)
+                f->axis[a][i] = i;
+        return ST_OK;
+    }
+    status st = read_section(f, s, f->axis[0]);
+    for (int a = 0; a < 3 && st == ST_OK; a++)
+        st = leaf_check_axis(file_path(f->source), f->axis[a], dims[a],
+                             s->offset + (uint64_t)(f->axis[a] - f->axis[0]) * sizeof(double));
+    return st;
+}
+
+/* A kind from the future that may be passed over: sound all the same, or the file is not. */
+static status check_ancillary(leaf_file *f, const leaf_section *s) {
+    void *bytes = mem_alloc(f->m, (size_t)s->bytes);
+    if (!bytes)
+        return ST_NOMEM;
+    status st = read_section(f, s, bytes);
+    mem_free(f->m, bytes);
+    return st;
+}
+
+/* Histograms are sound in themselves; leaf_verify() counts again. */
+static status read_histograms(leaf_file *f, const leaf_section *s) {
+    const size_t count = (size_t)s->bytes / sizeof *f->histograms;
+    f->histograms = mem_array(f->m, count, sizeof *f->histograms);
+    if (!f->histograms)
+        return ST_NOMEM;
+    status st = read_section(f, s, f->histograms);
+    for (size_t i = 0; st == ST_OK && i < count; i++) {
+        const char *fault = histogram_fault(&f->histograms[i]);
+        if (fault)
+            st = status_describe(
+                ST_CORRUPT, "%s: byte %llu: histogram %zu has %s", file_path(f->source),
+                (unsigned long long)(s->offset + i * sizeof *f->histograms), i, fault);
+    }
+    return st;
+}
+
+static status allocate_mesh(leaf_file *f) {
+    const size_t count = f->layout.treelets;
+    mesh_directory *mesh = f->mesh = mem_zalloc(f->m, sizeof *f->mesh);
+    if (!mesh)
+        return ST_NOMEM;
+    mesh->sets = f->layout.sets;
+    mesh->fields = f->header.fields;
+    mesh->steps = f->header.steps;
+    mesh->bounds = mem_array(f->m, count * (1 + f->layout.moved_steps), sizeof *mesh->bounds);
+    mesh->counts = mem_array(f->m, count, sizeof *mesh->counts);
+    mesh->first_tet = mem_array(f->m, count + 1, sizeof *mesh->first_tet);
+    mesh->names = mem_array(f->m, mesh->fields, sizeof *mesh->names);
+    mesh->times = mem_array(f->m, mesh->steps, sizeof *mesh->times);
+    if (!mesh->bounds || !mesh->counts || !mesh->first_tet || !mesh->names || !mesh->times)
+        return ST_NOMEM;
+    mesh->coarse = mem_array(f->m, mesh->sets, sizeof *mesh->coarse);
+    if (!mesh->coarse)
+        return ST_NOMEM;
+    memcpy(mesh->names[0], f->header.field, sizeof *mesh->names);
+    for (uint32_t s = 0; s < mesh->steps; s++)
+        mesh->times[s] = s;
+    return ST_OK;
+}
+
+static status allocate_directory(leaf_file *f) {
+    const size_t payloads = f->layout.payloads;
+    const size_t ranges = (size_t)f->layout.treelets * (f->layout.sets ? f->layout.sets : 1);
+    f->ranges = mem_array(f->m, ranges, sizeof *f->ranges);
+    f->own = mem_array(f->m, ranges, sizeof *f->own);
+    f->flags = mem_array(f->m, ranges, sizeof *f->flags);
+    f->offsets = mem_array(f->m, payloads, sizeof *f->offsets);
+    f->sizes = mem_array(f->m, payloads, sizeof *f->sizes);
+    f->checksums = mem_array(f->m, payloads, sizeof *f->checksums);
+    if (!f->ranges || !f->own || !f->flags || !f->offsets || !f->sizes || !f->checksums)
+        return ST_NOMEM;
+    return f->layout.sets ? allocate_mesh(f) : ST_OK;
+}
+
+static status read_sections(opening *o) {
+    leaf_file *f = o->f;
+    void *arrays[LEAF_SECTION_LAST + 1] = {
+        [LEAF_SECTION_RANGES] = f->ranges, [LEAF_SECTION_OWN] = f->own,
+        [LEAF_SECTION_FLAGS] = f->flags,   [LEAF_SECTION_OFFSETS] = f->offsets,
+        [LEAF_SECTION_SIZES] = f->sizes,   [LEAF_SECTION_CHECKSUMS] = f->checksums,
+    };
+    if (f->mesh) {
+        arrays[LEAF_SECTION_BOUNDS] = f->mesh->bounds;
+        arrays[LEAF_SECTION_COUNTS] = f->mesh->counts;
+        arrays[LEAF_SECTION_FIELDS] = f->mesh->names;
+        arrays[LEAF_SECTION_TIMES] = f->mesh->times;
+        arrays[LEAF_SECTION_COARSE] = f->mesh->coarse;
+    }
+    uint64_t end = LEAF_HEADER_BYTES + f->header.sections * sizeof *o->table;
+    const leaf_section *axes = NULL;
+    for (uint32_t i = 0; i < f->header.sections; i++) {
+        const leaf_section *s = &o->table[i];
+        status st = check_gap(f, end, s->offset);
+        if (st != ST_OK)
+            return st;
+        end = s->offset + s->bytes;
+        if (s->kind <= LEAF_SECTION_LAST)
+            o->at[s->kind - 1] = s->offset;
+        if (s->kind == LEAF_SECTION_HISTOGRAMS && s->version == 1)
+            st = read_histograms(f, s);
+        else if (s->kind > LEAF_SECTION_LAST)
+            st = check_ancillary(f, s);
+        else if (s->kind == LEAF_SECTION_AXES)
+            axes = s;
+        else
+            st = read_section(f, s, arrays[s->kind]);
+        if (st != ST_OK)
+            return st;
+    }
+    return read_axes(f, axes);
+}
+
+/* The layout of a mesh, once its counts are known to be sound. */
+static status lay_out_mesh(leaf_file *f) {
+    mesh_directory *mesh = f->mesh;
+    const leaf_blocks blocks = {.treelets = f->layout.treelets,
+                                .fields = mesh->fields,
+                                .steps = mesh->steps,
+                                .gradients = f->layout.gradient_sets > 0,
+                                .moving = f->layout.moved_steps > 0};
+    status st = leaf_layout_init_mesh(&f->layout, f->m, &blocks);
+    if (st != ST_OK)
+        return st;
+    leaf_layout_set_counts(&f->layout, (const uint32_t(*)[4])mesh->counts);
+    for (uint32_t t = 0; t < f->layout.treelets; t++)
+        mesh->first_tet[t + 1] = mesh->first_tet[t] + mesh->counts[t][0];
+    return ST_OK;
+}
+
+static status lay_out_grid(leaf_file *f) {
+    return leaf_layout_init(&f->layout, f->m, f->header.dims, f->header.cells_log2, f->header.halo,
+                            (sample_type)f->header.sample_type);
+}
+
+/* Names and times, where the file has them. */
+static status check_labels(const opening *o) {
+    mesh_directory *mesh = o->f->mesh;
+    const char *path = file_path(o->f->source);
+    const uint64_t names = o->at[LEAF_SECTION_FIELDS - 1], times = o->at[LEAF_SECTION_TIMES - 1];
+    mesh->has_times = times > 0;
+    status st = ST_OK;
+    if (names)
+        st = leaf_check_names(path, &o->f->header, (const char(*)[64])mesh->names, names);
+    return st == ST_OK && times ? leaf_check_axis(path, mesh->times, mesh->steps, times) : st;
+}
+
+static status check_directory(const opening *o) {
+    leaf_file *f = o->f;
+    const char *path = file_path(f->source);
+    leaf_directory d = {
+        .ranges = (const float(*)[2])f->ranges,
+        .own = (const float(*)[2])f->own,
+        .flags = f->flags,
+        .offsets = f->offsets,
+        .sizes = f->sizes,
+        .end = o->end,
+    };
+    memcpy(d.at, o->at, sizeof d.at);
+    status st = ST_OK;
+    if (f->mesh) {
+        d.bounds = (const float(*)[6])f->mesh->bounds;
+        d.counts = (const uint32_t(*)[4])f->mesh->counts;
+        d.parts = o->at[LEAF_SECTION_COARSE - 1] ? f->mesh->coarse : NULL;
+        st = check_labels(o);
+        if (st == ST_OK)
+            st = leaf_check_counts(path, &f->header, &d);
+    }
+    if (st == ST_OK)
+        st = f->mesh ? lay_out_mesh(f) : lay_out_grid(f);
+    return st == ST_OK ? leaf_check_directory(path, &f->header, &f->layout, &d) : st;
+}
+
+/* Whoever wrote the file, its names can be printed and put into JSON. */
+static void clean_names(leaf_file *f, const char *path) {
+    leaf_header *h = &f->header;
+    text_name(h->name, sizeof h->name, h->name);
+    memcpy(f->name, h->name, sizeof f->name);
+    if (!*f->name)
+        text_file_name(f->name, sizeof f->name, path);
+    text_name(h->field, sizeof h->field, h->field);
+    text_name(h->provenance, sizeof h->provenance, h->provenance);
+    for (uint32_t i = 0; f->mesh && i < f->mesh->fields; i++)
+        text_name(f->mesh->names[i], sizeof *f->mesh->names, f->mesh->names[i]);
+}
+
+/* part: all of the file where it has no bytes. */
+static status open_part(mem *m, const char *path, const leaf_part *part, leaf_file **out) {
+    leaf_file *f = mem_zalloc(m, sizeof *f);
+    if (!f)
+        return ST_NOMEM;
+    f->m = m;
+    opening o = {.f = f};
+    status st = part->bytes ? file_open_part(m, path, part->offset, part->bytes, &f->source)
+                            : file_open(m, path, &f->source);
+    if (st == ST_OK)
+        st = file_mark_take(f->source, &f->mark);
+    if (st == ST_OK)
+        st = read_head(&o);
+    if (st == ST_OK)
+        st = allocate_directory(f);
+    if (st == ST_OK)
+        st = read_sections(&o);
+    if (st == ST_OK)
+        st = check_directory(&o);
+    if (st == ST_OK)
+        st = check_gap(f, o.end, f->offsets[0]);
+    if (st != ST_OK) {
+        leaf_file_close(f);
+        return st;
+    }
+    clean_names(f, path);
+    f->directory_bytes = o.end;
+    const uint32_t last = f->layout.payloads - 1;
+    f->payloads_end =
+        leaf_layout_aligned(f->offsets[last] + f->sizes[last], f->header.run_align_log2);
+    *out = f;
+    return ST_OK;
+}
+
+status leaf_file_open(mem *m, const char *path, leaf_file **out) {
+    const leaf_part whole = {0};
+    return open_part(m, path, &whole, out);
+}
+
+bool leaf_file_has_coarse(const leaf_file *f, uint32_t set) {
+    return f->mesh && f->mesh->coarse[set].bytes;
+}
+
+status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file **out) {
+    assert(leaf_file_has_coarse(f, set));
+    const leaf_part *part = &f->mesh->coarse[set];
+    leaf_file *coarse = NULL;
+    status st = open_part(m, file_path(f->source), part, &coarse);
+    if (st == ST_OK && (coarse->mesh || memcmp(coarse->header.id, part->id, sizeof part->id)))
+        st = status_describe(
+            ST_CORRUPT, "%s: expected the grid %016llx%016llx, found %s%016llx%016llx",
+            file_path(coarse->source), (unsigned long long)part->id[1],
+            (unsigned long long)part->id[0], coarse->mesh ? "the mesh " : "",
+            (unsigned long long)coarse->header.id[1], (unsigned long long)coarse->header.id[0]);
+    if (st != ST_OK) {
+        leaf_file_close(coarse);
+        return st;
+    }
+    *out = coarse;
+    return ST_OK;
+}
+
+void leaf_file_close(leaf_file *f) {
+    if (!f)
+        return;
+    leaf_layout_release(&f->layout);
+    mem_free(f->m, f->ranges);
+    mem_free(f->m, f->own);
+    mem_free(f->m, f->flags);
+    mem_free(f->m, f->offsets);
+    mem_free(f->m, f->sizes);
+    mem_free(f->m, f->checksums);
+    mem_free(f->m, f->histograms);
+    mem_free(f->m, f->axis[0]);
+    if (f->mesh) {
+        mem_free(f->m, f->mesh->bounds);
+        mem_free(f->m, f->mesh->counts);
+        mem_free(f->m, f->mesh->first_tet);
+        mem_free(f->m, f->mesh->names);
+        mem_free(f->m, f->mesh->times);
+        mem_free(f->m, f->mesh->coarse);
+        mem_free(f->m, f->mesh);
+    }
+    file_close(f->source);
+    mem_free(f->m, f);
+}
+
+bool leaf_file_is_raw(const leaf_file *f, uint32_t p) {
+    return f->sizes[p] == leaf_layout_payload_bytes(&f->layout, p);
+}
+
+static status check_stored(const leaf_file *f, uint32_t p, const void *stored) {
+    uint64_t sum = hash_bytes(stored, (size_t)f->sizes[p]);
+    char name[LEAF_NAME_MAX];
+    if (sum == f->checksums[p])
+        return ST_OK;
+    return status_describe(ST_CORRUPT,
+                           "%s: byte %llu: %s of %llu bytes has the checksum %016llx, expected "
+                           "%016llx",
+                           file_path(f->source), (unsigned long long)f->offsets[p],
+                           leaf_layout_payload_name(&f->layout, p, name),
+                           (unsigned long long)f->sizes[p], (unsigned long long)sum,
+                           (unsigned long long)f->checksums[p]);
+}
+
+static status decompress(const leaf_file *f, uint32_t p, const void *stored, void *payload) {
+    size_t bytes = leaf_layout_payload_bytes(&f->layout, p);
+    size_t got = ZSTD_decompress(payload, bytes, stored, (size_t)f->sizes[p]);
+    char name[LEAF_NAME_MAX];
+    if (got == bytes)
+        return ST_OK;
+    return status_describe(ST_CORRUPT, "%s: byte %llu: %s does not decompress to %zu bytes: %s",
+                           file_path(f->source), (unsigned long long)f->offsets[p],
+                           leaf_layout_payload_name(&f->layout, p, name), bytes,
+                           ZSTD_isError(got) ? ZSTD_getErrorName(got) : "it is shorter");
+}
+
+status leaf_file_load(leaf_file *f, uint32_t p, void *stored, void *payload) {
+    bool raw = leaf_file_is_raw(f, p);
+    assert(raw || stored);
+    void *into = raw ? payload : stored;
+    status st = file_read_at(f->source, f->offsets[p], into, (size_t)f->sizes[p]);
+    if (st == ST_OK)
+        st = check_stored(f, p, into);
+    if (st == ST_OK && !raw)
+        st = decompress(f, p, stored, payload);
+    return st;
+}
+
+status leaf_file_decode(const leaf_file *f, uint32_t p, const void *stored, void *payload,
+                        const void **view) {
+    status st = check_stored(f, p, stored);
+    if (st != ST_OK)
+        return st;
+    if (leaf_file_is_raw(f, p)) {
+        *view = stored;
+        return ST_OK;
+    }
+    st = decompress(f, p, stored, payload);
+    if (st == ST_OK)
+        *view = payload;
+    return st;
+}

@@ -1,0 +1,86 @@
+/* leaf_file.h - open a treelet file: everything but the payloads, checked and in memory.
+ *
+ * After leaf_file_open() the header, the directory and every offset and size have been validated
+ * against the file's length, so users need no checks of their own. Immutable afterwards: any thread
+ * may read it. Payload bytes are checked by leaf_file_load().
+ */
+#ifndef FORMATS_LEAF_LEAF_FILE_H
+#define FORMATS_LEAF_LEAF_FILE_H
+
+#include <stdbool.h>
+
+#include "formats/base/file_mark.h"
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+#include "formats/leaf/histogram.h"
+#include "formats/leaf/leaf.h"
+#include "formats/leaf/leaf_layout.h"
+
+/* What the directory of a mesh has besides; an element a treelet. */
+typedef struct mesh_directory {
+    float (*bounds)[6];    /* lo x y z, hi x y z; where vertices move an element step * treelets +
+                              treelet (leaf_layout_bounds()), so that those of step 0 are first */
+    uint32_t (*counts)[4]; /* for mesh_leaf_shape() */
+    uint64_t *first_tet;   /* treelets + 1: number in the whole mesh of a treelet's first tet */
+    uint32_t sets;         /* of values: fields * steps; set = field * steps + step */
+    uint32_t fields, steps;
+    char (*names)[64]; /* of fields; without FIELDS the first has the header's, others "" */
+    double *times;     /* of steps; without TIMES 0, 1, 2 .. */
+    bool has_times;    /* section TIMES was there */
+    leaf_part *coarse; /* of sets; zeros without section COARSE */
+} mesh_directory;
+
+typedef struct leaf_file {
+    leaf_header header;
+    char name[64]; /* to show: the header's, or the file's own without its suffix */
+    leaf_layout layout;
+    /* The directory, an element a treelet; of a mesh: ranges, own, flags an element set * treelets
+     * + treelet; offsets, sizes, checksums an element a payload (leaf_layout_values()). */
+    float (*ranges)[2]; /* merged */
+    float (*own)[2];
+    uint8_t *flags;
+    uint64_t *offsets;
+    uint64_t *sizes;
+    uint64_t *checksums;
+    /* Level-0 node coordinates in grid space, always there (0, 1, 2, ... for a regular grid). */
+    double *axis[3];
+    mesh_directory *mesh;  /* NULL: a grid */
+    histogram *histograms; /* of each set, a grid being one; NULL: the file has none */
+    file *source;
+    file_mark mark; /* of the file, or of the one that this is a part of, when it was opened */
+    mem *m;
+    uint64_t directory_bytes; /* in the file: header, section table, sections */
+    uint64_t payloads_end;    /* of the last run of payloads */
+} leaf_file;
+
+/* leaf_file_open() - ST_CORRUPT names file, byte and what was expected. */
+CHECKED status leaf_file_open(mem *m, const char *path, leaf_file **out);
+void leaf_file_close(leaf_file *f); /* NULL is fine */
+
+/* leaf_file_has_coarse() - whether f, a mesh, has a coarse grid of a set. leaf_file_open_coarse() -
+ * open it: a treelet file as any other, of kind grid, which may outlive f; messages call it F.leaf
+ * (from byte N), and count its bytes from there. ST_CORRUPT also where it is not the one
+ * that the directory says. */
+bool leaf_file_has_coarse(const leaf_file *f, uint32_t set);
+CHECKED status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file **out);
+
+/* leaf_file_is_raw() - whether payload p's stored bytes are it as they are: always with the raw
+ * codec, and with a compressed one for payloads that would not have got smaller. Of a grid, p is
+ * the treelet; of a mesh, a topology or values (leaf_layout_values()). */
+bool leaf_file_is_raw(const leaf_file *f, uint32_t p);
+
+/* leaf_file_load() - read payload p's stored bytes, check them, and decode into payload
+ * (leaf_layout_payload_bytes(p); 64-byte aligned). stored: room for sizes[p] bytes; may be NULL
+ * when leaf_file_is_raw(), bytes are then read straight into payload. ST_CORRUPT names file, byte
+ * and treelet. A mesh's topology is to pass mesh_leaf_check_loaded() before it is used, positions
+ * mesh_leaf_check_moved(). Thread-safe.
+ */
+CHECKED status leaf_file_load(leaf_file *f, uint32_t p, void *stored, void *payload);
+
+/* leaf_file_decode() - the same from bytes that are in memory already (a mapping): check, and
+ * unless leaf_file_is_raw() decode into payload; *view becomes the payload (stored itself when
+ * raw). Thread-safe. */
+CHECKED status leaf_file_decode(const leaf_file *f, uint32_t p, const void *stored, void *payload,
+                                const void **view);
+
+#endif

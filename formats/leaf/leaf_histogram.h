@@ -1,0 +1,31 @@
+/* leaf_histogram.h - histograms of treelet files: from payloads, and without a section of them. */
+#ifndef FORMATS_LEAF_LEAF_HISTOGRAM_H
+#define FORMATS_LEAF_LEAF_HISTOGRAM_H
+
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+#include "formats/leaf/histogram.h"
+#include "formats/leaf/histogram_draw.h"
+#include "formats/leaf/leaf_file.h"
+#include "formats/leaf/leaf_layout.h"
+#include "formats/mesh/mesh_leaf.h"
+
+/* leaf_histogram_take() - look at what is drawn from a treelet of level 0 of a grid. Each element
+ * of cells is written for one treelet alone. */
+void leaf_histogram_take(const leaf_layout *l, const histogram_draw *d, const histogram_space *s,
+                         uint32_t t, const void *payload, histogram_cell *cells);
+
+/* leaf_histogram_take_tets() - the same of a mesh's treelet, whose first tet is number first_tet;
+ * positions, values: of its vertices. */
+void leaf_histogram_take_tets(const histogram_run *r, uint64_t first_tet, const mesh_shape *s,
+                              const uint16_t (*tets)[4], const float (*positions)[3],
+                              const float *values, histogram_cell *cells);
+
+/* leaf_histogram_get() - of a set of a file (a grid has set 0): its own, or if it has none, a
+ * likely one from the ranges of its treelets: good for suggestions, `total` counts treelets then.
+ */
+CHECKED status leaf_histogram_get(mem *m, const leaf_file *f, uint32_t set, histogram *out);
+
+#endif

@@ -1,0 +1,263 @@
+#include "formats/leaf/leaf_layout.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/grid/grid.h"
+#include "formats/mesh/mesh_leaf.h"
+
+static uint32_t halved_up(uint32_t n) {
+    return n / 2 + (n & 1);
+}
+
+/* The dims of every level down to the one whose cells fit a single treelet. Coarse cells are
+ * ceil(cells / 2): two fine ones, or the last fine one alone. */
+static status level_dims(leaf_layout *l, const uint32_t dims[3]) {
+    uint32_t b = 1u << l->cells_log2;
+    uint32_t cells[3] = {dims[0] - 1, dims[1] - 1, dims[2] - 1};
+    for (l->levels = 0;;) {
+        if (l->levels == LEAF_LEVELS_MAX)
+            return status_describe(ST_UNSUPPORTED, "more than %d levels of detail",
+                                   LEAF_LEVELS_MAX);
+        leaf_level *v = &l->level[l->levels++];
+        for (int a = 0; a < 3; a++) {
+            v->cells[a] = cells[a];
+            v->dims[a] = cells[a] + 1;
+            v->treelets[a] = (cells[a] + b - 1) / b;
+        }
+        if (cells[0] <= b && cells[1] <= b && cells[2] <= b)
+            return ST_OK;
+        for (int a = 0; a < 3; a++)
+            cells[a] = halved_up(cells[a]);
+    }
+}
+
+status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32_t cells_log2,
+                          uint32_t halo, sample_type type) {
+    memset(l, 0, sizeof *l);
+    l->cells_log2 = cells_log2;
+    l->halo = halo;
+    l->type = type;
+    assert(cells_log2 >= LEAF_CELLS_LOG2_MIN && cells_log2 <= LEAF_CELLS_LOG2_MAX && halo <= 1);
+    for (int a = 0; a < 3; a++)
+        if (dims[a] < 2 || dims[a] > GRID_DIM_MAX)
+            return status_describe(ST_UNSUPPORTED,
+                                   "%u samples along %c, where 2 to %d are possible", dims[a],
+                                   "xyz"[a], GRID_DIM_MAX);
+    status st = level_dims(l, dims);
+    if (st != ST_OK)
+        return st;
+    uint64_t total = 0;
+    for (uint32_t level = l->levels; level-- > 0;) {
+        leaf_level *v = &l->level[level];
+        uint64_t count = (uint64_t)v->treelets[0] * v->treelets[1] * v->treelets[2];
+        if (total + count > LEAF_NO_TREELET - 1)
+            return status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 treelets; use larger ones");
+        v->first = (uint32_t)total;
+        v->count = (uint32_t)count;
+        total += count;
+    }
+    l->treelets = l->payloads = (uint32_t)total;
+    return ST_OK;
+}
+
+/* Which of the eight children of the treelet at this place exist, on the level below. */
+static uint8_t octants(const leaf_level *below, const uint32_t place[3]) {
+    unsigned mask = 0;
+    for (unsigned o = 0; o < 8; o++)
+        if (2 * place[0] + (o & 1) < below->treelets[0] &&
+            2 * place[1] + (o >> 1 & 1) < below->treelets[1] &&
+            2 * place[2] + (o >> 2) < below->treelets[2])
+            mask |= 1u << o;
+    return (uint8_t)mask;
+}
+
+static status allocate(leaf_layout *l, mem *m) {
+    l->m = m;
+    l->first_child = mem_array(m, l->treelets, sizeof *l->first_child);
+    l->place = mem_array(m, l->treelets, sizeof *l->place);
+    l->level_of = mem_array(m, l->treelets, sizeof *l->level_of);
+    if (l->first_child && l->place && l->level_of)
+        return ST_OK;
+    leaf_layout_release(l);
+    return ST_NOMEM;
+}
+
+status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t cells_log2,
+                        uint32_t halo, sample_type type) {
+    status st = leaf_layout_levels(l, dims, cells_log2, halo, type);
+    if (st == ST_OK)
+        st = allocate(l, m);
+    if (st != ST_OK)
+        return st;
+    /* Breadth first from the root: the children of each treelet take the next free indices. */
+    l->level_of[0] = (uint8_t)(l->levels - 1);
+    uint32_t next = 1;
+    for (uint32_t t = 0; t < l->treelets; t++) {
+        uint32_t level = l->level_of[t];
+        l->first_child[t] = level ? next : LEAF_NO_TREELET;
+        if (!level)
+            continue;
+        unsigned mask = octants(&l->level[level - 1], l->place[t]);
+        for (unsigned o = 0; o < 8; o++) {
+            if (!(mask >> o & 1))
+                continue;
+            l->level_of[next] = (uint8_t)(level - 1);
+            for (unsigned a = 0; a < 3; a++)
+                l->place[next][a] = 2 * l->place[t][a] + (o >> a & 1);
+            next++;
+        }
+    }
+    assert(next == l->treelets);
+    return ST_OK;
+}
+
+uint64_t leaf_blocks_payloads(const leaf_blocks *b) {
+    const uint64_t sets = (uint64_t)b->fields * b->steps;
+    return b->treelets * (1 + sets + (b->gradients ? sets : 0) + (b->moving ? b->steps - 1 : 0));
+}
+
+void leaf_layout_mesh(leaf_layout *l, const leaf_blocks *b) {
+    assert(b->treelets > 0 && b->fields > 0 && b->steps > (b->moving ? 1U : 0U));
+    assert(leaf_blocks_payloads(b) < LEAF_NO_TREELET);
+    memset(l, 0, sizeof *l);
+    l->levels = 1;
+    l->type = SAMPLE_F32;
+    l->treelets = l->level[0].count = b->treelets;
+    l->payloads = (uint32_t)leaf_blocks_payloads(b);
+    l->sets = b->fields * b->steps;
+    l->steps = b->steps;
+    l->gradient_sets = b->gradients ? l->sets : 0;
+    l->moved_steps = b->moving ? b->steps - 1 : 0;
+}
+
+status leaf_layout_init_mesh(leaf_layout *l, mem *m, const leaf_blocks *b) {
+    leaf_layout_mesh(l, b);
+    status st = allocate(l, m);
+    for (uint32_t t = 0; st == ST_OK && t < l->treelets; t++)
+        l->first_child[t] = LEAF_NO_TREELET;
+    return st;
+}
+
+void leaf_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]) {
+    l->counts = counts;
+    l->payload_max = 0;
+    for (uint32_t t = 0; t < l->treelets; t++) {
+        const mesh_shape s = mesh_leaf_shape(counts[t]);
+        l->payload_max = s.topology_bytes > l->payload_max ? s.topology_bytes : l->payload_max;
+        assert(s.values_bytes <= s.topology_bytes && s.gradients_bytes <= s.topology_bytes &&
+               s.positions_bytes <= s.topology_bytes);
+    }
+}
+
+void leaf_layout_release(leaf_layout *l) {
+    if (!l->m)
+        return;
+    mem_free(l->m, l->first_child);
+    mem_free(l->m, l->place);
+    mem_free(l->m, l->level_of);
+    l->first_child = NULL;
+    l->place = NULL;
+    l->level_of = NULL;
+    l->m = NULL;
+}
+
+uint32_t leaf_layout_find(const leaf_layout *l, uint32_t level, const uint32_t place[3]) {
+    assert(level < l->levels && place[0] < l->level[level].treelets[0] &&
+           place[1] < l->level[level].treelets[1] && place[2] < l->level[level].treelets[2]);
+    uint32_t t = 0;
+    for (uint32_t v = l->levels - 1; v-- > level;) {
+        unsigned shift = v - level;
+        unsigned o =
+            (place[0] >> shift & 1) | (place[1] >> shift & 1) << 1 | (place[2] >> shift & 1) << 2;
+        unsigned below = leaf_layout_children(l, t) & ((1u << o) - 1);
+        t = l->first_child[t] + (uint32_t)__builtin_popcount(below);
+    }
+    return t;
+}
+
+uint8_t leaf_layout_children(const leaf_layout *l, uint32_t treelet) {
+    uint32_t level = l->level_of[treelet];
+    return level ? octants(&l->level[level - 1], l->place[treelet]) : 0;
+}
+
+static uint32_t aligned(uint32_t bytes) {
+    return (bytes + LEAF_ALIGN - 1) / LEAF_ALIGN * LEAF_ALIGN;
+}
+
+static leaf_payload payload_of(const leaf_layout *l, const uint32_t cells[3]) {
+    leaf_payload p = {.node_levels = l->cells_log2 - LEAF_BLOCK_LOG2};
+    uint32_t count = 1;
+    for (int a = 0; a < 3; a++) {
+        p.cells[a] = cells[a];
+        p.samples[a] = cells[a] + 1 + 2 * l->halo;
+        count *= p.samples[a];
+    }
+    p.samples_at = aligned(leaf_codes_at(p.node_levels + 1));
+    p.bytes = aligned(p.samples_at + count * (uint32_t)sample_size(l->type));
+    return p;
+}
+
+leaf_payload leaf_layout_payload(const leaf_layout *l, uint32_t treelet) {
+    const leaf_level *v = &l->level[l->level_of[treelet]];
+    uint32_t b = 1u << l->cells_log2, cells[3];
+    for (int a = 0; a < 3; a++) {
+        uint32_t left = v->cells[a] - l->place[treelet][a] * b;
+        cells[a] = left < b ? left : b;
+    }
+    return payload_of(l, cells);
+}
+
+uint32_t leaf_layout_payload_bytes(const leaf_layout *l, uint32_t p) {
+    if (!l->sets)
+        return leaf_layout_payload(l, p).bytes;
+    const mesh_shape s = mesh_leaf_shape(l->counts[p % l->treelets]);
+    uint32_t index;
+    switch (leaf_layout_block_of(l, p, &index)) {
+    case LEAF_BLOCK_TOPOLOGY: return s.topology_bytes;
+    case LEAF_BLOCK_VALUES: return s.values_bytes;
+    case LEAF_BLOCK_GRADIENTS: return s.gradients_bytes;
+    default: return s.positions_bytes;
+    }
+}
+
+uint32_t leaf_layout_payload_max(const leaf_layout *l) {
+    if (l->sets)
+        return l->payload_max;
+    uint32_t b = 1u << l->cells_log2;
+    return payload_of(l, (uint32_t[3]){b, b, b}).bytes;
+}
+
+leaf_block leaf_layout_block_of(const leaf_layout *l, uint32_t p, uint32_t *index) {
+    const uint32_t block = p / l->treelets;
+    assert(l->sets && p < l->payloads);
+    *index = 0;
+    if (block == 0)
+        return LEAF_BLOCK_TOPOLOGY;
+    *index = block - 1;
+    if (*index < l->sets)
+        return LEAF_BLOCK_VALUES;
+    *index -= l->sets;
+    if (*index < l->gradient_sets)
+        return LEAF_BLOCK_GRADIENTS;
+    *index -= l->gradient_sets;
+    ++*index;
+    return LEAF_BLOCK_POSITIONS;
+}
+
+const char *leaf_layout_payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
+    static const char *const formats[] = {
+        [LEAF_BLOCK_TOPOLOGY] = "treelet %u's topology",
+        [LEAF_BLOCK_VALUES] = "treelet %u's values of set %u",
+        [LEAF_BLOCK_GRADIENTS] = "treelet %u's gradients of set %u",
+        [LEAF_BLOCK_POSITIONS] = "treelet %u's positions of step %u"};
+    uint32_t index;
+    if (!l->sets) {
+        snprintf(text, LEAF_NAME_MAX, "treelet %u's payload", p);
+        return text;
+    }
+    const leaf_block block = leaf_layout_block_of(l, p, &index);
+    snprintf(text, LEAF_NAME_MAX, formats[block], p % l->treelets, index);
+    return text;
+}

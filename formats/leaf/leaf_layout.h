@@ -1,0 +1,170 @@
+/* leaf_layout.h - the geometry of a treelet file: all that follows from dims, B, h and the sample
+ * type alone, or, for a mesh, from its COUNTS.
+ *
+ * Nothing of this is stored in the file; writer, reader and renderer derive it here. A mesh looks
+ * like a grid of one level: treelets without parents or children, all at place 0, 0, 0.
+ */
+#ifndef FORMATS_LEAF_LEAF_LAYOUT_H
+#define FORMATS_LEAF_LEAF_LAYOUT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/sample.h"
+#include "formats/base/status.h"
+#include "formats/leaf/leaf.h"
+
+#define LEAF_NO_TREELET UINT32_MAX /* no child; no treelet has this index */
+
+typedef struct leaf_level {
+    uint32_t dims[3];     /* nodes */
+    uint32_t cells[3];    /* dims - 1 */
+    uint32_t treelets[3]; /* per axis */
+    uint32_t first;       /* index of its first treelet */
+    uint32_t count;
+} leaf_level;
+
+typedef struct leaf_layout {
+    uint32_t cells_log2, halo, levels;
+    sample_type type;
+    uint32_t treelets;           /* of all levels */
+    uint32_t payloads;           /* of a mesh treelets * blocks, else as many as treelets */
+    uint32_t sets;               /* mesh: fields * steps; else 0 */
+    uint32_t steps;              /* mesh; else 0 */
+    uint32_t gradient_sets;      /* mesh: sets, or 0 where there are no gradients */
+    uint32_t moved_steps;        /* mesh: steps - 1, or 0 where vertices stay in place */
+    const uint32_t (*counts)[4]; /* mesh: section COUNTS; of the file or the writer */
+    uint32_t payload_max;        /* mesh */
+    leaf_level level[LEAF_LEVELS_MAX];
+    /* Per treelet: */
+    uint32_t *first_child; /* LEAF_NO_TREELET at level 0 */
+    uint32_t (*place)[3];  /* position in its level's treelet grid */
+    uint8_t *level_of;
+    mem *m;
+} leaf_layout;
+
+/* leaf_layout_levels() - number of levels of a grid; fills level[].dims/cells/treelets/first/count
+ * and totals without allocating. cells_log2 and halo must be possible ones (a caller's bug
+ * otherwise); dims are checked: ST_UNSUPPORTED for less than 2 or more than GRID_DIM_MAX samples on
+ * an axis, and when more than 2^32 - 2 treelets or LEAF_LEVELS_MAX levels were needed. */
+CHECKED status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32_t cells_log2,
+                                  uint32_t halo, sample_type type);
+
+/* leaf_layout_init() - the above and the per-treelet arrays. */
+CHECKED status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t cells_log2,
+                                uint32_t halo, sample_type type);
+void leaf_layout_release(leaf_layout *l);
+
+/* What there is of a mesh, in blocks of a payload a treelet (leaf.h). */
+typedef struct leaf_blocks {
+    uint32_t treelets, fields, steps; /* 1 or more; fields * steps up to LEAF_SETS_MAX */
+    bool gradients, moving;
+} leaf_blocks;
+
+/* leaf_blocks_payloads() - how many payloads: 2^32 - 1 or more are too many for a file. */
+uint64_t leaf_blocks_payloads(const leaf_blocks *b);
+
+/* leaf_layout_mesh() - of a mesh file, without allocating; leaf_blocks_payloads() below 2^32 - 1.
+ * leaf_layout_init_mesh() - and the per-treelet arrays. leaf_layout_set_counts() - what sizes
+ * follow from: counts must outlive l, each without a mesh_leaf_counts_fault(). */
+void leaf_layout_mesh(leaf_layout *l, const leaf_blocks *b);
+CHECKED status leaf_layout_init_mesh(leaf_layout *l, mem *m, const leaf_blocks *b);
+void leaf_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]);
+
+/* leaf_layout_find() - the treelet at a place of a level: descends from the root, so O(levels). */
+uint32_t leaf_layout_find(const leaf_layout *l, uint32_t level, const uint32_t place[3]);
+
+/* leaf_layout_children() - which octants of a treelet exist, as a bit mask (bit x + 2y + 4z); 0 at
+ * level 0. The child in octant o is first_child[t] + number of existing octants below o. */
+uint8_t leaf_layout_children(const leaf_layout *l, uint32_t treelet);
+
+/* Of one treelet's payload, before compression. */
+typedef struct leaf_payload {
+    uint32_t cells[3];    /* real cells, 1 .. B */
+    uint32_t samples[3];  /* cells + 1 + 2 halo: the sample array, x fastest */
+    uint32_t node_levels; /* K = cells_log2 - LEAF_BLOCK_LOG2: tree levels of 8, 64, .. 8^K nodes */
+    uint32_t samples_at;  /* byte offset of the sample array */
+    uint32_t bytes;       /* whole payload, a multiple of LEAF_ALIGN */
+} leaf_payload;
+
+leaf_payload leaf_layout_payload(const leaf_layout *l, uint32_t treelet);
+
+/* leaf_layout_payload_bytes() - of payload p before compression; p as in the directory: a grid's
+ * treelet, a mesh's blocks of topologies, values, gradients, positions. */
+uint32_t leaf_layout_payload_bytes(const leaf_layout *l, uint32_t p);
+
+/* leaf_layout_payload_max() - bytes of a full treelet's payload (mesh: of the largest); no other's
+ * is larger. */
+uint32_t leaf_layout_payload_max(const leaf_layout *l);
+
+/* leaf_layout_set() - the set of a field at a step. */
+static inline uint32_t leaf_layout_set(const leaf_layout *l, uint32_t of_field, uint32_t step) {
+    return of_field * l->steps + step;
+}
+
+/* leaf_layout_values() - the payload that holds the values of a mesh's treelet in a set.
+ * leaf_layout_gradients() - its gradients in a set, below gradient_sets. leaf_layout_positions() -
+ * its positions at a step from 1 up to moved_steps; those of step 0, and of every step where
+ * nothing moves, are in the topology. */
+static inline uint32_t leaf_layout_values(const leaf_layout *l, uint32_t set, uint32_t treelet) {
+    return l->treelets * (1 + set) + treelet;
+}
+static inline uint32_t leaf_layout_gradients(const leaf_layout *l, uint32_t set, uint32_t treelet) {
+    return l->treelets * (1 + l->sets + set) + treelet;
+}
+static inline uint32_t leaf_layout_positions(const leaf_layout *l, uint32_t step,
+                                             uint32_t treelet) {
+    return l->treelets * (l->sets + l->gradient_sets + step) + treelet;
+}
+
+/* leaf_layout_bounds() - the element of BOUNDS of a treelet at a step. */
+static inline size_t leaf_layout_bounds(const leaf_layout *l, uint32_t step, uint32_t treelet) {
+    return (l->moved_steps ? (size_t)step * l->treelets : 0) + treelet;
+}
+
+/* What a mesh's payload holds; leaf_layout_block_of() - of payload p, and of which set (values,
+ * gradients) or step (positions). */
+typedef enum leaf_block {
+    LEAF_BLOCK_TOPOLOGY,
+    LEAF_BLOCK_VALUES,
+    LEAF_BLOCK_GRADIENTS,
+    LEAF_BLOCK_POSITIONS
+} leaf_block;
+leaf_block leaf_layout_block_of(const leaf_layout *l, uint32_t p, uint32_t *index);
+
+/* leaf_layout_payload_name() - for messages: "treelet 5's payload", "treelet 5's values of set 2".
+ * Returns text. */
+enum { LEAF_NAME_MAX = 64 };
+const char *leaf_layout_payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]);
+
+/* leaf_layout_aligned() - the first multiple of 2^log2 at or behind `at`. */
+static inline uint64_t leaf_layout_aligned(uint64_t at, uint32_t log2) {
+    uint64_t mask = ((uint64_t)1 << log2) - 1;
+    return (at + mask) & ~mask;
+}
+
+/* leaf_layout_payload_at() - where payload p lies when the one before it (for p = 0: the last
+ * section) ends at `end`: at the next multiple of LEAF_ALIGN, or of 2^run_align_log2 for the first
+ * of a run. That is, in a grid, the child in octant 0, which every parent has; in a mesh the first
+ * treelet's payload in each block. */
+static inline uint64_t leaf_layout_payload_at(const leaf_layout *l, uint32_t p, uint64_t end,
+                                              uint32_t run_align_log2) {
+    bool first;
+    if (l->sets) {
+        first = p % l->treelets == 0;
+    } else {
+        const uint32_t *place = l->place[p];
+        first = !((place[0] | place[1] | place[2]) & 1);
+    }
+    return leaf_layout_aligned(end, first ? run_align_log2 : LEAF_ALIGN_LOG2);
+}
+
+/* Where the codes of tree level k (1 .. K) lie in the payload: lo[8^k] there, hi[8^k] behind it. */
+static inline uint32_t leaf_codes_at(uint32_t k) {
+    /* 2 * (8 + 64 + ... + 8^(k-1)) */
+    return 2u * (((1u << (3 * k)) - 8u) / 7u);
+}
+
+#endif

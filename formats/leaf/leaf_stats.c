@@ -1,0 +1,202 @@
+#include "formats/leaf/leaf_stats.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "formats/base/pool.h"
+#include "formats/mesh/mesh_leaf_check.h"
+
+/* Which sides of the isovalue the samples of an edge, a face, a cell are on. */
+enum { SIDE_OUT = 1, SIDE_IN = 2, SIDE_NONE = 4, SIDE_BOTH = SIDE_OUT | SIDE_IN };
+
+enum { ROW_MAX = (1 << LEAF_CELLS_LOG2_MAX) + 1 };
+
+typedef struct activity {
+    leaf_file *f;
+    double iso;
+    const progress *p;
+    uint64_t *cells; /* per treelet */
+    char **payloads, **stored;
+} activity;
+
+static bool holds(const leaf_file *f, uint32_t t, double iso) {
+    return (double)f->own[t][0] < iso && iso <= (double)f->own[t][1];
+}
+
+/* Sides of the line of samples at (y, z), the edges along x between them included. */
+static void row_sides(const leaf_layout *l, const leaf_payload *p, const char *samples, double iso,
+                      uint32_t y, uint32_t z, uint8_t sides[ROW_MAX]) {
+    size_t first =
+        l->halo + (size_t)p->samples[0] * (y + l->halo + (size_t)p->samples[1] * (z + l->halo));
+    uint8_t before = 0;
+    for (uint32_t x = 0; x <= p->cells[0]; x++) {
+        float v = sample_get(l->type, samples, first + x);
+        uint8_t side = !isfinite(v) ? SIDE_NONE : (double)v >= iso ? SIDE_IN : SIDE_OUT;
+        if (x > 0)
+            sides[x - 1] = before | side;
+        before = side;
+    }
+}
+
+uint64_t leaf_stats_cells(const leaf_layout *l, uint32_t t, const void *payload, double iso) {
+    leaf_payload p = leaf_layout_payload(l, t);
+    const char *samples = (const char *)payload + p.samples_at;
+    uint64_t count = 0;
+    for (uint32_t z = 0; z < p.cells[2]; z++) {
+        uint8_t near[2][ROW_MAX],
+            far[2][ROW_MAX]; /* rows y and y + 1 (in turn) of slices z and z + 1 */
+        row_sides(l, &p, samples, iso, 0, z, near[0]);
+        row_sides(l, &p, samples, iso, 0, z + 1, far[0]);
+        for (uint32_t y = 0; y < p.cells[1]; y++) {
+            const uint32_t now = y & 1, next = now ^ 1;
+            row_sides(l, &p, samples, iso, y + 1, z, near[next]);
+            row_sides(l, &p, samples, iso, y + 1, z + 1, far[next]);
+            for (uint32_t x = 0; x < p.cells[0]; x++)
+                count += (near[now][x] | near[next][x] | far[now][x] | far[next][x]) == SIDE_BOTH;
+        }
+    }
+    return count;
+}
+
+uint64_t leaf_stats_tets(const leaf_file *f, uint32_t t, const void *topology, const void *values,
+                         double iso) {
+    const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
+    const uint16_t(*tet)[4] = mesh_leaf_tets(&s, topology);
+    const float *value = mesh_leaf_values(&s, values);
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < s.tets; i++) {
+        unsigned sides = 0;
+        for (int c = 0; c < 4; c++) {
+            const float v = value[tet[i][c]];
+            sides |= !isfinite(v) ? SIDE_NONE : (double)v >= iso ? SIDE_IN : SIDE_OUT;
+        }
+        count += sides == SIDE_BOTH;
+    }
+    return count;
+}
+
+/* Behind the topology's room in the thread's payload, the values. */
+static status count_tets(const activity *a, uint32_t t, int worker) {
+    leaf_file *f = a->f;
+    char *topology = a->payloads[worker];
+    char *values = topology + leaf_layout_payload_max(&f->layout);
+    status st = leaf_file_load(f, t, a->stored[worker], topology);
+    if (st == ST_OK)
+        st = mesh_leaf_check_loaded(f, t, topology);
+    if (st == ST_OK)
+        st = leaf_file_load(f, leaf_layout_values(&f->layout, 0, t), a->stored[worker], values);
+    if (st == ST_OK)
+        a->cells[t] = leaf_stats_tets(f, t, topology, values, a->iso);
+    return st;
+}
+
+static status count_treelet(void *ctx, size_t index, int worker) {
+    const activity *a = ctx;
+    uint32_t t = (uint32_t)index;
+    if (!holds(a->f, t, a->iso))
+        return ST_OK;
+    status st = progress_step(a->p, "count", (double)t / a->f->layout.treelets);
+    if (st == ST_OK && a->f->mesh)
+        return count_tets(a, t, worker);
+    if (st == ST_OK)
+        st = leaf_file_load(a->f, t, a->stored[worker], a->payloads[worker]);
+    if (st == ST_OK)
+        a->cells[t] = leaf_stats_cells(&a->f->layout, t, a->payloads[worker], a->iso);
+    return st;
+}
+
+static status allocate(activity *a, mem *m, int threads) {
+    const leaf_layout *l = &a->f->layout;
+    const size_t room = leaf_layout_payload_max(l);
+    a->cells = mem_array(m, l->treelets, sizeof *a->cells);
+    a->payloads = mem_array(m, (size_t)threads, sizeof *a->payloads);
+    a->stored = mem_array(m, (size_t)threads, sizeof *a->stored);
+    if (!a->cells || !a->payloads || !a->stored)
+        return ST_NOMEM;
+    for (int i = 0; i < threads; i++) {
+        a->payloads[i] = mem_alloc(m, a->f->mesh ? 2 * room : room);
+        a->stored[i] = mem_alloc(m, room);
+        if (!a->payloads[i] || !a->stored[i])
+            return ST_NOMEM;
+    }
+    return ST_OK;
+}
+
+static void release(activity *a, mem *m, int threads) {
+    for (int i = 0; i < threads; i++) {
+        if (a->payloads)
+            mem_free(m, a->payloads[i]);
+        if (a->stored)
+            mem_free(m, a->stored[i]);
+    }
+    mem_free(m, a->payloads);
+    mem_free(m, a->stored);
+    mem_free(m, a->cells);
+}
+
+static void add_up(const activity *a, leaf_activity levels[LEAF_LEVELS_MAX]) {
+    memset(levels, 0, LEAF_LEVELS_MAX * sizeof *levels);
+    for (uint32_t t = 0; t < a->f->layout.treelets; t++) {
+        leaf_activity *level = &levels[a->f->layout.level_of[t]];
+        if (!holds(a->f, t, a->iso))
+            continue;
+        level->treelets++;
+        level->bytes += a->f->sizes[t];
+        if (a->f->mesh)
+            level->bytes += a->f->sizes[leaf_layout_values(&a->f->layout, 0, t)];
+        level->cells += a->cells[t];
+    }
+}
+
+status leaf_stats_activity(mem *m, leaf_file *f, double iso, int threads, const progress *p,
+                           leaf_activity levels[LEAF_LEVELS_MAX]) {
+    activity a = {.f = f, .iso = iso, .p = p};
+    pool *workers = NULL;
+    status st = pool_create(m, threads, &workers);
+    if (st == ST_OK)
+        st = allocate(&a, m, threads);
+    if (st == ST_OK)
+        st = pool_run(workers, f->layout.treelets, count_treelet, &a);
+    if (st == ST_OK)
+        add_up(&a, levels);
+    pool_destroy(workers);
+    release(&a, m, threads);
+    return st;
+}
+
+/* ---- what a mesh's payloads are made of ---- */
+
+leaf_mesh_parts leaf_stats_mesh(const leaf_file *f) {
+    const uint64_t sets = f->mesh->sets;
+    leaf_mesh_parts parts = {0};
+    uint64_t bytes = 0;
+    for (uint32_t t = 0; t < f->layout.treelets; t++) {
+        const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
+        parts.vertices += s.vertices;
+        parts.node_count += s.nodes;
+        parts.leaves += s.leaves;
+        parts.tets += s.tets * sizeof(uint16_t[4]);
+        bytes += s.topology_bytes + sets * s.values_bytes +
+                 f->layout.gradient_sets * (uint64_t)s.gradients_bytes +
+                 f->layout.moved_steps * (uint64_t)s.positions_bytes;
+    }
+    parts.nodes = parts.node_count * sizeof(mesh_node) +
+                  (parts.leaves + f->layout.treelets) * sizeof(uint16_t);
+    parts.positions = parts.vertices * sizeof(float[3]);
+    parts.codes = sets * parts.node_count * sizeof(mesh_codes);
+    parts.values = sets * parts.vertices * sizeof(float);
+    parts.gradients = f->layout.gradient_sets * parts.vertices * sizeof(float[3]);
+    parts.moved_boxes = f->layout.moved_steps * parts.node_count * sizeof(mesh_boxes);
+    parts.moved = f->layout.moved_steps * parts.vertices * sizeof(float[3]);
+    parts.padding = bytes - parts.nodes - parts.tets - parts.positions - parts.codes -
+                    parts.values - parts.gradients - parts.moved_boxes - parts.moved;
+    uint64_t *const stored[] = {[LEAF_BLOCK_TOPOLOGY] = &parts.stored_topology,
+                                [LEAF_BLOCK_VALUES] = &parts.stored_values,
+                                [LEAF_BLOCK_GRADIENTS] = &parts.stored_gradients,
+                                [LEAF_BLOCK_POSITIONS] = &parts.stored_positions};
+    uint32_t index;
+    for (uint32_t p = 0; p < f->layout.payloads; p++)
+        *stored[leaf_layout_block_of(&f->layout, p, &index)] += f->sizes[p];
+    return parts;
+}

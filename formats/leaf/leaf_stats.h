@@ -1,0 +1,48 @@
+/* leaf_stats.h - what an isovalue needs of a treelet file, counted. */
+#ifndef FORMATS_LEAF_LEAF_STATS_H
+#define FORMATS_LEAF_LEAF_STATS_H
+
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/progress.h"
+#include "formats/base/status.h"
+#include "formats/leaf/leaf_file.h"
+
+typedef struct leaf_activity {
+    uint64_t treelets; /* whose own range holds the isovalue: lo < iso && iso <= hi */
+    uint64_t bytes;    /* of their stored payloads; of a mesh of topology and values */
+    uint64_t cells; /* min < iso && iso <= max over the cell's 8 samples (a tet's 4 values), all of
+                       them finite */
+} leaf_activity;
+
+/* leaf_stats_activity() - per level (a mesh: its first set, as level 0); reads the payloads of
+ * active treelets. p may be NULL. */
+CHECKED status leaf_stats_activity(mem *m, leaf_file *f, double iso, int threads, const progress *p,
+                                   leaf_activity levels[LEAF_LEVELS_MAX]);
+
+/* leaf_stats_cells() - active cells of one treelet's payload. */
+uint64_t leaf_stats_cells(const leaf_layout *l, uint32_t t, const void *payload, double iso);
+
+/* leaf_stats_tets() - active tets of a mesh's treelet. */
+uint64_t leaf_stats_tets(const leaf_file *f, uint32_t t, const void *topology, const void *values,
+                         double iso);
+
+/* What the payloads of a mesh are made of: bytes before compression. */
+typedef struct leaf_mesh_parts {
+    uint64_t nodes;       /* boxes and children of the trees, and where leaves begin */
+    uint64_t tets;        /* their vertex indices */
+    uint64_t positions;   /* of vertices, once a treelet */
+    uint64_t codes;       /* value ranges of the trees, all sets */
+    uint64_t values;      /* of vertices, all sets */
+    uint64_t gradients;   /* of vertices, all sets */
+    uint64_t moved_boxes; /* boxes of the trees at the steps behind the first */
+    uint64_t moved;       /* positions of vertices at these */
+    uint64_t padding;
+    uint64_t vertices, node_count, leaves; /* sums of COUNTS */
+    uint64_t stored_topology, stored_values, stored_gradients, stored_positions; /* in the file */
+} leaf_mesh_parts;
+
+leaf_mesh_parts leaf_stats_mesh(const leaf_file *f);
+
+#endif

@@ -1,0 +1,545 @@
+#include "formats/leaf/leaf_verify.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/base/hash.h"
+#include "formats/base/pool.h"
+#include "formats/leaf/leaf_histogram.h"
+#include "formats/leaf/quantize.h"
+#include "formats/mesh/mesh_leaf_check.h"
+
+enum { BLOCK = 1 << LEAF_BLOCK_LOG2, PROGRESS_STEP = 64 };
+
+/* Neighbours share samples: hashes of what a treelet has in common with the one before and behind
+ * it, per axis. */
+typedef struct shared {
+    uint64_t before[3], behind[3];
+} shared;
+
+typedef struct verification {
+    leaf_file *f;
+    const progress *p;
+    shared *edges;        /* per treelet */
+    uint64_t *non_finite; /* per treelet of level 0: of the samples that no treelet behind it has;
+                             of a mesh: of all its vertices' values */
+    /* Per thread; of a mesh, behind a payload's room: that of values, of positions, then scratch.
+     */
+    char **payloads, **stored;
+    /* Of histograms; cells is NULL where the file has none. */
+    histogram_draw draw;
+    histogram_space space;
+    histogram_run run;
+    histogram_cell *cells; /* of each set */
+} verification;
+
+/* One treelet while it is looked at. */
+typedef struct subject {
+    const leaf_file *f;
+    uint32_t t;
+    leaf_payload p;
+    const uint8_t *bytes;
+    const void *samples;
+    sample_type type;
+    uint32_t halo;
+} subject;
+
+__attribute__((format(printf, 3, 4))) static status wrong(const subject *s, uint64_t at,
+                                                          const char *fmt, ...) {
+    char text[STATUS_TEXT_MAX / 2];
+    va_list args;
+    va_start(args, fmt);
+    vsnprintf(text, sizeof text, fmt, args);
+    va_end(args);
+    const char *path = file_path(s->f->source);
+    if (leaf_file_is_raw(s->f, s->t))
+        return status_describe(ST_CORRUPT, "%s: byte %llu: treelet %u: %s", path,
+                               (unsigned long long)(s->f->offsets[s->t] + at), s->t, text);
+    return status_describe(ST_CORRUPT, "%s: treelet %u: byte %llu of its payload: %s", path, s->t,
+                           (unsigned long long)at, text);
+}
+
+/* ---- one treelet ---- */
+
+static status check_zero(const subject *s, uint32_t from, uint32_t to) {
+    for (uint32_t i = from; i < to; i++)
+        if (s->bytes[i])
+            return wrong(s, i, "expected 0 as padding, found %u", s->bytes[i]);
+    return ST_OK;
+}
+
+static size_t sample_index(const subject *s, uint32_t x, uint32_t y, uint32_t z) {
+    return x + (size_t)s->p.samples[0] * (y + (size_t)s->p.samples[1] * z);
+}
+
+/* Smallest and largest finite sample of the box of own nodes [first, last]; lo > hi without any. */
+static void range_of(const subject *s, const uint32_t first[3], const uint32_t last[3],
+                     float range[2], bool *non_finite) {
+    range[0] = INFINITY;
+    range[1] = -INFINITY;
+    for (uint32_t z = first[2]; z <= last[2]; z++)
+        for (uint32_t y = first[1]; y <= last[1]; y++)
+            for (uint32_t x = first[0]; x <= last[0]; x++) {
+                float v = sample_get(s->type, s->samples,
+                                     sample_index(s, x + s->halo, y + s->halo, z + s->halo));
+                if (!isfinite(v)) {
+                    *non_finite = true;
+                    continue;
+                }
+                range[0] = v < range[0] ? v : range[0];
+                range[1] = v > range[1] ? v : range[1];
+            }
+}
+
+static status check_own_range(const subject *s) {
+    static const uint32_t origin[3] = {0, 0, 0};
+    float range[2];
+    bool non_finite = false;
+    range_of(s, origin, s->p.cells, range, &non_finite);
+    const float *own = s->f->own[s->t];
+    if (range[0] != own[0] || range[1] != own[1])
+        return wrong(s, s->p.samples_at, "expected samples in exactly %g .. %g, found %g .. %g",
+                     (double)own[0], (double)own[1], (double)range[0], (double)range[1]);
+    if (non_finite != ((s->f->flags[s->t] & LEAF_FLAG_NON_FINITE) != 0))
+        return wrong(s, s->p.samples_at, "expected %s non-finite samples, as its flags say",
+                     non_finite ? "no" : "some");
+    return ST_OK;
+}
+
+static status check_code(const subject *s, uint32_t at, const char *what, unsigned expected) {
+    if (s->bytes[at] == expected)
+        return ST_OK;
+    return wrong(s, at, "expected the %s code %u, found %u", what, expected, s->bytes[at]);
+}
+
+/* Block m of the last tree level: its codes follow from its samples. */
+static status check_block(const subject *s, const quantizer *q, uint32_t m) {
+    uint32_t first[3] = {0, 0, 0}, last[3];
+    for (unsigned bit = 0; bit < s->p.node_levels; bit++)
+        for (unsigned a = 0; a < 3; a++)
+            first[a] |= (m >> (3 * bit + a) & 1) << (bit + LEAF_BLOCK_LOG2);
+    float range[2] = {INFINITY, -INFINITY};
+    bool inside = true, non_finite = false;
+    for (unsigned a = 0; a < 3; a++) {
+        inside &= first[a] < s->p.cells[a];
+        last[a] = first[a] + BLOCK < s->p.cells[a] ? first[a] + BLOCK : s->p.cells[a];
+    }
+    if (inside)
+        range_of(s, first, last, range, &non_finite);
+    bool empty = range[0] > range[1];
+    uint32_t at = leaf_codes_at(s->p.node_levels) + m, blocks = 1u << (3 * s->p.node_levels);
+    status st = check_code(s, at, "lowest", empty ? 255 : quantizer_floor(q, (double)range[0]));
+    return st == ST_OK ? check_code(s, at + blocks, "highest",
+                                    empty ? 0 : quantizer_ceil(q, (double)range[1]))
+                       : st;
+}
+
+/* Node m of tree level k: the smallest and largest code of its eight children. */
+static status check_node(const subject *s, uint32_t k, uint32_t m) {
+    uint32_t nodes = 1u << (3 * k);
+    const uint8_t *lo = s->bytes + leaf_codes_at(k + 1) + 8 * m, *hi = lo + 8 * nodes;
+    unsigned least = 255, most = 0;
+    for (int c = 0; c < 8; c++) {
+        least = lo[c] < least ? lo[c] : least;
+        most = hi[c] > most ? hi[c] : most;
+    }
+    status st = check_code(s, leaf_codes_at(k) + m, "lowest", least);
+    return st == ST_OK ? check_code(s, leaf_codes_at(k) + nodes + m, "highest", most) : st;
+}
+
+static status check_codes(const subject *s) {
+    const float *own = s->f->own[s->t];
+    quantizer q = quantizer_of(own[0], own[1], s->type);
+    for (uint32_t m = 0; m < 1u << (3 * s->p.node_levels); m++) {
+        status st = check_block(s, &q, m);
+        if (st != ST_OK)
+            return st;
+    }
+    for (uint32_t k = s->p.node_levels - 1; k >= 1; k--)
+        for (uint32_t m = 0; m < 1u << (3 * k); m++) {
+            status st = check_node(s, k, m);
+            if (st != ST_OK)
+                return st;
+        }
+    return ST_OK;
+}
+
+/* The nearest sample, along one axis, that lies in the volume. */
+static uint32_t nearest_inside(const subject *s, int axis, uint32_t i) {
+    const leaf_level *v = &s->f->layout.level[s->f->layout.level_of[s->t]];
+    int64_t first = ((int64_t)s->f->layout.place[s->t][axis] << s->f->layout.cells_log2) - s->halo;
+    int64_t node = first + i;
+    node = node < 0 ? 0 : node >= v->dims[axis] ? v->dims[axis] - 1 : node;
+    return (uint32_t)(node - first);
+}
+
+/* Samples outside the volume are copies of the nearest one inside. */
+static status check_border(const subject *s) {
+    const size_t size = sample_size(s->type);
+    const char *samples = s->samples;
+    for (uint32_t z = 0; z < s->p.samples[2]; z++)
+        for (uint32_t y = 0; y < s->p.samples[1]; y++) {
+            uint32_t inner_y = nearest_inside(s, 1, y), inner_z = nearest_inside(s, 2, z);
+            bool outside = inner_y != y || inner_z != z;
+            /* Within a row that is inside, only its ends can be outside. */
+            uint32_t step = outside || s->p.samples[0] < 2 ? 1 : s->p.samples[0] - 1;
+            for (uint32_t x = 0; x < s->p.samples[0]; x += step) {
+                size_t here = sample_index(s, x, y, z);
+                size_t there = sample_index(s, nearest_inside(s, 0, x), inner_y, inner_z);
+                if (memcmp(samples + here * size, samples + there * size, size) != 0)
+                    return wrong(s, s->p.samples_at + here * size,
+                                 "expected a copy of the sample at the volume's border");
+            }
+        }
+    return ST_OK;
+}
+
+/* ---- what treelets share ---- */
+
+/* Hash of the samples at positions [from, from + 1 + 2h) along an axis, which neighbours on that
+ * axis both have. */
+static uint64_t hash_shared(const subject *s, int axis, uint32_t from) {
+    const size_t size = sample_size(s->type);
+    uint32_t first[3] = {0, 0, 0},
+             last[3] = {s->p.samples[0] - 1, s->p.samples[1] - 1, s->p.samples[2] - 1};
+    first[axis] = from;
+    last[axis] = from + 2 * s->halo;
+    uint64_t sums[2] = {0, 0};
+    size_t row = (last[0] - first[0] + 1) * size;
+    for (uint32_t z = first[2]; z <= last[2]; z++)
+        for (uint32_t y = first[1]; y <= last[1]; y++) {
+            sums[1] =
+                hash_bytes((const char *)s->samples + sample_index(s, first[0], y, z) * size, row);
+            sums[0] = hash_bytes(sums, sizeof sums);
+        }
+    return sums[0];
+}
+
+static void note_shared(const subject *s, shared *edges) {
+    for (int a = 0; a < 3; a++) {
+        edges->before[a] = hash_shared(s, a, 0);
+        edges->behind[a] = hash_shared(s, a, s->p.samples[a] - 1 - 2 * s->halo);
+    }
+}
+
+/* Non-finite samples at nodes that no treelet behind has: all but those on the far faces, which
+ * only the last treelet counts. */
+static uint32_t count_non_finite(const subject *s) {
+    const leaf_layout *l = &s->f->layout;
+    uint32_t nodes[3], count = 0;
+    for (int a = 0; a < 3; a++)
+        nodes[a] = s->p.cells[a] + (l->place[s->t][a] + 1 == l->level[0].treelets[a]);
+    for (uint32_t z = 0; z < nodes[2]; z++)
+        for (uint32_t y = 0; y < nodes[1]; y++)
+            for (uint32_t x = 0; x < nodes[0]; x++)
+                count += !isfinite(sample_get(
+                    s->type, s->samples, sample_index(s, x + s->halo, y + s->halo, z + s->halo)));
+    return count;
+}
+
+static status report(const verification *v, uint32_t t) {
+    return t % PROGRESS_STEP ? ST_OK
+                             : progress_step(v->p, "verify", (double)t / v->f->layout.treelets);
+}
+
+static status verify_treelet(void *ctx, size_t index, int worker) {
+    const verification *v = ctx;
+    leaf_file *f = v->f;
+    uint32_t t = (uint32_t)index;
+    status st = leaf_file_load(f, t, v->stored[worker], v->payloads[worker]);
+    if (st == ST_OK)
+        st = report(v, t);
+    if (st != ST_OK)
+        return st;
+    subject s = {.f = f,
+                 .t = t,
+                 .p = leaf_layout_payload(&f->layout, t),
+                 .type = f->layout.type,
+                 .halo = f->layout.halo};
+    s.bytes = (const uint8_t *)v->payloads[worker];
+    s.samples = s.bytes + s.p.samples_at;
+    uint32_t end =
+        s.p.samples_at + (uint32_t)(sample_index(&s, 0, 0, s.p.samples[2]) * sample_size(s.type));
+    st = check_zero(&s, leaf_codes_at(s.p.node_levels + 1), s.p.samples_at);
+    if (st == ST_OK)
+        st = check_zero(&s, end, s.p.bytes);
+    if (st == ST_OK)
+        st = check_own_range(&s);
+    if (st == ST_OK)
+        st = check_codes(&s);
+    if (st == ST_OK)
+        st = check_border(&s);
+    if (st != ST_OK)
+        return st;
+    note_shared(&s, &v->edges[t]);
+    if (v->cells && f->layout.level_of[t] == 0)
+        leaf_histogram_take(&f->layout, &v->draw, &v->space, t, s.bytes, v->cells);
+    if (f->layout.level_of[t] == 0 && (f->flags[t] & LEAF_FLAG_NON_FINITE))
+        v->non_finite[t] = count_non_finite(&s);
+    return ST_OK;
+}
+
+/* ---- a treelet of a mesh ---- */
+
+static uint32_t count_values(const leaf_file *f, uint32_t t, const void *values) {
+    const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < s.vertices; i++)
+        count += !isfinite(mesh_leaf_values(&s, values)[i]);
+    return count;
+}
+
+/* Of a set's values; positions: room for those of a step that are elsewhere than at the first. */
+static status look_at_tets(const verification *v, uint32_t set, uint32_t t, const char *topology,
+                           const char *values, char *positions, char *stored) {
+    leaf_file *f = v->f;
+    const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
+    const float(*places)[3] = mesh_leaf_positions(&s, topology);
+    const uint32_t step = set % f->mesh->steps;
+    if (!v->cells)
+        return ST_OK;
+    if (step > 0 && f->layout.moved_steps > 0) {
+        status st =
+            leaf_file_load(f, leaf_layout_positions(&f->layout, step, t), stored, positions);
+        if (st != ST_OK)
+            return st;
+        places = mesh_leaf_moved(&s, positions);
+    }
+    leaf_histogram_take_tets(&v->run, f->mesh->first_tet[t], &s, mesh_leaf_tets(&s, topology),
+                             places, mesh_leaf_values(&s, values),
+                             v->cells + (size_t)set * v->run.count);
+    return ST_OK;
+}
+
+/* Payload p of a treelet, but for its topology; room: of another payload, then scratch. */
+static status verify_block(const verification *v, uint32_t p, const char *topology,
+                           const char *payload, char *room, char *stored) {
+    leaf_file *f = v->f;
+    const uint32_t t = p % f->layout.treelets;
+    char *scratch = room + leaf_layout_payload_max(&f->layout);
+    uint32_t index;
+    status st;
+    switch (leaf_layout_block_of(&f->layout, p, &index)) {
+    case LEAF_BLOCK_VALUES:
+        st = mesh_leaf_check_values(f, index, t, topology, payload, scratch);
+        if (st == ST_OK && (f->flags[p - f->layout.treelets] & LEAF_FLAG_NON_FINITE))
+            v->non_finite[t] += count_values(f, t, payload);
+        return st == ST_OK ? look_at_tets(v, index, t, topology, payload, room, stored) : st;
+    case LEAF_BLOCK_GRADIENTS: return mesh_leaf_check_gradients(f, index, t, payload);
+    default:
+        st = mesh_leaf_check_moved(f, index, t, payload);
+        return st == ST_OK ? mesh_leaf_check_positions(f, index, t, topology, payload, scratch)
+                           : st;
+    }
+}
+
+static status verify_mesh_treelet(void *ctx, size_t index, int worker) {
+    const verification *v = ctx;
+    leaf_file *f = v->f;
+    const size_t room = leaf_layout_payload_max(&f->layout);
+    const uint32_t t = (uint32_t)index;
+    char *topology = v->payloads[worker], *values = topology + room, *other = values + room,
+         *scratch = other + room;
+    status st = leaf_file_load(f, t, v->stored[worker], topology);
+    if (st == ST_OK)
+        st = report(v, t);
+    if (st == ST_OK)
+        st = mesh_leaf_check_loaded(f, t, topology);
+    if (st == ST_OK)
+        st = mesh_leaf_check_topology(f, t, topology, scratch);
+    for (uint32_t p = t + f->layout.treelets; p < f->layout.payloads && st == ST_OK;
+         p += f->layout.treelets) {
+        st = leaf_file_load(f, p, v->stored[worker], values);
+        if (st == ST_OK)
+            st = verify_block(v, p, topology, values, other, v->stored[worker]);
+    }
+    return st;
+}
+
+/* ---- the whole ---- */
+
+/* Treelets that touch hold the same samples where they overlap; corners follow from faces, which
+ * are compared with their halos. */
+static status check_neighbours(const verification *v) {
+    const leaf_layout *l = &v->f->layout;
+    for (uint32_t t = 0; t < l->treelets; t++)
+        for (int a = 0; a < 3; a++) {
+            const leaf_level *level = &l->level[l->level_of[t]];
+            uint32_t place[3] = {l->place[t][0], l->place[t][1], l->place[t][2]};
+            if (++place[a] == level->treelets[a])
+                continue;
+            uint32_t other = leaf_layout_find(l, l->level_of[t], place);
+            if (v->edges[t].behind[a] != v->edges[other].before[a])
+                return status_describe(
+                    ST_CORRUPT,
+                    "%s: byte %llu: treelets %u and %u differ in samples that both hold, along %c",
+                    file_path(v->f->source), (unsigned long long)v->f->offsets[other], t, other,
+                    "xyz"[a]);
+        }
+    return ST_OK;
+}
+
+/* Treelets of a grid count each sample once; those of a mesh may share vertices. */
+static status check_count(const verification *v) {
+    const uint64_t count = v->f->header.non_finite;
+    uint64_t most = 0, least = 0;
+    for (uint32_t t = 0; t < v->f->layout.treelets; t++) {
+        most += v->non_finite[t];
+        least = v->non_finite[t] > least ? v->non_finite[t] : least;
+    }
+    if (!v->f->mesh)
+        least = most;
+    if (count >= least && count <= most)
+        return ST_OK;
+    return status_describe(
+        ST_CORRUPT, "%s: byte %zu: expected %llu to %llu non-finite samples, found %llu",
+        file_path(v->f->source), offsetof(leaf_header, non_finite), (unsigned long long)least,
+        (unsigned long long)most, (unsigned long long)count);
+}
+
+static status check_gaps(const verification *v) {
+    char bytes[512], name[LEAF_NAME_MAX];
+    const leaf_file *f = v->f;
+    for (uint32_t p = 0; p < f->layout.payloads; p++) {
+        uint64_t at = f->offsets[p] + f->sizes[p];
+        uint64_t end = p + 1 < f->layout.payloads ? f->offsets[p + 1] : f->payloads_end;
+        while (at < end) {
+            size_t size = end - at < sizeof bytes ? (size_t)(end - at) : sizeof bytes;
+            status st = file_read_at(f->source, at, bytes, size);
+            if (st != ST_OK)
+                return st;
+            for (size_t i = 0; i < size; i++)
+                if (bytes[i])
+                    return status_describe(ST_CORRUPT, "%s: byte %llu: expected 0 behind %s",
+                                           file_path(f->source), (unsigned long long)(at + i),
+                                           leaf_layout_payload_name(&f->layout, p, name));
+            at += size;
+        }
+    }
+    return ST_OK;
+}
+
+/* The same cells in the same bins; sums of floats in the same order are the same bits. */
+static status check_histograms(const verification *v) {
+    const leaf_file *f = v->f;
+    const uint32_t sets = v->cells ? f->mesh ? f->mesh->sets : 1 : 0;
+    const uint32_t count = f->mesh ? v->run.count : v->draw.count;
+    const uint64_t total =
+        f->mesh ? v->run.total
+                : (uint64_t)f->header.dims[0] * f->header.dims[1] * f->header.dims[2];
+    for (uint32_t set = 0; set < sets; set++) {
+        histogram again = f->histograms[set];
+        histogram_count(&again, v->cells + (size_t)set * count, count, total);
+        if (memcmp(&again, &f->histograms[set], sizeof again) != 0)
+            return status_describe(ST_CORRUPT, "%s: histogram %u differs from what its %s give",
+                                   file_path(f->source), set, f->mesh ? "tets" : "samples");
+    }
+    return ST_OK;
+}
+
+static status verify_all(verification *v, pool *workers) {
+    const bool mesh = v->f->mesh != NULL;
+    status st =
+        pool_run(workers, v->f->layout.treelets, mesh ? verify_mesh_treelet : verify_treelet, v);
+    if (st == ST_OK && !mesh)
+        st = check_neighbours(v);
+    if (st == ST_OK)
+        st = check_count(v);
+    if (st == ST_OK)
+        st = check_histograms(v);
+    if (st == ST_OK)
+        st = check_gaps(v);
+    return st;
+}
+
+/* Room of a thread for what it decodes. */
+static size_t thread_bytes(const leaf_file *f) {
+    const size_t payload = leaf_layout_payload_max(&f->layout);
+    size_t scratch = 0;
+    if (!f->mesh)
+        return payload;
+    for (uint32_t t = 0; t < f->layout.treelets; t++) {
+        const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
+        const size_t bytes = mesh_leaf_check_scratch(&s);
+        scratch = bytes > scratch ? bytes : scratch;
+    }
+    return 3 * payload + scratch;
+}
+
+static status allocate_histograms(verification *v, mem *m) {
+    const leaf_file *f = v->f;
+    if (!f->histograms)
+        return ST_OK;
+    if (f->mesh) {
+        v->run = histogram_draw_tets(f->header.tets, f->mesh->sets);
+        v->cells = mem_array(m, (size_t)v->run.count * f->mesh->sets, sizeof *v->cells);
+    } else {
+        v->draw = histogram_draw_grid(f->header.dims);
+        v->space = histogram_space_of(f->header.to_world);
+        for (int a = 0; a < 3 && f->header.rectilinear; a++)
+            v->space.axis[a] = f->axis[a];
+        v->cells = mem_array(m, v->draw.count, sizeof *v->cells);
+    }
+    return v->cells ? ST_OK : ST_NOMEM;
+}
+
+static status allocate(verification *v, mem *m, int threads) {
+    const leaf_layout *l = &v->f->layout;
+    v->edges = mem_array(m, v->f->mesh ? 1 : l->treelets, sizeof *v->edges);
+    v->non_finite = mem_array(m, l->treelets, sizeof *v->non_finite);
+    v->payloads = mem_array(m, (size_t)threads, sizeof *v->payloads);
+    v->stored = mem_array(m, (size_t)threads, sizeof *v->stored);
+    if (!v->edges || !v->non_finite || !v->payloads || !v->stored)
+        return ST_NOMEM;
+    for (int i = 0; i < threads; i++) {
+        v->payloads[i] = mem_alloc(m, thread_bytes(v->f));
+        v->stored[i] = mem_alloc(m, leaf_layout_payload_max(l));
+        if (!v->payloads[i] || !v->stored[i])
+            return ST_NOMEM;
+    }
+    return allocate_histograms(v, m);
+}
+
+static void release(verification *v, mem *m, int threads) {
+    for (int i = 0; i < threads; i++) {
+        if (v->payloads)
+            mem_free(m, v->payloads[i]);
+        if (v->stored)
+            mem_free(m, v->stored[i]);
+    }
+    mem_free(m, v->payloads);
+    mem_free(m, v->stored);
+    mem_free(m, v->edges);
+    mem_free(m, v->non_finite);
+    mem_free(m, v->cells);
+}
+
+static status verify_file(mem *m, leaf_file *f, int threads, const progress *p) {
+    verification v = {.f = f, .p = p};
+    pool *workers = NULL;
+    status st = pool_create(m, threads, &workers);
+    if (st == ST_OK)
+        st = allocate(&v, m, threads);
+    if (st == ST_OK)
+        st = verify_all(&v, workers);
+    pool_destroy(workers);
+    release(&v, m, threads);
+    return st;
+}
+
+status leaf_verify(mem *m, leaf_file *f, int threads, const progress *p) {
+    status st = verify_file(m, f, threads, p);
+    for (uint32_t set = 0; f->mesh && set < f->mesh->sets && st == ST_OK; set++) {
+        leaf_file *coarse = NULL;
+        if (!leaf_file_has_coarse(f, set))
+            continue;
+        st = leaf_file_open_coarse(m, f, set, &coarse);
+        if (st == ST_OK)
+            st = verify_file(m, coarse, threads, NULL);
+        leaf_file_close(coarse);
+    }
+    return st;
+}

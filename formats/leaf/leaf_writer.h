@@ -1,0 +1,145 @@
+/* leaf_writer.h - write a treelet file: payloads from many threads in any order, then the directory
+ * and the header.
+ *
+ * The same payloads give the same bytes whatever the order and the threads. A grid's raw payloads
+ * go straight to their place; compressed ones and a mesh's, whose sizes place them, only where all
+ * before them have been put, else first to a scratch file beside the output. The file appears under
+ * its name in leaf_writer_finish() alone, header last.
+ *
+ * Of a mesh: leaf_writer_create_mesh(); of each treelet leaf_writer_put_topology(), then
+ * leaf_writer_put_values() of each set, and gradients of each set and positions of each step behind
+ * the first if the file is to have them; leaf_writer_finish(). All else is the same.
+ */
+#ifndef FORMATS_LEAF_LEAF_WRITER_H
+#define FORMATS_LEAF_LEAF_WRITER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+#include "formats/grid/grid.h"
+#include "formats/leaf/histogram.h"
+#include "formats/leaf/leaf.h"
+#include "formats/leaf/leaf_layout.h"
+
+typedef struct leaf_writer leaf_writer;
+
+/* What a file is to be like. */
+typedef struct leaf_parameters {
+    uint32_t cells_log2;     /* LEAF_CELLS_LOG2_MIN .. MAX; 5 */
+    uint32_t halo;           /* 0, 1 */
+    uint32_t run_align_log2; /* 12 */
+    leaf_codec codec;
+    int zstd_level;  /* 1 .. ZSTD_maxCLevel() */
+    bool histograms; /* a histogram of each set: leaf_writer_histograms() */
+} leaf_parameters;
+
+/* leaf_parameters_default() - B = 32, h = 1, runs at 4096, raw, no histograms. */
+leaf_parameters leaf_parameters_default(void);
+
+/* What a treelet brings to the directory. */
+typedef struct leaf_entry {
+    float own[2]; /* range over its own finite samples; +inf, -inf without any */
+    uint8_t flags;
+} leaf_entry;
+
+/* What becomes known as the input is read. */
+typedef struct leaf_facts {
+    uint64_t non_finite;
+    double rounding_error;
+    const char *provenance; /* without a path or a time; cut if too long */
+    /* Of a mesh, as in leaf_header: */
+    uint64_t vertices, flat, inverted, repeated, bad;
+} leaf_facts;
+
+/* What a mesh file is to be; of leaf_parameters, cells_log2 and halo do not matter then. */
+typedef struct leaf_mesh {
+    const char *name, *field; /* of the data set, of the first field; cut if too long */
+    const char *const *names; /* of all fields, the first one's being `field`; NULL: untold */
+    const double *times;      /* of all steps, ascending; NULL: untold */
+    uint32_t treelets;
+    uint32_t treelet_tets;  /* at most so many in a treelet: 1 .. LEAF_TREELET_TETS_MAX */
+    uint32_t leaf_tets;     /* at most so many in a leaf: 1 .. LEAF_LEAF_TETS_MAX */
+    uint32_t fields, steps; /* 1 or more; sets = fields * steps up to LEAF_SETS_MAX */
+    bool gradients;         /* each set has them, too */
+    bool moving;            /* steps behind the first have positions; steps is 2 or more then */
+    bool coarse;            /* sets may have coarse grids: leaf_writer_embed() */
+} leaf_mesh;
+
+/* leaf_writer_create() - begin a file at path; ST_EXISTS unless force. g: as the input has it
+ * (checked; copied as far as needed). leaf_writer_discard() removes what was begun; NULL is fine.
+ */
+CHECKED status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
+                                  const leaf_parameters *p, leaf_writer **out);
+void leaf_writer_discard(leaf_writer *w);
+
+/* leaf_writer_create_mesh() - begin the file of a mesh; else the same. ST_UNSUPPORTED when there
+ * were 2^32 - 1 payloads or more. */
+CHECKED status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_mesh *mesh,
+                                       const leaf_parameters *p, leaf_writer **out);
+
+/* leaf_writer_memory() - bytes that a writer of this layout takes from its mem; for planning.
+ * leaf_writer_mesh_memory() - of a mesh; payload_max: bytes of its largest payload. */
+uint64_t leaf_writer_memory(const leaf_layout *l, leaf_codec codec);
+uint64_t leaf_writer_mesh_memory(const leaf_mesh *mesh, size_t payload_max);
+
+/* leaf_writer_pack_bytes() - room that a thread needs beside a payload to put it: 0 for the raw
+ * codec. For a mesh: the bytes of the payload, likewise. */
+size_t leaf_writer_pack_bytes(const leaf_layout *l, leaf_codec codec);
+
+const leaf_layout *leaf_writer_layout(const leaf_writer *w);
+
+/* leaf_writer_histograms() - the file's, one for each set (a grid is one set), to be filled before
+ * leaf_writer_settle() and leaf_writer_finish(); NULL where it is to have none, or too many sets.
+ * leaf_writer_range() - of the finite values of a set, once all is put; lo > hi: there are none. */
+histogram *leaf_writer_histograms(leaf_writer *w);
+void leaf_writer_range(const leaf_writer *w, uint32_t set, double range[2]);
+
+/* What one thread keeps between puts: a compressor, whose state lives outside `mem`; NULL for the
+ * raw codec. */
+typedef struct leaf_packer leaf_packer;
+CHECKED status leaf_packer_create(const leaf_writer *w, leaf_packer **out);
+void leaf_packer_destroy(const leaf_writer *w, leaf_packer *k); /* NULL is fine */
+
+/* leaf_packer_memory() - bytes that a packer comes to hold outside `mem` for payloads of up to
+ * payload_max bytes; m lends two payloads' room to find out. */
+CHECKED status leaf_packer_memory(mem *m, size_t payload_max, const leaf_parameters *p,
+                                  uint64_t *out);
+
+/* leaf_writer_put() - treelet t: its directory entry and its payload, leaf_layout_payload(t).bytes.
+ * Each treelet exactly once; any thread, with a packer and a pack buffer of its own. */
+CHECKED status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t t, const leaf_entry *entry,
+                               const void *payload, void *pack);
+
+/* leaf_writer_put_topology() - treelet t of a mesh: its bounds (exact), its counts (without a
+ * mesh_leaf_counts_fault()), and its topology, mesh_leaf_shape(counts).topology_bytes.
+ * leaf_writer_put_values() - its values in a set, .values_bytes, after its topology; entry->own is
+ * the range of its vertices' finite values. leaf_writer_put_gradients() - its gradients in a set,
+ * .gradients_bytes, likewise. leaf_writer_put_positions() - its positions at a step behind the
+ * first, .positions_bytes, and their bounds. Each exactly once; threads as leaf_writer_put(). */
+CHECKED status leaf_writer_put_topology(leaf_writer *w, leaf_packer *k, uint32_t t,
+                                        const float bounds[6], const uint32_t counts[4],
+                                        const void *payload, void *pack);
+CHECKED status leaf_writer_put_values(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
+                                      const leaf_entry *entry, const void *payload, void *pack);
+CHECKED status leaf_writer_put_gradients(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
+                                         const void *payload, void *pack);
+CHECKED status leaf_writer_put_positions(leaf_writer *w, leaf_packer *k, uint32_t step, uint32_t t,
+                                         const float bounds[6], const void *payload, void *pack);
+
+/* leaf_writer_settle() - all treelets of a mesh are there: what leaf_writer_finish() does, but for
+ * publishing; then leaf_writer_path() is a treelet file, open to be read, that has no coarse grids
+ * yet. leaf_writer_embed() - the treelet file of a grid as a set's; sets in ascending order, each
+ * once; its runs are aligned as this file's. */
+CHECKED status leaf_writer_settle(leaf_writer *w, const leaf_facts *facts);
+const char *leaf_writer_path(const leaf_writer *w);
+CHECKED status leaf_writer_embed(leaf_writer *w, uint32_t set, const char *path);
+
+/* leaf_writer_finish() - all treelets are there: merge ranges, place payloads, write directory and
+ * header, publish. Consumes w in any case. header may be NULL; else it becomes the file's. After
+ * leaf_writer_settle(), facts are those. */
+CHECKED status leaf_writer_finish(leaf_writer *w, const leaf_facts *facts, leaf_header *header);
+
+#endif

@@ -1,0 +1,172 @@
+#include "formats/mesh/mesh.h"
+
+#include <fcntl.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "formats/base/text.h"
+#include "formats/input/foreign.h"
+#include "formats/mesh/mesh_feed.h"
+#include "formats/mesh/mesh_gmsh.h"
+#include "formats/mesh/mesh_reader.h"
+#include "formats/mesh/mesh_stream.h"
+#include "formats/mesh/mesh_tetgen.h"
+#include "formats/mesh/mesh_vtk.h"
+#include "formats/mesh/mesh_vtu.h"
+
+struct mesh {
+    mem *m;
+    mesh_source source;
+    const mesh_reader *reader;
+    void *state;
+    const mesh_feed *feed; /* while it is read */
+    double share;          /* told last */
+};
+
+/* What the formats are told by; the first that knows the file reads it. */
+static const mesh_reader *const readers[] = {&mesh_stream_reader, &mesh_tetgen_reader,
+                                             &mesh_gmsh_reader, &mesh_vtk_reader, &mesh_vtu_reader};
+
+enum { READERS = sizeof readers / sizeof *readers };
+
+/* ---- recognising ---- */
+
+bool mesh_reader_suffix(const char *path, const char *suffix) {
+    size_t length = strlen(path), tail = strlen(suffix);
+    return length >= tail && strcasecmp(path + length - tail, suffix) == 0;
+}
+
+static const mesh_reader *find_reader(const char *path, const uint8_t *start, size_t size) {
+    for (int i = 0; i < READERS; i++)
+        if (readers[i]->known(path, start, size))
+            return readers[i];
+    return NULL;
+}
+
+/* The first bytes of a regular file; none of anything else: a pipe would lose them. */
+static size_t read_start(const char *path, uint8_t start[MESH_READER_PEEK]) {
+    struct stat info;
+    if (stat(path, &info) != 0 || !S_ISREG(info.st_mode))
+        return 0;
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    ssize_t got = fd < 0 ? 0 : read(fd, start, MESH_READER_PEEK);
+    if (fd >= 0)
+        close(fd);
+    return got < 0 ? 0 : (size_t)got;
+}
+
+bool mesh_recognise(const char *path) {
+    uint8_t start[MESH_READER_PEEK];
+    return find_reader(path, start, read_start(path, start)) != NULL;
+}
+
+status mesh_recognise_stream(byte_stream *s, bool *known) {
+    const uint8_t *start;
+    size_t size;
+    status st = byte_stream_peek(s, MESH_READER_PEEK, &start, &size);
+    if (st == ST_OK)
+        *known = find_reader(byte_stream_path(s), start, size) != NULL;
+    return st;
+}
+
+/* ---- opening ---- */
+
+static status open_reader(mesh *x) {
+    mesh_source *source = &x->source;
+    const uint8_t *start;
+    size_t size;
+    status st = byte_stream_peek(source->data, MESH_READER_PEEK, &start, &size);
+    if (st != ST_OK)
+        return st;
+    x->reader = find_reader(source->path, start, size);
+    if (!x->reader)
+        return foreign_refuse(source->data, "expected a mesh: TetGen (.node and .ele), VTK (.vtk, "
+                                            ".vtu), Gmsh (.msh) or a mesh stream");
+    return x->reader->open(source, &x->state);
+}
+
+status mesh_open_stream(mem *m, byte_stream *s, const mesh_hints *hints, mesh **out) {
+    mesh *x = mem_zalloc(m, sizeof *x);
+    if (!x) {
+        byte_stream_close(s);
+        return ST_NOMEM;
+    }
+    x->m = m;
+    x->source = (mesh_source){.m = m, .path = byte_stream_path(s), .data = s};
+    if (hints)
+        x->source.hints = *hints;
+    status st = open_reader(x);
+    if (st != ST_OK) {
+        mesh_close(x);
+        return st;
+    }
+    const char *name = x->source.hints.name;
+    text_name(x->source.name, sizeof x->source.name, name ? name : x->source.name);
+    *out = x;
+    return ST_OK;
+}
+
+status mesh_open(mem *m, const char *path, const mesh_hints *hints, mesh **out) {
+    byte_stream *s;
+    status st = byte_stream_open(m, path, &s);
+    return st == ST_OK ? mesh_open_stream(m, s, hints, out) : st;
+}
+
+void mesh_close(mesh *x) {
+    if (!x)
+        return;
+    if (x->reader)
+        x->reader->close(x->state);
+    byte_stream_close(x->source.data);
+    mem_free(x->m, x);
+}
+
+const char *mesh_format(const mesh *x) {
+    return x->reader->format;
+}
+
+const char *mesh_name(const mesh *x) {
+    return x->source.name;
+}
+
+typedef struct taker {
+    void (*take)(void *ctx, const char *name);
+    void *ctx;
+} taker;
+
+static void take_clean(void *ctx, const char *name) {
+    const taker *t = ctx;
+    char clean[MESH_NAME_MAX + 1];
+    text_name(clean, sizeof clean, name);
+    t->take(t->ctx, clean);
+}
+
+void mesh_fields(const mesh *x, void (*take)(void *ctx, const char *name), void *ctx) {
+    taker t = {take, ctx};
+    x->reader->fields(x->state, take_clean, &t);
+}
+
+/* ---- reading ---- */
+
+double mesh_share(mesh *x) {
+    const double share = x->feed ? mesh_feed_share(x->feed) : x->share;
+    x->share = share > x->share ? share : x->share;
+    return x->share;
+}
+
+status mesh_read(mesh *x, const mesh_sink *sink, mesh_report *report) {
+    mesh_feed feed;
+    status st = mesh_feed_begin(&feed, x->m, byte_stream_name(x->source.data), sink, report);
+    x->feed = &feed;
+    if (st == ST_OK)
+        st = x->reader->read(x->state, &feed);
+    if (st == ST_OK)
+        st = mesh_feed_end(&feed);
+    text_name(report->field, sizeof report->field, report->field);
+    x->feed = NULL;
+    x->share = 1;
+    mesh_feed_release(&feed);
+    return st;
+}

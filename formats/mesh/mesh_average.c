@@ -1,0 +1,89 @@
+#include "formats/mesh/mesh_average.h"
+
+#include <string.h>
+
+#include "formats/mesh/mesh_split.h"
+
+enum { WINDOW_MIN = 1 << 10, WINDOW_MAX = 1 << 24 };
+
+static status begin(mesh_average *a, mem *m, uint64_t points, uint64_t room) {
+    *a = (mesh_average){.m = m, .points = points, .room = (size_t)room, .count = (size_t)room};
+    a->sums = mem_array(m, a->room, sizeof *a->sums);
+    a->cells = a->sums ? mem_array(m, a->room, sizeof *a->cells) : NULL;
+    return a->cells ? ST_OK : ST_NOMEM;
+}
+
+status mesh_average_begin(mesh_average *a, mem *m, uint64_t points) {
+    return begin(a, m, points, points);
+}
+
+status mesh_average_begin_rounds(mesh_average *a, mem *m, uint64_t points) {
+    uint64_t most = WINDOW_MAX;
+    if (m->limit > 0) {
+        size_t used = mem_used(m), left = m->limit > used ? m->limit - used : 0;
+        size_t fitting = left / 4 / (sizeof *a->sums + sizeof *a->cells);
+        most = fitting < most ? fitting : most;
+    }
+    most = most < WINDOW_MIN ? WINDOW_MIN : most;
+    return begin(a, m, points, points < most ? points : most);
+}
+
+bool mesh_average_next(mesh_average *a) {
+    a->first += a->count;
+    if (a->first >= a->points)
+        return false;
+    uint64_t left = a->points - a->first;
+    a->count = left < a->room ? (size_t)left : a->room;
+    memset(a->sums, 0, a->count * sizeof *a->sums);
+    memset(a->cells, 0, a->count * sizeof *a->cells);
+    return true;
+}
+
+void mesh_average_release(mesh_average *a) {
+    if (!a->m)
+        return;
+    mem_free(a->m, a->sums);
+    mem_free(a->m, a->cells);
+}
+
+static bool came_before(const uint64_t *ids, int i) {
+    for (int k = 0; k < i; k++)
+        if (ids[k] == ids[i])
+            return true;
+    return false;
+}
+
+/* The values lie so many places apart. */
+static void add(mesh_average *a, mesh_cell kind, const uint64_t *ids, const double *values,
+                int step) {
+    int count = mesh_split_vertices(kind);
+    for (int i = 0; i < count; i++)
+        if (ids[i] >= a->points)
+            return;
+    for (int i = 0; i < count; i++) {
+        uint64_t at = ids[i] - a->first;
+        if (ids[i] < a->first || at >= a->count || came_before(ids, i))
+            continue;
+        a->sums[at] += values[i * step];
+        a->cells[at]++;
+    }
+}
+
+void mesh_average_add(mesh_average *a, mesh_cell kind, const uint64_t *ids, double value) {
+    add(a, kind, ids, &value, 0);
+}
+
+void mesh_average_add_each(mesh_average *a, mesh_cell kind, const uint64_t *ids,
+                           const float *values) {
+    double wide[8];
+    for (int i = 0; i < mesh_split_vertices(kind); i++)
+        wide[i] = (double)values[i];
+    add(a, kind, ids, wide, 1);
+}
+
+status mesh_average_feed(const mesh_average *a, mesh_feed *feed) {
+    status st = ST_OK;
+    for (size_t i = 0; st == ST_OK && i < a->count; i++)
+        st = mesh_feed_value(feed, a->cells[i] ? a->sums[i] / a->cells[i] : 0);
+    return st;
+}

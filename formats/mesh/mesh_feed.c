@@ -1,0 +1,194 @@
+#include "formats/mesh/mesh_feed.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "formats/mesh/mesh_split.h"
+
+status mesh_feed_begin(mesh_feed *f, mem *m, const char *name, const mesh_sink *sink,
+                       mesh_report *report) {
+    *f = (mesh_feed){.m = m, .name = name, .sink = sink, .report = report};
+    *report = (mesh_report){0};
+    f->xyz = mem_array(m, MESH_FEED_CHUNK, sizeof *f->xyz);
+    f->values = mem_array(m, MESH_FEED_CHUNK, sizeof *f->values);
+    f->tets = mem_array(m, MESH_FEED_CHUNK, sizeof *f->tets);
+    return f->xyz && f->values && f->tets ? ST_OK : ST_NOMEM;
+}
+
+void mesh_feed_release(mesh_feed *f) {
+    mem_free(f->m, f->xyz);
+    mem_free(f->m, f->values);
+    mem_free(f->m, f->tets);
+}
+
+status mesh_feed_expect(mesh_feed *f, uint64_t points) {
+    if (points > MESH_POINTS_MAX)
+        return status_describe(ST_UNSUPPORTED, "%s: %llu points, expected at most %llu", f->name,
+                               (unsigned long long)points, (unsigned long long)MESH_POINTS_MAX);
+    f->points = points;
+    return ST_OK;
+}
+
+void mesh_feed_expect_cells(mesh_feed *f, uint64_t cells) {
+    f->cells += cells;
+}
+
+double mesh_feed_share(const mesh_feed *f) {
+    const double point = sizeof *f->xyz, value = sizeof *f->values, cell = sizeof *f->tets;
+    const double cells = f->cells ? (double)f->cells : 5 * (double)f->points;
+    const double all = (point + value) * (double)f->points + cell * cells;
+    const double seen = point * (double)f->points_given + value * (double)f->values_given +
+                        cell * (double)(f->cells_seen + f->report->skipped);
+    return seen < all ? seen / all : f->points > 0;
+}
+
+/* ---- points and values ---- */
+
+static status flush_points(mesh_feed *f) {
+    size_t count = f->points_held;
+    if (count == 0)
+        return ST_OK;
+    uint64_t first = f->points_given;
+    f->points_given += count;
+    f->points_held = 0;
+    f->report->points += count;
+    return f->sink->points(f->sink->ctx, first, count, (const float(*)[3])f->xyz);
+}
+
+static status flush_values(mesh_feed *f) {
+    size_t count = f->values_held;
+    if (count == 0)
+        return ST_OK;
+    uint64_t first = f->values_given;
+    f->values_given += count;
+    f->values_held = 0;
+    return f->sink->values(f->sink->ctx, first, count, f->values);
+}
+
+static status keep_point(mesh_feed *f, const float p[3]) {
+    uint64_t id = f->points_given + f->points_held;
+    assert(id < f->points);
+    if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
+        return status_describe(ST_CORRUPT,
+                               "%s: point %llu (counted from 0) lies at (%g, %g, %g), expected "
+                               "numbers that are finite as float",
+                               f->name, (unsigned long long)id, (double)p[0], (double)p[1],
+                               (double)p[2]);
+    memcpy(f->xyz[f->points_held++], p, sizeof *f->xyz);
+    return f->points_held == MESH_FEED_CHUNK ? flush_points(f) : ST_OK;
+}
+
+status mesh_feed_point(mesh_feed *f, const double xyz[3]) {
+    const float p[3] = {(float)xyz[0], (float)xyz[1], (float)xyz[2]};
+    return keep_point(f, p);
+}
+
+status mesh_feed_points(mesh_feed *f, const float (*xyz)[3], size_t count) {
+    status st = ST_OK;
+    for (size_t i = 0; st == ST_OK && i < count; i++)
+        st = keep_point(f, xyz[i]);
+    return st;
+}
+
+static status keep_value(mesh_feed *f, float value) {
+    assert(f->values_given + f->values_held < f->points);
+    f->values[f->values_held++] = value;
+    return f->values_held == MESH_FEED_CHUNK ? flush_values(f) : ST_OK;
+}
+
+status mesh_feed_value(mesh_feed *f, double value) {
+    return keep_value(f, (float)value);
+}
+
+status mesh_feed_values(mesh_feed *f, const float *values, size_t count) {
+    status st = ST_OK;
+    for (size_t i = 0; st == ST_OK && i < count; i++)
+        st = keep_value(f, values[i]);
+    return st;
+}
+
+status mesh_feed_zeros(mesh_feed *f) {
+    status st = ST_OK;
+    while (st == ST_OK && f->values_given + f->values_held < f->points)
+        st = keep_value(f, 0);
+    return st;
+}
+
+double mesh_feed_magnitude(const double *components, int count, int component) {
+    assert(component <= count);
+    if (component > 0 || count == 1)
+        return components[component > 0 ? component - 1 : 0];
+    double sum = 0;
+    for (int i = 0; i < count; i++)
+        sum += components[i] * components[i];
+    return sqrt(sum);
+}
+
+/* ---- cells ---- */
+
+static status flush_tets(mesh_feed *f) {
+    size_t count = f->tets_held;
+    if (count == 0)
+        return ST_OK;
+    f->tets_held = 0;
+    f->report->tets += count;
+    return f->sink->tets(f->sink->ctx, count, (const uint32_t(*)[4])f->tets);
+}
+
+static bool repeats(const uint32_t t[4]) {
+    return t[0] == t[1] || t[0] == t[2] || t[0] == t[3] || t[1] == t[2] || t[1] == t[3] ||
+           t[2] == t[3];
+}
+
+/* One tet whose ids are all points. */
+static status keep_tet(mesh_feed *f, const uint32_t ids[4]) {
+    if (repeats(ids)) {
+        f->report->repeated++;
+        return ST_OK;
+    }
+    memcpy(f->tets[f->tets_held++], ids, sizeof *f->tets);
+    return f->tets_held == MESH_FEED_CHUNK ? flush_tets(f) : ST_OK;
+}
+
+status mesh_feed_cell(mesh_feed *f, mesh_cell kind, const uint64_t *ids) {
+    uint32_t small[8], tets[MESH_SPLIT_TETS][4];
+    f->cells_seen++;
+    for (int i = 0; i < mesh_split_vertices(kind); i++) {
+        if (ids[i] >= f->points) {
+            f->report->bad_indices++;
+            return ST_OK;
+        }
+        small[i] = (uint32_t)ids[i];
+    }
+    if (kind != MESH_TET)
+        f->report->split[kind]++;
+    int count = mesh_split(kind, small, tets);
+    status st = ST_OK;
+    for (int i = 0; st == ST_OK && i < count; i++)
+        st = keep_tet(f, tets[i]);
+    return st;
+}
+
+status mesh_feed_tets(mesh_feed *f, const uint32_t (*ids)[4], size_t count) {
+    status st = ST_OK;
+    f->cells_seen += count;
+    for (size_t i = 0; st == ST_OK && i < count; i++) {
+        const uint32_t *t = ids[i];
+        if (t[0] < f->points && t[1] < f->points && t[2] < f->points && t[3] < f->points)
+            st = keep_tet(f, t);
+        else
+            f->report->bad_indices++;
+    }
+    return st;
+}
+
+status mesh_feed_end(mesh_feed *f) {
+    status st = flush_points(f);
+    if (st == ST_OK)
+        st = flush_values(f);
+    if (st == ST_OK)
+        st = flush_tets(f);
+    assert(st != ST_OK || (f->points_given == f->points && f->values_given == f->points));
+    return st;
+}

@@ -1,0 +1,501 @@
+#include "formats/mesh/mesh_gmsh.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/base/id_map.h"
+#include "formats/base/text.h"
+#include "formats/mesh/gmsh_file.h"
+#include "formats/mesh/mesh_average.h"
+#include "formats/mesh/mesh_choice.h"
+#include "formats/mesh/mesh_split.h"
+
+enum { NODES_MAX = 56, SKIPPED = -1, REFUSED = -2 };
+
+/* What an element's type number means; kind: SKIPPED for less than a volume. */
+typedef struct element_type {
+    int nodes, kind;
+} element_type;
+
+static const element_type types[] = {
+    [1] = {2, SKIPPED},   [2] = {3, SKIPPED},    [3] = {4, SKIPPED},      [4] = {4, MESH_TET},
+    [5] = {8, MESH_HEX},  [6] = {6, MESH_WEDGE}, [7] = {5, MESH_PYRAMID}, [8] = {3, SKIPPED},
+    [9] = {6, SKIPPED},   [10] = {9, SKIPPED},   [11] = {10, REFUSED},    [12] = {27, REFUSED},
+    [13] = {18, REFUSED}, [14] = {14, REFUSED},  [15] = {1, SKIPPED},     [16] = {8, SKIPPED},
+    [17] = {20, REFUSED}, [18] = {15, REFUSED},  [19] = {13, REFUSED},    [20] = {9, SKIPPED},
+    [21] = {10, SKIPPED}, [22] = {12, SKIPPED},  [23] = {15, SKIPPED},    [24] = {15, SKIPPED},
+    [25] = {21, SKIPPED}, [26] = {4, SKIPPED},   [27] = {5, SKIPPED},     [28] = {6, SKIPPED},
+    [29] = {20, REFUSED}, [30] = {35, REFUSED},  [31] = {56, REFUSED}};
+
+typedef struct gmsh_state {
+    gmsh_file file;
+    const mesh_hints *hints;
+    const gmsh_array *array; /* the field; NULL: none */
+} gmsh_state;
+
+/* An array of floats that grows. */
+typedef struct float_list {
+    mem *m;
+    float *items;
+    size_t count, room;
+} float_list;
+
+/* What lives while a mesh is read. */
+typedef struct gmsh_reading {
+    const gmsh_file *file;
+    const gmsh_array *array;
+    mesh_feed *feed;
+    int component;
+    id_map nodes;
+    id_map rows;       /* of an array of elements: their numbers */
+    float_list values; /* a row: of $ElementNodeData its number of nodes first */
+    uint64_t *starts;  /* of $ElementNodeData: where a row's values start */
+    size_t starts_room;
+    mesh_average average;
+} gmsh_reading;
+
+static bool gmsh_known(const char *path, const uint8_t *start, size_t size) {
+    static const char format[] = "$MeshFormat", comments[] = "$Comments";
+    (void)path;
+    return (size >= sizeof format - 1 && memcmp(start, format, sizeof format - 1) == 0) ||
+           (size >= sizeof comments - 1 && memcmp(start, comments, sizeof comments - 1) == 0);
+}
+
+/* ---- opening ---- */
+
+static bool is_wanted(const gmsh_array *a, const mesh_hints *hints) {
+    return (a->owner == GMSH_ELEMENTS) == hints->cells_to_points &&
+           (!hints->field || text_same_name(a->name, hints->field, sizeof a->name));
+}
+
+static status no_array(const gmsh_state *s) {
+    mesh_choice_names points = {0}, cells = {0};
+    for (size_t i = 0; i < s->file.count; i++) {
+        const gmsh_array *a = &s->file.arrays[i];
+        mesh_choice_add(a->owner == GMSH_ELEMENTS ? &cells : &points, a->name);
+    }
+    return mesh_choice_missing(s->file.path, s->hints, &points, &cells);
+}
+
+static status choose_array(gmsh_state *s) {
+    for (size_t i = 0; i < s->file.count && !s->array; i++)
+        if (is_wanted(&s->file.arrays[i], s->hints))
+            s->array = &s->file.arrays[i];
+    return s->array
+               ? mesh_choice_component(s->file.path, s->hints, s->array->name, s->array->components)
+               : no_array(s);
+}
+
+static status gmsh_open(mesh_source *source, void **state) {
+    if (strcmp(source->path, "-") == 0 || byte_stream_left(source->data) == UINT64_MAX)
+        return status_describe(ST_UNSUPPORTED, "%s: Gmsh's format needs a file, not a pipe",
+                               byte_stream_name(source->data));
+    gmsh_state *s = mem_zalloc(source->m, sizeof *s);
+    if (!s)
+        return ST_NOMEM;
+    *state = s;
+    s->file.m = source->m;
+    s->hints = &source->hints;
+    status st = gmsh_file_scan(&s->file, source->m, source->data);
+    return st == ST_OK ? choose_array(s) : st;
+}
+
+static void gmsh_close(void *state) {
+    gmsh_state *s = state;
+    if (!s)
+        return;
+    mem *m = s->file.m;
+    gmsh_file_release(&s->file);
+    mem_free(m, s);
+}
+
+/* ---- nodes ---- */
+
+static status read_point(gmsh_reading *r, gmsh_cursor *c, int parameters) {
+    double xyz[3] = {0}, waste;
+    status st = ST_OK;
+    for (int a = 0; st == ST_OK && a < 3; a++)
+        st = gmsh_cursor_double(c, "a coordinate", &xyz[a]);
+    for (int i = 0; st == ST_OK && i < parameters; i++)
+        st = gmsh_cursor_double(c, "a parameter", &waste);
+    return st == ST_OK ? mesh_feed_point(r->feed, xyz) : st;
+}
+
+static status read_nodes_2(gmsh_reading *r, gmsh_cursor *c) {
+    uint64_t count = 0, id = 0;
+    status st = gmsh_cursor_line(c, "the number of nodes", &count);
+    if (st == ST_OK)
+        st = mesh_feed_expect(r->feed, count);
+    for (uint64_t i = 0; st == ST_OK && i < count; i++) {
+        st = gmsh_cursor_int(c, "a node's number", &id);
+        if (st == ST_OK)
+            st = id_map_add(&r->nodes, id);
+        if (st == ST_OK)
+            st = read_point(r, c, 0);
+    }
+    return st;
+}
+
+/* All numbers of a block, then all its points. */
+static status read_node_block(gmsh_reading *r, gmsh_cursor *c) {
+    uint64_t dimensions = 0, tag, parametric = 0, count = 0, id = 0;
+    status st = gmsh_cursor_int(c, "an entity's dimension", &dimensions);
+    if (st == ST_OK)
+        st = gmsh_cursor_int(c, "an entity's number", &tag);
+    if (st == ST_OK)
+        st = gmsh_cursor_int(c, "0 or 1, parametric", &parametric);
+    if (st == ST_OK)
+        st = gmsh_cursor_size(c, "the number of nodes of a block", &count);
+    if (st == ST_OK && (dimensions > 3 || parametric > 1))
+        return gmsh_cursor_fault(c, ST_CORRUPT,
+                                 "expected a dimension of 0 to 3, parametric 0 or 1");
+    if (st == ST_OK && count > r->feed->points - r->nodes.places)
+        return gmsh_cursor_fault(c, ST_CORRUPT, "a block of %llu nodes, expected at most %llu more",
+                                 (unsigned long long)count,
+                                 (unsigned long long)(r->feed->points - r->nodes.places));
+    for (uint64_t i = 0; st == ST_OK && i < count; i++) {
+        st = gmsh_cursor_size(c, "a node's number", &id);
+        if (st == ST_OK)
+            st = id_map_add(&r->nodes, id);
+    }
+    for (uint64_t i = 0; st == ST_OK && i < count; i++)
+        st = read_point(r, c, parametric ? (int)dimensions : 0);
+    return st;
+}
+
+/* "blocks all least greatest": in front of nodes and of elements. */
+static status read_block_header(gmsh_cursor *c, uint64_t *blocks, uint64_t *all) {
+    uint64_t waste;
+    status st = gmsh_cursor_size(c, "the number of blocks", blocks);
+    if (st == ST_OK)
+        st = gmsh_cursor_size(c, "the number in all blocks", all);
+    if (st == ST_OK)
+        st = gmsh_cursor_size(c, "the least number", &waste);
+    return st == ST_OK ? gmsh_cursor_size(c, "the greatest number", &waste) : st;
+}
+
+static status read_nodes_4(gmsh_reading *r, gmsh_cursor *c) {
+    uint64_t blocks = 0, count = 0;
+    status st = read_block_header(c, &blocks, &count);
+    if (st == ST_OK)
+        st = mesh_feed_expect(r->feed, count);
+    for (uint64_t i = 0; st == ST_OK && i < blocks; i++)
+        st = read_node_block(r, c);
+    if (st == ST_OK && r->nodes.places < count)
+        return gmsh_cursor_fault(c, ST_CORRUPT, "%llu nodes in all blocks, expected %llu",
+                                 (unsigned long long)r->nodes.places, (unsigned long long)count);
+    return st;
+}
+
+static status read_nodes(gmsh_reading *r) {
+    gmsh_cursor c;
+    uint64_t twice;
+    status st = gmsh_cursor_open(r->file, &r->file->nodes, &c);
+    if (st == ST_OK)
+        st = r->file->version == 2 ? read_nodes_2(r, &c) : read_nodes_4(r, &c);
+    if (st == ST_OK)
+        st = gmsh_cursor_end(&c, "$EndNodes");
+    if (st == ST_OK && !id_map_seal(&r->nodes, &twice))
+        st = gmsh_cursor_fault(&c, ST_CORRUPT, "node %lld is there twice, expected once",
+                               (long long)twice);
+    gmsh_cursor_close(&c);
+    return st;
+}
+
+/* ---- the field ---- */
+
+static status push(float_list *list, float value) {
+    if (list->count == list->room) {
+        size_t room = list->room ? 2 * list->room : 1024;
+        float *larger = mem_array(list->m, room, sizeof *larger);
+        if (!larger)
+            return ST_NOMEM;
+        if (list->count > 0)
+            memcpy(larger, list->items, list->count * sizeof *larger);
+        mem_free(list->m, list->items);
+        list->items = larger;
+        list->room = room;
+    }
+    list->items[list->count++] = value;
+    return ST_OK;
+}
+
+/* The number of a row's node or element, and its values. */
+static status read_value(gmsh_reading *r, gmsh_cursor *c, float *value) {
+    double components[GMSH_COMPONENTS_MAX];
+    int count = r->array->components;
+    status st = ST_OK;
+    for (int i = 0; st == ST_OK && i < count; i++)
+        st = gmsh_cursor_double(c, "a value", &components[i]);
+    if (st == ST_OK)
+        *value = (float)mesh_feed_magnitude(components, count, r->component);
+    return st;
+}
+
+static status read_node_data(gmsh_reading *r, gmsh_cursor *c) {
+    size_t points = (size_t)r->feed->points;
+    r->values.items = mem_array(r->values.m, points, sizeof *r->values.items);
+    status st = r->values.items ? ST_OK : ST_NOMEM;
+    for (size_t i = 0; st == ST_OK && i < points; i++)
+        r->values.items[i] = NAN;
+    for (uint64_t i = 0; st == ST_OK && i < r->array->count; i++) {
+        uint64_t id = 0;
+        float value = 0;
+        st = gmsh_cursor_int(c, "a node's number", &id);
+        if (st == ST_OK)
+            st = read_value(r, c, &value);
+        uint64_t place = st == ST_OK ? id_map_find(&r->nodes, id) : UINT64_MAX;
+        if (place != UINT64_MAX) /* views may know more nodes than the mesh */
+            r->values.items[place] = value;
+    }
+    return st == ST_OK ? mesh_feed_values(r->feed, r->values.items, points) : st;
+}
+
+static status push_start(gmsh_reading *r) {
+    size_t row = (size_t)r->rows.places - 1;
+    if (row == r->starts_room) {
+        size_t room = row ? 2 * row : 1024;
+        uint64_t *larger = mem_array(r->file->m, room, sizeof *larger);
+        if (!larger)
+            return ST_NOMEM;
+        if (row > 0)
+            memcpy(larger, r->starts, row * sizeof *larger);
+        mem_free(r->file->m, r->starts);
+        r->starts = larger;
+        r->starts_room = room;
+    }
+    r->starts[row] = r->values.count;
+    return ST_OK;
+}
+
+/* A row's number of nodes, kept in front of its values. */
+static status begin_row(gmsh_reading *r, gmsh_cursor *c, uint64_t *values) {
+    status st = gmsh_cursor_int(c, "the number of an element's nodes", values);
+    if (st == ST_OK && (*values < 1 || *values > 1000))
+        return gmsh_cursor_fault(c, ST_CORRUPT, "an element of %lld nodes, expected 1 to 1000",
+                                 (long long)*values);
+    if (st == ST_OK)
+        st = push_start(r);
+    return st == ST_OK ? push(&r->values, (float)*values) : st;
+}
+
+static status read_element_data(gmsh_reading *r, gmsh_cursor *c) {
+    uint64_t twice;
+    status st = ST_OK;
+    for (uint64_t i = 0; st == ST_OK && i < r->array->count; i++) {
+        uint64_t id = 0, values = 1;
+        float value = 0;
+        st = gmsh_cursor_int(c, "an element's number", &id);
+        if (st == ST_OK)
+            st = id_map_add(&r->rows, id);
+        if (st == ST_OK && r->array->owner == GMSH_ELEMENT_NODES)
+            st = begin_row(r, c, &values);
+        for (; st == ST_OK && values > 0; values--) {
+            st = read_value(r, c, &value);
+            if (st == ST_OK)
+                st = push(&r->values, value);
+        }
+    }
+    if (st == ST_OK && !id_map_seal(&r->rows, &twice))
+        return gmsh_cursor_fault(c, ST_CORRUPT, "element %lld has two rows, expected one",
+                                 (long long)twice);
+    return st == ST_OK ? mesh_average_begin(&r->average, r->file->m, r->feed->points) : st;
+}
+
+static status read_field(gmsh_reading *r) {
+    static const char *const ends[] = {[GMSH_NODES] = "$EndNodeData",
+                                       [GMSH_ELEMENT_NODES] = "$EndElementNodeData",
+                                       [GMSH_ELEMENTS] = "$EndElementData"};
+    gmsh_cursor c;
+    status st = gmsh_cursor_open(r->file, &r->array->rows, &c);
+    if (st == ST_OK)
+        st = r->array->owner == GMSH_NODES ? read_node_data(r, &c) : read_element_data(r, &c);
+    if (st == ST_OK)
+        st = gmsh_cursor_end(&c, ends[r->array->owner]);
+    gmsh_cursor_close(&c);
+    return st;
+}
+
+/* ---- elements ---- */
+
+static status find_type(const gmsh_cursor *c, uint64_t number, element_type *type) {
+    bool known = number < sizeof types / sizeof *types && types[number].nodes > 0;
+    if (!known || types[number].kind == REFUSED)
+        return gmsh_cursor_fault(c, ST_UNSUPPORTED,
+                                 "an element of type %lld, expected tets, hexes, prisms and "
+                                 "pyramids of first order (4 5 6 7), surfaces, edges or points",
+                                 (long long)number);
+    *type = types[number];
+    return ST_OK;
+}
+
+/* What a cell adds to the points, of an array of elements. */
+static status add_to_average(gmsh_reading *r, const gmsh_cursor *c, mesh_cell kind, uint64_t id,
+                             const uint64_t *ids) {
+    uint64_t row = id_map_find(&r->rows, id);
+    if (row == UINT64_MAX)
+        return ST_OK;
+    if (r->array->owner == GMSH_ELEMENTS) {
+        mesh_average_add(&r->average, kind, ids, (double)r->values.items[row]);
+        return ST_OK;
+    }
+    const float *values = &r->values.items[r->starts[row]];
+    if ((int)values[0] != mesh_split_vertices(kind))
+        return gmsh_cursor_fault(c, ST_CORRUPT, "element %lld has values for %d nodes, expected %d",
+                                 (long long)id, (int)values[0], mesh_split_vertices(kind));
+    mesh_average_add_each(&r->average, kind, ids, values + 1);
+    return ST_OK;
+}
+
+/* Its nodes, which come next. */
+static status read_element(gmsh_reading *r, gmsh_cursor *c, element_type type, uint64_t id) {
+    uint64_t ids[NODES_MAX];
+    status st = ST_OK;
+    for (int i = 0; st == ST_OK && i < type.nodes; i++)
+        st = r->file->version == 2 ? gmsh_cursor_int(c, "the number of a node", &ids[i])
+                                   : gmsh_cursor_size(c, "the number of a node", &ids[i]);
+    if (st != ST_OK)
+        return st;
+    if (type.kind == SKIPPED) {
+        r->feed->report->skipped++;
+        return ST_OK;
+    }
+    for (int i = 0; i < type.nodes; i++)
+        ids[i] = id_map_find(&r->nodes, ids[i]);
+    if (r->average.m)
+        st = add_to_average(r, c, (mesh_cell)type.kind, id, ids);
+    return st == ST_OK ? mesh_feed_cell(r->feed, (mesh_cell)type.kind, ids) : st;
+}
+
+static status skip_tags(gmsh_cursor *c, uint64_t count) {
+    uint64_t waste;
+    status st = ST_OK;
+    if (count > 1000)
+        return gmsh_cursor_fault(c, ST_CORRUPT, "%lld tags, expected up to 1000", (long long)count);
+    for (uint64_t i = 0; st == ST_OK && i < count; i++)
+        st = gmsh_cursor_int(c, "an element's tag", &waste);
+    return st;
+}
+
+/* "id type tags .. nodes" of text; of binary files the type and the number of tags stand once in
+ * front of some elements: `members` says how many these are. */
+static status read_elements_2(gmsh_reading *r, gmsh_cursor *c) {
+    uint64_t count = 0, id = 0, number = 0, members = 0, tags = 0;
+    element_type type = {0};
+    bool binary = r->file->binary;
+    status st = gmsh_cursor_line(c, "the number of elements", &count);
+    mesh_feed_expect_cells(r->feed, count);
+    for (uint64_t i = 0; st == ST_OK && i < count; i++) {
+        if (!binary)
+            st = gmsh_cursor_int(c, "an element's number", &id);
+        if (st == ST_OK && (!binary || members == 0)) {
+            st = gmsh_cursor_int(c, "an element's type", &number);
+            members = 1;
+            if (st == ST_OK && binary)
+                st = gmsh_cursor_int(c, "the number of elements of this type", &members);
+            if (st == ST_OK)
+                st = gmsh_cursor_int(c, "the number of tags", &tags);
+            if (st == ST_OK)
+                st = find_type(c, number, &type);
+            if (st == ST_OK && (members < 1 || members > count - i))
+                st = gmsh_cursor_fault(c, ST_CORRUPT, "%lld elements, expected 1 to %llu",
+                                       (long long)members, (unsigned long long)(count - i));
+        }
+        if (st == ST_OK && binary)
+            st = gmsh_cursor_int(c, "an element's number", &id);
+        if (st == ST_OK)
+            st = skip_tags(c, tags);
+        if (st == ST_OK)
+            st = read_element(r, c, type, id);
+        members--;
+    }
+    return st;
+}
+
+/* A block of elements of one type; *left of them are still to come in all. */
+static status read_element_block(gmsh_reading *r, gmsh_cursor *c, uint64_t *left) {
+    uint64_t waste, number = 0, count = 0, id = 0;
+    element_type type = {0};
+    status st = gmsh_cursor_int(c, "an entity's dimension", &waste);
+    if (st == ST_OK)
+        st = gmsh_cursor_int(c, "an entity's number", &waste);
+    if (st == ST_OK)
+        st = gmsh_cursor_int(c, "an element's type", &number);
+    if (st == ST_OK)
+        st = gmsh_cursor_size(c, "the number of elements of a block", &count);
+    if (st == ST_OK && count > *left)
+        return gmsh_cursor_fault(c, ST_CORRUPT, "a block of %lld elements, expected at most %llu",
+                                 (long long)count, (unsigned long long)*left);
+    *left -= count;
+    if (st == ST_OK)
+        st = find_type(c, number, &type);
+    for (; st == ST_OK && count > 0; count--) {
+        st = gmsh_cursor_size(c, "an element's number", &id);
+        if (st == ST_OK)
+            st = read_element(r, c, type, id);
+    }
+    return st;
+}
+
+static status read_elements_4(gmsh_reading *r, gmsh_cursor *c) {
+    uint64_t blocks = 0, left = 0;
+    status st = read_block_header(c, &blocks, &left);
+    mesh_feed_expect_cells(r->feed, left);
+    for (uint64_t i = 0; st == ST_OK && i < blocks; i++)
+        st = read_element_block(r, c, &left);
+    if (st == ST_OK && left > 0)
+        return gmsh_cursor_fault(c, ST_CORRUPT, "expected %llu elements more in the blocks",
+                                 (unsigned long long)left);
+    return st;
+}
+
+static status read_elements(gmsh_reading *r) {
+    gmsh_cursor c;
+    status st = gmsh_cursor_open(r->file, &r->file->elements, &c);
+    if (st == ST_OK)
+        st = r->file->version == 2 ? read_elements_2(r, &c) : read_elements_4(r, &c);
+    if (st == ST_OK)
+        st = gmsh_cursor_end(&c, "$EndElements");
+    gmsh_cursor_close(&c);
+    return st;
+}
+
+/* ---- all of it ---- */
+
+static status gmsh_read(void *state, mesh_feed *feed) {
+    const gmsh_state *s = state;
+    mem *m = s->file.m;
+    gmsh_reading r = {.file = &s->file,
+                      .array = s->array,
+                      .feed = feed,
+                      .component = s->hints->component,
+                      .nodes.m = m,
+                      .rows.m = m,
+                      .values.m = m};
+    if (s->array)
+        strcpy(feed->report->field, s->array->name);
+    status st = read_nodes(&r);
+    if (st == ST_OK)
+        st = s->array ? read_field(&r) : mesh_feed_zeros(feed);
+    if (st == ST_OK)
+        st = read_elements(&r);
+    if (st == ST_OK && r.average.m)
+        st = mesh_average_feed(&r.average, feed);
+    mesh_average_release(&r.average);
+    id_map_release(&r.nodes);
+    id_map_release(&r.rows);
+    mem_free(m, r.values.items);
+    mem_free(m, r.starts);
+    return st;
+}
+
+static void gmsh_fields(const void *state, void (*take)(void *ctx, const char *name), void *ctx) {
+    const gmsh_state *s = state;
+    for (size_t i = 0; i < s->file.count; i++)
+        if ((s->file.arrays[i].owner == GMSH_ELEMENTS) == s->hints->cells_to_points)
+            take(ctx, s->file.arrays[i].name);
+}
+
+const mesh_reader mesh_gmsh_reader = {"Gmsh",    gmsh_known, gmsh_open,
+                                      gmsh_read, gmsh_close, gmsh_fields};

@@ -1,0 +1,38 @@
+/* mesh_reader.h - a row of mesh.c's table: how a format is recognised, opened, read and closed.
+ */
+#ifndef FORMATS_MESH_MESH_READER_H
+#define FORMATS_MESH_MESH_READER_H
+
+#include "formats/input/byte_stream.h"
+#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_feed.h"
+
+enum { MESH_READER_PEEK = 4096 };
+
+/* What a reader gets. mesh.c keeps it as long as the mesh. */
+typedef struct mesh_source {
+    mem *m;
+    const char *path;  /* "-": standard input */
+    byte_stream *data; /* at the start of the file; closed by mesh.c */
+    mesh_hints hints;
+    char name[MESH_NAME_MAX + 1]; /* of the data set; empty unless open() finds one */
+} mesh_source;
+
+typedef struct mesh_reader {
+    const char *format; /* for messages: "TetGen" */
+    /* Its suffix or the file's first bytes (up to MESH_READER_PEEK, none of a pipe with a name) say
+     * so. */
+    bool (*known)(const char *path, const uint8_t *start, size_t size);
+    /* The header, up to where that is possible; *state belongs to the reader, and is closed too
+     * when open() fails. */
+    status (*open)(mesh_source *source, void **state);
+    status (*read)(void *state, mesh_feed *feed); /* once */
+    void (*close)(void *state);                   /* NULL is fine */
+    /* mesh_fields(), of one that is open */
+    void (*fields)(const void *state, void (*take)(void *ctx, const char *name), void *ctx);
+} mesh_reader;
+
+/* mesh_reader_suffix() - whether a path ends like this (".vtu"), in any case of letters. */
+bool mesh_reader_suffix(const char *path, const char *suffix);
+
+#endif

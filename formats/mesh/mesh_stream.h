@@ -1,0 +1,48 @@
+/* mesh_stream.h - the mesh stream: the simplest mesh there is, for pipes and for everything else.
+ *
+ * A header of text, then three arrays, little endian; see MESH_STREAM.md. The same calls give the
+ * same bytes on every machine.
+ */
+#ifndef FORMATS_MESH_MESH_STREAM_H
+#define FORMATS_MESH_MESH_STREAM_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_reader.h"
+
+typedef struct mesh_stream_header {
+    char name[MESH_NAME_MAX + 1], field[MESH_NAME_MAX + 1]; /* "": none; printable, one line */
+    uint64_t points, tets; /* points <= MESH_POINTS_MAX; tets <= MESH_STREAM_TETS_MAX */
+} mesh_stream_header;
+
+#define MESH_STREAM_TETS_MAX ((uint64_t)1 << 56)
+
+typedef struct mesh_stream_writer mesh_stream_writer;
+
+/* mesh_stream_create() - begin the file path ("-": standard output) and write its header. See
+ * out_file_create() for force. */
+CHECKED status mesh_stream_create(mem *m, const char *path, bool force, const mesh_stream_header *h,
+                                  mesh_stream_writer **out);
+
+/* All points, then all values, then all tets, in runs of any length; another order, or more than
+ * the header says, is an assert. */
+CHECKED status mesh_stream_points(mesh_stream_writer *w, size_t count, const float (*xyz)[3]);
+CHECKED status mesh_stream_values(mesh_stream_writer *w, size_t count, const float *values);
+CHECKED status mesh_stream_tets(mesh_stream_writer *w, size_t count, const uint32_t (*ids)[4]);
+
+/* mesh_stream_commit() - everything is written (an assert): give the file its name. Consumes w in
+ * any case. */
+CHECKED status mesh_stream_commit(mesh_stream_writer *w);
+
+/* mesh_stream_discard() - leave nothing behind. NULL is fine. */
+void mesh_stream_discard(mesh_stream_writer *w);
+
+/* The reader, for mesh.c. */
+extern const mesh_reader mesh_stream_reader;
+
+#endif

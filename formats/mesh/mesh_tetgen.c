@@ -1,0 +1,296 @@
+#include "formats/mesh/mesh_tetgen.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/base/num.h"
+#include "formats/input/text_tokens.h"
+#include "formats/mesh/mesh_average.h"
+#include "formats/mesh/mesh_choice.h"
+
+enum { ATTRIBUTES_MAX = 4096 };
+
+typedef struct tetgen_state {
+    mem *m;
+    byte_stream *other; /* the file that was not named; ours to close */
+    text_tokens nodes, tets;
+    const mesh_hints *hints;
+    char *other_path;
+    int64_t points, cells;                     /* as the headers say */
+    int64_t attributes, markers, cell_columns; /* columns behind x y z, and behind a b c d */
+    int64_t first;                             /* id of the first point */
+    int column; /* taken, from 0, of attributes and marker, or of the tets' columns; -1: none */
+    char field[MESH_NAME_MAX + 1];
+} tetgen_state;
+
+static bool tetgen_known(const char *path, const uint8_t *start, size_t size) {
+    (void)start;
+    (void)size;
+    return mesh_reader_suffix(path, ".node") || mesh_reader_suffix(path, ".ele");
+}
+
+/* ---- headers ---- */
+
+/* The header's next number, or `absent` when the line ends before it. */
+static status read_count(text_tokens *t, const char *what, int64_t lo, int64_t hi, int64_t absent,
+                         int64_t *out) {
+    bool more;
+    *out = absent;
+    status st = text_tokens_more(t, &more);
+    return st == ST_OK && more ? text_tokens_int(t, what, lo, hi, out) : st;
+}
+
+static status read_node_header(tetgen_state *s) {
+    text_tokens *t = &s->nodes;
+    int64_t dimensions;
+    status st = text_tokens_int(t, "the number of points", 0, (int64_t)MESH_POINTS_MAX, &s->points);
+    if (st == ST_OK)
+        st = read_count(t, "the number of dimensions, 3", 0, 100, 3, &dimensions);
+    if (st == ST_OK && dimensions != 3)
+        return status_describe(ST_UNSUPPORTED, "%s: points of %d dimensions, expected 3",
+                               byte_stream_name(t->s), (int)dimensions);
+    if (st == ST_OK)
+        st = read_count(t, "the number of attributes", 0, ATTRIBUTES_MAX, 0, &s->attributes);
+    if (st == ST_OK)
+        st = read_count(t, "the number of markers, 0 or 1", 0, 1, 0, &s->markers);
+    return st == ST_OK ? text_tokens_end_line(t) : st;
+}
+
+static status read_tet_header(tetgen_state *s) {
+    text_tokens *t = &s->tets;
+    int64_t corners;
+    status st = text_tokens_int(t, "the number of tets", 0, INT64_MAX, &s->cells);
+    if (st == ST_OK)
+        st = read_count(t, "the number of nodes of a tet, 4", 0, 100, 4, &corners);
+    if (st == ST_OK && corners != 4)
+        return status_describe(ST_UNSUPPORTED, "%s: tets of %d nodes, expected 4",
+                               byte_stream_name(t->s), (int)corners);
+    if (st == ST_OK)
+        st = read_count(t, "the number of attributes", 0, ATTRIBUTES_MAX, 0, &s->cell_columns);
+    return st == ST_OK ? text_tokens_end_line(t) : st;
+}
+
+/* ---- the field ---- */
+
+/* K of "attrK" or "K", from 1; 0 when it is neither. */
+static int64_t column_number(const char *field, const char *prefix) {
+    size_t length = strlen(prefix);
+    int64_t k = 0;
+    const char *digits = strncmp(field, prefix, length) == 0 ? field + length : field;
+    return num_int(digits, "", 1, ATTRIBUTES_MAX, &k) == ST_OK ? k : 0;
+}
+
+static void add_columns(mesh_choice_names *names, const char *prefix, int64_t count) {
+    for (int k = 1; k <= count; k++) {
+        char name[MESH_NAME_MAX + 1];
+        snprintf(name, sizeof name, "%s%d", prefix, k);
+        mesh_choice_add(names, name);
+    }
+}
+
+/* Markers are taken by name alone, so a file with nothing else has no field. */
+static status no_field(const tetgen_state *s) {
+    mesh_choice_names points = {0}, cells = {0};
+    const mesh_hints *hints = s->hints;
+    add_columns(&points, "attr", s->attributes);
+    if (s->markers && (hints->field || hints->cells_to_points || s->cell_columns))
+        mesh_choice_add(&points, "marker");
+    add_columns(&cells, "region", s->cell_columns);
+    const text_tokens *t = hints->cells_to_points ? &s->tets : &s->nodes;
+    return mesh_choice_missing(byte_stream_name(t->s), hints, &points, &cells);
+}
+
+static status choose_field(tetgen_state *s) {
+    const mesh_hints *hints = s->hints;
+    bool cells = hints->cells_to_points;
+    const char *prefix = cells ? "region" : "attr";
+    int64_t columns = cells ? s->cell_columns : s->attributes, k = 1;
+    s->column = -1;
+    if (hints->field && !cells && strcmp(hints->field, "marker") == 0 && s->markers) {
+        s->column = (int)s->attributes;
+        strcpy(s->field, "marker");
+        return mesh_choice_component(byte_stream_name(s->nodes.s), hints, s->field, 1);
+    }
+    if (hints->field && !(cells && strcmp(hints->field, "region") == 0))
+        k = column_number(hints->field, prefix);
+    if (k < 1 || k > columns)
+        return no_field(s);
+    s->column = (int)k - 1;
+    snprintf(s->field, sizeof s->field, "%s%d", prefix, (int)k);
+    return mesh_choice_component(byte_stream_name(s->nodes.s), hints, s->field, 1);
+}
+
+/* ---- opening ---- */
+
+/* F.ele for F.node, and the other way round. */
+static status open_other(tetgen_state *s, const char *path) {
+    size_t stem = strlen(path) - (mesh_reader_suffix(path, ".node") ? 5 : 4);
+    size_t room = strlen(path) + 2;
+    s->other_path = mem_alloc(s->m, room);
+    if (!s->other_path)
+        return ST_NOMEM;
+    snprintf(s->other_path, room, "%.*s%s", (int)stem, path,
+             mesh_reader_suffix(path, ".node") ? ".ele" : ".node");
+    return byte_stream_open(s->m, s->other_path, &s->other);
+}
+
+static status tetgen_open(mesh_source *source, void **state) {
+    tetgen_state *s = mem_zalloc(source->m, sizeof *s);
+    if (!s)
+        return ST_NOMEM;
+    *state = s;
+    s->m = source->m;
+    s->hints = &source->hints;
+    status st = open_other(s, source->path);
+    if (st != ST_OK)
+        return st;
+    bool node = mesh_reader_suffix(source->path, ".node");
+    s->nodes = (text_tokens){
+        .s = node ? source->data : s->other, .line = 1, .comment = '#', .commas = true};
+    s->tets = s->nodes;
+    s->tets.s = node ? s->other : source->data;
+    st = read_node_header(s);
+    if (st == ST_OK)
+        st = read_tet_header(s);
+    return st == ST_OK ? choose_field(s) : st;
+}
+
+static void tetgen_close(void *state) {
+    tetgen_state *s = state;
+    if (!s)
+        return;
+    byte_stream_close(s->other);
+    mem_free(s->m, s->other_path);
+    mem_free(s->m, s);
+}
+
+/* ---- reading ---- */
+
+/* The row's own number: what it counts must not have gaps. The first sets where counting begins. */
+static status read_id(text_tokens *t, int64_t row, int64_t *first) {
+    int64_t id;
+    status st = text_tokens_int(t, "an id", INT64_MIN, INT64_MAX, &id);
+    if (st != ST_OK)
+        return st;
+    if (row == 0 && *first < 0 && id != 0 && id != 1)
+        return text_tokens_fault(t, "0 or 1, the first id");
+    if (row == 0 && *first < 0)
+        *first = id;
+    if (id != row + *first)
+        return text_tokens_fault(t, "id %lld, they have no gaps", (long long)(row + *first));
+    return ST_OK;
+}
+
+/* The next number, which must stand on the same line. */
+static status read_same_line(text_tokens *t, const char *what, double *out) {
+    bool more;
+    status st = text_tokens_more(t, &more);
+    if (st == ST_OK && !more) {
+        t->token[0] = 0;
+        return text_tokens_fault(t, "%s", what);
+    }
+    return st == ST_OK ? text_tokens_double(t, what, out) : st;
+}
+
+/* Columns up to the line's end; *value is that of number `column`. */
+static status read_columns(text_tokens *t, int64_t count, int column, double *value) {
+    status st = ST_OK;
+    for (int i = 0; st == ST_OK && i < count; i++) {
+        double number = 0;
+        st = read_same_line(t, "an attribute or marker", &number);
+        if (i == column)
+            *value = number;
+    }
+    return st == ST_OK ? text_tokens_end_line(t) : st;
+}
+
+static status read_nodes(tetgen_state *s, mesh_feed *feed) {
+    status st = ST_OK;
+    bool values = s->column >= 0 && !s->hints->cells_to_points;
+    s->first = -1;
+    for (int64_t i = 0; st == ST_OK && i < s->points; i++) {
+        double xyz[3] = {0}, value = 0;
+        st = read_id(&s->nodes, i, &s->first);
+        for (int a = 0; st == ST_OK && a < 3; a++)
+            st = read_same_line(&s->nodes, "a coordinate", &xyz[a]);
+        if (st == ST_OK)
+            st = read_columns(&s->nodes, s->attributes + s->markers, s->column, &value);
+        if (st == ST_OK)
+            st = mesh_feed_point(feed, xyz);
+        if (st == ST_OK && values)
+            st = mesh_feed_value(feed, value);
+    }
+    return st;
+}
+
+static status read_tets(tetgen_state *s, mesh_feed *feed, mesh_average *average) {
+    status st = ST_OK;
+    int64_t first = -1;
+    text_tokens *t = &s->tets;
+    for (int64_t i = 0; st == ST_OK && i < s->cells; i++) {
+        uint64_t ids[4];
+        double value = 0;
+        st = read_id(t, i, &first);
+        for (int c = 0; st == ST_OK && c < 4; c++) {
+            int64_t id = 0;
+            st = text_tokens_int(t, "the id of a point", INT64_MIN, INT64_MAX, &id);
+            ids[c] = (uint64_t)id - (uint64_t)s->first; /* far off below the first: no point */
+        }
+        if (st == ST_OK)
+            st = read_columns(t, s->cell_columns, s->column, &value);
+        if (st == ST_OK && average)
+            mesh_average_add(average, MESH_TET, ids, value);
+        if (st == ST_OK)
+            st = mesh_feed_cell(feed, MESH_TET, ids);
+    }
+    return st;
+}
+
+static status check_end(text_tokens *t) {
+    status st = text_tokens_next(t);
+    return st == ST_OK && t->token[0]
+               ? text_tokens_fault(t, "the end: there are no more rows by the header")
+               : st;
+}
+
+static status read_both(tetgen_state *s, mesh_feed *feed, mesh_average *average) {
+    status st = read_nodes(s, feed);
+    if (st == ST_OK)
+        st = check_end(&s->nodes);
+    if (st == ST_OK)
+        st = read_tets(s, feed, average);
+    if (st == ST_OK)
+        st = check_end(&s->tets);
+    if (st == ST_OK && average)
+        st = mesh_average_feed(average, feed);
+    else if (st == ST_OK && s->column < 0)
+        st = mesh_feed_zeros(feed);
+    return st;
+}
+
+static status tetgen_read(void *state, mesh_feed *feed) {
+    tetgen_state *s = state;
+    mesh_average average = {0};
+    strcpy(feed->report->field, s->field);
+    mesh_feed_expect_cells(feed, (uint64_t)s->cells);
+    status st = mesh_feed_expect(feed, (uint64_t)s->points);
+    if (st == ST_OK && s->hints->cells_to_points)
+        st = mesh_average_begin(&average, s->m, (uint64_t)s->points);
+    if (st == ST_OK)
+        st = read_both(s, feed, average.m ? &average : NULL);
+    mesh_average_release(&average);
+    return st;
+}
+
+static void tetgen_fields(const void *state, void (*take)(void *ctx, const char *name), void *ctx) {
+    const tetgen_state *s = state;
+    const bool cells = s->hints->cells_to_points;
+    for (int k = 1; k <= (cells ? s->cell_columns : s->attributes); k++) {
+        char name[MESH_NAME_MAX + 1];
+        snprintf(name, sizeof name, "%s%d", cells ? "region" : "attr", k);
+        take(ctx, name);
+    }
+}
+
+const mesh_reader mesh_tetgen_reader = {"TetGen",    tetgen_known, tetgen_open,
+                                        tetgen_read, tetgen_close, tetgen_fields};

@@ -1,0 +1,11 @@
+/* vtk_average.h - the chosen data of a piece's cells, averaged to its points (mesh_average.h). */
+#ifndef FORMATS_MESH_VTK_AVERAGE_H
+#define FORMATS_MESH_VTK_AVERAGE_H
+
+#include "formats/mesh/vtk_grid.h"
+
+/* vtk_average_feed() - a value for each point of the piece. The cells are read as often as the sums
+ * take rounds over the points. */
+CHECKED status vtk_average_feed(mem *m, const vtk_piece *p, int component, mesh_feed *feed);
+
+#endif

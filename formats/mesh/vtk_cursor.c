@@ -1,0 +1,267 @@
+#include "formats/mesh/vtk_cursor.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "formats/input/byte_stream.h"
+#include "formats/input/text_number.h"
+#include "formats/input/text_tokens.h"
+#include "formats/mesh/vtk_bytes.h"
+
+enum { CURSOR_BYTES = 1 << 14 };
+
+struct vtk_cursor {
+    mem *m;
+    const vtk_array *array;
+    size_t width;
+    uint64_t left;     /* numbers not yet handed out; VTK_CURSOR_ANY for text of any length */
+    uint64_t taken;    /* numbers handed out */
+    byte_stream *from; /* text and bare bytes */
+    text_tokens text;  /* in it */
+    vtk_bytes *bytes;  /* the others */
+    size_t begin, end; /* of buffer[], in numbers */
+    uint8_t buffer[CURSOR_BYTES];
+};
+
+/* ---- opening ---- */
+
+static status too_few(const vtk_cursor *c, uint64_t found, uint64_t wanted) {
+    return vtk_array_fault(c->array, ST_CORRUPT, "has %llu numbers, expected %llu",
+                           (unsigned long long)found, (unsigned long long)wanted);
+}
+
+/* Bytes whose number the file tells. */
+static status open_counted(vtk_cursor *c, uint64_t count) {
+    status st = vtk_bytes_open(c->m, c->array, &c->bytes);
+    if (st != ST_OK)
+        return st;
+    uint64_t size = vtk_bytes_size(c->bytes);
+    if (size % c->width)
+        return vtk_array_fault(c->array, ST_CORRUPT, "has %llu bytes, expected a multiple of %zu",
+                               (unsigned long long)size, c->width);
+    c->left = size / c->width;
+    return count == VTK_CURSOR_ANY || count == c->left ? ST_OK : too_few(c, c->left, count);
+}
+
+static status open_plain(vtk_cursor *c, uint64_t count) {
+    status st = byte_stream_open(c->m, c->array->path, &c->from);
+    if (st == ST_OK)
+        st = byte_stream_skip(c->from, c->array->at);
+    c->left = count;
+    c->text = (text_tokens){.s = c->from, .stop = '<'};
+    if (st != ST_OK || c->array->coding == VTK_TEXT)
+        return st;
+    uint64_t room = byte_stream_left(c->from) / c->width;
+    return count > room ? too_few(c, room, count) : ST_OK;
+}
+
+static status open_array(vtk_cursor *c, uint64_t count) {
+    const vtk_array *a = c->array;
+    c->width = vtk_array_width(a->type);
+    if (c->width == 0)
+        return vtk_array_fault(a, ST_UNSUPPORTED, "strings and packed bits are no numbers here");
+    bool plain = a->coding == VTK_TEXT || a->coding == VTK_BARE;
+    return plain ? open_plain(c, count) : open_counted(c, count);
+}
+
+status vtk_cursor_open(mem *m, const vtk_array *a, uint64_t count, vtk_cursor **out) {
+    vtk_cursor *c = mem_zalloc(m, sizeof *c);
+    if (!c)
+        return ST_NOMEM;
+    c->m = m;
+    c->array = a;
+    status st = open_array(c, count);
+    if (st != ST_OK) {
+        vtk_cursor_close(c);
+        return st;
+    }
+    *out = c;
+    return ST_OK;
+}
+
+void vtk_cursor_close(vtk_cursor *c) {
+    if (!c)
+        return;
+    byte_stream_close(c->from);
+    vtk_bytes_close(c->bytes);
+    mem_free(c->m, c);
+}
+
+/* ---- text ---- */
+
+static status next_word(vtk_cursor *c) {
+    status st = text_tokens_next(&c->text);
+    return st == ST_OK && !c->text.token[0] ? too_few(c, c->taken, c->taken + 1) : st;
+}
+
+static status bad_word(const vtk_cursor *c, const char *expected) {
+    return vtk_array_fault(c->array, ST_CORRUPT, "before byte %llu: \"%.60s\", expected a %snumber",
+                           (unsigned long long)byte_stream_position(c->from), c->text.token,
+                           expected);
+}
+
+static status text_doubles(vtk_cursor *c, size_t count, double *out) {
+    for (size_t i = 0; i < count; i++, c->taken++) {
+        status st = next_word(c);
+        if (st == ST_OK && !text_number_double(c->text.token, &out[i]))
+            st = bad_word(c, "");
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+static status text_whole(vtk_cursor *c, size_t count, uint64_t *out) {
+    for (size_t i = 0; i < count; i++, c->taken++) {
+        status st = next_word(c);
+        if (st == ST_OK && !text_number_whole(c->text.token, &out[i]))
+            st = bad_word(c, "whole ");
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+/* ---- bytes ---- */
+
+static void swap(uint8_t *bytes, size_t width, size_t count) {
+    for (size_t i = 0; width > 1 && i < count; i++, bytes += width)
+        for (size_t b = 0; b < width / 2; b++) {
+            uint8_t kept = bytes[b];
+            bytes[b] = bytes[width - 1 - b];
+            bytes[width - 1 - b] = kept;
+        }
+}
+
+/* Fill the empty buffer, native byte order. */
+static status refill(vtk_cursor *c) {
+    size_t room = CURSOR_BYTES / c->width;
+    size_t count = c->left < room ? (size_t)c->left : room, got;
+    size_t size = count * c->width;
+    status st;
+    if (c->bytes)
+        st = vtk_bytes_read(c->bytes, c->buffer, size);
+    else {
+        st = byte_stream_read(c->from, c->buffer, size, &got);
+        if (st == ST_OK && got < size)
+            st = too_few(c, c->taken + got / c->width, c->taken + c->left);
+    }
+    if (st != ST_OK)
+        return st;
+    if (c->array->big_endian)
+        swap(c->buffer, c->width, count);
+    c->begin = 0;
+    c->end = count;
+    return ST_OK;
+}
+
+/* At least one number, at most count, is in the buffer at *from. */
+static status some(vtk_cursor *c, size_t *count, const uint8_t **from) {
+    status st = c->begin == c->end ? refill(c) : ST_OK;
+    if (st != ST_OK)
+        return st;
+    size_t held = c->end - c->begin;
+    *count = *count < held ? *count : held;
+    *from = c->buffer + c->begin * c->width;
+    c->begin += *count;
+    c->taken += *count;
+    c->left -= *count;
+    return ST_OK;
+}
+
+#define ALL(type, convert)                         \
+    for (size_t i = 0; i < count; i++) {           \
+        type v;                                    \
+        memcpy(&v, from + i * sizeof v, sizeof v); \
+        out[i] = convert;                          \
+    }                                              \
+    break
+
+static void to_doubles(vtk_type type, const uint8_t *from, size_t count, double *out) {
+    switch (type) {
+    case VTK_I8: ALL(int8_t, v);
+    case VTK_U8: ALL(uint8_t, v);
+    case VTK_I16: ALL(int16_t, v);
+    case VTK_U16: ALL(uint16_t, v);
+    case VTK_I32: ALL(int32_t, v);
+    case VTK_U32: ALL(uint32_t, v);
+    case VTK_I64: ALL(int64_t, (double)v);
+    case VTK_U64: ALL(uint64_t, (double)v);
+    case VTK_F32: ALL(float, (double)v);
+    case VTK_F64: ALL(double, v);
+    default: break;
+    }
+}
+
+#define NOT_NEGATIVE (v < 0 ? UINT64_MAX : (uint64_t)v)
+
+static void to_whole(vtk_type type, const uint8_t *from, size_t count, uint64_t *out) {
+    switch (type) {
+    case VTK_I8: ALL(int8_t, NOT_NEGATIVE);
+    case VTK_U8: ALL(uint8_t, v);
+    case VTK_I16: ALL(int16_t, NOT_NEGATIVE);
+    case VTK_U16: ALL(uint16_t, v);
+    case VTK_I32: ALL(int32_t, NOT_NEGATIVE);
+    case VTK_U32: ALL(uint32_t, v);
+    case VTK_I64: ALL(int64_t, NOT_NEGATIVE);
+    case VTK_U64: ALL(uint64_t, v);
+    default: break;
+    }
+}
+
+/* ---- reading ---- */
+
+static status check_left(const vtk_cursor *c, size_t count) {
+    return count > c->left ? too_few(c, c->taken + c->left, c->taken + count) : ST_OK;
+}
+
+status vtk_cursor_doubles(vtk_cursor *c, size_t count, double *out) {
+    status st = check_left(c, count);
+    if (st == ST_OK && c->array->coding == VTK_TEXT) {
+        c->left -= c->left == VTK_CURSOR_ANY ? 0 : count;
+        return text_doubles(c, count, out);
+    }
+    while (st == ST_OK && count > 0) {
+        const uint8_t *from;
+        size_t part = count;
+        st = some(c, &part, &from);
+        if (st != ST_OK)
+            break;
+        to_doubles(c->array->type, from, part, out);
+        out += part;
+        count -= part;
+    }
+    return st;
+}
+
+status vtk_cursor_whole(vtk_cursor *c, size_t count, uint64_t *out) {
+    assert(vtk_array_whole(c->array->type));
+    status st = check_left(c, count);
+    if (st == ST_OK && c->array->coding == VTK_TEXT) {
+        c->left -= c->left == VTK_CURSOR_ANY ? 0 : count;
+        return text_whole(c, count, out);
+    }
+    while (st == ST_OK && count > 0) {
+        const uint8_t *from;
+        size_t part = count;
+        st = some(c, &part, &from);
+        if (st != ST_OK)
+            break;
+        to_whole(c->array->type, from, part, out);
+        out += part;
+        count -= part;
+    }
+    return st;
+}
+
+status vtk_cursor_finish(vtk_cursor *c) {
+    const vtk_array *a = c->array;
+    if (a->coding == VTK_TEXT && a->line > 0) {
+        status st = text_tokens_next(&c->text);
+        if (st != ST_OK || !c->text.token[0])
+            return st;
+        return vtk_array_fault(a, ST_CORRUPT, "\"%.60s\" behind its last number, expected %llu",
+                               c->text.token, (unsigned long long)c->taken);
+    }
+    return a->coding != VTK_TEXT && c->left > 0 ? too_few(c, c->taken + c->left, c->taken) : ST_OK;
+}

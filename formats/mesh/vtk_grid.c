@@ -1,0 +1,287 @@
+#include "formats/mesh/vtk_grid.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "formats/base/text.h"
+#include "formats/mesh/mesh_choice.h"
+#include "formats/mesh/vtk_average.h"
+#include "formats/mesh/vtk_cursor.h"
+
+enum { COMPONENTS_MAX = 4096 };
+
+/* Room for one more item; the array may move. */
+static status grow(mem *m, void **items, size_t *room, size_t count, size_t size) {
+    if (count < *room)
+        return ST_OK;
+    size_t more = *room ? 2 * *room : 8;
+    void *larger = mem_array(m, more, size);
+    if (!larger)
+        return ST_NOMEM;
+    if (*items)
+        memcpy(larger, *items, count * size);
+    mem_free(m, *items);
+    *items = larger;
+    *room = more;
+    return ST_OK;
+}
+
+status vtk_grid_add_piece(vtk_grid *g, vtk_piece **out) {
+    void *pieces = g->pieces;
+    status st = grow(g->m, &pieces, &g->room, g->count, sizeof *g->pieces);
+    g->pieces = pieces;
+    if (st == ST_OK)
+        *out = &g->pieces[g->count++];
+    return st;
+}
+
+status vtk_grid_add_field(vtk_grid *g, vtk_piece *p, vtk_owner owner, const vtk_array *field) {
+    void *fields = p->fields[owner];
+    status st = grow(g->m, &fields, &p->room[owner], p->count[owner], sizeof *field);
+    p->fields[owner] = fields;
+    if (st == ST_OK)
+        p->fields[owner][p->count[owner]++] = *field;
+    else
+        mem_free(g->m, field->name);
+    return st;
+}
+
+/* ---- the field ---- */
+
+static bool is_numeric(const vtk_array *a) {
+    return vtk_array_width(a->type) > 0;
+}
+
+/* The array of that name; of any name for NULL: the first of numbers. */
+static const vtk_array *find_field(const vtk_piece *p, vtk_owner owner, const char *name) {
+    for (size_t i = 0; i < p->count[owner]; i++) {
+        const vtk_array *a = &p->fields[owner][i];
+        if (name ? text_same_name(a->name, name, MESH_NAME_MAX + 1) : is_numeric(a))
+            return a;
+    }
+    return NULL;
+}
+
+static const vtk_array *find_anywhere(const vtk_grid *g, vtk_owner owner, const char *name) {
+    const vtk_array *a = NULL;
+    for (size_t i = 0; !a && i < g->count; i++)
+        a = find_field(&g->pieces[i], owner, name);
+    return a;
+}
+
+static status no_field(const vtk_grid *g) {
+    mesh_choice_names names[VTK_OWNERS] = {0};
+    for (size_t i = 0; i < g->count; i++)
+        for (int o = 0; o < VTK_OWNERS; o++)
+            for (size_t k = 0; k < g->pieces[i].count[o]; k++)
+                if (is_numeric(&g->pieces[i].fields[o][k]))
+                    mesh_choice_add(&names[o], g->pieces[i].fields[o][k].name);
+    return mesh_choice_missing(g->source->path, &g->source->hints, &names[VTK_OF_POINTS],
+                               &names[VTK_OF_CELLS]);
+}
+
+/* The chosen array, in each piece that has use for one. */
+static status choose_in_pieces(vtk_grid *g, const vtk_array *chosen) {
+    for (size_t i = 0; i < g->count; i++) {
+        vtk_piece *p = &g->pieces[i];
+        uint64_t tuples = g->owner == VTK_OF_POINTS ? p->points : p->cells.count;
+        p->field = find_field(p, g->owner, chosen->name);
+        if (!p->field && tuples > 0)
+            return status_describe(ST_CORRUPT, "%s: piece %zu has no array \"%s\", unlike others",
+                                   g->source->path, i + 1, chosen->name);
+        if (!p->field)
+            continue;
+        if (!is_numeric(p->field))
+            return vtk_array_fault(p->field, ST_UNSUPPORTED,
+                                   "strings and packed bits are no values");
+        if (p->field->components != chosen->components)
+            return vtk_array_fault(p->field, ST_CORRUPT,
+                                   "%u components, expected %u as in the first piece",
+                                   p->field->components, chosen->components);
+    }
+    return ST_OK;
+}
+
+static status choose_field(vtk_grid *g) {
+    const mesh_hints *hints = &g->source->hints;
+    g->owner = hints->cells_to_points ? VTK_OF_CELLS : VTK_OF_POINTS;
+    const vtk_array *chosen = find_anywhere(g, g->owner, hints->field);
+    if (!chosen)
+        return no_field(g);
+    if (chosen->components > COMPONENTS_MAX)
+        return vtk_array_fault(chosen, ST_UNSUPPORTED, "%u components, at most %d are supported",
+                               chosen->components, COMPONENTS_MAX);
+    status st =
+        mesh_choice_component(g->source->path, hints, chosen->name, (int)chosen->components);
+    return st == ST_OK ? choose_in_pieces(g, chosen) : st;
+}
+
+static status check_piece(const vtk_grid *g, const vtk_piece *p) {
+    if (p->points == 0)
+        return ST_OK;
+    if (p->position.type == VTK_ABSENT)
+        return status_describe(ST_CORRUPT, "%s: expected the positions of %llu points",
+                               g->source->path, (unsigned long long)p->points);
+    if (p->position.components != 3 || !is_numeric(&p->position))
+        return vtk_array_fault(&p->position, ST_CORRUPT, "%u components, expected 3",
+                               p->position.components);
+    return ST_OK;
+}
+
+static status choose(vtk_grid *g) {
+    for (size_t i = 0; i < g->count; i++) {
+        vtk_piece *p = &g->pieces[i];
+        status st = check_piece(g, p);
+        if (st != ST_OK)
+            return st;
+        if (p->points > MESH_POINTS_MAX || g->points + p->points > MESH_POINTS_MAX)
+            return status_describe(ST_UNSUPPORTED, "%s: more than %llu points", g->source->path,
+                                   (unsigned long long)MESH_POINTS_MAX);
+        g->points += p->points;
+    }
+    return choose_field(g);
+}
+
+/* ---- opening and closing ---- */
+
+static status check_regular(const mesh_source *source) {
+    struct stat info;
+    if (stat(source->path, &info) == 0 && S_ISREG(info.st_mode))
+        return ST_OK;
+    return status_describe(ST_UNSUPPORTED,
+                           "%s: VTK files are read at several places at once, so from a regular "
+                           "file alone",
+                           byte_stream_name(source->data));
+}
+
+status vtk_grid_open(mesh_source *source, status (*scan)(vtk_grid *g, byte_stream *data),
+                     void **state) {
+    vtk_grid *g = mem_zalloc(source->m, sizeof *g);
+    if (!g)
+        return ST_NOMEM;
+    *state = g;
+    g->m = source->m;
+    g->source = source;
+    status st = check_regular(source);
+    if (st == ST_OK)
+        st = scan(g, source->data);
+    return st == ST_OK ? choose(g) : st;
+}
+
+static void release_piece(vtk_grid *g, vtk_piece *p) {
+    for (int o = 0; o < VTK_OWNERS; o++) {
+        for (size_t i = 0; i < p->count[o]; i++)
+            mem_free(g->m, p->fields[o][i].name);
+        mem_free(g->m, p->fields[o]);
+    }
+}
+
+void vtk_grid_close(void *state) {
+    vtk_grid *g = state;
+    if (!g)
+        return;
+    for (size_t i = 0; i < g->count; i++)
+        release_piece(g, &g->pieces[i]);
+    mem_free(g->m, g->pieces);
+    mem_free(g->m, g);
+}
+
+/* ---- reading ---- */
+
+static status read_points(vtk_grid *g, const vtk_piece *p, mesh_feed *feed) {
+    vtk_cursor *c = NULL;
+    status st = p->points ? vtk_cursor_open(g->m, &p->position, 3 * p->points, &c) : ST_OK;
+    for (uint64_t i = 0; st == ST_OK && i < p->points; i++) {
+        double xyz[3];
+        st = vtk_cursor_doubles(c, 3, xyz);
+        if (st == ST_OK)
+            st = mesh_feed_point(feed, xyz);
+    }
+    if (st == ST_OK && c)
+        st = vtk_cursor_finish(c);
+    vtk_cursor_close(c);
+    return st;
+}
+
+static status read_values(vtk_grid *g, const vtk_piece *p, mesh_feed *feed) {
+    if (p->points == 0)
+        return ST_OK;
+    int count = (int)p->field->components;
+    vtk_cursor *c = NULL;
+    double *tuple = mem_array(g->m, (size_t)count, sizeof *tuple);
+    status st = tuple ? ST_OK : ST_NOMEM;
+    if (st == ST_OK)
+        st = vtk_cursor_open(g->m, p->field, p->points * (uint64_t)count, &c);
+    for (uint64_t i = 0; st == ST_OK && i < p->points; i++) {
+        st = vtk_cursor_doubles(c, (size_t)count, tuple);
+        if (st == ST_OK)
+            st = mesh_feed_value(feed,
+                                 mesh_feed_magnitude(tuple, count, g->source->hints.component));
+    }
+    if (st == ST_OK)
+        st = vtk_cursor_finish(c);
+    vtk_cursor_close(c);
+    mem_free(g->m, tuple);
+    return st;
+}
+
+/* The points of the piece get their place behind those of the pieces before. */
+static status read_cells(vtk_grid *g, const vtk_piece *p, uint64_t first, mesh_feed *feed) {
+    vtk_cells *cells = NULL;
+    status st = p->cells.count ? vtk_cells_open(g->m, &p->cells, &cells) : ST_OK;
+    for (uint64_t i = 0; st == ST_OK && i < p->cells.count; i++) {
+        vtk_cell cell;
+        st = vtk_cells_next(cells, &cell);
+        if (st != ST_OK)
+            break;
+        for (int v = 0; v < cell.count; v++)
+            cell.ids[v] = cell.ids[v] < p->points ? first + cell.ids[v] : UINT64_MAX;
+        if (cell.volume)
+            st = mesh_feed_cell(feed, cell.kind, cell.ids);
+        else
+            feed->report->skipped++;
+    }
+    if (st == ST_OK && cells)
+        st = vtk_cells_finish(cells);
+    vtk_cells_close(cells);
+    return st;
+}
+
+static status read_field(vtk_grid *g, const vtk_piece *p, bool any, mesh_feed *feed) {
+    if (!any)
+        return ST_OK;
+    return g->owner == VTK_OF_CELLS ? vtk_average_feed(g->m, p, g->source->hints.component, feed)
+                                    : read_values(g, p, feed);
+}
+
+status vtk_grid_read(void *state, mesh_feed *feed) {
+    vtk_grid *g = state;
+    const vtk_array *chosen = NULL;
+    for (size_t i = 0; !chosen && i < g->count; i++)
+        chosen = g->pieces[i].field;
+    if (chosen)
+        snprintf(feed->report->field, sizeof feed->report->field, "%s", chosen->name);
+    uint64_t first = 0;
+    status st = mesh_feed_expect(feed, g->points);
+    for (size_t i = 0; i < g->count; i++)
+        mesh_feed_expect_cells(feed, g->pieces[i].cells.count);
+    for (size_t i = 0; st == ST_OK && i < g->count; i++) {
+        const vtk_piece *p = &g->pieces[i];
+        st = read_points(g, p, feed);
+        if (st == ST_OK)
+            st = read_field(g, p, chosen, feed);
+        if (st == ST_OK)
+            st = read_cells(g, p, first, feed);
+        first += p->points;
+    }
+    return st == ST_OK && !chosen ? mesh_feed_zeros(feed) : st;
+}
+
+void vtk_grid_fields(const void *state, void (*take)(void *ctx, const char *name), void *ctx) {
+    const vtk_grid *g = state;
+    for (size_t i = 0; i < g->count; i++)
+        for (size_t k = 0; k < g->pieces[i].count[g->owner]; k++)
+            if (is_numeric(&g->pieces[i].fields[g->owner][k]))
+                take(ctx, g->pieces[i].fields[g->owner][k].name);
+}

@@ -1,0 +1,13 @@
+/* plc_off.h - Geomview's OFF, in text: vertices, then polygons.
+ *
+ * The colours of COFF and the normals of NOFF are passed over, as are those of faces. Binary OFF
+ * and other dimensions are ST_UNSUPPORTED.
+ */
+#ifndef FORMATS_SURFACE_PLC_OFF_H
+#define FORMATS_SURFACE_PLC_OFF_H
+
+#include "formats/surface/plc.h"
+
+CHECKED status plc_off_read(plc_source *s);
+
+#endif

@@ -1,0 +1,29 @@
+/* generate.h - an analytic field as an NRRD, written as a stream: memory does not grow with the
+ * volume. */
+#ifndef PREP_GENERATE_GENERATE_H
+#define PREP_GENERATE_GENERATE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/progress.h"
+#include "formats/base/status.h"
+#include "formats/grid/grid.h"
+#include "prep/generate/field.h"
+
+typedef struct generate_options {
+    const field_info *info;
+    uint64_t seed;
+    int threads;
+    const char *output; /* a path, or "-" */
+    bool force;
+} generate_options;
+
+/* generate_volume() - g gives sizes, type (u8, u16 or f32) and placement. Works in blocks of 32 MiB
+ * of samples, or a quarter of m's limit where that is less. The same bytes for any number of
+ * threads and any limit. */
+CHECKED status generate_volume(mem *m, const grid *g, const generate_options *options,
+                               const progress *p);
+
+#endif

@@ -1,0 +1,298 @@
+#include "prep/grid/convert.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/base/pool.h"
+#include "formats/leaf/leaf_histogram.h"
+#include "formats/leaf/leaf_writer.h"
+#include "prep/grid/pyramid.h"
+#include "prep/grid/read_ahead.h"
+#include "prep/grid/slab.h"
+#include "prep/grid/treelet_build.h"
+
+#ifndef LEAFCAST_VERSION
+#define LEAFCAST_VERSION "0"
+#endif
+
+/* One thread's tools. */
+typedef struct bench {
+    treelet_scratch *scratch;
+    void *payload;
+    void *pack;
+    leaf_packer *packer;
+} bench;
+
+/* One level under way. */
+typedef struct stage {
+    slab *slab;
+    pyramid *up;  /* makes the next level's slices; NULL at the last */
+    char *coarse; /* and here they come out */
+} stage;
+
+typedef struct conversion {
+    mem *m;
+    const convert_options *o;
+    const convert_plan *plan;
+    const progress *p;
+    leaf_writer *writer;
+    const leaf_layout *layout;
+    pool *workers;
+    bench *benches; /* one a worker */
+    stage stages[LEAF_LEVELS_MAX];
+    read_ahead *input;
+    uint32_t slices_done;
+    /* Of the histogram; cells is NULL where there is to be none. */
+    histogram_draw draw;
+    histogram_space space;
+    histogram_cell *cells;
+} conversion;
+
+/* ---- from slabs to payloads ---- */
+
+typedef struct cutting {
+    const conversion *c;
+    const slab_box *box;
+    uint32_t level;
+} cutting;
+
+static status make_treelet(const conversion *c, const bench *b, const sample_box *box, uint32_t t) {
+    treelet_summary summary;
+    treelet_build(c->layout, t, box, b->scratch, b->payload, &summary);
+    leaf_entry entry = {.own = {summary.own[0], summary.own[1]}, .flags = summary.flags};
+    if (c->cells && c->layout->level_of[t] == 0)
+        leaf_histogram_take(c->layout, &c->draw, &c->space, t, b->payload, c->cells);
+    return leaf_writer_put(c->writer, b->packer, t, &entry, b->payload, b->pack);
+}
+
+static status make_family(void *ctx, size_t index, int worker) {
+    const cutting *job = ctx;
+    const conversion *c = job->c;
+    const leaf_layout *l = c->layout;
+    const bench *b = &c->benches[worker];
+    if (job->level + 1 == l->levels)
+        return make_treelet(c, b, &job->box->samples, 0);
+    uint32_t parent[3] = {job->box->first[0] + (uint32_t)index % job->box->count[0],
+                          job->box->first[1] + (uint32_t)index / job->box->count[0],
+                          job->box->first[2]};
+    uint32_t p = leaf_layout_find(l, job->level + 1, parent);
+    int siblings = __builtin_popcount(leaf_layout_children(l, p));
+    for (int i = 0; i < siblings; i++) {
+        status st = make_treelet(c, b, &job->box->samples, l->first_child[p] + (uint32_t)i);
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+static status take_slab(conversion *c, uint32_t level) {
+    slab *s = c->stages[level].slab;
+    double fraction = (double)c->slices_done / c->layout->level[0].dims[2];
+    for (uint32_t i = 0; i < slab_boxes(s); i++) {
+        status st = progress_step(c->p, "convert", fraction);
+        slab_box box;
+        if (st == ST_OK)
+            st = slab_take(s, i, &box);
+        if (st != ST_OK)
+            return st;
+        cutting job = {.c = c, .box = &box, .level = level};
+        st = pool_run(c->workers, (size_t)box.count[0] * box.count[1], make_family, &job);
+        if (st != ST_OK)
+            return st;
+    }
+    slab_next(s);
+    return ST_OK;
+}
+
+/* ---- slices go up the pyramid ---- */
+
+static status store_slices(conversion *c, uint32_t level, const char *slices, uint32_t count) {
+    slab *s = c->stages[level].slab;
+    const uint32_t *dims = c->layout->level[level].dims;
+    const size_t slice_bytes = (size_t)dims[0] * dims[1] * sample_size(c->layout->type);
+    while (count > 0) {
+        uint32_t room = slab_room(s), some = count < room ? count : room;
+        status st = slab_store(s, c->workers, slices, some);
+        while (st == ST_OK && slab_complete(s))
+            st = take_slab(c, level);
+        if (st != ST_OK)
+            return st;
+        slices += some * slice_bytes;
+        count -= some;
+    }
+    return ST_OK;
+}
+
+static status push(conversion *c, const char *slices, uint32_t count) {
+    for (uint32_t level = 0; count > 0; level++) {
+        status st = store_slices(c, level, slices, count);
+        const stage *s = &c->stages[level];
+        if (st != ST_OK || !s->up)
+            return st;
+        uint32_t coarse = pyramid_ready(s->up, count);
+        st = pyramid_feed(s->up, c->workers, slices, count, s->coarse);
+        if (st != ST_OK)
+            return st;
+        slices = s->coarse;
+        count = coarse;
+    }
+    return ST_OK;
+}
+
+static status convert_slices(conversion *c) {
+    for (;;) {
+        const void *slices = NULL;
+        uint32_t count = 0;
+        status st = read_ahead_next(c->input, &slices, &count);
+        if (st != ST_OK || count == 0)
+            return st;
+        st = push(c, slices, count);
+        c->slices_done += count;
+        if (st == ST_OK)
+            st = progress_step(c->p, "convert",
+                               (double)c->slices_done / c->layout->level[0].dims[2]);
+        if (st != ST_OK)
+            return st;
+    }
+}
+
+/* ---- setting up ---- */
+
+static status create_benches(conversion *c) {
+    c->benches = mem_array(c->m, (size_t)c->o->threads, sizeof *c->benches);
+    if (!c->benches)
+        return ST_NOMEM;
+    size_t pack_bytes = leaf_writer_pack_bytes(c->layout, c->o->file.codec);
+    for (int i = 0; i < c->o->threads; i++) {
+        bench *b = &c->benches[i];
+        b->scratch = mem_alloc(c->m, treelet_scratch_bytes());
+        b->payload = mem_alloc(c->m, leaf_layout_payload_max(c->layout));
+        if (!b->scratch || !b->payload)
+            return ST_NOMEM;
+        if (pack_bytes && !(b->pack = mem_alloc(c->m, pack_bytes)))
+            return ST_NOMEM;
+        status st = leaf_packer_create(c->writer, &b->packer);
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+static status create_stages(conversion *c, const char *output) {
+    for (uint32_t level = 0; level < c->layout->levels; level++) {
+        stage *s = &c->stages[level];
+        slab_plan how = convert_plan_slab(c->plan, level, c->o->threads);
+        status st = slab_create(c->m, c->layout, level, &how, output, &s->slab);
+        if (st != ST_OK)
+            return st;
+        if (level + 1 == c->layout->levels)
+            break;
+        st = pyramid_create(c->m, c->layout->type, c->layout->level[level].dims, c->o->threads,
+                            &s->up);
+        if (st != ST_OK)
+            return st;
+        const uint32_t *coarse = c->layout->level[level + 1].dims;
+        s->coarse = mem_alloc(c->m, (size_t)coarse[0] * coarse[1] * sample_size(c->layout->type) *
+                                        convert_plan_slices(c->plan, level + 1));
+        if (!s->coarse)
+            return ST_NOMEM;
+    }
+    return ST_OK;
+}
+
+/* All samples have been put. */
+static status check_empty(const conversion *c, const grid *g) {
+    double range[2];
+    leaf_writer_range(c->writer, 0, range);
+    if (!c->o->refuse_empty || range[0] <= range[1])
+        return ST_OK;
+    return status_describe(ST_UNSUPPORTED,
+                           "none of the volume's %llu samples is a finite number: there is nothing "
+                           "to draw (--allow-empty converts it all the same)",
+                           (unsigned long long)grid_samples(g));
+}
+
+static status begin_histogram(conversion *c, const grid *g) {
+    if (!leaf_writer_histograms(c->writer))
+        return ST_OK;
+    c->draw = histogram_draw_grid(g->dims);
+    c->space = histogram_space_of(&g->to_world[0][0]);
+    for (int a = 0; a < 3 && grid_is_rectilinear(g); a++)
+        c->space.axis[a] = g->axis[a];
+    c->cells = mem_array(c->m, c->draw.count, sizeof *c->cells);
+    return c->cells ? ST_OK : ST_NOMEM;
+}
+
+static void end_histogram(conversion *c, const grid *g) {
+    double range[2];
+    if (!c->cells)
+        return;
+    leaf_writer_range(c->writer, 0, range);
+    histogram_build(leaf_writer_histograms(c->writer), c->cells, c->draw.count, c->layout->type,
+                    range, grid_samples(g));
+}
+
+/* Everything but the writer, which leaf_writer_finish() consumes. */
+static void release(conversion *c) {
+    mem_free(c->m, c->cells);
+    read_ahead_destroy(c->input);
+    for (uint32_t level = 0; level < LEAF_LEVELS_MAX; level++) {
+        slab_destroy(c->stages[level].slab);
+        pyramid_destroy(c->stages[level].up);
+        mem_free(c->m, c->stages[level].coarse);
+    }
+    for (int i = 0; c->benches && i < c->o->threads; i++) {
+        mem_free(c->m, c->benches[i].scratch);
+        mem_free(c->m, c->benches[i].payload);
+        mem_free(c->m, c->benches[i].pack);
+        leaf_packer_destroy(c->writer, c->benches[i].packer);
+    }
+    mem_free(c->m, c->benches);
+    pool_destroy(c->workers);
+}
+
+static void describe_origin(const convert_options *o, sample_type source, char *text, size_t size) {
+    char codec[32] = "raw";
+    if (o->file.codec == LEAF_CODEC_ZSTD)
+        snprintf(codec, sizeof codec, "zstd:%d", o->file.zstd_level);
+    snprintf(text, size, "leafcast %s convert, from %s: treelets of %d^3 cells, halo %u, %s",
+             LEAFCAST_VERSION, sample_name(source), 1 << o->file.cells_log2, o->file.halo, codec);
+}
+
+status convert_run(mem *m, volume *v, const char *output, const convert_options *o,
+                   const convert_plan *plan, const progress *p, convert_result *result) {
+    conversion c = {.m = m, .o = o, .plan = plan, .p = p};
+    const grid *g = volume_grid(v);
+    status st = leaf_writer_create(m, output, o->force, g, &o->file, &c.writer);
+    if (st != ST_OK)
+        return st;
+    c.layout = leaf_writer_layout(c.writer);
+    st = pool_create(m, o->threads, &c.workers);
+    if (st == ST_OK)
+        st = create_benches(&c);
+    if (st == ST_OK)
+        st = create_stages(&c, output);
+    if (st == ST_OK)
+        st = begin_histogram(&c, g);
+    if (st == ST_OK)
+        st = read_ahead_create(m, v, plan->batch, &c.input);
+    if (st == ST_OK)
+        st = convert_slices(&c);
+    if (st == ST_OK)
+        st = check_empty(&c, g);
+    if (st != ST_OK) {
+        release(&c);
+        leaf_writer_discard(c.writer);
+        return st;
+    }
+    read_ahead_facts seen = read_ahead_end(c.input);
+    end_histogram(&c, g);
+    release(&c);
+    char provenance[256];
+    describe_origin(o, grid_source(g), provenance, sizeof provenance);
+    leaf_facts facts = {.non_finite = seen.non_finite,
+                        .rounding_error = seen.rounding_error,
+                        .provenance = provenance};
+    result->trailing_bytes = seen.trailing_bytes;
+    return leaf_writer_finish(c.writer, &facts, &result->header);
+}

@@ -1,0 +1,30 @@
+/* convert.h - a volume to a treelet file: the main job.
+ *
+ * The input is read once, front to back. Its slices fill the slab of level 0 and feed the rolling
+ * window that makes the slices of level 1, and so on up the pyramid. A slab that is complete is cut
+ * into families of siblings, which many threads turn into payloads. Peak memory is the plan's,
+ * whatever the input's size; the file's bytes depend on input and parameters alone.
+ */
+#ifndef PREP_GRID_CONVERT_H
+#define PREP_GRID_CONVERT_H
+
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/progress.h"
+#include "formats/base/status.h"
+#include "formats/grid/volume.h"
+#include "formats/leaf/leaf.h"
+#include "prep/grid/convert_plan.h"
+
+typedef struct convert_result {
+    leaf_header header;      /* the file's */
+    uint64_t trailing_bytes; /* of the input, behind its samples; ignored */
+} convert_result;
+
+/* convert_run() - v: just opened; plan: from convert_plan_make() for it and for the same m and
+ * options; p may be NULL. Nothing is left under output's name or beside it unless ST_OK. */
+CHECKED status convert_run(mem *m, volume *v, const char *output, const convert_options *o,
+                           const convert_plan *plan, const progress *p, convert_result *result);
+
+#endif

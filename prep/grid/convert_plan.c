@@ -1,0 +1,202 @@
+#include "prep/grid/convert_plan.h"
+
+#include "formats/leaf/histogram_draw.h"
+#include "formats/leaf/leaf_check.h"
+#include "prep/grid/pyramid.h"
+#include "prep/grid/read_ahead.h"
+#include "prep/grid/treelet_build.h"
+
+/* Book-keeping: the thread pool, stacks as far as they are touched, rounding of blocks. */
+enum { FIXED_BYTES = 256 << 10, THREAD_BYTES = 64 << 10, SPILLED_BATCH_MAX = 16 };
+
+slab_plan convert_plan_slab(const convert_plan *plan, uint32_t level, int threads) {
+    return (slab_plan){.spilled = level < plan->spilled_levels,
+                       .column_families = plan->column_families,
+                       .threads = threads};
+}
+
+uint32_t convert_plan_slices(const convert_plan *plan, uint32_t level) {
+    uint32_t slices = plan->batch;
+    for (uint32_t l = 0; l < level; l++)
+        slices = slices / 2 + 2;
+    uint32_t all = plan->layout.level[level].dims[2];
+    return slices < all ? slices : all;
+}
+
+/* Bytes that do not depend on how slabs are held. */
+static uint64_t fixed_memory(const grid *g, const convert_options *o, const leaf_layout *l,
+                             uint64_t packer) {
+    uint64_t thread = leaf_layout_payload_max(l) + leaf_writer_pack_bytes(l, o->file.codec) +
+                      treelet_scratch_bytes() + packer + THREAD_BYTES;
+    uint64_t bytes =
+        leaf_writer_memory(l, o->file.codec) + (uint64_t)o->threads * thread + FIXED_BYTES;
+    if (o->file.histograms)
+        bytes += histogram_draw_grid(g->dims).count * sizeof(histogram_cell);
+    for (uint32_t level = 0; level + 1 < l->levels; level++)
+        bytes += pyramid_memory(sample_stored(g->type), l->level[level].dims, o->threads);
+    return bytes;
+}
+
+static uint64_t slab_side_memory(const grid *g, const convert_options *o,
+                                 const convert_plan *plan) {
+    const leaf_layout *l = &plan->layout;
+    uint64_t bytes = read_ahead_memory(g, plan->batch);
+    for (uint32_t level = 0; level < l->levels; level++) {
+        slab_plan held = convert_plan_slab(plan, level, o->threads);
+        bytes += slab_memory(l, level, &held);
+        if (level > 0) {
+            const uint32_t *dims = l->level[level].dims;
+            bytes += (uint64_t)dims[0] * dims[1] * sample_size(l->type) *
+                         convert_plan_slices(plan, level) +
+                     4096;
+        }
+    }
+    return bytes;
+}
+
+/* ---- sizes of the file ---- */
+
+/* Families along one axis fall into up to three sorts by the cells of their one or two treelets. */
+typedef struct sort {
+    uint64_t count;
+    uint32_t cells[2]; /* 0: there is no second */
+} sort;
+
+static int family_sorts(uint32_t cells, uint32_t b, sort sorts[3]) {
+    int n = 0;
+    uint32_t whole = cells / (2 * b), rest = cells % (2 * b);
+    if (whole)
+        sorts[n++] = (sort){whole, {b, b}};
+    if (rest > b)
+        sorts[n++] = (sort){1, {b, rest - b}};
+    else if (rest)
+        sorts[n++] = (sort){1, {rest, 0}};
+    return n;
+}
+
+static uint64_t payload_size(const leaf_layout *l, const uint32_t cells[3]) {
+    uint64_t samples = sample_size(l->type);
+    for (int a = 0; a < 3; a++)
+        samples *= cells[a] + 1 + 2 * l->halo;
+    uint32_t codes = leaf_codes_at(l->cells_log2 - LEAF_BLOCK_LOG2 + 1);
+    return leaf_layout_aligned(leaf_layout_aligned(codes, LEAF_ALIGN_LOG2) + samples,
+                               LEAF_ALIGN_LOG2);
+}
+
+static uint64_t family_size(const leaf_layout *l, const sort *x, const sort *y, const sort *z) {
+    uint64_t bytes = 0;
+    for (int o = 0; o < 8; o++) {
+        uint32_t cells[3] = {x->cells[o & 1], y->cells[o >> 1 & 1], z->cells[o >> 2]};
+        if (cells[0] && cells[1] && cells[2])
+            bytes += payload_size(l, cells);
+    }
+    return bytes;
+}
+
+static void plan_sizes(convert_plan *plan, const grid *g, const convert_options *o) {
+    const leaf_layout *l = &plan->layout;
+    leaf_header h = {.treelets = l->treelets, .dims = {g->dims[0], g->dims[1], g->dims[2]}};
+    h.rectilinear = grid_is_rectilinear(g);
+    h.sections = h.rectilinear ? LEAF_SECTION_AXES : LEAF_SECTION_AXES - 1;
+    uint64_t bytes = LEAF_HEADER_BYTES + (h.sections + o->file.histograms) * sizeof(leaf_section);
+    for (uint32_t kind = 1; kind <= h.sections; kind++)
+        bytes = leaf_layout_aligned(bytes, LEAF_ALIGN_LOG2) + leaf_section_bytes(&h, kind);
+    if (o->file.histograms)
+        bytes = leaf_layout_aligned(bytes, LEAF_ALIGN_LOG2) +
+                leaf_section_bytes(&h, LEAF_SECTION_HISTOGRAMS);
+    bytes = leaf_layout_aligned(bytes, o->file.run_align_log2);
+    for (uint32_t level = 0; level < l->levels; level++) {
+        sort sorts[3][3];
+        int n[3];
+        for (int a = 0; a < 3; a++)
+            n[a] = family_sorts(l->level[level].cells[a], 1u << l->cells_log2, sorts[a]);
+        for (int i = 0; i < n[0] * n[1] * n[2]; i++) {
+            const sort *x = &sorts[0][i % n[0]], *y = &sorts[1][i / n[0] % n[1]],
+                       *z = &sorts[2][i / n[0] / n[1]];
+            uint64_t count = x->count * y->count * z->count, family = family_size(l, x, y, z);
+            plan->payload_bytes += count * family;
+            bytes += count * leaf_layout_aligned(family, o->file.run_align_log2);
+        }
+    }
+    plan->file_bytes = bytes;
+}
+
+/* ---- choosing ---- */
+
+/* Level-0 slabs stay in memory only where two of them are at most half the budget. */
+static bool may_hold(const convert_plan *plan, const convert_options *o) {
+    if (plan->spilled_levels > 0)
+        return true;
+    slab_plan held = {.spilled = false};
+    return slab_memory(&plan->layout, 0, &held) <= o->memory / 4;
+}
+
+/* The least that this many spilled levels need: slices one by one, columns one family wide. */
+static uint64_t least_memory(const grid *g, const convert_options *o, const convert_plan *plan,
+                             uint32_t spilled) {
+    convert_plan least = *plan;
+    least.spilled_levels = spilled;
+    least.batch = 1;
+    least.column_families = 1;
+    return slab_side_memory(g, o, &least);
+}
+
+/* With plan->spilled_levels given: the widest columns, and with them the most slices at once, that
+ * fit. */
+static bool choose_sizes(const grid *g, const convert_options *o, convert_plan *plan,
+                         uint64_t room) {
+    uint32_t most = plan->spilled_levels ? SPILLED_BATCH_MAX : 2u << plan->layout.cells_log2;
+    if (most > g->dims[2])
+        most = g->dims[2];
+    for (uint32_t across = slab_families(&plan->layout, 0, 0);; across = (across + 1) / 2) {
+        for (uint32_t batch = most; batch >= 1; batch /= 2) {
+            plan->column_families = across;
+            plan->batch = batch;
+            if (slab_side_memory(g, o, plan) <= room)
+                return true;
+        }
+        if (across == 1)
+            return false;
+    }
+}
+
+status convert_plan_make(mem *m, const grid *g, const convert_options *o, convert_plan *plan) {
+    *plan = (convert_plan){0};
+    status st = leaf_layout_levels(&plan->layout, g->dims, o->file.cells_log2, o->file.halo,
+                                   sample_stored(g->type));
+    uint64_t packer = 0;
+    if (st == ST_OK)
+        st = leaf_packer_memory(m, leaf_layout_payload_max(&plan->layout), &o->file, &packer);
+    if (st != ST_OK)
+        return st;
+    plan_sizes(plan, g, o);
+    uint64_t fixed = mem_used(m) + fixed_memory(g, o, &plan->layout, packer);
+    /* Without spilling, the rule of may_hold() may ask for more. */
+    slab_plan held = {.spilled = false};
+    uint64_t rule = 4 * slab_memory(&plan->layout, 0, &held);
+    plan->memory_in_core = fixed + least_memory(g, o, plan, 0);
+    if (plan->memory_in_core < rule)
+        plan->memory_in_core = rule;
+    plan->memory_least = plan->memory_in_core;
+    for (uint32_t k = 1; k <= plan->layout.levels; k++) {
+        uint64_t least = fixed + least_memory(g, o, plan, k);
+        if (least < plan->memory_least)
+            plan->memory_least = least;
+    }
+    for (uint32_t k = 0; k <= plan->layout.levels; k++) {
+        plan->spilled_levels = k;
+        if (fixed > o->memory || !may_hold(plan, o) || !choose_sizes(g, o, plan, o->memory - fixed))
+            continue;
+        plan->memory = fixed + slab_side_memory(g, o, plan);
+        for (uint32_t level = 0; level < k; level++) {
+            held = convert_plan_slab(plan, level, o->threads);
+            plan->spill_bytes += slab_spill_bytes(&plan->layout, level, &held);
+        }
+        return ST_OK;
+    }
+    return status_describe(
+        ST_NOMEM,
+        "a memory budget of %llu MiB is too small: this input needs %llu MiB with %d threads",
+        (unsigned long long)(o->memory >> 20), (unsigned long long)((plan->memory_least >> 20) + 1),
+        o->threads);
+}

@@ -1,0 +1,197 @@
+#include "prep/grid/read_ahead.h"
+
+#include <assert.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "formats/base/sample.h"
+#include "formats/base/thread.h"
+
+enum { BATCHES = 2 };
+
+struct read_ahead {
+    mem *m;
+    volume *v;
+    uint32_t batch;
+    size_t slice_samples, slice_bytes; /* stored */
+    void *raw;                         /* one slice as the input has it, where that is larger */
+    char *slices[BATCHES];
+    pthread_t thread;
+    bool started;
+    pthread_mutex_t lock;
+    pthread_cond_t changed;
+    /* Guarded by lock: batches count from 0; batch n is in slices[n % BATCHES]. */
+    uint32_t filled, taken, released;
+    uint32_t counts[BATCHES];
+    bool ended, quit;
+    status_note note;
+    read_ahead_facts facts; /* the reader's until `ended` */
+};
+
+static uint64_t count_non_finite(const float *samples, size_t count) {
+    uint64_t found = 0;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, &samples[i], sizeof bits);
+        found += (bits & 0x7F800000u) == 0x7F800000u;
+    }
+    return found;
+}
+
+static status read_slice(read_ahead *r, char *into) {
+    sample_type type = volume_grid(r->v)->type;
+    void *raw = r->raw ? r->raw : into;
+    status st = volume_read(r->v, 1, raw);
+    if (st != ST_OK)
+        return st;
+    if (sample_stored(type) != type) {
+        double error = sample_to_stored(type, raw, into, r->slice_samples);
+        r->facts.rounding_error = fmax(r->facts.rounding_error, error);
+    }
+    if (sample_stored(type) == SAMPLE_F32)
+        r->facts.non_finite += count_non_finite((const float *)into, r->slice_samples);
+    return ST_OK;
+}
+
+/* Wait for a batch that may be filled; false when the reader is to end. */
+static bool wait_for_room(read_ahead *r) {
+    pthread_mutex_lock(&r->lock);
+    while (!r->quit && r->filled - r->released == BATCHES)
+        pthread_cond_wait(&r->changed, &r->lock);
+    bool go = !r->quit;
+    pthread_mutex_unlock(&r->lock);
+    return go;
+}
+
+static bool must_quit(read_ahead *r) {
+    pthread_mutex_lock(&r->lock);
+    bool quit = r->quit;
+    pthread_mutex_unlock(&r->lock);
+    return quit;
+}
+
+static status read_batches(read_ahead *r) {
+    uint32_t slices = volume_grid(r->v)->dims[2];
+    for (uint32_t z = 0; z < slices && wait_for_room(r);) {
+        uint32_t count = slices - z < r->batch ? slices - z : r->batch;
+        uint32_t slot = r->filled % BATCHES;
+        for (uint32_t i = 0; i < count; i++) {
+            if (must_quit(r))
+                return ST_OK;
+            status st = read_slice(r, r->slices[slot] + i * r->slice_bytes);
+            if (st != ST_OK)
+                return st;
+        }
+        z += count;
+        pthread_mutex_lock(&r->lock);
+        r->counts[slot] = count;
+        r->filled++;
+        pthread_cond_broadcast(&r->changed);
+        pthread_mutex_unlock(&r->lock);
+    }
+    return must_quit(r) ? ST_OK : volume_finish(r->v, &r->facts.trailing_bytes);
+}
+
+static void *work(void *arg) {
+    read_ahead *r = arg;
+    status st = read_batches(r);
+    pthread_mutex_lock(&r->lock);
+    status_note_take(&r->note, st);
+    r->ended = true;
+    pthread_cond_broadcast(&r->changed);
+    pthread_mutex_unlock(&r->lock);
+    return NULL;
+}
+
+static size_t stored_slice_bytes(const grid *g) {
+    return (size_t)g->dims[0] * g->dims[1] * sample_size(sample_stored(g->type));
+}
+
+static bool needs_raw(const grid *g) {
+    return sample_size(g->type) > sample_size(sample_stored(g->type));
+}
+
+uint64_t read_ahead_memory(const grid *g, uint32_t batch) {
+    uint64_t bytes = (uint64_t)BATCHES * batch * stored_slice_bytes(g) +
+                     (needs_raw(g) ? grid_slice_bytes(g) : 0);
+    return bytes + sizeof(read_ahead) + 4096;
+}
+
+status read_ahead_create(mem *m, volume *v, uint32_t batch, read_ahead **out) {
+    const grid *g = volume_grid(v);
+    read_ahead *r = mem_zalloc(m, sizeof *r);
+    if (!r)
+        return ST_NOMEM;
+    r->m = m;
+    r->v = v;
+    r->batch = batch;
+    r->slice_samples = (size_t)g->dims[0] * g->dims[1];
+    r->slice_bytes = stored_slice_bytes(g);
+    pthread_mutex_init(&r->lock, NULL);
+    pthread_cond_init(&r->changed, NULL);
+    status st = ST_NOMEM;
+    if (needs_raw(g)) {
+        r->raw = mem_alloc(m, (size_t)grid_slice_bytes(g));
+        if (!r->raw)
+            goto fail;
+    }
+    for (int i = 0; i < BATCHES; i++) {
+        r->slices[i] = mem_alloc(m, batch * r->slice_bytes);
+        if (!r->slices[i])
+            goto fail;
+    }
+    st = thread_start(&r->thread, work, r, "the thread that reads the input");
+    if (st != ST_OK)
+        goto fail;
+    r->started = true;
+    *out = r;
+    return ST_OK;
+fail:
+    read_ahead_destroy(r);
+    return st;
+}
+
+void read_ahead_destroy(read_ahead *r) {
+    if (!r)
+        return;
+    if (r->started) {
+        pthread_mutex_lock(&r->lock);
+        r->quit = true;
+        pthread_cond_broadcast(&r->changed);
+        pthread_mutex_unlock(&r->lock);
+        pthread_join(r->thread, NULL);
+    }
+    pthread_cond_destroy(&r->changed);
+    pthread_mutex_destroy(&r->lock);
+    for (int i = 0; i < BATCHES; i++)
+        mem_free(r->m, r->slices[i]);
+    mem_free(r->m, r->raw);
+    mem_free(r->m, r);
+}
+
+status read_ahead_next(read_ahead *r, const void **slices, uint32_t *count) {
+    pthread_mutex_lock(&r->lock);
+    r->released = r->taken;
+    pthread_cond_broadcast(&r->changed);
+    while (r->filled == r->taken && !r->ended)
+        pthread_cond_wait(&r->changed, &r->lock);
+    bool more = r->filled > r->taken;
+    if (more) {
+        uint32_t slot = r->taken++ % BATCHES;
+        *slices = r->slices[slot];
+        *count = r->counts[slot];
+    }
+    pthread_mutex_unlock(&r->lock);
+    if (more)
+        return ST_OK;
+    *slices = NULL;
+    *count = 0;
+    return r->note.st == ST_OK ? ST_OK : status_note_raise(&r->note);
+}
+
+read_ahead_facts read_ahead_end(const read_ahead *r) {
+    assert(r->ended);
+    return r->facts;
+}

@@ -1,0 +1,277 @@
+#include "prep/grid/slab.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "formats/base/file.h"
+
+/* Sizes of one level's slabs and columns. */
+typedef struct shape {
+    const leaf_layout *l;
+    const leaf_level *level;
+    uint32_t families[3];
+    size_t size;         /* of a sample */
+    uint32_t step;       /* cells that a family measures: 2B */
+    uint32_t depth;      /* most slices of a slab */
+    uint32_t columns[2]; /* spilled: columns along x and y */
+    uint32_t width;      /* most samples of a column's row */
+    uint32_t height;     /* most rows of a column */
+    uint32_t across;     /* families a column is wide */
+    uint64_t column_slice_bytes, column_bytes, area_bytes;
+} shape;
+
+struct slab {
+    mem *m;
+    shape shape;
+    bool spilled;
+    uint32_t next_z;  /* slice that comes next */
+    uint32_t current; /* slab that is filling or complete */
+    const char **slices;
+    char *samples; /* ring of `depth` slices; spilled: one column */
+    /* spilled */
+    out_file *file;
+    char *staging; /* per thread, one column's part of a slice */
+};
+
+static uint32_t least(uint64_t a, uint32_t b) {
+    return a < b ? (uint32_t)a : b;
+}
+
+uint32_t slab_families(const leaf_layout *l, uint32_t level, int axis) {
+    return (l->level[level].treelets[axis] + 1) / 2;
+}
+
+static shape shape_of(const leaf_layout *l, uint32_t level, const slab_plan *plan) {
+    const leaf_level *v = &l->level[level];
+    shape s = {.l = l, .level = v, .size = sample_size(l->type), .step = 2u << l->cells_log2};
+    uint32_t reach = 1 + 2 * l->halo;
+    for (int a = 0; a < 3; a++)
+        s.families[a] = slab_families(l, level, a);
+    s.depth = least((uint64_t)s.step + reach, v->dims[2]);
+    if (!plan->spilled)
+        return s;
+    s.across = plan->column_families < s.families[0] ? plan->column_families : s.families[0];
+    s.columns[0] = (s.families[0] + s.across - 1) / s.across;
+    s.columns[1] = s.families[1];
+    s.width = least((uint64_t)s.across * s.step + reach, v->dims[0]);
+    s.height = least((uint64_t)s.step + reach, v->dims[1]);
+    s.column_slice_bytes = (uint64_t)s.width * s.height * s.size;
+    s.column_bytes = s.column_slice_bytes * s.depth;
+    s.area_bytes = s.column_bytes * s.columns[0] * s.columns[1];
+    return s;
+}
+
+static uint64_t slice_bytes(const shape *s) {
+    return (uint64_t)s->level->dims[0] * s->level->dims[1] * s->size;
+}
+
+uint64_t slab_memory(const leaf_layout *l, uint32_t level, const slab_plan *plan) {
+    shape s = shape_of(l, level, plan);
+    uint64_t samples = plan->spilled
+                           ? s.column_bytes + s.column_slice_bytes * (uint64_t)plan->threads
+                           : slice_bytes(&s) * s.depth;
+    return samples + s.depth * sizeof(char *) + sizeof(slab) + 4096;
+}
+
+uint64_t slab_spill_bytes(const leaf_layout *l, uint32_t level, const slab_plan *plan) {
+    return plan->spilled ? 2 * shape_of(l, level, plan).area_bytes : 0;
+}
+
+status slab_create(mem *m, const leaf_layout *l, uint32_t level, const slab_plan *plan,
+                   const char *beside, slab **out) {
+    slab *s = mem_zalloc(m, sizeof *s);
+    if (!s)
+        return ST_NOMEM;
+    s->m = m;
+    s->shape = shape_of(l, level, plan);
+    s->spilled = plan->spilled;
+    status st = ST_NOMEM;
+    s->slices = mem_array(m, s->shape.depth, sizeof *s->slices);
+    s->samples = mem_alloc(
+        m, (size_t)(s->spilled ? s->shape.column_bytes : slice_bytes(&s->shape) * s->shape.depth));
+    if (!s->slices || !s->samples)
+        goto fail;
+    if (s->spilled) {
+        s->staging = mem_alloc(m, (size_t)s->shape.column_slice_bytes * (size_t)plan->threads);
+        if (!s->staging)
+            goto fail;
+        st = out_file_scratch(m, beside, &s->file);
+        if (st != ST_OK)
+            goto fail;
+    }
+    *out = s;
+    return ST_OK;
+fail:
+    slab_destroy(s);
+    return st;
+}
+
+void slab_destroy(slab *s) {
+    if (!s)
+        return;
+    out_file_discard(s->file);
+    mem_free(s->m, s->slices);
+    mem_free(s->m, s->samples);
+    mem_free(s->m, s->staging);
+    mem_free(s->m, s);
+}
+
+/* ---- which nodes belong to what ---- */
+
+/* Nodes [first, last] that `count` families from family f on need along an axis. */
+static void span(const shape *s, int axis, uint32_t f, uint32_t count, uint32_t *first,
+                 uint32_t *last) {
+    uint64_t from = (uint64_t)f * s->step, to = from + (uint64_t)count * s->step + s->l->halo;
+    *first = from < s->l->halo ? 0 : (uint32_t)(from - s->l->halo);
+    *last = least(to, s->level->dims[axis] - 1);
+}
+
+bool slab_complete(const slab *s) {
+    return s->current < s->shape.families[2] && slab_room(s) == 0;
+}
+
+uint32_t slab_room(const slab *s) {
+    if (s->current == s->shape.families[2])
+        return 0;
+    uint32_t first, last;
+    span(&s->shape, 2, s->current, 1, &first, &last);
+    return last + 1 > s->next_z ? last + 1 - s->next_z : 0;
+}
+
+/* ---- storing ---- */
+
+typedef struct storing {
+    slab *s;
+    const char *slices;
+} storing;
+
+/* The part of a slice that lies in a column: rows [y0, y1], samples [x0, x1]. */
+typedef struct column {
+    uint32_t x0, x1, y0, y1;
+    uint32_t fx, fy, across; /* its families */
+} column;
+
+static column column_of(const shape *s, uint32_t index) {
+    column c = {.fx = index % s->columns[0] * s->across, .fy = index / s->columns[0]};
+    uint32_t families = s->families[0];
+    c.across = families - c.fx < s->across ? families - c.fx : s->across;
+    span(s, 0, c.fx, c.across, &c.x0, &c.x1);
+    span(s, 1, c.fy, 1, &c.y0, &c.y1);
+    return c;
+}
+
+/* Write one slice's part of every column of slab number n. */
+static status spill_slice(slab *s, const char *slice, uint32_t z, uint32_t n, char *staging) {
+    const shape *sh = &s->shape;
+    const size_t row_bytes = sh->level->dims[0] * sh->size;
+    uint32_t z0, z1;
+    span(sh, 2, n, 1, &z0, &z1);
+    for (uint32_t i = 0; i < sh->columns[0] * sh->columns[1]; i++) {
+        column c = column_of(sh, i);
+        size_t width = (c.x1 - c.x0 + 1) * sh->size, rows = c.y1 - c.y0 + 1;
+        const char *from = slice + c.y0 * row_bytes + c.x0 * sh->size;
+        if (width < row_bytes) {
+            for (size_t y = 0; y < rows; y++)
+                memcpy(staging + y * width, from + y * row_bytes, width);
+            from = staging;
+        }
+        uint64_t at =
+            n % 2 * sh->area_bytes + i * sh->column_bytes + (z - z0) * sh->column_slice_bytes;
+        status st = out_file_write_at(s->file, at, from, rows * width);
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+static status store_slice(void *ctx, size_t index, int worker) {
+    const storing *job = ctx;
+    slab *s = job->s;
+    const shape *sh = &s->shape;
+    uint32_t z = s->next_z + (uint32_t)index;
+    const char *slice = job->slices + index * slice_bytes(sh);
+    if (!s->spilled) {
+        memcpy(s->samples + z % sh->depth * slice_bytes(sh), slice, slice_bytes(sh));
+        return ST_OK;
+    }
+    /* A slice near the border of two slabs belongs to both. */
+    uint32_t slabs = sh->families[2];
+    char *staging = s->staging + (size_t)worker * sh->column_slice_bytes;
+    for (uint32_t n = s->current; n < slabs && n < s->current + 2; n++) {
+        uint32_t z0, z1;
+        span(sh, 2, n, 1, &z0, &z1);
+        if (z < z0 || z > z1)
+            continue;
+        status st = spill_slice(s, slice, z, n, staging);
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+status slab_store(slab *s, pool *workers, const void *slices, uint32_t count) {
+    assert(count <= slab_room(s));
+    storing job = {.s = s, .slices = slices};
+    status st = pool_run(workers, count, store_slice, &job);
+    if (st == ST_OK)
+        s->next_z += count;
+    return st;
+}
+
+/* ---- taking ---- */
+
+uint32_t slab_boxes(const slab *s) {
+    return s->spilled ? s->shape.columns[0] * s->shape.columns[1] : 1;
+}
+
+static void take_whole(slab *s, slab_box *out) {
+    const shape *sh = &s->shape;
+    for (uint32_t i = 0; i < out->samples.size[2]; i++)
+        s->slices[i] = s->samples + (out->samples.origin[2] + i) % sh->depth * slice_bytes(sh);
+    out->samples.size[0] = sh->level->dims[0];
+    out->samples.size[1] = sh->level->dims[1];
+    out->samples.row_bytes = sh->level->dims[0] * sh->size;
+    for (int a = 0; a < 2; a++)
+        out->count[a] = sh->families[a];
+}
+
+static status take_column(slab *s, uint32_t index, slab_box *out) {
+    const shape *sh = &s->shape;
+    column c = column_of(sh, index);
+    for (uint32_t i = 0; i < out->samples.size[2]; i++)
+        s->slices[i] = s->samples + i * sh->column_slice_bytes;
+    out->samples.origin[0] = c.x0;
+    out->samples.origin[1] = c.y0;
+    out->samples.size[0] = c.x1 - c.x0 + 1;
+    out->samples.size[1] = c.y1 - c.y0 + 1;
+    out->samples.row_bytes = out->samples.size[0] * sh->size;
+    out->first[0] = c.fx;
+    out->first[1] = c.fy;
+    out->count[0] = c.across;
+    out->count[1] = 1;
+    /* The last slice's part may be short of column_slice_bytes, and the file end with it. */
+    size_t bytes = (size_t)sh->column_slice_bytes * (out->samples.size[2] - 1) +
+                   out->samples.row_bytes * out->samples.size[1];
+    return out_file_read_at(s->file, s->current % 2 * sh->area_bytes + index * sh->column_bytes,
+                            s->samples, bytes);
+}
+
+status slab_take(slab *s, uint32_t index, slab_box *out) {
+    assert(slab_complete(s) && index < slab_boxes(s));
+    memset(out, 0, sizeof *out);
+    uint32_t z0, z1;
+    span(&s->shape, 2, s->current, 1, &z0, &z1);
+    out->first[2] = s->current;
+    out->count[2] = 1;
+    out->samples.slices = s->slices;
+    out->samples.origin[2] = z0;
+    out->samples.size[2] = z1 - z0 + 1;
+    if (s->spilled)
+        return take_column(s, index, out);
+    take_whole(s, out);
+    return ST_OK;
+}
+
+void slab_next(slab *s) {
+    s->current++;
+}

@@ -1,0 +1,101 @@
+#include "prep/mesh/mesh_coarse.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "formats/grid/nrrd_writer.h"
+#include "prep/grid/convert.h"
+#include "prep/resample/resample.h"
+
+enum { SUFFIX_ROOM = 64 };
+
+typedef struct embedding {
+    mem *m;
+    const mesh_coarse *o;
+    const progress *p;
+    leaf_file *f;         /* the mesh */
+    char *samples, *grid; /* paths of the two scratch files */
+} embedding;
+
+static status append(void *ctx, const float *samples, size_t count) {
+    return nrrd_writer_append(ctx, samples, count);
+}
+
+static status resample(const embedding *e, uint32_t set) {
+    const leaf_header *h = &e->f->header;
+    const resample_wish wish = {.dims = {e->o->dims}, .nodes = h->tets / 2};
+    const resample_options options = {.set = set, .memory = e->o->memory, .threads = e->o->threads};
+    resample_grid g;
+    grid described;
+    nrrd_writer *writer = NULL;
+    resample_result result;
+    status st = resample_grid_choose(&wish, h->bounds, h->name, &g, &described);
+    if (st == ST_OK)
+        st = nrrd_writer_create(e->m, e->samples, true, &described, &writer);
+    if (st == ST_OK)
+        st = resample_run(e->m, e->f, &g, &options, e->p, append, writer, &result);
+    if (st == ST_OK)
+        return nrrd_writer_commit(writer);
+    nrrd_writer_discard(writer);
+    return st;
+}
+
+static status convert(const embedding *e) {
+    const mesh_coarse *o = e->o;
+    const leaf_parameters plain = leaf_parameters_default();
+    convert_options options = {
+        .file = o->file, .memory = o->memory, .threads = o->threads, .force = true};
+    options.file.cells_log2 = plain.cells_log2;
+    options.file.halo = plain.halo;
+    volume *v = NULL;
+    convert_plan plan;
+    convert_result result;
+    status st = volume_open(e->m, e->samples, &(volume_hints){0}, &v);
+    if (st == ST_OK)
+        st = convert_plan_make(e->m, volume_grid(v), &options, &plan);
+    if (st == ST_OK)
+        st = convert_run(e->m, v, e->grid, &options, &plan, e->p, &result);
+    volume_close(v);
+    return st;
+}
+
+static char *beside(mem *m, const char *output, const char *suffix) {
+    const size_t size = strlen(output) + SUFFIX_ROOM;
+    char *path = mem_alloc(m, size);
+    if (path)
+        snprintf(path, size, "%s.coarse-%ld.%s", output, (long)getpid(), suffix);
+    return path;
+}
+
+static status embed_sets(embedding *e, leaf_writer *w) {
+    status st = leaf_file_open(e->m, leaf_writer_path(w), &e->f);
+    for (uint32_t set = 0; st == ST_OK && set < e->f->mesh->sets; set++) {
+        st = resample(e, set);
+        if (st == ST_OK)
+            st = convert(e);
+        if (st == ST_OK)
+            st = leaf_writer_embed(w, set, e->grid);
+    }
+    leaf_file_close(e->f);
+    return st;
+}
+
+status mesh_coarse_embed(mem *m, leaf_writer *w, const char *output, const mesh_coarse *o,
+                         const progress *p) {
+    /* How far it is, the job at large has said: this is a small rest. */
+    const progress quiet = {.stop = p ? p->stop : NULL, .ctx = p ? p->ctx : NULL};
+    embedding e = {.m = m,
+                   .o = o,
+                   .p = &quiet,
+                   .samples = beside(m, output, "nrrd"),
+                   .grid = beside(m, output, "leaf")};
+    const status st = e.samples && e.grid ? embed_sets(&e, w) : ST_NOMEM;
+    if (e.samples)
+        (void)unlink(e.samples);
+    if (e.grid)
+        (void)unlink(e.grid);
+    mem_free(m, e.samples);
+    mem_free(m, e.grid);
+    return st;
+}

@@ -1,0 +1,263 @@
+#include "prep/mesh/mesh_gather.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling,
+                      const progress *p) {
+    *g = (mesh_gather){.p = p, .fields = 1, .steps = 1, .share = 1};
+    mesh_spool_init(&g->points, m, beside, sizeof(float[3]), ceiling);
+    mesh_spool_init(&g->values, m, beside, sizeof(float), ceiling);
+    mesh_spool_init(&g->tets, m, beside, sizeof(uint32_t[4]), ceiling);
+    g->points.first_out = g->values.first_out = &g->tets;
+    for (int a = 0; a < 3; a++) {
+        g->bounds[a] = INFINITY;
+        g->bounds[a + 3] = -INFINITY;
+    }
+}
+
+void mesh_gather_release(mesh_gather *g) {
+    if (g->counted)
+        return;
+    mesh_spool_release(&g->points);
+    mesh_spool_release(&g->values);
+    mesh_spool_release(&g->tets);
+}
+
+size_t mesh_gather_least(void) {
+    return mesh_spool_buffers(sizeof(float[3])) + mesh_spool_buffers(sizeof(float)) +
+           mesh_spool_buffers(sizeof(uint32_t[4]));
+}
+
+/* Whether points and tets are those that all else is held against. */
+static bool is_first(const mesh_gather *g) {
+    return g->step == 0 && g->field == 0;
+}
+
+static void widen_bounds(mesh_gather *g, size_t count, const float (*xyz)[3]) {
+    float *lo = g->bounds, *hi = g->bounds + 3;
+    for (size_t i = 0; i < count; i++)
+        for (int a = 0; a < 3; a++) {
+            lo[a] = xyz[i][a] < lo[a] ? xyz[i][a] : lo[a];
+            hi[a] = xyz[i][a] > hi[a] ? xyz[i][a] : hi[a];
+        }
+}
+
+/* ---- a further step ---- */
+
+enum { SOME = 1024 };
+
+static status too_many(const mesh_gather *g, const char *what, uint64_t expected) {
+    return status_describe(ST_CORRUPT, "%s: expected %llu %s, as %s has, found more", g->name,
+                           (unsigned long long)expected, what, g->first_name);
+}
+
+/* Copies of the first step's points for the steps that did not move, and up to point `end` of this
+ * one. */
+static status catch_up(mesh_gather *g, uint64_t end) {
+    float xyz[SOME][3];
+    for (uint32_t step = 1; step <= g->step; step++) {
+        const uint64_t all = step < g->step ? g->vertices : end;
+        for (uint64_t at = 0; at < all; at += SOME) {
+            const size_t some = all - at < SOME ? (size_t)(all - at) : SOME;
+            status st = mesh_spool_read(&g->points, at, some, xyz);
+            if (st == ST_OK)
+                st = mesh_spool_append(&g->points, xyz, some);
+            if (st != ST_OK)
+                return st;
+        }
+    }
+    return ST_OK;
+}
+
+/* How many of the points are, bit by bit, the first step's; they begin with number `first`. */
+static status count_same(mesh_gather *g, uint64_t first, size_t count, const float (*xyz)[3],
+                         size_t *same) {
+    float before[SOME][3];
+    for (*same = 0; *same < count;) {
+        const size_t some = count - *same < SOME ? count - *same : SOME;
+        status st = mesh_spool_read(&g->points, first + *same, some, before);
+        if (st != ST_OK)
+            return st;
+        if (memcmp(before, xyz + *same, some * sizeof *before) != 0) {
+            for (size_t i = 0; memcmp(before[i], xyz[*same], sizeof *before) == 0; i++)
+                ++*same;
+            return ST_OK;
+        }
+        *same += some;
+    }
+    return ST_OK;
+}
+
+static status take_moved(mesh_gather *g, uint64_t first, size_t count, const float (*xyz)[3]) {
+    size_t same = 0;
+    if (count > g->vertices - first)
+        return too_many(g, "points", g->vertices);
+    if (!g->moving) {
+        status st = count_same(g, first, count, xyz, &same);
+        if (st != ST_OK || same == count)
+            return st;
+        st = catch_up(g, first + same);
+        if (st != ST_OK)
+            return st;
+        g->moving = true;
+    }
+    return mesh_spool_append(&g->points, xyz + same, count - same);
+}
+
+static status check_tets(mesh_gather *g, size_t count, const uint32_t (*ids)[4]) {
+    uint32_t before[SOME][4];
+    if (count > g->tets.count - g->tets_seen)
+        return too_many(g, "tets", g->tets.count);
+    for (size_t at = 0; at < count; at += SOME) {
+        const size_t some = count - at < SOME ? count - at : SOME;
+        status st = mesh_spool_read(&g->tets, g->tets_seen + at, some, before);
+        if (st != ST_OK)
+            return st;
+        if (memcmp(before, ids + at, some * sizeof *before) == 0)
+            continue;
+        size_t i = 0;
+        while (memcmp(before[i], ids[at + i], sizeof *before) == 0)
+            i++;
+        const uint32_t *b = before[i], *n = ids[at + i];
+        return status_describe(ST_CORRUPT,
+                               "%s: tet %llu has the vertices %u, %u, %u, %u, expected %u, %u, %u, "
+                               "%u as in %s: the tets of a series must be the same at each step",
+                               g->name, (unsigned long long)(g->tets_seen + at + i), n[0], n[1],
+                               n[2], n[3], b[0], b[1], b[2], b[3], g->first_name);
+    }
+    return ST_OK;
+}
+
+/* ---- taking ---- */
+
+/* How far all readings are together. */
+static status tell(const mesh_gather *g) {
+    const double before = (double)g->step * g->fields + g->field;
+    const double done = before + (g->reading ? mesh_share(g->reading) : 0);
+    return progress_step(g->p, "read", g->share * done / ((double)g->fields * g->steps));
+}
+
+static status take_points(void *ctx, uint64_t first, size_t count, const float (*xyz)[3]) {
+    mesh_gather *g = ctx;
+    status st = ST_OK;
+    assert(first == g->points_seen);
+    if (is_first(g)) {
+        widen_bounds(g, count, xyz);
+        st = mesh_spool_append(&g->points, xyz, count);
+        g->vertices += count;
+    } else if (g->field == 0) {
+        st = take_moved(g, first, count, xyz);
+    }
+    g->points_seen += count;
+    return st == ST_OK ? tell(g) : st;
+}
+
+static status take_values(void *ctx, uint64_t first, size_t count, const float *values) {
+    mesh_gather *g = ctx;
+    assert(first == g->values_seen);
+    (void)first;
+    for (size_t i = 0; i < count; i++)
+        g->non_finite += !isfinite(values[i]);
+    g->values_seen += count;
+    if (!is_first(g) && g->values_seen > g->vertices)
+        return too_many(g, "values", g->vertices);
+    status st = mesh_spool_append(&g->values, values, count);
+    return st == ST_OK ? tell(g) : st;
+}
+
+static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
+    mesh_gather *g = ctx;
+    status st = ST_OK;
+    if (is_first(g))
+        st = mesh_spool_append(&g->tets, ids, count);
+    else if (g->field == 0)
+        st = check_tets(g, count, ids);
+    g->tets_seen += count;
+    return st == ST_OK ? tell(g) : st;
+}
+
+mesh_sink mesh_gather_sink(mesh_gather *g) {
+    return (mesh_sink){.ctx = g, .points = take_points, .values = take_values, .tets = take_tets};
+}
+
+void mesh_gather_next(mesh_gather *g, uint32_t step, uint32_t field, const char *name) {
+    assert(step < g->steps && field < g->fields);
+    g->step = step;
+    g->field = field;
+    g->name = name;
+    if (step == 0)
+        g->first_name = name;
+    g->points_seen = g->values_seen = g->tets_seen = 0;
+}
+
+status mesh_gather_done(const mesh_gather *g) {
+    const struct {
+        const char *what;
+        uint64_t found, expected;
+    } counts[] = {{"points", g->points_seen, g->vertices},
+                  {"values", g->values_seen, g->vertices},
+                  {"tets", g->tets_seen, g->tets.count}};
+    for (int i = 0; i < 3; i++)
+        if (counts[i].found != counts[i].expected)
+            return status_describe(ST_CORRUPT, "%s: expected %llu %s, as %s has, found %llu",
+                                   g->name, (unsigned long long)counts[i].expected, counts[i].what,
+                                   g->first_name, (unsigned long long)counts[i].found);
+    return ST_OK;
+}
+
+status mesh_gather_read(mesh_gather *g, mesh *x, const mesh_sink *sink, mesh_report *report) {
+    g->reading = x;
+    status st = mesh_read(x, sink, report);
+    g->reading = NULL;
+    return st;
+}
+
+status mesh_gather_end(mesh_gather *g) {
+    assert(g->values.count == g->vertices * g->fields * g->steps);
+    assert(g->points.count == g->vertices * (g->moving ? g->steps : 1));
+    status st = mesh_spool_end(&g->points);
+    if (st == ST_OK)
+        st = mesh_spool_end(&g->values);
+    return st == ST_OK ? mesh_spool_end(&g->tets) : st;
+}
+
+/* ---- counting ---- */
+
+static status count_in(mesh_gather *g, mesh_spool *s, size_t count) {
+    s->count += count;
+    s->chunk_count = (size_t)(s->count >> MESH_SPOOL_LOG2) + 1;
+    return tell(g);
+}
+
+/* Of a series, as if all points moved. */
+static status count_points(void *ctx, uint64_t first, size_t count, const float (*xyz)[3]) {
+    mesh_gather *g = ctx;
+    (void)first, (void)xyz;
+    g->points_seen += count;
+    if (is_first(g))
+        g->vertices += count;
+    return g->field == 0 ? count_in(g, &g->points, count) : ST_OK;
+}
+
+static status count_values(void *ctx, uint64_t first, size_t count, const float *values) {
+    mesh_gather *g = ctx;
+    (void)first, (void)values;
+    g->values_seen += count;
+    return count_in(g, &g->values, count);
+}
+
+static status count_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
+    mesh_gather *g = ctx;
+    (void)ids;
+    g->tets_seen += count;
+    return is_first(g) ? count_in(g, &g->tets, count) : ST_OK;
+}
+
+mesh_sink mesh_gather_counter(mesh_gather *g) {
+    g->counted = true;
+    g->moving = g->steps > 1;
+    return (mesh_sink){
+        .ctx = g, .points = count_points, .values = count_values, .tets = count_tets};
+}

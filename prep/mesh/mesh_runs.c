@@ -1,0 +1,291 @@
+#include "prep/mesh/mesh_runs.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "formats/base/file.h"
+
+enum { BLOCK_MIN = 1 << 11, BLOCK_MAX = 1 << 16, WINDOW_MAX = 1 << 20, RUN_MIN = 1 << 12 };
+
+/* One run during the merge. */
+typedef struct stream {
+    mesh_record *block;
+    size_t at, count; /* in the block */
+    uint64_t next;    /* record of the file that the next block begins with */
+    uint64_t end;
+} stream;
+
+struct mesh_runs {
+    mem *m;
+    const char *beside;
+    mesh_runs_plan plan;
+    mesh_sort *sort;
+    mesh_record *records, *spare; /* of one run */
+    size_t filled;
+    /* Several runs */
+    out_file *file;
+    uint64_t written;
+    uint64_t runs;
+    stream *streams;
+    mesh_record *blocks;
+    uint32_t *losers; /* of a tournament of all streams; [0]: who won */
+    mesh_record *window;
+    /* What is in sight */
+    size_t first, sight;
+};
+
+/* ---- the plan ---- */
+
+static uint64_t runs_of(const mesh_runs_plan *plan, uint64_t records) {
+    return plan->run ? (records + plan->run - 1) / plan->run : 0;
+}
+
+uint64_t mesh_runs_filling(const mesh_runs_plan *plan) {
+    return (plan->block ? 2 : 1) * plan->run * sizeof(mesh_record) + sizeof(mesh_runs) + 1024;
+}
+
+uint64_t mesh_runs_sorting(const mesh_runs_plan *plan) {
+    return 2 * plan->run * sizeof(mesh_record) + sizeof(mesh_runs) + 1024;
+}
+
+uint64_t mesh_runs_merging(const mesh_runs_plan *plan, uint64_t records) {
+    uint64_t each = plan->block * sizeof(mesh_record) + sizeof(stream) + sizeof(uint32_t);
+    uint64_t held = plan->block ? runs_of(plan, records) * each + plan->window * sizeof(mesh_record)
+                                : plan->run * sizeof(mesh_record);
+    return held + sizeof(mesh_runs) + 1024;
+}
+
+uint64_t mesh_runs_spill(const mesh_runs_plan *plan, uint64_t records) {
+    return plan->block ? records * sizeof(mesh_record) : 0;
+}
+
+/* Runs so long that making them takes as much as merging them at the least. */
+static uint64_t shortest_run(uint64_t records) {
+    uint64_t run = RUN_MIN;
+    while (run < records && (records + run - 1) / run * BLOCK_MIN > 2 * run)
+        run += run / 8;
+    return run < records ? run : records;
+}
+
+/* Twice as much of something as long as it fits. */
+static void widen(mesh_runs_plan *plan, uint64_t *what, uint64_t most, uint64_t records,
+                  uint64_t room) {
+    while (*what < most) {
+        *what *= 2;
+        if (mesh_runs_merging(plan, records) <= room)
+            continue;
+        *what /= 2;
+        return;
+    }
+}
+
+mesh_runs_plan mesh_runs_plan_make(uint64_t records, uint64_t in_sight, uint64_t making,
+                                   uint64_t merging) {
+    const mesh_runs_plan one = {.run = records ? records : 1};
+    if (mesh_runs_sorting(&one) <= making && mesh_runs_merging(&one, records) <= merging)
+        return one;
+    mesh_runs_plan plan = {
+        .run = shortest_run(records), .block = BLOCK_MIN, .window = in_sight + RUN_MIN};
+    /* Nothing is gained by merging where that takes as much. */
+    if (mesh_runs_merging(&plan, records) >= mesh_runs_sorting(&one))
+        return one;
+    while (plan.run < records) {
+        mesh_runs_plan longer = plan;
+        longer.run += longer.run / 8;
+        if (mesh_runs_sorting(&longer) > making)
+            break;
+        plan = longer;
+    }
+    widen(&plan, &plan.block, BLOCK_MAX, records, merging);
+    widen(&plan, &plan.window, WINDOW_MAX, records, merging);
+    return plan;
+}
+
+/* ---- making runs ---- */
+
+status mesh_runs_create(mem *m, pool *p, const char *beside, const mesh_runs_plan *plan,
+                        mesh_runs **out) {
+    mesh_runs *r = mem_zalloc(m, sizeof *r);
+    if (!r)
+        return ST_NOMEM;
+    r->m = m;
+    r->beside = beside;
+    r->plan = *plan;
+    status st = mesh_sort_create(m, p, &r->sort);
+    if (st == ST_OK && !(r->records = mem_alloc(m, (size_t)plan->run * sizeof *r->records)))
+        st = ST_NOMEM;
+    if (st != ST_OK) {
+        mesh_runs_destroy(r);
+        return st;
+    }
+    *out = r;
+    return ST_OK;
+}
+
+void mesh_runs_destroy(mesh_runs *r) {
+    if (!r)
+        return;
+    mesh_sort_destroy(r->sort);
+    mem_free(r->m, r->records);
+    mem_free(r->m, r->spare);
+    mem_free(r->m, r->streams);
+    mem_free(r->m, r->blocks);
+    mem_free(r->m, r->losers);
+    mem_free(r->m, r->window);
+    out_file_discard(r->file);
+    mem_free(r->m, r);
+}
+
+static status sort_run(mesh_runs *r) {
+    if (!r->spare && !(r->spare = mem_alloc(r->m, (size_t)r->plan.run * sizeof *r->spare)))
+        return ST_NOMEM;
+    return mesh_sort_records(r->sort, r->records, r->spare, r->filled);
+}
+
+static status write_run(mesh_runs *r) {
+    status st = sort_run(r);
+    if (st == ST_OK && !r->file)
+        st = out_file_scratch(r->m, r->beside, &r->file);
+    if (st == ST_OK)
+        st = out_file_append(r->file, r->records, r->filled * sizeof *r->records);
+    r->written += r->filled;
+    r->runs++;
+    r->filled = 0;
+    return st;
+}
+
+mesh_record *mesh_runs_room(mesh_runs *r, size_t *count) {
+    *count = (size_t)r->plan.run - r->filled;
+    return r->records + r->filled;
+}
+
+status mesh_runs_put(mesh_runs *r, size_t count) {
+    r->filled += count;
+    assert(r->filled <= r->plan.run);
+    /* A full run may be the only one: then it stays. */
+    return r->filled == r->plan.run && r->plan.block ? write_run(r) : ST_OK;
+}
+
+/* ---- merging them ---- */
+
+static status fill_block(mesh_runs *r, stream *s) {
+    uint64_t left = s->end - s->next;
+    s->at = 0;
+    s->count = left < r->plan.block ? (size_t)left : (size_t)r->plan.block;
+    uint64_t at = s->next * sizeof *s->block;
+    s->next += s->count;
+    return s->count ? out_file_read_at(r->file, at, s->block, s->count * sizeof *s->block) : ST_OK;
+}
+
+/* No key is that large. */
+static uint64_t head(const mesh_runs *r, uint32_t i) {
+    const stream *s = &r->streams[i];
+    return s->at < s->count ? s->block[s->at].key : UINT64_MAX;
+}
+
+/* Of the same key, that of the earlier run comes first. */
+static bool precedes(const mesh_runs *r, uint32_t a, uint32_t b) {
+    uint64_t x = head(r, a), y = head(r, b);
+    return x < y || (x == y && a < b);
+}
+
+/* A tournament: node i has the nodes 2i and 2i + 1 below it, node runs + k is stream k. */
+static uint32_t play(mesh_runs *r, uint32_t node) {
+    if (node >= r->runs)
+        return node - (uint32_t)r->runs;
+    uint32_t a = play(r, 2 * node), b = play(r, 2 * node + 1);
+    bool first = precedes(r, a, b);
+    r->losers[node] = first ? b : a;
+    return first ? a : b;
+}
+
+/* Stream i has a new head: it plays against those whom its old one had beaten. */
+static void replay(mesh_runs *r, uint32_t i) {
+    uint32_t winner = i;
+    for (uint32_t node = ((uint32_t)r->runs + i) / 2; node > 0; node /= 2)
+        if (precedes(r, r->losers[node], winner)) {
+            uint32_t other = r->losers[node];
+            r->losers[node] = winner;
+            winner = other;
+        }
+    r->losers[0] = winner;
+}
+
+static status begin_merge(mesh_runs *r) {
+    size_t n = (size_t)r->runs, block = (size_t)r->plan.block;
+    mem_free(r->m, r->records);
+    r->records = NULL;
+    r->streams = mem_array(r->m, n, sizeof *r->streams);
+    r->losers = mem_array(r->m, n, sizeof *r->losers);
+    r->blocks = mem_alloc(r->m, n * block * sizeof *r->blocks);
+    r->window = mem_alloc(r->m, (size_t)r->plan.window * sizeof *r->window);
+    if (!r->streams || !r->losers || !r->blocks || !r->window)
+        return ST_NOMEM;
+    return mesh_runs_rewind(r);
+}
+
+status mesh_runs_rewind(mesh_runs *r) {
+    size_t n = (size_t)r->runs;
+    r->first = r->sight = 0;
+    for (size_t i = 0; i < n; i++) {
+        stream *s = &r->streams[i];
+        s->block = r->blocks + i * (size_t)r->plan.block;
+        s->next = i * r->plan.run;
+        s->end = i + 1 < n ? s->next + r->plan.run : r->written;
+        status st = fill_block(r, s);
+        if (st != ST_OK)
+            return st;
+    }
+    if (n > 0)
+        r->losers[0] = n > 1 ? play(r, 1) : 0;
+    return ST_OK;
+}
+
+status mesh_runs_end(mesh_runs *r) {
+    status st = ST_OK;
+    if (!r->runs)
+        st = sort_run(r);
+    else if (r->filled)
+        st = write_run(r);
+    mesh_sort_destroy(r->sort);
+    mem_free(r->m, r->spare);
+    r->sort = NULL;
+    r->spare = NULL;
+    if (st == ST_OK && r->runs)
+        st = begin_merge(r);
+    return st;
+}
+
+static status merge_some(mesh_runs *r) {
+    while (r->sight < r->plan.window) {
+        stream *s = &r->streams[r->losers[0]];
+        if (s->at == s->count)
+            return ST_OK;
+        r->window[r->sight++] = s->block[s->at++];
+        if (s->at == s->count) {
+            status st = fill_block(r, s);
+            if (st != ST_OK)
+                return st;
+        }
+        replay(r, r->losers[0]);
+    }
+    return ST_OK;
+}
+
+status mesh_runs_window(mesh_runs *r, size_t used, const mesh_record **records, size_t *count,
+                        bool *last) {
+    if (!r->runs) {
+        r->first += used;
+        *records = r->records + r->first;
+        *count = r->filled - r->first;
+        *last = true;
+        return ST_OK;
+    }
+    r->sight -= used;
+    memmove(r->window, r->window + used, r->sight * sizeof *r->window);
+    status st = merge_some(r);
+    *records = r->window;
+    *count = r->sight;
+    *last = r->sight < r->plan.window;
+    return st;
+}

@@ -1,0 +1,66 @@
+/* mesh_spool.h - a growing array of small elements, in memory while there is room, else in a
+ * scratch file.
+ *
+ * Elements are appended by one thread; from mesh_spool_end() on any number of threads may read. In
+ * memory they lie in chunks of 2^MESH_SPOOL_LOG2 elements; in a file one behind the other, with one
+ * chunk as buffer.
+ */
+#ifndef PREP_MESH_MESH_SPOOL_H
+#define PREP_MESH_MESH_SPOOL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/base/file.h"
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+
+enum { MESH_SPOOL_LOG2 = 14 };
+
+typedef struct mesh_spool mesh_spool;
+struct mesh_spool {
+    mem *m;
+    const char *beside;
+    size_t element;        /* bytes */
+    size_t ceiling;        /* above this much of m in use, no further chunk is held; 0: none */
+    mesh_spool *first_out; /* goes to its file before this one does; may be NULL */
+    uint64_t count;
+    char **chunks;
+    size_t chunk_count, chunk_room;
+    out_file *file; /* NULL: all in memory */
+};
+
+/* mesh_spool_init() - an empty one; beside: the path beside which a scratch file may be, kept by
+ * reference. mesh_spool_release() gives everything back; also for a zeroed struct. */
+void mesh_spool_init(mesh_spool *s, mem *m, const char *beside, size_t element, size_t ceiling);
+void mesh_spool_release(mesh_spool *s);
+
+/* mesh_spool_buffers() - bytes that a spool holds at least while it grows. */
+size_t mesh_spool_buffers(size_t element);
+
+CHECKED status mesh_spool_append(mesh_spool *s, const void *elements, size_t count);
+
+/* mesh_spool_spill() - move everything to a file; nothing to do when it is there. */
+CHECKED status mesh_spool_spill(mesh_spool *s);
+
+/* mesh_spool_end() - no more will be appended. */
+CHECKED status mesh_spool_end(mesh_spool *s);
+
+static inline bool mesh_spool_held(const mesh_spool *s) {
+    return !s->file;
+}
+
+/* mesh_spool_at() - element i < count of a spool that is held in memory. */
+static inline const void *mesh_spool_at(const mesh_spool *s, uint64_t i) {
+    return s->chunks[i >> MESH_SPOOL_LOG2] + (i & ((1u << MESH_SPOOL_LOG2) - 1)) * s->element;
+}
+
+/* mesh_spool_read() - copy elements [first, first + count) of those that have been appended; by
+ * many threads once the spool has ended. */
+CHECKED status mesh_spool_read(mesh_spool *s, uint64_t first, size_t count, void *to);
+
+/* mesh_spool_forget() - elements before this one will not be read again: gives memory back. */
+void mesh_spool_forget(mesh_spool *s, uint64_t before);
+
+#endif

@@ -1,0 +1,331 @@
+#include "prep/resample/resample.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "formats/base/pool.h"
+#include "formats/mesh/mesh_leaf_check.h"
+
+/* Treelets in memory at once, and the share of rows that a thread draws at a time. */
+enum { BATCH_PER_THREAD = 16, SHARES_PER_THREAD = 4 };
+/* Book-keeping beside what is planned: blocks' heads, the pool. */
+enum { SPARE_BYTES = 16 << 10 };
+
+typedef struct job {
+    leaf_file *f;
+    const resample_options *o;
+    const progress *p;
+    resample_take take;
+    void *ctx;
+    mem *m;
+    pool *workers;
+    resample_block block;
+    uint64_t rows_most; /* of a slab */
+    size_t payload;     /* room for one */
+    /* The batch: treelets in ascending order, their payloads. */
+    size_t most, count;
+    uint32_t *treelets;
+    char *topologies, *values, *stored;
+    char *moved;   /* positions; NULL: the topologies' */
+    uint32_t step; /* of the set */
+    /* Rows that the batch reaches, and into how many shares they are cut. */
+    uint64_t first_row, rows;
+    size_t shares;
+    resample_result *result;
+} job;
+
+/* ---- the grid ---- */
+
+static double longest_of(const double extent[3]) {
+    double longest = extent[0] > extent[1] ? extent[0] : extent[1];
+    return longest > extent[2] ? longest : extent[2];
+}
+
+/* Steps of about the same length, so many along the longest edge. Returns how many nodes. */
+static double divide(const double extent[3], uint32_t steps, uint32_t dims[3]) {
+    const double longest = longest_of(extent);
+    double nodes = 1;
+    for (int a = 0; a < 3; a++) {
+        const double own = floor(steps * (extent[a] / longest) + 0.5);
+        dims[a] = own < 1 ? 2 : (uint32_t)own + 1;
+        nodes *= dims[a];
+    }
+    return nodes;
+}
+
+/* As many nodes as there may be, but for rounding; 2 an axis at least. */
+static void divide_into(const double extent[3], uint64_t nodes, uint32_t dims[3]) {
+    uint32_t few = 1, many = GRID_DIM_MAX;
+    while (many - few > 1) {
+        const uint32_t middle = few + (many - few) / 2;
+        if (divide(extent, middle, dims) <= (double)nodes)
+            few = middle;
+        else
+            many = middle;
+    }
+    (void)divide(extent, few, dims);
+}
+
+static status choose_dims(const resample_wish *w, const double extent[3], uint32_t dims[3]) {
+    if (w->dims[0] > 0 && w->dims[1] > 0) {
+        memcpy(dims, w->dims, sizeof w->dims);
+        return ST_OK;
+    }
+    if (w->dims[0] > 0) {
+        (void)divide(extent, w->dims[0] - 1, dims);
+        return ST_OK;
+    }
+    if (!(w->spacing > 0)) {
+        divide_into(extent, w->nodes, dims);
+        return ST_OK;
+    }
+    for (int a = 0; a < 3; a++) {
+        const double steps = floor(extent[a] / w->spacing);
+        if (!(steps < GRID_DIM_MAX))
+            return status_describe(ST_UNSUPPORTED,
+                                   "a spacing of %g makes more than %d nodes along %c", w->spacing,
+                                   GRID_DIM_MAX, "xyz"[a]);
+        dims[a] = steps < 1 ? 2 : (uint32_t)steps + 1;
+    }
+    return ST_OK;
+}
+
+/* The largest spacing whose last node is not beyond hi. */
+static double fit(const resample_grid *g, int a, double hi) {
+    resample_grid fitting = *g;
+    fitting.spacing[a] = (hi - g->origin[a]) / (g->dims[a] - 1);
+    while (resample_grid_node(&fitting, a, g->dims[a] - 1) > hi)
+        fitting.spacing[a] = nextafter(fitting.spacing[a], 0);
+    return fitting.spacing[a];
+}
+
+status resample_grid_choose(const resample_wish *w, const float bounds[6], const char *name,
+                            resample_grid *g, grid *out) {
+    double extent[3], hi[3];
+    for (int a = 0; a < 3; a++) {
+        g->origin[a] = w->bounded ? w->box[a] : (double)bounds[a];
+        hi[a] = w->bounded ? w->box[a + 3] : (double)bounds[a + 3];
+        extent[a] = hi[a] - g->origin[a];
+        if (!(extent[a] > 0 && extent[a] < (double)INFINITY))
+            return status_describe(ST_UNSUPPORTED, "the box to resample has no extent along %c",
+                                   "xyz"[a]);
+    }
+    status st = choose_dims(w, extent, g->dims);
+    if (st != ST_OK)
+        return st;
+    for (int a = 0; a < 3; a++) {
+        g->spacing[a] = w->spacing > 0 ? w->spacing : fit(g, a, hi[a]);
+        if (!(g->spacing[a] >= 0x1p-46 * fmax(fabs(g->origin[a]), fabs(hi[a]))))
+            return status_describe(
+                ST_UNSUPPORTED,
+                "nodes %g apart cannot be told apart so far from the origin along %c",
+                g->spacing[a], "xyz"[a]);
+    }
+    grid_init(out, g->dims, SAMPLE_F32);
+    for (int a = 0; a < 3; a++) {
+        out->to_world[a][a] = g->spacing[a];
+        out->to_world[a][3] = g->origin[a];
+    }
+    memcpy(out->name, name, strnlen(name, sizeof out->name - 1));
+    return grid_check(out, "the grid");
+}
+
+/* ---- memory ---- */
+
+static bool is_packed(const leaf_file *f) {
+    return f->header.codec != LEAF_CODEC_RAW;
+}
+
+/* Rows and treelets at once within the budget. */
+static status plan(job *j) {
+    const resample_grid *g = j->block.grid;
+    const uint64_t row = g->dims[0] * sizeof(float), all = (uint64_t)g->dims[1] * g->dims[2];
+    const uint64_t threads = (uint64_t)j->o->threads;
+    j->payload = leaf_layout_aligned(leaf_layout_payload_max(&j->f->layout), LEAF_ALIGN_LOG2);
+    const bool moves = j->f->layout.moved_steps && j->step;
+    const uint64_t each = (moves ? 3 : 2) * j->payload + sizeof *j->treelets;
+    const uint64_t fixed =
+        mem_used(j->m) + SPARE_BYTES + (is_packed(j->f) ? threads * j->payload : 0);
+    const uint64_t least = fixed + each + row;
+    if (least > j->o->memory)
+        return status_describe(
+            ST_NOMEM, "a memory budget of %llu KiB is too small: this mesh and grid need %llu KiB",
+            (unsigned long long)(j->o->memory >> 10), (unsigned long long)((least >> 10) + 1));
+    const uint64_t left = j->o->memory - fixed, fitting = left / 4 / each;
+    j->most = threads * BATCH_PER_THREAD;
+    if (j->most > fitting)
+        j->most = fitting > 0 ? (size_t)fitting : 1;
+    if (j->most > j->f->layout.treelets)
+        j->most = j->f->layout.treelets;
+    uint64_t rows = (left - j->most * each) / row;
+    if (rows > g->dims[1])
+        rows -= rows % g->dims[1];
+    j->rows_most = rows < all ? rows : all;
+    return ST_OK;
+}
+
+static status allocate(job *j) {
+    status st = pool_create(j->m, j->o->threads, &j->workers);
+    if (st == ST_OK)
+        st = plan(j);
+    if (st != ST_OK)
+        return st;
+    j->block.samples =
+        mem_alloc(j->m, (size_t)(j->rows_most * j->block.grid->dims[0]) * sizeof(float));
+    j->treelets = mem_array(j->m, j->most, sizeof *j->treelets);
+    j->topologies = mem_alloc(j->m, j->most * j->payload);
+    j->values = mem_alloc(j->m, j->most * j->payload);
+    if (j->f->layout.moved_steps && j->step && !(j->moved = mem_alloc(j->m, j->most * j->payload)))
+        return ST_NOMEM;
+    if (is_packed(j->f))
+        j->stored = mem_alloc(j->m, (size_t)j->o->threads * j->payload);
+    const bool packed = !is_packed(j->f) || j->stored;
+    return j->block.samples && j->treelets && j->topologies && j->values && packed ? ST_OK
+                                                                                   : ST_NOMEM;
+}
+
+static void release(job *j) {
+    mem_free(j->m, j->block.samples);
+    mem_free(j->m, j->treelets);
+    mem_free(j->m, j->topologies);
+    mem_free(j->m, j->values);
+    mem_free(j->m, j->stored);
+    mem_free(j->m, j->moved);
+    pool_destroy(j->workers);
+}
+
+/* ---- a batch ---- */
+
+static status load_one(void *ctx, size_t index, int worker) {
+    job *j = ctx;
+    const uint32_t t = j->treelets[index];
+    void *stored = j->stored ? j->stored + (size_t)worker * j->payload : NULL;
+    void *topology = j->topologies + index * j->payload;
+    status st = leaf_file_load(j->f, t, stored, topology);
+    if (st == ST_OK)
+        st = mesh_leaf_check_loaded(j->f, t, topology);
+    if (st == ST_OK)
+        st = leaf_file_load(j->f, leaf_layout_values(&j->f->layout, j->o->set, t), stored,
+                            j->values + index * j->payload);
+    if (st != ST_OK || !j->moved)
+        return st;
+    void *moved = j->moved + index * j->payload;
+    st = leaf_file_load(j->f, leaf_layout_positions(&j->f->layout, j->step, t), stored, moved);
+    return st == ST_OK ? mesh_leaf_check_moved(j->f, j->step, t, moved) : st;
+}
+
+/* Shares are cut so that each thread has rows of its own. */
+static status draw_share(void *ctx, size_t index, int worker) {
+    const job *j = ctx;
+    (void)worker;
+    const uint64_t first = j->first_row + j->rows * index / j->shares,
+                   end = j->first_row + j->rows * (index + 1) / j->shares;
+    for (size_t i = 0; i < j->count && end > first; i++) {
+        const mesh_shape s = mesh_leaf_shape(j->f->mesh->counts[j->treelets[i]]);
+        const char *topology = j->topologies + i * j->payload;
+        resample_block_draw(&j->block, first, end - first, &s, topology,
+                            j->moved ? mesh_leaf_moved(&s, j->moved + i * j->payload)
+                                     : mesh_leaf_positions(&s, topology),
+                            j->values + i * j->payload);
+    }
+    return ST_OK;
+}
+
+/* The block's rows that a treelet's box reaches; false: none. */
+static bool reach(const job *j, uint32_t t, uint64_t *first_row, uint64_t *end_row) {
+    const resample_grid *g = j->block.grid;
+    const float *b = j->f->mesh->bounds[leaf_layout_bounds(&j->f->layout, j->step, t)];
+    uint32_t first[3], end[3];
+    for (int a = 0; a < 3; a++) {
+        resample_grid_nodes(g, a, (double)b[a], (double)b[a + 3], &first[a], &end[a]);
+        if (first[a] == end[a])
+            return false;
+    }
+    const uint64_t lowest = (uint64_t)first[2] * g->dims[1] + first[1],
+                   highest = (end[2] - (uint64_t)1) * g->dims[1] + end[1];
+    const uint64_t block_end = j->block.first_row + j->block.rows;
+    *first_row = lowest > j->block.first_row ? lowest : j->block.first_row;
+    *end_row = highest < block_end ? highest : block_end;
+    return *first_row < *end_row;
+}
+
+static status draw_batch(job *j) {
+    j->shares = j->o->threads > 1 ? (size_t)j->o->threads * SHARES_PER_THREAD : 1;
+    status st = pool_run(j->workers, j->count, load_one, j);
+    for (size_t i = 0; i < j->count; i++)
+        j->result->bytes_read +=
+            j->f->sizes[j->treelets[i]] +
+            j->f->sizes[leaf_layout_values(&j->f->layout, j->o->set, j->treelets[i])];
+    return st == ST_OK ? pool_run(j->workers, j->shares, draw_share, j) : st;
+}
+
+/* ---- slab by slab ---- */
+
+static status draw_slab(job *j) {
+    const uint32_t treelets = j->f->layout.treelets;
+    const double slabs = (double)j->block.grid->dims[1] * j->block.grid->dims[2];
+    uint64_t end_row = 0;
+    j->count = 0;
+    j->first_row = UINT64_MAX;
+    for (uint32_t t = 0; t < treelets; t++) {
+        uint64_t first, end;
+        if (reach(j, t, &first, &end)) {
+            j->treelets[j->count++] = t;
+            j->first_row = first < j->first_row ? first : j->first_row;
+            end_row = end > end_row ? end : end_row;
+        }
+        if (j->count == 0 || (j->count < j->most && t + 1 < treelets))
+            continue;
+        j->rows = end_row - j->first_row;
+        const double part = (double)t / treelets * (double)j->block.rows;
+        status st = draw_batch(j);
+        if (st == ST_OK)
+            st = progress_step(j->p, "resample", ((double)j->block.first_row + part) / slabs);
+        if (st != ST_OK)
+            return st;
+        j->count = 0;
+        j->first_row = UINT64_MAX;
+        end_row = 0;
+    }
+    return ST_OK;
+}
+
+static status make_slabs(job *j) {
+    const uint32_t *dims = j->block.grid->dims;
+    const uint64_t all = (uint64_t)dims[1] * dims[2];
+    for (uint64_t row = 0; row < all; row += j->block.rows) {
+        /* Whole planes, or rows of one. */
+        const uint64_t left = j->rows_most < dims[1] ? dims[1] - row % dims[1] : all - row;
+        j->block.first_row = row;
+        j->block.rows = j->rows_most < left ? j->rows_most : left;
+        resample_block_clear(&j->block);
+        status st = draw_slab(j);
+        if (st != ST_OK)
+            return st;
+        j->result->held += resample_block_finish(&j->block);
+        j->result->slabs++;
+        st = j->take(j->ctx, j->block.samples, (size_t)(j->block.rows * dims[0]));
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+status resample_run(mem *m, leaf_file *f, const resample_grid *g, const resample_options *o,
+                    const progress *p, resample_take take, void *ctx, resample_result *result) {
+    *result = (resample_result){.nodes = (uint64_t)g->dims[0] * g->dims[1] * g->dims[2]};
+    job j = {.f = f,
+             .o = o,
+             .p = p,
+             .take = take,
+             .ctx = ctx,
+             .m = m,
+             .block = {.grid = g},
+             .step = o->set % f->layout.steps,
+             .result = result};
+    status st = allocate(&j);
+    if (st == ST_OK)
+        st = make_slabs(&j);
+    release(&j);
+    return st == ST_OK ? progress_step(p, "resample", 1) : st;
+}

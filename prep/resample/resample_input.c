@@ -1,0 +1,117 @@
+#include "prep/resample/resample_input.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "formats/base/file.h"
+#include "formats/base/partial.h"
+#include "prep/mesh/mesh_convert.h"
+
+bool resample_input_is_leaf(const char *path) {
+    char magic[sizeof LEAF_MAGIC - 1];
+    mem m;
+    file *f = NULL;
+    mem_init(&m, 0);
+    const bool is = strcmp(path, "-") != 0 && file_open(&m, path, &f) == ST_OK &&
+                    file_read_at(f, 0, magic, sizeof magic) == ST_OK &&
+                    memcmp(magic, LEAF_MAGIC, sizeof magic) == 0;
+    file_close(f);
+    return is;
+}
+
+/* Reading it is half of the whole job, rather more than less. */
+typedef struct half {
+    const progress *p;
+} half;
+
+static void report_half(void *ctx, const char *stage, double fraction) {
+    const half *h = ctx;
+    if (h->p && h->p->report)
+        h->p->report(h->p->ctx, stage, fraction / 2);
+}
+
+static bool stop_half(void *ctx) {
+    const half *h = ctx;
+    return h->p && h->p->stop && h->p->stop(h->p->ctx);
+}
+
+static status convert(mem *m, const resample_source *s, const char *path, const progress *p) {
+    half h = {p};
+    const progress first = {.report = report_half, .stop = stop_half, .ctx = &h};
+    mesh_options o = mesh_options_default();
+    o.threads = s->threads;
+    o.force = true;
+    if (m->limit)
+        o.memory = m->limit;
+    mesh *x = NULL;
+    mesh_result result;
+    status st = mesh_open(m, s->path, &s->hints, &x);
+    if (st == ST_OK)
+        st = mesh_convert_run(m, x, path, &o, &first, &result);
+    mesh_close(x);
+    return st;
+}
+
+/* Where temporary files go: beside the output, or in $TMPDIR under a name of this user's. */
+static status find_place(mem *m, const resample_source *s, char **path) {
+    const char *folder = getenv("TMPDIR");
+    if (!folder || !*folder)
+        folder = "/tmp";
+    const size_t size = strlen(s->beside ? s->beside : folder) + 64;
+    *path = mem_alloc(m, size);
+    if (!*path)
+        return ST_NOMEM;
+    if (s->beside)
+        snprintf(*path, size, "%s", s->beside);
+    else
+        snprintf(*path, size, "%s/leafcast-resample-%ld", folder, (long)getuid());
+    return ST_OK;
+}
+
+/* Convert to PLACE.partial-N.leaf, which nobody else writes as long as PLACE.partial-N is locked.
+ * It has a name only until it is open; the next run finds what a killed one left. */
+static status open_scratch(mem *m, const resample_source *s, const char *place, const progress *p,
+                           leaf_file **out) {
+    const size_t size = strlen(place) + PARTIAL_ROOM;
+    char *name = mem_alloc(m, size), *path = mem_alloc(m, size);
+    const int fd = name && path ? partial_open(place, name) : -1;
+    status st = name && path ? ST_OK : ST_NOMEM;
+    if (st == ST_OK && fd < 0)
+        st = file_failed(errno, place, "cannot create a temporary file beside");
+    if (st == ST_OK) {
+        snprintf(path, size, "%s.leaf", name);
+        st = convert(m, s, path, p);
+        if (st == ST_OK)
+            st = leaf_file_open(m, path, out);
+        (void)unlink(path);
+        (void)unlink(name);
+        close(fd);
+    }
+    mem_free(m, path);
+    mem_free(m, name);
+    return st;
+}
+
+static status open_mesh(mem *m, const resample_source *s, const progress *p, leaf_file **out) {
+    char *path = NULL;
+    status st = find_place(m, s, &path);
+    if (st == ST_OK)
+        st = open_scratch(m, s, path, p, out);
+    mem_free(m, path);
+    return st;
+}
+
+status resample_input_open(mem *m, const resample_source *s, const progress *p, leaf_file **out) {
+    leaf_file *f = NULL;
+    status st =
+        resample_input_is_leaf(s->path) ? leaf_file_open(m, s->path, &f) : open_mesh(m, s, p, &f);
+    if (st == ST_OK && !f->mesh) {
+        leaf_file_close(f);
+        return status_describe(ST_UNSUPPORTED, "%s: a grid, which needs no resampling", s->path);
+    }
+    *out = f;
+    return st;
+}

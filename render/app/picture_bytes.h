@@ -1,0 +1,36 @@
+/* picture_bytes.h - linear premultiplied colours as the bytes that a screen shows.
+ *
+ * A byte is the nearest one, by IEC 61966-2-1 (sRGB); what is below 0 or NaN becomes 0, what is
+ * above 1 becomes 255. Alpha is not encoded. No libm: the same bytes on every CPU.
+ */
+#ifndef RENDER_APP_PICTURE_BYTES_H
+#define RENDER_APP_PICTURE_BYTES_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "render/leafcast.h"
+
+/* From 2^-13, below which the byte is 0, to 1: 128 buckets an octave, each with at most one border
+ * between two bytes. */
+enum { BYTES_OCTAVES = 13, BYTES_BUCKETS = 128 * BYTES_OCTAVES };
+
+typedef struct byte_table {
+    uint8_t below[BYTES_BUCKETS]; /* the byte below the bucket's border, */
+    float border[BYTES_BUCKETS];  /* which belongs to the next byte */
+} byte_table;
+
+void picture_bytes_init(byte_table *t);
+
+/* picture_byte() - one linear value, encoded. */
+uint8_t picture_byte(const byte_table *t, float linear);
+
+/* picture_bytes_rgba() - pixels first .. first + count: R G B A, not premultiplied.
+ * picture_bytes_rgb() - R G B of the premultiplied colours: as seen before black, and as they are
+ * where a picture is opaque. */
+void picture_bytes_rgba(const byte_table *t, const leafcast_image *image, size_t first,
+                        size_t count, uint8_t *out);
+void picture_bytes_rgb(const byte_table *t, const leafcast_image *image, size_t first, size_t count,
+                       uint8_t *out);
+
+#endif

@@ -1,0 +1,336 @@
+/* probe_main.c - leafcast probe: what a pixel's ray or a point of space sees. */
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "formats/base/cli.h"
+#include "formats/base/num.h"
+#include "formats/base/shell_line.h"
+#include "render/app/render_job.h"
+
+enum { HITS_MAX = 1000 };
+
+typedef struct probe_options {
+    cli_common common;
+    view_options view;
+    const char *volume;
+    bool is_mesh; /* the file: known once it is open */
+    bool at, point, ray;
+    double pixel[2], where[3], line[6];
+    int hits;
+} probe_options;
+
+/* ---- flags ---- */
+
+enum { AT = 0x3000, POINT, RAY, HITS };
+
+static const struct argp_option OPTIONS[] = {
+    {NULL, 0, NULL, 0, "Where (one of these):", 1},
+    {"at", AT, "X,Y", CLI_BASIC, "the ray of this pixel; 0,0 is at the top left", 0},
+    {"ray", RAY, "X,Y,Z,DX,DY,DZ", CLI_BASIC, "a ray from a point in a direction", 0},
+    {"point", POINT, "X,Y,Z", CLI_BASIC, "a point", 0},
+    {NULL, 0, NULL, 0, "How much:", 2},
+    {"hits", HITS, "N", CLI_BASIC, "at most N hits (20)", 0},
+    {NULL, 0, NULL, 0, NULL, 0}};
+
+static status numbers(const char *text, const char *what, int count, double *out) {
+    status st = num_doubles(text, what, ",", count, out);
+    for (int i = 0; i < count && st == ST_OK; i++)
+        if (!isfinite(out[i]))
+            st =
+                status_describe(ST_USAGE, "%s: \"%s\" has a number that is not finite", what, text);
+    return st;
+}
+
+static status set_option(probe_options *o, int key, const char *text) {
+    int64_t n = 0;
+    status st = ST_OK;
+    switch (key) {
+    case AT: o->at = true; return numbers(text, "--at", 2, o->pixel);
+    case POINT: o->point = true; return numbers(text, "--point", 3, o->where);
+    case RAY: o->ray = true; return numbers(text, "--ray", 6, o->line);
+    case HITS:
+        st = num_int(text, "--hits", 1, HITS_MAX, &n);
+        o->hits = (int)n;
+        return st;
+    default: return ST_AGAIN;
+    }
+}
+
+static status check_options(probe_options *o) {
+    if (!o->volume)
+        return status_describe(ST_USAGE, "which treelet file?");
+    if (o->at + o->point + o->ray != 1)
+        return status_describe(ST_USAGE, "where? one of --at X,Y, --ray and --point X,Y,Z");
+    if (o->common.output)
+        return status_describe(ST_USAGE, "the answer goes to standard output");
+    const double size[2] = {o->view.camera.width, o->view.camera.height};
+    for (int i = 0; i < 2 && o->at; i++)
+        if (!(o->pixel[i] >= 0.0 && o->pixel[i] < size[i] && o->pixel[i] == floor(o->pixel[i])))
+            return status_describe(ST_USAGE, "--at: no such pixel in %g x %g", size[0], size[1]);
+    if (o->ray && o->line[3] == 0.0 && o->line[4] == 0.0 && o->line[5] == 0.0)
+        return status_describe(ST_USAGE, "--ray: the direction is zero");
+    if (o->view.scene.samples > 1)
+        return status_describe(ST_USAGE, "--samples: a probe follows one ray");
+    return o->point && o->view.isos == 0 ? ST_OK : view_options_check(&o->view);
+}
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+    probe_options *o = state->input;
+    status st = ST_OK;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = &o->common; return 0;
+    case ARGP_KEY_ARG:
+        if (o->volume)
+            argp_error(state, "%s: one treelet file is enough", arg);
+        o->volume = arg;
+        return 0;
+    case ARGP_KEY_END: st = check_options(o); break;
+    default:
+        st = set_option(o, key, arg);
+        if (st == ST_AGAIN)
+            st = view_options_set(&o->view, key, arg);
+        if (st == ST_AGAIN)
+            return ARGP_ERR_UNKNOWN;
+    }
+    if (st)
+        argp_error(state, "%s", status_text());
+    return 0;
+}
+
+/* ---- the answer: JSON first, from which the text is printed ---- */
+
+/* JSON has no infinity and no NaN. */
+static json_t *real(double x) {
+    return isfinite(x) ? json_real(x) : json_string(isnan(x) ? "nan" : x > 0 ? "inf" : "-inf");
+}
+
+static json_t *reals(const double *x, int count) {
+    json_t *list = json_array();
+    for (int i = 0; i < count; i++)
+        json_array_append_new(list, real(x[i]));
+    return list;
+}
+
+static json_t *floats(const float *x, int count) {
+    json_t *list = json_array();
+    for (int i = 0; i < count; i++)
+        json_array_append_new(list, real((double)x[i]));
+    return list;
+}
+
+static json_t *cell_of(const uint32_t cell[3]) {
+    return json_pack("[i,i,i]", (int)cell[0], (int)cell[1], (int)cell[2]);
+}
+
+/* Where in a grid or in a mesh: the keys of a hit and of a point. */
+static void set_cell(json_t *out, const uint32_t cell[3], const double at[3],
+                     const float samples[8]) {
+    json_object_set_new(out, "cell", cell_of(cell));
+    json_object_set_new(out, "position_in_cell", reals(at, 3));
+    json_object_set_new(out, "samples", floats(samples, 8));
+}
+
+static void set_tet(json_t *out, uint64_t tet, float vertices[4][3], const float values[4]) {
+    json_object_set_new(out, "tet", json_integer((json_int_t)tet));
+    json_object_set_new(out, "vertices", floats(&vertices[0][0], 12));
+    json_object_set_new(out, "values", floats(values, 4));
+}
+
+static json_t *hit_json(const probe_options *o, leafcast_hit *h) {
+    json_t *out = json_object();
+    json_object_set_new(out, "t", real(h->t));
+    json_object_set_new(out, "error_bound", real(h->error_bound));
+    json_object_set_new(out, "point", reals(h->point, 3));
+    json_object_set_new(out, "id", json_integer(h->surface));
+    json_object_set_new(out, "isovalue", real(o->view.surfaces[h->surface].isovalue));
+    json_object_set_new(out, "side",
+                        json_string(h->flat       ? "flat tet"
+                                    : h->entering ? "entering"
+                                                  : "leaving"));
+    if (o->is_mesh)
+        set_tet(out, h->tet, h->vertices, h->values);
+    else
+        set_cell(out, h->cell, h->at, h->samples);
+    json_object_set_new(out, "gradient", reals(h->gradient, 3));
+    json_object_set_new(out, "normal", reals(h->normal, 3));
+    return out;
+}
+
+static json_t *point_json(const probe_options *o, const double where[3], leafcast_sample *s) {
+    json_t *out = json_object();
+    json_object_set_new(out, "point", reals(where, 3));
+    json_object_set_new(out, "inside", json_boolean(s->inside));
+    if (!s->inside)
+        return out;
+    json_object_set_new(out, "value", real(s->value));
+    if (o->is_mesh)
+        set_tet(out, s->tet, s->vertices, s->values);
+    else
+        set_cell(out, s->cell, s->at, s->samples);
+    json_object_set_new(out, "gradient", reals(s->gradient, 3));
+    json_object_set_new(out, "treelet", json_integer(s->treelet));
+    return out;
+}
+
+static void print_value(const json_t *value) {
+    char number[NUM_TEXT_MAX];
+    if (json_is_array(value)) {
+        for (size_t i = 0; i < json_array_size(value); i++) {
+            fputs(i ? " " : "", stdout);
+            print_value(json_array_get(value, i));
+        }
+    } else if (json_is_string(value)) {
+        fputs(json_string_value(value), stdout);
+    } else if (json_is_boolean(value)) {
+        fputs(json_is_true(value) ? "yes" : "no", stdout);
+    } else {
+        fputs(num_print(json_number_value(value), number), stdout);
+    }
+}
+
+/* "  key: value" a line; objects in a list are numbered. */
+static void print_text(json_t *object, int indent) {
+    const char *key;
+    json_t *value;
+    json_object_foreach(object, key, value) {
+        const bool list = json_is_array(value) && json_is_object(json_array_get(value, 0));
+        for (size_t i = 0; list && i < json_array_size(value); i++) {
+            printf("%*shit %zu\n", indent, "", i + 1);
+            print_text(json_array_get(value, i), indent + 2);
+        }
+        if (list || (json_is_array(value) && json_array_size(value) == 0))
+            continue;
+        printf("%*s", indent, "");
+        for (const char *c = key; *c; c++)
+            putchar(*c == '_' ? ' ' : *c);
+        fputs(": ", stdout);
+        print_value(value);
+        putchar('\n');
+    }
+}
+
+/* ---- the question ---- */
+
+static status probe_ray(probe_options *o, leafcast *volume, json_t *answer) {
+    static leafcast_hit hits[HITS_MAX];
+    const leafcast_camera camera = view_options_camera(&o->view, volume);
+    double origin[3], direction[3];
+    if (o->at) {
+        leafcast_pixel_ray(&camera, o->pixel[0] + 0.5, o->pixel[1] + 0.5, origin, direction);
+        json_object_set_new(answer, "pixel", reals(o->pixel, 2));
+    } else {
+        memcpy(origin, o->line, sizeof origin);
+        memcpy(direction, o->line + 3, sizeof direction);
+    }
+    json_object_set_new(answer, "origin", reals(origin, 3));
+    json_object_set_new(answer, "direction", reals(direction, 3));
+    int count = 0;
+    status st = render_status(leafcast_select(volume, o->view.surfaces, o->view.isos));
+    if (st == ST_OK)
+        st = render_status(
+            leafcast_probe_ray(volume, &o->view.scene, origin, direction, hits, o->hits, &count));
+    if (st)
+        return st;
+    json_object_set_new(answer, "count", json_integer(count));
+    json_t *list = json_array();
+    for (int i = 0; i < count; i++)
+        json_array_append_new(list, hit_json(o, &hits[i]));
+    json_object_set_new(answer, "hits", list);
+    return ST_OK;
+}
+
+static status probe_point(const probe_options *o, leafcast *volume, json_t *answer) {
+    leafcast_sample sample;
+    status st = render_status(leafcast_probe_point(volume, o->where, &sample));
+    if (st)
+        return st;
+    json_t *found = point_json(o, o->where, &sample);
+    json_object_update(answer, found);
+    json_decref(found);
+    for (int i = 0; i < o->view.isos && sample.inside; i++) {
+        const double iso = o->view.surfaces[i].isovalue;
+        char key[64], number[NUM_TEXT_MAX];
+        snprintf(key, sizeof key, "inside_%s", num_print(iso, number));
+        json_object_set_new(answer, key, json_boolean(sample.value >= iso));
+    }
+    return ST_OK;
+}
+
+/* The command as it can be typed again. */
+static json_t *rerun_line(int argc, char **argv) {
+    char line[4096];
+    shell_line l = shell_line_begin(line, sizeof line);
+    for (int i = 0; i < argc; i++) {
+        shell_line_put(&l, i ? " " : "");
+        if (i == 0) /* "leafcast probe" */
+            shell_line_put(&l, argv[i]);
+        else
+            shell_line_word(&l, argv[i]);
+    }
+    return json_string(line);
+}
+
+/* The field and step; said where there is more than one. */
+static status select_set(const probe_options *o, leafcast *volume, json_t *answer) {
+    const leafcast_info info = leafcast_describe(volume);
+    uint32_t field;
+    status st = view_options_field(&o->view, volume, &field);
+    if (st == ST_OK)
+        st = render_status(leafcast_select_set(volume, field, o->view.step));
+    if (st != ST_OK || (info.fields == 1 && info.steps == 1))
+        return st;
+    json_object_set_new(answer, "field", json_string(leafcast_field_name(volume, field)));
+    json_object_set_new(answer, "step", json_integer(o->view.step));
+    json_object_set_new(answer, "time", real(leafcast_step_time(volume, o->view.step)));
+    return ST_OK;
+}
+
+static status run(probe_options *o, json_t *answer) {
+    const leafcast_options open = {.memory = o->common.memory, .threads = 1};
+    leafcast *volume = NULL;
+    status st = render_status(leafcast_open(o->volume, &open, &volume));
+    if (st == ST_OK)
+        o->is_mesh = leafcast_describe(volume).tets > 0;
+    if (st == ST_OK)
+        st = view_options_check_volume(&o->view, volume);
+    if (st == ST_OK)
+        st = select_set(o, volume, answer);
+    if (st == ST_OK)
+        st = o->point ? probe_point(o, volume, answer) : probe_ray(o, volume, answer);
+    leafcast_close(volume);
+    return st;
+}
+
+int main(int argc, char **argv) {
+    static probe_options o = {.common = {.verb = "probe", .without = "output force threads"},
+                              .hits = 20};
+    const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
+    struct argp_option options[VIEW_OPTIONS_ROOM];
+    view_options_join(options, OPTIONS, "iso size eye look-at");
+    const struct argp table = {
+        .options = options,
+        .parser = parse,
+        .args_doc = "F.leaf",
+        .doc = "Tell what a pixel's ray or a point sees: hits, cells, values, gradients, the error "
+               "bound.\vExample:\n  leafcast probe bonsai.leaf --iso 37 --at 512,400\v"
+               "The flags are those of render, so that a picture's pixel is found again. "
+               "With --json the answer is a JSON object.",
+        .children = children};
+    view_options_init(&o.view);
+    cli_parse(&table, &o.common, argc, argv, &o);
+
+    json_t *answer = json_object();
+    status st = run(&o, answer);
+    json_object_set_new(answer, "rerun", rerun_line(argc, argv));
+    if (st == ST_OK && o.common.json) {
+        st = cli_print_json(&o.common, json_incref(answer));
+    } else if (st == ST_OK) {
+        cli_results(&o.common, false);
+        print_text(answer, 0);
+    }
+    json_decref(answer);
+    return cli_finish(&o.common, st);
+}

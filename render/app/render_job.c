@@ -1,0 +1,354 @@
+#include "render/app/render_job.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/base/clock.h"
+#include "formats/base/num.h"
+
+enum { META_TEXT_MAX = 1024 };
+
+status render_status(leafcast_status st) {
+    return (status)st;
+}
+
+status render_job_open(render_job *job, const char *path, const leafcast_options *options) {
+    mem_init(&job->m, 0);
+    job->source = path;
+    status st = render_status(leafcast_open(path, options, &job->volume));
+    if (st == ST_OK)
+        job->info = leafcast_describe(job->volume);
+    if (st == ST_OK)
+        st = image_out_open(&job->m, &job->out, &job->files);
+    return st;
+}
+
+static void release_planes(render_job *job) {
+    leafcast_image *i = &job->image;
+    void *const planes[] = {i->r,         i->g,         i->b,         i->a, i->z,
+                            i->normal[0], i->normal[1], i->normal[2], i->id};
+    for (size_t p = 0; p < sizeof planes / sizeof *planes; p++)
+        mem_free(&job->m, planes[p]);
+    *i = (leafcast_image){0};
+}
+
+void render_job_close(render_job *job) {
+    release_planes(job);
+    image_out_close(job->files);
+    job->files = NULL;
+    leafcast_close(job->volume);
+    job->volume = NULL;
+}
+
+/* ---- before anything is drawn ---- */
+
+/* Where no isovalue is given, one that is worth a look. Before the volume is open any will do, as
+ * nothing is drawn then. */
+static status choose_isovalue(const render_job *job, script_frame *frame) {
+    view_options *v = &frame->view;
+    uint32_t field;
+    frame->suggestions = 0;
+    if (v->isos > 0)
+        return ST_OK;
+    v->isos = 1;
+    v->surfaces[0].isovalue = 0.0;
+    if (!job->volume)
+        return ST_OK;
+    status st = view_options_field(v, job->volume, &field);
+    if (st == ST_OK)
+        st = render_status(leafcast_suggested_isovalues(job->volume, field, v->step,
+                                                        frame->suggested, LEAFCAST_SUGGESTIONS_MAX,
+                                                        &frame->suggestions));
+    if (st == ST_OK && frame->suggestions == 0)
+        st = status_describe(ST_USAGE, "which isosurface? None can be suggested, as no two values "
+                                       "differ: --iso V");
+    if (st == ST_OK)
+        v->surfaces[0].isovalue = frame->suggested[0];
+    return st;
+}
+
+status render_job_check(const render_job *job, script_frame *frame) {
+    status st = choose_isovalue(job, frame);
+    if (st == ST_OK)
+        st = view_options_check(&frame->view);
+    if (st == ST_OK && job->volume)
+        st = view_options_check_volume(&frame->view, job->volume);
+    if (st == ST_OK && frame->output[0])
+        st = image_out_check(&job->out, frame->output);
+    if (st == ST_OK && frame->depth[0])
+        st = image_out_check_depth(&job->out, frame->depth);
+    return st;
+}
+
+/* ---- drawing ---- */
+
+/* Which planes a picture takes: those that are written. */
+static leafcast_image planes_wanted(const render_job *job, const script_frame *frame) {
+    static float any_float;
+    static double any_double;
+    static int32_t any_id;
+    const bool colour = frame->output[0] || !frame->depth[0];
+    const bool all = image_out_wants_all(&job->out, frame->output);
+    const bool opaque = frame->view.scene.background[3] >= 1.0f; /* then so is every pixel */
+    float *const c = colour ? &any_float : NULL, *const n = all ? &any_float : NULL;
+    return (leafcast_image){.r = c,
+                            .g = c,
+                            .b = c,
+                            .a = all || !opaque ? c : NULL,
+                            .z = all || frame->depth[0] ? &any_double : NULL,
+                            .normal = {n, n, n},
+                            .id = all ? &any_id : NULL};
+}
+
+/* A plane as it is wanted now: the one that is there, a new one, or NULL. *failed when there is no
+ * memory. Not zeroed: that would touch its pages on one thread, and a picture writes every pixel.
+ */
+static void *plane(render_job *job, void *there, const void *wanted, size_t size, bool *failed) {
+    if (there && wanted)
+        return there;
+    mem_free(&job->m, there);
+    void *made = wanted ? mem_alloc(&job->m, (size_t)job->width * job->height * size) : NULL;
+    *failed |= wanted && !made;
+    return made;
+}
+
+/* They come out of the same budget as the treelets; whether they fit is asked before memory is
+ * taken. */
+static status make_planes(render_job *job, const script_frame *frame,
+                          const leafcast_camera *camera) {
+    const leafcast_image w = planes_wanted(job, frame);
+    leafcast_image *i = &job->image;
+    if (job->width != camera->width || job->height != camera->height)
+        release_planes(job);
+    status st = render_status(
+        leafcast_check_room(job->volume, &frame->view.scene, camera, &w,
+                            image_out_bytes(&job->out, frame->output, camera->width)));
+    if (st != ST_OK)
+        return st;
+    job->width = camera->width;
+    job->height = camera->height;
+    bool failed = false;
+    i->r = plane(job, i->r, w.r, sizeof *i->r, &failed);
+    i->g = plane(job, i->g, w.g, sizeof *i->g, &failed);
+    i->b = plane(job, i->b, w.b, sizeof *i->b, &failed);
+    i->a = plane(job, i->a, w.a, sizeof *i->a, &failed);
+    i->z = plane(job, i->z, w.z, sizeof *i->z, &failed);
+    for (int a = 0; a < 3; a++)
+        i->normal[a] = plane(job, i->normal[a], w.normal[a], sizeof *i->normal[a], &failed);
+    i->id = plane(job, i->id, w.id, sizeof *i->id, &failed);
+    return failed ? ST_NOMEM : ST_OK;
+}
+
+static bool same_surfaces(const render_job *job, const view_options *view) {
+    if (job->selected_count != view->isos)
+        return false;
+    for (int i = 0; i < view->isos; i++) {
+        const leafcast_surface *a = &job->selected[i], *b = &view->surfaces[i];
+        if (a->isovalue != b->isovalue || a->opacity != b->opacity ||
+            memcmp(a->rgb, b->rgb, sizeof a->rgb) != 0)
+            return false;
+    }
+    return true;
+}
+
+/* Sweep the directory, unless the last picture had the same surfaces. */
+static status select_surfaces(render_job *job, const view_options *view) {
+    if (same_surfaces(job, view))
+        return ST_OK;
+    job->selected_count = 0;
+    status st = render_status(leafcast_select(job->volume, view->surfaces, view->isos));
+    if (st == ST_OK) {
+        memcpy(job->selected, view->surfaces, sizeof job->selected);
+        job->selected_count = view->isos;
+    }
+    return st;
+}
+
+/* Likewise the field and the time step. */
+static status select_set(render_job *job, const view_options *view) {
+    uint32_t field;
+    status st = view_options_field(view, job->volume, &field);
+    if (st != ST_OK || (field == job->field && view->step == job->step))
+        return st;
+    st = render_status(leafcast_select_set(job->volume, field, view->step));
+    if (st == ST_OK) {
+        job->field = field;
+        job->step = view->step;
+    }
+    return st;
+}
+
+/* A picture's part in the whole job. */
+typedef struct part {
+    const progress *watch;
+    double done, share;
+} part;
+
+static bool report(void *ctx, double done) {
+    const part *p = ctx;
+    if (p->share > 0.0)
+        return progress_step(p->watch, "rendering", p->done + p->share * done) == ST_OK;
+    return !p->watch->stop || !p->watch->stop(p->watch->ctx);
+}
+
+static status trace(render_job *job, const view_options *view, const leafcast_camera *camera,
+                    leafcast_stats *median) {
+    leafcast_stats *all = mem_array(&job->m, (size_t)job->repeat, sizeof *all);
+    if (!all)
+        return ST_NOMEM;
+    status st = ST_OK;
+    for (int i = 0; i < job->repeat && st == ST_OK; i++) {
+        part p = {job->watch, job->done + job->share * i / job->repeat, job->share / job->repeat};
+        st = render_status(leafcast_trace(job->volume, &view->scene, camera, &job->image, &all[i],
+                                          job->watch ? report : NULL, &p));
+    }
+    if (st == ST_OK)
+        *median = all[render_stats_median(all, job->repeat)];
+    mem_free(&job->m, all);
+    return st;
+}
+
+/* ---- files ---- */
+
+static size_t numbers_text(char *text, size_t n, const double *x, int count) {
+    for (int i = 0; i < count; i++) {
+        char number[NUM_TEXT_MAX];
+        num_print(x[i], number);
+        const size_t length = strlen(number);
+        if (n + length + 2 > META_TEXT_MAX)
+            break;
+        if (n)
+            text[n++] = ',';
+        memcpy(text + n, number, length + 1);
+        n += length;
+    }
+    return n;
+}
+
+static bool several(const render_job *job) {
+    return job->info.fields > 1 || job->info.steps > 1;
+}
+
+/* What one needs to draw the picture again goes into it. */
+static status finish_picture(render_job *job, const script_frame *frame,
+                             const leafcast_camera *camera, image_target *to) {
+    char isos[META_TEXT_MAX] = "", eye[META_TEXT_MAX] = "", look_at[META_TEXT_MAX] = "";
+    char up[META_TEXT_MAX] = "", fov[META_TEXT_MAX] = "", step[META_TEXT_MAX] = "";
+    const double number = job->step;
+    size_t n = 0;
+    for (int i = 0; i < frame->view.isos; i++)
+        n = numbers_text(isos, n, &frame->view.surfaces[i].isovalue, 1);
+    numbers_text(eye, 0, camera->eye, 3);
+    numbers_text(look_at, 0, camera->look_at, 3);
+    numbers_text(up, 0, camera->up, 3);
+    numbers_text(fov, 0, &camera->fov, 1);
+    numbers_text(step, 0, &number, 1);
+    const char *slash = strrchr(job->source, '/');
+    const image_meta meta[] = {{"volume", slash ? slash + 1 : job->source},
+                               {"isovalues", isos},
+                               {"eye", eye},
+                               {"look_at", look_at},
+                               {"up", up},
+                               {"fov", fov},
+                               {"field", leafcast_field_name(job->volume, job->field)},
+                               {"step", step}};
+    const picture p = {
+        .width = job->width,
+        .height = job->height,
+        .image = &job->image,
+        .meta = meta,
+        /* The last two only where there is more than one. */
+        .meta_count = sizeof meta / sizeof *meta - (several(job) ? 0 : 2),
+    };
+    return image_out_finish(to, &p);
+}
+
+/* ---- a picture ---- */
+
+/* What a picture is written to; NULL: nothing. */
+typedef struct targets {
+    image_target *picture, *depth;
+} targets;
+
+static status open_targets(render_job *job, const script_frame *frame, targets *to) {
+    status st = ST_OK;
+    if (frame->output[0])
+        st = image_out_begin(job->files, frame->output, &to->picture);
+    if (st == ST_OK && frame->depth[0])
+        st = image_out_begin_depth(job->files, frame->depth, &to->depth);
+    return st;
+}
+
+static status write_targets(render_job *job, const script_frame *frame,
+                            const leafcast_camera *camera, targets *to) {
+    const picture depth = {.width = job->width, .height = job->height, .image = &job->image};
+    targets now = *to;
+    status st = ST_OK;
+    if (now.depth) {
+        to->depth = NULL;
+        st = image_out_finish(now.depth, &depth);
+    }
+    if (st == ST_OK && now.picture) {
+        to->picture = NULL;
+        st = finish_picture(job, frame, camera, now.picture);
+    }
+    return st;
+}
+
+/* Pictures of one run keep the view that was fitted to the first of their size. */
+static view_options hold_fitted(render_job *job, const view_options *view) {
+    view_options held = *view;
+    const leafcast_camera *size = &view->camera;
+    if (view_options_fits(view)) {
+        if (job->fitted.width != size->width || job->fitted.height != size->height)
+            job->fitted = view_options_fit(view, job->volume);
+        held.hold = &job->fitted;
+    }
+    return held;
+}
+
+static leafcast_camera camera_of(render_job *job, const view_options *view) {
+    const view_options held = hold_fitted(job, view);
+    return view_options_camera(&held, job->volume);
+}
+
+void render_job_turn(render_job *job, view_options *view, double share) {
+    *view = hold_fitted(job, view);
+    view_options_turn(view, job->volume, share);
+}
+
+static status draw_picture(render_job *job, const script_frame *frame, targets *to,
+                           render_stats *stats) {
+    const leafcast_camera camera = camera_of(job, &frame->view);
+    status st = open_targets(job, frame, to);
+    if (st == ST_OK)
+        st = make_planes(job, frame, &camera);
+    if (st == ST_OK)
+        st = select_surfaces(job, &frame->view);
+    if (st == ST_OK)
+        st = select_set(job, &frame->view);
+    if (st == ST_OK)
+        st = trace(job, &frame->view, &camera, &stats->trace);
+    const double traced = clock_seconds();
+    if (st == ST_OK)
+        st = write_targets(job, frame, &camera, to);
+    stats->write_s = clock_seconds() - traced;
+    return st;
+}
+
+status render_job_draw(render_job *job, const script_frame *frame, render_stats *stats) {
+    const double begun = clock_seconds();
+    targets to = {NULL, NULL};
+    *stats = (render_stats){.repeats = job->repeat};
+    status st = draw_picture(job, frame, &to, stats);
+    image_out_discard(to.picture);
+    image_out_discard(to.depth);
+    if (several(job)) {
+        stats->field = leafcast_field_name(job->volume, job->field);
+        stats->step = job->step;
+        stats->time = leafcast_step_time(job->volume, job->step);
+    }
+    stats->total_s = clock_seconds() - begun;
+    stats->peak_rss_bytes = render_stats_peak_rss();
+    return st;
+}

@@ -1,0 +1,647 @@
+/* render_main.c - leafcast render: pictures of isosurfaces. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "formats/base/cli.h"
+#include "formats/base/file.h"
+#include "formats/base/file_guard.h"
+#include "formats/base/num.h"
+#include "formats/base/sequence.h"
+#include "render/app/render_job.h"
+
+typedef struct render_options {
+    cli_common common;
+    view_options view;
+    leafcast_options open;
+    const char *volume, *depth, *stats, *script, *iso_list, *camera_path, *format;
+    bool series; /* --steps: */
+    uint32_t first_step, last_step;
+    int repeat;
+    int turns; /* --turntable; 0: none */
+    bool fail_empty;
+    int drawn; /* pictures so far; of these */
+    int empty; /* without any surface */
+} render_options;
+
+/* ---- flags ---- */
+
+/* Pictures of one run: a name has room for so many, and memory for their statistics. */
+enum { PICTURES_MAX = 1000000 };
+
+enum {
+    DEPTH = 0x3000,
+    STATS,
+    REPEAT,
+    TURNTABLE,
+    FAIL_EMPTY,
+    ISO_LIST,
+    CAMERA_PATH,
+    SCRIPT,
+    STEPS,
+    FORMAT,
+    BACKEND,
+    SCHEMA,
+    TREELET_LIMIT,
+    ISA,
+    PACKETS,
+    ISOPOLYGONS
+};
+
+static const struct argp_option OPTIONS[] = {
+    {NULL, 0, NULL, 0, "Outputs (-o takes .png, .ppm, .pfm, .exr; -: standard output):", 1},
+    {"format", FORMAT, "NAME", 0, "png, ppm, pfm or exr, whatever the name's end is (-o -: png)",
+     0},
+    {"depth-f64", DEPTH, "FILE", 0, "distances from the eye as raw doubles", 0},
+    {"stats", STATS, "FILE", 0, "times, rays, treelets and bytes as JSON", 0},
+    {"fail-empty", FAIL_EMPTY, NULL, 0, "exit 1 where a picture shows no surface", 0},
+    {"repeat", REPEAT, "N", CLI_EXPERIMENT, "draw N times; the statistics are the median picture's",
+     0},
+    {NULL, 0, NULL, 0, "Many pictures (-o out.png becomes out_0000.png ...):", 50},
+    {"iso-list", ISO_LIST, "V1,V2,...", 0, "a picture for each isovalue; V:V is a picture with two",
+     0},
+    {"steps", STEPS, "A:B", 0, "a picture for each time step of a mesh from A to B", 0},
+    {"camera-path", CAMERA_PATH, "FILE", 0,
+     "a picture for each entry of a JSON array: [{\"eye\": [1,2,3]}, ...]", 0},
+    {"turntable", TURNTABLE, "N", 0,
+     "N pictures around what the camera looks at, about what is up, at equal angles", 0},
+    {"script", SCRIPT, "FILE", 0,
+     "a picture for each line, as it comes (-: standard input): a JSON object whose keys are these "
+     "flags, with \"output\"; each is answered by a line of JSON",
+     0},
+    {NULL, 0, NULL, 0, "Machine:", 60},
+    {"backend", BACKEND, "auto|mapped|arena", CLI_EXPERIMENT,
+     "how treelets come in: auto, mapped or arena", 0},
+    {"schema", SCHEMA, "N", CLI_EXPERIMENT,
+     "how another time step of a mesh comes in, 1: each step's trees are read, and stay beside "
+     "those "
+     "of other steps; 2: one tree, refit to vertices that are read (1 where all steps fit)",
+     0},
+    {"treelet-limit", TREELET_LIMIT, "N", CLI_EXPERIMENT,
+     "never hold more than N treelets (0: what memory allows); for experiments", 0},
+    {"isa", ISA, "auto|scalar|sse42|avx2|avx512", CLI_EXPERIMENT,
+     "instructions to use: auto, scalar, sse42, avx2, avx512", 0},
+    {"packets", PACKETS, "tile|2|4|8|16", CLI_EXPERIMENT,
+     "of a mesh: how rays walk together: by tile, or in packets of 2, 4, 8 or 16 on a side as "
+     "those of Wald and others, 2007",
+     0},
+    {"isopolygons", ISOPOLYGONS, "onthefly|precompute|cache", CLI_EXPERIMENT,
+     "of a mesh: onthefly, or kept: precompute, or cache (when rays first meet them) (onthefly)",
+     0},
+    {NULL, 0, NULL, 0, NULL, 0}};
+
+static status set_backend(leafcast_options *open, const char *text) {
+    static const char *const names[] = {"auto", "mapped", "arena"};
+    for (int i = 0; i < 3; i++) {
+        if (strcmp(text, names[i]) == 0) {
+            open->backend = (leafcast_backend)i;
+            return ST_OK;
+        }
+    }
+    return status_describe(ST_USAGE, "--backend: \"%s\" is none of auto, mapped, arena", text);
+}
+
+static status set_steps(render_options *o, const char *text) {
+    double ends[2];
+    status st = num_doubles(text, "--steps", ":", 2, ends);
+    for (int i = 0; i < 2 && st == ST_OK; i++)
+        if (!(ends[i] >= 0.0 && ends[i] <= UINT16_MAX && ends[i] == floor(ends[i])))
+            st = status_describe(ST_USAGE, "--steps: \"%s\" is not A:B, each 0 to %d", text,
+                                 UINT16_MAX);
+    if (st == ST_OK && ends[1] < ends[0])
+        st = status_describe(ST_USAGE, "--steps: \"%s\" ends before it begins", text);
+    if (st != ST_OK)
+        return st;
+    o->series = true;
+    o->first_step = (uint32_t)ends[0];
+    o->last_step = (uint32_t)ends[1];
+    return ST_OK;
+}
+
+static status set_isopolygons(leafcast_options *open, const char *text) {
+    static const char *const names[] = {"onthefly", "precompute", "cache"};
+    for (int i = 0; i < 3; i++) {
+        if (strcmp(text, names[i]) == 0) {
+            open->isopolygons = (leafcast_isopolygons)i;
+            return ST_OK;
+        }
+    }
+    return status_describe(ST_USAGE, "--isopolygons: \"%s\" is none of onthefly, precompute, cache",
+                           text);
+}
+
+static status set_packets(leafcast_options *open, const char *text) {
+    static const char *const names[] = {"tile", "2", "4", "8", "16"};
+    static const int sides[] = {0, 2, 4, 8, 16};
+    for (int i = 0; i < 5; i++) {
+        if (strcmp(text, names[i]) == 0) {
+            open->packets = sides[i];
+            return ST_OK;
+        }
+    }
+    return status_describe(ST_USAGE, "--packets: \"%s\" is none of tile, 2, 4, 8, 16", text);
+}
+
+static status set_option(render_options *o, int key, const char *text) {
+    int64_t n = 0;
+    status st = ST_OK;
+    switch (key) {
+    case DEPTH: o->depth = text; return ST_OK;
+    case FORMAT: o->format = text; return ST_OK;
+    case STATS: o->stats = text; return ST_OK;
+    case SCRIPT: o->script = text; return ST_OK;
+    case ISO_LIST: o->iso_list = text; return ST_OK;
+    case CAMERA_PATH: o->camera_path = text; return ST_OK;
+    case STEPS: return set_steps(o, text);
+    case BACKEND: return set_backend(&o->open, text);
+    case SCHEMA:
+        st = num_int(text, "--schema", 1, 2, &n);
+        o->open.schema = (leafcast_schema)n;
+        return st;
+    case ISA: o->open.isa = text; return ST_OK;
+    case ISOPOLYGONS: return set_isopolygons(&o->open, text);
+    case PACKETS: return set_packets(&o->open, text);
+    case TURNTABLE:
+        st = num_int(text, "--turntable", 1, PICTURES_MAX, &n);
+        o->turns = (int)n;
+        return st;
+    case FAIL_EMPTY: o->fail_empty = true; return ST_OK;
+    case REPEAT:
+        st = num_int(text, "--repeat", 1, 10000, &n);
+        o->repeat = (int)n;
+        return st;
+    case TREELET_LIMIT:
+        st = num_int(text, "--treelet-limit", 0, UINT32_MAX, &n);
+        o->open.treelet_limit = (uint32_t)n;
+        return st;
+    default: return ST_AGAIN;
+    }
+}
+
+static bool is_sequence(const render_options *o) {
+    return o->iso_list || o->series || o->camera_path || o->turns;
+}
+
+static bool to_stdout(const char *path) {
+    return path && strcmp(path, "-") == 0;
+}
+
+/* What must hold over all flags. */
+static status check_options(const render_options *o) {
+    const bool sequence = is_sequence(o);
+    const bool output = o->common.output || o->depth || o->stats || o->common.json;
+    if (!o->volume)
+        return status_describe(ST_USAGE, "which treelet file?");
+    if (o->script && (sequence || o->common.output || o->depth || o->stats))
+        return status_describe(ST_USAGE,
+                               "--script takes its outputs from its lines and answers them on "
+                               "standard output");
+    if (to_stdout(o->common.output) + to_stdout(o->depth) + o->common.json > 1)
+        return status_describe(ST_USAGE, "standard output takes one of -o -, --depth-f64 - and "
+                                         "--json");
+    if (!o->script && !output)
+        return status_describe(ST_USAGE, "nothing to write: -o FILE.png");
+    if (o->iso_list && o->view.isos > 0)
+        return status_describe(ST_USAGE, "either --iso or --iso-list");
+    if (o->series && o->view.step > 0)
+        return status_describe(ST_USAGE, "either --step or --steps");
+    /* Of a path or a script, too: its entries may say either. */
+    return view_options_check_camera(&o->view);
+}
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+    render_options *o = state->input;
+    status st = ST_OK;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = &o->common; return 0;
+    case ARGP_KEY_ARG:
+        if (o->volume)
+            argp_error(state, "%s: one treelet file is enough", arg);
+        o->volume = arg;
+        return 0;
+    case ARGP_KEY_END: st = check_options(o); break;
+    default:
+        st = set_option(o, key, arg);
+        if (st == ST_AGAIN)
+            st = view_options_set(&o->view, key, arg);
+        if (st == ST_AGAIN)
+            return ARGP_ERR_UNKNOWN;
+    }
+    if (st)
+        argp_error(state, "%s", status_text());
+    return 0;
+}
+
+/* ---- one picture ---- */
+
+/* Isovalues without a surface in what is shown. Whether any has one. */
+static bool say_absent(const render_options *o, const render_job *job, const view_options *view) {
+    char value[NUM_TEXT_MAX], lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX];
+    double range[2];
+    bool any = false;
+    if (leafcast_range(job->volume, job->field, job->step, range) != LEAFCAST_OK)
+        return true;
+    for (int i = 0; i < view->isos; i++) {
+        const double iso = view->surfaces[i].isovalue;
+        /* A surface is where f >= iso begins: at the smallest value it is everywhere. */
+        const bool there = iso > range[0] && iso <= range[1];
+        any |= there;
+        if (!there && range[0] > range[1])
+            cli_note(&o->common, 1, "no surface at isovalue %s: there are no finite values",
+                     num_print(iso, value));
+        else if (!there)
+            cli_note(&o->common, 1, "no surface at isovalue %s: the values are %s to %s",
+                     num_print(iso, value), num_print(range[0], lo), num_print(range[1], hi));
+    }
+    return any;
+}
+
+static void say_empty(render_options *o, const render_job *job, const view_options *view,
+                      const leafcast_stats *t) {
+    const bool any = say_absent(o, job, view);
+    if (t->covered_pixels > 0)
+        return;
+    o->empty++;
+    if (any)
+        cli_note(&o->common, 1,
+                 "no surface in the picture: there is one, but outside of the camera's view, or "
+                 "clipped away");
+}
+
+static void say_suggested(const render_options *o, const script_frame *frame) {
+    char value[NUM_TEXT_MAX], others[LEAFCAST_SUGGESTIONS_MAX * NUM_TEXT_MAX + 16] = "";
+    if (frame->suggestions == 0)
+        return;
+    for (int i = 1; i < frame->suggestions; i++) {
+        strcat(others, i == 1 ? "; also " : ", ");
+        strcat(others, num_print(frame->suggested[i], value));
+    }
+    cli_note(&o->common, 1, "isovalue %s, as its values suggest%s; --iso V draws another",
+             num_print(frame->suggested[0], value), others);
+}
+
+static void say_done(const render_options *o, const script_frame *frame, const render_stats *s) {
+    const leafcast_stats *t = &s->trace;
+    const char *name = frame->output[0] ? frame->output : frame->depth[0] ? frame->depth : "drawn";
+    cli_note(&o->common, 1,
+             "%s: %u x %u in %.3g s: trace %.3g (load %.3g), write %.3g; %.3g Mray/s; %llu of %llu "
+             "active treelets, %.1f MB read",
+             name, frame->view.camera.width, frame->view.camera.height, s->total_s, t->render_s,
+             t->load_s, s->write_s, (double)t->rays / t->render_s * 1e-6,
+             (unsigned long long)t->treelets_loaded, (unsigned long long)t->treelets_active,
+             (double)t->bytes_read * 1e-6);
+    if (t->provisional_pixels)
+        cli_note(&o->common, 1, "%llu pixels are provisional",
+                 (unsigned long long)t->provisional_pixels);
+    if (t->ill_conditioned)
+        cli_note(&o->common, 2, "%llu shadow rays are ill-conditioned",
+                 (unsigned long long)t->ill_conditioned);
+}
+
+static status draw(render_options *o, render_job *job, const script_frame *frame, json_t **stats) {
+    render_stats s;
+    say_suggested(o, frame);
+    status st = render_job_draw(job, frame, &s);
+    if (st)
+        return st;
+    o->drawn++;
+    say_empty(o, job, &frame->view, &s.trace);
+    say_done(o, frame, &s);
+    *stats = render_stats_json(&s, &frame->view, frame->output);
+    return ST_OK;
+}
+
+/* Consumes f in any case. */
+static status write_stats(out_file *f, const json_t *stats) {
+    char *text = json_dumps(stats, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    status st = text ? out_file_append(f, text, strlen(text))
+                     : status_describe(ST_NOMEM, "no memory for the statistics");
+    free(text);
+    if (st == ST_OK)
+        st = out_file_append(f, "\n", 1);
+    if (st == ST_OK)
+        return out_file_commit(f);
+    out_file_discard(f);
+    return st;
+}
+
+/* ---- sequences; a single picture is one of one ---- */
+
+typedef struct sequence {
+    mem m;
+    out_file *stats; /* NULL: none are wanted */
+    json_t *path;    /* NULL: no camera path */
+    int count;
+    const char *isos; /* the rest of --iso-list */
+} sequence;
+
+/* The isovalues of the next entry of --iso-list: V or V:V:... */
+static status next_isos(const char **list, view_options *view) {
+    bool repeats, flag;
+    const int key = view_options_key("iso", &repeats, &flag);
+    view_options_clear(view, key);
+    for (;;) {
+        char text[64];
+        const size_t n = strcspn(*list, ",:");
+        snprintf(text, sizeof text, "%.*s", (int)(n < 63 ? n : 63), *list);
+        status st = view_options_set(view, key, text);
+        if (st)
+            return st;
+        const char end = (*list)[n];
+        *list += n + (end != 0);
+        if (end != ':')
+            return ST_OK;
+    }
+}
+
+static status name_outputs(const render_options *o, bool many, int index, script_frame *frame) {
+    status st = ST_OK;
+    const char *const names[2] = {o->common.output, o->depth};
+    char *const outs[2] = {frame->output, frame->depth};
+    for (int i = 0; i < 2 && st == ST_OK; i++) {
+        outs[i][0] = 0;
+        if (names[i] && many && strcmp(names[i], "-") != 0) /* pictures follow one another there */
+            st = sequence_name(names[i], index, outs[i], SCRIPT_PATH_MAX);
+        else if (names[i] &&
+                 (size_t)snprintf(outs[i], SCRIPT_PATH_MAX, "%s", names[i]) >= SCRIPT_PATH_MAX)
+            st = status_describe(ST_USAGE, "the name of a file is too long");
+    }
+    return st;
+}
+
+static int steps_of(const render_options *o) {
+    return o->series ? (int)(o->last_step - o->first_step) + 1 : 1;
+}
+
+static int turns_of(const render_options *o) {
+    return o->turns ? o->turns : 1;
+}
+
+/* Picture `number` of the command line: for each isovalue, step by step, view by view, each turned
+ * about. In order, since the list of isovalues is eaten up. */
+static status describe_frame(const render_options *o, sequence *s, int number,
+                             script_frame *frame) {
+    const int views = s->path ? (int)json_array_size(s->path) : 1;
+    const int index = number / turns_of(o);
+    const bool next = number % (turns_of(o) * views * steps_of(o)) == 0;
+    status st = ST_OK;
+    if (number == 0)
+        s->isos = o->iso_list;
+    view_options isos = next ? o->view : frame->view;
+    if (o->iso_list && next)
+        st = next_isos(&s->isos, &isos);
+    /* Every entry of the path starts from the command line. */
+    frame->view = o->view;
+    memcpy(frame->view.surfaces, isos.surfaces, sizeof isos.surfaces);
+    frame->view.isos = isos.isos;
+    if (o->series)
+        frame->view.step = o->first_step + (uint32_t)(index / views % steps_of(o));
+    if (st == ST_OK && s->path) {
+        char what[64];
+        snprintf(what, sizeof what, "--camera-path: entry %d", index % views + 1);
+        st = script_apply(frame, json_array_get(s->path, (size_t)(index % views)), what);
+    }
+    if (st == ST_OK)
+        st = name_outputs(o, is_sequence(o), number, frame);
+    return st;
+}
+
+static status count_frames(const render_options *o, sequence *s) {
+    int64_t count = 1;
+    for (const char *at = o->iso_list ? o->iso_list : ""; *at; at++)
+        count += *at == ',';
+    status st = o->camera_path ? script_load_path(o->camera_path, &s->path) : ST_OK;
+    if (st != ST_OK)
+        return st;
+    /* Each factor is below 2^31, and a product that is too large ends it. */
+    const int64_t factors[] = {steps_of(o), turns_of(o),
+                               s->path ? (int64_t)json_array_size(s->path) : 1};
+    for (size_t i = 0; i < sizeof factors / sizeof *factors && count <= PICTURES_MAX; i++)
+        count *= factors[i];
+    if (count > PICTURES_MAX)
+        return status_describe(ST_USAGE,
+                               "%lld pictures or more are more than %d, the most of one run",
+                               (long long)count, PICTURES_MAX);
+    s->count = (int)count;
+    return ST_OK;
+}
+
+/* What it reads; outputs are held against it. */
+static status guard_inputs(const render_options *o) {
+    file_guard_watch();
+    status st = file_guard_input(o->volume);
+    if (st == ST_OK)
+        st = file_guard_input(o->camera_path);
+    return st == ST_OK ? file_guard_input(o->script) : st;
+}
+
+/* The outputs of one picture, and the statistics, are different files. Pictures of a sequence have
+ * different numbers, and a line of a script may replace the picture of another, with --force. */
+static status guard_frame(const render_options *o, const script_frame *frame) {
+    file_guard_next();
+    status st = file_guard_output(o->stats);
+    if (st == ST_OK && frame->output[0])
+        st = file_guard_output(frame->output);
+    return st == ST_OK && frame->depth[0] ? file_guard_output(frame->depth) : st;
+}
+
+static status check_sequence(const render_options *o, const render_job *job, sequence *s,
+                             script_frame *frame) {
+    status st = ST_OK;
+    for (int i = 0; i < s->count && st == ST_OK; i++) {
+        st = describe_frame(o, s, i, frame);
+        if (st == ST_OK)
+            st = guard_frame(o, frame);
+        if (st == ST_OK)
+            st = render_job_check(job, frame);
+    }
+    return st;
+}
+
+static status draw_sequence(render_options *o, render_job *job, sequence *s, script_frame *frame,
+                            json_t *all) {
+    status st = ST_OK;
+    for (int i = 0; i < s->count && st == ST_OK; i++) {
+        json_t *stats = NULL;
+        job->share = 1.0 / s->count;
+        job->done = i * job->share;
+        st = describe_frame(o, s, i, frame);
+        if (st == ST_OK)
+            st = render_job_check(job, frame);
+        if (st == ST_OK && o->turns)
+            render_job_turn(job, &frame->view, (double)(i % o->turns) / o->turns);
+        if (st == ST_OK)
+            st = draw(o, job, frame, &stats);
+        if (st == ST_OK && o->common.json && is_sequence(o))
+            st = cli_print_json(&o->common, json_incref(stats));
+        if (stats)
+            json_array_append_new(all, stats);
+    }
+    if (st == ST_OK && o->common.json && !is_sequence(o))
+        st = cli_print_json(&o->common, json_incref(json_array_get(all, 0)));
+    if (st || !s->stats)
+        return st;
+    json_t *frames =
+        is_sequence(o) ? json_pack("{s:O}", "frames", all) : json_incref(json_array_get(all, 0));
+    st = write_stats(s->stats, frames);
+    s->stats = NULL;
+    json_decref(frames);
+    return st;
+}
+
+/* Before the first picture is drawn: flags that would change nothing, steps that are not there. */
+static status check_file(const render_options *o, const render_job *job) {
+    const bool mesh = job->info.tets > 0;
+    const struct {
+        bool given;
+        const char *name;
+    } of_meshes[] = {{o->open.packets != 0, "--packets"},
+                     {o->open.isopolygons != 0, "--isopolygons"},
+                     {o->open.schema != 0, "--schema"}};
+    for (size_t i = 0; i < sizeof of_meshes / sizeof *of_meshes; i++)
+        if (of_meshes[i].given && !mesh)
+            return status_describe(ST_USAGE, "%s is for meshes, and %s is a grid",
+                                   of_meshes[i].name, o->volume);
+    if (o->open.schema != 0 && job->info.steps == 1)
+        return status_describe(ST_USAGE, "--schema: %s has one step", o->volume);
+    if (!o->series || o->last_step < job->info.steps)
+        return ST_OK;
+    return status_describe(ST_USAGE, "--steps: there is no step %u: %s has %u", o->last_step,
+                           o->volume, job->info.steps);
+}
+
+static status run_sequence(render_options *o, render_job *job) {
+    static script_frame frame;
+    sequence s = {0};
+    json_t *all = json_array();
+    mem_init(&s.m, 0);
+    status st = count_frames(o, &s);
+    if (st == ST_OK)
+        st = check_sequence(o, job, &s, &frame);
+    if (st == ST_OK)
+        st = render_job_open(job, o->volume, &o->open);
+    if (st == ST_OK)
+        st = check_file(o, job);
+    if (st == ST_OK && o->stats)
+        st = out_file_create(&s.m, o->stats, o->common.force, &s.stats);
+    if (st == ST_OK)
+        st = draw_sequence(o, job, &s, &frame, all);
+    out_file_discard(s.stats);
+    json_decref(all);
+    json_decref(s.path);
+    return st;
+}
+
+/* ---- scripts ---- */
+
+static status check_line(const script_frame *frame) {
+    if (!to_stdout(frame->output) && !to_stdout(frame->depth))
+        return ST_OK;
+    return status_describe(ST_USAGE, "standard output is for a script's answers");
+}
+
+static status answer_line(render_options *o, render_job *job, const char *text, size_t size,
+                          long number, bool *failed) {
+    static script_frame frame;
+    char what[32];
+    json_t *answer = NULL;
+    snprintf(what, sizeof what, "line %ld", number);
+    frame.view = o->view;
+    frame.output[0] = frame.depth[0] = 0;
+    status st = script_parse(&frame, text, size, what);
+    if (st == ST_OK)
+        st = check_line(&frame);
+    if (st == ST_OK)
+        st = guard_frame(o, &frame);
+    if (st == ST_OK)
+        st = render_job_check(job, &frame);
+    if (st == ST_OK)
+        st = draw(o, job, &frame, &answer);
+    if (st == ST_STOPPED)
+        return st;
+    if (st) {
+        /* One bad line does not end the run. */
+        *failed = true;
+        cli_note(&o->common, 0, "%s", status_text());
+        answer = cli_error_json(st);
+    }
+    json_object_set_new(answer, "line", json_integer(number));
+    return cli_print_json(&o->common, answer);
+}
+
+static status run_script(render_options *o, render_job *job) {
+    mem m;
+    script_reader *script = NULL;
+    bool failed = false;
+    mem_init(&m, 0);
+    status st = render_job_open(job, o->volume, &o->open);
+    if (st == ST_OK)
+        st = check_file(o, job);
+    if (st == ST_OK)
+        st = script_open(&m, o->script, &script);
+    while (st == ST_OK) {
+        const char *line = NULL;
+        size_t size = 0;
+        long number = 0;
+        st = script_line(script, job->watch->stop, job->watch->ctx, &line, &size, &number);
+        if (st || !line)
+            break;
+        st = answer_line(o, job, line, size, number, &failed);
+    }
+    script_close(script);
+    if (st == ST_OK && failed)
+        st = status_describe(ST_FAILED, "not every line could be drawn");
+    return st;
+}
+
+static status check_empty(const render_options *o) {
+    if (!o->fail_empty || o->empty == 0)
+        return ST_OK;
+    if (o->drawn == 1)
+        return status_describe(ST_FAILED, "the picture shows no surface");
+    return status_describe(ST_FAILED, "%d of %d pictures show no surface", o->empty, o->drawn);
+}
+
+int main(int argc, char **argv) {
+    static render_options o = {.common = {.verb = "render"}, .repeat = 1};
+    const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
+    struct argp_option options[VIEW_OPTIONS_ROOM];
+    view_options_join(options, OPTIONS,
+                      "iso color opacity size eye look-at light shadows clip-box");
+    const struct argp table = {
+        .options = options,
+        .parser = parse,
+        .args_doc = "F.leaf -o FILE.png",
+        .doc = "Draw isosurfaces of a treelet file into a picture.\v"
+               "Example:\n  leafcast render bonsai.leaf --iso 37 -o bonsai.png\v"
+               "Without --iso it draws the isosurface that the histogram in the file suggests, and "
+               "says which. Without --eye the view fits what the isovalues make active: up is +z, "
+               "the longer of the other sides lies across. --view standard and close look at the "
+               "middle of the volume from the direction "
+               "(1, 0.6, 0.8), 2.2 or 1.1 times its longest edge away. Vectors "
+               "are in world space. The picture is exact unless --lod, --preview or --intersector "
+               "say otherwise. A mesh of tetrahedra has no levels of detail and no intersector but "
+               "the exact one.",
+        .children = children};
+    view_options_init(&o.view);
+    cli_parse(&table, &o.common, argc, argv, &o);
+
+    o.open.memory = o.common.memory;
+    o.open.threads = o.common.threads;
+    render_job job = {.repeat = o.repeat, .watch = cli_progress(&o.common)};
+    job.out = (image_out_options){.force = o.common.force,
+                                  .threads = o.common.threads,
+                                  .format = o.format,
+                                  .stop = job.watch->stop,
+                                  .ctx = job.watch->ctx};
+    o.common.json_lines = o.script || is_sequence(&o);
+    status st = guard_inputs(&o);
+    if (st == ST_OK)
+        st = o.script ? run_script(&o, &job) : run_sequence(&o, &job);
+    if (st == ST_OK)
+        st = check_empty(&o);
+    render_job_close(&job);
+    return cli_finish(&o.common, st);
+}

@@ -1,0 +1,680 @@
+#include "render/app/view_options.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/base/cli_options.h"
+#include "formats/base/num.h"
+#include "render/app/colour.h"
+#include "render/grid/intersect.h"
+
+enum {
+    ISO = 0x2000,
+    COLOUR,
+    OPACITY,
+    LAYERS,
+    SAMPLES,
+    EYE,
+    LOOK_AT,
+    UP,
+    FOV,
+    VIEW,
+    SIZE,
+    SHADING,
+    NORMALS,
+    LIGHT,
+    POINT_LIGHT,
+    SHADOWS,
+    AMBIENT,
+    SPECULAR,
+    SHININESS,
+    BACKGROUND,
+    CLIP_BOX,
+    CLIP_PLANE,
+    LOD,
+    PREVIEW,
+    SWEEP,
+    INTERSECTOR,
+    FIELD,
+    STEP
+};
+
+const struct argp_option view_options_table[] = {
+    {NULL, 0, NULL, 0, "Isosurfaces (repeat for more than one):", 10},
+    {"iso", ISO, "V[,V...]", 0, "draw the isosurface of value V", 0},
+    {"color", COLOUR, "COLOR", 0,
+     "of the isosurface of the same place: a name (red), R,G,B (linear) or #rrggbb (as seen)", 0},
+    {"colour", COLOUR, NULL, OPTION_ALIAS, NULL, 0},
+    {"opacity", OPACITY, "A", 0, "of the isosurface of the same place, above 0 to 1 (1)", 0},
+    {"layers", LAYERS, "N", 0, "depth peeling: stop after N surfaces on a ray (0: no limit)", 0},
+
+    {NULL, 0, NULL, 0, "Camera:", 20},
+    {"view", VIEW, "NAME", 0,
+     "where nothing else is said: fit (what is drawn), standard or close (the volume) (fit)", 0},
+    {"eye", EYE, "X,Y,Z", 0, "where the camera is", 0},
+    {"look-at", LOOK_AT, "X,Y,Z", 0, "what is in the middle (the volume's centre)", 0},
+    {"up", UP, "X,Y,Z", 0, "what is up (0,0,1)", 0},
+    {"fov", FOV, "DEG", 0, "vertical field of view (fit: 35, else 45)", 0},
+    {"size", SIZE, "WxH", 0, "pixels (1024x1024)", 0},
+    {"samples", SAMPLES, "N", 0, "rays a pixel, against jagged edges: 1, 4 or 16 (1)", 0},
+
+    {NULL, 0, NULL, 0, "Light and colour:", 30},
+    {"shading", SHADING, "diffuse|phong|flat", 0, "diffuse, phong or flat (diffuse)", 0},
+    {"normals", NORMALS, "central|analytic|faceted|smooth", 0,
+     "of volumes central (differences) or analytic (of the cell's own trilinear form) (central); "
+     "of "
+     "meshes faceted (of the tet's own) or smooth (between gradients at the vertices) (faceted)",
+     0},
+    {"light", LIGHT, "X,Y,Z[,R,G,B]", 0,
+     "a light from that direction, of that colour; without lights, one at the eye. Repeatable", 0},
+    {"point-light", POINT_LIGHT, "X,Y,Z[,R,G,B]", 0, "a light at that point. Repeatable", 0},
+    {"shadows", SHADOWS, NULL, 0, "lights cast shadows", 0},
+    {"ambient", AMBIENT, "A", 0, "share of light that comes from everywhere, 0 to 1 (0.15)", 0},
+    {"specular", SPECULAR, "S", 0, "weight of phong's highlight (0.3)", 0},
+    {"shininess", SHININESS, "N", 0, "its exponent, 1 to 1024 (32)", 0},
+    {"background", BACKGROUND, "COLOR", 0,
+     "also R,G,B,A or #rrggbbaa; 0,0,0,0 is transparent (a dark slate)", 0},
+
+    {NULL, 0, NULL, 0, "What is drawn:", 40},
+    {"field", FIELD, "NAME", 0, "of a mesh with several: this one, by name or number (the first)",
+     0},
+    {"step", STEP, "K", 0, "of a mesh's time steps this one, from 0 on (0)", 0},
+    {"clip-box", CLIP_BOX, "X0,Y0,Z0,X1,Y1,Z1", 0, "only what is inside this box", 0},
+    {"clip-plane", CLIP_PLANE, "A,B,C,D", 0, "only where Ax + By + Cz + D >= 0. Repeatable", 0},
+    {"lod", LOD, "LEVEL", 0,
+     "exact, pixel (no finer than a pixel) or a level of the pyramid (exact)", 0},
+    {"preview", PREVIEW, NULL, 0, "draw what is there instead of waiting for what is not", 0},
+    {"sweep", SWEEP, NULL, CLI_EXPERIMENT,
+     "load all that the isovalues need, not only what is seen", 0},
+    {"intersector", INTERSECTOR, "NAME", CLI_EXPERIMENT,
+     "midpoint, linear, neubauer, schwarze, marmitt-3 or marmitt (the exact one)", 0},
+    {NULL, 0, NULL, 0, NULL, 0}};
+
+/* A verb's own option of this name hides the view's. */
+static bool has_own(const struct argp_option *own, const char *name) {
+    for (; name && (own->name || own->doc); own++)
+        if (own->name && strcmp(own->name, name) == 0)
+            return true;
+    return false;
+}
+
+void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own,
+                       const char *basic) {
+    int n = 0;
+    for (const struct argp_option *o = own; o->name || o->doc; o++)
+        out[n++] = *o;
+    for (const struct argp_option *o = view_options_table; o->name || o->doc; o++) {
+        assert(n < VIEW_OPTIONS_ROOM - 1);
+        if (has_own(own, o->name))
+            continue;
+        out[n] = *o;
+        out[n++].flags |= cli_options_listed(basic, o->name) ? CLI_BASIC : 0;
+    }
+    out[n] = (struct argp_option){0};
+}
+
+void view_options_init(view_options *v) {
+    static const float slate[4] = {0.014f, 0.02f, 0.032f, 1.0f};
+    *v = (view_options){.scene = leafcast_scene_default(),
+                        .camera = {.width = 1024, .height = 1024, .fov = 45.0},
+                        .fit = true,
+                        .distance = 2.2};
+    memcpy(v->scene.background, slate, sizeof slate);
+}
+
+int view_options_key(const char *name, bool *repeats, bool *flag) {
+    for (const struct argp_option *o = view_options_table; o->name || o->doc; o++) {
+        size_t i = 0;
+        while (o->name && name[i] && (name[i] == '_' ? '-' : name[i]) == o->name[i])
+            i++;
+        if (!o->name || name[i] || o->name[i])
+            continue;
+        const int key = o->key;
+        *repeats = key == ISO || key == COLOUR || key == OPACITY || key == LIGHT ||
+                   key == POINT_LIGHT || key == CLIP_PLANE;
+        *flag = !o->arg && !(o->flags & OPTION_ALIAS);
+        return key;
+    }
+    return 0;
+}
+
+/* ---- values ---- */
+
+static status parse_finite(const char *text, const char *what, double lo, double hi, double *out) {
+    double value = 0.0;
+    status st = num_double(text, what, &value);
+    if (st)
+        return st;
+    if (!isfinite(value))
+        return status_describe(ST_USAGE, "%s: %s is not a finite number", what, text);
+    if (value < lo || value > hi)
+        return status_describe(ST_USAGE, "%s: %s is not in %g .. %g", what, text, lo, hi);
+    *out = value;
+    return ST_OK;
+}
+
+static status parse_weight(const char *text, const char *what, double hi, float *out) {
+    double value = 0.0;
+    status st = parse_finite(text, what, 0.0, hi, &value);
+    if (st == ST_OK)
+        *out = (float)value;
+    return st;
+}
+
+static status parse_vector(const char *text, const char *what, int count, double *out) {
+    status st = num_doubles(text, what, ",", count, out);
+    for (int i = 0; i < count && st == ST_OK; i++)
+        if (!isfinite(out[i]))
+            st =
+                status_describe(ST_USAGE, "%s: \"%s\" has a number that is not finite", what, text);
+    return st;
+}
+
+/* The index of text among names; ST_USAGE listing them. */
+static status parse_name(const char *text, const char *what, const char *const *names, int count,
+                         int *out) {
+    char list[256] = "";
+    for (int i = 0; i < count; i++) {
+        if (strcmp(text, names[i]) == 0) {
+            *out = i;
+            return ST_OK;
+        }
+        strcat(strcat(list, i ? ", " : ""), names[i]);
+    }
+    return status_describe(ST_USAGE, "%s: \"%s\" is none of %s", what, text, list);
+}
+
+static status parse_size(const char *text, leafcast_camera *camera) {
+    enum { SIDE_MAX = 65536 };
+    double size[2];
+    status st = num_doubles(text, "--size", strchr(text, 'x') ? "x" : ",", 2, size);
+    for (int i = 0; i < 2 && st == ST_OK; i++)
+        if (!(size[i] >= 1.0 && size[i] <= SIDE_MAX && size[i] == floor(size[i])))
+            st = status_describe(ST_USAGE, "--size: \"%s\" is not WxH, each 1 to %d", text,
+                                 SIDE_MAX);
+    if (st == ST_OK) {
+        camera->width = (uint32_t)size[0];
+        camera->height = (uint32_t)size[1];
+    }
+    return st;
+}
+
+static status parse_lod(const char *text, leafcast_scene *scene) {
+    static const char *const names[] = {"exact", "pixel"};
+    int which = 0;
+    int64_t level = 0;
+    if (text[0] >= '0' && text[0] <= '9') {
+        status st = num_int(text, "--lod", 0, 63, &level);
+        scene->lod = LEAFCAST_LOD_LEVEL;
+        scene->lod_level = (uint32_t)level;
+        return st;
+    }
+    if (parse_name(text, "--lod", names, 2, &which))
+        return status_describe(ST_USAGE, "--lod: \"%s\" is neither exact, pixel nor a level", text);
+    scene->lod = which == 0 ? LEAFCAST_LOD_EXACT : LEAFCAST_LOD_PIXEL;
+    return ST_OK;
+}
+
+static status parse_intersector(const char *text, leafcast_scene *scene) {
+    const char *names[INTERSECTOR_COUNT];
+    int which = 0;
+    for (int i = 0; i < INTERSECTOR_COUNT; i++)
+        names[i] = intersector_at(i)->name;
+    status st = parse_name(text, "--intersector", names, INTERSECTOR_COUNT, &which);
+    if (st == ST_OK)
+        scene->intersector = intersector_at(which)->id;
+    return st;
+}
+
+static status parse_field(const char *text, view_options *v) {
+    if (!*text || strlen(text) >= sizeof v->field)
+        return status_describe(ST_USAGE, "--field: \"%s\" is no field's name", text);
+    memcpy(v->field, text, strlen(text) + 1);
+    return ST_OK;
+}
+
+static status parse_step(const char *text, view_options *v) {
+    int64_t step = 0;
+    status st = num_int(text, "--step", 0, UINT16_MAX, &step);
+    if (st == ST_OK)
+        v->step = (uint32_t)step;
+    return st;
+}
+
+/* ---- flags that may be repeated ---- */
+
+static status room(const char *what, int count, int max) {
+    if (count < max)
+        return ST_OK;
+    return status_describe(ST_USAGE, "%s: more than %d of them", what, max);
+}
+
+/* V or V,V,...: several surfaces in one picture. */
+static status add_iso(view_options *v, const char *text) {
+    for (const char *at = text;; at++) {
+        char one[64];
+        const size_t n = strcspn(at, ",");
+        snprintf(one, sizeof one, "%.*s", (int)(n < 63 ? n : 63), at);
+        status st = room("--iso", v->isos, LEAFCAST_SURFACES_MAX);
+        if (st == ST_OK)
+            st = parse_finite(one, "--iso", -INFINITY, INFINITY, &v->surfaces[v->isos].isovalue);
+        if (st != ST_OK)
+            return st;
+        v->isos++;
+        at += n;
+        if (!*at)
+            return ST_OK;
+    }
+}
+
+static status add_colour(view_options *v, const char *text) {
+    status st = room("--color", v->colours, LEAFCAST_SURFACES_MAX);
+    if (st == ST_OK)
+        st = colour_parse(text, "--color", v->surfaces[v->colours].rgb, NULL);
+    v->colours += st == ST_OK;
+    return st;
+}
+
+static status add_opacity(view_options *v, const char *text) {
+    float *opacity = &v->surfaces[v->opacities].opacity;
+    status st = room("--opacity", v->opacities, LEAFCAST_SURFACES_MAX);
+    if (st == ST_OK)
+        st = parse_weight(text, "--opacity", 1.0, opacity);
+    if (st == ST_OK && !(*opacity > 0.0f))
+        st = status_describe(ST_USAGE, "--opacity: %s is not above 0", text);
+    v->opacities += st == ST_OK;
+    return st;
+}
+
+static status add_light(leafcast_scene *scene, bool point, const char *text) {
+    const char *what = point ? "--point-light" : "--light";
+    status st = room(what, scene->light_count, LEAFCAST_LIGHTS_MAX);
+    if (st)
+        return st;
+    int commas = 0;
+    for (const char *at = text; *at; at++)
+        commas += *at == ',';
+    double x[6] = {0.0, 0.0, 0.0, 1.0, 1.0, 1.0};
+    st = parse_vector(text, what, commas == 5 ? 6 : 3, x);
+    if (st)
+        return st;
+    if (!point && x[0] == 0.0 && x[1] == 0.0 && x[2] == 0.0)
+        return status_describe(ST_USAGE, "--light: %s is no direction", text);
+    leafcast_light *light = &scene->lights[scene->light_count++];
+    light->point = point;
+    for (int i = 0; i < 3; i++) {
+        light->vector[i] = x[i];
+        light->rgb[i] = (float)x[3 + i];
+    }
+    return ST_OK;
+}
+
+static status add_clip_plane(leafcast_scene *scene, const char *text) {
+    double *plane = scene->clip_planes[scene->clip_plane_count];
+    status st = room("--clip-plane", scene->clip_plane_count, LEAFCAST_CLIP_PLANES_MAX);
+    if (st == ST_OK)
+        st = parse_vector(text, "--clip-plane", 4, plane);
+    scene->clip_plane_count += st == ST_OK;
+    return st;
+}
+
+static status set_clip_box(leafcast_scene *scene, const char *text) {
+    double x[6];
+    status st = parse_vector(text, "--clip-box", 6, x);
+    for (int a = 0; a < 3 && st == ST_OK; a++) {
+        if (!(x[a] <= x[a + 3]))
+            st = status_describe(ST_USAGE, "--clip-box: \"%s\" ends before it begins", text);
+        scene->clip_min[a] = x[a];
+        scene->clip_max[a] = x[a + 3];
+    }
+    scene->clip_box = st == ST_OK;
+    return st;
+}
+
+/* ---- flags ---- */
+
+static status set_surface(view_options *v, int key, const char *text) {
+    int64_t layers = 0;
+    status st = ST_OK;
+    switch (key) {
+    case ISO: return add_iso(v, text);
+    case COLOUR: return add_colour(v, text);
+    case OPACITY: return add_opacity(v, text);
+    case LAYERS:
+        st = num_int(text, "--layers", 0, 1 << 20, &layers);
+        v->scene.layers_max = (int)layers;
+        return st;
+    default: return ST_AGAIN;
+    }
+}
+
+static status set_samples(const char *text, int *samples) {
+    int64_t n = 0;
+    status st = num_int(text, "--samples", 1, 16, &n);
+    if (st == ST_OK && n != 1 && n != 4 && n != 16)
+        st = status_describe(ST_USAGE, "--samples: %d is none of 1, 4, 16", (int)n);
+    *samples = (int)n;
+    return st;
+}
+
+static status set_camera(view_options *v, int key, const char *text) {
+    static const char *const views[] = {"standard", "close", "fit"};
+    leafcast_camera *c = &v->camera;
+    int which = 0;
+    status st = ST_OK;
+    switch (key) {
+    case EYE: v->eye = true; return parse_vector(text, "--eye", 3, c->eye);
+    case LOOK_AT: v->look_at = true; return parse_vector(text, "--look-at", 3, c->look_at);
+    case UP: v->up = true; return parse_vector(text, "--up", 3, c->up);
+    case FOV: v->fov = true; return parse_finite(text, "--fov", 1e-6, 179.999, &c->fov);
+    case SIZE: return parse_size(text, c);
+    case SAMPLES: return set_samples(text, &v->scene.samples);
+    case VIEW:
+        st = parse_name(text, "--view", views, 3, &which);
+        v->fit = which == 2;
+        v->distance = which == 1 ? 1.1 : 2.2;
+        return st;
+    default: return ST_AGAIN;
+    }
+}
+
+static status set_light(view_options *v, int key, const char *text) {
+    static const char *const shadings[] = {"diffuse", "phong", "flat"};
+    static const char *const normals[] = {"central", "analytic", "faceted", "smooth"};
+    leafcast_scene *s = &v->scene;
+    int which = 0;
+    int64_t n = 0;
+    status st = ST_OK;
+    switch (key) {
+    case SHADING:
+        st = parse_name(text, "--shading", shadings, 3, &which);
+        s->shading = (leafcast_shading)which;
+        return st;
+    case NORMALS:
+        st = parse_name(text, "--normals", normals, 4, &which);
+        s->analytic_normals = which == 1 || which == 2;
+        s->smooth_normals = which == 3;
+        v->normals = which;
+        return st;
+    case LIGHT: return add_light(s, false, text);
+    case POINT_LIGHT: return add_light(s, true, text);
+    case SHADOWS: s->shadows = true; return ST_OK;
+    case AMBIENT: return parse_weight(text, "--ambient", 1.0, &s->ambient);
+    case SPECULAR: return parse_weight(text, "--specular", 1000.0, &s->specular);
+    case SHININESS:
+        st = num_int(text, "--shininess", 1, 1024, &n);
+        s->shininess = (int)n;
+        return st;
+    case BACKGROUND: return colour_parse(text, "--background", s->background, &s->background[3]);
+    default: return ST_AGAIN;
+    }
+}
+
+static status set_extent(view_options *v, int key, const char *text) {
+    switch (key) {
+    case CLIP_BOX: return set_clip_box(&v->scene, text);
+    case CLIP_PLANE: return add_clip_plane(&v->scene, text);
+    case LOD: return parse_lod(text, &v->scene);
+    case PREVIEW: v->scene.preview = true; return ST_OK;
+    case SWEEP: v->scene.sweep = true; return ST_OK;
+    case INTERSECTOR: return parse_intersector(text, &v->scene);
+    default: return ST_AGAIN;
+    }
+}
+
+static status set_any(view_options *v, int key, const char *text) {
+    status st = set_surface(v, key, text);
+    if (st == ST_AGAIN)
+        st = set_camera(v, key, text);
+    if (st == ST_AGAIN)
+        st = set_light(v, key, text);
+    if (st == ST_AGAIN)
+        st = set_extent(v, key, text);
+    if (st == ST_AGAIN && key == FIELD)
+        st = parse_field(text, v);
+    if (st == ST_AGAIN && key == STEP)
+        st = parse_step(text, v);
+    return st;
+}
+
+static uint64_t bit_of(int key) {
+    return (uint64_t)1 << (key - ISO);
+}
+
+status view_options_set(view_options *v, int key, const char *text) {
+    status st = set_any(v, key, text);
+    if (st == ST_OK)
+        v->given |= bit_of(key);
+    return st;
+}
+
+void view_options_clear(view_options *v, int key) {
+    leafcast_scene *s = &v->scene;
+    int kept = 0;
+    v->given &= ~bit_of(key);
+    switch (key) {
+    case ISO: v->isos = 0; break;
+    case COLOUR: v->colours = 0; break;
+    case OPACITY: v->opacities = 0; break;
+    case LIGHT:
+    case POINT_LIGHT:
+        for (int i = 0; i < s->light_count; i++)
+            if (s->lights[i].point != (key == POINT_LIGHT))
+                s->lights[kept++] = s->lights[i];
+        s->light_count = kept;
+        break;
+    case CLIP_PLANE: s->clip_plane_count = 0; break;
+    case CLIP_BOX: s->clip_box = false; break;
+    case SHADOWS: s->shadows = false; break;
+    case PREVIEW: s->preview = false; break;
+    case SWEEP: s->sweep = false; break;
+    case EYE: v->eye = false; break;
+    case LOOK_AT: v->look_at = false; break;
+    case UP: v->up = false; break;
+    case FOV: v->fov = false; break;
+    case FIELD: v->field[0] = 0; break;
+    case STEP: v->step = 0; break;
+    default: break; /* the others have one value, which is replaced */
+    }
+}
+
+void view_options_inherit(view_options *v) {
+    v->given &= ~bit_of(VIEW);
+}
+
+/* ---- all together ---- */
+
+/* Told apart by more than their hue. */
+static const float PALETTE[][3] = {{0.90f, 0.85f, 0.75f}, {0.75f, 0.13f, 0.10f},
+                                   {0.10f, 0.32f, 0.75f}, {0.80f, 0.55f, 0.08f},
+                                   {0.12f, 0.50f, 0.20f}, {0.50f, 0.15f, 0.55f}};
+
+/* ---- flags that would change nothing ---- */
+
+static bool is_lit(const view_options *v) {
+    return v->scene.shading != LEAFCAST_SHADING_FLAT;
+}
+
+static bool has_light(const view_options *v) {
+    return is_lit(v) && v->scene.light_count > 0;
+}
+
+static bool is_phong(const view_options *v) {
+    return v->scene.shading == LEAFCAST_SHADING_PHONG;
+}
+
+static bool is_transparent(const view_options *v) {
+    for (int i = 0; i < v->opacities; i++)
+        if (v->surfaces[i].opacity < 1.0f)
+            return true;
+    return false;
+}
+
+typedef struct flag_need {
+    int key;
+    bool (*met)(const view_options *v);
+    const char *why;
+} flag_need;
+
+static const flag_need NEEDS[] = {
+    {SHADOWS, has_light,
+     "--shadows: the light at the eye casts none that can be seen; --light says where another is"},
+    {LIGHT, is_lit, "--light: there is none in --shading flat"},
+    {POINT_LIGHT, is_lit, "--point-light: there is none in --shading flat"},
+    {AMBIENT, is_lit, "--ambient: there is no light in --shading flat"},
+    {SPECULAR, is_phong, "--specular: highlights are --shading phong's"},
+    {SHININESS, is_phong, "--shininess: highlights are --shading phong's"},
+    {LAYERS, is_transparent, "--layers: nothing is seen behind a surface without --opacity"}};
+
+static status check_needs(const view_options *v) {
+    for (size_t i = 0; i < sizeof NEEDS / sizeof *NEEDS; i++)
+        if ((v->given & bit_of(NEEDS[i].key)) && !NEEDS[i].met(v))
+            return status_describe(ST_USAGE, "%s", NEEDS[i].why);
+    return ST_OK;
+}
+
+status view_options_check_camera(const view_options *v) {
+    if (v->eye && (v->given & bit_of(VIEW)))
+        return status_describe(ST_USAGE, "either --view or --eye: both say where the camera is");
+    return ST_OK;
+}
+
+status view_options_only(const view_options *v, const char *names, const char *who) {
+    for (const struct argp_option *o = view_options_table; o->name || o->doc; o++)
+        if (o->name && !(o->flags & OPTION_ALIAS) && (v->given & bit_of(o->key)) &&
+            !cli_options_listed(names, o->name))
+            return status_describe(ST_USAGE, "--%s: %s would not change by it", o->name, who);
+    return ST_OK;
+}
+
+static bool lod_is_exact(const view_options *v) {
+    return v->scene.lod == LEAFCAST_LOD_EXACT;
+}
+
+static bool intersector_is_exact(const view_options *v) {
+    return v->scene.intersector == leafcast_scene_default().intersector;
+}
+
+static bool normals_of_grids(const view_options *v) {
+    return v->normals < 2;
+}
+
+static bool normals_of_meshes(const view_options *v) {
+    return v->normals >= 2;
+}
+
+static bool never(const view_options *v) {
+    (void)v;
+    return false;
+}
+
+static const flag_need GRID_NEEDS[] = {
+    {FIELD, never, "--field: a grid has one field"},
+    {STEP, never, "--step: a grid has one step"},
+    {NORMALS, normals_of_grids, "--normals: a grid's are central or analytic"}};
+static const flag_need MESH_NEEDS[] = {
+    {LOD, lod_is_exact, "--lod: a mesh has no coarse levels"},
+    {INTERSECTOR, intersector_is_exact, "--intersector: intersectors are for grids"},
+    {NORMALS, normals_of_meshes, "--normals: a mesh's are faceted or smooth"}};
+
+status view_options_check_volume(const view_options *v, const leafcast *volume) {
+    const bool mesh = leafcast_describe(volume).tets > 0;
+    const flag_need *needs = mesh ? MESH_NEEDS : GRID_NEEDS;
+    for (size_t i = 0; i < sizeof GRID_NEEDS / sizeof *GRID_NEEDS; i++)
+        if ((v->given & bit_of(needs[i].key)) && !needs[i].met(v))
+            return status_describe(ST_USAGE, "%s", needs[i].why);
+    return ST_OK;
+}
+_Static_assert(sizeof GRID_NEEDS == sizeof MESH_NEEDS, "one loop for both");
+
+status view_options_check(view_options *v) {
+    if (v->isos == 0)
+        return status_describe(ST_USAGE, "which isosurface? --iso V");
+    if (v->colours > v->isos || v->opacities > v->isos)
+        return status_describe(ST_USAGE, "%d of --%s for %d of --iso: the k-th belongs to the k-th",
+                               v->colours > v->isos ? v->colours : v->opacities,
+                               v->colours > v->isos ? "color" : "opacity", v->isos);
+    enum { PALETTE_SIZE = sizeof PALETTE / sizeof *PALETTE };
+    for (int i = v->colours; i < v->isos; i++)
+        memcpy(v->surfaces[i].rgb, PALETTE[i % PALETTE_SIZE], sizeof PALETTE[0]);
+    for (int i = v->opacities; i < v->isos; i++)
+        v->surfaces[i].opacity = 1.0f;
+    status st = view_options_check_camera(v);
+    return st == ST_OK ? check_needs(v) : st;
+}
+
+bool view_options_fits(const view_options *v) {
+    return v->fit && !v->eye;
+}
+
+leafcast_camera view_options_fit(const view_options *v, const leafcast *volume) {
+    const leafcast_camera *given = &v->camera;
+    double isovalues[LEAFCAST_SURFACES_MAX];
+    uint32_t field;
+    leafcast_camera c;
+    for (int i = 0; i < v->isos; i++)
+        isovalues[i] = v->surfaces[i].isovalue;
+    if (view_options_field(v, volume, &field) == ST_OK &&
+        leafcast_fit_view(volume, field, v->step, isovalues, v->isos, v->fov ? given->fov : 0.0,
+                          given->width, given->height, &c) == LEAFCAST_OK)
+        return c;
+    /* No such field or step: whoever draws will say so. */
+    return leafcast_standard_view(volume, v->distance, given->width, given->height);
+}
+
+static leafcast_camera first_view(const view_options *v, const leafcast *volume) {
+    const leafcast_camera *given = &v->camera;
+    if (view_options_fits(v))
+        return v->hold ? *v->hold : view_options_fit(v, volume);
+    return leafcast_standard_view(volume, v->distance, given->width, given->height);
+}
+
+leafcast_camera view_options_camera(const view_options *v, const leafcast *volume) {
+    const leafcast_camera *given = &v->camera;
+    leafcast_camera c = first_view(v, volume);
+    if (v->eye)
+        memcpy(c.eye, given->eye, sizeof c.eye);
+    if (v->look_at)
+        memcpy(c.look_at, given->look_at, sizeof c.look_at);
+    if (v->up)
+        memcpy(c.up, given->up, sizeof c.up);
+    if (v->fov)
+        c.fov = given->fov;
+    /* Straight down or up: +z cannot be up. */
+    if (!v->up && c.eye[0] == c.look_at[0] && c.eye[1] == c.look_at[1]) {
+        c.up[1] = 1.0;
+        c.up[2] = 0.0;
+    }
+    return c;
+}
+
+void view_options_turn(view_options *v, const leafcast *volume, double share) {
+    const leafcast_camera c = view_options_camera(v, volume);
+    const double turn = 2.0 * 3.14159265358979323846 * share, cosine = cos(turn), sine = sin(turn);
+    double axis[3], from[3], along = 0.0, length = 0.0;
+    for (int a = 0; a < 3; a++)
+        length += c.up[a] * c.up[a];
+    for (int a = 0; a < 3; a++) {
+        axis[a] = c.up[a] / sqrt(length);
+        from[a] = c.eye[a] - c.look_at[a];
+        along += axis[a] * from[a];
+    }
+    /* Rodrigues: what is along the axis stays, the rest turns. */
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, d = (a + 2) % 3;
+        const double across = axis[b] * from[d] - axis[d] * from[b];
+        v->camera.eye[a] =
+            c.look_at[a] + axis[a] * along + (from[a] - axis[a] * along) * cosine + across * sine;
+    }
+    memcpy(v->camera.look_at, c.look_at, sizeof c.look_at);
+    memcpy(v->camera.up, c.up, sizeof c.up);
+    v->camera.fov = c.fov;
+    v->eye = v->look_at = v->up = v->fov = true;
+}
+
+status view_options_field(const view_options *v, const leafcast *volume, uint32_t *field) {
+    *field = 0;
+    return v->field[0] ? (status)leafcast_find_field(volume, v->field, field) : ST_OK;
+}

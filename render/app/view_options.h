@@ -1,0 +1,95 @@
+/* view_options.h - the flags that say what a picture shows: isosurfaces, camera, light, shading,
+ * clipping, level of detail, field and time step.
+ *
+ * One table for all verbs that look at a volume, and for the JSON of render --script, whose keys
+ * are the flags' names.
+ */
+#ifndef RENDER_APP_VIEW_OPTIONS_H
+#define RENDER_APP_VIEW_OPTIONS_H
+
+#include <argp.h>
+#include <stdbool.h>
+
+#include "formats/base/status.h"
+#include "render/leafcast.h"
+
+enum { VIEW_FIELD_MAX = 64 };
+
+typedef struct view_options {
+    leafcast_surface
+        surfaces[LEAFCAST_SURFACES_MAX]; /* view_options_check() has filled in what was not given */
+    int isos, colours, opacities;        /* how often each flag was given */
+    leafcast_scene scene;
+    leafcast_camera camera; /* width and height, and what the flags below say was given */
+    bool eye, look_at, up, fov;
+    uint64_t given;              /* which flags: a bit each, of view_options.c */
+    int normals;                 /* of --normals: as view_options.c numbers them */
+    bool fit;                    /* --view fit, else */
+    double distance;             /* of --view, in longest edges */
+    const leafcast_camera *hold; /* instead of one that is fitted anew; NULL */
+    char field[VIEW_FIELD_MAX];  /* "": the first */
+    uint32_t step;
+} view_options;
+
+/* The table, for argp. */
+extern const struct argp_option view_options_table[];
+
+/* view_options_join() - a verb's own options, then the table but for what has the name of one of
+ * them, for argp. basic: names, divided by blanks, of the table's options that the verb's --help
+ * shows, too. */
+enum { VIEW_OPTIONS_ROOM = 64 };
+void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own,
+                       const char *basic);
+
+void view_options_init(view_options *v);
+
+/* view_options_set() - one flag, text NULL where it takes none. ST_USAGE with a description;
+ * ST_AGAIN when the key is not in the table. */
+CHECKED status view_options_set(view_options *v, int key, const char *text);
+
+/* view_options_clear() - forget what was given for a flag, as if it had not been on the command
+ * line. */
+void view_options_clear(view_options *v, int key);
+
+/* view_options_inherit() - what was given so far is what a line of a script or an entry of a path
+ * starts from: its eye may then be said instead of the --view that was. */
+void view_options_inherit(view_options *v);
+
+/* view_options_key() - a flag's key by its long name, '_' for '-' allowed; 0 when there is none
+ * such. *repeats: it may be given several times; *flag: it takes no value. */
+int view_options_key(const char *name, bool *repeats, bool *flag);
+
+/* view_options_check() - what must hold over all flags: at least one isovalue, no more colours or
+ * opacities than isovalues, no flag that would change nothing. */
+CHECKED status view_options_check(view_options *v);
+
+/* view_options_check_camera() - likewise, of what says where the camera is. */
+CHECKED status view_options_check_camera(const view_options *v);
+
+/* view_options_only() - ST_USAGE for a flag that was given and is none of these names, divided by
+ * blanks; who: what would not change by it. */
+CHECKED status view_options_only(const view_options *v, const char *names, const char *who);
+
+/* view_options_check_volume() - likewise, of this volume: ST_USAGE for a flag that is of no meaning
+ * for its kind. */
+CHECKED status view_options_check_volume(const view_options *v, const leafcast *volume);
+
+/* view_options_camera() - the camera for this volume: the view that fits the isovalues, field and
+ * step (without an eye), or the standard or close view, with whatever was given put in its place.
+ */
+leafcast_camera view_options_camera(const view_options *v, const leafcast *volume);
+
+/* view_options_turn() - fix the camera of view_options_camera(), turned about the axis through
+ * look_at along up by this share of a full turn, to the right as seen from above. */
+void view_options_turn(view_options *v, const leafcast *volume, double share);
+
+/* view_options_fit() - the view that fits, before anything else is put in its place; what `hold` is
+ * to be for further pictures. view_options_fits() - whether view_options_camera() starts from it.
+ */
+leafcast_camera view_options_fit(const view_options *v, const leafcast *volume);
+bool view_options_fits(const view_options *v);
+
+/* view_options_field() - the number of the field that is meant. */
+CHECKED status view_options_field(const view_options *v, const leafcast *volume, uint32_t *field);
+
+#endif

@@ -1,0 +1,200 @@
+/* bench_peers_main.c - leafcast bench peers: beside Embree on the extracted mesh, and VTK.
+ *
+ * A program of its own, to which `leafcast bench` hands over: Embree is linked nowhere else.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "formats/base/cli.h"
+#include "formats/base/file.h"
+#include "formats/base/file_guard.h"
+#include "formats/base/num.h"
+#include "render/app/image_out.h"
+#include "render/bench/bench_plot.h"
+#include "render/bench/peer_race.h"
+
+typedef struct peers_options {
+    cli_common common;
+    view_options view;
+    const char *volume, *picture, *plot;
+    int runs;
+    double step;
+    mem m;
+    bench_table table;
+} peers_options;
+
+enum { RUNS = 0x3000, PICTURE, PLOT, STEP };
+
+static const struct argp_option OPTIONS[] = {
+    {NULL, 0, NULL, 0, "Measuring:", 1},
+    {"picture", PICTURE, "FILE.png", CLI_BASIC, "ours, Embree's, and how far apart, side by side",
+     0},
+    {"plot", PLOT, "FILE.svg", CLI_BASIC, "draw the table's main columns", 0},
+    {"runs", RUNS, "N", CLI_BASIC, "runs of each, interleaved; medians are reported (9)", 0},
+    {"step", STEP, "D", CLI_BASIC, "between new isovalues (a thousandth of the volume's range)", 0},
+    {NULL, 0, NULL, 0, NULL, 0}};
+
+static status set_option(peers_options *o, int key, const char *text) {
+    int64_t n = 0;
+    status st = ST_OK;
+    switch (key) {
+    case RUNS:
+        st = num_int(text, "--runs", 1, 1000, &n);
+        o->runs = (int)n;
+        return st;
+    case STEP: return num_double(text, "--step", &o->step);
+    case PICTURE: o->picture = text; return ST_OK;
+    case PLOT: o->plot = text; return ST_OK;
+    default: return view_options_set(&o->view, key, text);
+    }
+}
+
+static error_t parse(int key, char *arg, struct argp_state *state) {
+    peers_options *o = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = &o->common; return 0;
+    case ARGP_KEY_ARG:
+        if (o->volume)
+            argp_error(state, "%s: one file is enough", arg);
+        o->volume = arg;
+        return 0;
+    case ARGP_KEY_NO_ARGS: argp_error(state, "which treelet file?"); return 0;
+    default: break;
+    }
+    status st = set_option(o, key, arg);
+    if (st == ST_OK && o->view.field[0])
+        st = status_describe(ST_USAGE, "--field: peers draw a file's first field");
+    if (st == ST_AGAIN)
+        return ARGP_ERR_UNKNOWN;
+    if (st)
+        argp_error(state, "%s", status_text());
+    return 0;
+}
+
+/* The table as CSV or as bars, to a file that appears when it is complete. */
+static status write_table(peers_options *o, const char *path, bool plot) {
+    static const bench_chart charts[] = {{"ms", "+-", false}, {"x Embree", NULL, false}};
+    char *text = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&text, &size);
+    if (!stream)
+        return status_describe(ST_NOMEM, "no memory for the table");
+    if (plot)
+        bench_plot(&o->table, 2, charts, sizeof charts / sizeof *charts, stream);
+    else
+        bench_table_csv(&o->table, stream);
+    fclose(stream);
+    out_file *f = NULL;
+    status st = out_file_create(&o->m, path, o->common.force, &f);
+    if (st == ST_OK)
+        st = out_file_append(f, text, size);
+    if (st == ST_OK)
+        st = out_file_commit(f);
+    else
+        out_file_discard(f);
+    free(text);
+    return st;
+}
+
+/* Those that peer_race_check() looks at are among them. */
+#define PEER_FLAGS                                                                          \
+    "iso color opacity size samples view eye look-at up fov ambient shading normals light " \
+    "point-light shadows clip-box clip-plane lod preview"
+
+/* What would fail only after minutes. */
+static status check(peers_options *o) {
+    const char *const outputs[] = {o->common.output, o->plot};
+    status st = view_options_only(&o->view, o->picture ? PEER_FLAGS " background" : PEER_FLAGS,
+                                  "bench peers");
+    if (st == ST_OK)
+        st = peer_race_check(&o->view);
+    if (st == ST_OK)
+        st = file_guard_input(o->volume);
+    for (int i = 0; i < 2 && st == ST_OK; i++) {
+        st = file_guard_output(outputs[i]);
+        if (st == ST_OK && outputs[i])
+            st = out_file_check(&o->m, outputs[i], o->common.force);
+    }
+    if (st == ST_OK)
+        st = file_guard_output(o->picture);
+    if (st == ST_OK && o->picture)
+        st = image_out_check(&(image_out_options){.force = o->common.force}, o->picture);
+    return st;
+}
+
+/* A thousandth of the volume's range, unless said otherwise. */
+static status find_step(peers_options *o) {
+    leafcast *volume = NULL;
+    if (o->step != 0.0)
+        return ST_OK;
+    status st = (status)leafcast_open(o->volume, NULL, &volume);
+    if (st == ST_OK) {
+        const leafcast_info info = leafcast_describe(volume);
+        o->step = 1e-3 * (info.value_max - info.value_min);
+    }
+    leafcast_close(volume);
+    return st;
+}
+
+static status run(peers_options *o) {
+    peer_race_missing missing;
+    status st = check(o);
+    if (st == ST_OK)
+        st = find_step(o);
+    if (st)
+        return st;
+    const peer_race_options race = {.path = o->volume,
+                                    .view = &o->view,
+                                    .step = o->step,
+                                    .threads = o->common.threads,
+                                    .runs = o->runs,
+                                    .memory = o->common.memory,
+                                    .picture = o->picture,
+                                    .force = o->common.force,
+                                    .progress = cli_progress(&o->common)};
+    bench_table_init(&o->table,
+                     "Peers: the same volume, isovalue, camera, picture, shading and threads; "
+                     "medians of wall clock, runs interleaved",
+                     peer_race_headings);
+    st = peer_race_run(&o->m, &race, &o->table, &missing);
+    if (st)
+        return st;
+    cli_results(&o->common, false);
+    if (!o->common.json)
+        bench_table_print(&o->table, stdout);
+    if (missing.embree[0])
+        cli_note(&o->common, 1, "no Embree: %s", missing.embree);
+    if (missing.vtk[0])
+        cli_note(&o->common, 1, "no VTK: %s", missing.vtk);
+    if (st == ST_OK && o->common.output)
+        st = write_table(o, o->common.output, false);
+    if (st == ST_OK && o->plot)
+        st = write_table(o, o->plot, true);
+    if (st == ST_OK && o->common.json)
+        st = cli_print_json(&o->common, bench_table_json(&o->table, "peers"));
+    return st;
+}
+
+int main(int argc, char **argv) {
+    static peers_options o = {.common = {.verb = "bench peers"}, .runs = 9};
+    const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
+    struct argp_option options[VIEW_OPTIONS_ROOM];
+    view_options_join(options, OPTIONS, "iso size");
+    const struct argp table = {
+        .options = options,
+        .parser = parse,
+        .args_doc = "F.leaf --iso V",
+        .doc = "Measure beside others: Embree on the extracted triangles, VTK's flying edges.\v"
+               "Example:\n  leafcast bench peers bonsai.leaf --iso 37\v"
+               "The same volume, isovalue, camera, picture and threads, in turn. A new isovalue: "
+               "another one for each picture; `ms` then holds what it takes to get at it. "
+               "Embree's rows are its rtcIntersectN; `x Embree` is against its faster "
+               "rtcIntersect16. What is not installed is left out, and said.",
+        .children = children};
+    view_options_init(&o.view);
+    o.view.fit = false; /* what is measured stays what it was */
+    mem_init(&o.m, 0);
+    cli_parse(&table, &o.common, argc, argv, &o);
+    return cli_finish(&o.common, run(&o));
+}

@@ -1,1 +1,0 @@
-#include "render/cell_batch_template.h"

@@ -1,0 +1,70 @@
+#include "render/grid/cell_batch.h"
+
+#include "render/grid/cell_kernel.h"
+#include "render/grid/intersect.h"
+
+/* The first hit of one lane, as one of cell 0, or hit_none(); its visit ends at *t_out. */
+static hit first_hit(const cell_batch *b, int lane, const double *isovalues, int count,
+                     intersect_fn next_hit, double *t_out) {
+    ray r = {.t0 = b->t0[lane], .t1 = b->t1[lane]};
+    cell_box box;
+    float samples[8];
+    for (int a = 0; a < 3; a++) {
+        r.d[a] = b->d[a][lane];
+        box.lo[a] = b->lo[a][lane];
+        box.hi[a] = b->hi[a][lane];
+        box.inv[a] = b->inv[a][lane];
+        box.last[a] = false; /* of rays with d = 0 only */
+    }
+    for (int i = 0; i < 8; i++)
+        samples[i] = b->samples[i][lane];
+    const hit start = hit_before_all();
+    hit best = hit_none();
+    cell_visit visit;
+    if (!cell_visit_of(&r, &box, &visit))
+        return best;
+    *t_out = visit.t_out;
+    for (int i = 0; i < count; i++) {
+        hit h;
+        if (next_hit(&r, &visit, samples, isovalues[i], i, 0, &start, &h) && hit_less(&h, &best))
+            best = h;
+    }
+    return best;
+}
+
+static void cell_batch_scalar(const cell_batch *b, int lanes, const double *isovalues, int count,
+                              leafcast_intersector how, cell_batch_hits *out) {
+    const intersect_fn next_hit = intersector_find(how)->next_hit;
+    out->found = out->entering = out->at_exit = 0;
+    for (int k = 0; k < lanes; k++) {
+        double t_out = 0.0;
+        const hit h = first_hit(b, k, isovalues, count, next_hit, &t_out);
+        if (h.cell != 0)
+            continue;
+        out->t[k] = h.t;
+        out->iso[k] = h.iso;
+        out->found |= 1u << k;
+        out->entering |= (uint32_t)h.entering << k;
+        out->at_exit |= (uint32_t)(h.t == t_out) << k;
+    }
+}
+
+#if defined __x86_64__ || defined __i386__
+void cell_batch_sse42(const cell_batch *b, int lanes, const double *isovalues, int count,
+                      leafcast_intersector how, cell_batch_hits *out);
+void cell_batch_avx2(const cell_batch *b, int lanes, const double *isovalues, int count,
+                     leafcast_intersector how, cell_batch_hits *out);
+void cell_batch_avx512(const cell_batch *b, int lanes, const double *isovalues, int count,
+                       leafcast_intersector how, cell_batch_hits *out);
+#endif
+
+cell_batch_fn cell_batch_for(cpu_isa isa) {
+    switch (isa) {
+#if defined __x86_64__ || defined __i386__
+    case CPU_AVX512: return cell_batch_avx512;
+    case CPU_AVX2: return cell_batch_avx2;
+    case CPU_SSE42: return cell_batch_sse42;
+#endif
+    default: return cell_batch_scalar;
+    }
+}

@@ -1,0 +1,44 @@
+/* cell_batch.h - sixteen ray-cells at a time: the first surface of each.
+ *
+ * The answer of a lane is, to the bit, that of cell_visit_of() followed by the intersector for
+ * every isovalue, from before all hits on; it does not depend on the other lanes. Versions for
+ * newer instructions come from one template (cell_batch_template.h); the scalar one asks the
+ * functions just named, and is the truth.
+ */
+#ifndef RENDER_GRID_CELL_BATCH_H
+#define RENDER_GRID_CELL_BATCH_H
+
+#include <stdint.h>
+
+#include "formats/base/cpu.h"
+#include "render/leafcast.h"
+
+enum { CELL_BATCH = 16 };
+
+/* Ray-cells, one a lane. Planes are relative to the ray's origin: plane - o, in double. */
+typedef struct cell_batch {
+    _Alignas(64) double d[3][CELL_BATCH];        /* none is 0: such rays take the scalar way */
+    double t0[CELL_BATCH], t1[CELL_BATCH];       /* of the ray */
+    double lo[3][CELL_BATCH], hi[3][CELL_BATCH]; /* planes, lo < hi */
+    double inv[3][CELL_BATCH];                   /* 1 / (hi - lo), as in cell_box */
+    float samples[8][CELL_BATCH];                /* corner x + 2y + 4z, finite */
+} cell_batch;
+
+/* Bit k of a mask is lane k. */
+typedef struct cell_batch_hits {
+    _Alignas(64) double t[CELL_BATCH]; /* set where found */
+    int32_t iso[CELL_BATCH];           /* index into the isovalues, set where found */
+    uint32_t found, entering;          /* entering: only where found */
+    uint32_t at_exit; /* found, and t is where the ray leaves the cell: another cell may hold the
+                         same t */
+} cell_batch_hits;
+
+/* Lanes 0 .. lanes - 1 of *b are looked at, 1 <= lanes <= CELL_BATCH; the others may hold anything.
+ * A lane's hit is the least in (t, iso). */
+typedef void (*cell_batch_fn)(const cell_batch *b, int lanes, const double *isovalues, int count,
+                              leafcast_intersector how, cell_batch_hits *out);
+
+/* cell_batch_for() - the version for an ISA that this CPU has (see cpu.h). */
+cell_batch_fn cell_batch_for(cpu_isa isa);
+
+#endif

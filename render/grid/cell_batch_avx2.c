@@ -1,0 +1,1 @@
+#include "render/grid/cell_batch_template.h"

@@ -1,0 +1,461 @@
+/* cell_batch_template.h - cell_batch.h for the ISA of the translation unit that includes it.
+ *
+ * The scalar functions (cell_kernel.c, intersect.c) written again for vectors, operation by
+ * operation: every lane goes through the very roundings of the scalar code, branches have become
+ * masks. What is left to the scalar code: `schwarze`, whose cosines are libm's, and of `marmitt`
+ * the lanes whose control polygon changes sides more than once, or ends at the isovalue.
+ *
+ * `marmitt` packs the lanes that do have a root before it refines: of the active cells that rays
+ * meet, about one in three has.
+ */
+#ifndef RENDER_GRID_CELL_BATCH_TEMPLATE_H
+#define RENDER_GRID_CELL_BATCH_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include <math.h>
+#include <string.h>
+
+#include "render/grid/cell_batch.h"
+#include "render/grid/cell_kernel.h"
+#include "render/grid/intersect.h"
+
+void SIMD_NAME(cell_batch)(const cell_batch *b, int lanes, const double *isovalues, int count,
+                           leafcast_intersector how, cell_batch_hits *out);
+
+enum { VECTORS = CELL_BATCH / VD_N, VECTOR_LANES = (1 << VD_N) - 1, PACK_MAX = CELL_BATCH - 4 };
+
+/* ---- the visit: cell_visit_of() ---- */
+
+typedef struct visits {
+    vd t_in, t_out, in[3], out[3];
+} visits;
+
+/* Cell coordinates at t; exact on the axis that is crossed. */
+SIMD void coordinates_at(const cell_batch *b, int at, vd t, vd axis, vd upper, vd lower, vd to[3]) {
+    for (int a = 0; a < 3; a++) {
+        const vd d = d_load(b->d[a] + at);
+        const vd u = (t * d - d_load(b->lo[a] + at)) * d_load(b->inv[a] + at);
+        const vd inside = d_min(d_set(1.0), d_max(d_set(0.0), u));
+        const vd on_axis = d_select(d_lt(d, d_set(0.0)), upper, lower);
+        to[a] = d_select(d_eq(axis, d_set(a)), on_axis, inside);
+    }
+}
+
+/* The lanes from `at` on that visit their cells. */
+SIMD md visit(const cell_batch *b, int at, visits *v) {
+    const vd t0 = d_load(b->t0 + at), none = d_set(-1.0), end = d_set(3.0);
+    vd t_in = t0, t_out = d_load(b->t1 + at), axis_in = none, axis_out = end;
+    md gone = md_of_bits(0);
+    for (int a = 0; a < 3; a++) {
+        const vd d = d_load(b->d[a] + at), lo = d_load(b->lo[a] + at), hi = d_load(b->hi[a] + at);
+        const md up = d_gt(d, d_set(0.0));
+        const vd near = d_select(up, lo, hi) / d, far = d_select(up, hi, lo) / d;
+        gone = md_or(gone, md_or(d_lt(far, t0), md_and(up, d_eq(far, t0))));
+        const md enters = d_ge(near, t_in);
+        t_in = d_select(enters, near, t_in);
+        axis_in = d_select(enters, d_set(a), axis_in);
+        const md leaves = md_or(d_lt(far, t_out), md_and(d_eq(far, t_out), d_eq(axis_out, end)));
+        t_out = d_select(leaves, far, t_out);
+        axis_out = d_select(leaves, d_set(a), axis_out);
+    }
+    const md empty = md_or(d_gt(t_in, t_out), md_and(d_eq(t_in, t_out), d_ge(axis_in, axis_out)));
+    v->t_in = t_in;
+    v->t_out = t_out;
+    coordinates_at(b, at, t_in, axis_in, d_set(1.0), d_set(0.0), v->in);
+    coordinates_at(b, at, t_out, axis_out, d_set(0.0), d_set(1.0), v->out);
+    return md_and_not(md_and_not(md_of_bits(VECTOR_LANES), gone), empty);
+}
+
+/* ---- the cubic: cell_cubic() ---- */
+
+/* Samples without the isovalue; the lanes that are active. */
+SIMD md differences(const cell_batch *b, int at, vd iso, vd f[8]) {
+    md any = md_of_bits(0), all = md_of_bits(VECTOR_LANES);
+    for (int i = 0; i < 8; i++) {
+        f[i] = d_of_floats(b->samples[i] + at) - iso;
+        const md inside = d_ge(f[i], d_set(0.0));
+        any = md_or(any, inside);
+        all = md_and(all, inside);
+    }
+    return md_and_not(any, all);
+}
+
+SIMD vd mix(vd a, vd b, vd s) {
+    return (d_set(1.0) - s) * a + s * b;
+}
+
+SIMD void cubic(const visits *v, const vd f[8], vd b[4]) {
+    vd x[2][4], xy[4][2], m[8];
+    for (int i = 0; i < 4; i++) {
+        x[0][i] = mix(f[2 * i], f[2 * i + 1], v->in[0]);
+        x[1][i] = mix(f[2 * i], f[2 * i + 1], v->out[0]);
+    }
+    for (int i = 0; i < 2; i++) {
+        for (int k = 0; k < 2; k++) {
+            xy[i][k] = mix(x[i][2 * k], x[i][2 * k + 1], v->in[1]);
+            xy[i + 2][k] = mix(x[i][2 * k], x[i][2 * k + 1], v->out[1]);
+        }
+    }
+    for (int i = 0; i < 4; i++) {
+        m[i] = mix(xy[i][0], xy[i][1], v->in[2]);
+        m[i + 4] = mix(xy[i][0], xy[i][1], v->out[2]);
+    }
+    const vd third = d_set(1.0 / 3.0);
+    b[0] = m[0];
+    b[1] = (m[1] + m[2] + m[4]) * third;
+    b[2] = (m[3] + m[5] + m[6]) * third;
+    b[3] = m[7];
+}
+
+/* ---- marmitt: cell_roots(), the first of them ---- */
+
+typedef struct search {
+    vd c[4], lo, hi, reach, s;
+    md side_lo, going;
+} search;
+
+/* The only root of cubics with control values b, whose ends lie on different sides. */
+SIMD search search_begin(const double b[4][CELL_BATCH], int at, unsigned lanes) {
+    const vd three = d_set(3.0), b0 = d_load(b[0] + at), b1 = d_load(b[1] + at),
+             b2 = d_load(b[2] + at), b3 = d_load(b[3] + at);
+    return (search){.c = {b0, three * (b1 - b0), three * ((b2 - b1) - (b1 - b0)),
+                          (b3 - b0) - three * (b2 - b1)},
+                    .lo = d_set(0.0),
+                    .hi = d_set(1.0),
+                    .reach = d_set(1.0),
+                    .s = b0 / (b0 - b3),
+                    .side_lo = d_ge(b0, d_set(0.0)),
+                    .going = md_of_bits(lanes)};
+}
+
+/* One step of refine(). */
+SIMD void search_step(search *r) {
+    const vd s = r->s, half = d_set(0.5), one = d_set(1.0), last_bit = d_set(CELL_LAST_BIT);
+    const vd c3_s = s * r->c[3], h2 = r->c[2] + c3_s, h1 = r->c[1] + s * h2, f = r->c[0] + s * h1;
+    const vd g2 = h2 + c3_s, slope = h1 + s * g2, bend = g2 + c3_s;
+    const md past = md_xor(d_ge(f, d_set(0.0)), r->side_lo);
+    const vd lo = d_select(past, r->lo, s), hi = d_select(past, s, r->hi);
+    const vd per_slope = one / slope, newton = f * per_slope;
+    const vd q = bend * per_slope * newton, qq = q * q;
+    const vd third = r->c[3] * per_slope * newton * newton;
+    const vd z = qq + d_abs(third), series = newton * (one + (q + ((qq + qq) - third)));
+    const vd move = d_select(d_le(z, d_set(CELL_SERIES_USED)), series, newton);
+    const vd next = s - move, length = d_abs(move);
+    const md accepted = md_and(md_and(d_ge(next, lo), d_le(next, hi)), d_le(length, r->reach));
+    const vd rest = d_abs(newton) * (z * (d_set(5.0) * d_abs(q) + d_set(48.0) * z));
+    const md settled = md_or(md_and(d_le(z, d_set(CELL_SERIES_SURE)), d_le(rest, last_bit)),
+                             d_le(length, last_bit));
+    const vd width = half * (hi - lo);
+    const md closed = md_and_not(d_le(width, last_bit), accepted);
+    r->lo = lo;
+    r->hi = hi;
+    r->s = d_select(r->going, d_select(accepted, next, half * (lo + hi)), s);
+    r->reach = d_select(accepted, half * length, width);
+    r->going = md_and_not(r->going, md_or(md_and(accepted, settled), closed));
+}
+
+/* Two vectors at a time: one waits for its division while the other works. */
+static void search_all(const double b[4][CELL_BATCH], unsigned lanes, double roots[CELL_BATCH]) {
+    for (int at = 0; lanes >> at; at += 2 * VD_N) {
+        search x = search_begin(b, at, lanes >> at & VECTOR_LANES);
+        const unsigned others = lanes >> at >> VD_N & VECTOR_LANES;
+        if (others) {
+            search y = search_begin(b, at + VD_N, others);
+            for (int step = 0; step < CELL_STEPS_MAX && md_bits(md_or(x.going, y.going)); step++) {
+                search_step(&x);
+                search_step(&y);
+            }
+            d_store(roots + at + VD_N, y.s);
+        } else {
+            for (int step = 0; step < CELL_STEPS_MAX && md_bits(x.going); step++)
+                search_step(&x);
+        }
+        d_store(roots + at, x.s);
+    }
+}
+
+/* The same, of a few lanes: side by side. */
+static void search_packed(const double b[4][CELL_BATCH], unsigned lanes, double roots[CELL_BATCH]) {
+    _Alignas(64) double packed[4][CELL_BATCH], found[CELL_BATCH];
+    int n = 0;
+    for (unsigned rest = lanes; rest; rest &= rest - 1, n++)
+        for (int i = 0; i < 4; i++)
+            packed[i][n] = b[i][__builtin_ctz(rest)];
+    search_all(packed, (1u << n) - 1, found);
+    n = 0;
+    for (unsigned rest = lanes; rest; rest &= rest - 1, n++)
+        roots[__builtin_ctz(rest)] = found[n];
+}
+
+/* Sorts the lanes that `active` names: those with one clear change of side go to *plain, those that
+ * need the scalar code to *hard. */
+SIMD void classify(const vd b[4], md active, md *plain, md *hard) {
+    const vd zero = d_set(0.0);
+    const md s0 = d_ge(b[0], zero), s1 = d_ge(b[1], zero), s2 = d_ge(b[2], zero),
+             s3 = d_ge(b[3], zero);
+    const md first = md_xor(s0, s1), second = md_xor(s1, s2), third = md_xor(s2, s3);
+    const md some = md_and(active, md_or(md_or(first, second), third));
+    const md one =
+        md_and_not(md_xor(md_xor(first, second), third), md_and(md_and(first, second), third));
+    const vd end0 = d_abs(b[0]), end3 = d_abs(b[3]);
+    const vd largest = d_max(d_max(end0, d_abs(b[1])), d_max(d_abs(b[2]), end3));
+    const vd near = d_set(CELL_NEAR_END) * d_and_bits(largest, CELL_EXPONENT_BITS);
+    const md clear = md_and(d_gt(end0, near), d_gt(end3, near));
+    const md ordinary =
+        md_and(d_ge(largest, d_set(CELL_ORDINARY_MIN)), d_le(largest, d_set(CELL_ORDINARY_MAX)));
+    *plain = md_and(md_and(some, one), md_and(clear, ordinary));
+    *hard = md_and_not(some, *plain);
+}
+
+/* First roots of the lanes `hard`, by the scalar code; those that have one. */
+static unsigned scalar_roots(const double b[4][CELL_BATCH], unsigned hard, double s[CELL_BATCH]) {
+    unsigned has = 0;
+    for (unsigned rest = hard; rest; rest &= rest - 1) {
+        const int lane = __builtin_ctz(rest);
+        const double control[4] = {b[0][lane], b[1][lane], b[2][lane], b[3][lane]};
+        double roots[3];
+        if (cell_roots(control, roots) > 0) {
+            s[lane] = roots[0];
+            has |= 1u << lane;
+        }
+    }
+    return has;
+}
+
+/* First roots of the lanes `visited`: parameters go to s; returns those that have one. */
+SIMD unsigned marmitt_roots(const cell_batch *b, const visits v[VECTORS], unsigned visited,
+                            double iso, double s[CELL_BATCH], unsigned *entering) {
+    _Alignas(64) double control[4][CELL_BATCH];
+    unsigned plain = 0, hard = 0, outside = 0;
+    for (int k = 0, at = 0; k < VECTORS; k++, at += VD_N) {
+        vd f[8], c[4];
+        md one, several;
+        const md active =
+            md_and(differences(b, at, d_set(iso), f), md_of_bits(visited >> at & VECTOR_LANES));
+        if (!md_bits(active))
+            continue;
+        cubic(&v[k], f, c);
+        classify(c, active, &one, &several);
+        for (int i = 0; i < 4; i++)
+            d_store(control[i] + at, c[i]);
+        plain |= md_bits(one) << at;
+        hard |= md_bits(several) << at;
+        outside |= md_bits(d_lt(c[0], d_set(0.0))) << at;
+    }
+    *entering = outside;
+    if (__builtin_popcount(plain) > PACK_MAX)
+        search_all(control, plain, s);
+    else if (plain)
+        search_packed(control, plain, s);
+    return plain | scalar_roots(control, hard, s);
+}
+
+/* ---- the approximate ones: intersect.c ---- */
+
+/* f at parameter s of the visit; f0: what the corners have beyond the isovalue. */
+SIMD vd trilinear(const visits *v, const vd f[8], vd s) {
+    vd at[3], x[4], y[2];
+    for (int a = 0; a < 3; a++)
+        at[a] = v->in[a] + s * (v->out[a] - v->in[a]);
+    for (int i = 0; i < 4; i++)
+        x[i] = f[2 * i] + at[0] * (f[2 * i + 1] - f[2 * i]);
+    for (int i = 0; i < 2; i++)
+        y[i] = x[2 * i] + at[1] * (x[2 * i + 1] - x[2 * i]);
+    return y[0] + at[2] * (y[1] - y[0]);
+}
+
+/* A stretch of the visit with f at its ends. */
+typedef struct stretch {
+    vd s_in, s_out, f_in, f_out;
+} stretch;
+
+/* Where the straight line between the ends is zero. */
+SIMD vd crossing(const stretch *p) {
+    return p->s_in - (p->s_out - p->s_in) * (p->f_in / (p->f_out - p->f_in));
+}
+
+/* Cut at s, where f is value: the part that the change of side is in. */
+SIMD void cut(stretch *p, vd s, vd value, md inside) {
+    const md beyond = md_xor(d_ge(value, d_set(0.0)), inside);
+    p->s_in = d_select(beyond, p->s_in, s);
+    p->f_in = d_select(beyond, p->f_in, value);
+    p->s_out = d_select(beyond, s, p->s_out);
+    p->f_out = d_select(beyond, value, p->f_out);
+}
+
+SIMD md interpolated(int steps, const visits *v, const vd f[8], vd *s, md *inside) {
+    const vd zero = d_set(0.0), one = d_set(1.0);
+    stretch p = {zero, one, trilinear(v, f, zero), trilinear(v, f, one)};
+    *inside = d_ge(p.f_in, zero);
+    const md found = md_xor(*inside, d_ge(p.f_out, zero));
+    for (int i = 0; i < steps; i++) {
+        const vd at = crossing(&p);
+        cut(&p, at, trilinear(v, f, at), *inside);
+    }
+    *s = crossing(&p);
+    return found;
+}
+
+SIMD vd polynomial_at(const vd c[4], vd s) {
+    return c[0] + s * (c[1] + s * (c[2] + s * c[3]));
+}
+
+/* The extrema of the polynomial, ascending; -1 or more than 1 where there is none. */
+SIMD void monotone_parts(const vd c[4], vd *first, vd *second) {
+    const vd none = d_set(-1.0), zero = d_set(0.0);
+    const vd a = d_set(3.0) * c[3], half = c[2];
+    const vd discriminant = half * half - a * c[1];
+    const md two = d_gt(discriminant, zero);
+    const vd root = d_sqrt(d_select(two, discriminant, zero));
+    const vd w = zero - (half + d_select(d_ge(half, zero), root, zero - root));
+    const vd s0 = d_select(d_eq(a, zero), none, w / a), s1 = c[1] / w;
+    const md swap = d_lt(s1, s0);
+    *first = d_select(two, d_select(swap, s1, s0), none);
+    *second = d_select(two, d_select(swap, s0, s1), none);
+}
+
+SIMD md three_steps(const vd b[4], vd *s, md *inside) {
+    const vd zero = d_set(0.0), one = d_set(1.0), two = d_set(2.0), three = d_set(3.0);
+    const vd c[4] = {b[0], three * (b[1] - b[0]), three * (b[0] - two * b[1] + b[2]),
+                     b[3] - b[0] + three * (b[1] - b[2])};
+    vd ends[3] = {zero, zero, one};
+    monotone_parts(c, &ends[0], &ends[1]);
+    stretch p = {zero, zero, b[0], b[0]}; /* the last part looked at */
+    md found = md_of_bits(0);
+    for (int part = 0; part < 3; part++) {
+        const vd end = ends[part], value = part < 2 ? polynomial_at(c, end) : b[3];
+        const md there = part < 2 ? md_and(d_gt(end, zero), d_lt(end, one)) : d_eq(end, one);
+        const md next = md_and_not(there, found);
+        p.s_in = d_select(next, p.s_out, p.s_in);
+        p.f_in = d_select(next, p.f_out, p.f_in);
+        p.s_out = d_select(next, end, p.s_out);
+        p.f_out = d_select(next, value, p.f_out);
+        found = md_or(found, md_and(next, md_xor(d_ge(p.f_in, zero), d_ge(p.f_out, zero))));
+    }
+    *inside = d_ge(p.f_in, zero);
+    for (int i = 0; i < 3; i++) {
+        const vd at = crossing(&p);
+        cut(&p, at, polynomial_at(c, at), *inside);
+    }
+    *s = crossing(&p);
+    return found;
+}
+
+/* As marmitt_roots(). */
+SIMD unsigned approximate_roots(leafcast_intersector how, const cell_batch *b,
+                                const visits v[VECTORS], unsigned visited, double iso,
+                                double s[CELL_BATCH], unsigned *entering) {
+    unsigned has = 0, outside = 0;
+    for (int k = 0, at = 0; k < VECTORS; k++, at += VD_N) {
+        vd f[8], c[4], root = d_set(0.5);
+        md found = md_of_bits(VECTOR_LANES), inside = md_of_bits(0);
+        const md active =
+            md_and(differences(b, at, d_set(iso), f), md_of_bits(visited >> at & VECTOR_LANES));
+        if (!md_bits(active))
+            continue;
+        if (how == LEAFCAST_MARMITT_3) {
+            cubic(&v[k], f, c);
+            found = three_steps(c, &root, &inside);
+        } else if (how != LEAFCAST_MIDPOINT) {
+            found = interpolated(how == LEAFCAST_NEUBAUER ? 3 : 0, &v[k], f, &root, &inside);
+        }
+        d_store(s + at, root);
+        has |= md_bits(md_and(found, active)) << at;
+        outside |= (~md_bits(inside) & VECTOR_LANES) << at;
+    }
+    *entering = outside;
+    return has;
+}
+
+/* As marmitt_roots(): lane by lane. */
+static unsigned schwarze_roots(const cell_batch *b, const visits v[VECTORS], unsigned visited,
+                               double iso, double s[CELL_BATCH], unsigned *entering) {
+    unsigned has = 0;
+    *entering = 0;
+    for (int k = 0, at = 0; k < VECTORS; k++, at += VD_N) {
+        _Alignas(64) double control[4][VD_N];
+        vd f[8], c[4];
+        const md active =
+            md_and(differences(b, at, d_set(iso), f), md_of_bits(visited >> at & VECTOR_LANES));
+        if (!md_bits(active))
+            continue;
+        cubic(&v[k], f, c);
+        for (int i = 0; i < 4; i++)
+            d_store(control[i], c[i]);
+        for (unsigned rest = md_bits(active); rest; rest &= rest - 1) {
+            const int lane = __builtin_ctz(rest);
+            const double one[4] = {control[0][lane], control[1][lane], control[2][lane],
+                                   control[3][lane]};
+            bool enters = false;
+            if (intersect_schwarze(one, &s[at + lane], &enters))
+                has |= 1u << (at + lane);
+            *entering |= (unsigned)enters << (at + lane);
+        }
+    }
+    return has;
+}
+
+/* ---- a batch ---- */
+
+/* Roots at parameters s of the lanes `has` become hits with isovalue i, where they come first. */
+SIMD void report(const visits *v, int at, const double *s, unsigned has, unsigned entering, int i,
+                 vd *best, cell_batch_hits *out) {
+    const vd at_s = d_load(s + at), line = v->t_in + at_s * (v->t_out - v->t_in);
+    const md before = md_and(d_lt(at_s, d_set(1.0)), d_lt(line, v->t_out));
+    const vd t = d_select(before, line, v->t_out);
+    const unsigned first = md_bits(d_lt(t, *best)) | ~(out->found >> at);
+    const unsigned take = has >> at & VECTOR_LANES & first;
+    const unsigned exits = md_bits(d_eq(t, v->t_out));
+    *best = d_select(md_of_bits(take), t, *best);
+    d_store(out->t + at, *best);
+    out->found |= take << at;
+    out->entering = (out->entering & ~(take << at)) | (take << at & entering);
+    out->at_exit = (out->at_exit & ~(take << at)) | (take & exits) << at;
+    for (int k = 0; k < VD_N; k++)
+        out->iso[at + k] = i == 0 || take >> k & 1u ? i : out->iso[at + k];
+}
+
+SIMD void batch_with(const cell_batch *b, int lanes, const double *isovalues, int count,
+                     leafcast_intersector how, cell_batch_hits *out) {
+    visits v[VECTORS];
+    vd best[VECTORS];
+    unsigned visited = 0;
+    for (int k = 0, at = 0; at < lanes; k++, at += VD_N) {
+        best[k] = d_set(INFINITY);
+        visited |= md_bits(visit(b, at, &v[k])) << at;
+    }
+    visited &= (1u << lanes) - 1;
+    out->found = out->entering = out->at_exit = 0;
+    for (int i = 0; i < count; i++) {
+        _Alignas(64) double s[CELL_BATCH];
+        unsigned entering;
+        const unsigned has =
+            how == LEAFCAST_MARMITT ? marmitt_roots(b, v, visited, isovalues[i], s, &entering)
+            : how == LEAFCAST_SCHWARZE
+                ? schwarze_roots(b, v, visited, isovalues[i], s, &entering)
+                : approximate_roots(how, b, v, visited, isovalues[i], s, &entering);
+        for (int k = 0, at = 0; has >> at; k++, at += VD_N)
+            if (has >> at & VECTOR_LANES)
+                report(&v[k], at, s, has, entering, i, &best[k], out);
+    }
+}
+
+void SIMD_NAME(cell_batch)(const cell_batch *b, int lanes, const double *isovalues, int count,
+                           leafcast_intersector how, cell_batch_hits *out) {
+    switch (how) {
+    case LEAFCAST_MIDPOINT: batch_with(b, lanes, isovalues, count, LEAFCAST_MIDPOINT, out); return;
+    case LEAFCAST_LINEAR: batch_with(b, lanes, isovalues, count, LEAFCAST_LINEAR, out); return;
+    case LEAFCAST_NEUBAUER: batch_with(b, lanes, isovalues, count, LEAFCAST_NEUBAUER, out); return;
+    case LEAFCAST_SCHWARZE: batch_with(b, lanes, isovalues, count, LEAFCAST_SCHWARZE, out); return;
+    case LEAFCAST_MARMITT_3:
+        batch_with(b, lanes, isovalues, count, LEAFCAST_MARMITT_3, out);
+        return;
+    default: batch_with(b, lanes, isovalues, count, LEAFCAST_MARMITT, out);
+    }
+}
+
+#endif
+#endif

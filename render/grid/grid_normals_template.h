@@ -1,0 +1,151 @@
+/* grid_normals_template.h - the normals of what a tile's rays have found in a grid; included by the
+ * units of an ISA (see formats/base/simd.h).
+ *
+ * surface_at() in the same order of operations, many pixels at a time. */
+#ifndef RENDER_GRID_GRID_NORMALS_TEMPLATE_H
+#define RENDER_GRID_GRID_NORMALS_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/grid/grid_walk_template.h"
+#include "render/tile_shade_template.h"
+
+typedef double four __attribute__((vector_size(32)));
+
+SIMD four four_set(double a) {
+    return (four){a, a, a, a};
+}
+
+SIMD four four_load(const double *from) {
+    four a;
+    memcpy(&a, from, sizeof a);
+    return a;
+}
+
+SIMD four mix_four(four a, four b, double s) {
+    return four_set(1.0 - s) * a + four_set(s) * b;
+}
+
+/* The gradients at the corners of the cells that were hit last: neighbouring rays share them. */
+enum { KNOWN_CELLS = 32 };
+
+typedef struct known_cell {
+    const treelet *at;
+    uint32_t cell[3];
+    double gradients[8][4];
+} known_cell;
+
+/* The gradients at the corners of the cell that ray i hit. */
+static const known_cell *corners_of(const tile_walk *w, unsigned i, known_cell *known) {
+    const uint32_t *cell = w->cell[i];
+    known_cell *k = &known[(cell[0] + 5 * cell[1] + 11 * cell[2]) % KNOWN_CELLS];
+    if (k->at == w->s.at[i] && k->cell[0] == cell[0] && k->cell[1] == cell[1] &&
+        k->cell[2] == cell[2])
+        return k;
+    surface_gradients(&w->s.f->tracer->scene, w->s.at[i], cell, k->gradients);
+    k->at = w->s.at[i];
+    for (int a = 0; a < 3; a++)
+        k->cell[a] = cell[a];
+    return k;
+}
+
+/* The gradients that the normals of VD_N pixels are taken from; lanes without a hit: any. */
+SIMD void gradients_at(const tile_walk *w, unsigned i, unsigned hits, bool central,
+                       known_cell *known, double gradient[3][VD_N]) {
+    const walk_scene *scene = &w->s.f->tracer->scene;
+    double lo[3][VD_N], inverse[3][VD_N], at[3][VD_N];
+    for (unsigned k = 0; k < VD_N; k++) {
+        for (int a = 0; a < 3; a++) {
+            const bool has = hits >> k & 1u;
+            const level_planes *planes = &scene->levels[has ? w->s.at[i + k]->level : 0];
+            const uint32_t c = has ? w->cell[i + k][a] : 0;
+            lo[a][k] = planes->at[a][c] - w->place.p->eye[a];
+            inverse[a][k] = planes->inverse[a][c];
+        }
+    }
+    for (int a = 0; a < 3; a++) {
+        const vd u =
+            (d_load(w->s.t + i) * d_load(w->s.rays.d[a] + i) - d_load(lo[a])) * d_load(inverse[a]);
+        d_store(at[a], d_min(d_max(u, d_set(0.0)), d_set(1.0)));
+    }
+    for (unsigned k = 0; k < VD_N; k++) {
+        double g[4] = {1.0, 1.0, 1.0, 0.0};
+        const double x = at[0][k], y = at[1][k], z = at[2][k];
+        if ((hits >> k & 1u) && central) {
+            const known_cell *corners = corners_of(w, i + k, known);
+            four c[8];
+            for (int corner = 0; corner < 8; corner++)
+                c[corner] = four_load(corners->gradients[corner]);
+            const four low = mix_four(mix_four(c[0], c[1], x), mix_four(c[2], c[3], x), y);
+            const four high = mix_four(mix_four(c[4], c[5], x), mix_four(c[6], c[7], x), y);
+            const four mixed = mix_four(low, high, z);
+            memcpy(g, &mixed, sizeof g);
+        } else if (hits >> k & 1u) {
+            const double place[3] = {x, y, z};
+            const double widths[3] = {inverse[0][k], inverse[1][k], inverse[2][k]};
+            float samples[8];
+            walk_cell_samples(scene, w->s.at[i + k], w->cell[i + k], samples);
+            surface_trilinear(samples, place, widths, g);
+        }
+        for (int a = 0; a < 3; a++)
+            gradient[a][k] = g[a];
+    }
+}
+
+/* Unit normals against the gradients, VD_N at a time. Returns the lanes that have no such: gradient
+ * zero or not finite. */
+SIMD unsigned normals_of(const affine *space, double gradient[3][VD_N], unsigned i,
+                         tile_pixels *p) {
+    vd grid[3], g[3], v[3];
+    for (int a = 0; a < 3; a++)
+        grid[a] = d_load(gradient[a]);
+    for (int a = 0; a < 3; a++)
+        g[a] = d_set(space->to_grid[0][a]) * grid[0] + d_set(space->to_grid[1][a]) * grid[1] +
+               d_set(space->to_grid[2][a]) * grid[2];
+    const vd largest = d_max(d_abs(g[0]), d_max(d_abs(g[1]), d_abs(g[2])));
+    for (int a = 0; a < 3; a++)
+        v[a] = g[a] / largest;
+    const vd length = d_sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int a = 0; a < 3; a++)
+        d_store_floats(p->normal[a] + i, (d_set(-0.0) - v[a]) / length);
+    const vd sum = g[0] + g[1] + g[2], infinite = d_set(INFINITY);
+    return ~md_bits(md_and(d_gt(largest, d_set(0.0)), d_lt(d_abs(sum), infinite)));
+}
+
+/* surface_at() by itself, where neighbours do not give a normal. */
+static void normal_of_its_own(const tile_walk *w, unsigned i, tile_pixels *p) {
+    const tracer *tr = w->s.f->tracer;
+    ray r = {.t0 = w->s.rays.t0[i], .t1 = w->s.rays.t1[i]};
+    for (int a = 0; a < 3; a++) {
+        r.o[a] = r.held[a] = w->place.p->eye[a];
+        r.d[a] = w->s.rays.d[a][i];
+    }
+    const hit h = {w->s.t[i], index_of(w, w->s.at[i], w->cell[i]), w->s.iso[i], w->s.entering[i]};
+    const surface_point point =
+        surface_at(&tr->scene, &tr->space, w->s.at[i], &r, &h, tr->analytic_normals);
+    for (int a = 0; a < 3; a++)
+        p->normal[a][i] = point.normal[a];
+}
+
+/* Of all pixels with a surface. */
+static void tile_normals(const tile_walk *w, tile_pixels *p) {
+    const tracer *tr = w->s.f->tracer;
+    const bool central = !tr->analytic_normals && tr->scene.halo > 0;
+    known_cell known[KNOWN_CELLS];
+    for (int k = 0; k < KNOWN_CELLS; k++)
+        known[k].at = NULL;
+    for (unsigned i = 0; i < TILE_RAYS; i += VD_N) {
+        double gradient[3][VD_N];
+        const unsigned hits = hits_from(&w->s, i, VD_N);
+        if (!hits)
+            continue;
+        gradients_at(w, i, hits, central, known, gradient);
+        for (unsigned bad = normals_of(&tr->space, gradient, i, p) & hits; bad; bad &= bad - 1)
+            normal_of_its_own(w, i + (unsigned)__builtin_ctz(bad), p);
+    }
+}
+
+#endif
+#endif

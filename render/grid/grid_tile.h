@@ -1,0 +1,17 @@
+/* grid_tile.h - the primary rays of 16 x 16 pixels through a grid together, up to their first
+ * surface.
+ *
+ * The implicit octree is walked once for all rays of a tile (tile.h). At an active cell the rays of
+ * its rectangle are tested in single precision, conservatively; those that may meet the surface are
+ * collected over several cells and go to the cell kernel together (cell_batch.h), whose answer is
+ * the same as for single rays.
+ */
+#ifndef RENDER_GRID_GRID_TILE_H
+#define RENDER_GRID_GRID_TILE_H
+
+#include "render/tile.h"
+
+/* grid_tile_for() - NULL where there is none: every ray by itself. */
+tile_fn grid_tile_for(cpu_isa isa);
+
+#endif

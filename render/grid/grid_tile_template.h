@@ -1,0 +1,44 @@
+/* grid_tile_template.h - tile_trace_X() of tile.h; included by the units of an ISA (see
+ * formats/base/simd.h). */
+#ifndef RENDER_GRID_GRID_TILE_TEMPLATE_H
+#define RENDER_GRID_GRID_TILE_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/tile.h"
+
+enum { TILE = GRID_TILE, TILE_WINDOWS = 1 }; /* of the templates that follow */
+
+#include "render/grid/grid_normals_template.h"
+
+void SIMD_NAME(grid_tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
+                                tile_outcome *out, frame_counters *counters);
+
+/* What lies in the outcome's scratch. */
+typedef struct tile_work {
+    tile_walk walk;
+    tile_pixels pixels;
+} tile_work;
+_Static_assert(sizeof(tile_work) <= GRID_TILE_SCRATCH, "a tile has room in its scratch");
+
+void SIMD_NAME(grid_tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
+                                tile_outcome *out, frame_counters *counters) {
+    tile_work *work = out->scratch;
+    tile_walk *w = &work->walk;
+    tile_walk_run(w, f, x0, y0, asked, out, counters);
+    clear_pixels(f, &work->pixels);
+    const bool together = shaded_together(f);
+    if (together) {
+        tile_normals(w, &work->pixels);
+        shade_tile(&w->s, &work->pixels);
+    }
+    write_tile(&w->s, together, &work->pixels);
+    for (unsigned i = 0; i < TILE_RAYS && !together; i++)
+        if (out->found[i / TILE] >> i % TILE & 1u)
+            out->hits[i].cell = index_of(w, w->s.at[i], w->cell[i]);
+}
+
+#endif
+#endif

@@ -1,0 +1,43 @@
+/* intersect.h - the intersectors of M08 4.3.3 behind one signature, by name.
+ *
+ *   midpoint   the middle of the visit of every active cell: a yardstick for time
+ *   linear     Algorithm 6: between the values at entry and exit
+ *   neubauer   Algorithm 7: three repeated linear interpolations, trilinear look-ups
+ *   schwarze   the cubic solved in closed form
+ *   marmitt-3  Algorithm 8: roots isolated by the extrema, three repeated linear interpolations
+ *   marmitt    the same, iterated to the last bits: cell_next_hit(), the only exact one
+ *
+ * All but `marmitt` are approximate: midpoint, linear and neubauer see no surface where entry and
+ * exit lie on the same side, or at most one; schwarze loses digits near double roots, and its
+ * cosines are libm's, so its bits may depend on the CPU. All six compute in double, about the
+ * cell's entry: with M08's floats about the eye, the last three would miss most hits.
+ */
+#ifndef RENDER_GRID_INTERSECT_H
+#define RENDER_GRID_INTERSECT_H
+
+#include "render/grid/cell_kernel.h"
+#include "render/leafcast.h"
+#include "render/ray.h"
+
+typedef struct intersector {
+    leafcast_intersector id;
+    const char *name;
+    intersect_fn next_hit;
+} intersector;
+
+enum { INTERSECTOR_COUNT = 6 };
+
+/* intersector_at() - in the order of the list above, index 0 .. INTERSECTOR_COUNT - 1. */
+const intersector *intersector_at(int index);
+
+/* intersector_find() - by the public interface's constant; NULL when there is none such. */
+const intersector *intersector_find(leafcast_intersector id);
+
+/* intersect_schwarze() - the first root in [0, 1] of the cubic with control values b as `schwarze`
+ * finds it, for the SIMD versions; false, with nothing set, when there is none. */
+bool intersect_schwarze(const double b[4], double *s, bool *entering);
+
+/* intersector_named() - by name; NULL when there is none such. */
+const intersector *intersector_named(const char *name);
+
+#endif

@@ -1,0 +1,102 @@
+/* walk.h - one ray through one treelet: the nearest hit with the selected isosurfaces.
+ *
+ * Descends the masks of active cells front to back; every active cell on the way goes to the
+ * intersector.
+ */
+#ifndef RENDER_GRID_WALK_H
+#define RENDER_GRID_WALK_H
+
+#include <stdint.h>
+
+#include "formats/base/sample.h"
+#include "render/grid/cell_kernel.h"
+#include "render/ray.h"
+#include "stream/loader.h"
+
+/* Where a level's nodes and cells lie in grid space. Coarse levels reach past the volume's end. */
+typedef struct level_planes {
+    const double *at[3]; /* plane coordinates, node i of the level; enough for whole treelets */
+    const double *inverse[3]; /* 1 / (at[i + 1] - at[i]) */
+    const double *central[3]; /* 1 / (at[i + 1] - at[i - 1]), one-sided at the level's ends */
+    uint32_t cells[3];
+} level_planes;
+
+typedef struct walk_counters {
+    uint64_t nodes, cells, roots;
+} walk_counters;
+
+/* What does not change during a frame. */
+typedef struct walk_scene {
+    const level_planes *levels;
+    const double *isovalues;
+    int count;
+    sample_type type;
+    uint32_t halo;
+    intersect_fn intersect;
+} walk_scene;
+
+/* walk_treelet() - lower *best to the first hit in this treelet that is strictly after `after`, if
+ * there is a lesser one. [t_in, t_out] holds the ray's interval in the treelet; octants: which
+ * eighths of it to look at (255: all). Returns whether *best changed. */
+typedef bool (*walk_fn)(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
+                        double t_out, unsigned octants, const hit *after, hit *best,
+                        walk_counters *counters);
+
+bool walk_treelet(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
+                  double t_out, unsigned octants, const hit *after, hit *best,
+                  walk_counters *counters);
+
+/* The same result without the cells' masks, for experiment E1: down to 2^3 groups by masks (as if
+ * the tree went on to 2^3), or to blocks, then cell by cell by the samples. */
+bool walk_treelet_groups(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
+                         double t_out, unsigned octants, const hit *after, hit *best,
+                         walk_counters *counters);
+bool walk_treelet_corners(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
+                          double t_out, unsigned octants, const hit *after, hit *best,
+                          walk_counters *counters);
+
+/* walk_cell_box() - the planes of a cell of a level. */
+cell_box walk_cell_box(const level_planes *planes, const uint32_t cell[3]);
+
+/* walk_cell_samples() - its eight samples from its treelet. */
+void walk_cell_samples(const walk_scene *scene, const treelet *tr, const uint32_t cell[3],
+                       float samples[8]);
+
+/* walk_cell_prefetch() - towards the cache: they will be asked for soon. */
+static inline void walk_cell_prefetch(const walk_scene *scene, const treelet *tr,
+                                      const uint32_t cell[3]) {
+    size_t at[3];
+    for (int a = 0; a < 3; a++)
+        at[a] = cell[a] - tr->first_cell[a] + scene->halo;
+    const size_t size = sample_size(scene->type);
+    const size_t row = size * tr->shape.samples[0], slice = row * tr->shape.samples[1];
+    const char *first = (const char *)tr->samples + size * at[0] + row * at[1] + slice * at[2];
+    __builtin_prefetch(first);
+    __builtin_prefetch(first + row);
+    __builtin_prefetch(first + slice);
+    __builtin_prefetch(first + slice + row);
+}
+
+/* walk_children() - the child mask of a node of 2^size cells on a side: of the root, of an inner
+ * node, of a block (its 2^3 groups with active cells), of such a group (its cells). morton: its
+ * place among the nodes of its size. */
+static inline unsigned walk_children(const treelet *tr, uint32_t size, uint32_t morton) {
+    const active_masks *masks = tr->masks;
+    if (size > LEAF_BLOCK_LOG2) {
+        const uint32_t k = tr->shape.node_levels + LEAF_BLOCK_LOG2 - size;
+        return k == 0 ? masks->root : masks->nodes[active_nodes_at(k) + morton];
+    }
+    const uint64_t cells = masks->cells[size == LEAF_BLOCK_LOG2 ? morton : morton >> 3];
+    if (size < LEAF_BLOCK_LOG2)
+        return (unsigned)(cells >> (8 * (morton & 7u))) & 255u;
+    unsigned groups = 0;
+    for (unsigned g = 0; g < 8; g++)
+        groups |= (unsigned)((cells >> (8 * g) & 255u) != 0) << g;
+    return groups;
+}
+
+static inline uint64_t walk_cell_index(const level_planes *planes, const uint32_t cell[3]) {
+    return cell[0] + (uint64_t)planes->cells[0] * (cell[1] + (uint64_t)planes->cells[1] * cell[2]);
+}
+
+#endif

@@ -1,0 +1,187 @@
+#include "render/mesh/edge_sign.h"
+
+#include <float.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+/* A finite double is +-m 2^e. */
+typedef struct whole {
+    uint32_t m[2]; /* low, high: 32 + 21 bits; 0, 0 for zero */
+    int e;
+    bool negative;
+} whole;
+
+/* One term of a sum: the product of three doubles. */
+typedef struct triple {
+    uint32_t m[5]; /* 3 x 53 = 159 bits, lowest first */
+    int e;
+    bool negative;
+} triple;
+
+enum {
+    TERMS = 24, /* at most in a sum */
+    /* Exponents of a product go from 3 x -1074 to 3 x 971; above the highest lie 159 bits, and
+     * the carries of 24 terms. */
+    LIMBS = (3 * (1074 + 971) + 159 + 5) / 32 + 3,
+};
+
+/* A sum of triples. Limb k counts 2^(32 k + e). Limbs stay unnormalised while terms are added: each
+ * adds less than 2^32 to a limb, so 64 bits hold far more terms than there are. */
+typedef struct sum {
+    triple term[TERMS];
+    int terms;
+    int e, limbs;
+    int64_t limb[LIMBS];
+} sum;
+
+static whole whole_of(double x) {
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    const int field = (int)(bits >> 52 & 0x7ff);
+    uint64_t m = bits & ((UINT64_C(1) << 52) - 1);
+    if (field > 0)
+        m |= UINT64_C(1) << 52;
+    return (whole){
+        {(uint32_t)m, (uint32_t)(m >> 32)}, (field > 0 ? field : 1) - 1075, bits >> 63 != 0};
+}
+
+static bool is_zero(const whole *a) {
+    return (a->m[0] | a->m[1]) == 0;
+}
+
+/* to += a[0 .. n - 1] x b; to has n + 1 limbs. */
+static void multiply_add(uint32_t *to, const uint32_t *a, int n, uint32_t b) {
+    uint64_t carry = 0;
+    for (int i = 0; i < n; i++) {
+        carry += (uint64_t)a[i] * b + to[i];
+        to[i] = (uint32_t)carry;
+        carry >>= 32;
+    }
+    to[n] = (uint32_t)carry;
+}
+
+static void add_term(sum *s, const whole *a, const whole *b, const whole *c, bool negative) {
+    if (is_zero(a) || is_zero(b) || is_zero(c))
+        return;
+    uint32_t ab[4] = {0}, abc[6] = {0};
+    multiply_add(ab, a->m, 2, b->m[0]);
+    multiply_add(ab + 1, a->m, 2, b->m[1]);
+    multiply_add(abc, ab, 4, c->m[0]);
+    multiply_add(abc + 1, ab, 4, c->m[1]); /* the sixth limb stays 0 */
+    triple *t = &s->term[s->terms++];
+    memcpy(t->m, abc, sizeof t->m);
+    t->e = a->e + b->e + c->e;
+    t->negative = negative ^ a->negative ^ b->negative ^ c->negative;
+}
+
+/* a . (b x c), or minus that. */
+static void add_determinant(sum *s, const whole a[3], const whole b[3], const whole c[3],
+                            bool negative) {
+    for (int x = 0; x < 3; x++) {
+        const int y = (x + 1) % 3, z = (x + 2) % 3;
+        add_term(s, &a[x], &b[y], &c[z], negative);
+        add_term(s, &a[x], &b[z], &c[y], !negative);
+    }
+}
+
+static void add_up(sum *s) {
+    int highest = s->term[0].e;
+    s->e = s->term[0].e;
+    for (int i = 1; i < s->terms; i++) {
+        s->e = s->term[i].e < s->e ? s->term[i].e : s->e;
+        highest = s->term[i].e > highest ? s->term[i].e : highest;
+    }
+    s->limbs = (highest - s->e) / 32 + 7; /* five, one for the shift, one for carries */
+    memset(s->limb, 0, (size_t)s->limbs * sizeof s->limb[0]);
+    for (int i = 0; i < s->terms; i++) {
+        const triple *t = &s->term[i];
+        const int shift = t->e - s->e;
+        int64_t *to = s->limb + shift / 32;
+        uint64_t wide = 0;
+        for (int k = 0; k < 6; k++) {
+            wide |= (k < 5 ? (uint64_t)t->m[k] : 0) << shift % 32;
+            const int64_t part = (int64_t)(wide & UINT32_MAX);
+            to[k] += t->negative ? -part : part;
+            wide >>= 32;
+        }
+    }
+}
+
+/* Limbs to 0 .. 2^32 - 1; what goes out at the top is returned: negative where the sum is. */
+static int64_t carry_over(sum *s) {
+    int64_t carry = 0;
+    for (int k = 0; k < s->limbs; k++) {
+        carry += s->limb[k];
+        s->limb[k] = (int64_t)((uint64_t)carry & UINT32_MAX);
+        carry = (carry - s->limb[k]) / ((int64_t)1 << 32);
+    }
+    return carry;
+}
+
+/* The sum, rounded; never 0 or infinite unless it is 0. */
+static double value_of(sum *s) {
+    if (s->terms == 0)
+        return 0.0;
+    add_up(s);
+    const bool negative = carry_over(s) < 0;
+    if (negative) {
+        for (int k = 0; k < s->limbs; k++)
+            s->limb[k] = -s->limb[k];
+        carry_over(s);
+    }
+    int top = s->limbs - 1;
+    while (top >= 0 && s->limb[top] == 0)
+        top--;
+    if (top < 0)
+        return 0.0;
+    /* Three limbs hold 65 significant bits or more. */
+    double value = 0.0;
+    for (int k = top; k > top - 3; k--)
+        value = value * 0x1p32 + (k >= 0 ? (double)s->limb[k] : 0.0);
+    value = ldexp(value, s->e + 32 * (top - 2));
+    value = value > DBL_MAX ? DBL_MAX : value > 0.0 ? value : DBL_TRUE_MIN;
+    return negative ? -value : value;
+}
+
+/* False: not all finite. */
+static bool wholes_of(const double v[3], whole out[3]) {
+    for (int a = 0; a < 3; a++) {
+        if (!isfinite(v[a]))
+            return false;
+        out[a] = whole_of(v[a]);
+    }
+    return true;
+}
+
+/* E = d . (P x Q) - d . (P x o) - d . (o x Q): no difference is ever taken of arguments. */
+edge_weight edge_exact(const double o[3], const double d[3], const double p[3], const double q[3]) {
+    if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2])
+        return (edge_weight){0.0, 0.0}; /* isovalues at vertices make many of these */
+    whole wo[3], wd[3], wp[3], wq[3];
+    if (!wholes_of(o, wo) || !wholes_of(d, wd) || !wholes_of(p, wp) || !wholes_of(q, wq))
+        return (edge_weight){0.0, 0.0};
+    sum s;
+    s.terms = 0;
+    add_determinant(&s, wd, wp, wq, false);
+    add_determinant(&s, wd, wp, wo, true);
+    add_determinant(&s, wd, wo, wq, true);
+    const double value = value_of(&s);
+    return (edge_weight){value, 2.0 * DBL_EPSILON * fabs(value)};
+}
+
+/* The same sum for four points: [b c d] - [a c d] + [a b d] - [a b c]. */
+int edge_exact_of_tet(const double p[4][3]) {
+    whole w[4][3];
+    for (int i = 0; i < 4; i++)
+        if (!wholes_of(p[i], w[i]))
+            return 0;
+    sum s;
+    s.terms = 0;
+    add_determinant(&s, w[1], w[2], w[3], false);
+    add_determinant(&s, w[0], w[2], w[3], true);
+    add_determinant(&s, w[0], w[1], w[3], false);
+    add_determinant(&s, w[0], w[1], w[2], true);
+    const double value = value_of(&s);
+    return (value > 0.0) - (value < 0.0);
+}

@@ -1,0 +1,122 @@
+#include "render/mesh/kept_polygons.h"
+
+#include <stdatomic.h>
+#include <string.h>
+
+#include "render/mesh/mesh_walk.h"
+
+enum { EMPTY, MAKING, THERE };
+
+typedef struct kept_polygons {
+    int isos;
+    uint32_t room;
+    bool precomputed;
+    uint32_t *before;     /* 64 tets: active ones before them */
+    atomic_uchar *state;  /* of each polygon */
+    isopolygon *polygons; /* active tets in order, of each all isovalues; count 0: none */
+} kept_polygons;
+
+static uint32_t room_of(const mesh_shape *shape) {
+    return (shape->tets + KEPT_SHARE - 1) / KEPT_SHARE;
+}
+
+static size_t words_of(const mesh_shape *shape) {
+    return (shape->tets + 63) / 64;
+}
+
+static size_t kept_bytes(const mesh_shape *shape) {
+    const size_t room = room_of(shape);
+    return sizeof(kept_polygons) + room * sizeof(isopolygon) + words_of(shape) * sizeof(uint32_t) +
+           room;
+}
+
+static void lay_out(kept_polygons *k, const mesh_shape *shape) {
+    k->room = room_of(shape);
+    k->polygons = (isopolygon *)(k + 1);
+    k->before = (uint32_t *)(k->polygons + k->room);
+    k->state = (atomic_uchar *)(k->before + words_of(shape));
+}
+
+static void count_active(kept_polygons *k, const treelet *tr) {
+    uint32_t sum = 0;
+    for (size_t w = 0; w < words_of(&tr->mesh); w++) {
+        k->before[w] = sum;
+        sum += (uint32_t)__builtin_popcountll(tr->active->tets[w]);
+    }
+}
+
+static void make_polygon(const treelet *tr, uint32_t place, double isovalue, isopolygon *g) {
+    const tet x = mesh_walk_tet(tr, place);
+    if (!isopolygon_of(&x, isovalue, g))
+        g->count = 0;
+}
+
+/* All that there is room for. */
+static void precompute(kept_polygons *k, const treelet *tr, const active_set *isos) {
+    uint32_t n = 0;
+    for (uint32_t w = 0; w < words_of(&tr->mesh); w++)
+        for (uint64_t left = tr->active->tets[w]; left; left &= left - 1)
+            for (int i = 0; i < isos->count && n < k->room; i++)
+                make_polygon(tr, 64 * w + (uint32_t)__builtin_ctzll(left), isos->isovalues[i],
+                             &k->polygons[n++]);
+}
+
+static void keep(treelet *tr, const active_set *isos, bool precomputed) {
+    kept_polygons *k = tr->derived;
+    lay_out(k, &tr->mesh);
+    k->isos = isos->count;
+    k->precomputed = precomputed;
+    count_active(k, tr);
+    if (precomputed)
+        precompute(k, tr, isos);
+    else
+        for (uint32_t n = 0; n < k->room; n++)
+            atomic_store_explicit(&k->state[n], EMPTY, memory_order_relaxed);
+}
+
+static void keep_all(treelet *tr, const active_set *isos) {
+    keep(tr, isos, true);
+}
+
+static void keep_seen(treelet *tr, const active_set *isos) {
+    keep(tr, isos, false);
+}
+
+derived_kind kept_polygons_kind(bool precomputed) {
+    return (derived_kind){kept_bytes, precomputed ? keep_all : keep_seen};
+}
+
+/* Its number among the kept ones; room: none. */
+static uint32_t number_of(const kept_polygons *k, const treelet *tr, uint32_t place, int i) {
+    const uint64_t below = tr->active->tets[place / 64] & ((UINT64_C(1) << place % 64) - 1);
+    const uint64_t n =
+        (k->before[place / 64] + (uint64_t)__builtin_popcountll(below)) * (uint64_t)k->isos +
+        (uint64_t)i;
+    return n < k->room ? (uint32_t)n : k->room;
+}
+
+/* Keep what has been made, unless somebody else does. */
+static void offer_polygon(kept_polygons *k, uint32_t n, const isopolygon *own) {
+    unsigned char empty = EMPTY;
+    if (!atomic_compare_exchange_strong_explicit(&k->state[n], &empty, MAKING, memory_order_relaxed,
+                                                 memory_order_relaxed))
+        return;
+    k->polygons[n] = *own;
+    atomic_store_explicit(&k->state[n], THERE, memory_order_release);
+}
+
+const isopolygon *kept_polygons_find(const treelet *tr, uint32_t place, int i, double isovalue,
+                                     isopolygon *own) {
+    kept_polygons *k = tr->derived;
+    const uint32_t n = k ? number_of(k, tr, place, i) : 0;
+    const isopolygon *g = own;
+    if (k && n < k->room &&
+        (k->precomputed || atomic_load_explicit(&k->state[n], memory_order_acquire) == THERE)) {
+        g = &k->polygons[n];
+    } else {
+        make_polygon(tr, place, isovalue, own);
+        if (k && n < k->room)
+            offer_polygon(k, n, own);
+    }
+    return g->count > 0 ? g : NULL;
+}

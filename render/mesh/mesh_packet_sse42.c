@@ -1,0 +1,1 @@
+#include "render/mesh/mesh_packet_template.h"

@@ -1,0 +1,470 @@
+/* mesh_packet_template.h - mesh_packet_X() of mesh_packet.h; included by the units of an ISA (see
+ * formats/base/simd.h). */
+#ifndef RENDER_MESH_MESH_PACKET_TEMPLATE_H
+#define RENDER_MESH_MESH_PACKET_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/kernels.h"
+#include "render/mesh/kept_polygons.h"
+#include "render/mesh/mesh_packet.h"
+#include "render/mesh/mesh_shade_template.h"
+#include "render/mesh/packet_sight.h"
+#include "render/tile_rects_template.h"
+
+void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
+                            tile_outcome *out, frame_counters *counters);
+
+/* A box with its planes as seen from the eye is `packet_box`; what is still to be visited: */
+typedef struct packet_pending {
+    packet_box box;
+    float near2; /* its distance from the eye, squared */
+    int first;   /* the rays before it pass the box by */
+    bool only;   /* an only child: entered unseen */
+    uint32_t level, i;
+} packet_pending;
+
+enum {
+    PACKET_TREELET_STACK = MESH_DEPTH_MAX * (MESH_CHILDREN - 1) + 1,
+    PACKET_TREE_STACK = TREELET_TREE_LEVELS_MAX * TREELET_TREE_ARITY
+};
+
+typedef struct packet {
+    tile_state s; /* of the tile that it is part of */
+    packet_counters *counters;
+    unsigned side, x, y; /* its first pixel in the tile */
+    int count;           /* its rays, row by row */
+    double eye[3];
+    packet_sight sight;
+    bool lowered; /* rays have found something since `sight.far` was taken */
+    tet_rays rays;
+    uint32_t tet[TILE_RAYS]; /* of what the tile's rays have found: its place in its treelet */
+    packet_pending in_treelet[PACKET_TREELET_STACK], in_tree[PACKET_TREE_STACK]; /* stacks */
+} packet;
+
+/* What lies in the outcome's scratch. */
+typedef struct packet_work {
+    packet packet;
+    mesh_shading shading;
+} packet_work;
+_Static_assert(sizeof(packet_work) <= MESH_TILE_SCRATCH, "a tile has room in its scratch");
+
+/* Rays on a side of W07's smallest packets: all are tested at once. */
+enum { PACKET_SMALLEST = 2 };
+
+/* ---- Rays and boxes ---- */
+
+/* VD_N rays from `at` on: those that meet the box before what they have found; the numbers are
+ * those of mesh_interval_of(). */
+SIMD unsigned rays_meet(const packet *w, const packet_box *b, int at) {
+    const tet_rays *r = &w->rays;
+    vd t_in = d_set(-INFINITY), t_out = d_set(INFINITY);
+    for (int a = 0; a < 3; a++) {
+        const vd d = d_load(r->d[a] + at);
+        const vd lo = d_set(b->lo[a]) / d, hi = d_set(b->hi[a]) / d;
+        const md down = d_lt(d, d_set(0.0));
+        t_in = d_max(d_select(down, hi, lo), t_in);
+        t_out = d_min(d_select(down, lo, hi), t_out);
+    }
+    const vd slack = d_set(PACKET_GENEROSITY) * (d_abs(t_in) + d_abs(t_out));
+    const vd from = d_max(t_in - slack, d_load(r->from + at));
+    const vd to = d_min(t_out + slack, d_load(r->to + at));
+    return md_bits(d_le(from, to));
+}
+
+/* How far any ray still looks. */
+SIMD void look_again(packet *w) {
+    vd far = d_set(-INFINITY);
+    double lanes[VD_N];
+    for (int at = 0; at < w->count; at += VD_N)
+        far = d_max(far, d_load(w->rays.to + at));
+    d_store(lanes, far);
+    w->sight.far = lanes[0];
+    for (int k = 1; k < VD_N; k++)
+        w->sight.far = lanes[k] > w->sight.far ? lanes[k] : w->sight.far;
+    w->lowered = false;
+}
+
+/* By intervals: whether rays may meet the box before what they have found, and which. */
+SIMD bool packet_may_meet(packet *w, const packet_box *b, packet_reach *reach) {
+    if (w->lowered)
+        look_again(w);
+    w->counters->interval_tests++;
+    return packet_sight_box(&w->sight, b, reach);
+}
+
+/* Rays of [from, end), VD_N at most, side by side: the first that meets the box; end: none. Only
+ * those are tested that still look that far. */
+SIMD int first_of_few(packet *w, const packet_box *b, double near, int from, int end) {
+    const int at = from & -VD_N;
+    const unsigned there = (1u << (end - at)) - (1u << (from - at));
+    const unsigned looking = md_bits(d_ge(d_load(w->rays.to + at), d_set(near))) & there;
+    const unsigned met = looking ? rays_meet(w, b, at) & looking : 0;
+    const unsigned tested = met ? looking & ((met & -met) * 2 - 1) : looking;
+    w->counters->box_tests += (unsigned)__builtin_popcount(tested);
+    return met ? at + __builtin_ctz(met) : end;
+}
+
+/* The first ray from `first` on that meets the box; count: none. */
+SIMD int first_to_meet(packet *w, const packet_box *b, const packet_reach *reach, int first) {
+    const packet_rect *r = &reach->pixels;
+    const int side = (int)w->side;
+    for (int y = r->y0; y <= r->y1; y++) {
+        const int end = side * y + r->x1 + 1;
+        int at = side * y + r->x0 > first ? side * y + r->x0 : first;
+        while (at < end) {
+            const int stop = (at & -VD_N) + VD_N < end ? (at & -VD_N) + VD_N : end;
+            const int found = first_of_few(w, b, reach->near, at, stop);
+            if (found < stop)
+                return found;
+            at = stop;
+        }
+    }
+    return w->count;
+}
+
+/* A packet of 2 x 2, all rays at once: the first that meets the box; count: none. */
+SIMD int first_of_four(packet *w, const packet_box *b) {
+    w->counters->box_tests += (unsigned)w->count;
+    for (int at = 0; at < w->count; at += VD_N) {
+        const unsigned met = rays_meet(w, b, at);
+        if (met)
+            return at + __builtin_ctz(met);
+    }
+    return w->count;
+}
+
+/* Whether the packet enters the box, and its first ray there. */
+SIMD bool packet_enters(packet *w, packet_pending *p) {
+    packet_reach reach;
+    if (p->only)
+        return true;
+    if (w->side == PACKET_SMALLEST) {
+        p->first = first_of_four(w, &p->box);
+        return p->first < w->count;
+    }
+    w->counters->box_tests++;
+    if (rays_meet(w, &p->box, p->first & -VD_N) >> p->first % VD_N & 1u)
+        return true;
+    if (!packet_may_meet(w, &p->box, &reach))
+        return false;
+    p->first = first_to_meet(w, &p->box, &reach, p->first + 1);
+    return p->first < w->count;
+}
+
+/* The rays of [*first, *end) and the rectangle that still look as far as `near`, from the first to
+ * the last of them; false: none. */
+SIMD bool still_looking(const packet *w, const packet_reach *reach, int *first, int *end) {
+    const packet_rect *r = &reach->pixels;
+    const int side = (int)w->side;
+    int one = w->count, last = -1;
+    for (int y = r->y0; y <= r->y1; y++) {
+        const int stop = side * y + r->x1 + 1;
+        for (int i = side * y + r->x0; i < stop; i = (i & -VD_N) + VD_N) {
+            const int at = i & -VD_N;
+            unsigned lanes = md_bits(d_ge(d_load(w->rays.to + at), d_set(reach->near)));
+            lanes &= ~0u << (i - at);
+            if (stop - at < VD_N)
+                lanes &= (1u << (stop - at)) - 1;
+            if (!lanes)
+                continue;
+            const int lowest = at + __builtin_ctz(lanes);
+            one = lowest < one ? lowest : one; /* a vector may hold several rows */
+            last = at + 31 - __builtin_clz(lanes);
+        }
+    }
+    *first = one > *first ? one : *first;
+    *end = last + 1;
+    return *first < *end;
+}
+
+/* Whether the packet has to look into a leaf; *first to *end: which rays. */
+SIMD bool packet_visits(packet *w, const packet_pending *p, int *first, int *end) {
+    packet_reach reach;
+    *first = p->first;
+    *end = w->count;
+    if (w->side == PACKET_SMALLEST) {
+        *first = first_of_four(w, &p->box);
+        return *first < w->count;
+    }
+    return packet_may_meet(w, &p->box, &reach) && still_looking(w, &reach, first, end);
+}
+
+/* ---- Isopolygons ---- */
+
+SIMD tet_known known_by(packet_view view) {
+    return view == PACKET_HITS_FIRST    ? TET_FIRST_IS_HIT
+           : view == PACKET_HITS_SECOND ? TET_SECOND_IS_HIT
+                                        : TET_UNKNOWN;
+}
+
+static void packet_tet(packet *w, const treelet *at, uint32_t place, int first, int end) {
+    const frame *f = w->s.f;
+    const walk_scene *scene = &f->tracer->scene;
+    for (int i = 0; i < scene->count; i++) {
+        isopolygon own;
+        const isopolygon *g = kept_polygons_find(at, place, i, scene->isovalues[i], &own);
+        if (!g)
+            continue;
+        w->counters->isopolygons++;
+        packet_view view = PACKET_DIFFERS;
+        if (w->side > PACKET_SMALLEST)
+            view = packet_sight_polygon(&w->sight, g);
+        if (view == PACKET_MISSES)
+            continue;
+        if (view == PACKET_DIFFERS)
+            w->counters->polygon_tests += (uint64_t)(end - first);
+        f->kernels->tets(g, at->first_tet + place, i, known_by(view), &w->rays, first, end);
+        w->lowered = true;
+    }
+}
+
+static void packet_leaf(packet *w, const treelet *at, const packet_pending *p) {
+    const uint32_t leaf = p->i & ~(uint32_t)MESH_LEAF;
+    const uint16_t *leaves = mesh_leaf_first(&at->mesh, at->payload);
+    const uint32_t first = leaves[leaf], end = leaves[leaf + 1];
+    int first_ray, end_ray;
+    if (!packet_visits(w, p, &first_ray, &end_ray))
+        return;
+    w->counters->isorange_tests += end - first;
+    for (uint32_t word = first / 64; word * 64 < end; word++) {
+        uint64_t bits = at->active->tets[word];
+        if (word == first / 64)
+            bits &= UINT64_MAX << first % 64;
+        if (end - word * 64 < 64)
+            bits &= (UINT64_C(1) << (end - word * 64)) - 1;
+        w->s.counters->walk.cells += (uint64_t)__builtin_popcountll(bits);
+        for (; bits; bits &= bits - 1)
+            packet_tet(w, at, word * 64 + (uint32_t)__builtin_ctzll(bits), first_ray, end_ray);
+    }
+}
+
+/* ---- Nodes ---- */
+
+/* Put a child among its siblings from `bottom` on, the nearest last. */
+SIMD int push_child(packet_pending *stack, int bottom, int top, const packet_pending *child) {
+    int at = top;
+    for (; at > bottom && stack[at - 1].near2 < child->near2; at--)
+        stack[at] = stack[at - 1];
+    stack[at] = *child;
+    return top + 1;
+}
+
+static float packet_near2(const packet_box *b) {
+    double sum = 0.0;
+    for (int a = 0; a < 3; a++) {
+        const double beside = b->lo[a] > 0.0 ? b->lo[a] : b->hi[a] < 0.0 ? b->hi[a] : 0.0;
+        sum += beside * beside;
+    }
+    return (float)sum;
+}
+
+/* A node's active children, and how many there are of any kind: isoranges that are looked at. */
+SIMD int open_node(packet *w, const treelet *at, const packet_pending *p, packet_pending *stack,
+                   int top) {
+    const mesh_node *n = &at->nodes[p->i];
+    const unsigned active = at->active->children[p->i];
+    const int bottom = top;
+    w->s.counters->walk.nodes++;
+    for (int c = 0; c < MESH_CHILDREN && n->child[c] != MESH_NO_CHILD; c++)
+        w->counters->isorange_tests++;
+    for (unsigned left = active; left; left &= left - 1) {
+        const unsigned c = (unsigned)__builtin_ctz(left);
+        packet_pending child = {
+            .first = p->first, .only = !(active & (active - 1)), .i = n->child[c]};
+        for (int a = 0; a < 3; a++) {
+            child.box.lo[a] = (double)mesh_leaf_plane(&at->planes, a, n->lo[a][c]) - w->eye[a];
+            child.box.hi[a] = (double)mesh_leaf_plane(&at->planes, a, n->hi[a][c]) - w->eye[a];
+        }
+        child.near2 = packet_near2(&child.box);
+        top = push_child(stack, bottom, top, &child);
+    }
+    return top;
+}
+
+static void packet_treelet(packet *w, const treelet *at, int first_ray) {
+    packet_pending *stack = w->in_treelet;
+    int top = 0;
+    stack[top++] = (packet_pending){.first = first_ray, .only = true};
+    while (top > 0) {
+        packet_pending p = stack[--top];
+        if (p.i & MESH_LEAF)
+            packet_leaf(w, at, &p);
+        else if (packet_enters(w, &p))
+            top = open_node(w, at, &p, stack, top);
+    }
+}
+
+/* ---- Treelets ---- */
+
+/* Rays that pass a treelet which is not there go no further. */
+static void packet_waits(packet *w, const packet_pending *p) {
+    tile_outcome *out = w->s.out;
+    bool any = false;
+    for (int i = p->first; i < w->count; i++) {
+        const unsigned y = w->y + (unsigned)i / w->side, x = w->x + (unsigned)i % w->side;
+        if (!(rays_meet(w, &p->box, i & -VD_N) >> i % VD_N & 1u))
+            continue;
+        out->waits[y] |= 1u << x;
+        tet_rays_clear(&w->rays, i);
+        any = true;
+    }
+    if (any && out->absent_count < TILE_ABSENT_MAX)
+        out->absent[out->absent_count++] = p->i;
+}
+
+static void packet_resident(packet *w, const packet_pending *p) {
+    const tracer *tr = w->s.f->tracer;
+    const treelet *at = loader_lookup(tr->treelets, p->i);
+    if (!at) {
+        packet_waits(w, p);
+        return;
+    }
+    if (!atomic_load_explicit(&tr->touched[p->i], memory_order_relaxed))
+        atomic_store_explicit(&tr->touched[p->i], 1, memory_order_relaxed);
+    packet_treelet(w, at, p->first);
+}
+
+SIMD void box_of_bounds(const packet *w, const float bounds[6], packet_box *box) {
+    for (int a = 0; a < 3; a++) {
+        box->lo[a] = (double)bounds[a] - w->eye[a];
+        box->hi[a] = (double)bounds[a + 3] - w->eye[a];
+    }
+}
+
+SIMD int open_family(packet *w, const packet_pending *p, packet_pending *stack, int top) {
+    const treelet_tree *tree = w->s.f->tracer->tree;
+    uint32_t count, first = treelet_tree_children(tree, p->level, p->i, &count);
+    unsigned active = 0;
+    const int bottom = top;
+    w->s.counters->walk.nodes++;
+    w->counters->isorange_tests += count;
+    for (uint32_t c = 0; c < count; c++)
+        active |= (unsigned)tree->active[p->level - 1][first + c] << c;
+    for (unsigned left = active; left; left &= left - 1) {
+        const uint32_t i = first + (uint32_t)__builtin_ctz(left);
+        packet_pending child = {.first = p->first,
+                                .only = !(active & (active - 1)) && p->level > 1,
+                                .level = p->level - 1,
+                                .i = i};
+        box_of_bounds(w, tree->bounds[p->level - 1][i], &child.box);
+        child.near2 = packet_near2(&child.box);
+        top = push_child(stack, bottom, top, &child);
+    }
+    return top;
+}
+
+static void packet_mesh(packet *w, int first_ray) {
+    const treelet_tree *tree = w->s.f->tracer->tree;
+    const uint32_t last = tree->levels - 1;
+    packet_pending *stack = w->in_tree;
+    int top = 0;
+    w->counters->isorange_tests++;
+    if (tree->active[last][0]) {
+        stack[top] = (packet_pending){.first = first_ray, .level = last};
+        box_of_bounds(w, tree->bounds[last][0], &stack[top++].box);
+    }
+    while (top > 0) {
+        packet_pending p = stack[--top];
+        if (!packet_enters(w, &p))
+            continue;
+        if (p.level == 0)
+            packet_resident(w, &p);
+        else
+            top = open_family(w, &p, stack, top);
+    }
+}
+
+/* ---- Packets ---- */
+
+/* The packet's rays; its first one that looks for anything, count: none does. */
+static int packet_begin(packet *w) {
+    const tile_rays *rays = &w->s.rays;
+    const hit before = hit_before_all();
+    const int padded = (w->count + 15) / 16 * 16;
+    int first = w->count;
+    const tile_place place = tile_place_of(w->s.f, w->s.x0 + w->x, w->s.y0 + w->y);
+    packet_sight_begin(&w->sight, place.p, place.x, place.y, (int)w->side);
+    for (int i = padded; i-- > 0;) {
+        const unsigned y = w->y + (unsigned)i / w->side, x = w->x + (unsigned)i % w->side;
+        const unsigned from = TILE * y + x;
+        tet_rays_clear(&w->rays, i);
+        if (i >= w->count || !(w->s.open[y] >> x & 1u))
+            continue;
+        ray r = {.t0 = rays->t0[from], .t1 = rays->t1[from]};
+        for (int a = 0; a < 3; a++) {
+            r.o[a] = w->eye[a];
+            r.d[a] = rays->d[a][from];
+        }
+        tet_rays_put(&w->rays, i, &r, &before);
+        packet_sight_add(&w->sight, r.d);
+        first = i;
+    }
+    for (int k = 0; k < 4; k++) {
+        const unsigned y = w->y + (k / 2 ? w->side - 1 : 0), x = w->x + (k % 2 ? w->side - 1 : 0);
+        for (int a = 0; a < 3; a++)
+            w->sight.corner[a][k] = rays->d[a][TILE * y + x];
+    }
+    w->lowered = true;
+    return first;
+}
+
+/* The treelet, which is resident, of a tet by its number in the whole mesh. */
+static const treelet *treelet_of_tet(const loader *l, uint64_t number) {
+    const uint64_t *first = l->file->mesh->first_tet;
+    uint32_t lo = 0, hi = l->file->layout.treelets;
+    while (hi - lo > 1) {
+        const uint32_t middle = lo + (hi - lo) / 2;
+        *(first[middle] <= number ? &lo : &hi) = middle;
+    }
+    return loader_lookup(l, lo);
+}
+
+/* What the packet's rays have found, for the tile. */
+static void packet_end(packet *w) {
+    const loader *treelets = w->s.f->tracer->treelets;
+    const treelet *at = NULL;
+    for (int i = 0; i < w->count; i++) {
+        const hit *h = &w->rays.best[i];
+        const unsigned y = w->y + (unsigned)i / w->side, x = w->x + (unsigned)i % w->side;
+        const unsigned to = TILE * y + x;
+        if (!hit_exists(h))
+            continue;
+        if (!at || h->cell < at->first_tet || h->cell - at->first_tet >= at->mesh.tets)
+            at = treelet_of_tet(treelets, h->cell);
+        w->s.t[to] = h->t;
+        w->s.iso[to] = h->iso;
+        w->s.entering[to] = h->entering;
+        w->s.at[to] = at;
+        w->tet[to] = (uint32_t)(h->cell - at->first_tet);
+        w->s.counters->walk.roots++;
+    }
+}
+
+void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
+                            tile_outcome *out, frame_counters *counters) {
+    packet_work *work = out->scratch;
+    packet *w = &work->packet;
+    tile_state_begin(&w->s, f, x0, y0, asked, out, counters);
+    tile_state_rays(&w->s);
+    w->counters = &counters->packets;
+    w->side = f->kernels->packet;
+    w->count = (int)(w->side * w->side);
+    w->rays.one_origin = true;
+    for (int a = 0; a < 3; a++)
+        w->eye[a] = f->projection->eye[a];
+    for (w->y = 0; w->y < TILE; w->y += w->side)
+        for (w->x = 0; w->x < TILE; w->x += w->side) {
+            const int first = packet_begin(w);
+            if (first == w->count)
+                continue;
+            packet_mesh(w, first);
+            packet_end(w);
+        }
+    mesh_shade(&w->s, w->tet, &work->shading);
+}
+
+#endif
+#endif

@@ -1,0 +1,24 @@
+/* mesh_tile.h - the primary rays of 32 x 32 pixels through a mesh together, up to their first
+ * surface: what tile.h is for grids.
+ *
+ * The tree over the treelets, and the trees in them, are walked once for all rays of a tile, near
+ * children first. A node carries the rectangle of pixels that its box can cover (projection.h), and
+ * goes when that is empty or every pixel of it has a surface in front of the box. At an active tet
+ * the isopolygon is made once (W07 4.1) and seen from the eye by all rays of the rectangle that it
+ * covers: its edge functions are one vector an edge then, and each ray's are a scalar product.
+ * Where their signs are sure, vectors of rays are done with; the others go to tet_kernel.h. So the
+ * picture is the same bits as that of single rays.
+ *
+ * Deviation from W07 5.2, whose packets test one ray, then intervals, then all rays against a box:
+ * a rectangle is tighter than intervals of directions, and a box costs the same whether one ray or
+ * 256 look at it.
+ */
+#ifndef RENDER_MESH_MESH_TILE_H
+#define RENDER_MESH_MESH_TILE_H
+
+#include "render/tile.h"
+
+/* mesh_tile_for() - NULL where there is none: every ray by itself. */
+tile_fn mesh_tile_for(cpu_isa isa);
+
+#endif

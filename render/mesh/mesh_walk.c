@@ -1,0 +1,302 @@
+#include "render/mesh/mesh_walk.h"
+
+#include <string.h>
+
+#include "formats/mesh/mesh_leaf.h"
+
+mesh_slabs mesh_slabs_of(const ray *r) {
+    mesh_slabs s = {.t0 = r->t0, .t1 = r->t1};
+    for (int a = 0; a < 3; a++) {
+        s.o[a] = r->o[a];
+        s.inverse[a] = r->d[a] == 0.0 ? 0.0 : 1.0 / r->d[a];
+    }
+    return s;
+}
+
+bool mesh_interval_in(const mesh_slabs *s, const double lo[3], const double hi[3],
+                      mesh_interval *out) {
+    double t_in = -INFINITY, t_out = INFINITY;
+    for (int a = 0; a < 3; a++) {
+        if (s->inverse[a] == 0.0) {
+            if (s->o[a] < lo[a] || s->o[a] > hi[a])
+                return false;
+            continue;
+        }
+        const bool back = s->inverse[a] < 0.0;
+        const double near = ((back ? hi : lo)[a] - s->o[a]) * s->inverse[a];
+        const double far = ((back ? lo : hi)[a] - s->o[a]) * s->inverse[a];
+        t_in = near > t_in ? near : t_in;
+        t_out = far < t_out ? far : t_out;
+    }
+    const double slack = MESH_GENEROSITY * (fabs(t_in) + fabs(t_out));
+    out->t_in = t_in - slack > s->t0 ? t_in - slack : s->t0;
+    out->t_out = t_out + slack < s->t1 ? t_out + slack : s->t1;
+    /* With a slack that is not finite, everything may be. */
+    return !(t_in - slack > t_out + slack) && !(out->t_in > out->t_out);
+}
+
+bool mesh_interval_of(const ray *r, const double lo[3], const double hi[3], mesh_interval *out) {
+    const mesh_slabs s = mesh_slabs_of(r);
+    return mesh_interval_in(&s, lo, hi, out);
+}
+
+/* How far t is along these bounds' diagonal, or farther. */
+static double t_across(const float bounds[6], const ray *r) {
+    double size = 0.0, fastest = 0.0;
+    for (int a = 0; a < 3; a++) {
+        size += (double)bounds[a + 3] - (double)bounds[a];
+        fastest = fabs(r->d[a]) > fastest ? fabs(r->d[a]) : fastest;
+    }
+    return size / fastest;
+}
+
+/* The t of a hit errs by less than 2^-40 of itself and of what it takes to cross the bounds. */
+double mesh_walk_behind(const float bounds[6], const ray *r, const hit *after) {
+    return after->t > 0.0 ? after->t - 0x1p-30 * (after->t + t_across(bounds, r)) : -INFINITY;
+}
+
+tet mesh_walk_tet(const treelet *tr, uint32_t place) {
+    const uint16_t *v = mesh_leaf_tets(&tr->mesh, tr->payload)[place];
+    const float(*at)[3] = tr->positions;
+    const float *values = mesh_leaf_values(&tr->mesh, tr->values);
+    tet x;
+    for (int k = 0; k < 4; k++) {
+        for (int a = 0; a < 3; a++)
+            x.p[k][a] = at[v[k]][a];
+        x.f[k] = values[v[k]];
+    }
+    return x;
+}
+
+void mesh_walk_gradients(const treelet *tr, uint32_t place, float gradients[4][3]) {
+    const uint16_t *v = mesh_leaf_tets(&tr->mesh, tr->payload)[place];
+    for (int k = 0; k < 4; k++)
+        memcpy(gradients[k], tr->gradients[v[k]], sizeof gradients[k]);
+}
+
+/* ---- Leaves ---- */
+
+/* The first hit with one isopolygon behind `after`: another crossing, whatever the tet. */
+static bool next_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t iso,
+                     const hit *after, hit *found) {
+    /* The kernel orders by (t, tet, iso): it is asked for everything from the same t on. */
+    hit last = {after->t, 0, -1, false};
+    const hit behind = {after->t, UINT64_MAX, after->iso, after->entering};
+    while (isopolygon_hit(g, r, cell, iso, &last, found)) {
+        if (tet_less(&behind, found))
+            return true;
+        last = *found;
+    }
+    return false;
+}
+
+/* The box of a tet costs less than its isopolygon. */
+static bool passes_box(const mesh_slabs *line, const tet *x) {
+    double lo[3], hi[3];
+    mesh_interval in;
+    for (int a = 0; a < 3; a++) {
+        float least = x->p[0][a], most = least;
+        for (int k = 1; k < 4; k++) {
+            least = x->p[k][a] < least ? x->p[k][a] : least;
+            most = x->p[k][a] > most ? x->p[k][a] : most;
+        }
+        lo[a] = (double)least;
+        hi[a] = (double)most;
+    }
+    return mesh_interval_in(line, lo, hi, &in);
+}
+
+static bool test_tet(const walk_scene *scene, const treelet *tr, uint32_t place, const ray *r,
+                     const mesh_slabs *line, const hit *after, hit *best, walk_counters *counters) {
+    const tet x = mesh_walk_tet(tr, place);
+    bool changed = false, active = false;
+    if (!passes_box(line, &x))
+        return false;
+    for (int i = 0; i < scene->count; i++) {
+        isopolygon g;
+        hit found;
+        if (!isopolygon_of(&x, scene->isovalues[i], &g))
+            continue;
+        active = true;
+        if (!next_hit(&g, r, tr->first_tet + place, i, after, &found))
+            continue;
+        counters->roots++;
+        if (tet_less(&found, best)) {
+            *best = found;
+            changed = true;
+        }
+    }
+    counters->cells += active;
+    return changed;
+}
+
+/* ---- Nodes ---- */
+
+typedef struct pending {
+    double t_in;
+    uint32_t child; /* as in mesh_node */
+} pending;
+
+/* Depth times siblings: a file's trees are no deeper, which is checked when they are loaded. */
+enum { STACK_MAX = MESH_DEPTH_MAX * (MESH_CHILDREN - 1) + 1 };
+
+/* A ray as the boxes of a treelet see it: it comes to the plane of code c of an axis at near + c *
+ * slope (its near side) or far + c * slope, somewhat early and late. */
+typedef struct code_slabs {
+    double near[3], far[3], slope[3];
+    bool back[3]; /* the near side is the upper one */
+    double slack;
+    double t0, t1, behind;
+} code_slabs;
+
+/* Instead of 1 / 0: what is not in the slab is never there. Times any float it is still finite. */
+static const double never = 0x1p600;
+
+/* A plane errs by 2^-24 of the treelet's size and place, the kernel by less than slack. */
+static code_slabs code_slabs_of(const treelet *tr, const ray *r, const hit *after) {
+    code_slabs s = {.slack = 0x1p-30 * t_across(tr->bounds, r),
+                    .t0 = r->t0,
+                    .t1 = r->t1,
+                    .behind = mesh_walk_behind(tr->bounds, r, after)};
+    for (int a = 0; a < 3; a++) {
+        const double lo = (double)tr->planes.lo[a], step = (double)tr->planes.step[a];
+        const double inverse = r->d[a] == 0.0 ? never : 1.0 / r->d[a];
+        const double at = (lo - r->o[a]) * inverse;
+        const double error = 0x1p-22 * (fabs(lo) + 256.0 * step) * fabs(inverse);
+        s.back[a] = r->d[a] < 0.0;
+        s.near[a] = at - error;
+        s.far[a] = at + error;
+        s.slope[a] = step * inverse;
+    }
+    return s;
+}
+
+/* The children of a node that the ray meets before `nearest`, and where it enters them. */
+static unsigned meet_children(const code_slabs *s, const mesh_node *n, double nearest,
+                              double t_in[MESH_CHILDREN]) {
+    double t_out[MESH_CHILDREN];
+    unsigned met = 0;
+    for (int c = 0; c < MESH_CHILDREN; c++) {
+        t_in[c] = -INFINITY;
+        t_out[c] = INFINITY;
+    }
+    for (int a = 0; a < 3; a++) {
+        const uint8_t *near = s->back[a] ? n->hi[a] : n->lo[a];
+        const uint8_t *far = s->back[a] ? n->lo[a] : n->hi[a];
+        for (int c = 0; c < MESH_CHILDREN; c++) {
+            const double in = s->near[a] + (double)near[c] * s->slope[a];
+            const double out = s->far[a] + (double)far[c] * s->slope[a];
+            t_in[c] = in > t_in[c] ? in : t_in[c];
+            t_out[c] = out < t_out[c] ? out : t_out[c];
+        }
+    }
+    for (int c = 0; c < MESH_CHILDREN; c++) {
+        const double slack = MESH_GENEROSITY * (fabs(t_in[c]) + fabs(t_out[c])) + s->slack;
+        t_in[c] = t_in[c] - slack > s->t0 ? t_in[c] - slack : s->t0;
+        t_out[c] = t_out[c] + slack < s->t1 ? t_out[c] + slack : s->t1;
+        const bool meets = t_in[c] <= t_out[c] && t_in[c] <= nearest && t_out[c] >= s->behind;
+        met |= (unsigned)meets << c;
+    }
+    return met;
+}
+
+/* Push a node's children that the ray meets before `nearest`, the first of them last. */
+static int push_children(const code_slabs *s, const treelet *tr, uint32_t node, double nearest,
+                         pending stack[], int top) {
+    const mesh_node *n = &tr->nodes[node];
+    const int bottom = top;
+    double t_in[MESH_CHILDREN];
+    unsigned left = meet_children(s, n, nearest, t_in) & tr->active->children[node];
+    for (; left; left &= left - 1) {
+        const unsigned c = (unsigned)__builtin_ctz(left);
+        int at = top++;
+        for (; at > bottom && stack[at - 1].t_in < t_in[c]; at--)
+            stack[at] = stack[at - 1];
+        stack[at] = (pending){t_in[c], n->child[c]};
+    }
+    return top;
+}
+
+/* The active tets from place `first` on. */
+static bool walk_leaf(const walk_scene *scene, const treelet *tr, uint32_t first, uint32_t end,
+                      const ray *r, const mesh_slabs *line, const hit *after, hit *best,
+                      walk_counters *counters) {
+    bool changed = false;
+    for (uint32_t i = first; i < end; i++)
+        if (tr->active->tets[i / 64] >> i % 64 & 1u)
+            changed |= test_tet(scene, tr, i, r, line, after, best, counters);
+    return changed;
+}
+
+bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const hit *after, bool any,
+               hit *best, walk_counters *counters) {
+    const code_slabs slabs = code_slabs_of(tr, r, after);
+    mesh_slabs line = mesh_slabs_of(r);
+    line.t0 = -INFINITY;
+    line.t1 = INFINITY;
+    const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->payload);
+    pending stack[STACK_MAX];
+    bool changed = false;
+    int top = 0;
+    stack[top++] = (pending){-INFINITY, 0};
+    while (top > 0 && !(any && changed)) {
+        const pending p = stack[--top];
+        if (p.t_in > best->t)
+            continue;
+        if (!(p.child & MESH_LEAF)) {
+            counters->nodes++;
+            top = push_children(&slabs, tr, p.child, best->t, stack, top);
+            continue;
+        }
+        const uint32_t leaf = p.child & ~(uint32_t)MESH_LEAF;
+        changed |=
+            walk_leaf(scene, tr, first[leaf], first[leaf + 1], r, &line, after, best, counters);
+    }
+    return changed;
+}
+
+/* ---- Points ---- */
+
+static void cross(const double a[3], const double b[3], double out[3]) {
+    for (int i = 0; i < 3; i++)
+        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+/* Six times the volume of the tet (a, b, c, d). */
+static double volume(const double a[3], const double b[3], const double c[3], const double d[3]) {
+    double u[3], v[3], w[3], n[3];
+    for (int i = 0; i < 3; i++) {
+        u[i] = b[i] - a[i];
+        v[i] = c[i] - a[i];
+        w[i] = d[i] - a[i];
+    }
+    cross(v, w, n);
+    return u[0] * n[0] + u[1] * n[1] + u[2] * n[2];
+}
+
+static bool holds_point(const tet *x, const double point[3], double weights[4]) {
+    static const double tolerance = 1e-12;
+    double p[4][3];
+    for (int k = 0; k < 4; k++)
+        for (int a = 0; a < 3; a++)
+            p[k][a] = (double)x->p[k][a];
+    const double all = volume(p[0], p[1], p[2], p[3]);
+    for (int k = 0; k < 4; k++) {
+        double q[4][3];
+        memcpy(q, p, sizeof q);
+        memcpy(q[k], point, sizeof q[k]);
+        weights[k] = volume(q[0], q[1], q[2], q[3]) / all;
+        if (!(weights[k] >= -tolerance && weights[k] <= 1.0 + tolerance))
+            return false;
+    }
+    return true;
+}
+
+bool mesh_walk_find(const treelet *tr, const double point[3], uint32_t *place, double weights[4]) {
+    for (*place = 0; *place < tr->mesh.tets; ++*place) {
+        const tet x = mesh_walk_tet(tr, *place);
+        if (holds_point(&x, point, weights))
+            return true;
+    }
+    return false;
+}

@@ -1,0 +1,57 @@
+/* mesh_walk.h - one ray through one treelet of a mesh: the nearest hit with the selected
+ * isosurfaces.
+ *
+ * The implicit BVH (W07 5): nodes without active tets below are passed over, the others
+ * are visited front to back as far as the ray meets their boxes; in the leaves every active tet
+ * goes to the kernel.
+ */
+#ifndef RENDER_MESH_MESH_WALK_H
+#define RENDER_MESH_MESH_WALK_H
+
+#include "render/grid/walk.h"
+#include "render/mesh/tet_kernel.h"
+
+/* mesh_walk() - lower *best to the first hit in this treelet that is strictly after `after` in
+ * the order of mesh_tracer.h, if there is a lesser one. any: some hit there will do as well as the
+ * first one. Returns whether it changed. */
+bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const hit *after, bool any,
+               hit *best, walk_counters *counters);
+
+/* mesh_walk_tet() - a tet of the treelet by its place there. */
+tet mesh_walk_tet(const treelet *tr, uint32_t place);
+
+/* mesh_walk_gradients() - those at its vertices; for treelets that have them. */
+void mesh_walk_gradients(const treelet *tr, uint32_t place, float gradients[4][3]);
+
+/* mesh_walk_find() - the first tet that holds a point of its treelet's box, faces included (to
+ * rounding), and the point's barycentric coordinates there; flat ones hold none. */
+bool mesh_walk_find(const treelet *tr, const double point[3], uint32_t *place, double weights[4]);
+
+/* Kernel and boxes round differently; what is given away is a millionth of the distance. */
+#define MESH_GENEROSITY 0x1p-20
+
+/* The part of a ray's [t0, t1] in a box, generously: never less than the t of what the kernel finds
+ * in it. */
+typedef struct mesh_interval {
+    double t_in, t_out;
+} mesh_interval;
+
+/* A ray as boxes see it. */
+typedef struct mesh_slabs {
+    double o[3], inverse[3]; /* of d; 0: d = 0 */
+    double t0, t1;
+} mesh_slabs;
+
+mesh_slabs mesh_slabs_of(const ray *r);
+
+/* mesh_interval_in() - false when the ray passes the box by. Monotone: what lies within another box
+ * begins no earlier. mesh_interval_of() - the same for one box. */
+bool mesh_interval_in(const mesh_slabs *s, const double lo[3], const double hi[3],
+                      mesh_interval *out);
+bool mesh_interval_of(const ray *r, const double lo[3], const double hi[3], mesh_interval *out);
+
+/* mesh_walk_behind() - what a ray leaves before this t holds no hit behind `after`, if it is among
+ * the tets in these bounds. */
+double mesh_walk_behind(const float bounds[6], const ray *r, const hit *after);
+
+#endif

@@ -1,0 +1,58 @@
+/* packet_sight.h - what all rays of a packet from one eye miss: boxes by interval arithmetic (W07
+ * 5.2 III), isopolygons by the packet's corner rays (W07 4.3). */
+#ifndef RENDER_MESH_PACKET_SIGHT_H
+#define RENDER_MESH_PACKET_SIGHT_H
+
+#include <stdbool.h>
+
+#include "render/mesh/tet_kernel.h"
+#include "render/projection.h"
+
+/* Kernel and boxes round differently; as much is given away as mesh_interval_of() does. */
+#define PACKET_GENEROSITY 0x1p-20
+
+/* Planes as seen from the eye. */
+typedef struct packet_box {
+    double lo[3], hi[3];
+} packet_box;
+
+/* Pixels of a packet, ends included. */
+typedef struct packet_rect {
+    int x0, x1, y0, y1;
+} packet_rect;
+
+typedef struct packet_sight {
+    const projection *projection;
+    float x, y; /* the packet's first pixel's centre, from the picture's centre */
+    int side;
+    double eye[3];
+    double least[3], most[3]; /* of the rays' directions */
+    double far;               /* no ray looks for anything beyond this t */
+    double corner[3][4];      /* directions of unit length that span all rays */
+} packet_sight;
+
+/* packet_sight_begin() - of side x side pixels, without rays; x, y: as above. packet_sight_add() -
+ * one more. `far` and `corner` are the caller's to set. Directions have no component that is 0. */
+void packet_sight_begin(packet_sight *s, const projection *p, float x, float y, int side);
+void packet_sight_add(packet_sight *s, const double d[3]);
+
+/* What is known of the rays that may meet a box. */
+typedef struct packet_reach {
+    packet_rect pixels; /* only these, */
+    double near;        /* at no lesser t, by the numbers of mesh_interval_of() */
+} packet_reach;
+
+/* packet_sight_box() - false: no ray meets the box at a t from 0 to far. */
+bool packet_sight_box(const packet_sight *s, const packet_box *b, packet_reach *out);
+
+typedef enum packet_view {
+    PACKET_DIFFERS,     /* or it is not known */
+    PACKET_MISSES,      /* all rays do, at any t > 0 */
+    PACKET_HITS_FIRST,  /* all rays hit the triangle of points 0 1 2, */
+    PACKET_HITS_SECOND, /* or of points 0 2 3 */
+} packet_view;
+
+/* packet_sight_polygon() - what the corner rays say of an isopolygon. */
+packet_view packet_sight_polygon(const packet_sight *s, const isopolygon *g);
+
+#endif

@@ -1,0 +1,60 @@
+#include "render/mesh/tet_batch.h"
+
+void tet_rays_put(tet_rays *rays, int lane, const ray *r, const hit *after) {
+    for (int a = 0; a < 3; a++) {
+        rays->o[a][lane] = r->o[a];
+        rays->d[a][lane] = r->d[a];
+    }
+    rays->from[lane] = after->t > r->t0 ? after->t : r->t0;
+    rays->to[lane] = r->t1;
+    rays->best[lane] = hit_none();
+    rays->after[lane] = *after;
+}
+
+void tet_rays_clear(tet_rays *rays, int lane) {
+    const ray none = {.d = {0.0, 0.0, 1.0}, .t0 = INFINITY, .t1 = -INFINITY};
+    const hit before = hit_before_all();
+    tet_rays_put(rays, lane, &none, &before);
+}
+
+void tet_batch_one(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays,
+                   int lane) {
+    ray r = {.t0 = rays->from[lane], .t1 = rays->to[lane]};
+    for (int a = 0; a < 3; a++) {
+        r.o[a] = rays->o[a][lane];
+        r.d[a] = rays->d[a][lane];
+    }
+    hit last = hit_before_all(), h;
+    while (isopolygon_hit(g, &r, cell, iso_index, &last, &h)) {
+        tet_batch_offer(rays, lane, &h);
+        last = h;
+    }
+}
+
+static void tet_batch_scalar(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
+                             tet_rays *rays, int first, int end) {
+    (void)known;
+    for (int i = first; i < end; i++)
+        if (rays->from[i] <= rays->to[i])
+            tet_batch_one(g, cell, iso_index, rays, i);
+}
+
+#if defined __x86_64__ || defined __i386__
+void tet_batch_sse42(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
+                     tet_rays *rays, int first, int end);
+void tet_batch_avx2(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
+                    tet_rays *rays, int first, int end);
+void tet_batch_avx512(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
+                      tet_rays *rays, int first, int end);
+#endif
+
+tet_batch_fn tet_batch_for(cpu_isa isa) {
+    switch (isa) {
+#if defined __x86_64__ || defined __i386__
+    case CPU_AVX512: return tet_batch_avx512;
+    case CPU_AVX2: return tet_batch_avx2;
+    case CPU_SSE42: return tet_batch_sse42;
+#endif
+    default: return tet_batch_scalar;
+    }
+}

@@ -1,0 +1,59 @@
+/* tet_batch.h - many rays against one isopolygon.
+ *
+ * Each ray keeps the first of its hits that comes behind a given one, in the order of tet_less(),
+ * so crossings seen from two tets count once. The answer of a ray is, to the bit, that of
+ * isopolygon_hit(); it depends neither on the other rays nor on the order of polygons. Versions for
+ * newer instructions come from one template (tet_batch_template.h); the scalar one is the truth.
+ */
+#ifndef RENDER_MESH_TET_BATCH_H
+#define RENDER_MESH_TET_BATCH_H
+
+#include "formats/base/cpu.h"
+#include "render/mesh/tet_kernel.h"
+
+enum { TET_RAYS = 256 };
+
+typedef struct tet_rays {
+    _Alignas(64) double o[3][TET_RAYS];
+    double d[3][TET_RAYS];
+    double from[TET_RAYS]; /* hits lie in [from, to]: from the larger of t0 and after.t */
+    double to[TET_RAYS];   /* to the lesser of t1 and best.t */
+    hit best[TET_RAYS];    /* hit_none() to begin with */
+    hit after[TET_RAYS];
+    bool one_origin; /* all o are alike: set by the caller, true of primary rays; false costs */
+} tet_rays;
+
+/* tet_rays_put() - ray number `lane`; its hits come behind the crossing `after`, whatever that's
+ * tet: hit_before_all(), or its last one. */
+void tet_rays_put(tet_rays *rays, int lane, const ray *r, const hit *after);
+
+/* tet_rays_clear() - no hit is found for this ray number; what was found is forgotten. For numbers
+ * that no ray has: a version may look at all rays up to the next multiple of 16. */
+void tet_rays_clear(tet_rays *rays, int lane);
+
+/* What is known of all these rays, by the signs of edge functions that are certain: they hit the
+ * triangle of points 0 1 2, or the one of points 0 2 3. */
+typedef enum tet_known { TET_UNKNOWN, TET_FIRST_IS_HIT, TET_SECOND_IS_HIT } tet_known;
+
+/* A tet_batch_fn lowers best[i] (and to[i]) of the rays first <= i < end <= TET_RAYS, if g has a
+ * lesser hit; g, cell and iso_index as for isopolygon_hit(). What is known only saves time. */
+typedef void (*tet_batch_fn)(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
+                             tet_rays *rays, int first, int end);
+
+/* tet_batch_for() - the version for an ISA that this CPU has (see cpu.h). */
+tet_batch_fn tet_batch_for(cpu_isa isa);
+
+/* tet_batch_offer() - for the versions: a hit that this ray has. */
+static inline void tet_batch_offer(tet_rays *rays, int lane, const hit *h) {
+    const hit *after = &rays->after[lane];
+    const hit behind = {after->t, UINT64_MAX, after->iso, after->entering};
+    if (tet_less(&behind, h) && tet_less(h, &rays->best[lane])) {
+        rays->best[lane] = *h;
+        rays->to[lane] = h->t;
+    }
+}
+
+/* tet_batch_one() - for the versions: one ray, by the scalar truth. */
+void tet_batch_one(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays, int lane);
+
+#endif

@@ -1,0 +1,1 @@
+#include "render/mesh/tet_batch_template.h"

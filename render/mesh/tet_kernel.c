@@ -1,0 +1,379 @@
+#include "render/mesh/tet_kernel.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "render/mesh/edge_sign.h"
+
+const uint8_t tet_edge_ends[TET_EDGES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
+const tet_cut tet_cuts[16] = {
+    {0, {0, 0, 0, 0}}, /* none */
+    {3, {0, 2, 1, 1}}, /* 0 */
+    {3, {0, 3, 4, 4}}, /* 1 */
+    {4, {1, 3, 4, 2}}, /* 0 1 */
+    {3, {1, 5, 3, 3}}, /* 2 */
+    {4, {0, 2, 5, 3}}, /* 0 2 */
+    {4, {0, 1, 5, 4}}, /* 1 2 */
+    {3, {2, 5, 4, 4}}, /* 0 1 2 */
+    {3, {2, 4, 5, 5}}, /* 3 */
+    {4, {0, 4, 5, 1}}, /* 0 3 */
+    {4, {0, 3, 5, 2}}, /* 1 3 */
+    {3, {1, 3, 5, 5}}, /* 0 1 3 */
+    {4, {1, 2, 4, 3}}, /* 2 3 */
+    {3, {0, 4, 3, 3}}, /* 0 2 3 */
+    {3, {0, 1, 2, 2}}, /* 1 2 3 */
+    {0, {0, 0, 0, 0}}, /* all */
+};
+
+/* The triangles of a polygon, by its points: their first two edges are its own, but for one. */
+static const uint8_t corners_of[2][3] = {{0, 1, 2}, {0, 2, 3}};
+
+static double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static double modulus_dot(const double a[3], const double b[3]) {
+    return fabs(a[0] * b[0]) + fabs(a[1] * b[1]) + fabs(a[2] * b[2]);
+}
+
+static void cross(const double a[3], const double b[3], double out[3]) {
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static double least(double a, double b) {
+    return a < b ? a : b;
+}
+
+static double most(double a, double b) {
+    return a > b ? a : b;
+}
+
+static double kept_within(double x, double lo, double hi) {
+    return most(lo, least(x, hi));
+}
+
+/* ---- the polygon ----------------------------------------------------------------------------- */
+
+/* 0: not active; else which vertices are inside. */
+static unsigned inside_of(const float f[4], double iso) {
+    /* Four floats add up in double without overflow. */
+    if (!isfinite((double)f[0] + (double)f[1] + (double)f[2] + (double)f[3]))
+        return 0;
+    unsigned inside = 0;
+    for (unsigned i = 0; i < 4; i++)
+        inside |= (unsigned)((double)f[i] >= iso) << i;
+    return inside == 15 ? 0 : inside;
+}
+
+bool tet_is_active(const float f[4], double iso) {
+    return inside_of(f, iso) != 0;
+}
+
+/* Never beyond a or b. As long as s < 1, the product is at least an ulp short of the difference (b
+ * - a) as rounded, which errs by half an ulp at most; so a plus the product, before it is rounded,
+ * lies between a and b, and so it does after. */
+static void cut_edge(const double p[4][3], const float f[4], int edge, double iso,
+                     double point[3]) {
+    const int i = tet_edge_ends[edge][0], j = tet_edge_ends[edge][1];
+    const double fa = (double)f[i], fb = (double)f[j];
+    const double s = (iso - fa) / (fb - fa);
+    const bool whole = s >= 1.0;
+    for (int k = 0; k < 3; k++)
+        point[k] = whole ? p[j][k] : p[i][k] + s * (p[j][k] - p[i][k]);
+}
+
+void tet_turn_over(uint8_t edge[4], int count) {
+    const int i = count == 3 ? 0 : 1, j = count == 3 ? 1 : 3;
+    const uint8_t kept = edge[i];
+    edge[i] = edge[j];
+    edge[j] = kept;
+}
+
+bool isopolygon_of(const tet *x, double iso, isopolygon *out) {
+    const unsigned inside = inside_of(x->f, iso);
+    if (inside == 0)
+        return false;
+    double p[4][3];
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3; k++)
+            p[i][k] = (double)x->p[i][k];
+    out->count = tet_cuts[inside].count;
+    memcpy(out->edge, tet_cuts[inside].edge, sizeof out->edge);
+    if (edge_sign_of_tet((const double(*)[3])p) < 0)
+        tet_turn_over(out->edge, out->count);
+    for (int i = 0; i < out->count; i++)
+        cut_edge((const double(*)[3])p, x->f, out->edge[i], iso, out->p[i]);
+    if (out->count == 3)
+        memcpy(out->p[3], out->p[2], sizeof out->p[3]);
+    return true;
+}
+
+/* ---- the ray --------------------------------------------------------------------------------- */
+
+/* A polygon as a ray sees it: its points relative to the ray's origin. */
+typedef struct sight {
+    const isopolygon *g;
+    const ray *r;
+    double a[4][3];
+} sight;
+
+/* Where the ray's line crosses a triangle. */
+typedef struct crossing {
+    double t;
+    double slip;   /* what the weights' errors do to t, at most */
+    bool entering; /* along the polygon's normal */
+} crossing;
+
+static void sight_of(const isopolygon *g, const ray *r, sight *s) {
+    s->g = g;
+    s->r = r;
+    for (int i = 0; i < g->count; i++)
+        for (int k = 0; k < 3; k++)
+            s->a[i][k] = g->p[i][k] - r->o[k];
+}
+
+/* The edge function of points i -> j of the polygon: always taken from the lower tet edge to the
+ * higher, as the tet beyond the face does. */
+static edge_weight weight_of(const sight *s, int i, int j, bool exact) {
+    const bool swap = s->g->edge[i] > s->g->edge[j];
+    const int from = swap ? j : i, to = swap ? i : j;
+    const double *p = s->g->p[from], *q = s->g->p[to];
+    edge_weight w;
+    if (exact) {
+        w = edge_exact(s->r->o, s->r->d, p, q);
+    } else {
+        const double e[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
+        w = edge_near(s->r->d, s->a[from], e);
+    }
+    w.value = swap ? -w.value : w.value;
+    return w;
+}
+
+/* How far along the ray a point lies, in units of d . d: t is that over d . d, which keeps order.
+ */
+static double along_of(const sight *s, int i) {
+    return dot(s->r->d, s->a[i]);
+}
+
+/* The part of a range that a weight with this error may miss. */
+static double slip_of(double range, double error, double sum) {
+    return error < sum ? range * (error / sum) : range;
+}
+
+/* On the edge from i to j: by how far off the ray its ends lie. Symmetric in i and j to the bit. */
+static void cross_edge(const sight *s, int i, int j, crossing *out) {
+    double off[2][3], far[2];
+    const double ti = along_of(s, i), tj = along_of(s, j);
+    cross(s->r->d, s->a[i], off[0]);
+    cross(s->r->d, s->a[j], off[1]);
+    for (int k = 0; k < 2; k++)
+        far[k] = fabs(off[k][0]) + fabs(off[k][1]) + fabs(off[k][2]);
+    const double sum = far[0] + far[1];
+    out->t = kept_within(sum > 0.0 ? (far[1] * ti + far[0] * tj) / sum : 0.5 * (ti + tj),
+                         least(ti, tj), most(ti, tj));
+    const double d = fabs(s->r->d[0]) + fabs(s->r->d[1]) + fabs(s->r->d[2]);
+    double a = 0.0;
+    for (int k = 0; k < 3; k++)
+        a += most(fabs(s->a[i][k]), fabs(s->a[j][k]));
+    out->slip = slip_of(fabs(ti - tj), 8.0 * DBL_EPSILON * d * a, sum);
+}
+
+static void cross_inside(const sight *s, const uint8_t c[3], const edge_weight w[3],
+                         crossing *out) {
+    const double t0 = along_of(s, c[0]), t1 = along_of(s, c[1]), t2 = along_of(s, c[2]);
+    const double w0 = fabs(w[0].value), w1 = fabs(w[1].value), w2 = fabs(w[2].value);
+    const double sum = w0 + w1 + w2, lo = least(t0, least(t1, t2)), hi = most(t0, most(t1, t2));
+    out->t = kept_within(t0 + (w1 * (t1 - t0) + w2 * (t2 - t0)) / sum, lo, hi);
+    out->slip = slip_of(hi - lo, 2.0 * (w[0].bound + w[1].bound + w[2].bound), sum);
+}
+
+/* Whether the ray's line crosses a triangle of the polygon: its weights are all of one sign. */
+static bool cross_triangle(const sight *s, const uint8_t c[3], crossing *out) {
+    edge_weight w[3]; /* of corner k: of the edge opposite */
+    unsigned above = 0, below = 0;
+    for (int k = 0; k < 3; k++) {
+        w[k] = weight_of(s, c[(k + 1) % 3], c[(k + 2) % 3], false);
+        above |= (unsigned)(w[k].value > w[k].bound) << k;
+        below |= (unsigned)(w[k].value < -w[k].bound) << k;
+    }
+    if (above && below)
+        return false;
+    const unsigned doubtful = 7u & ~(above | below);
+    for (int k = 0; k < 3; k++) {
+        if (!(doubtful >> k & 1))
+            continue;
+        w[k] = weight_of(s, c[(k + 1) % 3], c[(k + 2) % 3], true);
+        above |= (unsigned)(w[k].value > 0.0) << k;
+        below |= (unsigned)(w[k].value < 0.0) << k;
+    }
+    if ((above != 0) == (below != 0))
+        return false;
+    out->entering = above != 0;
+    const unsigned held = above | below; /* corners with weight */
+    if (held == 7) {
+        cross_inside(s, c, w, out);
+    } else if ((held & (held - 1)) == 0) {
+        out->t = along_of(s, c[held >> 1]);
+        out->slip = 0.0;
+    } else {
+        const int gone = held == 6 ? 0 : held == 5 ? 1 : 2;
+        cross_edge(s, c[(gone + 1) % 3], c[(gone + 2) % 3], out);
+    }
+    const double square = dot(s->r->d, s->r->d);
+    out->t /= square;
+    out->slip /= square;
+    return true;
+}
+
+bool isopolygon_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t iso_index,
+                    const hit *after, hit *found) {
+    sight s;
+    sight_of(g, r, &s);
+    bool any = false;
+    for (int k = 0; k < g->count - 2; k++) {
+        crossing x;
+        if (!cross_triangle(&s, corners_of[k], &x) || !(x.t >= r->t0 && x.t <= r->t1))
+            continue;
+        const hit h = {x.t, cell, iso_index, x.entering};
+        if (hit_less(after, &h) && (!any || hit_less(&h, found))) {
+            *found = h;
+            any = true;
+        }
+    }
+    return any;
+}
+
+bool tet_hit(const tet *x, const ray *r, const double *isovalues, int count, uint64_t cell,
+             const hit *after, hit *found) {
+    bool any = false;
+    for (int32_t i = 0; i < count; i++) {
+        isopolygon g;
+        hit h;
+        if (isopolygon_of(x, isovalues[i], &g) && isopolygon_hit(&g, r, cell, i, after, &h) &&
+            (!any || hit_less(&h, found))) {
+            *found = h;
+            any = true;
+        }
+    }
+    return any;
+}
+
+/* ---- what is known about a hit --------------------------------------------------------------- */
+
+bool tet_gradient(const tet *x, double gradient[3]) {
+    double e[3][3], df[3], normal[3][3];
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++)
+            e[i][k] = (double)x->p[i + 1][k] - (double)x->p[0][k];
+        df[i] = (double)x->f[i + 1] - (double)x->f[0];
+    }
+    for (int i = 0; i < 3; i++)
+        cross(e[(i + 1) % 3], e[(i + 2) % 3], normal[i]);
+    const double determinant = dot(e[0], normal[0]);
+    const edge_weight sure = edge_near(e[0], e[1], e[2]);
+    if (!(fabs(determinant) > TET_GRADIENT_SURE / EDGE_BOUND * sure.bound) ||
+        !isfinite(df[0] + df[1] + df[2]))
+        return false;
+    for (int k = 0; k < 3; k++)
+        gradient[k] =
+            (df[0] * normal[0][k] + df[1] * normal[1][k] + df[2] * normal[2][k]) / determinant;
+    return true;
+}
+
+/* Scaled first, so that squares neither vanish nor overflow. False: has no direction. */
+static bool unit_of(const double v[3], double unit[3]) {
+    const double largest = most(fabs(v[0]), most(fabs(v[1]), fabs(v[2])));
+    if (!(largest > 0.0) || !isfinite(v[0] + v[1] + v[2]))
+        return false;
+    for (int k = 0; k < 3; k++)
+        unit[k] = v[k] / largest;
+    const double length = sqrt(dot(unit, unit));
+    for (int k = 0; k < 3; k++)
+        unit[k] /= length;
+    return true;
+}
+
+/* Across the diagonals, or two edges of a triangle. */
+static bool normal_of(const isopolygon *g, double unit[3]) {
+    double e[2][3], normal[3];
+    for (int k = 0; k < 3; k++) {
+        e[0][k] = g->p[2][k] - g->p[0][k];
+        e[1][k] = g->p[3][k] - g->p[1][k];
+    }
+    cross(e[0], e[1], normal);
+    return unit_of(normal, unit);
+}
+
+static double shortest_edge(const tet *x) {
+    double square = INFINITY;
+    for (int i = 0; i < TET_EDGES; i++) {
+        double e[3];
+        for (int k = 0; k < 3; k++)
+            e[k] = (double)x->p[tet_edge_ends[i][1]][k] - (double)x->p[tet_edge_ends[i][0]][k];
+        square = least(square, dot(e, e));
+    }
+    return sqrt(square);
+}
+
+/* Bound of |t - the line's own t of the polygon|; slip: of the crossing that has this t. */
+static double t_error(const sight *s, const hit *h) {
+    double slip = INFINITY, terms = 0.0;
+    for (int k = 0; k < s->g->count - 2; k++) {
+        crossing x;
+        if (cross_triangle(s, corners_of[k], &x) && x.t == h->t)
+            slip = least(slip, x.slip);
+    }
+    for (int i = 0; i < s->g->count; i++)
+        terms = most(terms, modulus_dot(s->r->d, s->a[i]));
+    return slip + 8.0 * DBL_EPSILON * terms / dot(s->r->d, s->r->d);
+}
+
+/* The gradient; where there is none, the polygon's normal (false), or nothing. */
+static bool gradient_of(const tet *x, const isopolygon *g, double gradient[3]) {
+    if (tet_gradient(x, gradient))
+        return true;
+    if (!normal_of(g, gradient))
+        gradient[0] = gradient[1] = gradient[2] = 0.0;
+    return false;
+}
+
+static void normal_against(const double gradient[3], float normal[3]) {
+    double unit[3];
+    const bool any = unit_of(gradient, unit);
+    for (int k = 0; k < 3; k++)
+        normal[k] = any ? (float)-unit[k] : 0.0f;
+}
+
+void tet_normal(const tet *x, double iso, float normal[3]) {
+    double gradient[3] = {0.0, 0.0, 0.0};
+    isopolygon g;
+    if (!tet_gradient(x, gradient) && isopolygon_of(x, iso, &g))
+        (void)gradient_of(x, &g, gradient);
+    normal_against(gradient, normal);
+}
+
+surface_point tet_surface(const tet *x, const ray *r, double iso, const hit *h) {
+    surface_point point = {.span = shortest_edge(x), .error = INFINITY};
+    isopolygon g;
+    if (!isopolygon_of(x, iso, &g))
+        return point;
+    sight s;
+    sight_of(&g, r, &s);
+    double range = 0.0;
+    if (gradient_of(x, &g, point.gradient))
+        for (int i = 0; i < 4; i++)
+            range = most(range, fabs((double)x->f[i] - iso));
+    normal_against(point.gradient, point.normal);
+    /* t moves the point along the ray; the ends and the ray's points are rounded; so is s. */
+    point.error = fabs(dot(point.gradient, r->d)) * t_error(&s, h) + 8.0 * DBL_EPSILON * range;
+    for (int k = 0; k < 3; k++) {
+        double far = fabs(r->o[k]) + fabs(h->t * r->d[k]);
+        for (int i = 0; i < g.count; i++)
+            far = most(far, fabs(g.p[i][k]));
+        point.error += fabs(point.gradient[k]) * 4.0 * DBL_EPSILON * far;
+    }
+    return point;
+}

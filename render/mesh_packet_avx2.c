@@ -1,1 +1,0 @@
-#include "render/mesh_packet_template.h"

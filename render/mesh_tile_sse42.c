@@ -1,1 +1,0 @@
-#include "render/mesh_tile_template.h"

@@ -1,1 +1,0 @@
-#include "render/tet_batch_template.h"

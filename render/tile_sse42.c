@@ -1,1 +1,0 @@
-#include "render/tile_template.h"

@@ -1,0 +1,6 @@
+/* grid_tile_wide.c - grid_tile_template.h with vectors as wide as those of AVX-512, in plain C. */
+#include "tests/support/grid_tile_wide.h"
+
+#include "tests/support/simd_wide.h"
+
+#include "render/grid/grid_tile_template.h"
