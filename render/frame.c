@@ -121,7 +121,7 @@ static void suspend(drawing *d, uint32_t i) {
     const uint32_t t = p->search.blocked;
     if (d->bucket[t] == no_record) {
         d->waiting[d->waiting_count++] = t;
-        loader_want(d->f->treelets, t, pixel_ray_urgency(d->f, p));
+        loader_want(d->f->treelets, t, pixel_ray_priority(d->f, p));
     }
     p->next = d->bucket[t];
     d->bucket[t] = i;
@@ -156,7 +156,7 @@ static bool wait_for_treelets(drawing *d, uint32_t tile, const tile_outcome *tod
     if (todo->absent_count == 0 || f->tracer->preview || !loader_has_room(f->treelets))
         return false;
     for (int i = 0; i < todo->absent_count; i++)
-        loader_want(f->treelets, todo->absent[i], pixel_ray_first_urgency(f, todo->absent[i]));
+        loader_want(f->treelets, todo->absent[i], pixel_ray_first_priority(f, todo->absent[i]));
     memcpy(rows_to_do(d, tile), todo->waits, d->side * sizeof *todo->waits);
     pthread_mutex_lock(&d->lock);
     d->tiles_later[d->tiles_off++] = tile;
@@ -341,7 +341,7 @@ static status collect_runnable(drawing *d) {
 static status admit(drawing *d) {
     for (uint32_t i = 0; i < d->waiting_count; i++) {
         const uint32_t t = d->waiting[i];
-        d->requests[i] = (loader_request){t, pixel_ray_urgency(d->f, record(d, d->bucket[t]))};
+        d->requests[i] = (loader_request){t, pixel_ray_priority(d->f, record(d, d->bucket[t]))};
     }
     return loader_admit(d->f->treelets, d->requests, d->waiting_count);
 }

@@ -9,7 +9,7 @@
 #include "formats/base/num.h"
 #include "render/experiment.h"
 #include "render/leafcast_volume.h"
-#include "render/mesh/kept_polygons.h"
+#include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_preview.h"
 #include "render/samples.h"
 
@@ -26,7 +26,7 @@ enum { LOADER_WORKERS = 2 };
 static derived_kind derived_of(const leafcast_options *o) {
     if (o->isopolygons == LEAFCAST_ISOPOLYGONS_ONTHEFLY)
         return (derived_kind){NULL, NULL};
-    return kept_polygons_kind(o->isopolygons == LEAFCAST_ISOPOLYGONS_PRECOMPUTE);
+    return isopolygon_cache_kind(o->isopolygons == LEAFCAST_ISOPOLYGONS_PRECOMPUTE);
 }
 
 /* Trees of all steps beside each other cost no refitting; where not all of them fit, one tree. */
@@ -516,7 +516,7 @@ static status share_budget(leafcast *v, frame *f) {
     const uint32_t treelets = v->file->layout.treelets;
     const uint32_t least = frame_records_min(v->file->mesh, pool_threads(v->threads));
     const size_t place = loader_place_bytes(v->treelets);
-    size_t places = treelets, shelf = SIZE_MAX;
+    size_t places = treelets, cached = SIZE_MAX;
     size_t records = records_wanted(v, (size_t)f->width * f->height);
     if (v->budget.limit) {
         const size_t fixed = fixed_bytes(v, f);
@@ -528,14 +528,14 @@ static status share_budget(leafcast *v, frame *f) {
         records = most < least ? least : most < records ? most : records;
         const size_t left = rest - records * frame_record_bytes();
         places = left / place < treelets ? left / place : treelets;
-        shelf = left - places * place;
+        cached = left - places * place;
     }
     if (v->options.treelet_limit) {
         places = places < v->options.treelet_limit ? places : v->options.treelet_limit;
-        shelf = 0;
+        cached = 0;
     }
     f->records_max = (uint32_t)records;
-    loader_set_capacity(v->treelets, (uint32_t)places, shelf);
+    loader_set_capacity(v->treelets, (uint32_t)places, cached);
     return ST_OK;
 }
 

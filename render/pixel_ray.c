@@ -2,13 +2,13 @@
 
 #include <math.h>
 
+#include "render/priority.h"
 #include "render/shade.h"
-#include "render/urgency.h"
 
 /* What is left of the light behind surfaces that hide this much no longer counts: a twelfth bit. */
 static const float opaque_enough = 1.0f - 1.0f / 4096.0f;
 
-enum { NO_LIGHT = URGENCY_PRIMARY };
+enum { NO_LIGHT = PRIORITY_PRIMARY };
 
 pixel_ray pixel_ray_start(uint32_t pixel) {
     const hit before = hit_before_all();
@@ -245,10 +245,10 @@ bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters) {
     return true;
 }
 
-uint64_t pixel_ray_urgency(const frame *f, const pixel_ray *p) {
-    return urgency_of(f, p->search.blocked, p->light);
+uint64_t pixel_ray_priority(const frame *f, const pixel_ray *p) {
+    return priority_of(f, p->search.blocked, p->light);
 }
 
-uint64_t pixel_ray_first_urgency(const frame *f, uint32_t t) {
-    return urgency_of(f, t, NO_LIGHT);
+uint64_t pixel_ray_first_priority(const frame *f, uint32_t t) {
+    return priority_of(f, t, NO_LIGHT);
 }

@@ -38,12 +38,12 @@ bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters);
 void pixel_ray_towards(const frame *f, uint32_t pixel, double t, const leafcast_light *light,
                        double to[3]);
 
-/* pixel_ray_urgency() - of the treelet that blocks it: smaller comes first. Primary rays come
+/* pixel_ray_priority() - of the treelet that blocks it: smaller comes first. Primary rays come
  * first, front to back from the eye; then shadow rays, light by light, from the surfaces towards
- * the light. Along any ray urgencies rise. */
-uint64_t pixel_ray_urgency(const frame *f, const pixel_ray *p);
+ * the light. Along any ray priorities rise. */
+uint64_t pixel_ray_priority(const frame *f, const pixel_ray *p);
 
-/* pixel_ray_first_urgency() - of treelet t when it blocks a primary ray. */
-uint64_t pixel_ray_first_urgency(const frame *f, uint32_t t);
+/* pixel_ray_first_priority() - of treelet t when it blocks a primary ray. */
+uint64_t pixel_ray_first_priority(const frame *f, uint32_t t);
 
 #endif

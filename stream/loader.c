@@ -9,7 +9,7 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/thread.h"
-#include "stream/shelf.h"
+#include "stream/treelet_cache.h"
 
 typedef enum residence { ABSENT, QUEUED, LOADING, READY, FAILED } residence;
 
@@ -32,11 +32,12 @@ struct loader_private {
     pthread_cond_t work, done;
     /* Guarded by lock: */
     uint8_t *state;        /* residence, a treelet */
-    loader_request *queue; /* binary heap, smallest urgency first */
+    loader_request *queue; /* binary heap, smallest priority first */
     size_t queued;
     treelet **places; /* READY ones, oldest first */
-    shelf shelf;      /* ABSENT ones; they stay only as long as nothing else needs their memory */
-    shared *shared;   /* of a mesh, a treelet */
+    treelet_cache
+        cache;      /* ABSENT ones; they stay only as long as nothing else needs their memory */
+    shared *shared; /* of a mesh, a treelet */
     uint32_t filled, loading, capacity;
     size_t bytes, room; /* of all treelets; that they may have */
     uint64_t published; /* treelets that became READY */
@@ -58,10 +59,10 @@ struct loader_private {
     int started;
 };
 
-/* ---- The queue: a binary heap by (urgency, treelet) ---- */
+/* ---- The queue: a binary heap by (priority, treelet) ---- */
 
 static bool more_urgent(loader_request a, loader_request b) {
-    return a.urgency != b.urgency ? a.urgency < b.urgency : a.t < b.t;
+    return a.priority != b.priority ? a.priority < b.priority : a.t < b.t;
 }
 
 static void queue_push(struct loader_private *h, loader_request r) {
@@ -126,7 +127,7 @@ static status grid_load(loader *l, uint32_t t, source_scratch *scratch, treelet 
     return ST_OK;
 }
 
-/* *tr: NULL, or one that the shelf had, without its set. Stays what it is when this fails. */
+/* *tr: NULL, or one that the cache had, without its set. Stays what it is when this fails. */
 static status mesh_load(loader *l, uint32_t t, const void *topology, mesh_scratch *scratch,
                         treelet **tr, uint64_t *read) {
     const mesh_store *store = &l->hidden->store;
@@ -183,7 +184,7 @@ static void publish(loader *l, treelet *tr) {
     atomic_store_explicit(&l->resident[tr->id], tr, memory_order_release);
 }
 
-/* Give a treelet back that is neither READY nor on the shelf. */
+/* Give a treelet back that is neither READY nor in the cache. */
 static void discard(loader *l, treelet *tr) {
     struct loader_private *h = l->hidden;
     const uint32_t t = tr->id;
@@ -199,13 +200,13 @@ static void withdraw(loader *l, treelet *tr) {
     l->hidden->state[tr->id] = ABSENT;
 }
 
-/* Empty the shelf until so many more treelets have room. */
+/* Empty the cache until so many more treelets have room. */
 static void make_room(loader *l, uint32_t more) {
     struct loader_private *h = l->hidden;
     const size_t wanted = (size_t)(h->loading + more) * h->place_bytes;
-    while (h->shelf.oldest && (h->bytes > h->room || h->room - h->bytes < wanted)) {
-        treelet *tr = h->shelf.oldest;
-        shelf_remove(&h->shelf, tr);
+    while (h->cache.oldest && (h->bytes > h->room || h->room - h->bytes < wanted)) {
+        treelet *tr = h->cache.oldest;
+        treelet_cache_remove(&h->cache, tr);
         discard(l, tr);
     }
 }
@@ -220,13 +221,13 @@ static void evict_oldest(loader *l, uint32_t count) {
     memmove(h->places, h->places + count, h->filled * sizeof *h->places);
 }
 
-/* What the shelf has of a treelet in the selected set: READY then. */
+/* What the cache has of a treelet in the selected set: READY then. */
 static bool take_back(loader *l, uint32_t t) {
     struct loader_private *h = l->hidden;
-    treelet *tr = shelf_find(&h->shelf, t, h->set);
+    treelet *tr = treelet_cache_find(&h->cache, t, h->set);
     if (!tr)
         return false;
-    shelf_remove(&h->shelf, tr);
+    treelet_cache_remove(&h->cache, tr);
     publish(l, tr);
     return true;
 }
@@ -235,10 +236,10 @@ static bool take_back(loader *l, uint32_t t) {
 static void bring_in(loader *l, uint32_t t, mesh_scratch *scratch) {
     struct loader_private *h = l->hidden;
     uint64_t read = 0;
-    treelet *tr = shelf_find(&h->shelf, t, TREELET_NO_SET);
+    treelet *tr = treelet_cache_find(&h->cache, t, TREELET_NO_SET);
     const void *topology = tr ? tr->payload : share_topology(h, t);
     if (tr) {
-        shelf_remove(&h->shelf, tr);
+        treelet_cache_remove(&h->cache, tr);
         h->bytes -= tr->bytes;
     }
     make_room(l, 1);
@@ -412,12 +413,12 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, loader **out
     h->state = mem_array(m, n, 1);
     h->queue = mem_array(m, n, sizeof *h->queue);
     h->places = mem_array(m, n, sizeof *h->places);
-    shelf_init(&h->shelf, m, (uint32_t)n);
+    treelet_cache_init(&h->cache, m, (uint32_t)n);
     h->existing = existing_octants(m, &f->layout);
     h->held = mem_array(m, n, 1);
     h->readers = mem_array(m, (size_t)o->workers, sizeof *h->readers);
     if (!l->own || !l->children || !l->resident || !h->state || !h->queue || !h->places ||
-        !h->shelf.of || !h->existing || !h->held || !h->readers)
+        !h->cache.of || !h->existing || !h->held || !h->readers)
         goto fail;
     st = grow_tree(l);
     if (st == ST_OK)
@@ -453,7 +454,7 @@ void loader_destroy(loader *l) {
         if (h->places)
             evict_oldest(l, h->filled);
         h->room = 0;
-        if (h->shelf.of)
+        if (h->cache.of)
             make_room(l, 1);
         pthread_cond_destroy(&h->done);
         pthread_cond_destroy(&h->work);
@@ -463,7 +464,7 @@ void loader_destroy(loader *l) {
         mem_free(l->m, h->readers);
         mem_free(l->m, h->held);
         mem_free(l->m, h->existing);
-        shelf_release(&h->shelf, l->m);
+        treelet_cache_release(&h->cache, l->m);
         mem_free(l->m, h->shared);
         mem_free(l->m, h->places);
         mem_free(l->m, h->queue);
@@ -531,7 +532,7 @@ static void sweep_ranges(loader *l) {
         treelet_tree_select(&l->hidden->tree, l->own);
 }
 
-/* Resident treelets that hold a surface are READY, the others on the shelf. */
+/* Resident treelets that hold a surface are READY, the others in the cache. */
 static void sort_resident(loader *l) {
     struct loader_private *h = l->hidden;
     const uint32_t filled = h->filled;
@@ -543,9 +544,9 @@ static void sort_resident(loader *l) {
             continue;
         }
         withdraw(l, tr);
-        shelf_put(&h->shelf, tr);
+        treelet_cache_put(&h->cache, tr);
     }
-    for (treelet *tr = h->shelf.newest, *older; tr && h->filled < h->capacity; tr = older) {
+    for (treelet *tr = h->cache.newest, *older; tr && h->filled < h->capacity; tr = older) {
         older = tr->older;
         if (tr->set == h->set && l->own[tr->id])
             (void)take_back(l, tr->id);
@@ -572,10 +573,10 @@ void loader_select(loader *l, const double *isovalues, int count) {
     pthread_mutex_unlock(&h->lock);
 }
 
-/* What is on the shelf keeps its topology alone. */
-static void strip_shelf(loader *l) {
+/* What is in the cache keeps its topology alone. */
+static void strip_cache(loader *l) {
     struct loader_private *h = l->hidden;
-    for (treelet *tr = h->shelf.oldest; tr; tr = tr->newer) {
+    for (treelet *tr = h->cache.oldest; tr; tr = tr->newer) {
         h->bytes -= tr->bytes;
         mesh_resident_strip(&h->store, tr);
         h->bytes += tr->bytes;
@@ -595,7 +596,7 @@ void loader_select_set(loader *l, uint32_t set) {
                                             leaf_layout_bounds(layout, set % layout->steps, 0));
         select_anew(l);
         if (h->store.schema == MESH_REFIT)
-            strip_shelf(l);
+            strip_cache(l);
     }
     pthread_mutex_unlock(&h->lock);
 }
@@ -607,10 +608,10 @@ void loader_select_gradients(loader *l, bool needed) {
     if (needed != h->store.gradients) {
         for (uint32_t i = 0; i < h->filled; i++) {
             withdraw(l, h->places[i]);
-            shelf_put(&h->shelf, h->places[i]);
+            treelet_cache_put(&h->cache, h->places[i]);
         }
         h->filled = 0;
-        strip_shelf(l);
+        strip_cache(l);
         h->store.gradients = needed;
         h->place_bytes = place_bytes_of(l);
         sweep_ranges(l);
@@ -640,18 +641,18 @@ uint32_t loader_capacity(const loader *l) {
 
 /* ---- Wanting ---- */
 
-static void want_locked(loader *l, uint32_t t, uint64_t urgency) {
+static void want_locked(loader *l, uint32_t t, uint64_t priority) {
     struct loader_private *h = l->hidden;
     if (h->state[t] != ABSENT)
         return;
     h->state[t] = QUEUED;
-    queue_push(h, (loader_request){t, urgency});
+    queue_push(h, (loader_request){t, priority});
 }
 
-void loader_want(loader *l, uint32_t t, uint64_t urgency) {
+void loader_want(loader *l, uint32_t t, uint64_t priority) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
-    want_locked(l, t, urgency);
+    want_locked(l, t, priority);
     if (h->filled + h->loading < h->capacity)
         pthread_cond_signal(&h->work);
     pthread_mutex_unlock(&h->lock);
@@ -692,13 +693,13 @@ void loader_follow(loader *l, const atomic_uchar touched[]) {
     pthread_mutex_unlock(&h->lock);
 }
 
-static int by_urgency(const void *a, const void *b) {
+static int by_priority(const void *a, const void *b) {
     return more_urgent(*(const loader_request *)a, *(const loader_request *)b) ? -1 : 1;
 }
 
 status loader_admit(loader *l, loader_request *requests, size_t count) {
     struct loader_private *h = l->hidden;
-    qsort(requests, count, sizeof *requests, by_urgency);
+    qsort(requests, count, sizeof *requests, by_priority);
     pthread_mutex_lock(&h->lock);
     quiesce(h);
     bool ready = false;
@@ -714,7 +715,7 @@ status loader_admit(loader *l, loader_request *requests, size_t count) {
         evict_oldest(l, room > fit ? room - fit : 0);
     }
     for (size_t i = 0; i < count; i++)
-        want_locked(l, requests[i].t, requests[i].urgency);
+        want_locked(l, requests[i].t, requests[i].priority);
     /* What the rays leave room for. */
     if (h->sweeping && h->filled + h->queued < h->capacity)
         sweep_locked(l);

@@ -8,7 +8,7 @@
  * selection takes them away, which only happens while no ray is being traced.
  *
  * Another selection costs no more than its sweep: whoever looks a READY treelet up first makes its
- * new masks, and treelets that hold none of the new isovalues go to a shelf, where they keep what
+ * new masks, and treelets that hold none of the new isovalues go to a cache, where they keep what
  * they have read until their place is needed or their isovalue comes back. So do those of a mesh's
  * other fields and time steps, with their masks (schema trees); or a step's vertices give way to
  * the next one's, and the tree is refit (mesh_resident.h).
@@ -89,7 +89,7 @@ void loader_select_gradients(loader *l, bool needed);
 size_t loader_place_bytes(const loader *l);
 uint64_t loader_stored_bytes(const loader *l, uint32_t t);
 
-/* loader_set_capacity() - at most so many treelets that are drawn, at least 1, and the shelf in
+/* loader_set_capacity() - at most so many treelets that are drawn, at least 1, and the cache in
  * what they leave of their memory and `beside` bytes; evicts what is too many. */
 void loader_set_capacity(loader *l, uint32_t places, size_t beside);
 uint32_t loader_capacity(const loader *l);
@@ -117,9 +117,9 @@ static inline void loader_prefetch(const loader *l, uint32_t t) {
     }
 }
 
-/* loader_want() - bring it in when a place is free; smaller urgency first. Cheap when it was asked
+/* loader_want() - bring it in when a place is free; smaller priority first. Cheap when it was asked
  * for before. Any thread. */
-void loader_want(loader *l, uint32_t t, uint64_t urgency);
+void loader_want(loader *l, uint32_t t, uint64_t priority);
 
 /* loader_sweep() - want every treelet that holds a surface, coarse levels first, behind everything
  * that rays want. */
@@ -127,7 +127,7 @@ void loader_sweep(loader *l);
 
 typedef struct loader_request {
     uint32_t t;
-    uint64_t urgency;
+    uint64_t priority;
 } loader_request;
 
 /* loader_admit() - rays wait for these treelets alone, none of which is resident: forget what else

@@ -40,7 +40,7 @@ typedef struct treelet {
     /* The loader's: */
     size_t bytes;                         /* that it holds, without a mesh's topology */
     bool refit;                           /* values and moved are memory of its own */
-    struct treelet *older, *newer, *next; /* on a shelf: by age; the next one of this id */
+    struct treelet *older, *newer, *next; /* in the cache: by age; the next one of this id */
 } treelet;
 
 enum { TREELET_NO_SET = UINT32_MAX };

@@ -10,14 +10,14 @@
 #include "formats/input/foreign.h"
 #include "formats/input/text_tokens.h"
 #include "formats/mesh/vtk_cursor.h"
-#include "formats/mesh/vtk_grid.h"
+#include "formats/mesh/vtk_unstructured.h"
 
 enum { WORDS_MAX = 8 };
 #define COUNT_MAX ((int64_t)1 << 47) /* times components: no overflow */
 
 /* The pass over the file that finds the arrays. */
 typedef struct scan {
-    vtk_grid *g;
+    vtk_unstructured *g;
     vtk_piece *p;
     byte_stream *s;
     bool text;
@@ -224,7 +224,7 @@ static status add_array(scan *s, char *name, vtk_type type, uint64_t components,
         mem_free(s->g->m, a.name);
         return st;
     }
-    status st = vtk_grid_add_field(s->g, s->p, s->owner, &a);
+    status st = vtk_unstructured_add_field(s->g, s->p, s->owner, &a);
     return st == ST_OK ? skip_numbers(s, &a, count) : st;
 }
 
@@ -542,9 +542,9 @@ static status check_parts(const scan *s) {
     return ST_OK;
 }
 
-static status scan_file(vtk_grid *g, byte_stream *data) {
+static status scan_file(vtk_unstructured *g, byte_stream *data) {
     scan s = {.g = g, .s = data, .line = {.m = g->m}};
-    status st = vtk_grid_add_piece(g, &s.p);
+    status st = vtk_unstructured_add_piece(g, &s.p);
     if (st == ST_OK)
         st = scan_header(&s);
     if (st == ST_OK)
@@ -565,14 +565,14 @@ static bool known(const char *path, const uint8_t *start, size_t size) {
 }
 
 static status open_file(mesh_source *source, void **state) {
-    return vtk_grid_open(source, scan_file, state);
+    return vtk_unstructured_open(source, scan_file, state);
 }
 
 const mesh_reader mesh_vtk_reader = {
     .format = "VTK",
     .known = known,
     .open = open_file,
-    .read = vtk_grid_read,
-    .close = vtk_grid_close,
-    .fields = vtk_grid_fields,
+    .read = vtk_unstructured_read,
+    .close = vtk_unstructured_close,
+    .fields = vtk_unstructured_fields,
 };

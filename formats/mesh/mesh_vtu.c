@@ -9,7 +9,7 @@
 #include "formats/base/num.h"
 #include "formats/input/foreign.h"
 #include "formats/mesh/vtk_cursor.h"
-#include "formats/mesh/vtk_grid.h"
+#include "formats/mesh/vtk_unstructured.h"
 
 enum { TAG_MAX = 1 << 20, DEPTH_MAX = 64 };
 #define COUNT_MAX ((int64_t)1 << 47) /* times components: no overflow */
@@ -28,7 +28,7 @@ typedef enum place {
 
 /* The pass over the XML that finds the arrays. */
 typedef struct scan {
-    vtk_grid *g;
+    vtk_unstructured *g;
     vtk_piece *piece;
     byte_stream *s;
     XML_Parser parser;
@@ -126,7 +126,7 @@ static status on_file(scan *s, const char **attributes) {
 }
 
 static status on_piece(scan *s, const char **attributes) {
-    status st = vtk_grid_add_piece(s->g, &s->piece);
+    status st = vtk_unstructured_add_piece(s->g, &s->piece);
     if (st == ST_OK)
         st = count_attribute(s, attributes, "NumberOfPoints", -1, 0, &s->piece->points);
     if (st == ST_OK)
@@ -221,8 +221,8 @@ static status on_array(scan *s, place parent, const char **attributes) {
     a.name = mem_copy_text(s->g->m, name ? name : "");
     if (!a.name)
         return ST_NOMEM;
-    return vtk_grid_add_field(s->g, s->piece,
-                              parent == PLACE_POINT_DATA ? VTK_OF_POINTS : VTK_OF_CELLS, &a);
+    return vtk_unstructured_add_field(
+        s->g, s->piece, parent == PLACE_POINT_DATA ? VTK_OF_POINTS : VTK_OF_CELLS, &a);
 }
 
 /* Whatever follows is no XML any more, or not ours to parse. */
@@ -393,7 +393,7 @@ static status check_cells(const scan *s) {
     return ST_OK;
 }
 
-static status scan_file(vtk_grid *g, byte_stream *data) {
+static status scan_file(vtk_unstructured *g, byte_stream *data) {
     scan s = {.g = g, .s = data, .parser = XML_ParserCreate(NULL)};
     if (!s.parser)
         return status_describe(ST_NOMEM, "%s: no memory to parse it", byte_stream_name(data));
@@ -419,14 +419,14 @@ static bool known(const char *path, const uint8_t *start, size_t size) {
 }
 
 static status open_file(mesh_source *source, void **state) {
-    return vtk_grid_open(source, scan_file, state);
+    return vtk_unstructured_open(source, scan_file, state);
 }
 
 const mesh_reader mesh_vtu_reader = {
     .format = "VTU",
     .known = known,
     .open = open_file,
-    .read = vtk_grid_read,
-    .close = vtk_grid_close,
-    .fields = vtk_grid_fields,
+    .read = vtk_unstructured_read,
+    .close = vtk_unstructured_close,
+    .fields = vtk_unstructured_fields,
 };

@@ -2,7 +2,7 @@
 #ifndef FORMATS_MESH_VTK_AVERAGE_H
 #define FORMATS_MESH_VTK_AVERAGE_H
 
-#include "formats/mesh/vtk_grid.h"
+#include "formats/mesh/vtk_unstructured.h"
 
 /* vtk_average_feed() - a value for each point of the piece. The cells are read as often as the sums
  * take rounds over the points. */

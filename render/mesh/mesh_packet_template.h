@@ -8,10 +8,10 @@
 #ifdef SIMD_NAME
 
 #include "render/kernels.h"
-#include "render/mesh/kept_polygons.h"
+#include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_packet.h"
 #include "render/mesh/mesh_shade_template.h"
-#include "render/mesh/packet_sight.h"
+#include "render/mesh/packet_frustum.h"
 #include "render/tile_rects_template.h"
 
 void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
@@ -37,7 +37,7 @@ typedef struct packet {
     unsigned side, x, y; /* its first pixel in the tile */
     int count;           /* its rays, row by row */
     double eye[3];
-    packet_sight sight;
+    packet_frustum sight;
     bool lowered; /* rays have found something since `sight.far` was taken */
     tet_rays rays;
     uint32_t tet[TILE_RAYS]; /* of what the tile's rays have found: its place in its treelet */
@@ -92,7 +92,7 @@ SIMD bool packet_may_meet(packet *w, const packet_box *b, packet_reach *reach) {
     if (w->lowered)
         look_again(w);
     w->counters->interval_tests++;
-    return packet_sight_box(&w->sight, b, reach);
+    return packet_frustum_box(&w->sight, b, reach);
 }
 
 /* Rays of [from, end), VD_N at most, side by side: the first that meets the box; end: none. Only
@@ -205,13 +205,13 @@ static void packet_tet(packet *w, const treelet *at, uint32_t place, int first, 
     const walk_scene *scene = &f->tracer->scene;
     for (int i = 0; i < scene->count; i++) {
         isopolygon own;
-        const isopolygon *g = kept_polygons_find(at, place, i, scene->isovalues[i], &own);
+        const isopolygon *g = isopolygon_cache_find(at, place, i, scene->isovalues[i], &own);
         if (!g)
             continue;
         w->counters->isopolygons++;
         packet_view view = PACKET_DIFFERS;
         if (w->side > PACKET_SMALLEST)
-            view = packet_sight_polygon(&w->sight, g);
+            view = packet_frustum_polygon(&w->sight, g);
         if (view == PACKET_MISSES)
             continue;
         if (view == PACKET_DIFFERS)
@@ -386,7 +386,7 @@ static int packet_begin(packet *w) {
     const int padded = (w->count + 15) / 16 * 16;
     int first = w->count;
     const tile_place place = tile_place_of(w->s.f, w->s.x0 + w->x, w->s.y0 + w->y);
-    packet_sight_begin(&w->sight, place.p, place.x, place.y, (int)w->side);
+    packet_frustum_begin(&w->sight, place.p, place.x, place.y, (int)w->side);
     for (int i = padded; i-- > 0;) {
         const unsigned y = w->y + (unsigned)i / w->side, x = w->x + (unsigned)i % w->side;
         const unsigned from = TILE * y + x;
@@ -399,7 +399,7 @@ static int packet_begin(packet *w) {
             r.d[a] = rays->d[a][from];
         }
         tet_rays_put(&w->rays, i, &r, &before);
-        packet_sight_add(&w->sight, r.d);
+        packet_frustum_add(&w->sight, r.d);
         first = i;
     }
     for (int k = 0; k < 4; k++) {

@@ -9,7 +9,7 @@
 
 #include <float.h>
 
-#include "render/mesh/kept_polygons.h"
+#include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_shade_template.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/tet_sight_template.h"
@@ -268,7 +268,7 @@ SIMD bool polygon_of(const mesh_tile *w, const treelet *at, unsigned lane, int32
         const tet exact = mesh_walk_tet(at, place);
         return isopolygon_of(&exact, isovalue, out);
     }
-    const isopolygon *g = kept_polygons_find(at, place, iso, isovalue, out);
+    const isopolygon *g = isopolygon_cache_find(at, place, iso, isovalue, out);
     if (g && g != out)
         *out = *g;
     return g;

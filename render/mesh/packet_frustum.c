@@ -1,6 +1,6 @@
-#include "render/mesh/packet_sight.h"
+#include "render/mesh/packet_frustum.h"
 
-void packet_sight_begin(packet_sight *s, const projection *p, float x, float y, int side) {
+void packet_frustum_begin(packet_frustum *s, const projection *p, float x, float y, int side) {
     s->projection = p;
     s->x = x;
     s->y = y;
@@ -12,7 +12,7 @@ void packet_sight_begin(packet_sight *s, const projection *p, float x, float y, 
     }
 }
 
-void packet_sight_add(packet_sight *s, const double d[3]) {
+void packet_frustum_add(packet_frustum *s, const double d[3]) {
     for (int a = 0; a < 3; a++) {
         s->least[a] = d[a] < s->least[a] ? d[a] : s->least[a];
         s->most[a] = d[a] > s->most[a] ? d[a] : s->most[a];
@@ -59,7 +59,7 @@ static bool packet_span(const float at[8], float first, float margin, int side, 
 }
 
 /* The pixels that a box can cover; all of them where it reaches behind the eye. */
-static bool packet_pixels(const packet_sight *s, const packet_box *b, packet_rect *out) {
+static bool packet_pixels(const packet_frustum *s, const packet_box *b, packet_rect *out) {
     const projection *p = s->projection;
     float x[8], y[8], least = INFINITY, far = 0.0f;
     *out = (packet_rect){0, s->side - 1, 0, s->side - 1};
@@ -84,7 +84,7 @@ static bool packet_pixels(const packet_sight *s, const packet_box *b, packet_rec
            packet_span(y, s->y, p->margin, s->side, &out->y0, &out->y1);
 }
 
-bool packet_sight_box(const packet_sight *s, const packet_box *b, packet_reach *out) {
+bool packet_frustum_box(const packet_frustum *s, const packet_box *b, packet_reach *out) {
     double t_in = -INFINITY, t_out = INFINITY;
     for (int a = 0; a < 3; a++)
         packet_slab(s->least[a], s->most[a], b->lo[a], b->hi[a], &t_in, &t_out);
@@ -111,7 +111,7 @@ static double size_of(const double a[3]) {
 }
 
 /* The side of the edge from a to b on which all corners surely are; 0: not all on one. */
-static int side_of(const packet_sight *s, const double a[3], const double b[3]) {
+static int side_of(const packet_frustum *s, const double a[3], const double b[3]) {
     double normal[3], terms = 0.0;
     int above = 0, below = 0;
     for (int k = 0; k < 3; k++) {
@@ -144,7 +144,7 @@ static int view_triangle(const double a[4][3], int j, int k, const int side[3]) 
     return side[0] == front && side[1] == front && side[2] == front;
 }
 
-packet_view packet_sight_polygon(const packet_sight *s, const isopolygon *g) {
+packet_view packet_frustum_polygon(const packet_frustum *s, const isopolygon *g) {
     double a[4][3];
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 3; k++)

@@ -1,4 +1,4 @@
-#include "formats/mesh/vtk_grid.h"
+#include "formats/mesh/vtk_unstructured.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -27,7 +27,7 @@ static status grow(mem *m, void **items, size_t *room, size_t count, size_t size
     return ST_OK;
 }
 
-status vtk_grid_add_piece(vtk_grid *g, vtk_piece **out) {
+status vtk_unstructured_add_piece(vtk_unstructured *g, vtk_piece **out) {
     void *pieces = g->pieces;
     status st = grow(g->m, &pieces, &g->room, g->count, sizeof *g->pieces);
     g->pieces = pieces;
@@ -36,7 +36,8 @@ status vtk_grid_add_piece(vtk_grid *g, vtk_piece **out) {
     return st;
 }
 
-status vtk_grid_add_field(vtk_grid *g, vtk_piece *p, vtk_owner owner, const vtk_array *field) {
+status vtk_unstructured_add_field(vtk_unstructured *g, vtk_piece *p, vtk_owner owner,
+                                  const vtk_array *field) {
     void *fields = p->fields[owner];
     status st = grow(g->m, &fields, &p->room[owner], p->count[owner], sizeof *field);
     p->fields[owner] = fields;
@@ -63,14 +64,15 @@ static const vtk_array *find_field(const vtk_piece *p, vtk_owner owner, const ch
     return NULL;
 }
 
-static const vtk_array *find_anywhere(const vtk_grid *g, vtk_owner owner, const char *name) {
+static const vtk_array *find_anywhere(const vtk_unstructured *g, vtk_owner owner,
+                                      const char *name) {
     const vtk_array *a = NULL;
     for (size_t i = 0; !a && i < g->count; i++)
         a = find_field(&g->pieces[i], owner, name);
     return a;
 }
 
-static status no_field(const vtk_grid *g) {
+static status no_field(const vtk_unstructured *g) {
     mesh_choice_names names[VTK_OWNERS] = {0};
     for (size_t i = 0; i < g->count; i++)
         for (int o = 0; o < VTK_OWNERS; o++)
@@ -82,7 +84,7 @@ static status no_field(const vtk_grid *g) {
 }
 
 /* The chosen array, in each piece that has use for one. */
-static status choose_in_pieces(vtk_grid *g, const vtk_array *chosen) {
+static status choose_in_pieces(vtk_unstructured *g, const vtk_array *chosen) {
     for (size_t i = 0; i < g->count; i++) {
         vtk_piece *p = &g->pieces[i];
         uint64_t tuples = g->owner == VTK_OF_POINTS ? p->points : p->cells.count;
@@ -103,7 +105,7 @@ static status choose_in_pieces(vtk_grid *g, const vtk_array *chosen) {
     return ST_OK;
 }
 
-static status choose_field(vtk_grid *g) {
+static status choose_field(vtk_unstructured *g) {
     const mesh_hints *hints = &g->source->hints;
     g->owner = hints->cells_to_points ? VTK_OF_CELLS : VTK_OF_POINTS;
     const vtk_array *chosen = find_anywhere(g, g->owner, hints->field);
@@ -117,7 +119,7 @@ static status choose_field(vtk_grid *g) {
     return st == ST_OK ? choose_in_pieces(g, chosen) : st;
 }
 
-static status check_piece(const vtk_grid *g, const vtk_piece *p) {
+static status check_piece(const vtk_unstructured *g, const vtk_piece *p) {
     if (p->points == 0)
         return ST_OK;
     if (p->position.type == VTK_ABSENT)
@@ -129,7 +131,7 @@ static status check_piece(const vtk_grid *g, const vtk_piece *p) {
     return ST_OK;
 }
 
-static status choose(vtk_grid *g) {
+static status choose(vtk_unstructured *g) {
     for (size_t i = 0; i < g->count; i++) {
         vtk_piece *p = &g->pieces[i];
         status st = check_piece(g, p);
@@ -155,9 +157,9 @@ static status check_regular(const mesh_source *source) {
                            byte_stream_name(source->data));
 }
 
-status vtk_grid_open(mesh_source *source, status (*scan)(vtk_grid *g, byte_stream *data),
-                     void **state) {
-    vtk_grid *g = mem_zalloc(source->m, sizeof *g);
+status vtk_unstructured_open(mesh_source *source,
+                             status (*scan)(vtk_unstructured *g, byte_stream *data), void **state) {
+    vtk_unstructured *g = mem_zalloc(source->m, sizeof *g);
     if (!g)
         return ST_NOMEM;
     *state = g;
@@ -169,7 +171,7 @@ status vtk_grid_open(mesh_source *source, status (*scan)(vtk_grid *g, byte_strea
     return st == ST_OK ? choose(g) : st;
 }
 
-static void release_piece(vtk_grid *g, vtk_piece *p) {
+static void release_piece(vtk_unstructured *g, vtk_piece *p) {
     for (int o = 0; o < VTK_OWNERS; o++) {
         for (size_t i = 0; i < p->count[o]; i++)
             mem_free(g->m, p->fields[o][i].name);
@@ -177,8 +179,8 @@ static void release_piece(vtk_grid *g, vtk_piece *p) {
     }
 }
 
-void vtk_grid_close(void *state) {
-    vtk_grid *g = state;
+void vtk_unstructured_close(void *state) {
+    vtk_unstructured *g = state;
     if (!g)
         return;
     for (size_t i = 0; i < g->count; i++)
@@ -189,7 +191,7 @@ void vtk_grid_close(void *state) {
 
 /* ---- reading ---- */
 
-static status read_points(vtk_grid *g, const vtk_piece *p, mesh_feed *feed) {
+static status read_points(vtk_unstructured *g, const vtk_piece *p, mesh_feed *feed) {
     vtk_cursor *c = NULL;
     status st = p->points ? vtk_cursor_open(g->m, &p->position, 3 * p->points, &c) : ST_OK;
     for (uint64_t i = 0; st == ST_OK && i < p->points; i++) {
@@ -204,7 +206,7 @@ static status read_points(vtk_grid *g, const vtk_piece *p, mesh_feed *feed) {
     return st;
 }
 
-static status read_values(vtk_grid *g, const vtk_piece *p, mesh_feed *feed) {
+static status read_values(vtk_unstructured *g, const vtk_piece *p, mesh_feed *feed) {
     if (p->points == 0)
         return ST_OK;
     int count = (int)p->field->components;
@@ -227,7 +229,7 @@ static status read_values(vtk_grid *g, const vtk_piece *p, mesh_feed *feed) {
 }
 
 /* The points of the piece get their place behind those of the pieces before. */
-static status read_cells(vtk_grid *g, const vtk_piece *p, uint64_t first, mesh_feed *feed) {
+static status read_cells(vtk_unstructured *g, const vtk_piece *p, uint64_t first, mesh_feed *feed) {
     vtk_cells *cells = NULL;
     status st = p->cells.count ? vtk_cells_open(g->m, &p->cells, &cells) : ST_OK;
     for (uint64_t i = 0; st == ST_OK && i < p->cells.count; i++) {
@@ -248,15 +250,15 @@ static status read_cells(vtk_grid *g, const vtk_piece *p, uint64_t first, mesh_f
     return st;
 }
 
-static status read_field(vtk_grid *g, const vtk_piece *p, bool any, mesh_feed *feed) {
+static status read_field(vtk_unstructured *g, const vtk_piece *p, bool any, mesh_feed *feed) {
     if (!any)
         return ST_OK;
     return g->owner == VTK_OF_CELLS ? vtk_average_feed(g->m, p, g->source->hints.component, feed)
                                     : read_values(g, p, feed);
 }
 
-status vtk_grid_read(void *state, mesh_feed *feed) {
-    vtk_grid *g = state;
+status vtk_unstructured_read(void *state, mesh_feed *feed) {
+    vtk_unstructured *g = state;
     const vtk_array *chosen = NULL;
     for (size_t i = 0; !chosen && i < g->count; i++)
         chosen = g->pieces[i].field;
@@ -278,8 +280,9 @@ status vtk_grid_read(void *state, mesh_feed *feed) {
     return st == ST_OK && !chosen ? mesh_feed_zeros(feed) : st;
 }
 
-void vtk_grid_fields(const void *state, void (*take)(void *ctx, const char *name), void *ctx) {
-    const vtk_grid *g = state;
+void vtk_unstructured_fields(const void *state, void (*take)(void *ctx, const char *name),
+                             void *ctx) {
+    const vtk_unstructured *g = state;
     for (size_t i = 0; i < g->count; i++)
         for (size_t k = 0; k < g->pieces[i].count[g->owner]; k++)
             if (is_numeric(&g->pieces[i].fields[g->owner][k]))

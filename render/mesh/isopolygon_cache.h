@@ -1,4 +1,4 @@
-/* kept_polygons.h - isopolygons that stay with their treelet: W07 4.4.
+/* isopolygon_cache.h - isopolygons that stay with their treelet: W07 4.4.
  *
  *   on the fly    nothing is kept: made whenever rays come to a tet
  *   precomputed   made with the treelet's masks, all of them
@@ -10,8 +10,8 @@
  * A cache takes no locks: a polygon's state goes EMPTY -> MAKING -> THERE, whoever finds it EMPTY
  * puts what it has made for itself anyway, and the others do without until it is THERE.
  */
-#ifndef RENDER_MESH_KEPT_POLYGONS_H
-#define RENDER_MESH_KEPT_POLYGONS_H
+#ifndef RENDER_MESH_ISOPOLYGON_CACHE_H
+#define RENDER_MESH_ISOPOLYGON_CACHE_H
 
 #include "render/mesh/tet_kernel.h"
 #include "stream/derived.h"
@@ -19,11 +19,11 @@
 enum { KEPT_SHARE = 3 };
 
 /* What a loader is to derive; how: precomputed, or else cached. */
-derived_kind kept_polygons_kind(bool precomputed);
+derived_kind isopolygon_cache_kind(bool precomputed);
 
-/* kept_polygons_find() - the isopolygon of an active tet of the treelet for the i-th selected
+/* isopolygon_cache_find() - the isopolygon of an active tet of the treelet for the i-th selected
  * isovalue, or NULL where it has none. Kept, or made in *own. */
-const isopolygon *kept_polygons_find(const treelet *tr, uint32_t place, int i, double isovalue,
-                                     isopolygon *own);
+const isopolygon *isopolygon_cache_find(const treelet *tr, uint32_t place, int i, double isovalue,
+                                        isopolygon *own);
 
 #endif

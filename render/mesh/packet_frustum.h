@@ -1,7 +1,7 @@
-/* packet_sight.h - what all rays of a packet from one eye miss: boxes by interval arithmetic (W07
+/* packet_frustum.h - what all rays of a packet from one eye miss: boxes by interval arithmetic (W07
  * 5.2 III), isopolygons by the packet's corner rays (W07 4.3). */
-#ifndef RENDER_MESH_PACKET_SIGHT_H
-#define RENDER_MESH_PACKET_SIGHT_H
+#ifndef RENDER_MESH_PACKET_FRUSTUM_H
+#define RENDER_MESH_PACKET_FRUSTUM_H
 
 #include <stdbool.h>
 
@@ -21,7 +21,7 @@ typedef struct packet_rect {
     int x0, x1, y0, y1;
 } packet_rect;
 
-typedef struct packet_sight {
+typedef struct packet_frustum {
     const projection *projection;
     float x, y; /* the packet's first pixel's centre, from the picture's centre */
     int side;
@@ -29,12 +29,13 @@ typedef struct packet_sight {
     double least[3], most[3]; /* of the rays' directions */
     double far;               /* no ray looks for anything beyond this t */
     double corner[3][4];      /* directions of unit length that span all rays */
-} packet_sight;
+} packet_frustum;
 
-/* packet_sight_begin() - of side x side pixels, without rays; x, y: as above. packet_sight_add() -
- * one more. `far` and `corner` are the caller's to set. Directions have no component that is 0. */
-void packet_sight_begin(packet_sight *s, const projection *p, float x, float y, int side);
-void packet_sight_add(packet_sight *s, const double d[3]);
+/* packet_frustum_begin() - of side x side pixels, without rays; x, y: as above.
+ * packet_frustum_add() - one more. `far` and `corner` are the caller's to set. Directions have no
+ * component that is 0. */
+void packet_frustum_begin(packet_frustum *s, const projection *p, float x, float y, int side);
+void packet_frustum_add(packet_frustum *s, const double d[3]);
 
 /* What is known of the rays that may meet a box. */
 typedef struct packet_reach {
@@ -42,8 +43,8 @@ typedef struct packet_reach {
     double near;        /* at no lesser t, by the numbers of mesh_interval_of() */
 } packet_reach;
 
-/* packet_sight_box() - false: no ray meets the box at a t from 0 to far. */
-bool packet_sight_box(const packet_sight *s, const packet_box *b, packet_reach *out);
+/* packet_frustum_box() - false: no ray meets the box at a t from 0 to far. */
+bool packet_frustum_box(const packet_frustum *s, const packet_box *b, packet_reach *out);
 
 typedef enum packet_view {
     PACKET_DIFFERS,     /* or it is not known */
@@ -52,7 +53,7 @@ typedef enum packet_view {
     PACKET_HITS_SECOND, /* or of points 0 2 3 */
 } packet_view;
 
-/* packet_sight_polygon() - what the corner rays say of an isopolygon. */
-packet_view packet_sight_polygon(const packet_sight *s, const isopolygon *g);
+/* packet_frustum_polygon() - what the corner rays say of an isopolygon. */
+packet_view packet_frustum_polygon(const packet_frustum *s, const isopolygon *g);
 
 #endif

@@ -1,4 +1,4 @@
-/* test_kept_polygons.c - isopolygons that are kept give the bits of those made on the fly: by
+/* test_isopolygon_cache.c - isopolygons that are kept give the bits of those made on the fly: by
  * tiles, packets and single rays, with many threads, new isovalues, more polygons than there is
  * room for, and few treelets at a time; and their memory is within the budget. */
 /* marks: threads */

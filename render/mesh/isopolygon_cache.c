@@ -1,4 +1,4 @@
-#include "render/mesh/kept_polygons.h"
+#include "render/mesh/isopolygon_cache.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -7,14 +7,14 @@
 
 enum { EMPTY, MAKING, THERE };
 
-typedef struct kept_polygons {
+typedef struct isopolygon_cache {
     int isos;
     uint32_t room;
     bool precomputed;
     uint32_t *before;     /* 64 tets: active ones before them */
     atomic_uchar *state;  /* of each polygon */
     isopolygon *polygons; /* active tets in order, of each all isovalues; count 0: none */
-} kept_polygons;
+} isopolygon_cache;
 
 static uint32_t room_of(const mesh_shape *shape) {
     return (shape->tets + KEPT_SHARE - 1) / KEPT_SHARE;
@@ -26,18 +26,18 @@ static size_t words_of(const mesh_shape *shape) {
 
 static size_t kept_bytes(const mesh_shape *shape) {
     const size_t room = room_of(shape);
-    return sizeof(kept_polygons) + room * sizeof(isopolygon) + words_of(shape) * sizeof(uint32_t) +
-           room;
+    return sizeof(isopolygon_cache) + room * sizeof(isopolygon) +
+           words_of(shape) * sizeof(uint32_t) + room;
 }
 
-static void lay_out(kept_polygons *k, const mesh_shape *shape) {
+static void lay_out(isopolygon_cache *k, const mesh_shape *shape) {
     k->room = room_of(shape);
     k->polygons = (isopolygon *)(k + 1);
     k->before = (uint32_t *)(k->polygons + k->room);
     k->state = (atomic_uchar *)(k->before + words_of(shape));
 }
 
-static void count_active(kept_polygons *k, const treelet *tr) {
+static void count_active(isopolygon_cache *k, const treelet *tr) {
     uint32_t sum = 0;
     for (size_t w = 0; w < words_of(&tr->mesh); w++) {
         k->before[w] = sum;
@@ -52,7 +52,7 @@ static void make_polygon(const treelet *tr, uint32_t place, double isovalue, iso
 }
 
 /* All that there is room for. */
-static void precompute(kept_polygons *k, const treelet *tr, const active_set *isos) {
+static void precompute(isopolygon_cache *k, const treelet *tr, const active_set *isos) {
     uint32_t n = 0;
     for (uint32_t w = 0; w < words_of(&tr->mesh); w++)
         for (uint64_t left = tr->active->tets[w]; left; left &= left - 1)
@@ -62,7 +62,7 @@ static void precompute(kept_polygons *k, const treelet *tr, const active_set *is
 }
 
 static void keep(treelet *tr, const active_set *isos, bool precomputed) {
-    kept_polygons *k = tr->derived;
+    isopolygon_cache *k = tr->derived;
     lay_out(k, &tr->mesh);
     k->isos = isos->count;
     k->precomputed = precomputed;
@@ -82,12 +82,12 @@ static void keep_seen(treelet *tr, const active_set *isos) {
     keep(tr, isos, false);
 }
 
-derived_kind kept_polygons_kind(bool precomputed) {
+derived_kind isopolygon_cache_kind(bool precomputed) {
     return (derived_kind){kept_bytes, precomputed ? keep_all : keep_seen};
 }
 
 /* Its number among the kept ones; room: none. */
-static uint32_t number_of(const kept_polygons *k, const treelet *tr, uint32_t place, int i) {
+static uint32_t number_of(const isopolygon_cache *k, const treelet *tr, uint32_t place, int i) {
     const uint64_t below = tr->active->tets[place / 64] & ((UINT64_C(1) << place % 64) - 1);
     const uint64_t n =
         (k->before[place / 64] + (uint64_t)__builtin_popcountll(below)) * (uint64_t)k->isos +
@@ -96,7 +96,7 @@ static uint32_t number_of(const kept_polygons *k, const treelet *tr, uint32_t pl
 }
 
 /* Keep what has been made, unless somebody else does. */
-static void offer_polygon(kept_polygons *k, uint32_t n, const isopolygon *own) {
+static void offer_polygon(isopolygon_cache *k, uint32_t n, const isopolygon *own) {
     unsigned char empty = EMPTY;
     if (!atomic_compare_exchange_strong_explicit(&k->state[n], &empty, MAKING, memory_order_relaxed,
                                                  memory_order_relaxed))
@@ -105,9 +105,9 @@ static void offer_polygon(kept_polygons *k, uint32_t n, const isopolygon *own) {
     atomic_store_explicit(&k->state[n], THERE, memory_order_release);
 }
 
-const isopolygon *kept_polygons_find(const treelet *tr, uint32_t place, int i, double isovalue,
-                                     isopolygon *own) {
-    kept_polygons *k = tr->derived;
+const isopolygon *isopolygon_cache_find(const treelet *tr, uint32_t place, int i, double isovalue,
+                                        isopolygon *own) {
+    isopolygon_cache *k = tr->derived;
     const uint32_t n = k ? number_of(k, tr, place, i) : 0;
     const isopolygon *g = own;
     if (k && n < k->room &&

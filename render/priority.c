@@ -1,4 +1,4 @@
-#include "render/urgency.h"
+#include "render/priority.h"
 
 #include <string.h>
 
@@ -86,9 +86,9 @@ static uint32_t mesh_rank(const frame *f, uint32_t t, const leafcast_light *ligh
     return ~ordered(distance_to(bounds, light->vector));
 }
 
-uint64_t urgency_of(const frame *f, uint32_t t, int32_t light_index) {
+uint64_t priority_of(const frame *f, uint32_t t, int32_t light_index) {
     const leafcast_light *light =
-        light_index == URGENCY_PRIMARY ? NULL : &f->scene->lights[light_index];
+        light_index == PRIORITY_PRIMARY ? NULL : &f->scene->lights[light_index];
     const uint32_t rank = (f->tracer->tree ? mesh_rank : grid_rank)(f, t, light);
     return (uint64_t)(light_index + 1) << 32 | rank;
 }

@@ -1,15 +1,15 @@
-#include "stream/shelf.h"
+#include "stream/treelet_cache.h"
 
-void shelf_init(shelf *s, mem *m, uint32_t count) {
-    *s = (shelf){.of = mem_array(m, count, sizeof *s->of)};
+void treelet_cache_init(treelet_cache *s, mem *m, uint32_t count) {
+    *s = (treelet_cache){.of = mem_array(m, count, sizeof *s->of)};
 }
 
-void shelf_release(shelf *s, mem *m) {
+void treelet_cache_release(treelet_cache *s, mem *m) {
     mem_free(m, s->of);
-    *s = (shelf){0};
+    *s = (treelet_cache){0};
 }
 
-void shelf_put(shelf *s, treelet *tr) {
+void treelet_cache_put(treelet_cache *s, treelet *tr) {
     tr->newer = NULL;
     tr->older = s->newest;
     if (s->newest)
@@ -21,14 +21,14 @@ void shelf_put(shelf *s, treelet *tr) {
     s->of[tr->id] = tr;
 }
 
-treelet *shelf_find(const shelf *s, uint32_t id, uint32_t set) {
+treelet *treelet_cache_find(const treelet_cache *s, uint32_t id, uint32_t set) {
     treelet *tr = s->of[id];
     while (tr && tr->set != set)
         tr = tr->next;
     return tr;
 }
 
-void shelf_remove(shelf *s, treelet *tr) {
+void treelet_cache_remove(treelet_cache *s, treelet *tr) {
     treelet **at = &s->of[tr->id];
     while (*at != tr)
         at = &(*at)->next;

@@ -1,0 +1,54 @@
+/* vtk_unstructured.h - an unstructured VTK grid whose arrays have been found, on its way to a mesh.
+ *
+ * A scanner (mesh_vtk.c, mesh_vtu.c) adds pieces and the arrays in them; vtk_unstructured_read()
+ * then reads those it needs, each at its place in the file, so only a regular file will do. Pieces
+ * follow one another: the points of the second come behind those of the first.
+ */
+#ifndef FORMATS_MESH_VTK_UNSTRUCTURED_H
+#define FORMATS_MESH_VTK_UNSTRUCTURED_H
+
+#include "formats/mesh/mesh_feed.h"
+#include "formats/mesh/mesh_reader.h"
+#include "formats/mesh/vtk_array.h"
+#include "formats/mesh/vtk_cells.h"
+
+typedef enum vtk_owner { VTK_OF_POINTS, VTK_OF_CELLS, VTK_OWNERS } vtk_owner;
+
+typedef struct vtk_piece {
+    uint64_t points;
+    vtk_array position;
+    vtk_cells_source cells;
+    vtk_array *fields[VTK_OWNERS];
+    size_t count[VTK_OWNERS], room[VTK_OWNERS];
+    const vtk_array *field; /* the one chosen; NULL for none */
+} vtk_piece;
+
+typedef struct vtk_unstructured {
+    mem *m;
+    const mesh_source *source;
+    vtk_piece *pieces;
+    size_t count, room;
+    vtk_owner owner; /* whose field was chosen */
+    uint64_t points; /* of all pieces */
+} vtk_unstructured;
+
+/* vtk_unstructured_add_piece() - an empty piece, valid until the next one. */
+CHECKED status vtk_unstructured_add_piece(vtk_unstructured *g, vtk_piece **out);
+
+/* vtk_unstructured_add_field() - one more array of the points or of the cells; its name is taken
+ * over in any case. */
+CHECKED status vtk_unstructured_add_field(vtk_unstructured *g, vtk_piece *p, vtk_owner owner,
+                                          const vtk_array *field);
+
+/* vtk_unstructured_open() - the grid of a file, as a reader's state: scanned, its pieces checked,
+ * the field of the hints taken. ST_UNSUPPORTED for what is no regular file; ST_USAGE, naming what
+ * there is, when there is no such field. */
+CHECKED status vtk_unstructured_open(mesh_source *source,
+                                     status (*scan)(vtk_unstructured *g, byte_stream *data),
+                                     void **state);
+CHECKED status vtk_unstructured_read(void *state, mesh_feed *feed);
+void vtk_unstructured_close(void *state); /* NULL is fine */
+void vtk_unstructured_fields(const void *state, void (*take)(void *ctx, const char *name),
+                             void *ctx);
+
+#endif
