@@ -30,6 +30,9 @@ static void test_name(void **state) {
                  {"\xed\xa0\x80", BAD BAD BAD}, /* a surrogate */
                  {"\xf4\x90\x80\x80", BAD BAD BAD BAD},
                  {"\xf8\x88\x80\x80", BAD BAD BAD BAD},
+                 {"\xf8\x90\x80\x80", BAD BAD BAD BAD}, /* no first byte, though its low bits */
+                 {"\xfc\x80\x80\x80", BAD BAD BAD BAD}, /* give a code that there is */
+                 {"\xff\x90\x80\x80", BAD BAD BAD BAD},
                  {"x\xe2\x82", "x" BAD BAD}, /* cut */
                  {"\xe2"
                   "a",

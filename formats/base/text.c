@@ -14,7 +14,8 @@ static size_t character(const char *at, uint32_t *code) {
                         : first < 0xc0 ? 0
                         : first < 0xe0 ? 2
                         : first < 0xf0 ? 3
-                                       : 4;
+                        : first < 0xf8 ? 4
+                                       : 0;
     *code = size == 1 ? first : first & (0x7fu >> size);
     for (size_t i = 1; i < size; i++) {
         const uint8_t next = (uint8_t)at[i];
