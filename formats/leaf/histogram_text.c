@@ -7,13 +7,16 @@
 
 enum { ROWS = 24, BAR = 40 };
 
-/* Rows of bins: the tails by themselves, the rest in rows of as many bins each. */
+/* Rows of bins: the tails, which are the first and the last bin, by themselves, the rest in rows of
+ * as many bins each. */
 typedef struct row {
     uint32_t first, end;
     uint64_t samples;
 } row;
 
 static bool is_tail(const histogram *h, uint32_t bin) {
+    if (bin != 0 && bin + 1 != h->bins)
+        return false;
     const uint32_t inner = h->bins > 2 ? 1 : 0;
     const double width = h->edges[inner + 1] - h->edges[inner];
     return h->edges[bin + 1] - h->edges[bin] > 4 * width;
