@@ -6,11 +6,13 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "formats/leaf/histogram.h"
 #include "formats/leaf/histogram_draw.h"
+#include "formats/leaf/histogram_text.h"
 
 enum { NX = 24, NY = 20, NZ = 17, NODES = NX * NY * NZ };
 
@@ -300,6 +302,53 @@ static void test_faults(void **state) {
     bad = h;
     bad.reserved[1] = 1;
     assert_non_null(histogram_fault(&bad));
+    bad = h;
+    bad.edges[bad.bins] = 0x1p129;
+    assert_non_null(histogram_fault(&bad));
+    bad = h;
+    bad.active[7] = 0;
+    bad.gradient[7] = bad.area[7] = 0;
+    memset(bad.box[7], 3, sizeof bad.box[7]);
+    assert_non_null(histogram_fault(&bad));
+    memset(bad.box[7], 0, sizeof bad.box[7]);
+    assert_null(histogram_fault(&bad));
+}
+
+/* Bytes behind the edges that are used, be it none. */
+static void test_unused_edges(void **state) {
+    (void)state;
+    for (uint32_t bins = 0; bins < HISTOGRAM_BINS; bins += 5) {
+        histogram h = {.bins = bins};
+        for (uint32_t i = 0; i <= bins && bins; i++)
+            h.edges[i] = 3 + i;
+        assert_null(histogram_fault(&h));
+        for (uint32_t i = bins ? bins + 1 : 0; i <= HISTOGRAM_BINS; i++) {
+            h.edges[i] = 1e9;
+            assert_non_null(histogram_fault(&h));
+            h.edges[i] = 0;
+        }
+    }
+}
+
+/* Of any widths, as a hostile file may have them: no more rows than there is room for. */
+static void test_rows(void **state) {
+    (void)state;
+    for (uint32_t bins = 1; bins <= HISTOGRAM_BINS; bins++)
+        for (uint32_t narrow = 0; narrow < 3 && narrow < bins; narrow++) {
+            histogram h = {.bins = bins};
+            for (uint32_t i = 0; i < bins; i++)
+                h.edges[i + 1] = h.edges[i] + (i == narrow ? 1 : 100);
+            assert_null(histogram_fault(&h));
+            char *text = NULL;
+            size_t size = 0, lines = 0;
+            FILE *to = open_memstream(&text, &size);
+            histogram_print(to, &h, "samples");
+            fclose(to);
+            for (size_t i = 0; i < size; i++)
+                lines += text[i] == '\n';
+            free(text);
+            assert_in_range(lines, 3, 2 + 26); /* an empty one and a title before them */
+        }
 }
 
 /* Two materials and noise around zero: what is suggested lies between them. */
@@ -326,7 +375,8 @@ int main(void) {
         cmocka_unit_test(test_none),       cmocka_unit_test(test_measures),
         cmocka_unit_test(test_drawn),      cmocka_unit_test(test_draw_places),
         cmocka_unit_test(test_tet),        cmocka_unit_test(test_faults),
-        cmocka_unit_test(test_suggestion),
+        cmocka_unit_test(test_suggestion), cmocka_unit_test(test_unused_edges),
+        cmocka_unit_test(test_rows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

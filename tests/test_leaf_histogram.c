@@ -128,6 +128,40 @@ static void test_damage(void **state) {
     free(samples);
 }
 
+/* Sealed bins that are sound in themselves, but miss some or all of the values, or hold some where
+ * there are none. */
+static void test_bins(void **state) {
+    (void)state;
+    leaf_case c = case_of(40, 30, 20, SAMPLE_U8);
+    void *samples = leaf_files_random(&c, 11, 0);
+    c.samples = samples;
+    size_t size = 0;
+    char *bytes = scratch_read(leaf_files_make(&c, "sound.leaf"), &size);
+    leaf_image i = leaf_image_of(bytes, size);
+    char *at = leaf_image_section(&i, LEAF_SECTION_HISTOGRAMS);
+    assert_non_null(at);
+    histogram sound, h;
+    memcpy(&sound, at, sizeof sound);
+    for (int k = 0; k < 4; k++) {
+        h = (histogram){.total = sound.total};
+        if (k) {
+            h = (histogram){.bins = 1, .cells = sound.cells, .total = sound.total};
+            h.edges[0] = k == 1 ? 1000 : k == 2 ? -1 : -0.5;
+            h.edges[1] = k == 1 ? 1001 : k == 2 ? -0.25 : 255.5;
+            h.samples[0] = k == 3 ? (uint32_t)sound.drawn : 0;
+            h.drawn = h.samples[0];
+        }
+        assert_null(histogram_fault(&h));
+        memcpy(at, &h, sizeof h);
+        leaf_image_seal(&i);
+        const status st = verify(scratch_write("bins.leaf", i.bytes, i.size));
+        if (st != (k == 3 ? ST_OK : ST_CORRUPT))
+            fail_msg("bins %d: verify says %d", k, st);
+    }
+    free(i.bytes);
+    free(samples);
+}
+
 /* Without the section: one from the treelets, which suggests something within the range. */
 static void test_without(void **state) {
     (void)state;
@@ -239,7 +273,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_grids),      cmocka_unit_test(test_large_grids),
         cmocka_unit_test(test_same_bytes), cmocka_unit_test(test_damage),
-        cmocka_unit_test(test_without),    cmocka_unit_test(test_meshes),
+        cmocka_unit_test(test_bins),       cmocka_unit_test(test_without),
+        cmocka_unit_test(test_meshes),
     };
     mem_init(&m, 0);
     return cmocka_run_group_tests(tests, NULL, NULL);

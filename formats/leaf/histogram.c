@@ -10,6 +10,9 @@
 
 enum { QUANTILE_DRAWS = 2048 };
 
+/* Values are floats, and edges little beyond them. */
+static const double EDGE_MAX = 0x1p128;
+
 static int compare_floats(const void *a, const void *b) {
     const float x = *(const float *)a, y = *(const float *)b;
     return (x > y) - (x < y);
@@ -163,13 +166,25 @@ void histogram_build(histogram *h, const histogram_cell *cells, uint32_t count, 
     histogram_count(h, cells, count, total);
 }
 
+static const char *edges_fault(const histogram *h) {
+    const uint32_t used = h->bins > 0 ? h->bins + 1 : 0;
+    for (uint32_t i = 0; i <= HISTOGRAM_BINS; i++) {
+        if (i < used && !(fabs(h->edges[i]) <= EDGE_MAX))
+            return "edges that are no values";
+        if (i < h->bins && !(h->edges[i] < h->edges[i + 1]))
+            return "edges that do not ascend";
+        if (i >= used && h->edges[i] != 0)
+            return "edges behind the last bin";
+    }
+    return NULL;
+}
+
 const char *histogram_fault(const histogram *h) {
     if (h->bins > HISTOGRAM_BINS)
         return "more bins than 256";
-    for (uint32_t i = 0; i < h->bins; i++)
-        if (!(h->edges[i] < h->edges[i + 1]) || !isfinite(h->edges[i]) ||
-            !isfinite(h->edges[i + 1]))
-            return "edges that do not ascend";
+    const char *fault = edges_fault(h);
+    if (fault)
+        return fault;
     uint64_t drawn = 0;
     for (uint32_t i = 0; i < HISTOGRAM_BINS; i++) {
         const bool used = i < h->bins;
@@ -183,8 +198,9 @@ const char *histogram_fault(const histogram *h) {
         for (int a = 0; a < 3; a++)
             if (h->box[i][a] > h->box[i][a + 3])
                 return "a box that ends before it begins";
-        if (i + 1 > h->bins && h->bins && h->edges[i + 1] != 0)
-            return "edges behind the last bin";
+        for (int a = 0; a < 6 && !h->active[i]; a++)
+            if (h->box[i][a])
+                return "a box without cells";
     }
     if (h->reserved0 || h->reserved[0] || h->reserved[1] || h->reserved[2])
         return "reserved bytes that are not 0";

@@ -37,20 +37,33 @@ void leaf_histogram_take_tets(const histogram_run *r, uint64_t first_tet, const 
     }
 }
 
+/* Treelets of level 0 of a set. */
+static const float (*own_ranges(const leaf_file *f, uint32_t set))[2] {
+    const leaf_layout *l = &f->layout;
+    return (const float(*)[2])f->own + (size_t)set * l->treelets + l->level[0].first;
+}
+
+void leaf_histogram_range(const leaf_file *f, uint32_t set, double range[2]) {
+    const float(*own)[2] = own_ranges(f, set);
+    range[0] = (double)INFINITY;
+    range[1] = -(double)INFINITY;
+    for (uint32_t t = 0; t < f->layout.level[0].count; t++) {
+        range[0] = fmin(range[0], (double)own[t][0]);
+        range[1] = fmax(range[1], (double)own[t][1]);
+    }
+}
+
 /* Treelets as if they were cells, with slopes by their ranges. */
 static status guess(mem *m, const leaf_file *f, uint32_t set, histogram *out) {
     const leaf_layout *l = &f->layout;
     const leaf_level *level = &l->level[0];
     const uint32_t step = level->count / HISTOGRAM_DRAWS + 1, count = (level->count - 1) / step + 1;
-    const float(*own)[2] = (const float(*)[2])f->own + (size_t)set * l->treelets + level->first;
-    double range[2] = {(double)INFINITY, -(double)INFINITY};
+    const float(*own)[2] = own_ranges(f, set);
+    double range[2];
     histogram_cell *cells = mem_array(m, count, sizeof *cells);
     if (!cells)
         return ST_NOMEM;
-    for (uint32_t t = 0; t < level->count; t++) {
-        range[0] = fmin(range[0], (double)own[t][0]);
-        range[1] = fmax(range[1], (double)own[t][1]);
-    }
+    leaf_histogram_range(f, set, range);
     for (uint32_t i = 0; i < count; i++) {
         const float lo = own[(size_t)i * step][0], hi = own[(size_t)i * step][1];
         const bool any = lo <= hi;

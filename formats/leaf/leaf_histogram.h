@@ -23,6 +23,10 @@ void leaf_histogram_take_tets(const histogram_run *r, uint64_t first_tet, const 
                               const uint16_t (*tets)[4], const float (*positions)[3],
                               const float *values, histogram_cell *cells);
 
+/* leaf_histogram_range() - of the finite values of a set, as its treelets say; lo > hi: there are
+ * none. */
+void leaf_histogram_range(const leaf_file *f, uint32_t set, double range[2]);
+
 /* leaf_histogram_get() - of a set of a file (a grid has set 0): its own, or if it has none, a
  * likely one from the ranges of its treelets: good for suggestions, `total` counts treelets then.
  */

@@ -422,6 +422,13 @@ static status check_gaps(const verification *v) {
     return ST_OK;
 }
 
+/* Whether the bins hold every value in a range, and there are none if that is empty. */
+static bool holds(const histogram *h, const double range[2]) {
+    if (h->bins == 0)
+        return range[0] > range[1];
+    return h->edges[0] <= range[0] && range[0] <= range[1] && range[1] < h->edges[h->bins];
+}
+
 /* The same cells in the same bins; sums of floats in the same order are the same bits. */
 static status check_histograms(const verification *v) {
     const leaf_file *f = v->f;
@@ -431,6 +438,12 @@ static status check_histograms(const verification *v) {
         f->mesh ? v->run.total
                 : (uint64_t)f->header.dims[0] * f->header.dims[1] * f->header.dims[2];
     for (uint32_t set = 0; set < sets; set++) {
+        double range[2];
+        leaf_histogram_range(f, set, range);
+        if (!holds(&f->histograms[set], range))
+            return status_describe(ST_CORRUPT,
+                                   "%s: the bins of histogram %u do not hold the values %g .. %g",
+                                   file_path(f->source), set, range[0], range[1]);
         histogram again = f->histograms[set];
         histogram_count(&again, v->cells + (size_t)set * count, count, total);
         if (memcmp(&again, &f->histograms[set], sizeof again) != 0)

@@ -1,7 +1,11 @@
 #include "tests/support/leaf_fuzz.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 
+#include "formats/leaf/histogram_text.h"
+#include "formats/leaf/leaf_histogram.h"
 #include "formats/leaf/leaf_stats.h"
 #include "formats/leaf/leaf_verify.h"
 #include "render/leafcast.h"
@@ -17,6 +21,28 @@ static bool is_described(status st) {
     return st == ST_OK || *status_text();
 }
 
+/* Each histogram for people and for programs, as `leafcast info` does: before anything is verified.
+ */
+static status print_histograms(mem *m, const leaf_file *f) {
+    const uint32_t sets = f->mesh ? f->mesh->sets : 1;
+    status st = ST_OK;
+    for (uint32_t set = 0; set < sets && set < SETS_SEEN && st == ST_OK; set++) {
+        char *text = NULL;
+        size_t size = 0;
+        histogram h;
+        st = leaf_histogram_get(m, f, set, &h);
+        FILE *to = st == ST_OK ? open_memstream(&text, &size) : NULL;
+        if (!to)
+            continue;
+        histogram_print(to, &h, "cells");
+        histogram_print_isovalues(to, &h);
+        fclose(to);
+        free(text);
+        json_decref(histogram_json(&h));
+    }
+    return st;
+}
+
 /* The container by itself. */
 static const char *read_file(const char *path, leaf_fuzz_result *r) {
     mem m;
@@ -28,7 +54,7 @@ static const char *read_file(const char *path, leaf_fuzz_result *r) {
     if (r->open == ST_OK) {
         const double middle = f->header.value_min + (f->header.value_max - f->header.value_min) / 2;
         status st = leaf_stats_activity(&m, f, isfinite(middle) ? middle : 0, 1, NULL, levels);
-        described = is_described(st);
+        described = is_described(st) && is_described(print_histograms(&m, f));
         r->verify = leaf_verify(&m, f, 1, NULL);
         described = described && is_described(r->verify) && is_of_a_file(st);
     }

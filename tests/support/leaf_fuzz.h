@@ -12,9 +12,10 @@ typedef struct leaf_fuzz_result {
     status open, verify, trace;
 } leaf_fuzz_result;
 
-/* leaf_fuzz_try() - open, count what is active, verify, draw a few pixels of two isosurfaces of
- * each field and step, probe a point. NULL, or what should not be: memory left, an error without a
- * description, an error of a kind that no file gives, a sound file that cannot be drawn. */
+/* leaf_fuzz_try() - open, count what is active, print histograms, verify, draw a few pixels of two
+ * isosurfaces of each field and step, probe a point. NULL, or what should not be: memory left, an
+ * error without a description, an error of a kind that no file gives, a sound file that cannot be
+ * drawn. */
 const char *leaf_fuzz_try(const char *path, leaf_fuzz_result *r);
 
 /* leaf_fuzz_seal() - bytes of a file, of any length: its checksums made right, where it is enough
