@@ -46,7 +46,7 @@ static int workers_of(const leafcast *v) {
     return refits && threads > LOADER_WORKERS ? threads : LOADER_WORKERS;
 }
 
-leafcast_status leafcast_public_status(status st) {
+leafcast_status volume_public_status(status st) {
     switch (st) {
     case ST_OK:
     case ST_USAGE:
@@ -59,7 +59,7 @@ leafcast_status leafcast_public_status(status st) {
     }
 }
 
-status leafcast_check_file(const leafcast *v, status st) {
+status volume_check_file(const leafcast *v, status st) {
     if (st != ST_OK && st != ST_CORRUPT && st != ST_IO)
         return st;
     const status changed = file_mark_check(v->file->source, &v->file->mark);
@@ -97,7 +97,7 @@ static status choose_packets(leafcast *v) {
     return ST_OK;
 }
 
-status leafcast_open_file(leafcast *v) {
+status volume_open_file(leafcast *v) {
     mem *m = &v->budget;
     status st = v->file->mesh ? ST_OK : level_planes_init(&v->planes, m, v->file);
     if (st == ST_OK)
@@ -123,7 +123,7 @@ static status open_path(leafcast *v, const char *path) {
     status st = leaf_file_open(&v->budget, path, &v->file);
     if (st == ST_OK)
         st = choose_packets(v);
-    return st == ST_OK ? leafcast_open_file(v) : st;
+    return st == ST_OK ? volume_open_file(v) : st;
 }
 
 leafcast_status leafcast_open(const char *path, const leafcast_options *options,
@@ -140,7 +140,7 @@ leafcast_status leafcast_open(const char *path, const leafcast_options *options,
     status st = open_path(v, path);
     if (st != ST_OK) {
         leafcast_close(v);
-        return leafcast_public_status(st);
+        return volume_public_status(st);
     }
     v->opened_at = start;
     v->open_s = clock_seconds() - start;
@@ -228,15 +228,15 @@ leafcast_surface leafcast_surface_default(double isovalue) {
 
 leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, int count) {
     if (count < 1 || count > LEAFCAST_SURFACES_MAX)
-        return leafcast_public_status(
-            status_describe(ST_USAGE, "%d isosurfaces: 1 to %d can be drawn at once", count,
-                            LEAFCAST_SURFACES_MAX));
+        return volume_public_status(status_describe(ST_USAGE,
+                                                    "%d isosurfaces: 1 to %d can be drawn at once",
+                                                    count, LEAFCAST_SURFACES_MAX));
     for (int i = 0; i < count; i++) {
         if (!isfinite(surfaces[i].isovalue))
-            return leafcast_public_status(
+            return volume_public_status(
                 status_describe(ST_USAGE, "isovalue %d is not a finite number", i + 1));
         if (!(surfaces[i].opacity > 0.0f && surfaces[i].opacity <= 1.0f))
-            return leafcast_public_status(
+            return volume_public_status(
                 status_describe(ST_USAGE, "opacity %d is not in (0, 1]", i + 1));
     }
     for (int i = 0; i < count; i++) {
@@ -249,7 +249,7 @@ leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, i
     return LEAFCAST_OK;
 }
 
-status leafcast_check_set(const leafcast *v, uint32_t field, uint32_t step) {
+status volume_check_set(const leafcast *v, uint32_t field, uint32_t step) {
     const leaf_header *h = &v->file->header;
     if (field < h->fields && step < h->steps)
         return ST_OK;
@@ -258,9 +258,9 @@ status leafcast_check_set(const leafcast *v, uint32_t field, uint32_t step) {
 }
 
 leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) {
-    const status st = leafcast_check_set(v, field, step);
+    const status st = volume_check_set(v, field, step);
     if (st != ST_OK)
-        return leafcast_public_status(st);
+        return volume_public_status(st);
     v->field = field;
     v->step = step;
     if (v->file->mesh)
@@ -271,9 +271,9 @@ leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) 
 
 leafcast_status leafcast_range(const leafcast *v, uint32_t field, uint32_t step, double range[2]) {
     const leaf_layout *layout = &v->file->layout;
-    const status st = leafcast_check_set(v, field, step);
+    const status st = volume_check_set(v, field, step);
     if (st != ST_OK)
-        return leafcast_public_status(st);
+        return volume_public_status(st);
     const uint32_t set = v->file->mesh ? leaf_layout_set(layout, field, step) : 0;
     const float(*own)[2] = (const float(*)[2])v->file->own + (size_t)set * layout->treelets;
     range[0] = INFINITY;
@@ -309,7 +309,7 @@ leafcast_status leafcast_find_field(const leafcast *v, const char *name, uint32_
     for (uint32_t i = 0; i < fields && strlen(list) + 80 < sizeof list; i++)
         snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "",
                  leafcast_field_name(v, i));
-    return leafcast_public_status(status_describe(
+    return volume_public_status(status_describe(
         ST_USAGE, "no field is called \"%s\", nor has that number; there are %u: %s", name, fields,
         list));
 }
@@ -391,7 +391,7 @@ static void stop_levels(leafcast *v, const camera *c) {
     }
 }
 
-status leafcast_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
+status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
     const intersector *how = intersector_find(scene->intersector);
     const leaf_layout *layout = &v->file->layout;
     if (v->surface_count == 0)
@@ -606,7 +606,7 @@ leafcast_status leafcast_check_room(leafcast *v, const leafcast_scene *scene,
     v->beside = (size_t)beside;
     if (st == ST_OK)
         st = check_budget(v, fixed_bytes(v, &f));
-    return leafcast_public_status(st);
+    return volume_public_status(st);
 }
 
 /* One of the pictures that a picture is made of. */
@@ -715,7 +715,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
     status st = camera_init(&f.camera, from);
     loader_forget_failures(v->treelets);
     if (st == ST_OK)
-        st = leafcast_tracer(v, scene, &f.camera, &tr);
+        st = volume_tracer(v, scene, &f.camera, &tr);
     if (st == ST_OK)
         st = mesh_preview_begin(v, scene, &coarse, &f.coarse);
     if (st == ST_OK)
@@ -726,7 +726,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
         st = share_budget(v, &f);
     }
     if (st != ST_OK)
-        return leafcast_public_status(leafcast_check_file(v, st));
+        return volume_public_status(volume_check_file(v, st));
     if (!scene->preview)
         loader_follow(v->treelets, v->touched);
     for (uint32_t t = 0; t < v->file->layout.treelets; t++)
@@ -741,14 +741,14 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
     if (st == ST_OK && scene->sweep && !scene->preview)
         st = loader_settle(v->treelets);
     const double end = clock_seconds();
-    st = leafcast_check_file(v, st);
+    st = volume_check_file(v, st);
     if (st == ST_OK && v->first_image_s == 0.0)
         v->first_image_s = end - v->opened_at;
     if (stats)
         fill_stats(v, &counters, end - start, stats);
     if (stats && f.coarse)
         mesh_preview_stats(v, stats);
-    return leafcast_public_status(st);
+    return volume_public_status(st);
 }
 
 void experiment_intersect(leafcast *v, intersect_fn intersect) {

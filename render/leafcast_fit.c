@@ -12,7 +12,7 @@ _Static_assert((int)LEAFCAST_BINS_MAX == (int)HISTOGRAM_BINS &&
 
 static status find_histogram(const leafcast *v, uint32_t field, uint32_t step, histogram *out) {
     mem outside;
-    const status st = leafcast_check_set(v, field, step);
+    const status st = volume_check_set(v, field, step);
     if (st != ST_OK)
         return st;
     mem_init(&outside, 0);
@@ -25,7 +25,7 @@ leafcast_status leafcast_get_histogram(const leafcast *v, uint32_t field, uint32
     histogram h;
     const status st = find_histogram(v, field, step, &h);
     if (st != ST_OK)
-        return leafcast_public_status(st);
+        return volume_public_status(st);
     *to =
         (leafcast_histogram){.bins = h.bins, .drawn = h.drawn, .cells = h.cells, .total = h.total};
     memcpy(to->edges, h.edges, sizeof to->edges);
@@ -41,7 +41,7 @@ leafcast_status leafcast_suggested_isovalues(const leafcast *v, uint32_t field, 
     histogram h;
     const status st = find_histogram(v, field, step, &h);
     *count = st == ST_OK ? histogram_suggest(&h, isovalues, max) : 0;
-    return leafcast_public_status(st);
+    return volume_public_status(st);
 }
 
 /* ---- the box of what is active ---- */
@@ -140,9 +140,9 @@ leafcast_status leafcast_fit_view(const leafcast *v, uint32_t field, uint32_t st
                                   uint32_t height, leafcast_camera *view) {
     double box[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     double corners[8][3];
-    const status st = leafcast_check_set(v, field, step);
+    const status st = volume_check_set(v, field, step);
     if (st != ST_OK)
-        return leafcast_public_status(st);
+        return volume_public_status(st);
     if (v->file->mesh)
         mesh_box(v, field, step, isovalues, count, box);
     else

@@ -102,7 +102,7 @@ static status probe_ray(leafcast *v, const leafcast_scene *scene, const double o
     if (!(length > 0.0 && length < INFINITY && place < INFINITY))
         return status_describe(ST_USAGE, "a ray needs a finite origin and a finite direction that "
                                          "is not 0,0,0");
-    status st = leafcast_tracer(v, scene, NULL, &tr);
+    status st = volume_tracer(v, scene, NULL, &tr);
     if (st != ST_OK)
         return st;
     tr.preview = false;
@@ -135,7 +135,7 @@ leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, con
                                    const double direction[3], leafcast_hit *hits, int max,
                                    int *count) {
     const status st = probe_ray(v, scene, origin, direction, hits, max, count);
-    return leafcast_public_status(leafcast_check_file(v, st));
+    return volume_public_status(volume_check_file(v, st));
 }
 
 /* ---- Points ---- */
@@ -218,5 +218,5 @@ leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcas
     *sample = (leafcast_sample){.value = NAN};
     loader_forget_failures(v->treelets);
     const status st = (v->file->mesh ? point_in_mesh : point_in_grid)(v, point, sample);
-    return leafcast_public_status(leafcast_check_file(v, st));
+    return volume_public_status(volume_check_file(v, st));
 }

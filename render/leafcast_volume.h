@@ -32,23 +32,22 @@ struct leafcast {
     double opened_at, open_s, first_image_s;
 };
 
-/* leafcast_public_status() - an internal status as the interface has it. */
-leafcast_status leafcast_public_status(status st);
+/* volume_public_status() - an internal status as the interface has it. */
+leafcast_status volume_public_status(status st);
 
-/* leafcast_check_set() - ST_USAGE where the file has no such field or step. */
-CHECKED status leafcast_check_set(const leafcast *v, uint32_t field, uint32_t step);
+/* volume_check_set() - ST_USAGE where the file has no such field or step. */
+CHECKED status volume_check_set(const leafcast *v, uint32_t field, uint32_t step);
 
-/* leafcast_check_file() - what becomes of a picture or an answer with this status, now that it is
+/* volume_check_file() - what becomes of a picture or an answer with this status, now that it is
  * made: ST_CORRUPT if the file changed since it was opened. That is said then rather than which
  * bytes were found wrong. */
-CHECKED status leafcast_check_file(const leafcast *v, status st);
+CHECKED status volume_check_file(const leafcast *v, status st);
 
-/* leafcast_open_file() - all else of v, whose budget, options, kernels and file are there. */
-CHECKED status leafcast_open_file(leafcast *v);
+/* volume_open_file() - all else of v, whose budget, options, kernels and file are there. */
+CHECKED status volume_open_file(leafcast *v);
 
-/* leafcast_tracer() - for rays through what is selected. c: the camera, for levels of detail by
+/* volume_tracer() - for rays through what is selected. c: the camera, for levels of detail by
  * pixels; may be NULL. */
-CHECKED status leafcast_tracer(leafcast *v, const leafcast_scene *scene, const camera *c,
-                               tracer *tr);
+CHECKED status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr);
 
 #endif

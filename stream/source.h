@@ -9,7 +9,7 @@
  * may change after the check, so nothing may follow an index, an offset or a count that it read
  * there: samples and codes of a grid are numbers to compare and to compute with, and no more. A
  * mesh's payloads hold indices, so they are always read by the arena. What became of the whole file
- * says leafcast_check_file().
+ * says volume_check_file().
  *
  * Thread-safe: any number of loads at once, each with a scratch of its own.
  */

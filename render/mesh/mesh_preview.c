@@ -27,7 +27,7 @@ static status open_coarse(leafcast *v, uint32_t set) {
     mem_init(&coarse->budget, v->budget.limit >> SHARE_LOG2);
     status st = leaf_file_open_coarse(&coarse->budget, v->file, set, &coarse->file);
     if (st == ST_OK)
-        st = leafcast_open_file(coarse);
+        st = volume_open_file(coarse);
     if (st != ST_OK) {
         leafcast_close(coarse);
         return st;
@@ -92,7 +92,7 @@ status mesh_preview_begin(leafcast *v, const leafcast_scene *scene, tracer *tr,
         (void)leafcast_select(coarse, v->surfaces, v->surface_count);
     st = begin_loading(coarse->treelets);
     if (st == ST_OK)
-        st = leafcast_tracer(coarse, &whole, NULL, tr);
+        st = volume_tracer(coarse, &whole, NULL, tr);
     if (st == ST_OK)
         *out = tr;
     return st;
