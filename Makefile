@@ -1,14 +1,16 @@
 # leafcast - out-of-core volume ray tracing. `make list` says what can be made.
 #
-# Sources are found by wildcard: every .c file of the four layers goes into libleafcast.a, except
-# X_main.c, which is the verb X (build/release/libexec/leafcast-X), and what verbs share: render/app and
-# render/bench have archives of their own. A new source needs no line here.
+# Sources are found by wildcard: every .c file of the four layers goes into app/libinternal.a, with which
+# verbs and tests are linked, except X_main.c, which is the verb X (build/release/libexec/leafcast-X), and
+# what verbs share: render/app and render/bench have archives of their own. A new source needs no line
+# here. The library for others, lib/libleafcast.a and .so, is what render/leafcast*.c need of that.
 
 VERSION := $(shell sed -n 's/^.define LEAFCAST_VERSION "\(.*\)"/\1/p' render/leafcast.h)
 CONFIG  ?= release
 PREFIX  ?= /usr/local
 DESTDIR ?=
 WERROR  ?= 0
+OBJCOPY ?= objcopy
 TIMEOUT ?= 300
 
 # ---- compilers and flags -------------------------------------------------------------------------
@@ -34,7 +36,8 @@ $(error CONFIG=$(CONFIG) is not one of: $(CONFIGS))
 endif
 
 # Results must not depend on the compiler: no contraction to FMA, never -ffast-math, no -march.
-COMMON := $(FLAGS_$(CONFIG)) -ffp-contract=off -fno-math-errno -pthread -I. \
+# One set of objects for programs and the shared library: -fPIC costs no instruction in hot functions.
+COMMON := $(FLAGS_$(CONFIG)) -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-errno -pthread -I. \
           -DLEAFCAST_VERSION='"$(VERSION)"'
 WARN   := -Wall -Wextra -Wshadow -Wvla -Wpointer-arith -Wwrite-strings -Wundef \
           $(if $(filter 1,$(WERROR)),-Werror)
@@ -55,10 +58,14 @@ MAINS    := $(filter %_main.c,$(SOURCES))
 TETGEN_C := prep/tetrahedralize/tetrahedralize_main.c
 NATIVE   := render/bench/peer_embree.c
 PARTS    := $(filter-out $(MAINS) $(NATIVE),$(SOURCES))
-LIB      := $B/lib/libleafcast.a
+INTERNAL := $B/app/libinternal.a
 APP      := $B/app/libapp.a
 BENCH    := $B/app/libbench.a
-ARCHIVES := $(BENCH) $(APP) $(LIB)
+ARCHIVES := $(BENCH) $(APP) $(INTERNAL)
+DOOR     := $(patsubst %.c,$B/obj/%.o,$(filter render/leafcast%,$(PARTS)))
+STATIC   := $B/lib/libleafcast.a
+SONAME   := libleafcast.so.$(firstword $(subst ., ,$(VERSION)))
+SHARED   := $B/lib/libleafcast.so.$(VERSION)
 VERBS_C   = $(if $(TETGEN),$(MAINS),$(filter-out $(TETGEN_C),$(MAINS)))
 verb      = $B/libexec/leafcast-$(subst _,-,$(patsubst %_main.c,%,$(notdir $1)))
 VERBS     = $(foreach m,$(VERBS_C),$(call verb,$m))
@@ -90,6 +97,8 @@ RUN   := $(call only,$(LONG),$(ASKED))
 RUN   += $(filter-out $(RUN),$(ASKED))
 
 # ---- libraries -----------------------------------------------------------------------------------
+# What the library for others needs, and what the verbs need besides.
+DOOR_PC := libzstd libxxhash
 LIBS_PC := zlib libzstd jansson libxxhash expat libpng
 ifneq ($(filter-out list help clean setup test demo,$(or $(MAKECMDGOALS),all)),)
 MISSING := $(if $(shell command -v pkg-config),,pkg-config) \
@@ -120,7 +129,7 @@ Q   := $(if $(V),,@)
 say  = $(if $(V),,@echo "  $1  $2")
 link = $(Q)$(CC) $(ALL_C) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(ALL_LIBS)
 
-all: $(LIB) $(VERBS) $(IMAGE) $(TETGEN_BIN) $(FRONT) $(if $(filter build/release,$B),build/leafcast) $(FUZZERS)
+all: $(if $(filter release,$(CONFIG)),$(STATIC) $(SHARED)) $(VERBS) $(IMAGE) $(TETGEN_BIN) $(FRONT) $(if $(filter build/release,$B),build/leafcast) $(FUZZERS)
 
 # What make cannot see (the flags, the list of objects) lies in files that change only when their
 # content does.
@@ -157,7 +166,21 @@ $1: $(patsubst %.c,$B/obj/%.o,$2) $B/objects
 endef
 $(eval $(call archive_rule,$(APP),$(filter render/app/%,$(PARTS))))
 $(eval $(call archive_rule,$(BENCH),$(filter render/bench/%,$(PARTS))))
-$(eval $(call archive_rule,$(LIB),$(filter-out render/app/% render/bench/%,$(PARTS))))
+$(eval $(call archive_rule,$(INTERNAL),$(filter-out render/app/% render/bench/%,$(PARTS))))
+
+# The public functions and what they reach, as one object in which nothing else has a name to the outside.
+$B/obj/leafcast.o: $(DOOR) $(INTERNAL)
+	$(Q)$(LD) -r -o $@ $^ && $(OBJCOPY) --localize-hidden $@
+$(STATIC): $B/obj/leafcast.o
+	@mkdir -p $(@D) && rm -f $@
+	$(call say,AR  ,$@)
+	$(Q)$(AR) rcsD $@ $<
+$(SHARED): $B/obj/leafcast.o scripts/leafcast.map
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(ALL_C) -shared -Wl,-soname,$(SONAME) -Wl,--version-script,scripts/leafcast.map \
+	    -Wl,-z,defs $(LDFLAGS) -o $@ $< $(shell pkg-config --libs $(DOOR_PC)) -lm
+	@ln -sfn $(notdir $@) $(@D)/$(SONAME) && ln -sfn $(SONAME) $(@D)/libleafcast.so
 
 define verb_rule
 $(call verb,$1): $B/obj/$(1:.c=.o) $(ARCHIVES)
@@ -276,17 +299,19 @@ check: all
 
 # ---- installing ----------------------------------------------------------------------------------
 D := $(DESTDIR)$(PREFIX)
-install: all
+install: all $(STATIC) $(SHARED)
 	install -d $D/bin $D/libexec/leafcast $D/lib/pkgconfig $D/include/leafcast $D/share/man/man1
 	install -m 755 $(FRONT) $D/bin
 	install -m 755 $(VERBS) $(PEER_VTK) $(if $(OIIO),$(IMAGE)) $(if $(TETGEN),$(TETGEN_BIN)) \
 	    $D/libexec/leafcast
-	install -m 644 $(LIB) $D/lib
+	install -m 644 $(STATIC) $(SHARED) $D/lib
+	ln -sfn $(notdir $(SHARED)) $D/lib/$(SONAME)
+	ln -sfn $(SONAME) $D/lib/libleafcast.so
 	install -m 644 $(wildcard render/leafcast.h prep/leafcast_prep.h) $D/include/leafcast
 	install -m 644 $(wildcard scripts/man/*.1) $D/share/man/man1
 	install -D -m 644 scripts/completion.bash $D/share/bash-completion/completions/leafcast
 	install -D -m 644 scripts/completion.zsh $D/share/zsh/site-functions/_leafcast
-	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|; s|@REQUIRES@|$(LIBS_PC)|' \
+	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|; s|@REQUIRES@|$(DOOR_PC)|' \
 	    scripts/leafcast.pc.in >$D/lib/pkgconfig/leafcast.pc
 
 list help:

@@ -66,6 +66,10 @@ status volume_check_file(const leafcast *v, status st) {
     return changed != ST_OK ? changed : st;
 }
 
+const char *leafcast_version(void) {
+    return LEAFCAST_VERSION;
+}
+
 const char *leafcast_error_text(void) {
     return status_text();
 }

@@ -26,6 +26,16 @@ extern "C" {
 
 #define LEAFCAST_VERSION "0.1.0"
 
+/* The functions of the library; nothing else of it is visible. */
+#ifdef __GNUC__
+#define LEAFCAST_API __attribute__((visibility("default")))
+#else
+#define LEAFCAST_API
+#endif
+
+/* leafcast_version() - of the library that is linked: a LEAFCAST_VERSION, as text. */
+LEAFCAST_API const char *leafcast_version(void);
+
 typedef enum leafcast_status {
     LEAFCAST_OK = 0,
     LEAFCAST_USAGE = 2,   /* arguments that make no sense together */
@@ -37,7 +47,7 @@ typedef enum leafcast_status {
     LEAFCAST_FAILED = 10      /* anything else */
 } leafcast_status;
 
-const char *leafcast_error_text(void);
+LEAFCAST_API const char *leafcast_error_text(void);
 
 /* ---- Opening ---- */
 
@@ -87,8 +97,9 @@ typedef struct leafcast_options {
 /* leafcast_open() - options may be NULL for the defaults. The file must stay as it is while it is
  * open: pictures and probes are LEAFCAST_CORRUPT as soon as its size, its time of last modification
  * or the file of its name is another. */
-leafcast_status leafcast_open(const char *path, const leafcast_options *options, leafcast **volume);
-void leafcast_close(leafcast *volume); /* NULL is fine */
+LEAFCAST_API leafcast_status leafcast_open(const char *path, const leafcast_options *options,
+                                           leafcast **volume);
+LEAFCAST_API void leafcast_close(leafcast *volume); /* NULL is fine */
 
 typedef struct leafcast_info {
     uint32_t dims[3];        /* nodes per axis, level 0; of a mesh: 0 */
@@ -106,7 +117,8 @@ typedef struct leafcast_info {
     uint64_t file_bytes, payload_bytes;
 } leafcast_info;
 
-leafcast_info leafcast_describe(const leafcast *volume); /* pointers live as long as the volume */
+LEAFCAST_API leafcast_info
+leafcast_describe(const leafcast *volume); /* pointers live as long as the volume */
 
 /* ---- What to draw ---- */
 
@@ -118,29 +130,31 @@ typedef struct leafcast_surface {
     float opacity; /* (0, 1]; 1 is opaque */
 } leafcast_surface;
 
-leafcast_surface leafcast_surface_default(double isovalue);
+LEAFCAST_API leafcast_surface leafcast_surface_default(double isovalue);
 
 /* leafcast_select() - the isosurfaces that the next pictures show: an isovalue sweep over the
  * directory; loading starts. count 1 .. LEAFCAST_SURFACES_MAX, isovalues finite. */
-leafcast_status leafcast_select(leafcast *volume, const leafcast_surface *surfaces, int count);
+LEAFCAST_API leafcast_status leafcast_select(leafcast *volume, const leafcast_surface *surfaces,
+                                             int count);
 
 /* leafcast_select_set() - which field at which time step the next pictures show, and probes see; 0
  * and 0 until this is called. The isosurfaces stay selected. */
-leafcast_status leafcast_select_set(leafcast *volume, uint32_t field, uint32_t step);
+LEAFCAST_API leafcast_status leafcast_select_set(leafcast *volume, uint32_t field, uint32_t step);
 
 /* leafcast_field_name() - "" where the file has no name for it; lives as long as the volume.
  * leafcast_find_field() - by name, or where no field is called so, by number; LEAFCAST_USAGE lists
  * those there are. leafcast_step_time() - as the file says; the step's number where it does not. */
-const char *leafcast_field_name(const leafcast *volume, uint32_t field);
-leafcast_status leafcast_find_field(const leafcast *volume, const char *name, uint32_t *field);
-double leafcast_step_time(const leafcast *volume, uint32_t step);
+LEAFCAST_API const char *leafcast_field_name(const leafcast *volume, uint32_t field);
+LEAFCAST_API leafcast_status leafcast_find_field(const leafcast *volume, const char *name,
+                                                 uint32_t *field);
+LEAFCAST_API double leafcast_step_time(const leafcast *volume, uint32_t step);
 
 /* leafcast_range() - range[0], range[1]: the smallest and the largest finite value of a field at a
  * step, at full resolution; range[0] > range[1] where none is finite. An isovalue v has a surface
  * only if range[0] < v && v <= range[1]. LEAFCAST_USAGE if there is no such field or step. Costs a
  * pass over the directory. */
-leafcast_status leafcast_range(const leafcast *volume, uint32_t field, uint32_t step,
-                               double range[2]);
+LEAFCAST_API leafcast_status leafcast_range(const leafcast *volume, uint32_t field, uint32_t step,
+                                            double range[2]);
 
 typedef struct leafcast_light {
     bool point;       /* position, else direction */
@@ -199,7 +213,7 @@ typedef struct leafcast_scene {
     int layers_max; /* stop after so many transparent surfaces on a ray; 0: no limit */
 } leafcast_scene;
 
-leafcast_scene leafcast_scene_default(void);
+LEAFCAST_API leafcast_scene leafcast_scene_default(void);
 
 typedef struct leafcast_camera {
     double eye[3], look_at[3], up[3];
@@ -210,8 +224,8 @@ typedef struct leafcast_camera {
 /* leafcast_standard_view() - fov 45, up +z, looking at the centre of the bounding box from
  * `distance` (2.2: the standard view, 1.1: the close view) times its longest edge in the direction
  * (1, 0.6, 0.8). */
-leafcast_camera leafcast_standard_view(const leafcast *volume, double distance, uint32_t width,
-                                       uint32_t height);
+LEAFCAST_API leafcast_camera leafcast_standard_view(const leafcast *volume, double distance,
+                                                    uint32_t width, uint32_t height);
 
 /* ---- What is worth a look ---- */
 
@@ -234,23 +248,25 @@ typedef struct leafcast_histogram {
 } leafcast_histogram;
 
 /* leafcast_get_histogram() - LEAFCAST_USAGE if there is no such field or step. */
-leafcast_status leafcast_get_histogram(const leafcast *volume, uint32_t field, uint32_t step,
-                                       leafcast_histogram *histogram);
+LEAFCAST_API leafcast_status leafcast_get_histogram(const leafcast *volume, uint32_t field,
+                                                    uint32_t step, leafcast_histogram *histogram);
 
 /* leafcast_suggested_isovalues() - up to `max` (at most LEAFCAST_SUGGESTIONS_MAX) isovalues whose
  * surfaces are worth a look, best first; *count may become 0. */
 enum { LEAFCAST_SUGGESTIONS_MAX = 4 };
-leafcast_status leafcast_suggested_isovalues(const leafcast *volume, uint32_t field, uint32_t step,
-                                             double *isovalues, int max, int *count);
+LEAFCAST_API leafcast_status leafcast_suggested_isovalues(const leafcast *volume, uint32_t field,
+                                                          uint32_t step, double *isovalues, int max,
+                                                          int *count);
 
 /* leafcast_fit_view() - a view of what these isovalues make active, of the whole volume where they
  * make nothing so. Up is +z, unless the box is more than twice as long along z as along x and y:
  * then up is the longer one of these. The longest of the other axes lies across. fov: vertical,
  * degrees; 0: LEAFCAST_FIT_FOV. */
 enum { LEAFCAST_FIT_FOV = 35 };
-leafcast_status leafcast_fit_view(const leafcast *volume, uint32_t field, uint32_t step,
-                                  const double *isovalues, int count, double fov, uint32_t width,
-                                  uint32_t height, leafcast_camera *camera);
+LEAFCAST_API leafcast_status leafcast_fit_view(const leafcast *volume, uint32_t field,
+                                               uint32_t step, const double *isovalues, int count,
+                                               double fov, uint32_t width, uint32_t height,
+                                               leafcast_camera *camera);
 
 /* ---- Pictures ---- */
 
@@ -290,16 +306,16 @@ typedef struct leafcast_stats {
  * there: planes may have any pointers that are not NULL. `beside`: bytes of the caller's own that
  * shall count too, in this and in the following pictures. LEAFCAST_NOMEM names the smallest budget
  * that would do. */
-leafcast_status leafcast_check_room(leafcast *volume, const leafcast_scene *scene,
-                                    const leafcast_camera *camera, const leafcast_image *planes,
-                                    uint64_t beside);
+LEAFCAST_API leafcast_status leafcast_check_room(leafcast *volume, const leafcast_scene *scene,
+                                                 const leafcast_camera *camera,
+                                                 const leafcast_image *planes, uint64_t beside);
 
 /* leafcast_trace() - one picture. stats may be NULL. watch, when not NULL, is told now and then (by
  * any render thread) which share of the pixels is done; false ends it with LEAFCAST_STOPPED. */
-leafcast_status leafcast_trace(leafcast *volume, const leafcast_scene *scene,
-                               const leafcast_camera *camera, const leafcast_image *image,
-                               leafcast_stats *stats, bool (*watch)(void *ctx, double done),
-                               void *watch_ctx);
+LEAFCAST_API leafcast_status leafcast_trace(leafcast *volume, const leafcast_scene *scene,
+                                            const leafcast_camera *camera,
+                                            const leafcast_image *image, leafcast_stats *stats,
+                                            bool (*watch)(void *ctx, double done), void *watch_ctx);
 
 /* ---- Single rays and points ---- */
 
@@ -323,14 +339,14 @@ typedef struct leafcast_hit {
 
 /* leafcast_probe_ray() - all hits of one ray with the selected surfaces, in order; at most max of
  * them, *count says how many were written. t counts in lengths of direction. */
-leafcast_status leafcast_probe_ray(leafcast *volume, const leafcast_scene *scene,
-                                   const double origin[3], const double direction[3],
-                                   leafcast_hit *hits, int max, int *count);
+LEAFCAST_API leafcast_status leafcast_probe_ray(leafcast *volume, const leafcast_scene *scene,
+                                                const double origin[3], const double direction[3],
+                                                leafcast_hit *hits, int max, int *count);
 
 /* leafcast_pixel_ray() - the primary ray of a pixel: origin = eye, unit direction; direction 0,0,0
  * of a camera that cannot be. */
-void leafcast_pixel_ray(const leafcast_camera *camera, double x, double y, double origin[3],
-                        double direction[3]);
+LEAFCAST_API void leafcast_pixel_ray(const leafcast_camera *camera, double x, double y,
+                                     double origin[3], double direction[3]);
 
 typedef struct leafcast_sample {
     bool inside; /* of the volume */
@@ -346,8 +362,8 @@ typedef struct leafcast_sample {
     uint32_t treelet;
 } leafcast_sample;
 
-leafcast_status leafcast_probe_point(leafcast *volume, const double point[3],
-                                     leafcast_sample *sample);
+LEAFCAST_API leafcast_status leafcast_probe_point(leafcast *volume, const double point[3],
+                                                  leafcast_sample *sample);
 
 #ifdef __cplusplus
 }
