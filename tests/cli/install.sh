@@ -14,7 +14,7 @@ root=$tmp/root
 exits "make install" 0 make -s install DESTDIR="$root" PREFIX=/opt/leafcast
 at=$root/opt/leafcast
 there() { for f; do [ -e "$at/$f" ] || { echo "no $f" >>"$tmp/err"; return 1; }; done; }
-ok "installs the front door, library, header, pkg-config file" there bin/leafcast lib/libleafcast.a \
+ok "installs the front door, library, header, pkg-config file" there bin/leafcast lib/libleafcast.a lib/libleafcast.so \
     include/leafcast/leafcast.h lib/pkgconfig/leafcast.pc
 # shellcheck disable=SC2046 # names
 ok "and every verb with its page" there $(for v in generate convert render info verify probe bench; do
@@ -46,6 +46,6 @@ ok "pkg-config knows the version" [ "leafcast $(pc --modversion)" = "$("$leafcas
 # shellcheck disable=SC2046 # options
 exits "a program is built on the library" 0 \
     ${CC:-cc} $(pc --cflags) "$tmp/count.c" -o "$tmp/count" $(pc --libs)
-exits "and opens a file" 0 "$tmp/count" "$tmp/s.leaf"
+exits "and opens a file" 0 env LD_LIBRARY_PATH="$at/lib" "$tmp/count" "$tmp/s.leaf"
 ok "in it 9 samples an axis" [ "$(cat "$tmp/out")" = 9 ]
 finish

@@ -1,0 +1,97 @@
+#!/bin/sh
+# embed.sh - the installed library: what it shows to the outside, and the examples built on it, as C and as C++,
+# shared and static.
+. tests/support/tap.sh
+
+case ${LEAFCAST_BUILD:-$PWD/build/release} in
+*/build/release) ;;
+*)
+    skip "the installed library" "only the release build is installed"
+    finish
+    ;;
+esac
+
+exits "make install" 0 make -s install DESTDIR="$tmp/root" PREFIX=/opt
+at=$tmp/root/opt
+pc() {
+    PKG_CONFIG_PATH=$at/lib/pkgconfig pkg-config --define-variable=prefix="$at" "$@" leafcast
+}
+
+# ---- names ----
+# What the headers declare, outside of braces: one name a line. Inline functions are no symbols.
+declared() {
+    for h in "$at"/include/leafcast/*.h; do printf '#include "%s"\n' "$h"; done |
+        ${CC:-cc} -E -P -x c - | tr '\n' ' ' | sed 's/[;{}]/&\n/g' |
+        awk '{ if (!depth && !/inline/ && match($0, /leafcast_[a-z_0-9]+ *\(/))
+                   print substr($0, RSTART, RLENGTH - 1)
+               if (/\{$/) depth++
+               if (/\}$/) depth-- }' | sort -u
+}
+declared >"$tmp/declared"
+nm -g --defined-only "$at/lib/libleafcast.a" | awk 'NF == 3 { print $3 }' | sort >"$tmp/archive"
+nm -D --defined-only "$at/lib/libleafcast.so" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' |
+    sort >"$tmp/shared"
+ok "the headers declare functions" grep -q '^leafcast_trace$' "$tmp/declared"
+exits "the archive shows these and nothing else" 0 diff "$tmp/declared" "$tmp/archive"
+exits "and so does the shared library" 0 diff "$tmp/declared" "$tmp/shared"
+readelf -d "$at/lib/libleafcast.so" >"$tmp/dynamic"
+ok "which has a soname" grep -q 'SONAME.*\[libleafcast\.so\.0\]' "$tmp/dynamic"
+ok "under which it is there" [ -e "$at/lib/libleafcast.so.0" ]
+
+# ---- examples ----
+exits "generate" 0 "$leafcast" generate marschner-lobb --dims 24 -o "$tmp/m.nrrd" -q
+exits "convert" 0 "$leafcast" convert "$tmp/m.nrrd" -o "$tmp/m.leaf" -q
+exits "render" 0 "$leafcast" render "$tmp/m.leaf" --size 320x240 --background 0,0,0 -o "$tmp/want.ppm" -q
+
+# like_render: the verb's picture; a byte may be another at the very border between two.
+like_render() {
+    [ "$(wc -c <"$tmp/got.ppm")" = "$(wc -c <"$tmp/want.ppm")" ] &&
+        [ "$(cmp -l "$tmp/got.ppm" "$tmp/want.ppm" | wc -l)" -le 2 ]
+}
+
+# as_expected: hits of both isovalues, in order of t on each ray, a bound with each.
+as_expected() {
+    awk '$1 == ray && $2 < t { exit bad = 1 }
+         !($2 >= 0 && $2 <= 1 && $4 >= 0 && ($3 == 100 || $3 == 140)) { exit bad = 1 }
+         $1 != ray { rays++ }
+         { ray = $1; t = $2; seen[$3]++; if ($4 < 1e-6) bounded++ }
+         END { exit bad || !(seen[100] && seen[140] && rays > 900 && bounded > NR / 2) }' "$tmp/out"
+}
+
+# try NAME COMPILER...: both examples, built with this and run.
+try() {
+    how=$1
+    shift
+    exits "picture.c, $how" 0 "$@" -o "$tmp/picture" scripts/examples/picture.c $flags
+    rm -f "$tmp/got.ppm"
+    exits "draws" 0 env LD_LIBRARY_PATH="$where" "$tmp/picture" "$tmp/m.leaf" "$tmp/got.ppm"
+    ok "what the verb draws" like_render
+    exits "rays.c, $how" 0 "$@" -o "$tmp/rays" scripts/examples/rays.c $flags
+    exits "prints hits" 0 env LD_LIBRARY_PATH="$where" "$tmp/rays" "$tmp/m.leaf" 100 140
+    ok "in order" as_expected
+}
+strict='-Wall -Wextra -Wno-missing-field-initializers -Werror'
+flags="$(pc --cflags --libs) -lm"
+where=$at/lib
+# shellcheck disable=SC2086 # options
+try "C, shared" ${CC:-cc} -std=c17 $strict
+run env LD_LIBRARY_PATH="$where" ldd "$tmp/rays"
+ok "needs the shared library by its soname" grep -q "libleafcast.so.0 => $at" "$tmp/out"
+cxx=${CXX:-g++}
+if command -v "${cxx%% *}" >/dev/null; then
+    # shellcheck disable=SC2086 # options
+    try "C++, shared" $cxx -std=c++17 -x c++ $strict
+else
+    skip "C++, shared" "no $cxx here"
+fi
+rm "$at"/lib/libleafcast.so*
+flags="-x none $(pc --cflags --libs --static) -lm"
+where=
+try "C, static" ${CC:-cc} -std=c17
+if command -v "${cxx%% *}" >/dev/null; then
+    try "C++, static" $cxx -std=c++17 -x c++
+else
+    skip "C++, static" "no $cxx here"
+fi
+exits "rays.c refuses what is no file" 7 "$tmp/rays" "$tmp/none.leaf" 1
+finish
