@@ -62,7 +62,7 @@ as_expected() {
 try() {
     how=$1
     shift
-    exits "picture.c, $how" 0 "$@" -o "$tmp/picture" scripts/examples/picture.c $flags
+    exits "first_picture.c, $how" 0 "$@" -o "$tmp/picture" scripts/examples/first_picture.c $flags
     rm -f "$tmp/got.ppm"
     exits "draws" 0 env LD_LIBRARY_PATH="$where" "$tmp/picture" "$tmp/m.leaf" "$tmp/got.ppm"
     ok "what the verb draws" like_render

@@ -1,7 +1,7 @@
-/* picture.c - draw a treelet file: the isovalue that its values suggest, in a view that fits.
+/* first_picture.c - draw a treelet file: the isovalue that its values suggest, in a view that fits.
  *
- *     cc picture.c $(pkg-config --cflags --libs leafcast) -lm -o picture
- *     ./picture engine.leaf engine.ppm
+ *     cc first_picture.c $(pkg-config --cflags --libs leafcast) -lm -o first_picture
+ *     ./first_picture engine.leaf engine.ppm
  */
 #include <leafcast.h>
 
@@ -48,7 +48,8 @@ int main(int argc, char **argv) {
     bad = bad || leafcast_trace(volume, &scene, &camera, &image, NULL, NULL, NULL);
     bad = bad || !write_ppm(argv[2], &image);
     if (bad)
-        fprintf(stderr, "%s\n", argc == 3 ? leafcast_error_text() : "picture FILE.leaf OUT.ppm");
+        fprintf(stderr, "%s\n",
+                argc == 3 ? leafcast_error_text() : "first_picture FILE.leaf OUT.ppm");
     leafcast_close(volume);
     return bad;
 }
