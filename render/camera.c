@@ -1,32 +1,11 @@
 #include "render/camera.h"
 
 #include <math.h>
+#include <string.h>
+
+#include "formats/base/vec3.h"
 
 static const double PI = 3.14159265358979323846;
-
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-/* To unit length; false for a vector without a direction. Scaled first: squares of 1e-200 or 1e200
- * are of no use. */
-static bool normalise(double v[3]) {
-    double largest = fmax(fmax(fabs(v[0]), fabs(v[1])), fabs(v[2]));
-    if (!(largest > 0.0 && largest < INFINITY))
-        return false;
-    for (int a = 0; a < 3; a++)
-        v[a] /= largest;
-    double length = sqrt(dot(v, v));
-    for (int a = 0; a < 3; a++)
-        v[a] /= length;
-    return true;
-}
 
 /* tan x for x in (0, pi/2): both Taylor series, from their small ends. Within 1e-15 of itself below
  * 1.5, and the same bits everywhere, which libm does not promise. */
@@ -63,19 +42,16 @@ status camera_init(camera *c, const leafcast_camera *from) {
     if (st)
         return st;
     double up[3];
-    for (int a = 0; a < 3; a++) {
-        c->eye[a] = from->eye[a];
-        c->forward[a] = from->look_at[a] - from->eye[a];
-        up[a] = from->up[a];
-    }
-    if (!normalise(c->forward))
+    memcpy(c->eye, from->eye, sizeof c->eye);
+    vec3_sub(from->look_at, from->eye, c->forward);
+    if (!vec3_unit(c->forward, c->forward))
         return status_describe(ST_USAGE, "the camera's eye and look-at are the same point");
-    if (!normalise(up))
+    if (!vec3_unit(from->up, up))
         return status_describe(ST_USAGE, "the camera's up has no direction");
-    cross(c->forward, up, c->right);
-    if (!(dot(c->right, c->right) > 1e-24) || !normalise(c->right))
+    vec3_cross(c->forward, up, c->right);
+    if (!(vec3_dot(c->right, c->right) > 1e-24) || !vec3_unit(c->right, c->right))
         return status_describe(ST_USAGE, "the camera looks along its up direction");
-    cross(c->right, c->forward, c->up);
+    vec3_cross(c->right, c->forward, c->up);
 
     const double half = tangent(from->fov * PI / 360.0);
     for (int a = 0; a < 3; a++) {
@@ -99,7 +75,7 @@ void camera_ray(const camera *c, double x, double y, double origin[3], double di
     double d[3];
     for (int a = 0; a < 3; a++)
         d[a] = c->forward[a] + u * c->right[a] + v * c->up[a];
-    const double shrink = 1.0 / sqrt(dot(d, d));
+    const double shrink = 1.0 / vec3_length(d);
     for (int a = 0; a < 3; a++) {
         origin[a] = c->eye[a];
         direction[a] = d[a] * shrink + 0.0; /* -0 + 0 = +0 */
@@ -107,14 +83,14 @@ void camera_ray(const camera *c, double x, double y, double origin[3], double di
 }
 
 double camera_pixel(const camera *c) {
-    return 2.0 * sqrt(dot(c->up, c->up)) / c->height;
+    return 2.0 * vec3_length(c->up) / c->height;
 }
 
 leafcast_camera camera_standard(const double bounds[2][3], double distance, uint32_t width,
                                 uint32_t height) {
     leafcast_camera view = {.up = {0.0, 0.0, 1.0}, .fov = 45.0, .width = width, .height = height};
     double towards[3] = {1.0, 0.6, 0.8}, edge = 0.0;
-    const double length = sqrt(dot(towards, towards));
+    const double length = vec3_length(towards);
     for (int a = 0; a < 3; a++)
         edge = fmax(edge, bounds[1][a] - bounds[0][a]);
     for (int a = 0; a < 3; a++) {
@@ -139,10 +115,10 @@ static void fit_axes(const double size[3], int *up, int *across) {
 
 /* How far from the middle along `back` the eye must be to see a corner at `offset` from it. */
 static double fit_distance(const double offset[3], const camera *c, double aspect) {
-    const double towards = -dot(offset, c->forward);
-    const double half = dot(c->up, c->up); /* tan^2 of half the field of view */
-    const double x = fabs(dot(offset, c->right)) / (half * aspect),
-                 y = fabs(dot(offset, c->up)) / half;
+    const double towards = -vec3_dot(offset, c->forward);
+    const double half = vec3_dot(c->up, c->up); /* tan^2 of half the field of view */
+    const double x = fabs(vec3_dot(offset, c->right)) / (half * aspect),
+                 y = fabs(vec3_dot(offset, c->up)) / half;
     return towards + FIT_MARGIN * fmax(x, y);
 }
 
@@ -169,7 +145,7 @@ leafcast_camera camera_fit(const double corners[8][3], double fov, uint32_t widt
     back[across] = FIT_ACROSS;
     back[up] = FIT_UP;
     back[depth] = side * FIT_DEPTH;
-    if (!normalise(back))
+    if (!vec3_unit(back, back))
         return view;
     view.up[up] = 1.0;
     edge = edge > 0.0 ? edge : 1.0;
@@ -180,8 +156,7 @@ leafcast_camera camera_fit(const double corners[8][3], double fov, uint32_t widt
         return view;
     for (int i = 0; i < 8; i++) {
         double offset[3];
-        for (int a = 0; a < 3; a++)
-            offset[a] = corners[i][a] - view.look_at[a];
+        vec3_sub(corners[i], view.look_at, offset);
         distance = fmax(distance, fit_distance(offset, &c, (double)width / height));
     }
     for (int a = 0; a < 3 && distance > 0.0; a++)

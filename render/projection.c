@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "formats/base/vec3.h"
+
 static size_t planes_of(const leaf_layout *layout, uint32_t level, int a) {
     return ((size_t)layout->level[level].treelets[a] << layout->cells_log2) + 1;
 }
@@ -18,10 +20,6 @@ size_t projection_bytes(const leaf_layout *layout) {
     return planes_in_all(layout) * sizeof(plane_projection);
 }
 
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* What a step of one along a grid axis adds. */
 typedef struct axis_projection {
     double x, y, w, far;
@@ -31,9 +29,9 @@ static axis_projection axis_of(const affine *space, const camera *c, int a) {
     const double step[3] = {space->to_world[0][a], space->to_world[1][a], space->to_world[2][a]};
     /* right and up are as long as half the picture's height at distance 1. */
     const double half = 0.5 * c->height;
-    return (axis_projection){half * dot(c->right, step) / dot(c->right, c->right),
-                             -half * dot(c->up, step) / dot(c->up, c->up), dot(c->forward, step),
-                             sqrt(dot(step, step))};
+    return (axis_projection){half * vec3_dot(c->right, step) / vec3_dot(c->right, c->right),
+                             -half * vec3_dot(c->up, step) / vec3_dot(c->up, c->up),
+                             vec3_dot(c->forward, step), vec3_length(step)};
 }
 
 /* The power of two that brings vectors in grid space to ordinary size. */
@@ -53,7 +51,8 @@ static void set_bounds(projection *p, const camera *c, double worst, double roun
     const double u = rounded * ldexp(1.0, -24);
     const double shift = fmax(fabs(c->width - c->middle[0]), fabs(c->height - c->middle[1]));
     const double half = 0.5 * (fmax(c->width, c->height) + shift);
-    const double reach = 0.5 * c->height / sqrt(fmin(dot(c->right, c->right), dot(c->up, c->up)));
+    const double reach =
+        0.5 * c->height / sqrt(fmin(vec3_dot(c->right, c->right), vec3_dot(c->up, c->up)));
     p->margin = (float)(8.0 * u / (double)projection_depth_share * (reach + half) +
                         ldexp(half, -20) + 1e-4);
     p->plane_error = (float)(8.0 * u * (reach + half));

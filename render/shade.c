@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "formats/base/vec3.h"
+
 static float dot(const float a[3], const float b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -73,14 +75,11 @@ void shade_background(float rgba[4], const float background[4]) {
     shade_composite(rgba, background, background[3]);
 }
 
-void shade_normal(const double v[3], float out[3]) {
-    const double largest = fmax(fmax(fabs(v[0]), fabs(v[1])), fabs(v[2]));
-    double scaled[3] = {0.0, 0.0, 0.0}, length = 1.0;
-    if (largest > 0.0 && largest < INFINITY) {
-        for (int a = 0; a < 3; a++)
-            scaled[a] = v[a] / largest;
-        length = sqrt(scaled[0] * scaled[0] + scaled[1] * scaled[1] + scaled[2] * scaled[2]);
-    }
+bool shade_normal(const double gradient[3], float normal[3]) {
+    double unit[3];
+    if (!isfinite(gradient[0] + gradient[1] + gradient[2]) || !vec3_unit(gradient, unit))
+        return false;
     for (int a = 0; a < 3; a++)
-        out[a] = (float)(scaled[a] / length);
+        normal[a] = (float)-unit[a];
+    return true;
 }

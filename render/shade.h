@@ -58,8 +58,8 @@ void shade_composite(float rgba[4], const float rgb[3], float opacity);
 /* shade_background() - the same for the background, whose alpha is its opacity. */
 void shade_background(float rgba[4], const float background[4]);
 
-/* shade_normal() - a double vector to a unit float one; 0 stays 0. Any finite length: scaled before
- * it is squared. */
-void shade_normal(const double v[3], float out[3]);
+/* shade_normal() - the unit vector against a gradient. False, and normal untouched, where the
+ * gradient has no direction: it is 0, or its components' sum is not finite. */
+bool shade_normal(const double gradient[3], float normal[3]);
 
 #endif

@@ -108,12 +108,16 @@ static void test_composite(void **state) {
 static void test_normal(void **state) {
     (void)state;
     float n[3];
-    shade_normal((const double[3]){3e-300, 0, 4e-300}, n);
-    check_rgb(n, 0.6, 0, 0.8);
-    shade_normal((const double[3]){-3e300, 0, 4e300}, n);
-    check_rgb(n, -0.6, 0, 0.8);
-    shade_normal((const double[3]){0, 0, 0}, n);
-    check_rgb(n, 0, 0, 0);
+    assert_true(shade_normal((const double[3]){3e-300, 0, 4e-300}, n));
+    check_rgb(n, -0.6, 0, -0.8);
+    assert_true(shade_normal((const double[3]){-3e300, 0, 4e300}, n));
+    check_rgb(n, 0.6, 0, -0.8);
+    static const double without[][3] = {
+        {0, 0, 0}, {INFINITY, 1, 1}, {1, NAN, 1}, {1e308, 1e308, 1}};
+    for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
+        assert_false(shade_normal(without[i], n));
+        check_rgb(n, 0.6, 0, -0.8);
+    }
 }
 
 int main(void) {

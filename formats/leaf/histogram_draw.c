@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "formats/base/vec3.h"
+
 /* ---- what is drawn ---- */
 
 /* splitmix64's mixer: every bit of the result depends on every bit of x. */
@@ -167,11 +169,6 @@ void histogram_draw_take(const histogram_draw *d, const histogram_space *s,
             }
 }
 
-static void cross(const double a[3], const double b[3], double out[3]) {
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 histogram_cell histogram_tet(const float *const corners[4], const float values[4]) {
     histogram_cell c = nothing;
     if (!range_of(values, 4, &c))
@@ -186,14 +183,14 @@ histogram_cell histogram_tet(const float *const corners[4], const float values[4
             edge[e][a] = (double)corners[e + 1][a] - (double)corners[0][a];
     for (int e = 0; e < 3; e++) {
         const double rise = (double)values[e + 1] - (double)values[0];
-        cross(edge[(e + 1) % 3], edge[(e + 2) % 3], normal);
+        vec3_cross(edge[(e + 1) % 3], edge[(e + 2) % 3], normal);
         for (int a = 0; a < 3; a++) {
             sum[a] += rise * normal[a];
             det += e == 0 ? edge[0][a] * normal[a] : 0;
         }
     }
     /* The gradient is sum / det, the volume |det| / 6. */
-    const double length = sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+    const double length = vec3_length(sum);
     const double span = (double)c.hi - (double)c.lo;
     if (det == 0 || span == 0)
         return c;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/base/hash.h"
+#include "formats/base/vec3.h"
 
 #define NONE        UINT32_MAX
 #define PLANE_LIMIT 1e-8
@@ -181,28 +182,19 @@ status plc_clean(plc *x, bool floats, plc_report *report) {
 
 /* ---- what no mesh can be made of ---- */
 
-static void subtract(const double *a, const double *b, double out[3]) {
-    for (int i = 0; i < 3; i++)
-        out[i] = a[i] - b[i];
-}
-
-static double dot(const double *a, const double *b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* How far points are, at most, from the span of those found so far: a point, a line, a plane.
  * `axis` holds 0, 1 or 2 unit vectors at right angles. */
 static double farthest(const plc *x, const double (*axis)[3], int axes, size_t *which) {
     double most = -1;
     for (size_t i = 0; i < x->points.count; i++) {
         double d[3];
-        subtract(plc_point(x, i), plc_point(x, 0), d);
+        vec3_sub(plc_point(x, i), plc_point(x, 0), d);
         for (int a = 0; a < axes; a++) {
-            const double along = dot(d, axis[a]);
+            const double along = vec3_dot(d, axis[a]);
             for (int k = 0; k < 3; k++)
                 d[k] -= along * axis[a][k];
         }
-        const double length = sqrt(dot(d, d));
+        const double length = vec3_length(d);
         if (length > most) {
             most = length;
             *which = i;
@@ -227,13 +219,13 @@ status plc_check_solid(const plc *x, const char *file) {
                                    "%s: all %zu points lie %s (to %g of their extent), expected 4 "
                                    "that do not",
                                    file, x->points.count, spans[axes], PLANE_LIMIT);
-        subtract(plc_point(x, which), plc_point(x, 0), axis[axes]);
+        vec3_sub(plc_point(x, which), plc_point(x, 0), axis[axes]);
         for (int a = 0; a < axes; a++) {
-            const double along = dot(axis[axes], axis[a]);
+            const double along = vec3_dot(axis[axes], axis[a]);
             for (int k = 0; k < 3; k++)
                 axis[axes][k] -= along * axis[a][k];
         }
-        const double length = sqrt(dot(axis[axes], axis[axes]));
+        const double length = vec3_length(axis[axes]);
         for (int k = 0; k < 3; k++)
             axis[axes][k] /= length;
     }

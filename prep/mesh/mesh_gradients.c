@@ -6,6 +6,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/base/vec3.h"
+
 enum {
     SLICE = 8192, /* tets whose shares are held */
     CHUNK = 256,  /* of these, what a thread takes at a time */
@@ -132,11 +134,6 @@ void mesh_gradients_begin(mesh_gradients *g, uint64_t band, uint64_t point, uint
 
 /* ---- shares ---- */
 
-static void cross(const double a[3], const double b[3], double out[3]) {
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 /* Of e[0] . (e[1] x e[2]). */
 static double moduli_of_terms(const double e[3][3]) {
     double sum = 0;
@@ -156,8 +153,8 @@ static bool weigh(const float p[4][3], const float f[4], weighted *out) {
         df[i] = (double)f[i + 1] - (double)f[0];
     }
     for (int i = 0; i < 3; i++)
-        cross(e[(i + 1) % 3], e[(i + 2) % 3], normal[i]);
-    const double volume = e[0][0] * normal[0][0] + e[0][1] * normal[0][1] + e[0][2] * normal[0][2];
+        vec3_cross(e[(i + 1) % 3], e[(i + 2) % 3], normal[i]);
+    const double volume = vec3_dot(e[0], normal[0]);
     if (!(fabs(volume) > GRADIENT_SURE * moduli_of_terms((const double(*)[3])e)) ||
         !isfinite(df[0] + df[1] + df[2]))
         return false;

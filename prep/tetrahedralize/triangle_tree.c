@@ -4,6 +4,8 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "formats/base/vec3.h"
+
 enum { LEAF = 4, STACK = 128 };
 
 typedef struct tree_node {
@@ -145,13 +147,9 @@ void triangle_tree_free(triangle_tree *t) {
 
 /* ---- asking ---- */
 
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* The nearest point of a segment from 0 to d, seen from p: its share of d. */
 static double nearest_on(const double d[3], const double p[3]) {
-    const double length = dot(d, d), along = dot(d, p);
+    const double length = vec3_dot(d, d), along = vec3_dot(d, p);
     return length > 0 && along > 0 ? (along < length ? along / length : 1) : 0;
 }
 
@@ -165,7 +163,7 @@ static void take_nearer(const corner_offsets *o, double v, double w, triangle_ne
     double d[3];
     for (int a = 0; a < 3; a++)
         d[a] = o->ap[a] - v * o->ab[a] - w * o->ac[a];
-    const double here = dot(d, d);
+    const double here = vec3_dot(d, d);
     if (here < *square) {
         *square = here;
         near->weight[0] = 1 - v - w;
@@ -188,8 +186,8 @@ static double nearest_in(const triangle_tree *t, uint32_t triangle, const double
         o.ap[k] = p[k] - (double)a[k];
         bp[k] = p[k] - (double)b[k];
     }
-    const double bb = dot(o.ab, o.ab), cc = dot(o.ac, o.ac), bc2 = dot(o.ab, o.ac);
-    const double pb = dot(o.ap, o.ab), pc = dot(o.ap, o.ac);
+    const double bb = vec3_dot(o.ab, o.ab), cc = vec3_dot(o.ac, o.ac), bc2 = vec3_dot(o.ab, o.ac);
+    const double pb = vec3_dot(o.ap, o.ab), pc = vec3_dot(o.ap, o.ac);
     const double area = bb * cc - bc2 * bc2;
     const double v = (cc * pb - bc2 * pc) / area, w = (bb * pc - bc2 * pb) / area;
     if (v >= 0 && w >= 0 && v + w <= 1)

@@ -22,13 +22,13 @@ static void colour_of(const leafcast_scene *scene, const cell_visit *v, const hi
     static const double unit[3] = {1.0, 1.0, 1.0};
     const double s = v->t_out > v->t_in ? (h->t - v->t_in) / (v->t_out - v->t_in) : 0.0;
     double at[3], gradient[3];
-    float normal[3], eye[3];
+    float normal[3] = {0.0f, 0.0f, 0.0f}, eye[3];
     for (int a = 0; a < 3; a++) {
         at[a] = v->in[a] + s * (v->out[a] - v->in[a]);
         eye[a] = (float)-direction[a];
     }
     surface_trilinear(SAMPLES, at, unit, gradient);
-    shade_normal(gradient, normal);
+    (void)shade_normal(gradient, normal); /* the eye, where it has none */
     const shade_point p = shade_point_of(scene, gold, normal, eye);
     shade_ambient(&p, rgb);
     shade_light(&p, eye, white, 1.0f, rgb);

@@ -3,6 +3,8 @@
 #include <float.h>
 #include <math.h>
 
+#include "render/shade.h"
+
 void surface_cell_of(const level_planes *planes, uint64_t index, uint32_t cell[3]) {
     cell[0] = (uint32_t)(index % planes->cells[0]);
     index /= planes->cells[0];
@@ -99,21 +101,6 @@ static void central_gradient(const walk_scene *scene, const treelet *tr, const u
                 mix(mix(g[4][a], g[5][a], at[0]), mix(g[6][a], g[7][a], at[0]), at[1]), at[2]);
 }
 
-/* The unit vector against a gradient; false where it has no direction. */
-static bool unit_against(const double gradient[3], float normal[3]) {
-    /* Scaled first, so that squares neither vanish nor overflow. */
-    const double largest = fmax(fabs(gradient[0]), fmax(fabs(gradient[1]), fabs(gradient[2])));
-    if (!(largest > 0.0) || !isfinite(gradient[0] + gradient[1] + gradient[2]))
-        return false;
-    double v[3];
-    for (int a = 0; a < 3; a++)
-        v[a] = gradient[a] / largest;
-    const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int a = 0; a < 3; a++)
-        normal[a] = (float)(-v[a] / length);
-    return true;
-}
-
 /* Bounds of how far the computed point (and a ray that starts there) lies from the hit, in grid
  * space. It goes through world space, whose origin may be far away: rounded there, too. */
 static void position_errors(const affine *space, const ray *r, double t, double error[3]) {
@@ -169,7 +156,7 @@ surface_point surface_at(const walk_scene *scene, const affine *space, const tre
         central_gradient(scene, tr, cell, at, central);
         affine_gradient_to_world(space, central, smooth);
     }
-    if (!unit_against(smooth, point.normal) && !unit_against(point.gradient, point.normal))
+    if (!shade_normal(smooth, point.normal) && !shade_normal(point.gradient, point.normal))
         point.normal[0] = point.normal[1] = point.normal[2] = 0.0f;
     return point;
 }

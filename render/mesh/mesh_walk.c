@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "formats/base/vec3.h"
 #include "formats/mesh/mesh_leaf.h"
 
 mesh_slabs mesh_slabs_of(const ray *r) {
@@ -257,21 +258,13 @@ bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const h
 
 /* ---- Points ---- */
 
-static void cross(const double a[3], const double b[3], double out[3]) {
-    for (int i = 0; i < 3; i++)
-        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 /* Six times the volume of the tet (a, b, c, d). */
 static double volume(const double a[3], const double b[3], const double c[3], const double d[3]) {
-    double u[3], v[3], w[3], n[3];
-    for (int i = 0; i < 3; i++) {
-        u[i] = b[i] - a[i];
-        v[i] = c[i] - a[i];
-        w[i] = d[i] - a[i];
-    }
-    cross(v, w, n);
-    return u[0] * n[0] + u[1] * n[1] + u[2] * n[2];
+    double u[3], v[3], w[3];
+    vec3_sub(b, a, u);
+    vec3_sub(c, a, v);
+    vec3_sub(d, a, w);
+    return vec3_det(u, v, w);
 }
 
 static bool holds_point(const tet *x, const double point[3], double weights[4]) {

@@ -1,5 +1,7 @@
 #include "render/mesh/packet_frustum.h"
 
+#include "formats/base/vec3.h"
+
 void packet_frustum_begin(packet_frustum *s, const projection *p, float x, float y, int side) {
     s->projection = p;
     s->x = x;
@@ -101,15 +103,6 @@ bool packet_frustum_box(const packet_frustum *s, const packet_box *b, packet_rea
 /* Rounding of directions, of corners, of edge functions: a multiple of all of it. */
 static const double certainty = 0x1p-38;
 
-static double det(const double a[3], const double b[3], const double c[3]) {
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-           a[2] * (b[0] * c[1] - b[1] * c[0]);
-}
-
-static double size_of(const double a[3]) {
-    return fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
-}
-
 /* The side of the edge from a to b on which all corners surely are; 0: not all on one. */
 static int side_of(const packet_frustum *s, const double a[3], const double b[3]) {
     double normal[3], terms = 0.0;
@@ -134,8 +127,8 @@ static int side_of(const packet_frustum *s, const double a[3], const double b[3]
  * sign of `front`, on which side of it the eye is, or are 0. Where the eye is all but in its plane,
  * nothing is said. */
 static int view_triangle(const double a[4][3], int j, int k, const int side[3]) {
-    const double volume = det(a[0], a[j], a[k]);
-    const double size = size_of(a[0]) * size_of(a[j]) * size_of(a[k]);
+    const double volume = vec3_det(a[0], a[j], a[k]);
+    const double size = vec3_size(a[0]) * vec3_size(a[j]) * vec3_size(a[k]);
     const int front = volume > certainty * size ? 1 : volume < -certainty * size ? -1 : 0;
     if (front == 0)
         return 0;
@@ -147,8 +140,7 @@ static int view_triangle(const double a[4][3], int j, int k, const int side[3]) 
 packet_view packet_frustum_polygon(const packet_frustum *s, const isopolygon *g) {
     double a[4][3];
     for (int i = 0; i < 4; i++)
-        for (int k = 0; k < 3; k++)
-            a[i][k] = g->p[i][k] - s->eye[k];
+        vec3_sub(g->p[i], s->eye, a[i]);
     const int across = side_of(s, a[2], a[0]);
     const int sides[3] = {side_of(s, a[0], a[1]), side_of(s, a[1], a[2]), across};
     const int first = view_triangle(a, 1, 2, sides);

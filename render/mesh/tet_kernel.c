@@ -3,7 +3,9 @@
 #include <float.h>
 #include <string.h>
 
+#include "formats/base/vec3.h"
 #include "render/mesh/edge_sign.h"
+#include "render/shade.h"
 
 const uint8_t tet_edge_ends[TET_EDGES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
@@ -29,18 +31,8 @@ const tet_cut tet_cuts[16] = {
 /* The triangles of a polygon, by its points: their first two edges are its own, but for one. */
 static const uint8_t corners_of[2][3] = {{0, 1, 2}, {0, 2, 3}};
 
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static double modulus_dot(const double a[3], const double b[3]) {
     return fabs(a[0] * b[0]) + fabs(a[1] * b[1]) + fabs(a[2] * b[2]);
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 static double least(double a, double b) {
@@ -131,8 +123,7 @@ static void sight_of(const isopolygon *g, const ray *r, sight *s) {
     s->g = g;
     s->r = r;
     for (int i = 0; i < g->count; i++)
-        for (int k = 0; k < 3; k++)
-            s->a[i][k] = g->p[i][k] - r->o[k];
+        vec3_sub(g->p[i], r->o, s->a[i]);
 }
 
 /* The edge function of points i -> j of the polygon: always taken from the lower tet edge to the
@@ -155,7 +146,7 @@ static edge_weight weight_of(const sight *s, int i, int j, bool exact) {
 /* How far along the ray a point lies, in units of d . d: t is that over d . d, which keeps order.
  */
 static double along_of(const sight *s, int i) {
-    return dot(s->r->d, s->a[i]);
+    return vec3_dot(s->r->d, s->a[i]);
 }
 
 /* The part of a range that a weight with this error may miss. */
@@ -167,14 +158,14 @@ static double slip_of(double range, double error, double sum) {
 static void cross_edge(const sight *s, int i, int j, crossing *out) {
     double off[2][3], far[2];
     const double ti = along_of(s, i), tj = along_of(s, j);
-    cross(s->r->d, s->a[i], off[0]);
-    cross(s->r->d, s->a[j], off[1]);
+    vec3_cross(s->r->d, s->a[i], off[0]);
+    vec3_cross(s->r->d, s->a[j], off[1]);
     for (int k = 0; k < 2; k++)
-        far[k] = fabs(off[k][0]) + fabs(off[k][1]) + fabs(off[k][2]);
+        far[k] = vec3_size(off[k]);
     const double sum = far[0] + far[1];
     out->t = kept_within(sum > 0.0 ? (far[1] * ti + far[0] * tj) / sum : 0.5 * (ti + tj),
                          least(ti, tj), most(ti, tj));
-    const double d = fabs(s->r->d[0]) + fabs(s->r->d[1]) + fabs(s->r->d[2]);
+    const double d = vec3_size(s->r->d);
     double a = 0.0;
     for (int k = 0; k < 3; k++)
         a += most(fabs(s->a[i][k]), fabs(s->a[j][k]));
@@ -222,7 +213,7 @@ static bool cross_triangle(const sight *s, const uint8_t c[3], crossing *out) {
         const int gone = held == 6 ? 0 : held == 5 ? 1 : 2;
         cross_edge(s, c[(gone + 1) % 3], c[(gone + 2) % 3], out);
     }
-    const double square = dot(s->r->d, s->r->d);
+    const double square = vec3_dot(s->r->d, s->r->d);
     out->t /= square;
     out->slip /= square;
     return true;
@@ -271,8 +262,8 @@ bool tet_gradient(const tet *x, double gradient[3]) {
         df[i] = (double)x->f[i + 1] - (double)x->f[0];
     }
     for (int i = 0; i < 3; i++)
-        cross(e[(i + 1) % 3], e[(i + 2) % 3], normal[i]);
-    const double determinant = dot(e[0], normal[0]);
+        vec3_cross(e[(i + 1) % 3], e[(i + 2) % 3], normal[i]);
+    const double determinant = vec3_dot(e[0], normal[0]);
     const edge_weight sure = edge_near(e[0], e[1], e[2]);
     if (!(fabs(determinant) > TET_GRADIENT_SURE / EDGE_BOUND * sure.bound) ||
         !isfinite(df[0] + df[1] + df[2]))
@@ -283,28 +274,13 @@ bool tet_gradient(const tet *x, double gradient[3]) {
     return true;
 }
 
-/* Scaled first, so that squares neither vanish nor overflow. False: has no direction. */
-static bool unit_of(const double v[3], double unit[3]) {
-    const double largest = most(fabs(v[0]), most(fabs(v[1]), fabs(v[2])));
-    if (!(largest > 0.0) || !isfinite(v[0] + v[1] + v[2]))
-        return false;
-    for (int k = 0; k < 3; k++)
-        unit[k] = v[k] / largest;
-    const double length = sqrt(dot(unit, unit));
-    for (int k = 0; k < 3; k++)
-        unit[k] /= length;
-    return true;
-}
-
-/* Across the diagonals, or two edges of a triangle. */
+/* Across the diagonals, or two edges of a triangle; false: it has no direction. */
 static bool normal_of(const isopolygon *g, double unit[3]) {
     double e[2][3], normal[3];
-    for (int k = 0; k < 3; k++) {
-        e[0][k] = g->p[2][k] - g->p[0][k];
-        e[1][k] = g->p[3][k] - g->p[1][k];
-    }
-    cross(e[0], e[1], normal);
-    return unit_of(normal, unit);
+    vec3_sub(g->p[2], g->p[0], e[0]);
+    vec3_sub(g->p[3], g->p[1], e[1]);
+    vec3_cross(e[0], e[1], normal);
+    return isfinite(normal[0] + normal[1] + normal[2]) && vec3_unit(normal, unit);
 }
 
 static double shortest_edge(const tet *x) {
@@ -313,7 +289,7 @@ static double shortest_edge(const tet *x) {
         double e[3];
         for (int k = 0; k < 3; k++)
             e[k] = (double)x->p[tet_edge_ends[i][1]][k] - (double)x->p[tet_edge_ends[i][0]][k];
-        square = least(square, dot(e, e));
+        square = least(square, vec3_dot(e, e));
     }
     return sqrt(square);
 }
@@ -328,7 +304,7 @@ static double t_error(const sight *s, const hit *h) {
     }
     for (int i = 0; i < s->g->count; i++)
         terms = most(terms, modulus_dot(s->r->d, s->a[i]));
-    return slip + 8.0 * DBL_EPSILON * terms / dot(s->r->d, s->r->d);
+    return slip + 8.0 * DBL_EPSILON * terms / vec3_dot(s->r->d, s->r->d);
 }
 
 /* The gradient; where there is none, the polygon's normal (false), or nothing. */
@@ -341,10 +317,8 @@ static bool gradient_of(const tet *x, const isopolygon *g, double gradient[3]) {
 }
 
 static void normal_against(const double gradient[3], float normal[3]) {
-    double unit[3];
-    const bool any = unit_of(gradient, unit);
-    for (int k = 0; k < 3; k++)
-        normal[k] = any ? (float)-unit[k] : 0.0f;
+    if (!shade_normal(gradient, normal))
+        normal[0] = normal[1] = normal[2] = 0.0f;
 }
 
 void tet_normal(const tet *x, double iso, float normal[3]) {
@@ -368,7 +342,7 @@ surface_point tet_surface(const tet *x, const ray *r, double iso, const hit *h) 
             range = most(range, fabs((double)x->f[i] - iso));
     normal_against(point.gradient, point.normal);
     /* t moves the point along the ray; the ends and the ray's points are rounded; so is s. */
-    point.error = fabs(dot(point.gradient, r->d)) * t_error(&s, h) + 8.0 * DBL_EPSILON * range;
+    point.error = fabs(vec3_dot(point.gradient, r->d)) * t_error(&s, h) + 8.0 * DBL_EPSILON * range;
     for (int k = 0; k < 3; k++) {
         double far = fabs(r->o[k]) + fabs(h->t * r->d[k]);
         for (int i = 0; i < g.count; i++)

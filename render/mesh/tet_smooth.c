@@ -1,18 +1,9 @@
 #include "render/mesh/tet_smooth.h"
 
-#include <math.h>
+#include "formats/base/vec3.h"
+#include "render/shade.h"
 
 static const uint8_t ends_of[TET_EDGES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* As far along its edge as the point itself. */
 static void gradient_at(const tet *x, double iso, int edge, const float gradients[4][3],
@@ -31,32 +22,18 @@ void tet_smooth_of(const tet *x, double iso, const isopolygon *g, const float gr
     out->g = *g;
     for (int i = 0; i < 4; i++)
         gradient_at(x, iso, g->edge[i], gradients, out->gradient[i]);
-    for (int a = 0; a < 3; a++) {
-        diagonal[0][a] = g->p[2][a] - g->p[0][a];
-        diagonal[1][a] = g->p[3][a] - g->p[1][a];
-    }
-    cross(diagonal[0], diagonal[1], out->across);
+    vec3_sub(g->p[2], g->p[0], diagonal[0]);
+    vec3_sub(g->p[3], g->p[1], diagonal[1]);
+    vec3_cross(diagonal[0], diagonal[1], out->across);
 }
 
 /* Twice the area of a triangle with the polygon's points i and j, times the length of across;
  * to[k]: from the triangle's third corner to point k. None is negative but for rounding. */
 static double area(const tet_smooth *s, const double to[4][3], int i, int j) {
     double n[3];
-    cross(to[i], to[j], n);
-    const double weight = dot(s->across, n);
+    vec3_cross(to[i], to[j], n);
+    const double weight = vec3_dot(s->across, n);
     return weight > 0.0 ? weight : 0.0;
-}
-
-static bool unit_against(const double v[3], float normal[3]) {
-    /* Scaled first, so that squares neither vanish nor overflow. */
-    const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
-    if (!(largest > 0.0) || !isfinite(v[0] + v[1] + v[2]))
-        return false;
-    const double u[3] = {v[0] / largest, v[1] / largest, v[2] / largest};
-    const double length = sqrt(dot(u, u));
-    for (int a = 0; a < 3; a++)
-        normal[a] = (float)(-u[a] / length);
-    return true;
 }
 
 bool tet_smooth_normal(const tet_smooth *s, const double o[3], const double d[3], double t,
@@ -74,5 +51,5 @@ bool tet_smooth_normal(const tet_smooth *s, const double o[3], const double d[3]
     const double w = beyond > 0.0 ? beyond : area(s, (const double(*)[3])to, 2, 0);
     for (int a = 0; a < 3; a++)
         gradient[a] = w0 * s->gradient[0][a] + w2 * s->gradient[2][a] + w * s->gradient[far][a];
-    return unit_against(gradient, normal);
+    return shade_normal(gradient, normal);
 }
