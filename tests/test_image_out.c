@@ -150,9 +150,11 @@ static void test_helper_fails(void **state) {
     signal(SIGINT, SIG_DFL);  /* ignored by what runs in the background, and so by its helpers */
     fails("echo leafcast-write-image: no luck >&2; exit 1", ST_IO, "x.exr: no luck");
     fails("head -c 3145856 >/dev/null; echo full >&2; exit 1", ST_IO, "full");
+    fails("echo leafcast-write-image: no room >&2; exit 4", ST_NOMEM, "x.exr: no room");
     fails("exit 0", ST_IO, "gave up");
     fails("exit 3", ST_IO, "gave up");
     fails("kill -9 $$", ST_FAILED, "signal 9");
+    fails("echo so it ends >&2; kill -6 $$", ST_FAILED, "signal 6: so it ends");
     fails("head -c 3145856 >/dev/null; kill -2 $$", ST_STOPPED, "signal 2");
     fails("printf 'LFOK\\377\\0\\0\\0\\0\\0\\0\\0'; exit 1", ST_IO, "gave up");
     fails("head -c 1000 >/dev/null; printf 'LFNO\\0\\0\\0\\0\\0\\0\\0\\0'; exec cat >/dev/null",
@@ -167,6 +169,24 @@ static void test_helper_speaks_first(void **state) {
     fails("head -c 300000 /dev/zero | tr '\\0' x >&2; head -c 3145856 >/dev/null; exit 1", ST_IO,
           "xxx");
     alarm(0);
+}
+
+/* A helper that owes no picture is not waited for: it has no time to say that it ended by itself.
+ */
+static void test_helper_is_let_go(void **state) {
+    (void)state;
+    char script[256], mark[128];
+    snprintf(mark, sizeof mark, "%s/ended", folder);
+    snprintf(script, sizeof script, "cat >/dev/null; echo >%s", mark);
+    play(script);
+    const image_out_options options = {.force = true, .threads = 1};
+    image_out *o = NULL;
+    image_target *t = NULL;
+    assert_int_equal(image_out_open(&budget, &options, &o), ST_OK);
+    assert_int_equal(image_out_begin(o, target, &t), ST_OK);
+    image_out_discard(t);
+    image_out_close(o);
+    assert_int_not_equal(access(mark, F_OK), 0);
 }
 
 static void test_check(void **state) {
@@ -200,9 +220,9 @@ static void test_check(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_stream),       cmocka_unit_test(test_helper_stays),
-        cmocka_unit_test(test_helper_fails), cmocka_unit_test(test_helper_speaks_first),
-        cmocka_unit_test(test_check),
+        cmocka_unit_test(test_stream),           cmocka_unit_test(test_helper_stays),
+        cmocka_unit_test(test_helper_fails),     cmocka_unit_test(test_helper_speaks_first),
+        cmocka_unit_test(test_helper_is_let_go), cmocka_unit_test(test_check),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -65,9 +65,11 @@ void image_helper_end(image_helper *h) {
     int code;
     if (!h)
         return;
-    /* It ends by itself when no picture follows. */
-    if (!h->ended && child_end(&h->process, &code) != ST_OK)
-        h->ended = true;
+    /* It owes no answer, and may still be loading its library. */
+    if (!h->ended) {
+        child_kill(&h->process);
+        h->ended = child_end(&h->process, &code) == ST_OK;
+    }
     mem_free(h->m, h);
 }
 
@@ -155,24 +157,35 @@ static bool feed_picture(image_helper *h, const char *format, const picture *p) 
 
 /* ---- The answer ---- */
 
+enum { CODE_NO_MEMORY = 4, CODE_SIGNAL = 128 };
+
+/* Its last words, without its name in front; NULL: none. */
+static const char *last_words(const child *c) {
+    const size_t name = strlen(HELPER);
+    const bool named =
+        strncmp(c->words, HELPER, name) == 0 && strncmp(c->words + name, ": ", 2) == 0;
+    const char *words = c->words + (named ? name + 2 : 0);
+    return *words ? words : NULL;
+}
+
+static status ended_by(int signal, const char *path, const char *words) {
+    return status_describe(signal == SIGINT || signal == SIGTERM ? ST_STOPPED : ST_FAILED,
+                           "%s: %s was ended by signal %d%s%s", path, HELPER, signal,
+                           words ? ": " : "", words ? words : "");
+}
+
 /* The helper has stopped listening or speaking: wait for its end, say what became of it. */
 static status gone(image_helper *h, const char *path) {
-    child *c = &h->process;
     int code;
     h->ended = true;
-    status st = child_end(c, &code);
+    status st = child_end(&h->process, &code);
     if (st != ST_OK)
         return st;
-    if (code > 128)
-        return status_describe(code == 128 + SIGINT || code == 128 + SIGTERM ? ST_STOPPED
-                                                                             : ST_FAILED,
-                               "%s: %s was ended by signal %d", path, HELPER, code - 128);
-    const size_t prefix = strlen(HELPER) + 2;
-    const bool named = strncmp(c->words, HELPER, prefix - 2) == 0 && c->said > prefix;
-    return status_describe(ST_IO, "%s: %s", path,
-                           c->said == 0 ? "the picture's writer gave up"
-                           : named      ? c->words + prefix
-                                        : c->words);
+    const char *words = last_words(&h->process);
+    if (code > CODE_SIGNAL)
+        return ended_by(code - CODE_SIGNAL, path, words);
+    return status_describe(code == CODE_NO_MEMORY ? ST_NOMEM : ST_IO, "%s: %s", path,
+                           words ? words : "the picture's writer gave up");
 }
 
 static status kill_it(image_helper *h, status why) {

@@ -22,13 +22,13 @@ CHECKED status image_helper_check(void);
 CHECKED status image_helper_start(mem *m, bool (*stop)(void *), void *ctx, image_helper **out);
 
 /* image_helper_write() - one picture as `format` ("exr"), its bytes to the sink. `path` is for
- * descriptions. No signal is raised when the helper dies: its last words become the description.
- * ST_STOPPED when a signal ended it, or stop() said so. After a fault only image_helper_end() may
- * follow. */
+ * descriptions. No signal is raised when the helper dies: its last words go into the description.
+ * ST_STOPPED when a signal to stop ended it, or stop() said so; ST_NOMEM when it had no memory.
+ * After a fault only image_helper_end() may follow. */
 CHECKED status image_helper_write(image_helper *h, const char *format, const char *path,
                                   const picture *p, const byte_sink *to);
 
-/* image_helper_end() - NULL is fine. */
+/* image_helper_end() - at once: a helper that is still loading is not waited for. NULL is fine. */
 void image_helper_end(image_helper *h);
 
 #endif

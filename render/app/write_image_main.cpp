@@ -28,15 +28,17 @@
  * stream gives the same bytes.
  *
  * Exit codes: 0 when the stream ends between two pictures; 1 cannot write; 2 usage; 3 malformed
- * stream; 128+n by signal.
+ * stream; 4 no memory; 128+n by signal.
  */
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
 
 #include <memory>
+#include <new>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -140,6 +142,22 @@ picture get_picture() {
 /* ---- the picture --------------------------------------------------------------------------------
  */
 
+/* OpenImageIO keeps the words alone of what OpenEXR throws. */
+[[noreturn]] void give_up(const std::string &words) {
+    if (words.find("bad_alloc") != std::string::npos)
+        throw std::bad_alloc();
+    throw failure(1, words);
+}
+
+void answer(const std::vector<unsigned char> &bytes) {
+    unsigned char head[12] = {'L', 'F', 'O', 'K'};
+    for (int i = 0; i < 8; i++)
+        head[4 + i] = static_cast<unsigned char>(uint64_t(bytes.size()) >> (8 * i));
+    if (fwrite(head, 1, sizeof head, stdout) != sizeof head ||
+        fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size() || fflush(stdout) != 0)
+        throw failure(1, "the picture's bytes are not taken");
+}
+
 /* Written in bands of 64 rows, so that only one band is held twice. */
 void write_bands(OIIO::ImageOutput &out, const picture &p) {
     constexpr uint32_t BAND = 64;
@@ -152,11 +170,11 @@ void write_bands(OIIO::ImageOutput &out, const picture &p) {
             for (size_t i = 0; i < samples; i++)
                 band[i * n + c] = p.planes[c][first + i];
         if (!out.write_scanlines(int(y), int(end), 0, OIIO::TypeDesc::FLOAT, band.data()))
-            throw failure(1, out.geterror());
+            give_up(out.geterror());
     }
 }
 
-std::vector<unsigned char> encode(const picture &p) {
+void write_picture(const picture &p) {
     OIIO::ImageSpec spec(int(p.width), int(p.height), int(p.names.size()), OIIO::TypeDesc::FLOAT);
     spec.channelnames = p.names;
     spec.attribute("oiio:ColorSpace", "Linear");
@@ -169,22 +187,13 @@ std::vector<unsigned char> encode(const picture &p) {
     OIIO::Filesystem::IOVecOutput bytes;
     auto out = OIIO::ImageOutput::create(p.format);
     if (!out)
-        throw failure(1, OIIO::geterror());
+        give_up(OIIO::geterror());
     if (!out->set_ioproxy(&bytes) || !out->open("picture." + p.format, spec))
-        throw failure(1, out->geterror());
+        give_up(out->geterror());
     write_bands(*out, p);
     if (!out->close())
-        throw failure(1, out->geterror());
-    return bytes.buffer();
-}
-
-void answer(const std::vector<unsigned char> &bytes) {
-    unsigned char head[12] = {'L', 'F', 'O', 'K'};
-    for (int i = 0; i < 8; i++)
-        head[4 + i] = static_cast<unsigned char>(uint64_t(bytes.size()) >> (8 * i));
-    if (fwrite(head, 1, sizeof head, stdout) != sizeof head ||
-        fwrite(bytes.data(), 1, bytes.size(), stdout) != bytes.size() || fflush(stdout) != 0)
-        throw failure(1, "the picture's bytes are not taken");
+        give_up(out->geterror());
+    answer(bytes.buffer());
 }
 
 bool more() {
@@ -205,15 +214,21 @@ int main(int argc, char **argv) {
         return puts("leafcast-write-image " LEAFCAST_VERSION) < 0;
     if (argc > 1)
         return fputs(usage, stderr), 2;
-    /* No thread pools: they cost more to start than a picture takes to write. */
-    OIIO::attribute("threads", 1);
-    OIIO::attribute("exr_threads", -1);
     try {
+        /* No thread pools: they cost more to start than a picture takes to write. */
+        OIIO::attribute("threads", 1);
+        OIIO::attribute("exr_threads", -1);
         while (more())
-            answer(encode(get_picture()));
+            write_picture(get_picture());
     } catch (const failure &f) {
         fprintf(stderr, "leafcast-write-image: %s\n", f.what());
         return f.code;
+    } catch (const std::bad_alloc &) {
+        fputs("leafcast-write-image: no memory for the picture\n", stderr);
+        return 4;
+    } catch (const std::system_error &e) { /* a thread of OpenImageIO's */
+        fprintf(stderr, "leafcast-write-image: %s\n", e.what());
+        return e.code() == std::errc::resource_unavailable_try_again ? 4 : 1;
     } catch (const std::exception &e) {
         fprintf(stderr, "leafcast-write-image: %s\n", e.what());
         return 1;

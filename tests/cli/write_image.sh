@@ -84,4 +84,26 @@ ok "no channel" patched 24 '\000'
 ok "two channels of one name" patched 28 'G'
 ok "a name with a line feed" patched 28 '\n'
 ok "a metadata length of 4 billion" patched 320 '\377\377\377\377'
+
+# Address space in which a picture of one pixel is made, and more, until it does for a large one of noise.
+stream "$tmp/dot" R,G,B 1 1
+stream "$tmp/large" R,G,B,A,Z,N.x,N.y,N.z,id 1000 1000
+python3 -c 'import random, sys
+with open(sys.argv[1], "r+b") as f:
+    f.seek(-36000000, 2)
+    f.write(random.Random(1).randbytes(36000000))' "$tmp/large"
+# shellcheck disable=SC3045 # dash and bash have these
+within() { (ulimit -v "$1" && feed "$2"); }
+room=200000
+until within $room "$tmp/dot" || [ $room -gt 4000000 ]; do room=$((room + 40000)); done
+short=0
+sweep() {
+    until within $room "$tmp/large"; do
+        rc=$?
+        [ $rc = 4 ] && grep -q "no memory for the picture" "$tmp/err" && [ $room -lt 4000000 ] || return 1
+        short=$((short + 1)) room=$((room + 20000))
+    done
+}
+ok "no memory for the planes, for the file's bytes: exit 4" sweep
+ok "seen more than once" [ $short -gt 1 ]
 finish
