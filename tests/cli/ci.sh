@@ -58,6 +58,48 @@ ok "shows what it said" grep -qx overflow "$tmp/out"
 ok "and its input" [ "$(sed -n '/base64 -d <<X/,/^X$/p' "$tmp/out" | sed '1d;$d' | base64 -d | gzip -d)" = bytes ]
 ok "the other one ends" grep -q 'fuzz_good: 12 runs' "$tmp/out"
 
+# bare-root with stand-ins for what makes the base and the namespaces, in another user's checkout.
+if [ "$(id -u)" = 0 ] && command -v flock apt-config >/dev/null; then
+    root=$tree/build/bare-root/root
+    cp scripts/bare-root "$tree/scripts"
+    # shellcheck disable=SC2016 # their own
+    {
+        stand_in bin/mmdebstrap 'cd "$(mktemp -d)" && mkdir -p etc var/lib/dpkg/info && echo 99 >etc/debian_version' \
+            'touch var/lib/dpkg/info/a.list && tar -c .'
+        stand_in bin/zstd 'case $1 in -qdc) cat "$2" ;; *) cat ;; esac'
+        stand_in bin/unshare 'while [ "$1" != --within ]; do shift; done' 'shift 3' 'exec "$@"'
+    }
+    bare() {
+        (cd "$tree" && PATH=$tree/bin:$PATH HOME=/none GIT_CONFIG_SYSTEM=/dev/null exec scripts/bare-root "$@")
+    }
+    echo build >"$tree/.gitignore"
+    (cd "$tree" && git init -q && git add . && git -c user.name=a -c user.email=a commit -qm a) >/dev/null 2>&1
+    chown -R 64321 "$tree"
+    exits "a command in a bare root" 0 bare test -e "$root/src/leafcast/scripts/bare-root"
+    ok "of which it is said what it is" grep -q "Debian 99, 1 packages; commit $(git -C "$tree" -c safe.directory='*' rev-parse HEAD)" "$tmp/err"
+    ok "the root goes with it" [ ! -e "$root" ]
+    exits "its exit status is the command's" 7 bare sh -c 'exit 7'
+    exits "--keep" 0 bare --keep true
+    ok "leaves the root" [ -e "$root/etc/debian_version" ]
+    stand_in bin/git 'case $* in *clone*) exit 128 ;; esac' "exec $(command -v git) \"\$@\""
+    exits "a clone that fails" 128 bare true
+    rm "$tree/bin/git"
+    # The command notes its number.
+    ended() { [ ! -e "$root" ] && ! kill -0 "$(cat "$tree/build/pid")" 2>/dev/null; }
+    for signal in TERM INT; do
+        rm -f "$tree/build/pid"
+        # shellcheck disable=SC2016 # the command's
+        (cd "$tree" && PATH=$tree/bin:$PATH exec env --default-signal=INT scripts/bare-root \
+            sh -c 'echo $$ >build/pid; exec sleep 1000') >/dev/null 2>"$tmp/err" &
+        child=$!
+        until [ -s "$tree/build/pid" ] || ! kill -0 $child 2>/dev/null; do sleep 0.1; done
+        kill -s $signal $child
+        wait $child 2>/dev/null
+        ok "SIG$signal ends the command and its root with it" ended
+    done
+else
+    skip "bare-root with stand-ins" "as root of a Debian only"
+fi
 exits "bare-root without a command" 2 scripts/bare-root
 exits "with an option that is none" 2 scripts/bare-root --none true
 exits "with a data folder that is none" 2 scripts/bare-root --data "$tmp/none" true
