@@ -6,8 +6,10 @@
 #include <string.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/mem.h"
 #include "formats/base/num.h"
 #include "formats/base/shell_line.h"
+#include "formats/base/text.h"
 #include "render/app/render_job.h"
 
 enum { HITS_MAX = 1000 };
@@ -259,18 +261,28 @@ static status probe_point(const probe_options *o, leafcast *volume, json_t *answ
     return ST_OK;
 }
 
+enum { QUOTED_MOST = 4 }; /* letters that a shell, or text_printable(), makes of one */
+
 /* The command as it can be typed again. */
-static json_t *rerun_line(int argc, char **argv) {
-    char line[4096];
-    shell_line l = shell_line_begin(line, sizeof line);
-    for (int i = 0; i < argc; i++) {
-        shell_line_put(&l, i ? " " : "");
-        if (i == 0) /* "leafcast probe" */
-            shell_line_put(&l, argv[i]);
-        else
-            shell_line_word(&l, argv[i]);
+static status set_rerun(json_t *answer, int argc, char **argv) {
+    mem m;
+    size_t room = 1;
+    for (int i = 0; i < argc; i++)
+        room += QUOTED_MOST * strlen(argv[i]) + 3; /* quotes and a space */
+    mem_init(&m, 0);
+    char *line = mem_alloc(&m, room + QUOTED_MOST * room);
+    if (!line)
+        return ST_NOMEM;
+    shell_line l = shell_line_begin(line, room);
+    shell_line_put(&l, argv[0]); /* "leafcast probe" */
+    for (int i = 1; i < argc; i++) {
+        shell_line_put(&l, " ");
+        shell_line_word(&l, argv[i]);
     }
-    return json_string(line);
+    const char *printable = text_printable(line + room, QUOTED_MOST * room, line);
+    json_object_set_new(answer, "rerun", json_string(printable));
+    mem_free(&m, line);
+    return ST_OK;
 }
 
 /* The field and step; said where there is more than one. */
@@ -324,7 +336,8 @@ int main(int argc, char **argv) {
 
     json_t *answer = json_object();
     status st = run(&o, answer);
-    json_object_set_new(answer, "rerun", rerun_line(argc, argv));
+    if (st == ST_OK)
+        st = set_rerun(answer, argc, argv);
     if (st == ST_OK && o.common.json) {
         st = cli_print_json(&o.common, json_incref(answer));
     } else if (st == ST_OK) {

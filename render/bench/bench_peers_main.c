@@ -2,6 +2,7 @@
  *
  * A program of its own, to which `leafcast bench` hands over: Embree is linked nowhere else.
  */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -35,6 +36,13 @@ static const struct argp_option OPTIONS[] = {
     {"step", STEP, "D", CLI_BASIC, "between new isovalues (a thousandth of the volume's range)", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
+static status set_step(peers_options *o, const char *text) {
+    status st = num_double(text, "--step", &o->step);
+    if (st == ST_OK && (!isfinite(o->step) || o->step == 0.0))
+        st = status_describe(ST_USAGE, "--step: %s: expected a finite number, not 0", text);
+    return st;
+}
+
 static status set_option(peers_options *o, int key, const char *text) {
     int64_t n = 0;
     status st = ST_OK;
@@ -43,7 +51,7 @@ static status set_option(peers_options *o, int key, const char *text) {
         st = num_int(text, "--runs", 1, 1000, &n);
         o->runs = (int)n;
         return st;
-    case STEP: return num_double(text, "--step", &o->step);
+    case STEP: return set_step(o, text);
     case PICTURE: o->picture = text; return ST_OK;
     case PLOT: o->plot = text; return ST_OK;
     default: return view_options_set(&o->view, key, text);

@@ -1,5 +1,5 @@
 #!/bin/sh
-# ci.sh - what .ci/run, run-fuzz and bare-root say and how they exit, with stand-ins for all that takes time.
+# ci.sh - what .ci/run, run-fuzz, bare-root and demo say and how they exit, with stand-ins for all that takes time.
 . tests/support/tap.sh
 
 tree=$tmp/tree
@@ -57,6 +57,16 @@ exits "one that does" 1 fuzz ./fuzz_bad ./fuzz_good
 ok "shows what it said" grep -qx overflow "$tmp/out"
 ok "and its input" [ "$(sed -n '/base64 -d <<X/,/^X$/p' "$tmp/out" | sed '1d;$d' | base64 -d | gzip -d)" = bytes ]
 ok "the other one ends" grep -q 'fuzz_good: 12 runs' "$tmp/out"
+
+# The demo's program notes its words, a line each, and makes its output; what is printed does so again.
+cp scripts/demo "$tree/scripts"
+# shellcheck disable=SC2016 # its own
+stand_in bin/leafcast 'printf "%s\n" "$@" >>noted' 'while [ "$1" != -o ]; do shift; done' 'echo bytes >"$2"'
+exits "the demo" 0 env LEAFCAST="$tree/bin/leafcast" "$tree/scripts/demo"
+mv "$tree/noted" "$tmp/once"
+sed -n 's/^\$ //p' "$tmp/out" >"$tmp/printed"
+run sh -c 'cd "$1" && PATH=$1/bin:$PATH sh "$2"' - "$tree" "$tmp/printed"
+ok "prints commands that can be pasted" cmp "$tmp/once" "$tree/noted"
 
 # bare-root with stand-ins for what makes the base and the namespaces, in another user's checkout.
 if [ "$(id -u)" = 0 ] && command -v flock apt-config >/dev/null; then

@@ -17,6 +17,11 @@ run "$leafcast" convert "$tmp/v.nrrd" -o "$leaf" -q
 
 exits "without a file" 2 "$leafcast" bench peers --iso 1
 exits "without an isovalue" 2 "$leafcast" bench peers "$leaf"
+for step in 0 -0 nan inf -inf 1x; do
+    exits "--step $step" 2 "$leafcast" bench peers "$leaf" --iso 127.5 --size 16x16 --runs 1 --step=$step
+    ok "is named" grep -q -- "--step: .*$step" "$tmp/err"
+done
+exits "a step downwards" 0 "$leafcast" bench peers "$leaf" --iso 127.5 --size 16x16 --runs 1 --step=-0.5
 exits "more than peers can do" 2 "$leafcast" bench peers "$leaf" --iso 127.5 --shadows
 exits "a background without a picture" 2 "$leafcast" bench peers "$leaf" --iso 127.5 --background red
 exits "within too little memory" 4 "$leafcast" bench peers "$leaf" --iso 127.5 --size 16x16 --runs 1 --memory 1K

@@ -65,6 +65,14 @@ ok "shows its hit" says '^  t: ' out
 ok "and the line that reruns it" says "^rerun: leafcast probe --iso 9.5 --size 16x12 --view close --at 8,6 $leaf\$" out
 rerun() { sed -n 's/^rerun: leafcast //p' "$tmp/out" | sed "s|^|'$leafcast' |" >"$tmp/again.sh" && sh "$tmp/again.sh" | cmp - "$tmp/out"; }
 ok "which does" rerun
+many=$(seq 500 | sed 's/.*/--up 0,0,1/')
+exits "a command of 500 options" 0 "$leafcast" probe "$leaf" $many $view --at 8,6
+ok "is rerun whole" [ "$(sed -n 's/^rerun: //p' "$tmp/out")" = "$(echo leafcast probe $many $view --at 8,6 "$leaf")" ]
+ok "likewise" rerun
+odd=$tmp/$(printf 'o\377 d.leaf')
+cp "$leaf" "$odd"
+exits "a file whose name is no text" 0 "$leafcast" probe "$odd" --point 3,1.5,-0.25 --json
+ok "is in the line, as far as it is" json "j['rerun'].endswith(r\"/o\xff d.leaf'\")"
 
 for wrong in "" "$leaf" "$leaf --at 1,1" "$leaf --iso 1" "$leaf --iso 1 --at 1,1 --point 1,1,1" "$leaf --iso 1 --at 1024,0" \
     "$leaf --iso 1 --at 1.5,0" "$leaf --iso 1 --ray 0,0,0,0,0,0" "$leaf --point 1,2" "$leaf --iso nan --at 1,1" \
