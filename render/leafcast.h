@@ -354,7 +354,7 @@ typedef struct leafcast_sample {
     uint32_t cell[3];
     double at[3];
     float samples[8];
-    /* In a mesh: the first tet that holds the point. */
+    /* In a mesh: the first tet that holds the point, boundary included. */
     uint64_t tet;
     float vertices[4][3], values[4];
     double value;       /* trilinear, or linear; NaN where a sample is not finite */

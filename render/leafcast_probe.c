@@ -1,8 +1,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/base/exact.h"
 #include "render/leafcast_volume.h"
-#include "render/mesh/edge_sign.h"
 #include "render/mesh/mesh_walk.h"
 
 /* Bring in the one treelet that a probe needs. */
@@ -69,7 +69,7 @@ static status tet_of_hit(leafcast *v, const hit *h, leafcast_hit *out) {
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 3; k++)
             p[i][k] = (double)out->vertices[i][k];
-    out->flat = edge_sign_of_tet((const double(*)[3])p) == 0;
+    out->flat = exact_orientation((const double(*)[3])p) == 0;
     return ST_OK;
 }
 
@@ -207,7 +207,8 @@ static status point_in_mesh(leafcast *v, const double point[3], leafcast_sample 
         *sample = (leafcast_sample){.inside = true, .treelet = t, .tet = at->first_tet + place};
         copy_tet(at, place, sample->vertices, sample->values);
         for (int k = 0; k < 4; k++)
-            sample->value += weights[k] * (double)x.f[k];
+            if (weights[k] > 0.0)
+                sample->value += weights[k] * (isfinite(x.f[k]) ? (double)x.f[k] : (double)NAN);
         (void)tet_gradient(&x, sample->gradient);
         return ST_OK;
     }

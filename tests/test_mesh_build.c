@@ -20,7 +20,6 @@
 #include "prep/mesh/mesh_morton.h"
 #include "prep/mesh/mesh_series.h"
 #include "prep/mesh/mesh_tree.h"
-#include "prep/mesh/mesh_volume.h"
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/mesh_cases.h"
@@ -714,43 +713,6 @@ static void test_trees(void **state) {
     assert_true(deepest > MESH_DEPTH_MAX / 2);
 }
 
-/* Against exact sums: lattice points in one plane, one of them a little above or below it. */
-static void test_volume(void **state) {
-    (void)state;
-    field_random r = {FIELD_SEED};
-    for (int n = 0; n < 20000; n++) {
-        int64_t p[4][3], e[3][3];
-        float at[4][3];
-        const int bits = 3 + n % 16;
-        for (int k = 0; k < 4; k++)
-            for (int a = 0; a < 3; a++)
-                p[k][a] = (int64_t)(field_random_bits(&r) % (UINT64_C(1) << bits));
-        for (int a = 0; a < 3 && n % 3; a++)
-            p[3][a] = p[0][a] + (p[1][a] - p[0][a]) * 3 - (p[2][a] - p[0][a]) * 2;
-        p[3][n % 2] += n % 3 == 2 ? (n & 16 ? 1 : -1) : 0;
-        const float scale = n % 5 ? 0x1p-20F : 0x1p100F;
-        for (int k = 0; k < 4; k++)
-            for (int a = 0; a < 3; a++) {
-                at[k][a] = (float)p[k][a] * scale;
-                if (k > 0)
-                    e[k - 1][a] = p[k][a] - p[0][a];
-            }
-        int64_t sum = 0;
-        for (int a = 0; a < 3; a++)
-            sum += e[0][a] *
-                   (e[1][(a + 1) % 3] * e[2][(a + 2) % 3] - e[1][(a + 2) % 3] * e[2][(a + 1) % 3]);
-        const int expected = sum > 0 ? 1 : sum < 0 ? -1 : 0;
-        assert_int_equal(mesh_volume_sign(at[0], at[1], at[2], at[3]), expected);
-        assert_int_equal(mesh_volume_sign(at[1], at[0], at[2], at[3]), -expected);
-    }
-    /* Edges too far apart in size for integers. */
-    const float low[3] = {0, 0, 0}, x[3] = {1e30F, 0, 0}, y[3] = {0, 1, 0}, z[3] = {0, 0, 1e-30F};
-    assert_int_equal(mesh_volume_sign(low, x, y, z), 1);
-    assert_int_equal(mesh_volume_sign(low, y, x, z), -1);
-    assert_int_equal(mesh_volume_sign(low, x, x, z), 0);
-    assert_int_equal(mesh_volume_sign(low, low, y, z), 0);
-}
-
 static int set_up(void **state) {
     (void)state;
     mem_init(&m, 0);
@@ -770,7 +732,6 @@ int main(void) {
         cmocka_unit_test_setup(test_stream, set_up),
         cmocka_unit_test_setup(test_progress, set_up),
         cmocka_unit_test_setup(test_trees, set_up),
-        cmocka_unit_test_setup(test_volume, set_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

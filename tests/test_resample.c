@@ -80,23 +80,6 @@ static samples resample_case(const mesh_case *c, const resample_grid *g) {
 
 /* ---- the truth ---- */
 
-static long double determinant(const double a[3], const double b[3], const double c[3],
-                               const double p[3]) {
-    /* The rows a - p, b - p, c - p, multiplied out: no difference is rounded. */
-    static const int ORDER[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1},
-                                    {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
-    exact_sum sum;
-    exact_sum_clear(&sum);
-    for (int n = 0; n < 6; n++) {
-        const int x = ORDER[n][0], y = ORDER[n][1], z = ORDER[n][2];
-        const double sign = n < 3 ? 1 : -1;
-        for (int pick = 0; pick < 8; pick++)
-            exact_sum_add(&sum, sign * (pick & 1 ? -p[x] : a[x]), pick & 2 ? -p[y] : b[y],
-                          pick & 4 ? -p[z] : c[z]);
-    }
-    return exact_sum_value(&sum);
-}
-
 /* Whether the tet holds p, and the value there: NaN for no data. */
 static bool truth_in_tet(const mesh_case *c, size_t tet, const double p[3], long double *value) {
     double at[4][3];
@@ -110,14 +93,14 @@ static bool truth_in_tet(const mesh_case *c, size_t tet, const double p[3], long
         if (p[a] < lo || p[a] > hi)
             return false;
     }
-    const long double volume = determinant(at[1], at[2], at[3], at[0]);
+    const long double volume = exact_sum_volume(at[1], at[2], at[3], at[0]);
     if (volume == 0)
         return false;
     for (int i = 0; i < 4; i++) {
         double moved[4][3];
         memcpy(moved, at, sizeof at);
         memcpy(moved[i], p, sizeof moved[i]);
-        weight[i] = determinant(moved[1], moved[2], moved[3], moved[0]);
+        weight[i] = exact_sum_volume(moved[1], moved[2], moved[3], moved[0]);
         if (volume < 0 ? weight[i] > 0 : weight[i] < 0)
             return false;
     }

@@ -66,7 +66,7 @@ static void test_same_polygon(void **state) {
         double p[4][3];
         for (int k = 0; k < 12; k++)
             p[k / 3][k % 3] = (double)x.p[k / 3][k % 3];
-        flat += edge_sign_of_tet((const double(*)[3])p) == 0;
+        flat += exact_orientation((const double(*)[3])p) == 0;
         if (sight == DOUBTFUL_POLYGON)
             continue;
         assert_int_equal(got.count, want.count);
@@ -79,7 +79,7 @@ static void test_same_polygon(void **state) {
     assert_true(doubts < flat + TETS / 20);
 }
 
-/* An edge of a polygon in near_polygon against edge_near(), for a direction. */
+/* An edge of a polygon in near_polygon against exact_near(), for a direction. */
 static void compare_edge(const isopolygon *g, int i, int j, const double o[3], const double d[3],
                          const near_edge *got) {
     const int low = g->edge[i] > g->edge[j] ? j : i;
@@ -89,11 +89,11 @@ static void compare_edge(const isopolygon *g, int i, int j, const double o[3], c
         a[k] = g->p[low][k] - o[k];
         e[k] = g->p[j][k] - g->p[i][k];
     }
-    const edge_weight want = edge_near(d, a, e);
+    const exact_estimate want = exact_near(d, a, e);
     const double value = d[0] * got->normal[0] + d[1] * got->normal[1] + d[2] * got->normal[2];
     assert_memory_equal(&value, &want.value, sizeof value);
-    assert_true(got->error >= edge_near(ones, a, e).bound);
-    assert_true(got->error <= edge_near(ones, a, e).bound * 1.001);
+    assert_true(got->error >= exact_near(ones, a, e).bound);
+    assert_true(got->error <= exact_near(ones, a, e).bound * 1.001);
 }
 
 static void test_same_edges(void **state) {

@@ -4,9 +4,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/base/exact.h"
 #include "prep/mesh/mesh_tree.h"
 #include "prep/mesh/mesh_vertices.h"
-#include "prep/mesh/mesh_volume.h"
 
 /* Codes of a box and a range of values: lo of x, y, z, value, then 255 - hi of the same. So what
  * holds two of them has the smaller of each byte. Where only one of the two is asked for, the other
@@ -200,12 +200,18 @@ static void place_tets(const mesh_treelet_builder *b, uint16_t (*to)[4]) {
         place_tet(to[t], b->vertices.corners[t]);
 }
 
+static int orientation_of(const float (*position)[3], const uint16_t corners[4]) {
+    double p[4][3];
+    for (int k = 0; k < 4; k++)
+        for (int a = 0; a < 3; a++)
+            p[k][a] = (double)position[corners[k]][a];
+    return exact_orientation((const double(*)[3])p);
+}
+
 static void count_signs(const mesh_treelet_builder *b, const float (*position)[3],
                         mesh_treelet *out) {
     for (uint32_t t = 0; t < b->shape.tets; t++) {
-        const uint16_t *v = b->vertices.corners[t];
-        const int sign =
-            mesh_volume_sign(position[v[0]], position[v[1]], position[v[2]], position[v[3]]);
+        const int sign = orientation_of(position, b->vertices.corners[t]);
         out->positive += sign > 0;
         out->negative += sign < 0;
         out->flat += sign == 0;

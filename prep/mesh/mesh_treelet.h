@@ -24,7 +24,7 @@ typedef struct mesh_treelet {
     const void *topology, *values; /* the builder's, until its next treelet */
     const void *positions;         /* of a further step; NULL: none built yet */
     float moved_bounds[6];         /* of these */
-    /* Tets by the sign of their volume (mesh_volume.h). */
+    /* Tets by the sign of their volume (exact_orientation()). */
     uint64_t flat, positive, negative;
 } mesh_treelet;
 

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "formats/base/vec3.h"
+#include "formats/base/exact.h"
 #include "formats/mesh/mesh_leaf.h"
 
 mesh_slabs mesh_slabs_of(const ray *r) {
@@ -258,30 +258,18 @@ bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const h
 
 /* ---- Points ---- */
 
-/* Six times the volume of the tet (a, b, c, d). */
-static double volume(const double a[3], const double b[3], const double c[3], const double d[3]) {
-    double u[3], v[3], w[3];
-    vec3_sub(b, a, u);
-    vec3_sub(c, a, v);
-    vec3_sub(d, a, w);
-    return vec3_det(u, v, w);
-}
-
 static bool holds_point(const tet *x, const double point[3], double weights[4]) {
-    static const double tolerance = 1e-12;
-    double p[4][3];
+    double p[4][3], all = 0.0;
     for (int k = 0; k < 4; k++)
         for (int a = 0; a < 3; a++)
             p[k][a] = (double)x->p[k][a];
-    const double all = volume(p[0], p[1], p[2], p[3]);
-    for (int k = 0; k < 4; k++) {
-        double q[4][3];
-        memcpy(q, p, sizeof q);
-        memcpy(q[k], point, sizeof q[k]);
-        weights[k] = volume(q[0], q[1], q[2], q[3]) / all;
-        if (!(weights[k] >= -tolerance && weights[k] <= 1.0 + tolerance))
-            return false;
-    }
+    const int sign = exact_orientation((const double(*)[3])p);
+    if (sign == 0 || !exact_weights((const double(*)[3])p, sign, point, weights))
+        return false;
+    for (int k = 0; k < 4; k++)
+        all += weights[k];
+    for (int k = 0; k < 4; k++)
+        weights[k] /= all;
     return true;
 }
 

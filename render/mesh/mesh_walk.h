@@ -23,8 +23,9 @@ tet mesh_walk_tet(const treelet *tr, uint32_t place);
 /* mesh_walk_gradients() - those at its vertices; for treelets that have them. */
 void mesh_walk_gradients(const treelet *tr, uint32_t place, float gradients[4][3]);
 
-/* mesh_walk_find() - the first tet that holds a point of its treelet's box, faces included (to
- * rounding), and the point's barycentric coordinates there; flat ones hold none. */
+/* mesh_walk_find() - the first tet that holds a point of its treelet's box, boundary included, by
+ * exact signs, and the point's barycentric coordinates there: 0 exactly for vertices that have no
+ * part in it. Flat tets hold none. */
 bool mesh_walk_find(const treelet *tr, const double point[3], uint32_t *place, double weights[4]);
 
 /* Kernel and boxes round differently; what is given away is a millionth of the distance. */

@@ -2,7 +2,7 @@
  *
  * A vector of rays at a time. What the rays of one origin have in common, the polygon's edges as
  * the origin sees them, is done once; then an edge function is a scalar product. Sums and products
- * are those of edge_near() and isopolygon_hit(), in their order, so the bits are the same. Rays
+ * are those of exact_near() and isopolygon_hit(), in their order, so the bits are the same. Rays
  * whose signs these leave in doubt go to the scalar truth.
  */
 #ifndef RENDER_MESH_TET_BATCH_TEMPLATE_H

@@ -3,8 +3,8 @@
 #include <float.h>
 #include <string.h>
 
+#include "formats/base/exact.h"
 #include "formats/base/vec3.h"
-#include "render/mesh/edge_sign.h"
 #include "render/shade.h"
 
 const uint8_t tet_edge_ends[TET_EDGES][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
@@ -94,7 +94,7 @@ bool isopolygon_of(const tet *x, double iso, isopolygon *out) {
             p[i][k] = (double)x->p[i][k];
     out->count = tet_cuts[inside].count;
     memcpy(out->edge, tet_cuts[inside].edge, sizeof out->edge);
-    if (edge_sign_of_tet((const double(*)[3])p) < 0)
+    if (exact_orientation((const double(*)[3])p) < 0)
         tet_turn_over(out->edge, out->count);
     for (int i = 0; i < out->count; i++)
         cut_edge((const double(*)[3])p, x->f, out->edge[i], iso, out->p[i]);
@@ -128,16 +128,16 @@ static void sight_of(const isopolygon *g, const ray *r, sight *s) {
 
 /* The edge function of points i -> j of the polygon: always taken from the lower tet edge to the
  * higher, as the tet beyond the face does. */
-static edge_weight weight_of(const sight *s, int i, int j, bool exact) {
+static exact_estimate weight_of(const sight *s, int i, int j, bool exact) {
     const bool swap = s->g->edge[i] > s->g->edge[j];
     const int from = swap ? j : i, to = swap ? i : j;
     const double *p = s->g->p[from], *q = s->g->p[to];
-    edge_weight w;
+    exact_estimate w;
     if (exact) {
-        w = edge_exact(s->r->o, s->r->d, p, q);
+        w = exact_edge(s->r->o, s->r->d, p, q);
     } else {
         const double e[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
-        w = edge_near(s->r->d, s->a[from], e);
+        w = exact_near(s->r->d, s->a[from], e);
     }
     w.value = swap ? -w.value : w.value;
     return w;
@@ -172,7 +172,7 @@ static void cross_edge(const sight *s, int i, int j, crossing *out) {
     out->slip = slip_of(fabs(ti - tj), 8.0 * DBL_EPSILON * d * a, sum);
 }
 
-static void cross_inside(const sight *s, const uint8_t c[3], const edge_weight w[3],
+static void cross_inside(const sight *s, const uint8_t c[3], const exact_estimate w[3],
                          crossing *out) {
     const double t0 = along_of(s, c[0]), t1 = along_of(s, c[1]), t2 = along_of(s, c[2]);
     const double w0 = fabs(w[0].value), w1 = fabs(w[1].value), w2 = fabs(w[2].value);
@@ -183,7 +183,7 @@ static void cross_inside(const sight *s, const uint8_t c[3], const edge_weight w
 
 /* Whether the ray's line crosses a triangle of the polygon: its weights are all of one sign. */
 static bool cross_triangle(const sight *s, const uint8_t c[3], crossing *out) {
-    edge_weight w[3]; /* of corner k: of the edge opposite */
+    exact_estimate w[3]; /* of corner k: of the edge opposite */
     unsigned above = 0, below = 0;
     for (int k = 0; k < 3; k++) {
         w[k] = weight_of(s, c[(k + 1) % 3], c[(k + 2) % 3], false);
@@ -264,8 +264,8 @@ bool tet_gradient(const tet *x, double gradient[3]) {
     for (int i = 0; i < 3; i++)
         vec3_cross(e[(i + 1) % 3], e[(i + 2) % 3], normal[i]);
     const double determinant = vec3_dot(e[0], normal[0]);
-    const edge_weight sure = edge_near(e[0], e[1], e[2]);
-    if (!(fabs(determinant) > TET_GRADIENT_SURE / EDGE_BOUND * sure.bound) ||
+    const exact_estimate sure = exact_near(e[0], e[1], e[2]);
+    if (!(fabs(determinant) > TET_GRADIENT_SURE / EXACT_BOUND * sure.bound) ||
         !isfinite(df[0] + df[1] + df[2]))
         return false;
     for (int k = 0; k < 3; k++)

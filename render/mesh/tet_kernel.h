@@ -2,7 +2,7 @@
  * truth.
  *
  * The answer is a pure function of (ray, four vertices, four values, isovalue): a fixed sequence of
- * double additions, products and quotients without contraction, and exact signs (edge_sign.h). It
+ * double additions, products and quotients without contraction, and exact signs (exact.h). It
  * does not depend on how traversal got here.
  *
  * Conventions (those of the reference renderer):

@@ -9,7 +9,7 @@
 
 #include <float.h>
 
-#include "render/mesh/edge_sign.h"
+#include "formats/base/exact.h"
 #include "render/mesh/tet_kernel.h"
 
 /* VD_N tets, a lane each. */
@@ -45,13 +45,13 @@ SIMD unsigned tet_normals_of(const tet_columns *c, float normal[3][VD_N]) {
         }
     }
     const vd determinant = e[0][0] * n[0][0] + e[0][1] * n[0][1] + e[0][2] * n[0][2];
-    const vd bound = d_set(EDGE_BOUND) * terms + d_set(EDGE_SMALLEST);
+    const vd bound = d_set(EXACT_BOUND) * terms + d_set(EXACT_SMALLEST);
     for (int a = 0; a < 3; a++)
         g[a] = (df[0] * n[0][a] + df[1] * n[1][a] + df[2] * n[2][a]) / determinant;
     const vd largest = d_max(d_abs(g[0]), d_max(d_abs(g[1]), d_abs(g[2])));
     const vd values = df[0] + df[1] + df[2], slopes = g[0] + g[1] + g[2];
     const vd most = d_set(DBL_MAX);
-    md sure = d_gt(d_abs(determinant), d_set(TET_GRADIENT_SURE / EDGE_BOUND) * bound);
+    md sure = d_gt(d_abs(determinant), d_set(TET_GRADIENT_SURE / EXACT_BOUND) * bound);
     sure = md_and(sure, md_and(d_le(d_abs(values), most), d_le(d_abs(slopes), most)));
     sure = md_and(sure, d_gt(largest, d_set(0.0)));
     for (int a = 0; a < 3; a++)

@@ -1,7 +1,7 @@
 /* tet_sight_template.h - isopolygons as vectors of rays see them; included by the units of an ISA
  * (see formats/base/simd.h).
  *
- * Sums and products are those of edge_near() and isopolygon_hit(), in their order, so the bits are
+ * Sums and products are those of exact_near() and isopolygon_hit(), in their order, so the bits are
  * the same. What a polygon's edges have in common for the rays of one origin is made once.
  */
 #ifndef RENDER_MESH_TET_SIGHT_TEMPLATE_H
@@ -13,7 +13,7 @@
 
 #include <string.h>
 
-#include "render/mesh/edge_sign.h"
+#include "formats/base/exact.h"
 #include "render/mesh/tet_kernel.h"
 
 /* Edges by their points: of triangle 0 1 2 come first, of 0 2 3 last. */
@@ -28,7 +28,7 @@ typedef struct seen_edge {
 typedef double point4 __attribute__((vector_size(32)));
 typedef int64_t mask4 __attribute__((vector_size(32)));
 
-/* The sign that edge_sign_of_tet() is about, from e[i]: vertex i + 1 less vertex 0. */
+/* The sign that exact_orientation() is about, from e[i]: vertex i + 1 less vertex 0. */
 SIMD bool surely_oriented(const point4 e[3], bool *negative) {
     const point4 yzx2 = __builtin_shufflevector(e[2], e[2], 1, 2, 0, 3),
                  zxy2 = __builtin_shufflevector(e[2], e[2], 2, 0, 1, 3);
@@ -41,7 +41,7 @@ SIMD bool surely_oriented(const point4 e[3], bool *negative) {
                          ((point4)((mask4)up & modulus) + (point4)((mask4)down & modulus));
     const double sum = value[0] + value[1] + value[2];
     *negative = sum < 0.0;
-    return fabs(sum) > 2.0 * (EDGE_BOUND * (terms[0] + terms[1] + terms[2]) + EDGE_SMALLEST);
+    return fabs(sum) > 2.0 * (EXACT_BOUND * (terms[0] + terms[1] + terms[2]) + EXACT_SMALLEST);
 }
 
 typedef struct near_tet {
@@ -121,7 +121,7 @@ SIMD near_edge near_edge_of(const isopolygon *g, int i, int j, const point4 p[4]
     const point4 down =
         __builtin_shufflevector(from, from, 2, 0, 1, 3) * __builtin_shufflevector(e, e, 1, 2, 0, 3);
     const point4 terms = most * ((point4)((mask4)up & modulus) + (point4)((mask4)down & modulus));
-    return (near_edge){up - down, EDGE_BOUND * (terms[0] + terms[1] + terms[2]) + EDGE_SMALLEST};
+    return (near_edge){up - down, EXACT_BOUND * (terms[0] + terms[1] + terms[2]) + EXACT_SMALLEST};
 }
 
 SIMD void see_near(const isopolygon *g, point4 o, near_polygon *out) {
@@ -187,12 +187,12 @@ SIMD vd dot(const vd a[3], const vd b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* What edge_near() of rays may err by; moduli: of their directions, or more. */
+/* What exact_near() of rays may err by; moduli: of their directions, or more. */
 SIMD vd error_of(const vd moduli[3], const seen_edge *e) {
-    return d_set(EDGE_BOUND) * dot(moduli, e->terms) + d_set(EDGE_SMALLEST);
+    return d_set(EXACT_BOUND) * dot(moduli, e->terms) + d_set(EXACT_SMALLEST);
 }
 
-/* edge_near(); error: at least error_of(). A larger one leaves more in doubt, and no bit else. */
+/* exact_near(); error: at least error_of(). A larger one leaves more in doubt, and no bit else. */
 SIMD weights weigh(const vd d[3], const vd normal[3], vd error) {
     const vd value = dot(d, normal);
     return (weights){d_abs(value), d_gt(value, error), d_lt(value, d_set(0.0) - error)};

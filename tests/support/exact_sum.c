@@ -81,3 +81,20 @@ long double exact_sum_value(exact_sum *s) {
         value += ldexpl((long double)s->limb[i], 32 * i + LOWEST);
     return negative ? -value : value;
 }
+
+long double exact_sum_volume(const double a[3], const double b[3], const double c[3],
+                             const double p[3]) {
+    /* The rows a - p, b - p, c - p, multiplied out: no difference is rounded. */
+    static const int ORDER[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1},
+                                    {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
+    exact_sum sum;
+    exact_sum_clear(&sum);
+    for (int n = 0; n < 6; n++) {
+        const int x = ORDER[n][0], y = ORDER[n][1], z = ORDER[n][2];
+        const double sign = n < 3 ? 1 : -1;
+        for (int pick = 0; pick < 8; pick++)
+            exact_sum_add(&sum, sign * (pick & 1 ? -p[x] : a[x]), pick & 2 ? -p[y] : b[y],
+                          pick & 4 ? -p[z] : c[z]);
+    }
+    return exact_sum_value(&sum);
+}

@@ -22,4 +22,8 @@ void exact_sum_add(exact_sum *s, double a, double b, double c);
 /* exact_sum_value() - its sign is exact, its size right to 2^-62; the sum is spent. */
 long double exact_sum_value(exact_sum *s);
 
+/* exact_sum_volume() - the determinant of a - p, b - p, c - p, as exact_sum_value() gives it. */
+long double exact_sum_volume(const double a[3], const double b[3], const double c[3],
+                             const double p[3]);
+
 #endif

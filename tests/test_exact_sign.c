@@ -1,4 +1,4 @@
-/* test_edge_sign.c - exact signs against whole numbers of any size, from the definition. */
+/* test_exact_sign.c - exact signs against whole numbers of any size, from the definition. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "render/mesh/edge_sign.h"
+#include "formats/base/exact.h"
 #include "tests/support/fields.h"
 
 /* ---- whole numbers, as slow as they are plain ------------------------------------------------ */
@@ -182,25 +182,37 @@ static int sign_of(double x) {
     return (x > 0.0) - (x < 0.0);
 }
 
+/* The filter first, as the kernel does it. */
+static exact_estimate filtered(const double o[3], const double d[3], const double p[3],
+                               const double q[3]) {
+    double a[3], e[3];
+    for (int k = 0; k < 3; k++) {
+        a[k] = p[k] - o[k];
+        e[k] = q[k] - p[k];
+    }
+    const exact_estimate near = exact_near(d, a, e);
+    return fabs(near.value) > near.bound ? near : exact_edge(o, d, p, q);
+}
+
 static void check_case(const edge_case *c, const char *kind, int i, int counts[4]) {
     const big truth = truth_of(c->o, c->d, c->p, c->q);
     const int sign = sign_of_big(&truth);
-    const edge_weight w = edge_sign(c->o, c->d, c->p, c->q);
-    const edge_weight back = edge_sign(c->o, c->d, c->q, c->p);
-    const edge_weight exact = edge_exact(c->o, c->d, c->p, c->q);
+    const exact_estimate w = filtered(c->o, c->d, c->p, c->q);
+    const exact_estimate back = filtered(c->o, c->d, c->q, c->p);
+    const exact_estimate exact = exact_edge(c->o, c->d, c->p, c->q);
     double a[3], e[3];
     for (int k = 0; k < 3; k++) {
         a[k] = c->p[k] - c->o[k];
         e[k] = c->q[k] - c->p[k];
     }
-    const edge_weight near = edge_near(c->d, a, e);
+    const exact_estimate near = exact_near(c->d, a, e);
     const bool sure = fabs(near.value) > near.bound;
     const bool promised = fabs(c->d[0] * 0x1p-299) < 1.0 && fabs(c->d[1] * 0x1p-299) < 1.0 &&
                           fabs(c->d[2] * 0x1p-299) < 1.0;
     const long double v = value_of_big(&truth);
     const bool ordinary = fabsl(v) < 1e300L && (fabsl(v) > 1e-200L || sign == 0);
     bool good =
-        sign_of(exact.value) == sign && exact.value == -edge_exact(c->o, c->d, c->q, c->p).value;
+        sign_of(exact.value) == sign && exact.value == -exact_edge(c->o, c->d, c->q, c->p).value;
     if (promised)
         good = good && sign_of(w.value) == sign && sign_of(back.value) == -sign &&
                (!sure || sign_of(near.value) == sign);
@@ -252,8 +264,8 @@ static void not_finite(void **test) {
     const double o[3] = {0.0, 0.0, 0.0}, d[3] = {0.0, 0.0, 1.0}, p[3] = {1.0, 0.0, 1.0};
     for (int k = 0; k < 2; k++) {
         const double q[3] = {0.0, k ? (double)INFINITY : (double)NAN, 1.0};
-        assert_true(edge_exact(o, d, p, q).value == 0.0);
-        assert_true(edge_exact(q, d, p, o).value == 0.0);
+        assert_true(exact_edge(o, d, p, q).value == 0.0);
+        assert_true(exact_edge(q, d, p, o).value == 0.0);
     }
 }
 
@@ -265,7 +277,7 @@ static int sign_of_tet(const float a[3], const float b[3], const float c[3], con
         p[2][k] = (double)c[k];
         p[3][k] = (double)d[k];
     }
-    return edge_sign_of_tet((const double(*)[3])p);
+    return exact_orientation((const double(*)[3])p);
 }
 
 static void orientation(void **test) {

@@ -1,4 +1,4 @@
-#include "render/mesh/edge_sign.h"
+#include "formats/base/exact.h"
 
 #include <float.h>
 #include <stdbool.h>
@@ -155,33 +155,61 @@ static bool wholes_of(const double v[3], whole out[3]) {
 }
 
 /* E = d . (P x Q) - d . (P x o) - d . (o x Q): no difference is ever taken of arguments. */
-edge_weight edge_exact(const double o[3], const double d[3], const double p[3], const double q[3]) {
+exact_estimate exact_edge(const double o[3], const double d[3], const double p[3],
+                          const double q[3]) {
     if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2])
-        return (edge_weight){0.0, 0.0}; /* isovalues at vertices make many of these */
+        return (exact_estimate){0.0, 0.0}; /* isovalues at vertices make many of these */
     whole wo[3], wd[3], wp[3], wq[3];
     if (!wholes_of(o, wo) || !wholes_of(d, wd) || !wholes_of(p, wp) || !wholes_of(q, wq))
-        return (edge_weight){0.0, 0.0};
+        return (exact_estimate){0.0, 0.0};
     sum s;
     s.terms = 0;
     add_determinant(&s, wd, wp, wq, false);
     add_determinant(&s, wd, wp, wo, true);
     add_determinant(&s, wd, wo, wq, true);
     const double value = value_of(&s);
-    return (edge_weight){value, 2.0 * DBL_EPSILON * fabs(value)};
+    return (exact_estimate){value, 2.0 * DBL_EPSILON * fabs(value)};
 }
 
 /* The same sum for four points: [b c d] - [a c d] + [a b d] - [a b c]. */
-int edge_exact_of_tet(const double p[4][3]) {
+double exact_volume(const double (*p)[3]) {
     whole w[4][3];
     for (int i = 0; i < 4; i++)
         if (!wholes_of(p[i], w[i]))
-            return 0;
+            return 0.0;
     sum s;
     s.terms = 0;
     add_determinant(&s, w[1], w[2], w[3], false);
     add_determinant(&s, w[0], w[2], w[3], true);
     add_determinant(&s, w[0], w[1], w[3], false);
     add_determinant(&s, w[0], w[1], w[2], true);
-    const double value = value_of(&s);
-    return (value > 0.0) - (value < 0.0);
+    return value_of(&s);
+}
+
+/* Positive inside the plane of a tet's face, negative outside. There only the sign is right. */
+static double height_over(const double p[4][3], const int face[3], int sign,
+                          const double point[3]) {
+    double from[3][3]; /* by axes: the determinant is the same, and edges are not needed */
+    for (int a = 0; a < 3; a++)
+        for (int n = 0; n < 3; n++)
+            from[a][n] = p[face[n]][a] - point[a];
+    const exact_estimate near = exact_near(from[2], from[0], from[1]);
+    const double height = sign * near.value;
+    if (height > EXACT_ENOUGH * near.bound || height < -2.0 * near.bound)
+        return height;
+    double tet[4][3];
+    memcpy(tet[0], point, sizeof tet[0]);
+    for (int n = 0; n < 3; n++)
+        memcpy(tet[n + 1], p[face[n]], sizeof tet[0]);
+    return sign * exact_volume((const double(*)[3])tet);
+}
+
+bool exact_weights(const double p[4][3], int sign, const double point[3], double weight[4]) {
+    static const int faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+    for (int i = 0; i < 4; i++) {
+        weight[i] = height_over(p, faces[i], sign, point);
+        if (weight[i] < 0.0)
+            return false;
+    }
+    return true;
 }
