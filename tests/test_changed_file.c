@@ -16,6 +16,7 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -327,6 +328,22 @@ static void die_by_signal(const char *path) {
     raise(SIGBUS);
 }
 
+/* As if the disk had failed: the file's second page, mapped alone, is as long as it was. The first
+ * time is forgiven: it might have been cut and have grown again. */
+static void die_by_disk(const char *path) {
+    const int fd = open(path, O_RDWR | O_CLOEXEC);
+    const long page = sysconf(_SC_PAGESIZE);
+    if (fd < 0 || ftruncate(fd, page + 1) != 0)
+        return;
+    char *map = mmap(NULL, (size_t)page, PROT_READ, MAP_SHARED, fd, page);
+    siginfo_t info = {.si_signo = SIGBUS, .si_code = BUS_ADRERR};
+    info.si_addr = map + 5;
+    for (int i = 0; i < 2 && map != MAP_FAILED; i++) {
+        (void)!write(STDERR_FILENO, "+", 1);
+        (void)syscall(SYS_rt_sigqueueinfo, getpid(), SIGBUS, &info);
+    }
+}
+
 /* How a child ends that does this; what it says goes to the scratch file said.txt. */
 static int end_of_child(void (*act)(const char *), const char *path) {
     const char *said = scratch_text("said.txt", "");
@@ -343,23 +360,43 @@ static int end_of_child(void (*act)(const char *), const char *path) {
     return end_of(pid);
 }
 
+static void ends_with(void (*act)(const char *), const char *path, int code, const char *expected) {
+    const int how = end_of_child(act, path);
+    char *said = scratch_read(scratch_path("said.txt"), NULL);
+    assert_string_equal(said, expected);
+    assert_true(WIFEXITED(how) && WEXITSTATUS(how) == code);
+    free(said);
+}
+
 static void test_bus_error(void **state) {
     (void)state;
-    char expected[4200];
-    const char *path = scratch_text("cut.txt", "something");
-    int how = end_of_child(die_by_mapping, path);
-    char *said = scratch_read(scratch_path("said.txt"), NULL);
-    assert_true(WIFEXITED(how) && WEXITSTATUS(how) == EXIT_INPUT);
+    char expected[4200], path[4096];
+    snprintf(path, sizeof path, "%s", scratch_text("cut.txt", "something"));
     snprintf(expected, sizeof expected, "leafcast test: %s became shorter while it was in use\n",
              path);
-    assert_string_equal(said, expected);
-    free(said);
-    how = end_of_child(die_by_signal, path);
+    ends_with(die_by_mapping, path, EXIT_INPUT, expected);
+    snprintf(expected, sizeof expected, "++leafcast test: %s could not be read\n", path);
+    ends_with(die_by_disk, path, 1, expected);
+    const int how = end_of_child(die_by_signal, path);
     assert_true(WIFSIGNALED(how) && WTERMSIG(how) == SIGBUS);
+}
+
+/* What a name says to a terminal is not said. */
+static void test_bus_error_name(void **state) {
+    (void)state;
+    char expected[4200], path[4096];
+    snprintf(path, sizeof path, "%s", scratch_text("e\033[31m\xff.leaf", "something"));
+    const char *name = strrchr(path, '/') + 1;
+    snprintf(expected, sizeof expected,
+             "leafcast test: %.*se\\x1b[31m\\xff.leaf became shorter while it was in use\n",
+             (int)(name - path), path);
+    ends_with(die_by_mapping, path, EXIT_INPUT, expected);
+    (void)remove(path);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_bus_error),
+                                       cmocka_unit_test(test_bus_error_name),
                                        cmocka_unit_test(test_what_is_said),
                                        cmocka_unit_test(test_grid), cmocka_unit_test(test_mesh)};
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,20 +1,32 @@
 #include "formats/base/bus_error.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
-enum { EXIT_INPUT = 3, LINE_MAX_BYTES = 5000 };
+#include "formats/base/status.h"
+#include "formats/base/text.h"
 
-/* What the handler uses: the stack it runs on may be small. Only the first thread that comes
+enum { LINE_MAX_BYTES = 5000 };
+
+/* What the handler uses: the stack it runs on may be small. Only the thread that took the flag
  * touches it. */
 static const char *command_name = "";
+static uintptr_t page_bytes;
 static atomic_flag taken = ATOMIC_FLAG_INIT;
-static char chunk[4096], line[LINE_MAX_BYTES];
+static char chunk[4096], line[LINE_MAX_BYTES], shown[LINE_MAX_BYTES];
+
+/* The page that this thread found missing before. */
+static _Thread_local uintptr_t missed;
+
+/* ---- with system calls that a handler may make ---- */
 
 static void say(const char *text) {
     size_t left = strlen(text);
@@ -27,6 +39,14 @@ static void say(const char *text) {
     }
 }
 
+static _Noreturn void end(const char *path, const char *what, status st) {
+    say(command_name);
+    say(": ");
+    say(text_printable(shown, sizeof shown, path));
+    say(what);
+    _exit(status_exit_code(st));
+}
+
 /* A hexadecimal number; *text ends up behind it and the character that follows. */
 static uintptr_t hexadecimal(const char **text) {
     static const char digits[] = "0123456789abcdef";
@@ -37,21 +57,31 @@ static uintptr_t hexadecimal(const char **text) {
     return n;
 }
 
-/* "from-to perms offset device inode   /path" of /proc/self/maps: the path, if it is the file at
- * this address. */
-static const char *file_on_line(const char *text, uintptr_t at) {
+/* Where a page is: in a file, from byte `offset` on. */
+typedef struct place {
+    const char *path;
+    uint64_t offset;
+} place;
+
+/* "from-to perms offset device inode   /path" of /proc/self/maps: whether it has this page. */
+static bool place_on_line(const char *text, uintptr_t page, place *p) {
     const uintptr_t from = hexadecimal(&text), to = hexadecimal(&text);
-    if (at < from || at >= to)
-        return NULL;
-    return strchr(text, '/');
+    if (page < from || page >= to)
+        return false;
+    text += strcspn(text, " ");
+    text += *text != 0;
+    p->offset = hexadecimal(&text) + (page - from);
+    p->path = strchr(text, '/');
+    return p->path != NULL;
 }
 
-/* Which file is mapped at an address; NULL: none. With system calls that a handler may make. */
-static const char *file_at(uintptr_t at) {
+/* Which file is mapped at a page; false: none. */
+static bool place_of(uintptr_t page, place *p) {
     const int fd = open("/proc/self/maps", O_RDONLY | O_CLOEXEC);
     size_t used = 0;
-    for (ssize_t n; fd >= 0 && (n = read(fd, chunk, sizeof chunk)) > 0;) {
-        for (ssize_t i = 0; i < n; i++) {
+    bool found = false;
+    for (ssize_t n; fd >= 0 && !found && (n = read(fd, chunk, sizeof chunk)) > 0;) {
+        for (ssize_t i = 0; i < n && !found; i++) {
             if (chunk[i] != '\n') {
                 line[used] = chunk[i];
                 used += used + 1 < sizeof line;
@@ -59,36 +89,52 @@ static const char *file_at(uintptr_t at) {
             }
             line[used] = 0;
             used = 0;
-            const char *path = file_on_line(line, at);
-            if (path)
-                return path;
+            found = place_on_line(line, page, p);
         }
     }
-    return NULL;
+    if (fd >= 0)
+        close(fd);
+    return found;
+}
+
+static bool ends_before(const place *p) {
+    struct stat info;
+    return stat(p->path, &info) == 0 && (uint64_t)info.st_size <= p->offset;
+}
+
+/* A page of a file is missing: returns, or ends the program. */
+static void tell(const place *p, uintptr_t page) {
+    if (ends_before(p))
+        end(p->path, " became shorter while it was in use\n", ST_CORRUPT);
+    /* It may have been cut and have grown again since: then a second look finds it. */
+    if (missed == page)
+        end(p->path, " could not be read\n", ST_IO);
+    missed = page;
 }
 
 static void on_bus_error(int number, siginfo_t *info, void *context) {
+    const struct timespec moment = {.tv_nsec = 1000000};
+    const uintptr_t page = (uintptr_t)info->si_addr & ~(page_bytes - 1);
+    const int error = errno;
+    place p;
     (void)context;
-    const bool first = !atomic_flag_test_and_set(&taken);
-    const char *path =
-        first && info->si_code == BUS_ADRERR ? file_at((uintptr_t)info->si_addr) : NULL;
-    while (!first)
-        pause(); /* the other one ends the program */
-    if (path) {
-        say(command_name);
-        say(": ");
-        say(path);
-        say(" became shorter while it was in use\n");
-        _exit(EXIT_INPUT);
+    while (atomic_flag_test_and_set(&taken))
+        nanosleep(&moment, NULL);
+    if (info->si_code == BUS_ADRERR && place_of(page, &p)) {
+        tell(&p, page);
+    } else {
+        /* Once more, without a handler. */
+        signal(number, SIG_DFL);
+        raise(number);
     }
-    /* Once more, without a handler. */
-    signal(number, SIG_DFL);
-    raise(number);
+    atomic_flag_clear(&taken);
+    errno = error;
 }
 
 void bus_error_install(const char *command) {
     struct sigaction action = {.sa_flags = (int)SA_SIGINFO};
     action.sa_sigaction = on_bus_error;
     command_name = command;
+    page_bytes = (uintptr_t)sysconf(_SC_PAGESIZE);
     sigaction(SIGBUS, &action, NULL);
 }

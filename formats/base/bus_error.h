@@ -1,8 +1,10 @@
-/* bus_error.h - for main programs: a mapped file that is cut short ends the program with a word.
+/* bus_error.h - for main programs: a mapped file that cannot be read ends the program with a word.
  *
- * Touching a page behind the end of a mapped file raises SIGBUS. The handler writes one line that
- * names the file to standard error and ends the program with exit status 3, as other bad input
- * does. Other reasons for SIGBUS end it as usual. The library itself installs no handler.
+ * Touching a page behind the end of a mapped file raises SIGBUS, and so does one that its disk
+ * fails to give. The handler writes one line that names the file to standard error. It ends the
+ * program with the exit status of other bad input where the file became shorter, and else with that
+ * of a failed read. Other reasons for SIGBUS end it as usual. The library itself installs no
+ * handler.
  */
 #ifndef FORMATS_BASE_BUS_ERROR_H
 #define FORMATS_BASE_BUS_ERROR_H

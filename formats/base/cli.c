@@ -26,7 +26,7 @@
 #define LEAFCAST_VERSION "unknown"
 #endif
 
-enum { EXIT_USAGE = 2, EXIT_INPUT = 3, EXIT_RESOURCE = 4, EXIT_SIGNAL = 128, MAX_THREADS = 4096 };
+enum { EXIT_SIGNAL = 128, MAX_THREADS = 4096 };
 
 /* ---- signals ---- */
 
@@ -58,19 +58,7 @@ static void install_signals(void) {
     wait_stop_when(signal_caught);
 }
 
-/* ---- exit codes ---- */
-
-static int exit_code(status st) {
-    switch (st) {
-    case ST_OK: return 0;
-    case ST_USAGE: return EXIT_USAGE;
-    case ST_CORRUPT:
-    case ST_UNSUPPORTED: return EXIT_INPUT;
-    case ST_NOMEM:
-    case ST_NOSPACE: return EXIT_RESOURCE;
-    default: return 1;
-    }
-}
+/* ---- results and errors ---- */
 
 /* Results that did not reach standard output are a failure too. */
 status cli_flush(void) {
@@ -82,7 +70,7 @@ status cli_flush(void) {
 }
 
 json_t *cli_error_json(status st) {
-    return cli_json_error(st, exit_code(st), status_text());
+    return cli_json_error(st, status_exit_code(st), status_text());
 }
 
 /* ---- flags ---- */
@@ -137,7 +125,7 @@ static noreturn void tell(const cli_common *c, int key) {
     const status st = cli_flush();
     if (st != ST_OK)
         fprintf(stderr, "%s: %s\n", command, status_text());
-    exit(exit_code(st));
+    exit(status_exit_code(st));
 }
 
 /* An option that this verb does not have. */
@@ -223,7 +211,8 @@ static void at_exit(void) {
     else
         fputs(said.text, stderr);
     cut_message(message);
-    if (said.json && cli_json_write(stdout, cli_json_error(ST_USAGE, EXIT_USAGE, message), false))
+    const int code = status_exit_code(ST_USAGE);
+    if (said.json && cli_json_write(stdout, cli_json_error(ST_USAGE, code, message), false))
         fprintf(stderr, "%s: %s\n", command, status_text());
 }
 
@@ -247,7 +236,7 @@ static void fill_standard(void) {
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
         if (fcntl(fd, F_GETFD) < 0 && errno == EBADF &&
             open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY) != fd)
-            _exit(EXIT_RESOURCE);
+            _exit(status_exit_code(ST_NOSPACE));
 }
 
 static void say_leftover(const char *name, uint64_t bytes, bool removed) {
@@ -271,13 +260,13 @@ void cli_parse(const struct argp *table, cli_common *common, int argc, char **ar
     partial_on_leftover(say_leftover);
     common->threads = pool_default_threads();
     common->verbosity = 1;
-    argp_err_exit_status = EXIT_USAGE;
+    argp_err_exit_status = status_exit_code(ST_USAGE);
     parsed = table;
     listen_in(argc, argv);
     error_t error = argp_parse(table, argc, argv, ARGP_NO_HELP, NULL, input);
     if (error) {
         fprintf(stderr, "%s: %s\n", command, strerror(error));
-        exit(EXIT_USAGE);
+        exit(status_exit_code(ST_USAGE));
     }
     if (said.stream)
         stop_listening();
@@ -443,7 +432,7 @@ int cli_finish(const cli_common *common, status st) {
         return 0;
     if (caught)
         st = status_describe(ST_STOPPED, "stopped by signal %d (%s)", caught, strsignal(caught));
-    const int code = caught ? EXIT_SIGNAL + caught : exit_code(st);
+    const int code = caught ? EXIT_SIGNAL + caught : status_exit_code(st);
     cli_note(common, 0, "%s", status_text());
     print_error(common, st, code);
     return code;

@@ -21,6 +21,18 @@ const char *status_text(void) {
     return description;
 }
 
+int status_exit_code(status st) {
+    switch (st) {
+    case ST_OK: return 0;
+    case ST_USAGE: return 2;
+    case ST_CORRUPT:
+    case ST_UNSUPPORTED: return 3;
+    case ST_NOMEM:
+    case ST_NOSPACE: return 4;
+    default: return 1;
+    }
+}
+
 void status_note_take(status_note *note, status st) {
     note->st = st;
     memcpy(note->text, description, sizeof note->text);

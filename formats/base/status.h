@@ -42,6 +42,10 @@ status status_describe(status st, const char *fmt, ...) __attribute__((format(pr
  * next one. */
 const char *status_text(void);
 
+/* status_exit_code() - the exit status of a program that ends with this. A signal's handler may
+ * call it. */
+int status_exit_code(status st);
+
 /* status_note_take() - keep st with this thread's description. */
 void status_note_take(status_note *note, status st);
 

@@ -76,6 +76,7 @@ bool text_same_name(const char *a, const char *b, size_t room) {
 
 /* The next character of *from as it may be printed; moves *from behind it. */
 static void escape(const char **from, char out[8]) {
+    static const char digits[] = "0123456789abcdef";
     uint32_t code = 0;
     const char *at = *from;
     const size_t size = character(at, &code);
@@ -84,10 +85,11 @@ static void escape(const char **from, char out[8]) {
         memcpy(out, at, size);
         out[size] = 0;
     } else if (*at == '\n' || *at == '\t') {
-        snprintf(out, 8, "\\%c", *at == '\n' ? 'n' : 't');
+        memcpy(out, *at == '\n' ? "\\n" : "\\t", 3);
     } else {
         /* A control character of two bytes, U+0080 to U+009F, is told by its code. */
-        snprintf(out, 8, "\\x%02x", size > 1 ? (unsigned)code : (unsigned)(uint8_t)*at);
+        const uint32_t byte = size > 1 ? code : (uint8_t)*at;
+        memcpy(out, (const char[5]){'\\', 'x', digits[byte >> 4], digits[byte & 15]}, 5);
     }
 }
 

@@ -26,7 +26,7 @@ bool text_same_name(const char *a, const char *b, size_t room);
 
 /* text_printable() - for people, in one line: control characters and bytes that are no UTF-8 become
  * \n, \t or \xNN; all else stays. Cut to less than room bytes between two characters. Returns to,
- * which must not be `from`. */
+ * which must not be `from`. A signal's handler may call it. */
 char *text_printable(char *to, size_t room, const char *from);
 
 #endif
