@@ -1,5 +1,6 @@
 /* leafcast info - what is in a treelet file, or in an input of convert. */
 #include <jansson.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -552,20 +553,34 @@ static json_t *activity_json(const facts *x, double iso,
                      "levels", rows);
 }
 
-enum { NEXT_MAX = 8192 };
+/* The command that comes next, and the same as it is printed: there a byte may take four. */
+enum { NEXT_MAX = 6000, NEXT_SHOWN_MAX = 4 * NEXT_MAX };
 
-static char *next_command(const arguments *a, char to[NEXT_MAX]) {
-    const char *slash = strrchr(a->input, '/'), *name = slash ? slash + 1 : a->input;
-    const char *dot = strrchr(name, '.');
-    char line[NEXT_MAX], picture[NEXT_MAX];
-    snprintf(picture, sizeof picture, "%.*s.png", (int)(dot ? dot - name : (long)strlen(name)),
-             name);
-    shell_line l = shell_line_begin(line, sizeof line);
+static void print_next(const char *line) {
+    char shown[NEXT_SHOWN_MAX];
+    if (line)
+        printf("next        %s\n", text_printable(shown, sizeof shown, line));
+}
+
+static void set_next(json_t *json, const char *line) {
+    char shown[NEXT_SHOWN_MAX];
+    if (line)
+        json_object_set_new(json, "next", json_string(text_printable(shown, sizeof shown, line)));
+}
+
+/* NULL where it does not fit. */
+static const char *next_command(const arguments *a, char line[NEXT_MAX]) {
+    size_t length;
+    const char *stem = text_stem(a->input, &length);
+    char picture[PATH_MAX];
+    shell_line l = shell_line_begin(line, NEXT_MAX);
+    if (snprintf(picture, sizeof picture, "%.*s.png", (int)length, stem) >= (int)sizeof picture)
+        return NULL;
     shell_line_put(&l, "leafcast render ");
     shell_line_path(&l, a->input);
     shell_line_put(&l, " -o ");
     shell_line_path(&l, picture);
-    return text_printable(to, NEXT_MAX, line);
+    return l.full ? NULL : line;
 }
 
 static status print_json(const arguments *a, const facts *x) {
@@ -578,7 +593,7 @@ static status print_json(const arguments *a, const facts *x) {
     json_object_set_new(json, "payload_sizes", sizes_json(x));
     char next[NEXT_MAX];
     json_object_set_new(json, "histogram", histogram_json(&x->values));
-    json_object_set_new(json, "next", json_string(next_command(a, next)));
+    set_next(json, next_command(a, next));
     if (a->iso_count) {
         json_t *isos = json_array();
         for (int i = 0; i < a->iso_count; i++)
@@ -598,7 +613,7 @@ static void print_values_of_first(const arguments *a, const facts *x) {
                                       : "samples");
     printf("\n");
     histogram_print_isovalues(stdout, &x->values);
-    printf("next        %s\n", next_command(a, next));
+    print_next(next_command(a, next));
 }
 
 static void print_text(const arguments *a, const facts *x) {
@@ -664,17 +679,16 @@ static status check_uses(const arguments *a, int input, const char *format) {
 }
 
 static status report_input(arguments *a, const input_facts *x) {
-    char next[8192], line[8192];
-    input_facts_next(x, &a->question, next, sizeof next);
+    char line[NEXT_MAX];
+    const char *next = input_facts_next(x, &a->question, line, sizeof line) ? line : NULL;
     if (a->common.json) {
         json_t *json = input_facts_json(x);
-        text_printable(line, sizeof line, next);
-        json_object_set_new(json, "next", json_string(line));
+        set_next(json, next);
         return cli_print_json(&a->common, json);
     }
     cli_results(&a->common, false);
     input_facts_print(stdout, x);
-    printf("next        %s\n", text_printable(line, sizeof line, next));
+    print_next(next);
     return ST_OK;
 }
 

@@ -1,7 +1,9 @@
 #include "formats/input_facts.h"
 
 #include <float.h>
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "formats/base/cli_json.h"
@@ -375,20 +377,18 @@ void input_facts_print(FILE *to, const input_facts *x) {
 
 /* NAME.leaf in the folder where one is, of the input's name without its last suffix. */
 static void put_leaf_name(shell_line *c, const char *path) {
-    char name[4096];
-    const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
-    const char *dot = strrchr(base, '.');
-    const size_t length = dot && dot > base ? (size_t)(dot - base) : strlen(base);
+    char name[PATH_MAX];
+    size_t length;
+    const char *stem = text_stem(path, &length);
     if (strcmp(path, "-") == 0)
         shell_line_put(c, "F.leaf");
-    else if (length + sizeof ".leaf" <= sizeof name) {
-        memcpy(name, base, length);
-        memcpy(name + length, ".leaf", sizeof ".leaf");
+    else if (snprintf(name, sizeof name, "%.*s.leaf", (int)length, stem) < (int)sizeof name)
         shell_line_path(c, name);
-    }
+    else
+        c->full = true;
 }
 
-void input_facts_next(const input_facts *x, const input_question *q, char *text, size_t room) {
+bool input_facts_next(const input_facts *x, const input_question *q, char *text, size_t room) {
     shell_line c = shell_line_begin(text, room);
     char number[64];
     shell_line_put(&c, "leafcast convert ");
@@ -416,6 +416,7 @@ void input_facts_next(const input_facts *x, const input_question *q, char *text,
         shell_line_put(&c, " --allow-empty");
     shell_line_put(&c, " -o ");
     put_leaf_name(&c, x->path);
+    return !c.full;
 }
 
 /* ---- for programs ---- */

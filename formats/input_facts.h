@@ -67,8 +67,8 @@ CHECKED status input_facts_read(mem *m, const input_question *q, const progress 
 void input_facts_print(FILE *to, const input_facts *x);
 json_t *input_facts_json(const input_facts *x);
 
-/* input_facts_next() - the command that converts it, as a shell takes it; quoted where need be. Cut
- * to room. */
-void input_facts_next(const input_facts *x, const input_question *q, char *text, size_t room);
+/* input_facts_next() - the command that converts it, as a shell takes it; quoted where need be.
+ * False where it does not fit: text is of no use then. */
+bool input_facts_next(const input_facts *x, const input_question *q, char *text, size_t room);
 
 #endif

@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 #include <cmocka.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -156,7 +157,7 @@ static void next_is(const char *path, const char *field, const char *expected) {
     char text[200];
     x.path = path;
     const input_question q = {.path = path, .mesh = {.field = field}};
-    input_facts_next(&x, &q, text, sizeof text);
+    assert_true(input_facts_next(&x, &q, text, sizeof text));
     assert_string_equal(text, expected);
 }
 
@@ -168,6 +169,17 @@ static void test_next(void **state) {
             "leafcast convert 'it'\\''s here.nrrd' --field 'a b' -o 'it'\\''s here.leaf'");
     next_is("$(x).raw", NULL, "leafcast convert '$(x).raw' -o '$(x).leaf'");
     next_is("-", NULL, "leafcast convert - -o F.leaf");
+    next_is("d/.x", NULL, "leafcast convert d/.x -o .x.leaf");
+    char name[5000], text[8192];
+    memset(name, 'n', sizeof name);
+    input_facts x = {.path = name};
+    const input_question q = {.path = name};
+    for (size_t length = 1; length < sizeof name; length += 200) {
+        name[length] = 0;
+        assert_int_equal(input_facts_next(&x, &q, text, sizeof text), length + 5 < PATH_MAX);
+        assert_int_equal(input_facts_next(&x, &q, text, 50), length < 10);
+        name[length] = 'n';
+    }
 }
 
 int main(void) {

@@ -25,8 +25,8 @@ static void heard_by_shell(const char *words, char *heard, size_t room) {
 static void test_words(void **state) {
     (void)state;
     static const char *const words[] = {
-        "plain_1-2.leaf", "",    "two words", "it's",     "$HOME `id`",
-        "a;b&c|d>e<f",    "*?[", "new\nline", "''\\'\"!", "#none ~"};
+        "plain_1-2.leaf", "",         "two words", "it's", "$HOME `id`", "a;b&c|d>e<f", "*?[",
+        "new\nline",      "''\\'\"!", "#none ~",   "=ls",  "a=b"};
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
         char text[256], heard[256], expected[256];
         shell_line l = shell_line_begin(text, sizeof text);
@@ -66,15 +66,39 @@ static void test_room(void **state) {
         shell_line_word(&l, "a b'c");
         assert_string_equal(text, room > 10 ? "'a b'\\''c'" : "");
         assert_int_equal(text[room], 'x');
+        assert_int_equal(l.full, room <= 10);
     }
+}
+
+/* What comes behind a word that did not fit would make another command. */
+static void test_full(void **state) {
+    (void)state;
+    char text[10];
+    shell_line l = shell_line_begin(text, sizeof text);
+    shell_line_put(&l, "rm ");
+    shell_line_word(&l, "a-long-name");
+    assert_true(l.full);
+    shell_line_put(&l, " -f");
+    shell_line_word(&l, "x");
+    shell_line_path(&l, "-x");
+    assert_string_equal(text, "rm ");
+}
+
+/* zsh takes =ls for the path of ls. */
+static void test_equals(void **state) {
+    (void)state;
+    char text[64];
+    shell_line l = shell_line_begin(text, sizeof text);
+    shell_line_path(&l, "=ls");
+    shell_line_put(&l, " ");
+    shell_line_word(&l, "a=b");
+    assert_string_equal(text, "'=ls' a=b");
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_words),
-        cmocka_unit_test(test_plain),
-        cmocka_unit_test(test_path),
-        cmocka_unit_test(test_room),
+        cmocka_unit_test(test_words), cmocka_unit_test(test_plain), cmocka_unit_test(test_path),
+        cmocka_unit_test(test_room),  cmocka_unit_test(test_full),  cmocka_unit_test(test_equals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

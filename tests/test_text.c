@@ -82,8 +82,29 @@ static void test_printable(void **state) {
     }
 }
 
+static void test_file_name(void **state) {
+    (void)state;
+    static const struct {
+        const char *path, *name;
+    } cases[] = {{"a.raw", "a"},
+                 {"/x.y/a.b.raw", "a.b"},
+                 {"d/.x", ".x"},
+                 {".x.raw", ".x"},
+                 {"d.e/a", "a"},
+                 {"a.", "a"},
+                 {"d/", ""},
+                 {"", ""},
+                 {"a\xff.raw", "a" BAD}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char to[64];
+        text_file_name(to, sizeof to, cases[i].path);
+        assert_string_equal(to, cases[i].name);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_name), cmocka_unit_test(test_cut),
-                                       cmocka_unit_test(test_printable)};
+                                       cmocka_unit_test(test_printable),
+                                       cmocka_unit_test(test_file_name)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,18 +2,20 @@
 
 #include <string.h>
 
-/* What no shell gives a meaning to, wherever it stands in a word. */
+/* What no shell gives a meaning to, wherever it stands in a word; but for = at its beginning, which
+ * zsh takes for a command's path. */
 static const char PLAIN[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
                             "_-./+,:=@%";
 
 shell_line shell_line_begin(char *text, size_t room) {
     *text = 0;
-    return (shell_line){text, room, 0};
+    return (shell_line){.text = text, .room = room};
 }
 
 void shell_line_put(shell_line *l, const char *text) {
     const size_t size = strlen(text);
-    if (l->length + size >= l->room)
+    l->full |= l->length + size >= l->room;
+    if (l->full)
         return;
     memcpy(l->text + l->length, text, size + 1);
     l->length += size;
@@ -28,12 +30,11 @@ static size_t quoted_size(const char *word) {
 }
 
 void shell_line_word(shell_line *l, const char *word) {
-    if (*word && !word[strspn(word, PLAIN)]) {
+    if (*word && *word != '=' && !word[strspn(word, PLAIN)]) {
         shell_line_put(l, word);
         return;
     }
-    if (l->length + quoted_size(word) >= l->room)
-        return;
+    l->full |= l->length + quoted_size(word) >= l->room;
     shell_line_put(l, "'");
     for (; *word; word++)
         shell_line_put(l, *word == '\'' ? "'\\''" : (const char[]){*word, 0});

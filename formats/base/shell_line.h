@@ -1,15 +1,18 @@
 /* shell_line.h - a command line that can be typed, or pasted into a shell, as it is printed.
  *
- * Text and words that do not fit are left out, so the line always ends with a NUL.
+ * A line of which not everything fits is of no use: from the first text or word that does not fit
+ * on nothing more is put, and the line is `full`. It always ends with a NUL.
  */
 #ifndef FORMATS_BASE_SHELL_LINE_H
 #define FORMATS_BASE_SHELL_LINE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 typedef struct shell_line {
     char *text; /* the caller's, of `room` bytes */
     size_t room, length;
+    bool full; /* something is missing: do not print it */
 } shell_line;
 
 /* shell_line_begin() - an empty line in the caller's text; room is at least 1. */

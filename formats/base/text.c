@@ -2,7 +2,6 @@
 
 #include <assert.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <string.h>
 
 /* Bytes of the UTF-8 character at `at`, which ends in NUL; 0 when there is none (RFC 3629: neither
@@ -58,12 +57,20 @@ void text_name(char *to, size_t room, const char *from) {
     to[length] = 0;
 }
 
-void text_file_name(char *to, size_t room, const char *path) {
-    const char *slash = strrchr(path, '/');
-    const char *name = slash ? slash + 1 : path;
+const char *text_stem(const char *path, size_t *length) {
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     const char *dot = strrchr(name, '.');
+    *length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
+    return name;
+}
+
+void text_file_name(char *to, size_t room, const char *path) {
     char front[TEXT_NAME_MAX];
-    snprintf(front, sizeof front, "%.*s", dot ? (int)(dot - name) : TEXT_NAME_MAX, name);
+    size_t length;
+    const char *name = text_stem(path, &length);
+    length = length < sizeof front ? length : sizeof front - 1;
+    memcpy(front, name, length);
+    front[length] = 0;
     text_name(to, room, front);
 }
 

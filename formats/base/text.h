@@ -17,8 +17,11 @@
 enum { TEXT_NAME_MAX = 1024 };
 void text_name(char *to, size_t room, const char *from);
 
-/* text_file_name() - a file's own name for people: without its folder and its last suffix, as
- * text_name() makes it. room as there. */
+/* text_stem() - a file's own name: where it begins in its path, behind the folder, and its length
+ * without the last suffix. A dot that it begins with begins no suffix. */
+const char *text_stem(const char *path, size_t *length);
+
+/* text_file_name() - the same for people, as text_name() makes it. room as there. */
 void text_file_name(char *to, size_t room, const char *path);
 
 /* text_same_name() - whether two texts are the same name, cut to less than room bytes. */

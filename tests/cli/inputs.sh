@@ -213,6 +213,9 @@ for raw in "$tmp/a_8x8x8_uint8.raw" "- --dims 8,8,8 --type u8"; do
     ok "counts all" json 'sum(x["histogram"]["samples"]) == 512 and x["histogram"]["cells"] == 343'
 done
 ok "what comes next has the options" json '"convert - --dims 8,8,8 --type u8 -o" in x["next"]'
+"$leafcast" convert "$tmp/a.nrrd" -o "$tmp/.x" >/dev/null
+exits "info of a name that is all suffix" 0 "$leafcast" info "$tmp/.x"
+ok "the picture has a name, too" prints "^next  *leafcast render $tmp/.x -o .x.png$"
 printf '4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n' >"$tmp/bare.node"
 printf '1 4 0\n1 1 2 3 4\n' >"$tmp/bare.ele"
 exits "a mesh without an array" 0 "$leafcast" info "$tmp/bare.ele"
