@@ -12,6 +12,7 @@
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/base/sibling.h"
+#include "render/bench/bench_product.h"
 #include "render/bench/bench_suite.h"
 
 typedef struct bench_options {
@@ -106,41 +107,32 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
 
 typedef enum product { PRODUCT_CSV, PRODUCT_PLOT, PRODUCT_BASELINE } product;
 
-static void print_product(const bench_table *t, const bench_suite *suite, product what, FILE *out) {
+typedef struct product_of {
+    const bench_table *table;
+    const bench_suite *suite;
+    product what;
+} product_of;
+
+static void print_product(const void *ctx, FILE *out) {
+    const product_of *p = ctx;
+    const bench_suite *suite = p->suite;
     int charts = 0;
     while (charts < BENCH_SUITE_CHARTS && suite->charts[charts].column)
         charts++;
-    if (what == PRODUCT_CSV)
-        bench_table_csv(t, out);
-    else if (what == PRODUCT_BASELINE)
-        bench_baseline_write(t, suite->labels, suite->counts, out);
+    if (p->what == PRODUCT_CSV)
+        bench_table_csv(p->table, out);
+    else if (p->what == PRODUCT_BASELINE)
+        bench_baseline_write(p->table, suite->labels, suite->counts, out);
     else if (suite->curve.x)
-        bench_curve_draw(t, &suite->curve, out);
+        bench_curve_draw(p->table, &suite->curve, out);
     else
-        bench_plot(t, suite->labels, suite->charts, charts, out);
+        bench_plot(p->table, suite->labels, suite->charts, charts, out);
 }
 
-/* To a file that appears when it is complete. */
 static status write_product(bench_options *o, const bench_suite *suite, const char *path,
                             product what) {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *stream = open_memstream(&text, &size);
-    if (!stream)
-        return status_describe(ST_NOMEM, "no memory for the table");
-    print_product(&o->job.table, suite, what, stream);
-    fclose(stream);
-    out_file *f = NULL;
-    status st = out_file_create(&o->job.m, path, o->common.force, &f);
-    if (st == ST_OK) {
-        st = out_file_append(f, text, size);
-        if (st == ST_OK)
-            st = out_file_commit(f);
-        else
-            out_file_discard(f);
-    }
-    free(text);
-    return st;
+    const product_of p = {&o->job.table, suite, what};
+    return bench_product_write(&o->job.m, path, o->common.force, print_product, &p);
 }
 
 /* Told before the suite runs. */
@@ -156,15 +148,26 @@ typedef struct folder_names {
     char csv[PATH_MAX], svg[PATH_MAX], png[PATH_MAX], baseline[PATH_MAX];
 } folder_names;
 
+enum { FOLDER_MAX = 4000 }; /* bytes: the rest of a path is the suite's */
+
+static status name_of(const char *folder, const bench_suite *suite, const char *extension,
+                      char path[PATH_MAX]) {
+    if (strlen(folder) > FOLDER_MAX)
+        return status_describe(ST_USAGE, "a folder's path has %zu bytes: at most %d are possible",
+                               strlen(folder), FOLDER_MAX);
+    snprintf(path, PATH_MAX, "%.*s/%s%s", FOLDER_MAX, folder, suite->name, extension);
+    return ST_OK;
+}
+
 static status name_in(bench_options *o, const char *folder, const bench_suite *suite,
                       const char *extension, char path[PATH_MAX]) {
     if (!folder)
         return ST_OK;
-    if (strlen(folder) > PATH_MAX - 64)
-        return status_describe(ST_USAGE, "%s: too long a path", folder);
+    status st = name_of(folder, suite, extension, path);
+    if (st != ST_OK)
+        return st;
     if (mkdir(folder, 0777) != 0 && errno != EEXIST)
         return file_failed(errno, folder, "cannot make the folder");
-    snprintf(path, PATH_MAX, "%.4000s/%s%s", folder, suite->name, extension);
     return check_product(o, path);
 }
 
@@ -192,17 +195,15 @@ static status write_products(bench_options *o, const bench_suite *suite,
     return st;
 }
 
-static void against_name(const bench_options *o, const bench_suite *suite, char path[PATH_MAX]) {
-    snprintf(path, PATH_MAX, "%.4000s/%s.csv", o->against, suite->name);
-}
-
 static status check_counts(bench_options *o, const bench_suite *suite) {
     char path[PATH_MAX];
     bench_verdict v;
     if (!o->against || !suite->counts)
         return ST_OK;
-    against_name(o, suite, path);
-    status st = bench_baseline_check(&o->job.m, &o->job.table, suite->labels, path, &v);
+    status st = name_of(o->against, suite, ".csv", path);
+    if (st != ST_OK)
+        return st;
+    st = bench_baseline_check(&o->job.m, &o->job.table, suite->labels, path, &v);
     cli_note(&o->common, 1, "%s: %d counts within tolerance, %d off, %d of kernels not here",
              suite->name, v.within, v.off, v.absent);
     return st;
@@ -214,8 +215,8 @@ static status guard_inputs(const bench_options *o, const bench_suite *suite) {
     status st = file_guard_input(o->job.target);
     if (st != ST_OK || !o->against || !suite->counts)
         return st;
-    against_name(o, suite, path);
-    return file_guard_input(path);
+    st = name_of(o->against, suite, ".csv", path);
+    return st == ST_OK ? file_guard_input(path) : st;
 }
 
 static status run_suite(bench_options *o, const bench_suite *suite) {

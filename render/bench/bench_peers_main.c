@@ -4,7 +4,6 @@
  */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "formats/base/cli.h"
@@ -13,6 +12,7 @@
 #include "formats/base/num.h"
 #include "render/app/image_out.h"
 #include "render/bench/bench_plot.h"
+#include "render/bench/bench_product.h"
 #include "render/bench/peer_race.h"
 
 typedef struct peers_options {
@@ -80,29 +80,18 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
     return 0;
 }
 
-/* The table as CSV or as bars, to a file that appears when it is complete. */
-static status write_table(peers_options *o, const char *path, bool plot) {
+static void print_csv(const void *table, FILE *out) {
+    bench_table_csv(table, out);
+}
+
+static void print_bars(const void *table, FILE *out) {
     static const bench_chart charts[] = {{"ms", "+-", false}, {"x Embree", NULL, false}};
-    char *text = NULL;
-    size_t size = 0;
-    FILE *stream = open_memstream(&text, &size);
-    if (!stream)
-        return status_describe(ST_NOMEM, "no memory for the table");
-    if (plot)
-        bench_plot(&o->table, 2, charts, sizeof charts / sizeof *charts, stream);
-    else
-        bench_table_csv(&o->table, stream);
-    fclose(stream);
-    out_file *f = NULL;
-    status st = out_file_create(&o->m, path, o->common.force, &f);
-    if (st == ST_OK)
-        st = out_file_append(f, text, size);
-    if (st == ST_OK)
-        st = out_file_commit(f);
-    else
-        out_file_discard(f);
-    free(text);
-    return st;
+    bench_plot(table, 2, charts, sizeof charts / sizeof *charts, out);
+}
+
+static status write_table(peers_options *o, const char *path,
+                          void (*print)(const void *table, FILE *out)) {
+    return path ? bench_product_write(&o->m, path, o->common.force, print, &o->table) : ST_OK;
 }
 
 /* Those that peer_race_check() looks at are among them. */
@@ -175,10 +164,9 @@ static status run(peers_options *o) {
         cli_note(&o->common, 1, "no Embree: %s", missing.embree);
     if (missing.vtk[0])
         cli_note(&o->common, 1, "no VTK: %s", missing.vtk);
-    if (st == ST_OK && o->common.output)
-        st = write_table(o, o->common.output, false);
-    if (st == ST_OK && o->plot)
-        st = write_table(o, o->plot, true);
+    st = write_table(o, o->common.output, print_csv);
+    if (st == ST_OK)
+        st = write_table(o, o->plot, print_bars);
     if (st == ST_OK && o->common.json)
         st = cli_print_json(&o->common, bench_table_json(&o->table, "peers"));
     return st;

@@ -44,4 +44,9 @@ exits "no baseline" 1 counts figure414 "$tmp/moved"
 exits "new baselines" 0 "$leafcast" bench figure414 --form brief --runs 1 --size 16x16 --scratch "$tmp/kept" --baselines "$tmp/new"
 ok "have a header and counts, no times" [ "$(sed -n '1p;/ms/p;/Mray/p' "$tmp/new/figure414.csv")" = "case,quantity,expected,tolerance" ]
 exits "and are not overwritten" 1 "$leafcast" bench figure414 --form brief --runs 1 --size 16x16 --scratch "$tmp/kept" --baselines "$tmp/new"
+long=$tmp/$(head -c 4010 /dev/zero | tr '\0' x)
+for option in --against --baselines --out; do
+    exits "$option of more bytes than a path has" 2 "$leafcast" bench figure414 --form brief $option "$long"
+    ok "is refused for that" says "has 4[0-9]* bytes: at most 4000" err
+done
 finish
