@@ -171,18 +171,38 @@ exact_estimate exact_edge(const double o[3], const double d[3], const double p[3
     return (exact_estimate){value, 2.0 * DBL_EPSILON * fabs(value)};
 }
 
-/* The same sum for four points: [b c d] - [a c d] + [a b d] - [a b c]. */
+/* The last three less the first. False: some difference is no double. */
+static bool edges_of(const double (*p)[3], double e[3][3]) {
+    bool exact = true;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            const double a = p[i + 1][k], b = -p[0][k];
+            const double edge = a + b, other = edge - a; /* a two-sum */
+            e[i][k] = edge;
+            exact &= (a - (edge - other)) + (b - other) == 0.0;
+        }
+    return exact;
+}
+
+/* One determinant of edges, or four of points: [b c d] - [a c d] + [a b d] - [a b c]. */
 double exact_volume(const double (*p)[3]) {
+    double e[3][3];
+    const bool exact = edges_of(p, e);
+    const int rows = exact ? 3 : 4;
     whole w[4][3];
-    for (int i = 0; i < 4; i++)
-        if (!wholes_of(p[i], w[i]))
+    for (int i = 0; i < rows; i++)
+        if (!wholes_of(exact ? e[i] : p[i], w[i]))
             return 0.0;
     sum s;
     s.terms = 0;
-    add_determinant(&s, w[1], w[2], w[3], false);
-    add_determinant(&s, w[0], w[2], w[3], true);
-    add_determinant(&s, w[0], w[1], w[3], false);
-    add_determinant(&s, w[0], w[1], w[2], true);
+    if (exact) {
+        add_determinant(&s, w[0], w[1], w[2], false);
+    } else {
+        add_determinant(&s, w[1], w[2], w[3], false);
+        add_determinant(&s, w[0], w[2], w[3], true);
+        add_determinant(&s, w[0], w[1], w[3], false);
+        add_determinant(&s, w[0], w[1], w[2], true);
+    }
     return value_of(&s);
 }
 

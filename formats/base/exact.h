@@ -11,9 +11,9 @@
  * With an edge in place of d it is six times the volume of a tet.
  *
  * exact_near() computes E in doubles with a proven bound of its error. Where that leaves the sign
- * in doubt, E is computed as an integer, without any rounding: 18 products (24 for four points) of
- * three significands, summed at their place in a number as wide as it takes. Unlike with expansions
- * of doubles, nothing can overflow or vanish there, however large or small the arguments. Signs are
+ * in doubt, E is computed as an integer, without any rounding: 6 to 24 products of three
+ * significands, summed at their place in a number as wide as it takes. Unlike with expansions of
+ * doubles, nothing can overflow or vanish there, however large or small the arguments. Signs are
  * therefore exact for any finite arguments, and antisymmetric: E(Q, P) = -E(P, Q).
  *
  * Pure functions; the same bits with any compiler and CPU.
