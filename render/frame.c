@@ -15,7 +15,7 @@ static const uint32_t no_record = UINT32_MAX;
 
 /* A thread's counters, apart from the others' cache lines. */
 typedef struct tally {
-    _Alignas(64) frame_counters counters;
+    _Alignas(64) ray_counters counters;
 } tally;
 
 /* Rays of a tile that have suspended, on their way into records. */
@@ -166,7 +166,7 @@ static bool wait_for_treelets(drawing *d, uint32_t tile, const tile_outcome *tod
 }
 
 static void begin_tile(drawing *d, uint32_t tile, uint32_t x0, uint32_t y0, tile_outcome *todo,
-                       frame_counters *counters) {
+                       ray_counters *counters) {
     const frame *f = d->f;
     if (!f->projection) {
         memcpy(todo->open, rows_to_do(d, tile), d->side * sizeof *todo->open);
@@ -217,7 +217,7 @@ static void unreserve(drawing *d, uint32_t count) {
 
 /* What tiles have left to single rays of one row. *kept: how many were suspended, by then. */
 static status draw_row(drawing *d, const tile_outcome *todo, uint32_t x0, uint32_t y0, uint32_t y,
-                       suspended_rays *s, uint32_t *kept, frame_counters *counters) {
+                       suspended_rays *s, uint32_t *kept, ray_counters *counters) {
     const frame *f = d->f;
     status st = ST_OK;
     for (tile_row left = todo->open[y] | todo->found[y]; left && st == ST_OK; left &= left - 1) {
@@ -236,7 +236,7 @@ static status draw_row(drawing *d, const tile_outcome *todo, uint32_t x0, uint32
 }
 
 /* Trace a tile's rays, all together as far as that goes. */
-static status draw_tile(drawing *d, uint32_t tile, easel *e, frame_counters *counters) {
+static status draw_tile(drawing *d, uint32_t tile, easel *e, ray_counters *counters) {
     uint32_t kept = 0;
     const uint32_t x0 = tile % d->tiles_x * d->side, y0 = tile / d->tiles_x * d->side;
     const uint32_t asked = pixels_of(rows_to_do(d, tile), d->side);
@@ -253,7 +253,7 @@ static status draw_tile(drawing *d, uint32_t tile, easel *e, frame_counters *cou
     return st;
 }
 
-static void resume_batch(drawing *d, size_t batch, frame_counters *counters) {
+static void resume_batch(drawing *d, size_t batch, ray_counters *counters) {
     const size_t from = batch * BATCH;
     const size_t to = from + BATCH < d->runnable_count ? from + BATCH : d->runnable_count;
     bool done[BATCH];
@@ -289,7 +289,7 @@ static double share_done(drawing *d) {
 static status run_item(void *ctx, size_t index, int worker) {
     drawing *d = ctx;
     const frame *f = d->f;
-    frame_counters *counters = &d->tallies[worker].counters;
+    ray_counters *counters = &d->tallies[worker].counters;
     if (f->watch && !f->watch(f->watch_ctx, share_done(d)))
         return status_describe(ST_STOPPED, "stopped");
     if (index < d->batches) {
@@ -346,7 +346,7 @@ static status admit(drawing *d) {
     return loader_admit(d->f->treelets, d->requests, d->waiting_count);
 }
 
-static status draw_passes(drawing *d, frame_counters *total) {
+static status draw_passes(drawing *d, ray_counters *total) {
     const frame *f = d->f;
     for (;;) {
         status st = collect_runnable(d);
@@ -382,22 +382,6 @@ static status draw_passes(drawing *d, frame_counters *total) {
             d->tiles_left = d->tiles_off;
         }
     }
-}
-
-static void add_counters(frame_counters *total, const frame_counters *c) {
-    total->walk.nodes += c->walk.nodes;
-    total->walk.cells += c->walk.cells;
-    total->walk.roots += c->walk.roots;
-    total->packets.box_tests += c->packets.box_tests;
-    total->packets.interval_tests += c->packets.interval_tests;
-    total->packets.isorange_tests += c->packets.isorange_tests;
-    total->packets.polygon_tests += c->packets.polygon_tests;
-    total->packets.isopolygons += c->packets.isopolygons;
-    total->primary_rays += c->primary_rays;
-    total->shadow_rays += c->shadow_rays;
-    total->covered_pixels += c->covered_pixels;
-    total->provisional_pixels += c->provisional_pixels;
-    total->ill_conditioned += c->ill_conditioned;
 }
 
 static void drawing_release(drawing *d) {
@@ -473,13 +457,13 @@ static status drawing_init(drawing *d, const frame *f) {
     return ST_OK;
 }
 
-status frame_render(const frame *f, frame_counters *counters) {
+status frame_render(const frame *f, ray_counters *counters) {
     drawing d;
     status st = drawing_init(&d, f);
     if (st == ST_OK)
         st = draw_passes(&d, counters);
     for (int i = 0; d.tallies && i < pool_threads(f->threads); i++)
-        add_counters(counters, &d.tallies[i].counters);
+        ray_counters_add(counters, &d.tallies[i].counters);
     drawing_release(&d);
     return st;
 }

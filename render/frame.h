@@ -12,6 +12,7 @@
 
 #include "formats/base/pool.h"
 #include "render/camera.h"
+#include "render/counters.h"
 #include "render/leafcast.h"
 #include "render/projection.h"
 #include "render/tracer.h"
@@ -37,24 +38,9 @@ typedef struct frame {
     void *watch_ctx;
 } frame;
 
-/* What packets through a mesh do (W07 table 4). */
-typedef struct packet_counters {
-    uint64_t box_tests;      /* rays individually tested against a box */
-    uint64_t interval_tests; /* packets against a box, by intervals */
-    uint64_t isorange_tests; /* packets: of treelets, nodes, tets */
-    uint64_t polygon_tests;  /* rays individually tested against an isopolygon */
-    uint64_t isopolygons;    /* made, or looked at once they are made */
-} packet_counters;
-
-typedef struct frame_counters {
-    walk_counters walk;
-    packet_counters packets;
-    uint64_t primary_rays, shadow_rays, covered_pixels, provisional_pixels, ill_conditioned, passes;
-} frame_counters;
-
 /* frame_render() - draw into f->image. ST_STOPPED when watch() said so; the planes are then partly
  * written. */
-CHECKED status frame_render(const frame *f, frame_counters *counters);
+CHECKED status frame_render(const frame *f, ray_counters *counters);
 
 /* frame_records_min() - the fewest records with which a frame can finish; frame_record_bytes() -
  * memory of one. */

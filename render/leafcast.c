@@ -560,8 +560,7 @@ static status project(leafcast *v, frame *f) {
     return st;
 }
 
-static void fill_stats(leafcast *v, const frame_counters *c, double render_s,
-                       leafcast_stats *stats) {
+static void fill_stats(leafcast *v, const ray_counters *c, double render_s, leafcast_stats *stats) {
     const loader_stats l = loader_statistics(v->treelets);
     uint64_t visible = 0;
     for (uint32_t t = 0; t < v->file->layout.treelets; t++)
@@ -573,8 +572,6 @@ static void fill_stats(leafcast *v, const frame_counters *c, double render_s,
                               .load_s = l.load_s,
                               .render_s = render_s,
                               .rays = c->primary_rays + c->shadow_rays,
-                              .primary_rays = c->primary_rays,
-                              .shadow_rays = c->shadow_rays,
                               .treelets_total = v->file->layout.treelets,
                               .treelets_active = v->treelets->treelets_active,
                               .treelets_loaded = l.loads,
@@ -584,20 +581,12 @@ static void fill_stats(leafcast *v, const frame_counters *c, double render_s,
                               .bytes_read = l.bytes_read,
                               .bytes_resident = l.bytes_resident,
                               .bytes_peak = mem_peak(&v->budget),
-                              .nodes = c->walk.nodes,
-                              .cells = c->walk.cells,
-                              .roots = c->walk.roots,
-                              .covered_pixels = c->covered_pixels,
-                              .provisional_pixels = c->provisional_pixels,
-                              .ill_conditioned = c->ill_conditioned,
-                              .passes = c->passes,
-                              .box_tests = c->packets.box_tests,
-                              .polygon_tests = c->packets.polygon_tests,
-                              .interval_tests = c->packets.interval_tests,
-                              .isorange_tests = c->packets.isorange_tests,
-                              .isopolygons = c->packets.isopolygons,
                               .threads = pool_threads(v->threads),
                               .isa = v->kernels.name};
+#define COUNTER(name) stats->name = c->name;
+    RAY_COUNTERS(COUNTER)
+    PACKET_COUNTERS(COUNTER)
+#undef COUNTER
 }
 
 leafcast_status leafcast_check_room(leafcast *v, const leafcast_scene *scene,
@@ -625,7 +614,7 @@ static bool watch_part(void *ctx, double done) {
 }
 
 static status draw_part(leafcast *v, const part *p, const leafcast_image *image,
-                        const double shift[2], frame_counters *counters) {
+                        const double shift[2], ray_counters *counters) {
     frame f = *p->whole;
     const uint64_t provisional = counters->provisional_pixels, covered = counters->covered_pixels;
     f.image = *image;
@@ -660,7 +649,7 @@ static status alloc_colours(mem *m, const leafcast_image *like, size_t pixels,
 }
 
 /* The planes of the pixels' centres, then the colours sample by sample; see samples.h. */
-static status draw_samples(leafcast *v, const frame *f, frame_counters *counters) {
+static status draw_samples(leafcast *v, const frame *f, ray_counters *counters) {
     static const double centre[2] = {0.0, 0.0};
     const leafcast_image colours = colours_of(&f->image);
     const bool coloured = colours.r || colours.g || colours.b || colours.a;
@@ -690,7 +679,7 @@ static status draw_samples(leafcast *v, const frame *f, frame_counters *counters
     return st;
 }
 
-static status draw(leafcast *v, const frame *f, frame_counters *counters) {
+static status draw(leafcast *v, const frame *f, ray_counters *counters) {
     static const double centre[2] = {0.0, 0.0};
     const part whole = {f, 0, 1};
     return f->scene->samples > 1 ? draw_samples(v, f, counters)
@@ -714,7 +703,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
                .image = *image,
                .watch = watch,
                .watch_ctx = watch_ctx};
-    frame_counters counters = {0};
+    ray_counters counters = {0};
     const double start = clock_seconds();
     status st = camera_init(&f.camera, from);
     loader_forget_failures(v->treelets);

@@ -92,7 +92,7 @@ static status probe_ray(leafcast *v, const leafcast_scene *scene, const double o
                         const double direction[3], leafcast_hit *hits, int max, int *count) {
     tracer tr;
     ray r;
-    walk_counters counters = {0};
+    ray_counters counters = {0};
     *count = 0;
     double length = 0.0, place = 0.0;
     for (int a = 0; a < 3; a++) {

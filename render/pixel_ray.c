@@ -76,7 +76,7 @@ static shade_point shading_of(const frame *f, const pixel_ray *p) {
 
 /* ---- Steps ---- */
 
-static void write_first_hit(const frame *f, const pixel_ray *p, frame_counters *counters) {
+static void write_first_hit(const frame *f, const pixel_ray *p, ray_counters *counters) {
     const leafcast_image *image = &f->image;
     const bool any = hit_exists(&p->current);
     counters->covered_pixels += any;
@@ -89,7 +89,7 @@ static void write_first_hit(const frame *f, const pixel_ray *p, frame_counters *
             image->normal[a][p->pixel] = any ? p->point.normal[a] : 0.0f;
 }
 
-static void write_colour(const frame *f, pixel_ray *p, frame_counters *counters) {
+static void write_colour(const frame *f, pixel_ray *p, ray_counters *counters) {
     const leafcast_image *image = &f->image;
     float *const planes[4] = {image->r, image->g, image->b, image->a};
     shade_background(p->rgba, f->scene->background);
@@ -111,7 +111,7 @@ static bool all_opaque(const frame *f) {
 
 /* Look for what hides the light from the current hit. False: visibility is known without a ray. */
 static bool begin_shadow(const frame *f, pixel_ray *p, const leafcast_light *light,
-                         frame_counters *counters) {
+                         ray_counters *counters) {
     double at[3], to[3];
     towards_light(f, p, light, at, to);
     const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};
@@ -142,14 +142,14 @@ static bool begin_shadow(const frame *f, pixel_ray *p, const leafcast_light *lig
 
 /* Returns false when suspended; true when the light's visibility is known. */
 static bool trace_shadow(const frame *f, pixel_ray *p, const leafcast_light *light,
-                         frame_counters *counters) {
+                         ray_counters *counters) {
     double at[3], to[3];
     ray r;
     const double distance = towards_light(f, p, light, at, to);
     if (!tracer_ray(f->tracer, at, to, 0.0, distance, &r))
         return true;
     for (;;) {
-        const trace_result result = tracer_next(f->tracer, &r, &p->search, &counters->walk);
+        const trace_result result = tracer_next(f->tracer, &r, &p->search, counters);
         if (result == TRACE_BLOCKED)
             return false;
         p->provisional |= p->search.provisional;
@@ -166,7 +166,7 @@ static bool trace_shadow(const frame *f, pixel_ray *p, const leafcast_light *lig
 }
 
 /* All lights from p->light on. Returns false when suspended. */
-static bool light_hit(const frame *f, pixel_ray *p, bool resumed, frame_counters *counters) {
+static bool light_hit(const frame *f, pixel_ray *p, bool resumed, ray_counters *counters) {
     for (; p->light < f->scene->light_count; p->light++, resumed = false) {
         const leafcast_light *light = &f->scene->lights[p->light];
         if ((resumed || begin_shadow(f, p, light, counters)) &&
@@ -193,20 +193,20 @@ static void begin_lighting(const frame *f, pixel_ray *p) {
 }
 
 /* A preview met a treelet of a mesh that is not there: what its coarse grid shows instead. */
-static trace_result trace_coarse(const frame *f, pixel_ray *p, frame_counters *counters) {
+static trace_result trace_coarse(const frame *f, pixel_ray *p, ray_counters *counters) {
     double origin[3], direction[3];
     ray r;
     const hit after = p->search.after;
     p->search = trace_begin(&after);
     camera_ray(&f->camera, p->pixel % f->width + 0.5, p->pixel / f->width + 0.5, origin, direction);
     const trace_result result = tracer_ray(f->coarse, origin, direction, 0.0, INFINITY, &r)
-                                    ? tracer_next(f->coarse, &r, &p->search, &counters->walk)
+                                    ? tracer_next(f->coarse, &r, &p->search, counters)
                                     : TRACE_MISS;
     p->search.provisional = true;
     return result;
 }
 
-bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters) {
+bool pixel_ray_advance(const frame *f, pixel_ray *p, ray_counters *counters) {
     bool resumed = p->light != NO_LIGHT;
     for (;; resumed = false) {
         if (!resumed) {
@@ -217,7 +217,7 @@ bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters) {
             if (p->found)
                 result = TRACE_HIT;
             else if (primary_ray(f, p->pixel, direction, &r))
-                result = tracer_next(f->tracer, &r, &p->search, &counters->walk);
+                result = tracer_next(f->tracer, &r, &p->search, counters);
             if (result == TRACE_BLOCKED)
                 return false;
             if (f->coarse && p->search.provisional && !p->found)

@@ -31,7 +31,7 @@ pixel_ray pixel_ray_found(const frame *f, uint32_t pixel, const hit *h, const tr
 
 /* pixel_ray_advance() - go on until the pixel is written (true) or the treelet p->search.blocked is
  * needed (false). */
-bool pixel_ray_advance(const frame *f, pixel_ray *p, frame_counters *counters);
+bool pixel_ray_advance(const frame *f, pixel_ray *p, ray_counters *counters);
 
 /* pixel_ray_towards() - the unit direction to a light from a pixel's hit at t, world space; for a
  * directional light pixel and t do not matter. */

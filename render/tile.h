@@ -40,7 +40,7 @@ typedef struct tile_outcome {
 /* tile_fn - rays of the tile whose first pixel is (x0, y0); pixels: which. f->projection
  * must be usable. */
 typedef void (*tile_fn)(const frame *f, uint32_t x0, uint32_t y0, const tile_row pixels[],
-                        tile_outcome *out, frame_counters *counters);
+                        tile_outcome *out, ray_counters *counters);
 
 /* tile_scratch_bytes() - what any tile_fn needs, of a mesh or of a grid. */
 enum { GRID_TILE_SCRATCH = 64 << 10, MESH_TILE_SCRATCH = 288 << 10 };

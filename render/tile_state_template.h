@@ -11,7 +11,7 @@
 
 typedef struct tile_state {
     const frame *f;
-    frame_counters *counters;
+    ray_counters *counters;
     tile_outcome *out;
     uint32_t x0, y0; /* its first pixel */
     bool has_rays;
@@ -26,7 +26,7 @@ typedef struct tile_state {
 } tile_state;
 
 static void tile_state_begin(tile_state *s, const frame *f, uint32_t x0, uint32_t y0,
-                             const tile_row asked[], tile_outcome *out, frame_counters *counters) {
+                             const tile_row asked[], tile_outcome *out, ray_counters *counters) {
     s->f = f;
     s->counters = counters;
     s->out = out;

@@ -109,7 +109,7 @@ surface_point tracer_surface(const tracer *tr, const treelet *at, const ray *r, 
 }
 
 static void walk_resident(const tracer *tr, const ray *r, const treelet *at, const pending *node,
-                          trace_state *state, walk_counters *counters) {
+                          trace_state *state, ray_counters *counters) {
     if (!atomic_load_explicit(&tr->touched[node->t], memory_order_relaxed))
         atomic_store_explicit(&tr->touched[node->t], 1, memory_order_relaxed);
     const unsigned octants = node->octants ? node->octants : 255u;
@@ -121,7 +121,7 @@ static void walk_resident(const tracer *tr, const ray *r, const treelet *at, con
 enum { STACK_MAX = 4 * LEAF_LEVELS_MAX };
 
 trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
-                         walk_counters *counters) {
+                         ray_counters *counters) {
     if (tr->tree)
         return mesh_tracer_next(tr, r, state, counters);
     double t_in = fmax(fmax(r->t0, state->after.t), state->t_from), t_out = r->t1;

@@ -57,7 +57,7 @@ trace_state trace_begin(const hit *after);
 /* tracer_next() - go on until the next hit is certain (state->best, state->point), nothing is left,
  * or the treelet state->blocked is needed. */
 trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
-                         walk_counters *counters);
+                         ray_counters *counters);
 
 /* tracer_surface() - the point of hit h on ray r, which lies in this treelet. */
 surface_point tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h);

@@ -2,6 +2,8 @@
 
 #include <sys/resource.h>
 
+#include "render/counters.h"
+
 uint64_t render_stats_peak_rss(void) {
     struct rusage usage;
     return getrusage(RUSAGE_SELF, &usage) == 0 ? (uint64_t)usage.ru_maxrss * 1024 : 0;
@@ -30,6 +32,14 @@ static json_t *isovalues(const view_options *view) {
     return list;
 }
 
+static json_t *packets(const leafcast_stats *t) {
+    json_t *counts = json_object();
+#define COUNTER(name) json_object_set_new(counts, #name, count_of(t->name));
+    PACKET_COUNTERS(COUNTER)
+#undef COUNTER
+    return counts;
+}
+
 json_t *render_stats_json(const render_stats *s, const view_options *view, const char *output) {
     const leafcast_stats *t = &s->trace;
     json_t *root = json_object();
@@ -48,8 +58,6 @@ json_t *render_stats_json(const render_stats *s, const view_options *view, const
                                   "first_image", t->first_image_s, "load", t->load_s, "render",
                                   t->render_s, "write", s->write_s, "total", s->total_s));
     json_object_set_new(root, "rays", count_of(t->rays));
-    json_object_set_new(root, "primary_rays", count_of(t->primary_rays));
-    json_object_set_new(root, "shadow_rays", count_of(t->shadow_rays));
     json_object_set_new(root, "mrays_per_s",
                         json_real(t->render_s > 0.0 ? (double)t->rays / t->render_s * 1e-6 : 0.0));
     json_object_set_new(root, "treelets",
@@ -63,20 +71,11 @@ json_t *render_stats_json(const render_stats *s, const view_options *view, const
                                   "resident", count_of(t->bytes_resident)));
     json_object_set_new(root, "peak_rss_bytes", count_of(s->peak_rss_bytes));
     json_object_set_new(root, "peak_budget_bytes", count_of(t->bytes_peak));
-    json_object_set_new(root, "nodes", count_of(t->nodes));
-    json_object_set_new(root, "cells", count_of(t->cells));
-    json_object_set_new(root, "roots", count_of(t->roots));
-    json_object_set_new(root, "covered_pixels", count_of(t->covered_pixels));
-    json_object_set_new(root, "provisional_pixels", count_of(t->provisional_pixels));
-    json_object_set_new(root, "ill_conditioned", count_of(t->ill_conditioned));
-    json_object_set_new(root, "passes", count_of(t->passes));
+#define COUNTER(name) json_object_set_new(root, #name, count_of(t->name));
+    RAY_COUNTERS(COUNTER)
+#undef COUNTER
     if (t->isorange_tests > 0)
-        json_object_set_new(
-            root, "packets",
-            json_pack("{s:o, s:o, s:o, s:o, s:o}", "box_tests", count_of(t->box_tests),
-                      "interval_tests", count_of(t->interval_tests), "isorange_tests",
-                      count_of(t->isorange_tests), "polygon_tests", count_of(t->polygon_tests),
-                      "isopolygons", count_of(t->isopolygons)));
+        json_object_set_new(root, "packets", packets(t));
     json_object_set_new(root, "repeats", json_integer(s->repeats));
     json_object_set_new(root, "threads", json_integer(t->threads));
     json_object_set_new(root, "isa", json_string(t->isa ? t->isa : "scalar"));

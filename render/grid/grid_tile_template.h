@@ -14,7 +14,7 @@ enum { TILE = GRID_TILE, TILE_WINDOWS = 1 }; /* of the templates that follow */
 #include "render/grid/grid_normals_template.h"
 
 void SIMD_NAME(grid_tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
-                                tile_outcome *out, frame_counters *counters);
+                                tile_outcome *out, ray_counters *counters);
 
 /* What lies in the outcome's scratch. */
 typedef struct tile_work {
@@ -24,7 +24,7 @@ typedef struct tile_work {
 _Static_assert(sizeof(tile_work) <= GRID_TILE_SCRATCH, "a tile has room in its scratch");
 
 void SIMD_NAME(grid_tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
-                                tile_outcome *out, frame_counters *counters) {
+                                tile_outcome *out, ray_counters *counters) {
     tile_work *work = out->scratch;
     tile_walk *w = &work->walk;
     tile_walk_run(w, f, x0, y0, asked, out, counters);

@@ -84,7 +84,7 @@ static void flush(tile_walk *w) {
             w->s.rays.near_t1[i / TILE * STRIDE + i % TILE] =
                 (float)(w->s.t[i] * w->s.f->projection->unscale);
     }
-    w->s.counters->walk.roots += (unsigned)__builtin_popcount(hits.found);
+    w->s.counters->roots += (unsigned)__builtin_popcount(hits.found);
     w->waiting = 0;
     for (unsigned y = 0; y < TILE; y++)
         w->pending[y] = 0;
@@ -259,7 +259,7 @@ SIMD unsigned window_pending(const tile_walk *w, unsigned x, unsigned y) {
 SIMD void add_visitors(tile_walk *w, active_cell *c, const near_visit *v, unsigned x, unsigned y,
                        tile_rect r, unsigned bits) {
     const walk_scene *scene = &w->s.f->tracer->scene;
-    w->s.counters->walk.cells += (unsigned)__builtin_popcount(bits);
+    w->s.counters->cells += (unsigned)__builtin_popcount(bits);
     if (!c->has_samples)
         walk_cell_samples(scene, c->at, c->cell, c->samples);
     c->has_samples = true;
@@ -422,7 +422,7 @@ SIMD void queue_add(tile_walk *w, const treelet *at, const plane_projection *con
     q->t_out[k] = t_out;
     q->at[k] = at;
     q->ray[k] = (uint8_t)i;
-    w->s.counters->walk.cells++;
+    w->s.counters->cells++;
     if (q->count == VF_N)
         queue_flush(w);
 }
@@ -535,12 +535,12 @@ static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect) {
         if (half == 1 && open_rays(w, node.rect) <= GROUP_RAYS_MAX) {
             const unsigned first = first_octant(w, planes, node.cell, 1);
             const unsigned active = walk_children(at, node.size, node.morton);
-            w->s.counters->walk.nodes++;
+            w->s.counters->nodes++;
             walk_group(w, at, node.cell, active, first, node.rect);
             continue;
         }
         tile_rects rects;
-        w->s.counters->walk.nodes++;
+        w->s.counters->nodes++;
         tile_rects_of(&w->place, projected, node.cell, half, &node.rect, &rects);
         const unsigned children = walk_children(at, node.size, node.morton) & rects.alive;
         const unsigned first = first_octant(w, planes, node.cell, half);
@@ -663,7 +663,7 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
         for (int a = 0; a < 3; a++)
             first[a] = layout->place[node.t][a] << layout->cells_log2;
         tile_rects rects;
-        w->s.counters->walk.nodes++;
+        w->s.counters->nodes++;
         tile_rects_of(&w->place, w->place.p->at[level], first, half, &node.rect, &rects);
         const unsigned children = tr->treelets->children[node.t] & rects.alive;
         const unsigned existing = leaf_layout_children(layout, node.t);
@@ -681,7 +681,7 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
 
 /* All of a tile's rays up to their first surfaces. */
 static void tile_walk_run(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0,
-                          const tile_row asked[], tile_outcome *out, frame_counters *counters) {
+                          const tile_row asked[], tile_outcome *out, ray_counters *counters) {
     tile_state_begin(&w->s, f, x0, y0, asked, out, counters);
     w->place = tile_place_of(f, x0, y0);
     w->filter = f->scene->intersector == LEAFCAST_MARMITT;

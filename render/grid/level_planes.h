@@ -7,7 +7,14 @@
 #define RENDER_GRID_LEVEL_PLANES_H
 
 #include "formats/leaf/leaf_file.h"
-#include "render/grid/walk.h"
+
+/* Where a level's nodes and cells lie in grid space. Coarse levels reach past the volume's end. */
+typedef struct level_planes {
+    const double *at[3]; /* plane coordinates, node i of the level; enough for whole treelets */
+    const double *inverse[3]; /* 1 / (at[i + 1] - at[i]) */
+    const double *central[3]; /* 1 / (at[i + 1] - at[i - 1]), one-sided at the level's ends */
+    uint32_t cells[3];
+} level_planes;
 
 typedef struct level_planes_table {
     level_planes levels[LEAF_LEVELS_MAX];

@@ -1,7 +1,4 @@
-/* surface.h - what is known about a point where a ray met an isosurface: gradient, normal, error.
- *
- * Computed while the treelet of the hit is at hand; a suspended ray carries it along.
- */
+/* surface.h - the point where a ray met an isosurface in a cell of a grid. */
 #ifndef RENDER_GRID_SURFACE_H
 #define RENDER_GRID_SURFACE_H
 
@@ -9,16 +6,7 @@
 
 #include "render/affine.h"
 #include "render/grid/walk.h"
-
-typedef struct surface_point {
-    double gradient[3]; /* of the cell's own trilinear form, world space: decides sides and bounds,
-                           not shading */
-    double error; /* bound of |f - iso| at the computed point: arithmetic and position, in units of
-                     the samples */
-    double span;  /* shortest edge of the cell, world units */
-    float normal[3]; /* unit, towards lower values; from central differences (M08 eq. 4.14) or from
-                        gradient */
-} surface_point;
+#include "render/surface_point.h"
 
 /* surface_at() - the point of hit h on ray r, whose cell lies in tr. analytic: take the normal from
  * the cell's own gradient (always so without a halo, or where a neighbour is not finite). */

@@ -55,7 +55,7 @@ void walk_cell_samples(const walk_scene *scene, const treelet *tr, const uint32_
 /* All selected isosurfaces in one active cell. */
 static bool intersect_cell(const walk_scene *scene, const treelet *tr, const ray *r,
                            const uint32_t cell[3], const hit *after, hit *best,
-                           walk_counters *counters) {
+                           ray_counters *counters) {
     const level_planes *planes = &scene->levels[tr->level];
     const cell_box box = walk_cell_box(planes, cell);
     cell_visit visit;
@@ -114,7 +114,7 @@ enum { STACK_MAX = 4 * (LEAF_CELLS_LOG2_MAX + 1) };
 
 static inline bool walk_to(finest known, const walk_scene *scene, const treelet *tr, const ray *r,
                            double t_in, double t_out, unsigned octants, const hit *after, hit *best,
-                           walk_counters *counters) {
+                           ray_counters *counters) {
     const level_planes *planes = &scene->levels[tr->level];
     pending stack[STACK_MAX];
     int top = 0;
@@ -165,18 +165,18 @@ static inline bool walk_to(finest known, const walk_scene *scene, const treelet 
 
 bool walk_treelet(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
                   double t_out, unsigned octants, const hit *after, hit *best,
-                  walk_counters *counters) {
+                  ray_counters *counters) {
     return walk_to(FINEST_CELL, scene, tr, r, t_in, t_out, octants, after, best, counters);
 }
 
 bool walk_treelet_groups(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
                          double t_out, unsigned octants, const hit *after, hit *best,
-                         walk_counters *counters) {
+                         ray_counters *counters) {
     return walk_to(FINEST_GROUP, scene, tr, r, t_in, t_out, octants, after, best, counters);
 }
 
 bool walk_treelet_corners(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
                           double t_out, unsigned octants, const hit *after, hit *best,
-                          walk_counters *counters) {
+                          ray_counters *counters) {
     return walk_to(FINEST_BLOCK, scene, tr, r, t_in, t_out, octants, after, best, counters);
 }

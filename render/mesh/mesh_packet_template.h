@@ -15,7 +15,7 @@
 #include "render/tile_rects_template.h"
 
 void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
-                            tile_outcome *out, frame_counters *counters);
+                            tile_outcome *out, ray_counters *counters);
 
 /* A box with its planes as seen from the eye is `packet_box`; what is still to be visited: */
 typedef struct packet_pending {
@@ -33,7 +33,7 @@ enum {
 
 typedef struct packet {
     tile_state s; /* of the tile that it is part of */
-    packet_counters *counters;
+    ray_counters *counters;
     unsigned side, x, y; /* its first pixel in the tile */
     int count;           /* its rays, row by row */
     double eye[3];
@@ -235,7 +235,7 @@ static void packet_leaf(packet *w, const treelet *at, const packet_pending *p) {
             bits &= UINT64_MAX << first % 64;
         if (end - word * 64 < 64)
             bits &= (UINT64_C(1) << (end - word * 64)) - 1;
-        w->s.counters->walk.cells += (uint64_t)__builtin_popcountll(bits);
+        w->s.counters->cells += (uint64_t)__builtin_popcountll(bits);
         for (; bits; bits &= bits - 1)
             packet_tet(w, at, word * 64 + (uint32_t)__builtin_ctzll(bits), first_ray, end_ray);
     }
@@ -267,7 +267,7 @@ SIMD int open_node(packet *w, const treelet *at, const packet_pending *p, packet
     const mesh_node *n = &at->nodes[p->i];
     const unsigned active = at->active->children[p->i];
     const int bottom = top;
-    w->s.counters->walk.nodes++;
+    w->s.counters->nodes++;
     for (int c = 0; c < MESH_CHILDREN && n->child[c] != MESH_NO_CHILD; c++)
         w->counters->isorange_tests++;
     for (unsigned left = active; left; left &= left - 1) {
@@ -339,7 +339,7 @@ SIMD int open_family(packet *w, const packet_pending *p, packet_pending *stack, 
     uint32_t count, first = treelet_tree_children(tree, p->level, p->i, &count);
     unsigned active = 0;
     const int bottom = top;
-    w->s.counters->walk.nodes++;
+    w->s.counters->nodes++;
     w->counters->isorange_tests += count;
     for (uint32_t c = 0; c < count; c++)
         active |= (unsigned)tree->active[p->level - 1][first + c] << c;
@@ -439,17 +439,17 @@ static void packet_end(packet *w) {
         w->s.entering[to] = h->entering;
         w->s.at[to] = at;
         w->tet[to] = (uint32_t)(h->cell - at->first_tet);
-        w->s.counters->walk.roots++;
+        w->s.counters->roots++;
     }
 }
 
 void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
-                            tile_outcome *out, frame_counters *counters) {
+                            tile_outcome *out, ray_counters *counters) {
     packet_work *work = out->scratch;
     packet *w = &work->packet;
     tile_state_begin(&w->s, f, x0, y0, asked, out, counters);
     tile_state_rays(&w->s);
-    w->counters = &counters->packets;
+    w->counters = counters;
     w->side = f->kernels->packet;
     w->count = (int)(w->side * w->side);
     w->rays.one_origin = true;

@@ -17,7 +17,7 @@
 #include "stream/active.h"
 
 void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
-                          tile_outcome *out, frame_counters *counters);
+                          tile_outcome *out, ray_counters *counters);
 
 /* Active tets of a treelet, a lane each, on their way to covers_of(). */
 typedef struct tet_lanes {
@@ -170,7 +170,7 @@ static void take_surface(mesh_tile *w, const seen_polygon *s, unsigned i, double
     f->at[i] = s->at;
     w->tet[i] = s->tet;
     look_as_far(w, i);
-    f->counters->walk.roots++;
+    f->counters->roots++;
 }
 
 /* What the vectors leave in doubt. */
@@ -405,7 +405,7 @@ static void walk_lanes(mesh_tile *w, const treelet *at) {
                 walk_tet(w, at, k, i, covers.rect[k]);
         }
     }
-    w->s.counters->walk.cells += l->count;
+    w->s.counters->cells += l->count;
     l->count = 0;
 }
 
@@ -512,7 +512,7 @@ static void walk_treelet_of_mesh(mesh_tile *w, const treelet *at, tile_rect rect
         }
         near_boxes b;
         box_rects boxes;
-        w->s.counters->walk.nodes++;
+        w->s.counters->nodes++;
         boxes_of_node(&planes, &nodes[p.i], &b);
         rects_of_boxes(w, &b, &p.rect, &boxes);
         const int bottom = top;
@@ -624,7 +624,7 @@ static void walk_mesh(mesh_tile *w, tile_rect rect) {
             }
         }
         leave_idle(&b, count);
-        w->s.counters->walk.nodes++;
+        w->s.counters->nodes++;
         rects_of_boxes(w, &b, &p.rect, &boxes);
         const int bottom = top;
         top = push_boxes(&boxes, boxes.rects.alive & active, stack, top);
@@ -638,7 +638,7 @@ static void walk_mesh(mesh_tile *w, tile_rect rect) {
 }
 
 void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
-                          tile_outcome *out, frame_counters *counters) {
+                          tile_outcome *out, ray_counters *counters) {
     mesh_work *work = out->scratch;
     mesh_tile *w = &work->tile;
     tile_state_begin(&w->s, f, x0, y0, asked, out, counters);

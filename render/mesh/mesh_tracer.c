@@ -18,10 +18,10 @@ typedef struct search {
     const treelet_tree *tree;
     mesh_slabs slabs;
     double behind; /* what the ray leaves before that is of no interest */
-    walk_counters *counters;
+    ray_counters *counters;
 } search;
 
-static search search_of(const tracer *tr, const ray *r, const hit *after, walk_counters *counters) {
+static search search_of(const tracer *tr, const ray *r, const hit *after, ray_counters *counters) {
     const treelet_tree *tree = tr->tree;
     return (search){tree, mesh_slabs_of(r),
                     mesh_walk_behind(tree->bounds[tree->levels - 1][0], r, after), counters};
@@ -163,7 +163,7 @@ static void touch(const tracer *tr, uint32_t t) {
 
 /* Look for hits in a treelet. True: nothing else needs to be looked at. */
 static bool walk_passage(const tracer *tr, const treelet *here, const ray *r, trace_state *state,
-                         walk_counters *counters) {
+                         ray_counters *counters) {
     touch(tr, here->id);
     if (!mesh_walk(&tr->scene, here, r, &state->after, state->any, &state->best, counters))
         return false;
@@ -173,7 +173,7 @@ static bool walk_passage(const tracer *tr, const treelet *here, const ray *r, tr
 }
 
 trace_result mesh_tracer_next(const tracer *tr, const ray *r, trace_state *state,
-                              walk_counters *counters) {
+                              ray_counters *counters) {
     const search s = search_of(tr, r, &state->after, counters);
     frontier f;
     bool resuming = state->blocked != LEAF_NO_TREELET;

@@ -16,7 +16,7 @@
 
 /* mesh_tracer_next() - as tracer_next(). */
 trace_result mesh_tracer_next(const tracer *tr, const ray *r, trace_state *state,
-                              walk_counters *counters);
+                              ray_counters *counters);
 
 /* mesh_tracer_surface() - the point of a hit that lies in tet h->cell of this treelet. */
 surface_point mesh_tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h);

@@ -108,7 +108,7 @@ static bool passes_box(const mesh_slabs *line, const tet *x) {
 }
 
 static bool test_tet(const walk_scene *scene, const treelet *tr, uint32_t place, const ray *r,
-                     const mesh_slabs *line, const hit *after, hit *best, walk_counters *counters) {
+                     const mesh_slabs *line, const hit *after, hit *best, ray_counters *counters) {
     const tet x = mesh_walk_tet(tr, place);
     bool changed = false, active = false;
     if (!passes_box(line, &x))
@@ -221,7 +221,7 @@ static int push_children(const code_slabs *s, const treelet *tr, uint32_t node, 
 /* The active tets from place `first` on. */
 static bool walk_leaf(const walk_scene *scene, const treelet *tr, uint32_t first, uint32_t end,
                       const ray *r, const mesh_slabs *line, const hit *after, hit *best,
-                      walk_counters *counters) {
+                      ray_counters *counters) {
     bool changed = false;
     for (uint32_t i = first; i < end; i++)
         if (tr->active->tets[i / 64] >> i % 64 & 1u)
@@ -230,7 +230,7 @@ static bool walk_leaf(const walk_scene *scene, const treelet *tr, uint32_t first
 }
 
 bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const hit *after, bool any,
-               hit *best, walk_counters *counters) {
+               hit *best, ray_counters *counters) {
     const code_slabs slabs = code_slabs_of(tr, r, after);
     mesh_slabs line = mesh_slabs_of(r);
     line.t0 = -INFINITY;

@@ -15,7 +15,7 @@
  * the order of mesh_tracer.h, if there is a lesser one. any: some hit there will do as well as the
  * first one. Returns whether it changed. */
 bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const hit *after, bool any,
-               hit *best, walk_counters *counters);
+               hit *best, ray_counters *counters);
 
 /* mesh_walk_tet() - a tet of the treelet by its place there. */
 tet mesh_walk_tet(const treelet *tr, uint32_t place);

@@ -6,6 +6,6 @@
 
 /* mesh_packet_wide() - as every tile_fn. */
 void mesh_packet_wide(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
-                      tile_outcome *out, frame_counters *counters);
+                      tile_outcome *out, ray_counters *counters);
 
 #endif

@@ -1,0 +1,44 @@
+/* counters.h - what rays cost, counted by each thread for itself: one table, from which the struct,
+ * its sum, the public statistics and their JSON are made.
+ */
+#ifndef RENDER_COUNTERS_H
+#define RENDER_COUNTERS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Names are those of leafcast_stats. */
+#define RAY_COUNTERS(X)                                                                    \
+    X(primary_rays)       /* from the eye */                                               \
+    X(shadow_rays)        /* towards lights */                                             \
+    X(nodes)              /* traversal steps, of the directory and in treelets */          \
+    X(cells)              /* handed to the intersector */                                  \
+    X(roots)              /* hits that it found */                                         \
+    X(covered_pixels)     /* that show a surface */                                        \
+    X(provisional_pixels) /* that show something coarser than asked for, or not yet all */ \
+    X(ill_conditioned)    /* shadow rays whose start is known no better than to a cell */  \
+    X(passes)             /* how often suspended rays were resumed */
+
+/* What packets through a mesh do (W07 table 4). */
+#define PACKET_COUNTERS(X)                                                 \
+    X(box_tests)      /* rays individually tested against a box */         \
+    X(interval_tests) /* packets against a box, by intervals */            \
+    X(isorange_tests) /* packets: of treelets, nodes, tets */              \
+    X(polygon_tests)  /* rays individually tested against an isopolygon */ \
+    X(isopolygons)    /* made, or looked at once they are made */
+
+typedef struct ray_counters {
+#define COUNTER(name) uint64_t name;
+    RAY_COUNTERS(COUNTER)
+    PACKET_COUNTERS(COUNTER)
+#undef COUNTER
+} ray_counters;
+
+static inline void ray_counters_add(ray_counters *total, const ray_counters *c) {
+#define COUNTER(name) total->name += c->name;
+    RAY_COUNTERS(COUNTER)
+    PACKET_COUNTERS(COUNTER)
+#undef COUNTER
+}
+
+#endif
