@@ -4,7 +4,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#include "render/kernels.h"
+#include "render/kind.h"
 #include "render/pixel_ray.h"
 
 enum {
@@ -55,26 +55,21 @@ typedef struct drawing {
     atomic_size_t finished; /* pixels */
 } drawing;
 
-/* Pixels on a side of a tile. */
-static uint32_t side_of(bool mesh) {
-    return mesh ? MESH_TILE : GRID_TILE;
-}
-
-uint32_t frame_records_min(bool mesh, int threads) {
-    return (uint32_t)threads * side_of(mesh) * side_of(mesh);
+uint32_t frame_records_min(const kind *k, int threads) {
+    return (uint32_t)threads * k->tile_side * k->tile_side;
 }
 
 size_t frame_record_bytes(void) {
     return sizeof(pixel_ray) + sizeof(uint32_t);
 }
 
-size_t frame_scratch_bytes(bool mesh) {
-    return sizeof(easel) + tile_scratch_bytes(mesh);
+size_t frame_scratch_bytes(const kind *k) {
+    return sizeof(easel) + k->tile_scratch;
 }
 
 static easel *easel_of(const frame *f, int worker) {
     easel *e =
-        (easel *)((char *)f->scratch + (size_t)worker * frame_scratch_bytes(f->tracer->tree));
+        (easel *)((char *)f->scratch + (size_t)worker * frame_scratch_bytes(f->tracer->kind));
     e->todo.scratch = e + 1;
     e->suspended.count = 0;
     return e;
@@ -84,9 +79,9 @@ static uint32_t tiles_of(uint32_t pixels, uint32_t side) {
     return (pixels + side - 1) / side;
 }
 
-size_t frame_bytes(bool mesh, uint32_t treelets, uint32_t records_max, uint32_t width,
+size_t frame_bytes(const kind *k, uint32_t treelets, uint32_t records_max, uint32_t width,
                    uint32_t height, int threads) {
-    const uint32_t side = side_of(mesh);
+    const uint32_t side = k->tile_side;
     const size_t tiles = (size_t)tiles_of(width, side) * tiles_of(height, side);
     const size_t chunks = records_max / CHUNK + 1;
     return treelets * (2 * sizeof(uint32_t) + sizeof(loader_request)) +
@@ -174,7 +169,7 @@ static void begin_tile(drawing *d, uint32_t tile, uint32_t x0, uint32_t y0, tile
         memset(todo->waits, 0, sizeof todo->waits);
         return;
     }
-    const tile_fn trace = f->tracer->tree ? f->kernels->mesh_tile : f->kernels->tile;
+    const tile_fn trace = f->tracer->kind->tile(f->kernels);
     trace(f, x0, y0, rows_to_do(d, tile), todo, counters);
     if (wait_for_treelets(d, tile, todo))
         return;
@@ -433,7 +428,7 @@ static void put_in_order(drawing *d) {
 static status drawing_init(drawing *d, const frame *f) {
     const uint32_t treelets = f->tracer->layout->treelets;
     const int threads = pool_threads(f->threads);
-    const uint32_t side = side_of(f->tracer->tree);
+    const uint32_t side = f->tracer->kind->tile_side;
     *d = (drawing){
         .f = f, .side = side, .tiles_x = tiles_of(f->width, side), .free_head = no_record};
     pthread_mutex_init(&d->lock, NULL);

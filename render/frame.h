@@ -24,7 +24,7 @@ typedef struct frame {
     pool *threads;
     loader *treelets;
     const tracer *tracer;
-    const tracer *coarse; /* drawn where a mesh's treelets are absent; or NULL */
+    const tracer *coarse; /* drawn by a preview where treelets are absent; or NULL */
     const leafcast_scene *scene;
     const leafcast_surface *surfaces; /* one an isovalue */
     camera camera;
@@ -44,14 +44,14 @@ CHECKED status frame_render(const frame *f, ray_counters *counters);
 
 /* frame_records_min() - the fewest records with which a frame can finish; frame_record_bytes() -
  * memory of one. */
-uint32_t frame_records_min(bool mesh, int threads);
+uint32_t frame_records_min(const struct kind *k, int threads);
 size_t frame_record_bytes(void);
 
 /* frame_scratch_bytes() - memory that a thread draws in, whatever the picture; a multiple of 64. */
-size_t frame_scratch_bytes(bool mesh);
+size_t frame_scratch_bytes(const struct kind *k);
 
 /* frame_bytes() - memory that a frame needs beside records, treelets and image. */
-size_t frame_bytes(bool mesh, uint32_t treelets, uint32_t records_max, uint32_t width,
+size_t frame_bytes(const struct kind *k, uint32_t treelets, uint32_t records_max, uint32_t width,
                    uint32_t height, int threads);
 
 #endif

@@ -7,6 +7,7 @@
 
 #include "render/grid/cell_batch.h"
 #include "render/grid/grid_tile.h"
+#include "render/grid/walk.h"
 #include "render/mesh/mesh_packet.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/tet_batch.h"
@@ -16,7 +17,7 @@ typedef struct kernels {
     cpu_isa isa;
     walk_fn walk;        /* one ray through one treelet */
     cell_batch_fn cells; /* many ray-cells */
-    tile_fn tile;        /* a tile of primary rays; NULL: one by one */
+    tile_fn tile;        /* a tile of primary rays through a grid; NULL: one by one */
     tile_fn mesh_tile;   /* ... through a mesh */
     tile_fn mesh_packet; /* ... the way of W07 */
     tet_batch_fn tets;   /* many rays and an isopolygon */

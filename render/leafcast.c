@@ -3,14 +3,12 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
+#include "render/coarse_preview.h"
 #include "render/experiment.h"
-#include "render/leafcast_volume.h"
-#include "render/mesh/isopolygon_cache.h"
-#include "render/mesh/mesh_preview.h"
+#include "render/kind.h"
 #include "render/samples.h"
 
 _Static_assert((int)LEAFCAST_USAGE == (int)ST_USAGE && (int)LEAFCAST_CORRUPT == (int)ST_CORRUPT &&
@@ -20,31 +18,6 @@ _Static_assert((int)LEAFCAST_USAGE == (int)ST_USAGE && (int)LEAFCAST_CORRUPT == 
                    (int)LEAFCAST_FAILED == (int)ST_FAILED,
                "public and internal status agree");
 _Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ACTIVE_ISOS_MAX, "as many isovalues as surfaces");
-
-enum { LOADER_WORKERS = 2 };
-
-static derived_kind derived_of(const leafcast_options *o) {
-    if (o->isopolygons == LEAFCAST_ISOPOLYGONS_ONTHEFLY)
-        return (derived_kind){NULL, NULL};
-    return isopolygon_cache_kind(o->isopolygons == LEAFCAST_ISOPOLYGONS_PRECOMPUTE);
-}
-
-/* Trees of all steps beside each other cost no refitting; where not all of them fit, one tree. */
-static mesh_schema schema_of(const leafcast *v) {
-    const uint64_t room =
-        v->budget.limit ? v->budget.limit
-                        : (uint64_t)sysconf(_SC_PHYS_PAGES) / 4 * (uint64_t)sysconf(_SC_PAGESIZE);
-    if (v->options.schema != LEAFCAST_SCHEMA_AUTO)
-        return v->options.schema == LEAFCAST_SCHEMA_TREES ? MESH_TREES : MESH_REFIT;
-    return v->file->header.payload_bytes <= room / 2 ? MESH_TREES : MESH_REFIT;
-}
-
-/* Threads of the loader: two that read; as many as there are, where they refit trees besides. */
-static int workers_of(const leafcast *v) {
-    const int threads = pool_threads(v->threads);
-    const bool refits = v->file->header.steps > 1 && schema_of(v) == MESH_REFIT;
-    return refits && threads > LOADER_WORKERS ? threads : LOADER_WORKERS;
-}
 
 leafcast_status volume_public_status(status st) {
     switch (st) {
@@ -76,34 +49,21 @@ const char *leafcast_error_text(void) {
 
 /* ---- Opening ---- */
 
+enum { LOADER_WORKERS = 2 }; /* threads that read */
+
 static status open_loader(leafcast *v) {
     static const source_kind kinds[] = {SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA};
-    const loader_options o = {.source = kinds[v->options.backend],
-                              .schema = schema_of(v),
-                              .workers = workers_of(v),
-                              .isa = v->kernels.isa,
-                              .derived = derived_of(&v->options)};
+    loader_options o = {
+        .source = kinds[v->options.backend], .workers = LOADER_WORKERS, .isa = v->kernels.isa};
+    if (v->kind->loading)
+        v->kind->loading(v, &o);
     return loader_create(&v->budget, v->file, &o, &v->treelets);
-}
-
-/* Packets instead of tiles. */
-static status choose_packets(leafcast *v) {
-    const int side = v->options.packets;
-    if (side == 0)
-        return ST_OK;
-    if (!v->file->mesh)
-        return status_describe(ST_USAGE, "packets are for meshes: in a grid, tiles of rays walk");
-    if (side != 2 && side != 4 && side != 8 && side != 16)
-        return status_describe(ST_USAGE, "packets of %d x %d rays: 2, 4, 8 or 16 on a side", side,
-                               side);
-    v->kernels.mesh_tile = v->kernels.mesh_packet;
-    v->kernels.packet = (uint8_t)side;
-    return ST_OK;
 }
 
 status volume_open_file(leafcast *v) {
     mem *m = &v->budget;
-    status st = v->file->mesh ? ST_OK : level_planes_init(&v->planes, m, v->file);
+    v->kind = kind_of(v->file);
+    status st = v->kind->open(v);
     if (st == ST_OK)
         st = pool_create(m, v->options.threads > 0 ? v->options.threads : pool_default_threads(),
                          &v->threads);
@@ -125,8 +85,6 @@ static status open_path(leafcast *v, const char *path) {
         return status_describe(ST_USAGE, "this CPU or this build has no kernels called %s",
                                v->options.isa);
     status st = leaf_file_open(&v->budget, path, &v->file);
-    if (st == ST_OK)
-        st = choose_packets(v);
     return st == ST_OK ? volume_open_file(v) : st;
 }
 
@@ -160,50 +118,13 @@ void leafcast_close(leafcast *v) {
     leafcast_close(v->coarse);
     loader_destroy(v->treelets);
     pool_destroy(v->threads);
-    if (v->file && !v->file->mesh)
-        level_planes_release(&v->planes);
+    if (v->kind)
+        v->kind->close(v);
     mem_free(&v->budget, v->scratch);
     mem_free(&v->budget, v->stop);
     mem_free(&v->budget, v->touched);
     leaf_file_close(v->file);
     mem_free(&outside, v);
-}
-
-/* Where a grid is, and how large its cells are. */
-static void extent_of_grid(const leafcast *v, leafcast_info *info) {
-    const leaf_header *h = &v->file->header;
-    for (int a = 0; a < 3; a++) {
-        info->dims[a] = h->dims[a];
-        info->bounds[0][a] = INFINITY;
-        info->bounds[1][a] = -INFINITY;
-    }
-    for (int corner = 0; corner < 8; corner++) {
-        double grid[3], world[3];
-        for (int a = 0; a < 3; a++)
-            grid[a] = v->file->axis[a][corner >> a & 1 ? h->dims[a] - 1 : 0];
-        affine_point_to_world(&v->space, grid, world);
-        for (int a = 0; a < 3; a++) {
-            info->bounds[0][a] = fmin(info->bounds[0][a], world[a]);
-            info->bounds[1][a] = fmax(info->bounds[1][a], world[a]);
-        }
-    }
-    for (int a = 0; a < 3; a++) {
-        const double *axis = v->file->axis[a], edge = affine_unit(&v->space, a);
-        info->cell_size *= cbrt(edge * (axis[h->dims[a] - 1] - axis[0]) / (h->dims[a] - 1));
-    }
-}
-
-/* A mesh's; an edge as if six tets in its box made a cube. */
-static void extent_of_mesh(const leafcast *v, leafcast_info *info) {
-    const leaf_header *h = &v->file->header;
-    info->tets = h->tets;
-    info->vertices = h->vertices;
-    for (int a = 0; a < 3; a++) {
-        info->bounds[0][a] = (double)h->bounds[a];
-        info->bounds[1][a] = (double)h->bounds[a + 3];
-        info->cell_size *= cbrt(info->bounds[1][a] - info->bounds[0][a]);
-    }
-    info->cell_size *= cbrt(6.0 / (double)h->tets);
 }
 
 leafcast_info leafcast_describe(const leafcast *v) {
@@ -220,7 +141,7 @@ leafcast_info leafcast_describe(const leafcast *v) {
                           .cell_size = 1.0,
                           .file_bytes = h->file_bytes,
                           .payload_bytes = h->payload_bytes};
-    (v->file->mesh ? extent_of_mesh : extent_of_grid)(v, &info);
+    v->kind->describe(v, &info);
     return info;
 }
 
@@ -267,8 +188,7 @@ leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) 
         return volume_public_status(st);
     v->field = field;
     v->step = step;
-    if (v->file->mesh)
-        loader_select_set(v->treelets, leaf_layout_set(&v->file->layout, field, step));
+    loader_select_set(v->treelets, leaf_layout_set(&v->file->layout, field, step));
     loader_reset_statistics(v->treelets);
     return LEAFCAST_OK;
 }
@@ -278,7 +198,7 @@ leafcast_status leafcast_range(const leafcast *v, uint32_t field, uint32_t step,
     const status st = volume_check_set(v, field, step);
     if (st != ST_OK)
         return volume_public_status(st);
-    const uint32_t set = v->file->mesh ? leaf_layout_set(layout, field, step) : 0;
+    const uint32_t set = leaf_layout_set(layout, field, step);
     const float(*own)[2] = (const float(*)[2])v->file->own + (size_t)set * layout->treelets;
     range[0] = INFINITY;
     range[1] = -INFINITY;
@@ -291,12 +211,11 @@ leafcast_status leafcast_range(const leafcast *v, uint32_t field, uint32_t step,
 }
 
 const char *leafcast_field_name(const leafcast *v, uint32_t field) {
-    return v->file->mesh && field < v->file->header.fields ? v->file->mesh->names[field] : "";
+    return leaf_file_field_name(v->file, field);
 }
 
 double leafcast_step_time(const leafcast *v, uint32_t step) {
-    return v->file->mesh && step < v->file->header.steps ? v->file->mesh->times[step]
-                                                         : (double)step;
+    return leaf_file_step_time(v->file, step);
 }
 
 leafcast_status leafcast_find_field(const leafcast *v, const char *name, uint32_t *field) {
@@ -371,48 +290,12 @@ static status clip_of(const leafcast_scene *scene, tracer *tr) {
     return st;
 }
 
-/* For --lod pixel: stop at the treelets whose cells are not larger than a pixel where they come
- * nearest to the eye. */
-static void stop_levels(leafcast *v, const camera *c) {
-    const leaf_layout *layout = &v->file->layout;
-    const double pixel = camera_pixel(c);
-    for (uint32_t t = 0; t < layout->treelets; t++) {
-        const level_planes *planes = &v->planes.levels[layout->level_of[t]];
-        double centre[3], radius = 0.0, edge = 0.0, distance = 0.0, world[3];
-        for (int a = 0; a < 3; a++) {
-            const uint32_t first = layout->place[t][a] << layout->cells_log2;
-            const double lo = planes->at[a][first],
-                         hi = planes->at[a][first + (1u << layout->cells_log2)];
-            const double unit = affine_unit(&v->space, a);
-            centre[a] = 0.5 * (lo + hi);
-            radius += 0.5 * unit * (hi - lo);
-            edge = fmax(edge, unit * (hi - lo) / (1u << layout->cells_log2));
-        }
-        affine_point_to_world(&v->space, centre, world);
-        for (int a = 0; a < 3; a++)
-            distance += (world[a] - c->eye[a]) * (world[a] - c->eye[a]);
-        v->stop[t] = edge <= pixel * fmax(sqrt(distance) - radius, 0.0);
-    }
-}
-
 status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
-    const intersector *how = intersector_find(scene->intersector);
-    const leaf_layout *layout = &v->file->layout;
     if (v->surface_count == 0)
         return status_describe(ST_USAGE, "no isosurface is selected");
-    if (!how)
-        return status_describe(ST_USAGE, "there is no such intersector");
-    if (v->file->mesh && scene->intersector != LEAFCAST_MARMITT)
-        return status_describe(ST_USAGE, "intersectors are for grids: in a mesh, surfaces are flat "
-                                         "within a tetrahedron, and met exactly");
-    if (!v->file->mesh && scene->smooth_normals)
-        return status_describe(ST_USAGE, "smooth normals are for meshes: a volume has central and "
-                                         "analytic ones");
-    if (v->file->mesh && scene->smooth_normals && layout->gradient_sets == 0)
-        return status_describe(ST_USAGE, "this file has no gradients for smooth normals: "
-                                         "leafcast convert --gradients stores them");
-    if (v->file->mesh && scene->lod == LEAFCAST_LOD_LEVEL && scene->lod_level > 0)
-        return status_describe(ST_USAGE, "this mesh has no coarse levels");
+    status st = v->kind->check(v, scene);
+    if (st != ST_OK)
+        return st;
     if (!samples_valid(scene->samples))
         return status_describe(ST_USAGE, "%d samples a pixel: 1, 4 and 16 are possible",
                                scene->samples);
@@ -420,38 +303,15 @@ status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, 
         return status_describe(ST_USAGE, "%d lights: 0 to %d are possible", scene->light_count,
                                LEAFCAST_LIGHTS_MAX);
     loader_select_gradients(v->treelets, scene->smooth_normals);
-    *tr = (tracer){.scene = {.levels = v->planes.levels,
-                             .isovalues = v->isovalues,
-                             .count = v->surface_count,
-                             .type = layout->type,
-                             .halo = layout->halo,
-                             .intersect = v->intersect ? v->intersect : how->next_hit},
-                   .walk = v->kernels.walk,
+    *tr = (tracer){.kind = v->kind,
                    .treelets = v->treelets,
-                   .layout = layout,
-                   .tree = v->treelets->tree,
+                   .layout = &v->file->layout,
+                   .isos = {v->surface_count, v->isovalues},
                    .space = v->space,
-                   .analytic_normals = scene->analytic_normals,
-                   .smooth_normals = scene->smooth_normals,
                    .preview = scene->preview,
                    .touched = v->touched};
-    for (int a = 0; a < 3 && !tr->tree; a++) {
-        tr->box[0][a] = v->file->axis[a][0];
-        tr->box[1][a] = v->file->axis[a][v->file->header.dims[a] - 1];
-    }
-    for (int a = 0; a < 3 && tr->tree; a++) {
-        tr->box[0][a] = (double)v->file->header.bounds[a];
-        tr->box[1][a] = (double)v->file->header.bounds[a + 3];
-    }
-    if (scene->lod == LEAFCAST_LOD_LEVEL)
-        tr->target_level =
-            scene->lod_level < layout->levels ? scene->lod_level : layout->levels - 1;
-    status st = clip_of(scene, tr);
-    if (st == ST_OK && scene->lod == LEAFCAST_LOD_PIXEL && c && !tr->tree) {
-        stop_levels(v, c);
-        tr->stop = v->stop;
-    }
-    return st;
+    v->kind->aim(v, scene, c, tr);
+    return clip_of(scene, tr);
 }
 
 static size_t image_bytes(const leafcast_image *image, size_t pixels) {
@@ -472,31 +332,31 @@ static leafcast_image colours_of(const leafcast_image *image) {
 
 /* Records of suspended rays, as many as there may be use for. */
 static uint32_t records_wanted(const leafcast *v, size_t pixels) {
-    const uint32_t least = frame_records_min(v->file->mesh, pool_threads(v->threads));
+    const uint32_t least = frame_records_min(v->kind, pool_threads(v->threads));
     const size_t records = (pixels + 255) / 256 * 256 * 2;
     return records < least ? least : records < UINT32_MAX / 2 ? (uint32_t)records : UINT32_MAX / 2;
 }
 
 /* What all threads draw in. */
 static size_t scratch_bytes(const leafcast *v) {
-    return (size_t)pool_threads(v->threads) * frame_scratch_bytes(v->file->mesh);
+    return (size_t)pool_threads(v->threads) * frame_scratch_bytes(v->kind);
 }
 
 /* All of the budget but records and treelets. */
 static size_t fixed_bytes(const leafcast *v, const frame *f) {
     const size_t pixels = (size_t)f->width * f->height;
     const leafcast_image colours = colours_of(&f->image);
-    return v->base_bytes + scratch_bytes(v) + v->beside + mesh_preview_bytes(v) +
+    return v->base_bytes + scratch_bytes(v) + v->beside + coarse_preview_bytes(v) +
            image_bytes(&f->image, pixels) +
            (f->scene->samples > 1 ? image_bytes(&colours, pixels) : 0) +
-           (v->file->mesh ? 0 : projection_bytes(&v->file->layout)) +
-           frame_bytes(v->file->mesh, v->file->layout.treelets, records_wanted(v, pixels), f->width,
+           v->kind->projection_bytes(&v->file->layout) +
+           frame_bytes(v->kind, v->file->layout.treelets, records_wanted(v, pixels), f->width,
                        f->height, pool_threads(v->threads));
 }
 
 /* With the fewest records, and one treelet at a time. */
 static status check_budget(const leafcast *v, size_t fixed) {
-    const uint32_t least = frame_records_min(v->file->mesh, pool_threads(v->threads));
+    const uint32_t least = frame_records_min(v->kind, pool_threads(v->threads));
     const size_t needed = fixed + least * frame_record_bytes() + loader_place_bytes(v->treelets);
     if (v->budget.limit == 0 || needed <= v->budget.limit)
         return ST_OK;
@@ -518,7 +378,7 @@ static status make_scratch(leafcast *v, frame *f) {
  * rest, or what one treelet leaves), treelets. */
 static status share_budget(leafcast *v, frame *f) {
     const uint32_t treelets = v->file->layout.treelets;
-    const uint32_t least = frame_records_min(v->file->mesh, pool_threads(v->threads));
+    const uint32_t least = frame_records_min(v->kind, pool_threads(v->threads));
     const size_t place = loader_place_bytes(v->treelets);
     size_t places = treelets, cached = SIZE_MAX;
     size_t records = records_wanted(v, (size_t)f->width * f->height);
@@ -546,15 +406,9 @@ static status share_budget(leafcast *v, frame *f) {
 /* Tiles of rays, where there are kernels for them. An experiment's intersector wants single rays.
  */
 static status project(leafcast *v, frame *f) {
-    if (!v->kernels.tile || v->intersect)
+    if (!v->kind->tile(&v->kernels) || v->intersect)
         return ST_OK;
-    if (v->file->mesh) {
-        projection_init_mesh(&v->projection, v->file->header.bounds, &f->camera);
-        f->projection = v->projection.usable ? &v->projection : NULL;
-        return ST_OK;
-    }
-    status st = projection_init(&v->projection, &v->budget, &v->file->layout, v->planes.levels,
-                                &v->space, &f->camera);
+    status st = v->kind->project(v, &f->camera);
     if (st == ST_OK && v->projection.usable)
         f->projection = &v->projection;
     return st;
@@ -710,12 +564,12 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
     if (st == ST_OK)
         st = volume_tracer(v, scene, &f.camera, &tr);
     if (st == ST_OK)
-        st = mesh_preview_begin(v, scene, &coarse, &f.coarse);
+        st = coarse_preview_begin(v, scene, &coarse, &f.coarse);
     if (st == ST_OK)
         st = share_budget(v, &f);
     if (st == ST_NOMEM && f.coarse) { /* rather without than not at all */
         f.coarse = NULL;
-        mesh_preview_end(v);
+        coarse_preview_end(v);
         st = share_budget(v, &f);
     }
     if (st != ST_OK)
@@ -740,7 +594,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
     if (stats)
         fill_stats(v, &counters, end - start, stats);
     if (stats && f.coarse)
-        mesh_preview_stats(v, stats);
+        coarse_preview_stats(v, stats);
     return volume_public_status(st);
 }
 

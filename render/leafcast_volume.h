@@ -4,7 +4,6 @@
 
 #include "render/frame.h"
 #include "render/grid/intersect.h"
-#include "render/grid/level_planes.h"
 #include "render/kernels.h"
 
 struct leafcast {
@@ -13,16 +12,17 @@ struct leafcast {
     leaf_file *file;
     pool *threads;
     loader *treelets;
-    level_planes_table planes;
+    const struct kind *kind;
+    void *own; /* the kind's part */
     affine space;
     kernels kernels;
     projection projection; /* of the frame that is being drawn */
     leafcast_surface surfaces[LEAFCAST_SURFACES_MAX];
     double isovalues[LEAFCAST_SURFACES_MAX];
     int surface_count;
-    uint32_t field, step; /* of a mesh */
-    leafcast *coarse;     /* its coarse grid, once a preview wants it; else NULL */
-    uint32_t coarse_set;  /* of which set */
+    uint32_t field, step;
+    leafcast *coarse;    /* a mesh's coarse grid, once a preview wants it; else NULL */
+    uint32_t coarse_set; /* of which set */
     atomic_uchar *touched;
     uint8_t *stop;          /* per treelet, for --lod pixel */
     void *scratch;          /* of all threads, for frames */
@@ -49,5 +49,9 @@ CHECKED status volume_open_file(leafcast *v);
 /* volume_tracer() - for rays through what is selected. c: the camera, for levels of detail by
  * pixels; may be NULL. */
 CHECKED status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr);
+
+/* volume_treelet() - treelet t, brought in if need be: what rays have seen may have given way to
+ * others since. */
+CHECKED status volume_treelet(leafcast *v, uint32_t t, const treelet **out);
 
 #endif

@@ -103,7 +103,7 @@ static void write_colour(const frame *f, pixel_ray *p, ray_counters *counters) {
 
 /* Then whatever surface is on its way hides a light. */
 static bool all_opaque(const frame *f) {
-    for (int i = 0; i < f->tracer->scene.count; i++)
+    for (int i = 0; i < f->tracer->isos.count; i++)
         if (f->surfaces[i].opacity < 1.0f)
             return false;
     return true;

@@ -11,9 +11,10 @@
 #ifndef RENDER_PROJECTION_H
 #define RENDER_PROJECTION_H
 
+#include "formats/base/mem.h"
+#include "formats/leaf/leaf.h"
 #include "render/affine.h"
 #include "render/camera.h"
-#include "render/grid/level_planes.h"
 
 /* What a plane adds: pixels right of where the camera looks, below it, and depth are x / w, y / w,
  * w; all w scaled alike. far bounds the share of any of the point's distance that is due to this
@@ -46,16 +47,22 @@ typedef struct projection {
 
 static const float projection_depth_share = 1.0f / 16.0f;
 
-/* projection_init() - of all planes of a file's levels, allocated from m. */
-CHECKED status projection_init(projection *p, mem *m, const leaf_layout *layout,
-                               const level_planes levels[], const affine *space, const camera *c);
-
-/* projection_init_mesh() - of planes anywhere, which are projected when they are met. bounds: of
- * the mesh, lo x y z, hi x y z. Allocates nothing. */
-void projection_init_mesh(projection *p, const float bounds[6], const camera *c);
 void projection_release(projection *p);
 
-/* projection_bytes() - what it allocates. */
-size_t projection_bytes(const leaf_layout *layout);
+/* ---- For kinds: grid/grid_projection.h, mesh/mesh_projection.h ---- */
+
+/* What a step of one along a grid axis adds. */
+typedef struct axis_projection {
+    double x, y, w, far;
+} axis_projection;
+
+axis_projection projection_axis(const affine *space, const camera *c, int a);
+
+/* projection_scale() - the power of two that brings vectors in grid space to ordinary size. */
+double projection_scale(const affine *space);
+
+/* projection_set_bounds() - margin, plane_error and usable. worst: the largest of what entries add
+ * up to; rounded: how many roundings an entry has. */
+void projection_set_bounds(projection *p, const camera *c, double worst, double rounded);
 
 #endif

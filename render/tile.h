@@ -15,8 +15,8 @@
 #include "formats/base/cpu.h"
 #include "render/frame.h"
 
-/* Pixels on a side: measured, see README.md. */
-enum { GRID_TILE = 16, MESH_TILE = 32, TILE_MAX = 32 };
+/* Pixels on a side of a kind's tiles, at most. */
+enum { TILE_MAX = 32 };
 
 /* Pixels of a tile's row, a bit each. */
 typedef uint32_t tile_row;
@@ -27,7 +27,8 @@ enum { TILE_ABSENT_MAX = 32 };
 /* What is left to do. Rows and rays of the tile that there is, rays row by row. All other pixels
  * that were asked for have been written. */
 typedef struct tile_outcome {
-    void *scratch; /* tile_scratch_bytes() of the caller's, 64-byte aligned: stacks may be small */
+    void *
+        scratch; /* kind.tile_scratch bytes of the caller's, 64-byte aligned: stacks may be small */
     tile_row open[TILE_MAX];          /* to be traced one by one, from their start */
     tile_row waits[TILE_MAX];         /* met an absent treelet: again with it, or one by one */
     uint32_t absent[TILE_ABSENT_MAX]; /* those treelets, as many as there is room for */
@@ -42,10 +43,10 @@ typedef struct tile_outcome {
 typedef void (*tile_fn)(const frame *f, uint32_t x0, uint32_t y0, const tile_row pixels[],
                         tile_outcome *out, ray_counters *counters);
 
-/* tile_scratch_bytes() - what any tile_fn needs, of a mesh or of a grid. */
-enum { GRID_TILE_SCRATCH = 64 << 10, MESH_TILE_SCRATCH = 288 << 10 };
-static inline size_t tile_scratch_bytes(bool mesh) {
-    return mesh ? MESH_TILE_SCRATCH : GRID_TILE_SCRATCH;
+/* tile_absent() - rays met treelet t, which is absent. */
+static inline void tile_absent(tile_outcome *out, uint32_t t) {
+    if (out->absent_count < TILE_ABSENT_MAX)
+        out->absent[out->absent_count++] = t;
 }
 
 #endif

@@ -205,7 +205,7 @@ static bool shaded_together(const frame *f) {
     bool single = f->scene->layers_max == 1;
     if (!single) {
         single = true;
-        for (int i = 0; i < f->tracer->scene.count; i++)
+        for (int i = 0; i < f->tracer->isos.count; i++)
             single &= f->surfaces[i].opacity >= 1.0f;
     }
     return single && (f->scene->light_count == 0 || !f->scene->shadows);

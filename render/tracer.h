@@ -1,31 +1,33 @@
-/* tracer.h - one ray through the whole volume, treelet by treelet, resumable.
+/* tracer.h - one ray through a whole volume, treelet by treelet, resumable.
  *
- * The directory is walked as an octree of treelets by its merged ranges; each treelet of the wanted
- * level that the ray meets is walked in turn. A ray that meets an active treelet which is not
- * resident suspends: its state says where to resume and what it has found so far. Since treelets
- * come front to back and a hit is final only when nothing unresolved can come before it, the answer
- * does not depend on what was resident when. For meshes it is mesh_tracer.h that does so.
+ * A ray that meets an active treelet which is not resident suspends: its state says where to resume
+ * and what it has found so far. Treelets come in order, and a hit is final only when nothing
+ * unresolved can come before it, so the answer does not depend on what was resident when. How a
+ * volume's treelets are ordered, and what is in them, is its kind's affair: grid/grid_tracer.h,
+ * mesh/mesh_tracer.h.
  */
 #ifndef RENDER_TRACER_H
 #define RENDER_TRACER_H
 
 #include <stdatomic.h>
 
-#include "render/grid/surface.h"
-#include "render/grid/walk.h"
+#include "render/affine.h"
+#include "render/counters.h"
+#include "render/ray.h"
+#include "render/surface_point.h"
 #include "stream/loader.h"
 
+/* A volume as the rays of a frame see it. */
 typedef struct tracer {
-    walk_scene scene;
-    walk_fn walk;
+    const struct kind *kind;
+    const void *own; /* the kind's part */
     const loader *treelets;
     const leaf_layout *layout;
-    const treelet_tree *tree; /* of a mesh; NULL for a grid */
+    active_set isos;
     affine space;
-    double box[2][3]; /* of the volume, grid space */
-    bool analytic_normals;
-    bool smooth_normals;   /* of a mesh: its treelets have gradients */
-    bool preview;          /* draw the finest resident ancestor instead of suspending */
+    double box[2][3];      /* of the volume, grid space */
+    bool boxed;            /* rays are cut to the box: coarse levels reach past it */
+    bool preview;          /* draw what is resident instead of suspending */
     uint32_t target_level; /* the level that is drawn; */
     const uint8_t *stop;   /* when not NULL, also at treelets with a 1 */
     atomic_uchar *touched; /* per treelet: set when a ray walked it */
@@ -61,5 +63,33 @@ trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
 
 /* tracer_surface() - the point of hit h on ray r, which lies in this treelet. */
 surface_point tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h);
+
+/* ---- For kinds ---- */
+
+/* tracer_box() - cut [t0, t1] to where the ray is in the volume's closed box; false: nothing is
+ * left. */
+bool tracer_box(const tracer *tr, const ray *r, double *t0, double *t1);
+
+/* tracer_touch() - remember that a ray walked treelet t. */
+static inline void tracer_touch(const tracer *tr, uint32_t t) {
+    if (!atomic_load_explicit(&tr->touched[t], memory_order_relaxed))
+        atomic_store_explicit(&tr->touched[t], 1, memory_order_relaxed);
+}
+
+/* tracer_enter() - the active treelet t, which the ray enters at t_in. NULL where it is absent: a
+ * preview goes on without it, every other ray stops and resumes there (TRACE_BLOCKED). */
+static inline const treelet *tracer_enter(const tracer *tr, uint32_t t, double t_in,
+                                          trace_state *state) {
+    const treelet *at = loader_lookup(tr->treelets, t);
+    if (at) {
+        tracer_touch(tr, t);
+    } else if (tr->preview) {
+        state->provisional = true;
+    } else {
+        state->t_from = t_in;
+        state->blocked = t;
+    }
+    return at;
+}
 
 #endif

@@ -409,3 +409,11 @@ status leaf_file_decode(const leaf_file *f, uint32_t p, const void *stored, void
         *view = payload;
     return st;
 }
+
+const char *leaf_file_field_name(const leaf_file *f, uint32_t field) {
+    return f->mesh && field < f->header.fields ? f->mesh->names[field] : "";
+}
+
+double leaf_file_step_time(const leaf_file *f, uint32_t step) {
+    return f->mesh && step < f->header.steps ? f->mesh->times[step] : (double)step;
+}

@@ -10,6 +10,7 @@
 #ifdef SIMD_NAME
 
 #include "render/grid/grid_walk_template.h"
+#include "render/grid/surface.h"
 #include "render/tile_shade_template.h"
 
 typedef double four __attribute__((vector_size(32)));
@@ -44,7 +45,7 @@ static const known_cell *corners_of(const tile_walk *w, unsigned i, known_cell *
     if (k->at == w->s.at[i] && k->cell[0] == cell[0] && k->cell[1] == cell[1] &&
         k->cell[2] == cell[2])
         return k;
-    surface_gradients(&w->s.f->tracer->scene, w->s.at[i], cell, k->gradients);
+    surface_gradients(scene_of(w), w->s.at[i], cell, k->gradients);
     k->at = w->s.at[i];
     for (int a = 0; a < 3; a++)
         k->cell[a] = cell[a];
@@ -54,7 +55,7 @@ static const known_cell *corners_of(const tile_walk *w, unsigned i, known_cell *
 /* The gradients that the normals of VD_N pixels are taken from; lanes without a hit: any. */
 SIMD void gradients_at(const tile_walk *w, unsigned i, unsigned hits, bool central,
                        known_cell *known, double gradient[3][VD_N]) {
-    const walk_scene *scene = &w->s.f->tracer->scene;
+    const walk_scene *scene = scene_of(w);
     double lo[3][VD_N], inverse[3][VD_N], at[3][VD_N];
     for (unsigned k = 0; k < VD_N; k++) {
         for (int a = 0; a < 3; a++) {
@@ -124,7 +125,7 @@ static void normal_of_its_own(const tile_walk *w, unsigned i, tile_pixels *p) {
     }
     const hit h = {w->s.t[i], index_of(w, w->s.at[i], w->cell[i]), w->s.iso[i], w->s.entering[i]};
     const surface_point point =
-        surface_at(&tr->scene, &tr->space, w->s.at[i], &r, &h, tr->analytic_normals);
+        surface_at(scene_of(w), &tr->space, w->s.at[i], &r, &h, scene_of(w)->analytic_normals);
     for (int a = 0; a < 3; a++)
         p->normal[a][i] = point.normal[a];
 }
@@ -132,7 +133,7 @@ static void normal_of_its_own(const tile_walk *w, unsigned i, tile_pixels *p) {
 /* Of all pixels with a surface. */
 static void tile_normals(const tile_walk *w, tile_pixels *p) {
     const tracer *tr = w->s.f->tracer;
-    const bool central = !tr->analytic_normals && tr->scene.halo > 0;
+    const bool central = !scene_of(w)->analytic_normals && scene_of(w)->halo > 0;
     known_cell known[KNOWN_CELLS];
     for (int k = 0; k < KNOWN_CELLS; k++)
         known[k].at = NULL;

@@ -7,7 +7,7 @@
 
 #ifdef SIMD_NAME
 
-#include "render/tile.h"
+#include "render/grid/grid_tile.h"
 
 enum { TILE = GRID_TILE, TILE_WINDOWS = 1 }; /* of the templates that follow */
 

@@ -36,6 +36,10 @@ typedef struct tile_walk {
     uint32_t cell[TILE_RAYS][3]; /* of what has been found */
 } tile_walk;
 
+SIMD const walk_scene *scene_of(const tile_walk *w) {
+    return w->s.f->tracer->own;
+}
+
 static bool any_of(const tile_row rows[], tile_rect r) {
     unsigned any = 0;
     for (unsigned y = r.y0; y <= r.y1; y++)
@@ -46,7 +50,7 @@ static bool any_of(const tile_row rows[], tile_rect r) {
 /* ---- The batch ---- */
 
 static uint64_t index_of(const tile_walk *w, const treelet *at, const uint32_t cell[3]) {
-    return walk_cell_index(&w->s.f->tracer->scene.levels[at->level], cell);
+    return walk_cell_index(&scene_of(w)->levels[at->level], cell);
 }
 
 /* A hit of ray-cell k: nearer than what the ray has? */
@@ -71,7 +75,7 @@ static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool enter
 static void flush(tile_walk *w) {
     if (w->waiting == 0)
         return;
-    const walk_scene *scene = &w->s.f->tracer->scene;
+    const walk_scene *scene = scene_of(w);
     cell_batch_hits hits;
     w->s.f->kernels->cells(&w->batch, (int)w->waiting, scene->isovalues, scene->count,
                            w->s.f->scene->intersector, &hits);
@@ -97,7 +101,7 @@ static bool is_open(const tile_walk *w, unsigned i) {
 /* Let ray i wait for the cell kernel's answer. */
 static void add_to_batch(tile_walk *w, const treelet *at, const uint32_t cell[3],
                          const float samples[8], unsigned i) {
-    const level_planes *planes = &w->s.f->tracer->scene.levels[at->level];
+    const level_planes *planes = &scene_of(w)->levels[at->level];
     cell_batch *b = &w->batch;
     const unsigned k = w->waiting++;
     for (int a = 0; a < 3; a++) {
@@ -258,7 +262,7 @@ SIMD unsigned window_pending(const tile_walk *w, unsigned x, unsigned y) {
 /* The rays of a window that visit a cell: filter those and add the rest to the batch. */
 SIMD void add_visitors(tile_walk *w, active_cell *c, const near_visit *v, unsigned x, unsigned y,
                        tile_rect r, unsigned bits) {
-    const walk_scene *scene = &w->s.f->tracer->scene;
+    const walk_scene *scene = scene_of(w);
     w->s.counters->cells += (unsigned)__builtin_popcount(bits);
     if (!c->has_samples)
         walk_cell_samples(scene, c->at, c->cell, c->samples);
@@ -328,7 +332,7 @@ SIMD unsigned queue_may_cross(const near_queue *q, const double isovalues[], int
 
 /* Filter what has been queued, and add the rest to the batch. */
 static void queue_flush(tile_walk *w) {
-    const walk_scene *scene = &w->s.f->tracer->scene;
+    const walk_scene *scene = scene_of(w);
     near_queue *q = &w->queue;
     unsigned left = (1u << q->count) - 1u;
     float samples[VF_N][8];
@@ -410,7 +414,7 @@ SIMD void queue_add(tile_walk *w, const treelet *at, const plane_projection *con
                     const uint32_t cell[3], unsigned i, float t_in, float t_out) {
     near_queue *q = &w->queue;
     const unsigned k = q->count++, padded = i / TILE * STRIDE + i % TILE;
-    walk_cell_prefetch(&w->s.f->tracer->scene, at, cell);
+    walk_cell_prefetch(scene_of(w), at, cell);
     for (int a = 0; a < 3; a++) {
         q->d[a][k] = w->s.rays.near_d[a][padded];
         q->lo[a][k] = planes[a][cell[a]].from_eye;
@@ -517,7 +521,7 @@ static unsigned open_rays(const tile_walk *w, tile_rect r) {
 }
 
 static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect) {
-    const level_planes *planes = &w->s.f->tracer->scene.levels[at->level];
+    const level_planes *planes = &scene_of(w)->levels[at->level];
     const plane_projection *const *projected = w->place.p->at[at->level];
     tree_node stack[TREE_STACK_MAX];
     int top = 0;
@@ -570,7 +574,7 @@ static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect) {
  * rectangles are generous. A cell that the kernel lets a ray visit lies within. */
 static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect r) {
     const leaf_layout *layout = w->s.f->tracer->layout;
-    const level_planes *planes = &w->s.f->tracer->scene.levels[layout->level_of[t]];
+    const level_planes *planes = &scene_of(w)->levels[layout->level_of[t]];
     unsigned passing = 0;
     for (unsigned left = w->s.open[y] & row_mask(r); left; left &= left - 1) {
         const unsigned x = (unsigned)__builtin_ctz(left), i = TILE * y + x;
@@ -621,8 +625,8 @@ static void miss_treelet(tile_walk *w, uint32_t t, tile_rect r) {
         w->s.open[y] &= ~(tile_row)passing;
         any |= passing;
     }
-    if (any && w->s.out->absent_count < TILE_ABSENT_MAX)
-        w->s.out->absent[w->s.out->absent_count++] = t;
+    if (any)
+        tile_absent(w->s.out, t);
 }
 
 static void walk_drawn(tile_walk *w, uint32_t t, tile_rect r) {
@@ -667,7 +671,7 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
         tile_rects_of(&w->place, w->place.p->at[level], first, half, &node.rect, &rects);
         const unsigned children = tr->treelets->children[node.t] & rects.alive;
         const unsigned existing = leaf_layout_children(layout, node.t);
-        const unsigned eye = first_octant(w, &tr->scene.levels[level], first, half);
+        const unsigned eye = first_octant(w, &scene_of(w)->levels[level], first, half);
         for (unsigned places = in_order(children, eye); places;
              places ^= 1u << last_place(places)) {
             const unsigned o = last_place(places) ^ eye;

@@ -11,6 +11,7 @@
 #include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_packet.h"
 #include "render/mesh/mesh_shade_template.h"
+#include "render/mesh/mesh_tracer.h"
 #include "render/mesh/packet_frustum.h"
 #include "render/tile_rects_template.h"
 
@@ -202,10 +203,10 @@ SIMD tet_known known_by(packet_view view) {
 
 static void packet_tet(packet *w, const treelet *at, uint32_t place, int first, int end) {
     const frame *f = w->s.f;
-    const walk_scene *scene = &f->tracer->scene;
-    for (int i = 0; i < scene->count; i++) {
+    const active_set *isos = &f->tracer->isos;
+    for (int i = 0; i < isos->count; i++) {
         isopolygon own;
-        const isopolygon *g = isopolygon_cache_find(at, place, i, scene->isovalues[i], &own);
+        const isopolygon *g = isopolygon_cache_find(at, place, i, isos->isovalues[i], &own);
         if (!g)
             continue;
         w->counters->isopolygons++;
@@ -311,8 +312,8 @@ static void packet_waits(packet *w, const packet_pending *p) {
         tet_rays_clear(&w->rays, i);
         any = true;
     }
-    if (any && out->absent_count < TILE_ABSENT_MAX)
-        out->absent[out->absent_count++] = p->i;
+    if (any)
+        tile_absent(out, p->i);
 }
 
 static void packet_resident(packet *w, const packet_pending *p) {
@@ -322,8 +323,7 @@ static void packet_resident(packet *w, const packet_pending *p) {
         packet_waits(w, p);
         return;
     }
-    if (!atomic_load_explicit(&tr->touched[p->i], memory_order_relaxed))
-        atomic_store_explicit(&tr->touched[p->i], 1, memory_order_relaxed);
+    tracer_touch(tr, p->i);
     packet_treelet(w, at, p->first);
 }
 
@@ -335,7 +335,7 @@ SIMD void box_of_bounds(const packet *w, const float bounds[6], packet_box *box)
 }
 
 SIMD int open_family(packet *w, const packet_pending *p, packet_pending *stack, int top) {
-    const treelet_tree *tree = w->s.f->tracer->tree;
+    const treelet_tree *tree = mesh_rays_of(w->s.f->tracer)->tree;
     uint32_t count, first = treelet_tree_children(tree, p->level, p->i, &count);
     unsigned active = 0;
     const int bottom = top;
@@ -357,7 +357,7 @@ SIMD int open_family(packet *w, const packet_pending *p, packet_pending *stack, 
 }
 
 static void packet_mesh(packet *w, int first_ray) {
-    const treelet_tree *tree = w->s.f->tracer->tree;
+    const treelet_tree *tree = mesh_rays_of(w->s.f->tracer)->tree;
     const uint32_t last = tree->levels - 1;
     packet_pending *stack = w->in_tree;
     int top = 0;

@@ -7,6 +7,8 @@
 
 #ifdef SIMD_NAME
 
+#include "render/mesh/mesh_tile.h"
+#include "render/mesh/mesh_tracer.h"
 #include "render/mesh/mesh_walk.h"
 #include "render/mesh/tet_normals_template.h"
 #include "render/mesh/tet_smooth.h"
@@ -65,7 +67,7 @@ SIMD void faceted_normals(const tile_state *s, const uint32_t tet_of[TILE_RAYS],
          left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left);
         float of[3];
-        tet_normal(&tets[k], s->f->tracer->scene.isovalues[s->iso[l->ray[from + k]]], of);
+        tet_normal(&tets[k], s->f->tracer->isos.isovalues[s->iso[l->ray[from + k]]], of);
         for (int a = 0; a < 3; a++)
             normal[a][k] = of[a];
     }
@@ -85,7 +87,7 @@ static void smooth_normals(const tile_state *s, const uint32_t tet_of[TILE_RAYS]
         const unsigned k = l->of[i] % KNOWN_TETS;
         if (place[k] != l->of[i]) {
             const tet x = mesh_walk_tet(s->at[i], tet_of[i]);
-            const double iso = s->f->tracer->scene.isovalues[s->iso[i]];
+            const double iso = s->f->tracer->isos.isovalues[s->iso[i]];
             isopolygon g;
             float gradients[4][3];
             mesh_walk_gradients(s->at[i], tet_of[i], gradients);
@@ -117,7 +119,7 @@ static void normals_of_tets(const tile_state *s, const uint32_t tet_of[TILE_RAYS
         for (int a = 0; a < 3; a++)
             m->pixels.normal[a][i] = m->normal[l->of[i] / VD_N][a][l->of[i] % VD_N];
     }
-    if (s->f->tracer->smooth_normals)
+    if (mesh_rays_of(s->f->tracer)->smooth)
         smooth_normals(s, tet_of, m);
 }
 

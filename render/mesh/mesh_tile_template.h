@@ -12,6 +12,7 @@
 #include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_shade_template.h"
 #include "render/mesh/mesh_tile.h"
+#include "render/mesh/mesh_tracer.h"
 #include "render/mesh/tet_sight_template.h"
 #include "render/tile_rects_template.h"
 #include "stream/active.h"
@@ -258,7 +259,7 @@ SIMD near_tet lane_tet(const tet_lanes *l, const treelet *at, unsigned lane) {
 /* Made, or kept with the treelet; false: none. */
 SIMD bool polygon_of(const mesh_tile *w, const treelet *at, unsigned lane, int32_t iso,
                      isopolygon *out) {
-    const double isovalue = w->s.f->tracer->scene.isovalues[iso];
+    const double isovalue = w->s.f->tracer->isos.isovalues[iso];
     const uint32_t place = w->lanes.place[lane];
     if (!at->derived) {
         const near_tet x = lane_tet(&w->lanes, at, lane);
@@ -389,16 +390,16 @@ SIMD unsigned covers_of(const mesh_tile *w, const tets_in_view *v, double iso, t
 }
 
 static void walk_lanes(mesh_tile *w, const treelet *at) {
-    const walk_scene *scene = &w->s.f->tracer->scene;
+    const active_set *isos = &w->s.f->tracer->isos;
     tet_lanes *l = &w->lanes;
     tets_in_view view;
     for (unsigned k = l->count; k < VF_N; k++)
         for (int v = 0; v < 4; v++)
             l->vertex[v][k] = l->vertex[v][0];
     view_tets(w, at, &view);
-    for (int32_t i = 0; i < scene->count; i++) {
+    for (int32_t i = 0; i < isos->count; i++) {
         tet_covers covers;
-        for (unsigned left = covers_of(w, &view, scene->isovalues[i], &covers); left;
+        for (unsigned left = covers_of(w, &view, isos->isovalues[i], &covers); left;
              left &= left - 1) {
             const unsigned k = (unsigned)__builtin_ctz(left);
             if (in_sight(w, covers.rect[k], covers.depth[k] * covers.depth[k]))
@@ -553,16 +554,9 @@ SIMD unsigned rays_through(const mesh_tile *w, const double lo[3], const double 
         md_or(d_gt(t_in - slack, t_out + slack), md_or(d_gt(first, last), d_gt(first, found))));
 }
 
-/* Remember that rays came into a treelet: as far as rectangles tell. */
-SIMD void touch_treelet(const mesh_tile *w, uint32_t t) {
-    atomic_uchar *touched = &w->s.f->tracer->touched[t];
-    if (!atomic_load_explicit(touched, memory_order_relaxed))
-        atomic_store_explicit(touched, 1, memory_order_relaxed);
-}
-
 /* Rays that pass a treelet which is not there go no further. */
 static void wait_for_treelet(mesh_tile *w, uint32_t t, tile_rect r) {
-    const float *bounds = w->s.f->tracer->tree->bounds[0][t];
+    const float *bounds = mesh_rays_of(w->s.f->tracer)->tree->bounds[0][t];
     const double lo[3] = {bounds[0], bounds[1], bounds[2]};
     const double hi[3] = {bounds[3], bounds[4], bounds[5]};
     tile_outcome *out = w->s.out;
@@ -578,8 +572,8 @@ static void wait_for_treelet(mesh_tile *w, uint32_t t, tile_rect r) {
     }
     if (any)
         look_with_open(w);
-    if (any && out->absent_count < TILE_ABSENT_MAX)
-        out->absent[out->absent_count++] = t;
+    if (any)
+        tile_absent(out, t);
 }
 
 static void walk_resident_treelet(mesh_tile *w, const mesh_pending *p) {
@@ -592,13 +586,13 @@ static void walk_resident_treelet(mesh_tile *w, const mesh_pending *p) {
         wait_for_treelet(w, p->i, p->rect);
         return;
     }
-    touch_treelet(w, p->i);
+    tracer_touch(w->s.f->tracer, p->i); /* as far as rectangles tell */
     walk_treelet_of_mesh(w, at, p->rect, p->near2);
 }
 
 /* The tree over the treelets, from its root on. */
 static void walk_mesh(mesh_tile *w, tile_rect rect) {
-    const treelet_tree *tree = w->s.f->tracer->tree;
+    const treelet_tree *tree = mesh_rays_of(w->s.f->tracer)->tree;
     mesh_pending stack[TREE_STACK_MAX];
     int top = 0;
     if (tree->active[tree->levels - 1][0])

@@ -22,7 +22,7 @@ typedef struct search {
 } search;
 
 static search search_of(const tracer *tr, const ray *r, const hit *after, ray_counters *counters) {
-    const treelet_tree *tree = tr->tree;
+    const treelet_tree *tree = mesh_rays_of(tr)->tree;
     return (search){tree, mesh_slabs_of(r),
                     mesh_walk_behind(tree->bounds[tree->levels - 1][0], r, after), counters};
 }
@@ -156,16 +156,10 @@ static passage next_passage(const search *s, passage last, double limit) {
 
 /* ---- Treelets ---- */
 
-static void touch(const tracer *tr, uint32_t t) {
-    if (!atomic_load_explicit(&tr->touched[t], memory_order_relaxed))
-        atomic_store_explicit(&tr->touched[t], 1, memory_order_relaxed);
-}
-
 /* Look for hits in a treelet. True: nothing else needs to be looked at. */
 static bool walk_passage(const tracer *tr, const treelet *here, const ray *r, trace_state *state,
                          ray_counters *counters) {
-    touch(tr, here->id);
-    if (!mesh_walk(&tr->scene, here, r, &state->after, state->any, &state->best, counters))
+    if (!mesh_walk(&tr->isos, here, r, &state->after, state->any, &state->best, counters))
         return false;
     if (!state->any)
         state->point = mesh_tracer_surface(tr, here, r, &state->best);
@@ -186,28 +180,21 @@ trace_result mesh_tracer_next(const tracer *tr, const ray *r, trace_state *state
             if (at.t == LEAF_NO_TREELET)
                 return hit_exists(&state->best) ? TRACE_HIT : TRACE_MISS;
         }
-        const treelet *here = loader_lookup(tr->treelets, at.t);
-        if (!here && tr->preview) {
-            state->provisional = true;
-            continue;
-        }
-        if (!here) {
-            state->t_from = at.t_in;
-            state->blocked = at.t;
+        const treelet *here = tracer_enter(tr, at.t, at.t_in, state);
+        if (!here && !tr->preview)
             return TRACE_BLOCKED;
-        }
-        if (walk_passage(tr, here, r, state, counters))
+        if (here && walk_passage(tr, here, r, state, counters))
             return TRACE_HIT;
     }
 }
 
 surface_point mesh_tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h) {
     const uint32_t place = (uint32_t)(h->cell - at->first_tet);
-    const double iso = tr->scene.isovalues[h->iso];
+    const double iso = tr->isos.isovalues[h->iso];
     const tet x = mesh_walk_tet(at, place);
     surface_point point = tet_surface(&x, r, iso, h);
     isopolygon g;
-    if (tr->smooth_normals && isopolygon_of(&x, iso, &g)) {
+    if (mesh_rays_of(tr)->smooth && isopolygon_of(&x, iso, &g)) {
         float gradients[4][3];
         tet_smooth s;
         mesh_walk_gradients(at, place, gradients);

@@ -1,5 +1,4 @@
-/* mesh_tracer.h - one ray through a whole mesh, treelet by treelet, resumable: tracer_next() for
- * tetrahedra.
+/* mesh_tracer.h - one ray through a whole mesh of tets, treelet by treelet, resumable.
  *
  * Treelets overlap, so that no order of them is front to back. A ray takes them in the order of
  * (the t at which it enters their box, index): a hit is final when the next active one begins
@@ -14,11 +13,21 @@
 
 #include "render/tracer.h"
 
-/* mesh_tracer_next() - as tracer_next(). */
+/* A mesh as rays see it during a frame: tracer.own. */
+typedef struct mesh_rays {
+    const treelet_tree *tree; /* over its treelets */
+    bool smooth;              /* normals by the gradients at vertices, which its treelets have */
+} mesh_rays;
+
+static inline const mesh_rays *mesh_rays_of(const tracer *tr) {
+    return tr->own;
+}
+
+/* mesh_tracer_next() - tracer_next(). */
 trace_result mesh_tracer_next(const tracer *tr, const ray *r, trace_state *state,
                               ray_counters *counters);
 
-/* mesh_tracer_surface() - the point of a hit that lies in tet h->cell of this treelet. */
+/* mesh_tracer_surface() - tracer_surface(), of a hit that lies in tet h->cell of this treelet. */
 surface_point mesh_tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h);
 
 #endif

@@ -107,16 +107,16 @@ static bool passes_box(const mesh_slabs *line, const tet *x) {
     return mesh_interval_in(line, lo, hi, &in);
 }
 
-static bool test_tet(const walk_scene *scene, const treelet *tr, uint32_t place, const ray *r,
+static bool test_tet(const active_set *isos, const treelet *tr, uint32_t place, const ray *r,
                      const mesh_slabs *line, const hit *after, hit *best, ray_counters *counters) {
     const tet x = mesh_walk_tet(tr, place);
     bool changed = false, active = false;
     if (!passes_box(line, &x))
         return false;
-    for (int i = 0; i < scene->count; i++) {
+    for (int i = 0; i < isos->count; i++) {
         isopolygon g;
         hit found;
-        if (!isopolygon_of(&x, scene->isovalues[i], &g))
+        if (!isopolygon_of(&x, isos->isovalues[i], &g))
             continue;
         active = true;
         if (!next_hit(&g, r, tr->first_tet + place, i, after, &found))
@@ -219,17 +219,17 @@ static int push_children(const code_slabs *s, const treelet *tr, uint32_t node, 
 }
 
 /* The active tets from place `first` on. */
-static bool walk_leaf(const walk_scene *scene, const treelet *tr, uint32_t first, uint32_t end,
+static bool walk_leaf(const active_set *isos, const treelet *tr, uint32_t first, uint32_t end,
                       const ray *r, const mesh_slabs *line, const hit *after, hit *best,
                       ray_counters *counters) {
     bool changed = false;
     for (uint32_t i = first; i < end; i++)
         if (tr->active->tets[i / 64] >> i % 64 & 1u)
-            changed |= test_tet(scene, tr, i, r, line, after, best, counters);
+            changed |= test_tet(isos, tr, i, r, line, after, best, counters);
     return changed;
 }
 
-bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const hit *after, bool any,
+bool mesh_walk(const active_set *isos, const treelet *tr, const ray *r, const hit *after, bool any,
                hit *best, ray_counters *counters) {
     const code_slabs slabs = code_slabs_of(tr, r, after);
     mesh_slabs line = mesh_slabs_of(r);
@@ -251,7 +251,7 @@ bool mesh_walk(const walk_scene *scene, const treelet *tr, const ray *r, const h
         }
         const uint32_t leaf = p.child & ~(uint32_t)MESH_LEAF;
         changed |=
-            walk_leaf(scene, tr, first[leaf], first[leaf + 1], r, &line, after, best, counters);
+            walk_leaf(isos, tr, first[leaf], first[leaf + 1], r, &line, after, best, counters);
     }
     return changed;
 }

@@ -47,8 +47,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "render/grid/surface.h"
 #include "render/ray.h"
+#include "render/surface_point.h"
 
 /* Edges of a tet by number: 01 02 03 12 13 23, in the order of their ends, so of these' global
  * ids. */

@@ -1,14 +1,14 @@
-#include "render/mesh/mesh_preview.h"
+#include "render/coarse_preview.h"
 
 #include <string.h>
 
 enum { SHARE_LOG2 = 3 };
 
-size_t mesh_preview_bytes(const leafcast *v) {
+size_t coarse_preview_bytes(const leafcast *v) {
     return v->coarse ? v->coarse->budget.limit : 0;
 }
 
-void mesh_preview_end(leafcast *v) {
+void coarse_preview_end(leafcast *v) {
     leafcast_close(v->coarse);
     v->coarse = NULL;
 }
@@ -21,9 +21,9 @@ static status open_coarse(leafcast *v, uint32_t set) {
         return ST_NOMEM;
     coarse->options = v->options;
     coarse->options.threads = 1;
+    coarse->options.packets = 0;
     coarse->options.backend = LEAFCAST_BACKEND_ARENA;
     coarse->kernels = v->kernels;
-    coarse->kernels.packet = GRID_TILE; /* whatever a mesh's packets are */
     mem_init(&coarse->budget, v->budget.limit >> SHARE_LOG2);
     status st = leaf_file_open_coarse(&coarse->budget, v->file, set, &coarse->file);
     if (st == ST_OK)
@@ -64,14 +64,14 @@ static status begin_loading(loader *l) {
     return st;
 }
 
-status mesh_preview_begin(leafcast *v, const leafcast_scene *scene, tracer *tr,
-                          const tracer **out) {
+status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, tracer *tr,
+                            const tracer **out) {
     *out = NULL;
-    if (!scene->preview || !v->file->mesh)
+    if (!scene->preview)
         return ST_OK;
     const uint32_t set = leaf_layout_set(&v->file->layout, v->field, v->step);
     if (v->coarse && v->coarse_set != set)
-        mesh_preview_end(v);
+        coarse_preview_end(v);
     if (!leaf_file_has_coarse(v->file, set))
         return ST_OK;
     status st = v->coarse ? ST_OK : open_coarse(v, set);
@@ -81,7 +81,7 @@ status mesh_preview_begin(leafcast *v, const leafcast_scene *scene, tracer *tr,
         return st;
     leafcast *coarse = v->coarse;
     if (!make_places(coarse)) {
-        mesh_preview_end(v);
+        coarse_preview_end(v);
         return ST_OK;
     }
     leafcast_scene whole = *scene;
@@ -98,7 +98,7 @@ status mesh_preview_begin(leafcast *v, const leafcast_scene *scene, tracer *tr,
     return st;
 }
 
-void mesh_preview_stats(const leafcast *v, leafcast_stats *stats) {
+void coarse_preview_stats(const leafcast *v, leafcast_stats *stats) {
     const loader_stats l = loader_statistics(v->coarse->treelets);
     stats->bytes_read += l.bytes_read;
     stats->bytes_resident += l.bytes_resident;

@@ -1,0 +1,68 @@
+/* kind.h - the kinds of geometry: a row of a table each, with all that is asked of a kind.
+ *
+ * A kind knows where its cells are and what the value does along a ray inside one. Only its own
+ * folder (render/grid, render/mesh) knows more of it: adding one adds a folder and a row
+ * (kinds.c).
+ */
+#ifndef RENDER_KIND_H
+#define RENDER_KIND_H
+
+#include "render/frame.h"
+#include "render/kernels.h"
+#include "render/leafcast_volume.h"
+#include "render/tile.h"
+
+typedef struct kind {
+    /* ---- An open volume ---- */
+
+    /* Check the options, make what rays need beside treelets: v->own. close() releases what there
+     * is of it. */
+    status (*open)(leafcast *v);
+    void (*close)(leafcast *v);
+    /* How treelets are to be read, where there are choices; NULL: as it is. */
+    void (*loading)(const leafcast *v, loader_options *o);
+    /* Extent: dims, tets, vertices, bounds; cell_size, which is 1 to begin with. */
+    void (*describe)(const leafcast *v, leafcast_info *info);
+    /* The box of what may be active for these isovalues, of everything where nothing is: its
+     * corners in world space. */
+    void (*active_box)(const leafcast *v, uint32_t set, const double *isovalues, int count,
+                       double corners[8][3]);
+
+    /* ---- A frame ---- */
+
+    /* What the scene asks of this kind in vain: ST_USAGE. */
+    status (*check)(const leafcast *v, const leafcast_scene *scene);
+    /* The tracer's box, its kind's part and its levels of detail. c: see volume_tracer(). */
+    void (*aim)(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr);
+    /* v->projection, not usable where tiles are not possible; memory that it takes. */
+    status (*project)(leafcast *v, const camera *c);
+    size_t (*projection_bytes)(const leaf_layout *layout);
+    /* Tiles of primary rays: pixels on a side, bytes that one needs, the kernel (NULL: none). */
+    uint32_t tile_side;
+    size_t tile_scratch;
+    tile_fn (*tile)(const kernels *k);
+    /* Where a treelet stands in the order of rays from the eye (light: NULL), or towards a light:
+     * along each of them ranks rise. */
+    uint32_t (*rank)(const frame *f, uint32_t t, const leafcast_light *light);
+
+    /* ---- A ray ---- */
+
+    /* tracer_next(), tracer_surface(). */
+    trace_result (*next)(const tracer *tr, const ray *r, trace_state *state,
+                         ray_counters *counters);
+    surface_point (*surface)(const tracer *tr, const treelet *at, const ray *r, const hit *h);
+
+    /* ---- A cell ---- */
+
+    /* The cell of a hit, as leafcast_hit tells of it. */
+    status (*cell_of_hit)(leafcast *v, const tracer *tr, const ray *r, const hit *h,
+                          leafcast_hit *out);
+    /* The cell at a point of world space, its value there and the gradient; *out stays where there
+     * is none. */
+    status (*cell_at)(leafcast *v, const double point[3], leafcast_sample *out);
+} kind;
+
+/* kind_of() - the row of a file's geometry. */
+const kind *kind_of(const leaf_file *f);
+
+#endif

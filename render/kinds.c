@@ -1,0 +1,10 @@
+#include "render/grid/grid_kind.h"
+#include "render/mesh/mesh_kind.h"
+
+const kind *kind_of(const leaf_file *f) {
+    static const kind *const kinds[] = {
+        [LEAF_KIND_GRID] = &grid_kind,
+        [LEAF_KIND_MESH] = &mesh_kind,
+    };
+    return kinds[f->header.kind];
+}

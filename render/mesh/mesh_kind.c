@@ -1,0 +1,260 @@
+#include "render/mesh/mesh_kind.h"
+
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "formats/base/exact.h"
+#include "render/active_box.h"
+#include "render/mesh/isopolygon_cache.h"
+#include "render/mesh/mesh_projection.h"
+#include "render/mesh/mesh_tile.h"
+#include "render/mesh/mesh_tracer.h"
+#include "render/mesh/mesh_walk.h"
+
+/* ---- An open volume ---- */
+
+/* Packets instead of tiles, if asked for. */
+static status mesh_open(leafcast *v) {
+    const int side = v->options.packets;
+    v->own = mem_zalloc(&v->budget, sizeof(mesh_rays));
+    if (!v->own || side == 0)
+        return v->own ? ST_OK : ST_NOMEM;
+    if (side != 2 && side != 4 && side != 8 && side != 16)
+        return status_describe(ST_USAGE, "packets of %d x %d rays: 2, 4, 8 or 16 on a side", side,
+                               side);
+    v->kernels.mesh_tile = v->kernels.mesh_packet;
+    v->kernels.packet = (uint8_t)side;
+    return ST_OK;
+}
+
+static derived_kind derived_of(const leafcast_options *o) {
+    if (o->isopolygons == LEAFCAST_ISOPOLYGONS_ONTHEFLY)
+        return (derived_kind){NULL, NULL};
+    return isopolygon_cache_kind(o->isopolygons == LEAFCAST_ISOPOLYGONS_PRECOMPUTE);
+}
+
+/* Trees of all steps beside each other cost no refitting; where not all of them fit, one tree. */
+static mesh_schema schema_of(const leafcast *v) {
+    const uint64_t room =
+        v->budget.limit ? v->budget.limit
+                        : (uint64_t)sysconf(_SC_PHYS_PAGES) / 4 * (uint64_t)sysconf(_SC_PAGESIZE);
+    if (v->options.schema != LEAFCAST_SCHEMA_AUTO)
+        return v->options.schema == LEAFCAST_SCHEMA_TREES ? MESH_TREES : MESH_REFIT;
+    return v->file->header.payload_bytes <= room / 2 ? MESH_TREES : MESH_REFIT;
+}
+
+/* Readers refit trees, too: then as many as there are threads. */
+static void mesh_loading(const leafcast *v, loader_options *o) {
+    const int threads = pool_threads(v->threads);
+    o->schema = schema_of(v);
+    o->derived = derived_of(&v->options);
+    if (v->file->header.steps > 1 && o->schema == MESH_REFIT && threads > o->workers)
+        o->workers = threads;
+}
+
+static void mesh_close(leafcast *v) {
+    mem_free(&v->budget, v->own);
+}
+
+/* A mesh's; an edge as if six tets in its box made a cube. */
+static void mesh_describe(const leafcast *v, leafcast_info *info) {
+    const leaf_header *h = &v->file->header;
+    info->tets = h->tets;
+    info->vertices = h->vertices;
+    for (int a = 0; a < 3; a++) {
+        info->bounds[0][a] = (double)h->bounds[a];
+        info->bounds[1][a] = (double)h->bounds[a + 3];
+        info->cell_size *= cbrt(info->bounds[1][a] - info->bounds[0][a]);
+    }
+    info->cell_size *= cbrt(6.0 / (double)h->tets);
+}
+
+static void mesh_active_box(const leafcast *v, uint32_t set, const double *isovalues, int count,
+                            double corners[8][3]) {
+    const leaf_layout *l = &v->file->layout;
+    const float(*own)[2] = (const float(*)[2])v->file->own + (size_t)set * l->treelets;
+    double box[2][3], lo[3], hi[3];
+    box_begin(box);
+    for (uint32_t t = 0; t < l->treelets; t++) {
+        const float *bounds = v->file->mesh->bounds[leaf_layout_bounds(l, set % l->steps, t)];
+        for (int a = 0; a < 3; a++) {
+            lo[a] = (double)bounds[a];
+            hi[a] = (double)bounds[3 + a];
+        }
+        if (range_is_active(own[t], isovalues, count))
+            box_widen(box, lo, hi);
+    }
+    for (int a = 0; a < 3; a++) {
+        lo[a] = (double)v->file->header.bounds[a];
+        hi[a] = (double)v->file->header.bounds[3 + a];
+    }
+    if (!box_any(box))
+        box_widen(box, lo, hi);
+    for (int i = 0; i < 8; i++)
+        box_corner(box, i, corners[i]);
+}
+
+/* ---- A frame ---- */
+
+static status mesh_check(const leafcast *v, const leafcast_scene *scene) {
+    if (scene->intersector != LEAFCAST_MARMITT)
+        return status_describe(ST_USAGE, "intersectors are for grids: in a mesh, surfaces are flat "
+                                         "within a tetrahedron, and met exactly");
+    if (scene->smooth_normals && v->file->layout.gradient_sets == 0)
+        return status_describe(ST_USAGE, "this file has no gradients for smooth normals: "
+                                         "leafcast convert --gradients stores them");
+    if (scene->lod == LEAFCAST_LOD_LEVEL && scene->lod_level > 0)
+        return status_describe(ST_USAGE, "this mesh has no coarse levels");
+    return ST_OK;
+}
+
+static void mesh_aim(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
+    mesh_rays *own = v->own;
+    (void)c;
+    *own = (mesh_rays){v->treelets->tree, scene->smooth_normals};
+    tr->own = own;
+    tr->boxed = tr->preview;
+    for (int a = 0; a < 3; a++) {
+        tr->box[0][a] = (double)v->file->header.bounds[a];
+        tr->box[1][a] = (double)v->file->header.bounds[a + 3];
+    }
+}
+
+static status mesh_project(leafcast *v, const camera *c) {
+    mesh_projection_init(&v->projection, v->file->header.bounds, c);
+    return ST_OK;
+}
+
+static size_t mesh_projection_bytes(const leaf_layout *layout) {
+    (void)layout;
+    return 0;
+}
+
+static tile_fn mesh_tile(const kernels *k) {
+    return k->mesh_tile;
+}
+
+/* ---- The order of treelets ---- */
+
+/* Numbers in the order of floats. */
+static uint32_t ordered(double x) {
+    const float f = (float)x;
+    uint32_t bits;
+    memcpy(&bits, &f, sizeof bits);
+    return bits >> 31 ? ~bits : bits | 1u << 31;
+}
+
+/* The square of the distance from a point to a box. */
+static double distance_to(const float bounds[6], const double from[3]) {
+    double sum = 0.0;
+    for (int a = 0; a < 3; a++) {
+        const double below = (double)bounds[a] - from[a], above = from[a] - (double)bounds[a + 3];
+        const double outside = below > 0.0 ? below : above > 0.0 ? above : 0.0;
+        sum += outside * outside;
+    }
+    return sum;
+}
+
+/* Where a box begins in a direction. */
+static double along(const float bounds[6], const double direction[3]) {
+    double sum = 0.0;
+    for (int a = 0; a < 3; a++)
+        sum += direction[a] * (double)bounds[direction[a] > 0.0 ? a : a + 3];
+    return sum;
+}
+
+static uint32_t mesh_rank(const frame *f, uint32_t t, const leafcast_light *light) {
+    const float *bounds = mesh_rays_of(f->tracer)->tree->bounds[0][t];
+    if (!light)
+        return ordered(distance_to(bounds, f->camera.eye));
+    if (!light->point)
+        return ordered(along(bounds, light->vector));
+    return ~ordered(distance_to(bounds, light->vector));
+}
+
+/* ---- Cells ---- */
+
+static uint32_t treelet_of_tet(const leaf_file *f, uint64_t number) {
+    uint32_t lo = 0, hi = f->layout.treelets;
+    while (hi - lo > 1) {
+        const uint32_t middle = lo + (hi - lo) / 2;
+        if (f->mesh->first_tet[middle] <= number)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    return lo;
+}
+
+static void copy_tet(const treelet *at, uint32_t place, float vertices[4][3], float values[4]) {
+    const tet x = mesh_walk_tet(at, place);
+    memcpy(vertices, x.p, sizeof x.p);
+    memcpy(values, x.f, sizeof x.f);
+}
+
+static status mesh_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, const hit *h,
+                               leafcast_hit *out) {
+    (void)tr;
+    (void)r;
+    const treelet *at;
+    out->tet = h->cell;
+    status st = volume_treelet(v, treelet_of_tet(v->file, h->cell), &at);
+    if (st != ST_OK)
+        return st;
+    copy_tet(at, (uint32_t)(h->cell - at->first_tet), out->vertices, out->values);
+    double p[4][3];
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3; k++)
+            p[i][k] = (double)out->vertices[i][k];
+    out->flat = exact_orientation((const double(*)[3])p) == 0;
+    return ST_OK;
+}
+
+/* Treelets are looked at in order, so that of the tets that share a point it is the first. */
+static status mesh_cell_at(leafcast *v, const double point[3], leafcast_sample *sample) {
+    const leaf_layout *layout = &v->file->layout;
+    for (uint32_t t = 0; t < layout->treelets; t++) {
+        const float *bounds = v->file->mesh->bounds[leaf_layout_bounds(layout, v->step, t)];
+        bool within = true;
+        for (int a = 0; a < 3; a++)
+            within &= (double)bounds[a] <= point[a] && point[a] <= (double)bounds[a + 3];
+        if (!within)
+            continue;
+        const treelet *at;
+        uint32_t place;
+        double weights[4];
+        status st = volume_treelet(v, t, &at);
+        if (st != ST_OK)
+            return st;
+        if (!mesh_walk_find(at, point, &place, weights))
+            continue;
+        const tet x = mesh_walk_tet(at, place);
+        *sample = (leafcast_sample){.inside = true, .treelet = t, .tet = at->first_tet + place};
+        copy_tet(at, place, sample->vertices, sample->values);
+        for (int k = 0; k < 4; k++)
+            if (weights[k] > 0.0)
+                sample->value += weights[k] * (isfinite(x.f[k]) ? (double)x.f[k] : (double)NAN);
+        (void)tet_gradient(&x, sample->gradient);
+        return ST_OK;
+    }
+    return ST_OK;
+}
+
+const kind mesh_kind = {.open = mesh_open,
+                        .close = mesh_close,
+                        .loading = mesh_loading,
+                        .describe = mesh_describe,
+                        .active_box = mesh_active_box,
+                        .check = mesh_check,
+                        .aim = mesh_aim,
+                        .project = mesh_project,
+                        .projection_bytes = mesh_projection_bytes,
+                        .tile_side = MESH_TILE,
+                        .tile_scratch = MESH_TILE_SCRATCH,
+                        .tile = mesh_tile,
+                        .rank = mesh_rank,
+                        .next = mesh_tracer_next,
+                        .surface = mesh_tracer_surface,
+                        .cell_of_hit = mesh_cell_of_hit,
+                        .cell_at = mesh_cell_at};

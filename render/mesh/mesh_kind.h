@@ -1,0 +1,9 @@
+/* mesh_kind.h - the row of tetrahedral meshes in the table of kinds. */
+#ifndef RENDER_MESH_MESH_KIND_H
+#define RENDER_MESH_MESH_KIND_H
+
+#include "render/kind.h"
+
+extern const kind mesh_kind;
+
+#endif
