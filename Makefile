@@ -250,6 +250,10 @@ $(TESTS) $(TOOLS) $(FUZZERS): $B/tests/%: $B/obj/tests/%.o $(SUPPORT) $(ARCHIVES
 	$(call say,LINK,$@)
 	$(link) $(LINK_TESTS)
 
+$B/flags-link: FORCE
+	$(call remember,$(LDFLAGS) $(DEPS_LIBS))
+$(SHARED) $(VERBS) $(IMAGE) $(TETGEN_BIN) $(TESTS) $(TOOLS) $(FUZZERS): $B/flags-link
+
 tests: all $(TESTS) $(TOOLS)
 TEST_ENV = LEAFCAST_BUILD=$(CURDIR)/$B LEAFCAST=$(CURDIR)/$(FRONT) \
            LEAFCAST_COMPILE=$(call quoted,$(CC) $(ALL_C)) LEAFCAST_LIBS='$(ALL_LIBS) -lcmocka'

@@ -1,5 +1,8 @@
-# completion.bash - bash completes `leafcast VERB ...`. What there is to complete, a verb says itself
-# (--list-options): names of options, their values where they are words, files by suffix elsewhere.
+# completion.bash - bash completes `leafcast VERB ...`. What there is to complete, a verb of leafcast's own
+# says itself (--list-options): names of options, their values where they are words, files by suffix
+# elsewhere. Others are not run: they complete files.
+
+_leafcast_own() { "$1" --list-verbs own 2>/dev/null | grep -qxF -- "$2"; }
 
 # What a verb lists: --name, -s, argument, class, text; divided by tabs.
 _leafcast_list() { "$1" "$2" --list-options 2>/dev/null </dev/null; }
@@ -28,8 +31,13 @@ _leafcast() {
     local program=${COMP_WORDS[0]} word=${COMP_WORDS[COMP_CWORD]} verb=${COMP_WORDS[1]-}
     local before=${COMP_WORDS[COMP_CWORD - 1]} list form args
     COMPREPLY=()
+    program=${program/#\~\//$HOME/}
     if [ "$COMP_CWORD" -eq 1 ] || { [ "$COMP_CWORD" -eq 2 ] && [ "$verb" = help ]; }; then
         mapfile -t COMPREPLY < <(compgen -W "help $("$program" --list-verbs 2>/dev/null)" -- "$word")
+        return
+    fi
+    if ! _leafcast_own "$program" "$verb"; then
+        mapfile -t COMPREPLY < <(compgen -f -- "$word")
         return
     fi
     list=$(_leafcast_list "$program" "$verb")

@@ -1,5 +1,6 @@
 #compdef leafcast
-# completion.zsh - zsh completes `leafcast VERB ...`, by what a verb says of itself (--list-options).
+# completion.zsh - zsh completes `leafcast VERB ...`, by what a verb of leafcast's own says of itself
+# (--list-options). Others are not run: they complete files.
 
 _leafcast_value() {
     local form=$1
@@ -14,12 +15,14 @@ _leafcast_value() {
 
 _leafcast() {
     local verb=${words[2]} word=${words[CURRENT]} before=${words[CURRENT-1]} args form name letter
-    local argument class text
-    local -a options
+    local line argument text
+    local -a options own
     if (( CURRENT == 2 )) || [[ CURRENT -eq 3 && $verb == help ]]; then
-        compadd help ${(f)"$(${words[1]} --list-verbs 2>/dev/null)"}
+        compadd help ${(f)"$(${~words[1]} --list-verbs 2>/dev/null)"}
         return
     fi
+    own=(${(f)"$(${~words[1]} --list-verbs own 2>/dev/null)"})
+    (( ${own[(Ie)$verb]} )) || { _files; return; }
     while IFS= read -r line; do
         name=${line%%$'\t'*}
         line=${line#*$'\t'}; letter=${line%%$'\t'*}
@@ -28,7 +31,7 @@ _leafcast() {
         [[ -n $name ]] || { args=$argument; continue; }
         options+=("$name:$text")
         [[ $before == $name || ( -n $letter && $before == $letter ) ]] && form=$argument
-    done < <(${words[1]} $verb --list-options 2>/dev/null </dev/null)
+    done < <(${~words[1]} $verb --list-options 2>/dev/null </dev/null)
     [[ ( $before == -o || $before == --output ) && $args == *'-o '* ]] && form=${args##*-o }
     if [[ $word == -* ]]; then
         _describe option options

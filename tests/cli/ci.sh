@@ -32,6 +32,11 @@ for f in CONFIG=sanitize CONFIG=thread CC=clang fuzz cppcheck shellcheck check_l
 done
 ok "the root is told to make demo and test" grep -q 'make demo' "$tmp/out"
 
+exits "a step that is none" 2 ci rules ls
+ok "is named, and nothing runs" sh -c 'grep -q "no step .ls." "$1" && [ ! -s "$2" ]' - "$tmp/err" "$tmp/out"
+exits "one step" 0 ci rules
+ok "runs alone" [ "$(grep -c begins "$tmp/out")" = 1 ]
+
 stand_in bin/make 'case $* in *thread*) seq 3000; echo a race; exit 7 ;; esac'
 exits "a step that fails" 1 ci
 ok "is named" last "failed: thread"
@@ -57,6 +62,11 @@ exits "one that does" 1 fuzz ./fuzz_bad ./fuzz_good
 ok "shows what it said" grep -qx overflow "$tmp/out"
 ok "and its input" [ "$(sed -n '/base64 -d <<X/,/^X$/p' "$tmp/out" | sed '1d;$d' | base64 -d | gzip -d)" = bytes ]
 ok "the other one ends" grep -q 'fuzz_good: 12 runs' "$tmp/out"
+
+exits "mutants with a compiler that fails" 1 env LEAFCAST_COMPILE=false \
+    scripts/run-mutants --file tests/watertight.mutants --sample 1 --seed 1
+ok "are faults of the tests" grep -q '^not ok 1 - .* passes$' "$tmp/out"
+ok "for that reason" grep -qx '# does not compile or link' "$tmp/out"
 
 # The demo's program notes its words, a line each, and makes its output; what is printed does so again.
 cp scripts/demo "$tree/scripts"

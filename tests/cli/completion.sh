@@ -50,6 +50,26 @@ gives "words behind =" "convert --build = s" "sah"
 gives "a file behind options" "render --shadows b" "b.leaf"
 gives "folders" "bench --out f" "folder"
 
+program=$leafcast
+# shellcheck disable=SC2088 # for the completion to expand
+leafcast='~/leafcast'
+home=$HOME
+export HOME="$tmp"
+ln -s "$program" "$tmp/leafcast"
+gives "a program in the home folder" "render --iso-l" "--iso-list"
+leafcast=$program
+export HOME="$home"
+
+# A verb of the user's, which notes that it was run.
+printf '#!/bin/sh\ntouch "%s/ran"\n' "$tmp" >"$tmp/leafcast-mine"
+chmod 755 "$tmp/leafcast-mine"
+path=$PATH
+PATH=$tmp:$PATH
+gives "a verb on PATH" "min" "mine"
+gives "takes files" "mine a" "a.leaf a.nrrd"
+ok "and is not run" [ ! -e "$tmp/ran" ]
+PATH=$path
+
 root=$tmp/root
 case ${LEAFCAST_BUILD:-$PWD/build/release} in
 */build/release)
