@@ -255,6 +255,7 @@ void cli_parse(const struct argp *table, cli_common *common, int argc, char **ar
     fill_standard();
     install_signals();
     bus_error_install(command);
+    cli_json_watch();
     started = clock_seconds();
     sayer = common;
     partial_on_leftover(say_leftover);

@@ -1,21 +1,43 @@
 #include "formats/base/cli_json.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/base/fault.h"
 #include "formats/base/text.h"
+
+/* An allocation failed since the last document was written. What is appended to an array or an
+ * object may be missing then, and nobody looked. */
+static atomic_bool starved;
+
+static void *allocate(size_t size) {
+    void *block = fault_hit(FAULT_ALLOC) ? NULL : malloc(size);
+    if (!block)
+        starved = true;
+    return block;
+}
+
+void cli_json_watch(void) {
+    json_set_alloc_funcs(allocate, free);
+}
 
 status cli_json_write(FILE *out, json_t *document, bool line) {
     const size_t layout = line ? JSON_COMPACT : JSON_INDENT(2);
     char *text = document ? json_dumps(document, layout | JSON_REAL_PRECISION(17)) : NULL;
+    status st = ST_OK;
     json_decref(document);
-    if (!text)
-        return status_describe(ST_FAILED, "the results cannot be written as JSON");
-    fputs(text, out);
-    fputc('\n', out);
+    if (atomic_exchange(&starved, false))
+        st = status_describe(ST_NOMEM, "no memory to write the results as JSON");
+    else if (!text)
+        st = status_describe(ST_FAILED, "the results cannot be written as JSON");
+    if (st == ST_OK) {
+        fputs(text, out);
+        fputc('\n', out);
+    }
     free(text);
-    return ST_OK;
+    return st;
 }
 
 static const char *name_of(status st) {

@@ -16,7 +16,8 @@ void histogram_print(FILE *to, const histogram *h, const char *what);
 void histogram_print_isovalues(FILE *to, const histogram *h);
 
 /* histogram_json() - everything, as the man page of `info` lists it: total, drawn, cells, edges,
- * samples, active, gradient, area, suggested. NULL: no memory. */
+ * samples, active, gradient, area, suggested. Without memory it is NULL or lacks something:
+ * cli_json_write() finds that. */
 json_t *histogram_json(const histogram *h);
 
 #endif
