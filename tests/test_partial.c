@@ -11,7 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
+#include <sys/random.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -160,6 +162,40 @@ static void test_refused(void **state) {
     assert_int_equal(said.calls, 0);
 }
 
+/* Stands before the system's own: numbers that are not random, or none. */
+static enum { RANDOM, SAME, NONE } numbers = RANDOM;
+
+ssize_t getrandom(void *to, size_t size, unsigned flags) {
+    if (numbers == RANDOM)
+        return syscall(SYS_getrandom, to, size, flags);
+    errno = ENOSYS;
+    memset(to, 7, size);
+    return numbers == SAME ? (ssize_t)size : -1;
+}
+
+/* Every name is taken, or none can be made up: told by its own error. */
+static void test_no_name(void **state) {
+    (void)state;
+    char out[PATH_ROOM], name[PATH_ROOM];
+    snprintf(out, sizeof out, "%s", scratch_path("out"));
+    for (int i = 1; i <= PARTIAL_SLOTS; i++)
+        assert_int_equal(mkdir(slot(i), 0777), 0);
+    numbers = NONE;
+    assert_int_equal(partial_open(out, name), -1);
+    assert_int_equal(errno, ENOSYS);
+    numbers = SAME;
+    const int fd = partial_open(out, name);
+    assert_true(fd >= 0);
+    assert_int_equal(partial_open(out, name), -1);
+    assert_int_equal(errno, EBUSY);
+    numbers = RANDOM;
+    close(fd);
+    unlink(name);
+    for (int i = 1; i <= PARTIAL_SLOTS; i++)
+        remove(slot(i));
+    assert_int_equal(scratch_count(), 0);
+}
+
 /* One of the crowd: over and over, begin the output and finish, give up or be killed. Exit status 1
  * when its file did not stay its own. */
 static int crowd_member(const char *path, unsigned seed) {
@@ -228,6 +264,7 @@ int main(void) {
         cmocka_unit_test_setup(test_killed, set_up),
         cmocka_unit_test_setup(test_in_the_way, set_up),
         cmocka_unit_test_setup(test_refused, set_up),
+        cmocka_unit_test_setup(test_no_name, set_up),
         cmocka_unit_test_setup(test_crowd, set_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

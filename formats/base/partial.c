@@ -121,14 +121,14 @@ int partial_open(const char *path, char *name) {
     /* Many write to it, or someone put other things in the way. */
     for (int i = 0; i < RANDOM_TRIES; i++) {
         uint64_t number = 0;
-        if (getrandom(&number, sizeof number, 0) != sizeof number)
-            break;
+        if (getrandom(&number, sizeof number, 0) < 0)
+            return -1;
         snprintf(name, strlen(path) + PARTIAL_ROOM, "%.*s.partial-%016llx", stem(path), path,
                  (unsigned long long)number);
         const int fd = create(name);
         if (fd >= 0 || errno != EEXIST)
             return fd;
     }
-    errno = EEXIST;
+    errno = EBUSY;
     return -1;
 }

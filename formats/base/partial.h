@@ -14,9 +14,10 @@
 enum { PARTIAL_ROOM = 40, PARTIAL_SLOTS = 8 }; /* bytes behind PATH; names tried before others */
 
 /* partial_open() - remove what killed runs left of path's, then create and lock a new file. name:
- * out, room for strlen(path) + PARTIAL_ROOM bytes. Returns its descriptor, or -1 and errno. Any
- * thread, any number of processes. A file that a live process writes is never removed: where locks
- * may not be seen by all its users (network file systems), nothing is. */
+ * out, room for strlen(path) + PARTIAL_ROOM bytes. Returns its descriptor, or -1 and errno:
+ * EBUSY where all names are taken. Any thread, any number of processes. A file that a live process
+ * writes is never removed: where locks may not be seen by all its users (network file systems),
+ * nothing is. */
 int partial_open(const char *path, char *name);
 
 /* partial_on_leftover() - what to call for each file that a killed run left; removed: false where
