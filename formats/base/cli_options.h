@@ -23,9 +23,8 @@ typedef enum cli_view { CLI_VIEW_BASIC, CLI_VIEW_ALL, CLI_VIEW_USAGE } cli_view;
 bool cli_options_listed(const char *list, const char *name);
 
 /* cli_options_help() - the help of a verb, whose children's options count as its own, but for those
- * of the list `without`. The table's
- * doc has up to three parts, divided by \v: what the verb does; what --help says behind the
- * options, such as an example; what only --help-all says there. */
+ * of the list `without`. The table's doc has up to three parts, divided by \v: what the verb does;
+ * what --help says behind the options, such as an example; what only --help-all says there. */
 void cli_options_help(const struct argp *table, const char *without, const char *command,
                       cli_view view, FILE *out);
 
@@ -34,7 +33,7 @@ void cli_options_help(const struct argp *table, const char *without, const char 
  * of the arguments, whose name is empty. Hidden options are left out. */
 void cli_options_list(const struct argp *table, const char *without, FILE *out);
 
-/* cli_options_nearest() - the long option that was likely meant by a name of none (which ends at a
+/* cli_options_nearest() - the long option that was likely meant by an unknown name (which ends at a
  * quote, a '=' or its end); false where none is near. */
 bool cli_options_nearest(const struct argp *table, const char *name, char *near, size_t room);
 

@@ -304,27 +304,25 @@ status out_file_scratch(mem *m, const char *path, out_file **out) {
     return ST_OK;
 }
 
-/* Bytes that one write() may take. When a pipe is ready for any, it is for PIPE_BUF; more of them
- * would wait inside of the call, where nobody can stop it. */
-static status ready_for(int fd, const char *path, const uint64_t *offset, size_t *chunk) {
+/* Whether a write may wait for whoever reads. */
+static bool may_wait(int fd, const uint64_t *offset) {
     struct stat info;
-    *chunk = CHUNK;
-    if (offset || (fstat(fd, &info) == 0 && S_ISREG(info.st_mode)))
-        return ST_OK;
-    *chunk = PIPE_BUF;
-    return wait_ready(fd, POLLOUT, path);
+    return !offset && !(fstat(fd, &info) == 0 && S_ISREG(info.st_mode));
 }
 
 status file_write_all(int fd, const char *path, const uint64_t *offset, const void *data,
                       size_t size) {
     if (fault_hit(FAULT_WRITE))
         return file_failed(ENOSPC, path, "cannot write");
+    /* When a pipe is ready for any bytes, it is for PIPE_BUF; more of them would wait inside of the
+     * call, where nobody can stop it. */
+    const bool waits = may_wait(fd, offset);
+    const size_t most = waits ? PIPE_BUF : CHUNK;
     for (size_t done = 0; done < size;) {
-        size_t step = 0;
-        status st = ready_for(fd, path, offset, &step);
+        status st = waits ? wait_ready(fd, POLLOUT, path) : ST_OK;
         if (st != ST_OK)
             return st;
-        step = size - done < step ? size - done : step;
+        const size_t step = size - done < most ? size - done : most;
         const char *from = (const char *)data + done;
         ssize_t put =
             offset ? pwrite(fd, from, step, (off_t)(*offset + done)) : write(fd, from, step);
@@ -398,12 +396,9 @@ static status publish(out_file *f) {
         return file_failed(ENOSPC, f->path, "cannot write");
     if (fsync(f->fd) != 0)
         return file_failed(errno, f->path, "cannot write");
-    status st = file_guard_check(f->path);
-    if (st != ST_OK)
-        return st;
-    if (!f->force)
+    status st = check_target(f->path, true);
+    if (st == ST_OK && !f->force)
         return rename_new(f);
-    st = check_target(f->path, true);
     if (st == ST_OK && rename(f->temporary, f->path) != 0)
         st = file_failed(errno, f->path, "cannot rename to");
     return st;

@@ -16,7 +16,8 @@
 typedef struct file file;
 
 /* file_open() - a regular file for reading; ST_IO with the system's reason otherwise, at once for
- * named pipes, devices, sockets and folders. The path is copied. */
+ * named pipes, devices, sockets and folders. ST_USAGE when it was announced as an output, see
+ * file_guard.h; ST_NOMEM. The path is copied. */
 CHECKED status file_open(mem *m, const char *path, file **out);
 void file_close(file *f); /* NULL is fine */
 
@@ -41,8 +42,8 @@ typedef struct out_file out_file;
 
 /* out_file_create() - open a temporary file beside path, see partial.h. ST_EXISTS when path
  * exists and force is false, or when it is no regular file. ST_USAGE when it is an input, see
- * file_guard.h, or "-", or empty. Data that is also read back (a spill, a
- * header written last) goes through out_file_read_at(). */
+ * file_guard.h, or "-", or empty. Data that is also read back (a spill, a header written last) goes
+ * through out_file_read_at(). */
 CHECKED status out_file_create(mem *m, const char *path, bool force, out_file **out);
 
 /* out_file_check() - what out_file_create() would return, told before work begins; leaves nothing.

@@ -132,10 +132,10 @@ static status check_output(const char *path, bool announce) {
     return st;
 }
 
-static void forget(bool inputs) {
+static void forget(bool inputs_too) {
     size_t kept = 0;
     for (size_t i = 0; i < table.count; i++)
-        if (table.all[i].output || inputs)
+        if (table.all[i].output || inputs_too)
             mem_free(&table.m, table.all[i].path);
         else
             table.all[kept++] = table.all[i];

@@ -14,8 +14,8 @@
  * those that the command line does not name, such as the samples beside a header. */
 void file_guard_watch(void);
 
-/* file_guard_input() - an input by name; "-" is standard input; NULL and what is not there are
- * none. ST_USAGE when it was announced as an output, ST_NOMEM. */
+/* file_guard_input() - an input by name; "-" is standard input; NULL and missing files are
+ * ignored. ST_USAGE when it was announced as an output, ST_NOMEM. */
 CHECKED status file_guard_input(const char *path);
 
 /* file_guard_opened() - for those that open files: an input by its descriptor, if watched for.

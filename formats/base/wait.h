@@ -1,9 +1,9 @@
 /* wait.h - waiting for the other end of a pipe, as long as nobody asks to stop.
  *
  * A read or write of a pipe waits inside the system, where a signal that another thread takes goes
- * unseen. So whoever reads or writes one asks here first. Signals belong to the process, and so
- * does the question whether one came: a main program sets it once, before its threads; without one
- * nothing stops a wait.
+ * unseen. So readers and writers of one ask here first, or wait by a poll() of their own. Signals
+ * belong to the process, and so does the question whether one came: a main program sets it once,
+ * before its threads; without one nothing stops a wait.
  */
 #ifndef FORMATS_BASE_WAIT_H
 #define FORMATS_BASE_WAIT_H

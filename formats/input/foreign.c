@@ -149,7 +149,7 @@ static bool has_bytes(const row *r, const uint8_t *start, size_t size) {
     return size >= r->at + r->size && memcmp(start + r->at, r->bytes, r->size) == 0;
 }
 
-bool foreign_is_vtk(const uint8_t *start, size_t size) {
+bool foreign_is_other_vtk(const uint8_t *start, size_t size) {
     for (int i = 0; i < ROWS; i++)
         if (rows[i].at == ANYWHERE && has_bytes(&rows[i], start, size))
             return true;

@@ -16,14 +16,14 @@ typedef struct foreign_format {
 } foreign_format;
 
 /* foreign_find() - by the first bytes (FOREIGN_PEEK, or all there are); else by the end of the path
- * ("-": none). bytes: of the whole file; UINT64_MAX: not known. NULL: not known either. */
+ * ("-": none). bytes: of the whole file; UINT64_MAX: not known. NULL: an unknown format. */
 enum { FOREIGN_PEEK = 4096 };
 const foreign_format *foreign_find(const char *path, const uint8_t *start, size_t size,
                                    uint64_t bytes);
 
-/* foreign_is_vtk() - whether a file that begins as VTK's do says that it is another data set than
- * an unstructured grid. */
-bool foreign_is_vtk(const uint8_t *start, size_t size);
+/* foreign_is_other_vtk() - whether a file that begins as VTK's do says that it is another data set
+ * than an unstructured grid. */
+bool foreign_is_other_vtk(const uint8_t *start, size_t size);
 
 /* foreign_refuse() - ST_UNSUPPORTED for an input that nobody reads: what it is, where that is
  * known, and what to do; else `expected`, as the end of a sentence. Of the stream nothing was

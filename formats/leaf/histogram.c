@@ -1,6 +1,5 @@
 #include "formats/leaf/histogram.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -111,10 +110,6 @@ static int32_t last_edge(const ruler *r, float value) {
     return i;
 }
 
-static float limited(double v) {
-    return v < (double)FLT_MAX ? (float)v : FLT_MAX;
-}
-
 static void widen(uint8_t box[6], const uint8_t place[3], bool first) {
     for (int a = 0; a < 3; a++) {
         box[a] = first || place[a] < box[a] ? place[a] : box[a];
@@ -153,8 +148,8 @@ void histogram_count(histogram *h, const histogram_cell *cells, uint32_t count, 
     }
     for (uint32_t k = 0; k < h->bins; k++)
         if (h->active[k]) {
-            h->gradient[k] = limited(slope[k] / h->active[k]);
-            h->area[k] = limited(area[k] * ((double)total / count));
+            h->gradient[k] = histogram_limited(slope[k] / h->active[k]);
+            h->area[k] = histogram_limited(area[k] * ((double)total / count));
         }
 }
 

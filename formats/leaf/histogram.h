@@ -9,6 +9,7 @@
 #ifndef FORMATS_LEAF_HISTOGRAM_H
 #define FORMATS_LEAF_HISTOGRAM_H
 
+#include <float.h>
 #include <stdint.h>
 
 #include "formats/base/sample.h"
@@ -50,6 +51,11 @@ typedef struct histogram {            /* offset size */
                                                     where there are none, 0 */
 } histogram;
 _Static_assert(sizeof(histogram) == 7744, "histogram is 7744 bytes");
+
+/* histogram_limited() - a slope or an area, which is no NaN, as a float: at most FLT_MAX. */
+static inline float histogram_limited(double v) {
+    return v < (double)FLT_MAX ? (float)v : FLT_MAX;
+}
 
 /* histogram_build() - of count cells that were drawn from `total`. type: a stored one, that of the
  * samples. range: of all finite values, drawn or not; lo > hi: there are none. */

@@ -1,6 +1,5 @@
 #include "formats/leaf/histogram_draw.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 
@@ -63,10 +62,6 @@ uint64_t histogram_draw_tet(const histogram_run *r, uint32_t i) {
 
 /* ---- what is seen ---- */
 
-static float limited(double v) {
-    return v < (double)FLT_MAX ? (float)v : FLT_MAX;
-}
-
 static const histogram_cell nothing = {NAN, INFINITY, -INFINITY, 0, 0, {0, 0, 0, 0}};
 
 /* The range of some values; false if one is not finite. */
@@ -117,8 +112,8 @@ static void measure(const histogram_space *s, const uint32_t node[3], const doub
         square += g * g;
     }
     const double slope = sqrt(square), span = (double)c->hi - (double)c->lo;
-    c->slope = limited(slope);
-    c->area = span > 0 ? limited(volume * (slope / span)) : 0;
+    c->slope = histogram_limited(slope);
+    c->area = histogram_limited(volume * (slope / span));
 }
 
 static void corners_of(const histogram_block *b, size_t at, float v[8]) {
@@ -194,7 +189,7 @@ histogram_cell histogram_tet(const float *const corners[4], const float values[4
     const double span = (double)c.hi - (double)c.lo;
     if (det == 0 || span == 0)
         return c;
-    c.slope = limited(length / fabs(det));
-    c.area = limited(length / span / 6);
+    c.slope = histogram_limited(length / fabs(det));
+    c.area = histogram_limited(length / span / 6);
     return c;
 }

@@ -561,7 +561,7 @@ static bool known(const char *path, const uint8_t *start, size_t size) {
     static const char magic[] = "# vtk DataFile";
     bool starts =
         size >= sizeof magic - 1 && strncasecmp((const char *)start, magic, sizeof magic - 1) == 0;
-    return (starts || mesh_reader_suffix(path, ".vtk")) && !foreign_is_vtk(start, size);
+    return (starts || mesh_reader_suffix(path, ".vtk")) && !foreign_is_other_vtk(start, size);
 }
 
 static status open_file(mesh_source *source, void **state) {

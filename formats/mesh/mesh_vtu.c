@@ -415,7 +415,7 @@ static bool known(const char *path, const uint8_t *start, size_t size) {
     static const char tag[] = "<VTKFile";
     return (memmem(start, size < 1024 ? size : 1024, tag, sizeof tag - 1) ||
             mesh_reader_suffix(path, ".vtu")) &&
-           !foreign_is_vtk(start, size);
+           !foreign_is_other_vtk(start, size);
 }
 
 static status open_file(mesh_source *source, void **state) {

@@ -205,8 +205,6 @@ typedef struct piece {
 /* k->values: of the set. */
 static status take_histogram(const conversion *c, bench *k, const piece *p, uint32_t step,
                              uint32_t set) {
-    if (!c->histogram.cells)
-        return ST_OK;
     k->points.first = mesh_gather_points(c->g, step);
     return mesh_histogram_take(&c->histogram, set, p->first_tet, p->records, p->count, &k->points,
                                &k->values);

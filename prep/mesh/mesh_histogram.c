@@ -63,6 +63,8 @@ status mesh_histogram_take(const mesh_histogram *h, uint32_t set, uint64_t first
                            mesh_pages *values) {
     const histogram_run *r = &h->run;
     const uint64_t end = first + count;
+    if (!h->cells)
+        return ST_OK;
     for (uint64_t i = first / r->step; i * r->step < end; i++) {
         const uint64_t tet = histogram_draw_tet(r, (uint32_t)i);
         if (tet < first || tet >= end)
