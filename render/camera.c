@@ -88,7 +88,11 @@ double camera_pixel(const camera *c) {
 
 leafcast_camera camera_standard(const double bounds[2][3], double distance, uint32_t width,
                                 uint32_t height) {
-    leafcast_camera view = {.up = {0.0, 0.0, 1.0}, .fov = 45.0, .width = width, .height = height};
+    leafcast_camera view = {.size = sizeof(leafcast_camera),
+                            .up = {0.0, 0.0, 1.0},
+                            .fov = 45.0,
+                            .width = width,
+                            .height = height};
     double towards[3] = {1.0, 0.6, 0.8}, edge = 0.0;
     const double length = vec3_length(towards);
     for (int a = 0; a < 3; a++)
@@ -124,7 +128,8 @@ static double fit_distance(const double offset[3], const camera *c, double aspec
 
 leafcast_camera camera_fit(const double corners[8][3], double fov, uint32_t width,
                            uint32_t height) {
-    leafcast_camera view = {.fov = fov, .width = width, .height = height};
+    leafcast_camera view = {
+        .size = sizeof(leafcast_camera), .fov = fov, .width = width, .height = height};
     double lo[3], hi[3], size[3], distance = 0.0;
     for (int a = 0; a < 3; a++) {
         lo[a] = hi[a] = corners[0][a];

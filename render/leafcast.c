@@ -6,6 +6,7 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
+#include "render/arguments.h"
 #include "render/coarse_preview.h"
 #include "render/experiment.h"
 #include "render/kind.h"
@@ -13,7 +14,8 @@
 
 _Static_assert((int)LEAFCAST_USAGE == (int)ST_USAGE && (int)LEAFCAST_CORRUPT == (int)ST_CORRUPT &&
                    (int)LEAFCAST_UNSUPPORTED == (int)ST_UNSUPPORTED &&
-                   (int)LEAFCAST_NOMEM == (int)ST_NOMEM && (int)LEAFCAST_IO == (int)ST_IO &&
+                   (int)LEAFCAST_NOMEM == (int)ST_NOMEM &&
+                   (int)LEAFCAST_NOSPACE == (int)ST_NOSPACE && (int)LEAFCAST_IO == (int)ST_IO &&
                    (int)LEAFCAST_STOPPED == (int)ST_STOPPED &&
                    (int)LEAFCAST_FAILED == (int)ST_FAILED,
                "public and internal status agree");
@@ -26,6 +28,7 @@ leafcast_status volume_public_status(status st) {
     case ST_CORRUPT:
     case ST_UNSUPPORTED:
     case ST_NOMEM:
+    case ST_NOSPACE:
     case ST_IO:
     case ST_STOPPED: return (leafcast_status)st;
     default: return LEAFCAST_FAILED;
@@ -92,6 +95,9 @@ leafcast_status leafcast_open(const char *path, const leafcast_options *options,
                               leafcast **volume) {
     mem outside;
     const double start = clock_seconds();
+    status st = options ? arguments_check_options(options) : ST_OK;
+    if (st != ST_OK)
+        return volume_public_status(st);
     mem_init(&outside, 0);
     leafcast *v = mem_zalloc(&outside, sizeof *v);
     if (!v)
@@ -99,7 +105,7 @@ leafcast_status leafcast_open(const char *path, const leafcast_options *options,
     if (options)
         v->options = *options;
     mem_init(&v->budget, (size_t)v->options.memory);
-    status st = open_path(v, path);
+    st = open_path(v, path);
     if (st != ST_OK) {
         leafcast_close(v);
         return volume_public_status(st);
@@ -127,22 +133,26 @@ void leafcast_close(leafcast *v) {
     mem_free(&outside, v);
 }
 
-leafcast_info leafcast_describe(const leafcast *v) {
+leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
     const leaf_header *h = &v->file->header;
-    leafcast_info info = {.levels = h->levels,
-                          .fields = h->fields,
-                          .steps = h->steps,
-                          .moving = v->file->layout.moved_steps > 0,
-                          .treelets = v->file->layout.treelets,
-                          .sample_type = sample_name((sample_type)h->sample_type),
-                          .name = v->file->name,
-                          .value_min = h->value_min,
-                          .value_max = h->value_max,
-                          .cell_size = 1.0,
-                          .file_bytes = h->file_bytes,
-                          .payload_bytes = h->payload_bytes};
-    v->kind->describe(v, &info);
-    return info;
+    const status st = arguments_size("leafcast_info", info->size, sizeof *info);
+    if (st != ST_OK)
+        return volume_public_status(st);
+    *info = (leafcast_info){.size = sizeof *info,
+                            .levels = h->levels,
+                            .fields = h->fields,
+                            .steps = h->steps,
+                            .moving = v->file->layout.moved_steps > 0,
+                            .treelets = v->file->layout.treelets,
+                            .sample_type = sample_name((sample_type)h->sample_type),
+                            .name = v->file->name,
+                            .value_min = h->value_min,
+                            .value_max = h->value_max,
+                            .cell_size = 1.0,
+                            .file_bytes = h->file_bytes,
+                            .payload_bytes = h->payload_bytes};
+    v->kind->describe(v, info);
+    return LEAFCAST_OK;
 }
 
 /* ---- Selecting ---- */
@@ -237,17 +247,21 @@ leafcast_status leafcast_find_field(const leafcast *v, const char *name, uint32_
         list));
 }
 
-leafcast_scene leafcast_scene_default(void) {
-    return (leafcast_scene){.ambient = 0.15f,
-                            .specular = 0.3f,
-                            .shininess = 32,
-                            .background = {0.0f, 0.0f, 0.0f, 0.0f}};
+leafcast_status leafcast_init_scene(leafcast_scene *scene) {
+    const status st = arguments_size("leafcast_scene", scene->size, sizeof *scene);
+    if (st == ST_OK)
+        *scene = (leafcast_scene){
+            .size = sizeof *scene, .ambient = 0.15f, .specular = 0.3f, .shininess = 32};
+    return volume_public_status(st);
 }
 
-leafcast_camera leafcast_standard_view(const leafcast *v, double distance, uint32_t width,
-                                       uint32_t height) {
+leafcast_status leafcast_get_standard_view(const leafcast *v, double distance, uint32_t width,
+                                           uint32_t height, leafcast_camera *view) {
     const leafcast_info info = leafcast_describe(v);
-    return camera_standard((const double(*)[3])info.bounds, distance, width, height);
+    const status st = arguments_size("leafcast_camera", view->size, sizeof *view);
+    if (st == ST_OK)
+        *view = camera_standard((const double(*)[3])info.bounds, distance, width, height);
+    return volume_public_status(st);
 }
 
 void leafcast_pixel_ray(const leafcast_camera *camera_of, double x, double y, double origin[3],
@@ -257,7 +271,8 @@ void leafcast_pixel_ray(const leafcast_camera *camera_of, double x, double y, do
         origin[a] = camera_of->eye[a];
         direction[a] = 0.0;
     }
-    if (camera_init(&c, camera_of) == ST_OK)
+    if (arguments_size("leafcast_camera", camera_of->size, sizeof *camera_of) == ST_OK &&
+        camera_init(&c, camera_of) == ST_OK)
         camera_ray(&c, x, y, origin, direction);
 }
 
@@ -273,9 +288,6 @@ static status add_clip(tracer *tr, const double plane[4]) {
 
 static status clip_of(const leafcast_scene *scene, tracer *tr) {
     status st = ST_OK;
-    if (scene->clip_plane_count < 0 || scene->clip_plane_count > LEAFCAST_CLIP_PLANES_MAX)
-        return status_describe(ST_USAGE, "%d clip planes: 0 to %d are possible",
-                               scene->clip_plane_count, LEAFCAST_CLIP_PLANES_MAX);
     for (int a = 0; scene->clip_box && a < 3 && st == ST_OK; a++) {
         double below[4] = {0.0, 0.0, 0.0, -scene->clip_min[a]},
                above[4] = {0.0, 0.0, 0.0, scene->clip_max[a]};
@@ -291,17 +303,14 @@ static status clip_of(const leafcast_scene *scene, tracer *tr) {
 }
 
 status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
-    if (v->surface_count == 0)
-        return status_describe(ST_USAGE, "no isosurface is selected");
-    status st = v->kind->check(v, scene);
+    status st = arguments_check_scene(scene);
     if (st != ST_OK)
         return st;
-    if (!samples_valid(scene->samples))
-        return status_describe(ST_USAGE, "%d samples a pixel: 1, 4 and 16 are possible",
-                               scene->samples);
-    if (scene->light_count < 0 || scene->light_count > LEAFCAST_LIGHTS_MAX)
-        return status_describe(ST_USAGE, "%d lights: 0 to %d are possible", scene->light_count,
-                               LEAFCAST_LIGHTS_MAX);
+    if (v->surface_count == 0)
+        return status_describe(ST_USAGE, "no isosurface is selected");
+    st = v->kind->check(v, scene);
+    if (st != ST_OK)
+        return st;
     loader_select_gradients(v->treelets, scene->smooth_normals);
     *tr = (tracer){.kind = v->kind,
                    .treelets = v->treelets,
@@ -327,7 +336,8 @@ static size_t image_bytes(const leafcast_image *image, size_t pixels) {
 
 /* What more than one sample a pixel needs: a picture that is not summed up yet. */
 static leafcast_image colours_of(const leafcast_image *image) {
-    return (leafcast_image){.r = image->r, .g = image->g, .b = image->b, .a = image->a};
+    return (leafcast_image){
+        .size = sizeof *image, .r = image->r, .g = image->g, .b = image->b, .a = image->a};
 }
 
 /* Records of suspended rays, as many as there may be use for. */
@@ -421,7 +431,8 @@ static void fill_stats(leafcast *v, const ray_counters *c, double render_s, leaf
         visible += atomic_load_explicit(&v->touched[t], memory_order_relaxed)
                        ? loader_stored_bytes(v->treelets, t)
                        : 0;
-    *stats = (leafcast_stats){.open_s = v->open_s,
+    *stats = (leafcast_stats){.size = sizeof *stats,
+                              .open_s = v->open_s,
                               .first_image_s = v->first_image_s,
                               .load_s = l.load_s,
                               .render_s = render_s,
@@ -446,10 +457,13 @@ static void fill_stats(leafcast *v, const ray_counters *c, double render_s, leaf
 leafcast_status leafcast_check_room(leafcast *v, const leafcast_scene *scene,
                                     const leafcast_camera *camera_of, const leafcast_image *planes,
                                     uint64_t beside) {
+    status st = arguments_check_picture(scene, camera_of, planes, NULL);
+    if (st != ST_OK)
+        return volume_public_status(st);
     const frame f = {
         .scene = scene, .width = camera_of->width, .height = camera_of->height, .image = *planes};
     camera c;
-    status st = camera_init(&c, camera_of);
+    st = camera_init(&c, camera_of);
     v->beside = (size_t)beside;
     if (st == ST_OK)
         st = check_budget(v, fixed_bytes(v, &f));
@@ -494,7 +508,7 @@ static status alloc_colours(mem *m, const leafcast_image *like, size_t pixels,
     float *const there[4] = {like->r, like->g, like->b, like->a};
     float **const made[4] = {&out->r, &out->g, &out->b, &out->a};
     bool failed = false;
-    *out = (leafcast_image){0};
+    *out = (leafcast_image){.size = sizeof *out};
     for (int i = 0; i < 4; i++) {
         *made[i] = there[i] ? mem_array(m, pixels, sizeof(float)) : NULL;
         failed |= there[i] && !*made[i];
@@ -544,6 +558,9 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
                                const leafcast_camera *from, const leafcast_image *image,
                                leafcast_stats *stats, bool (*watch)(void *, double),
                                void *watch_ctx) {
+    status st = arguments_check_picture(scene, from, image, stats);
+    if (st != ST_OK)
+        return volume_public_status(st);
     tracer tr, coarse;
     frame f = {.m = &v->budget,
                .threads = v->threads,
@@ -559,7 +576,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
                .watch_ctx = watch_ctx};
     ray_counters counters = {0};
     const double start = clock_seconds();
-    status st = camera_init(&f.camera, from);
+    st = camera_init(&f.camera, from);
     loader_forget_failures(v->treelets);
     if (st == ST_OK)
         st = volume_tracer(v, scene, &f.camera, &tr);

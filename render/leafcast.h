@@ -6,18 +6,34 @@
  *         return complain(leafcast_error_text());
  *     leafcast_surface skin = leafcast_surface_default(80);
  *     leafcast_select(volume, &skin, 1);
- *     leafcast_trace(volume, &scene, &camera, &image, &stats);
+ *     leafcast_trace(volume, &scene, &camera, &image, &stats, NULL, NULL);
  *     leafcast_close(volume);
  *
- * No globals, no output, no exit. Calls on one volume come from one thread at a time; different
- * volumes are independent. Every call that can fail returns a leafcast_status;
- * leafcast_error_text() then says more, for the calling thread. Vectors are (x, y, z); spaces are
- * world space unless said; colours are linear RGB in [0, 1].
+ * No globals, no output, no exit. Vectors are (x, y, z); spaces are world space unless said.
+ *
+ * Errors. Every call that can fail returns a leafcast_status; leafcast_error_text() then says more,
+ * for the calling thread. A volume stays usable after any failure: the next call starts afresh.
+ * Pointers must be valid; only those of which it is said may be NULL.
+ *
+ * Sizes. A struct that has a member `size` may grow at its end in later versions: set it to the
+ * size of the struct before the struct is passed, whether you fill it or the library does
+ * (`leafcast_image image = {sizeof image};`). The functions that return such a struct have set it.
+ * Any other size is LEAFCAST_USAGE. Structs without it stay as they are. A value that is none of
+ * an enumeration's is LEAFCAST_USAGE, too.
+ *
+ * Threads. Calls on one volume come from one thread at a time, which may be another each time;
+ * different volumes are independent. A volume has threads of its own, which end with it; of the
+ * caller's code they run watch() alone. Their signal mask is that of the thread that opened it.
+ *
+ * Colours are linear RGB in [0, 1]. Those of pictures are premultiplied by alpha (a background of
+ * alpha 0 adds nothing), and not clamped: light may exceed 1. Bytes for a screen are the caller's:
+ * divide by alpha where alpha is kept, then encode as sRGB.
  */
 #ifndef RENDER_LEAFCAST_H
 #define RENDER_LEAFCAST_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -38,13 +54,14 @@ LEAFCAST_API const char *leafcast_version(void);
 
 typedef enum leafcast_status {
     LEAFCAST_OK = 0,
-    LEAFCAST_USAGE = 2,   /* arguments that make no sense together */
+    LEAFCAST_USAGE = 2,   /* arguments that make no sense, or none together */
     LEAFCAST_CORRUPT = 3, /* a malformed file: the text names file, place and what was expected */
     LEAFCAST_UNSUPPORTED = 4, /* well-formed, but not handled */
-    LEAFCAST_NOMEM = 5,       /* memory, or the memory budget, does not suffice */
-    LEAFCAST_IO = 7,          /* the system refused a file operation */
-    LEAFCAST_STOPPED = 9,     /* the caller's stop() said so */
-    LEAFCAST_FAILED = 10      /* anything else */
+    LEAFCAST_NOMEM = 5,   /* memory, or the memory budget, does not suffice; or no more threads */
+    LEAFCAST_NOSPACE = 6, /* the disk is full, or a file may not grow further */
+    LEAFCAST_IO = 7,      /* the system refused another file operation */
+    LEAFCAST_STOPPED = 9, /* the caller's stop() said so */
+    LEAFCAST_FAILED = 10  /* anything else */
 } leafcast_status;
 
 LEAFCAST_API const char *leafcast_error_text(void);
@@ -81,6 +98,7 @@ typedef enum leafcast_isopolygons {
 } leafcast_isopolygons;
 
 typedef struct leafcast_options {
+    size_t size;
     /* Bytes for everything: directory, treelets, rays; 0: as much as the scene needs. */
     uint64_t memory;
     /* At most so many treelets at a time, 0: what memory allows; for tests and experiments. */
@@ -102,6 +120,7 @@ LEAFCAST_API leafcast_status leafcast_open(const char *path, const leafcast_opti
 LEAFCAST_API void leafcast_close(leafcast *volume); /* NULL is fine */
 
 typedef struct leafcast_info {
+    size_t size;
     uint32_t dims[3];        /* nodes per axis, level 0; of a mesh: 0 */
     uint64_t tets, vertices; /* of a mesh; of a grid: 0 */
     uint32_t fields, steps;
@@ -117,8 +136,15 @@ typedef struct leafcast_info {
     uint64_t file_bytes, payload_bytes;
 } leafcast_info;
 
-LEAFCAST_API leafcast_info
-leafcast_describe(const leafcast *volume); /* pointers live as long as the volume */
+/* leafcast_get_info(), leafcast_describe() - pointers live as long as the volume. */
+LEAFCAST_API leafcast_status leafcast_get_info(const leafcast *volume, leafcast_info *info);
+
+static inline leafcast_info leafcast_describe(const leafcast *of) {
+    leafcast_info info;
+    info.size = sizeof info;
+    (void)leafcast_get_info(of, &info);
+    return info;
+}
 
 /* ---- What to draw ---- */
 
@@ -184,6 +210,7 @@ typedef enum leafcast_lod {
 } leafcast_lod;
 
 typedef struct leafcast_scene {
+    size_t size;
     leafcast_light lights[LEAFCAST_LIGHTS_MAX];
     int light_count; /* 0: a headlight at the eye, without shadows */
     float ambient;   /* k_a of M08 eq. 4.6, in [0, 1] */
@@ -213,19 +240,38 @@ typedef struct leafcast_scene {
     int layers_max; /* stop after so many transparent surfaces on a ray; 0: no limit */
 } leafcast_scene;
 
-LEAFCAST_API leafcast_scene leafcast_scene_default(void);
+/* leafcast_init_scene(), leafcast_scene_default() - a headlight, diffuse, nothing clipped, exact,
+ * before transparent black. */
+LEAFCAST_API leafcast_status leafcast_init_scene(leafcast_scene *scene);
+
+static inline leafcast_scene leafcast_scene_default(void) {
+    leafcast_scene scene;
+    scene.size = sizeof scene;
+    (void)leafcast_init_scene(&scene);
+    return scene;
+}
 
 typedef struct leafcast_camera {
+    size_t size;
     double eye[3], look_at[3], up[3];
     double fov;             /* vertical, degrees */
     uint32_t width, height; /* pixels; centres at +0.5, y down */
 } leafcast_camera;
 
-/* leafcast_standard_view() - fov 45, up +z, looking at the centre of the bounding box from
- * `distance` (2.2: the standard view, 1.1: the close view) times its longest edge in the direction
- * (1, 0.6, 0.8). */
-LEAFCAST_API leafcast_camera leafcast_standard_view(const leafcast *volume, double distance,
-                                                    uint32_t width, uint32_t height);
+/* leafcast_get_standard_view(), leafcast_standard_view() - fov 45, up +z, looking at the centre of
+ * the bounding box from `distance` (2.2: the standard view, 1.1: the close view) times its longest
+ * edge in the direction (1, 0.6, 0.8). */
+LEAFCAST_API leafcast_status leafcast_get_standard_view(const leafcast *volume, double distance,
+                                                        uint32_t width, uint32_t height,
+                                                        leafcast_camera *camera);
+
+static inline leafcast_camera leafcast_standard_view(const leafcast *of, double distance,
+                                                     uint32_t width, uint32_t height) {
+    leafcast_camera camera;
+    camera.size = sizeof camera;
+    (void)leafcast_get_standard_view(of, distance, width, height, &camera);
+    return camera;
+}
 
 /* ---- What is worth a look ---- */
 
@@ -272,6 +318,7 @@ LEAFCAST_API leafcast_status leafcast_fit_view(const leafcast *volume, uint32_t 
 
 /* Planes of width * height values, row by row from the top, the caller's own; any may be NULL. */
 typedef struct leafcast_image {
+    size_t size;
     float *r, *g, *b, *a;
     double *z;            /* of the nearest surface: distance along the unit ray, +inf on a miss */
     float *normal[3];     /* unit, towards lower values; 0 on a miss */
@@ -280,6 +327,7 @@ typedef struct leafcast_image {
 } leafcast_image;
 
 typedef struct leafcast_stats {
+    size_t size;
     /* Wall clock; load_s: summed over the loader's workers. */
     double open_s, first_image_s, load_s, render_s;
     uint64_t rays, primary_rays, shadow_rays;

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "formats/leaf/leaf_histogram.h"
+#include "render/arguments.h"
 #include "render/kind.h"
 
 _Static_assert((int)LEAFCAST_BINS_MAX == (int)HISTOGRAM_BINS &&
@@ -47,7 +48,9 @@ leafcast_status leafcast_fit_view(const leafcast *v, uint32_t field, uint32_t st
                                   const double *isovalues, int count, double fov, uint32_t width,
                                   uint32_t height, leafcast_camera *view) {
     double corners[8][3];
-    const status st = volume_check_set(v, field, step);
+    status st = arguments_size("leafcast_camera", view->size, sizeof *view);
+    if (st == ST_OK)
+        st = volume_check_set(v, field, step);
     if (st != ST_OK)
         return volume_public_status(st);
     v->kind->active_box(v, leaf_layout_set(&v->file->layout, field, step), isovalues, count,

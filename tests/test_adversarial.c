@@ -125,7 +125,7 @@ static void trial_select(trial *t, double iso) {
 
 static trial trial_begin(const field *f, uint32_t halo) {
     trial t = {.f = f, .v = field_volume(f), .random = {FIELD_SEED}};
-    const leafcast_options one = {.threads = 1};
+    const leafcast_options one = {.size = sizeof(leafcast_options), .threads = 1};
     const char *path = fixture_leaf(f, CELLS_LOG2, halo, false);
     snprintf(t.name, sizeof t.name, "%s %ldx%ldx%ld h %u", f->name, f->dims[0], f->dims[1],
              f->dims[2], halo);
@@ -286,8 +286,8 @@ static void test_isovalue_at_and_outside_the_range(void **state) {
 static uint64_t loads_of_picture(trial *t) {
     const leafcast_scene scene = leafcast_scene_default();
     const leafcast_camera camera = leafcast_standard_view(t->volume, 1.1, 32, 32);
-    const leafcast_image none = {0};
-    leafcast_stats stats;
+    const leafcast_image none = {.size = sizeof(leafcast_image)};
+    leafcast_stats stats = {.size = sizeof stats};
     assert_int_equal(leafcast_trace(t->volume, &scene, &camera, &none, &stats, NULL, NULL),
                      LEAFCAST_OK);
     return stats.treelets_loaded;
@@ -347,14 +347,18 @@ static void judge_picture(trial *t, const double eye[3], const double look_at[3]
                           ref_tally *sum) {
     enum { SIDE = 12 };
     double z[SIDE * SIDE];
-    leafcast_camera camera = {.fov = fov, .width = SIDE, .height = SIDE, .up = {0.1, 0.2, 1}};
+    leafcast_camera camera = {.size = sizeof(leafcast_camera),
+                              .fov = fov,
+                              .width = SIDE,
+                              .height = SIDE,
+                              .up = {0.1, 0.2, 1}};
     ref_camera same = {.fov = fov, .width = SIDE, .height = SIDE, .up = {0.1, 0.2, 1}};
     for (int a = 0; a < 3; a++) {
         camera.eye[a] = same.eye[a] = eye[a];
         camera.look_at[a] = same.look_at[a] = look_at[a];
     }
     const leafcast_scene scene = leafcast_scene_default();
-    const leafcast_image image = {.z = z};
+    const leafcast_image image = {.size = sizeof(leafcast_image), .z = z};
     assert_int_equal(leafcast_trace(t->volume, &scene, &camera, &image, NULL, NULL, NULL),
                      LEAFCAST_OK);
     ref_compare(sum, &t->v, &same, &t->iso, 1, NULL, z, 1, t->name, stderr);

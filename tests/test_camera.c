@@ -19,8 +19,12 @@ static void check_vector(const double got[3], double x, double y, double z, doub
 
 /* From the origin along +x, up +z, 90 degrees, 4 x 2 pixels: right is -y. */
 static leafcast_camera plain(void) {
-    return (leafcast_camera){
-        .look_at = {5, 0, 0}, .up = {0, 0, 2}, .fov = 90, .width = 4, .height = 2};
+    return (leafcast_camera){.size = sizeof(leafcast_camera),
+                             .look_at = {5, 0, 0},
+                             .up = {0, 0, 2},
+                             .fov = 90,
+                             .width = 4,
+                             .height = 2};
 }
 
 static void test_conventions(void **state) {
@@ -45,7 +49,8 @@ static void test_agrees_with_reference(void **state) {
     (void)state;
     const double fov[] = {0.001, 1, 45, 60, 90, 120, 170, 179.9};
     for (size_t i = 0; i < sizeof fov / sizeof *fov; i++) {
-        const leafcast_camera view = {{3, -4, 5}, {1, 2, -7}, {0.1, 0.2, 1}, fov[i], 640, 360};
+        const leafcast_camera view = {sizeof view, {3, -4, 5}, {1, 2, -7}, {0.1, 0.2, 1},
+                                      fov[i],      640,        360};
         ref_camera other = {{3, -4, 5}, {1, 2, -7}, {0.1, 0.2, 1}, fov[i], 640, 360};
         camera c;
         assert_int_equal(camera_init(&c, &view), ST_OK);

@@ -250,7 +250,7 @@ static leafcast_status draw(leafcast *volume) {
     static double z[SIDE * SIDE];
     const leafcast_scene scene = leafcast_scene_default();
     const leafcast_camera camera = leafcast_standard_view(volume, 2.2, SIDE, SIDE);
-    const leafcast_image image = {.z = z};
+    const leafcast_image image = {.size = sizeof(leafcast_image), .z = z};
     return leafcast_trace(volume, &scene, &camera, &image, NULL, NULL, NULL);
 }
 
@@ -271,7 +271,7 @@ static void check_said(const victim *v, leafcast_backend backend, attack_fn atta
     double point[3] = {0, 0, 0};
     leafcast_sample sample;
     restore(v);
-    const leafcast_options o = {.backend = backend, .threads = 2};
+    const leafcast_options o = {.size = sizeof(leafcast_options), .backend = backend, .threads = 2};
     leafcast *volume = fixture_open(v->path, &o);
     const leafcast_surface surface = leafcast_surface_default(atof(v->iso));
     assert_int_equal(leafcast_select(volume, &surface, 1), LEAFCAST_OK);

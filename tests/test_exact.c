@@ -53,9 +53,15 @@ static hash_id draw(const char *path, const leafcast_options *options, const lea
     leafcast *volume = fixture_open(path, options);
     select_three(volume, iso);
     const leafcast_camera camera = leafcast_standard_view(volume, 1.1, SIDE, SIDE);
-    const leafcast_image image = {p.rgba[0], p.rgba[1], p.rgba[2],
-                                  p.rgba[3], p.z,       {p.normal[0], p.normal[1], p.normal[2]},
-                                  p.id,      NULL};
+    const leafcast_image image = {sizeof image,
+                                  p.rgba[0],
+                                  p.rgba[1],
+                                  p.rgba[2],
+                                  p.rgba[3],
+                                  p.z,
+                                  {p.normal[0], p.normal[1], p.normal[2]},
+                                  p.id,
+                                  NULL};
     assert_int_equal(leafcast_trace(volume, scene, &camera, &image, stats, NULL, NULL),
                      LEAFCAST_OK);
     leafcast_close(volume);
@@ -77,7 +83,7 @@ static void test_any_budget(void **state) {
     field f = waves();
     const char *path = fixture_leaf(&f, 4, 1, false);
     const leafcast_scene scene = rich_scene();
-    leafcast_stats all, some;
+    leafcast_stats all = {.size = sizeof(leafcast_stats)}, some = {.size = sizeof(leafcast_stats)};
     const hash_id want = draw(path, NULL, &scene, f.iso, &all);
     assert_true(all.shadow_rays > PIXELS / 4);
     assert_true(all.bytes_read <= all.bytes_active);
@@ -85,8 +91,10 @@ static void test_any_budget(void **state) {
     for (size_t i = 0; i < 3; i++)
         for (leafcast_backend b = LEAFCAST_BACKEND_MAPPED; b <= LEAFCAST_BACKEND_ARENA; b++)
             for (int threads = 1; threads <= 3; threads += 2) {
-                const leafcast_options o = {
-                    .treelet_limit = limits[i], .threads = threads, .backend = b};
+                const leafcast_options o = {.size = sizeof(leafcast_options),
+                                            .treelet_limit = limits[i],
+                                            .threads = threads,
+                                            .backend = b};
                 assert_same(draw(path, &o, &scene, f.iso, &some), want);
                 assert_int_equal(some.rays, all.rays);
             }
@@ -98,17 +106,17 @@ static void test_any_memory(void **state) {
     field f = waves();
     const char *path = fixture_leaf(&f, 4, 1, false);
     const leafcast_scene scene = rich_scene();
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     const hash_id want = draw(path, NULL, &scene, f.iso, &stats);
     /* The smallest budget is found by asking for too little. */
-    leafcast_options o = {.memory = 32 << 20, .threads = 2};
+    leafcast_options o = {.size = sizeof(leafcast_options), .memory = 32 << 20, .threads = 2};
     while (o.memory > 1 << 10) {
         leafcast *volume = NULL;
         leafcast_status st = leafcast_open(path, &o, &volume);
         if (st == LEAFCAST_OK) {
             select_three(volume, f.iso);
             const leafcast_camera camera = leafcast_standard_view(volume, 1.1, SIDE, SIDE);
-            const leafcast_image none = {0};
+            const leafcast_image none = {.size = sizeof(leafcast_image)};
             st = leafcast_trace(volume, &scene, &camera, &none, &stats, NULL, NULL);
             assert_true(stats.bytes_peak <= o.memory);
             leafcast_close(volume);
@@ -129,7 +137,7 @@ static void test_any_file(void **state) {
     (void)state;
     field f = waves();
     const leafcast_scene scene = rich_scene();
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     const hash_id want = draw(fixture_leaf(&f, 4, 1, false), NULL, &scene, f.iso, &stats);
     assert_same(draw(fixture_leaf(&f, 5, 1, false), NULL, &scene, f.iso, &stats), want);
     assert_same(draw(fixture_leaf(&f, 6, 1, false), NULL, &scene, f.iso, &stats), want);
@@ -147,11 +155,11 @@ static void test_alternative_walks(void **state) {
     field f = waves();
     const char *path = fixture_leaf(&f, 4, 1, false);
     const leafcast_scene scene = rich_scene();
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     const hash_id want = draw(path, NULL, &scene, f.iso, &stats);
     const char *names[] = {"scalar", "scalar-groups", "scalar-corners"};
     for (int i = 0; i < 3; i++) {
-        const leafcast_options o = {.isa = names[i]};
+        const leafcast_options o = {.size = sizeof(leafcast_options), .isa = names[i]};
         assert_same(draw(path, &o, &scene, f.iso, &stats), want);
         assert_string_equal(stats.isa, names[i]);
     }
@@ -161,7 +169,7 @@ static void test_alternative_walks(void **state) {
 static void test_reads_what_it_needs(void **state) {
     (void)state;
     field f;
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     assert_true(field_make(&f, "sphere", N, FIELD_SEED));
     const char *path = fixture_leaf(&f, 4, 1, false);
     leafcast_scene scene = leafcast_scene_default();
@@ -185,14 +193,20 @@ static void test_preview_becomes_exact(void **state) {
     (void)state;
     static picture p;
     field f = waves();
-    leafcast_stats stats = {0};
+    leafcast_stats stats = {.size = sizeof stats};
     leafcast *volume = fixture_open(fixture_leaf(&f, 4, 1, false), NULL);
     select_three(volume, f.iso);
     const leafcast_camera camera = leafcast_standard_view(volume, 1.1, SIDE, SIDE);
     static uint8_t provisional[PIXELS];
-    const leafcast_image image = {p.rgba[0], p.rgba[1],  p.rgba[2],
-                                  p.rgba[3], p.z,        {p.normal[0], p.normal[1], p.normal[2]},
-                                  p.id,      provisional};
+    const leafcast_image image = {sizeof image,
+                                  p.rgba[0],
+                                  p.rgba[1],
+                                  p.rgba[2],
+                                  p.rgba[3],
+                                  p.z,
+                                  {p.normal[0], p.normal[1], p.normal[2]},
+                                  p.id,
+                                  provisional};
     leafcast_scene scene = leafcast_scene_default();
     scene.preview = true;
     /* The loader goes on between frames: sooner or later nothing is provisional. */

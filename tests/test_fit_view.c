@@ -153,7 +153,7 @@ static void node_corners(const field *f, const long lo[3], const long hi[3], dou
 static void check_view(const leafcast *volume, const field *f, double iso, double fov,
                        const long lo[3], const long hi[3]) {
     double corners[8][3];
-    leafcast_camera c;
+    leafcast_camera c = {.size = sizeof c};
     node_corners(f, lo, hi, corners);
     assert_int_equal(leafcast_fit_view(volume, 0, 0, &iso, 1, fov, 300, 200, &c), LEAFCAST_OK);
     assert_true(c.fov == (fov > 0.0 ? fov : LEAFCAST_FIT_FOV));
@@ -168,7 +168,7 @@ static void check_block(field_random *r) {
     long from[3], to[3], lo[3], hi[3];
     const long first[3] = {0, 0, 0};
     double suggested[LEAFCAST_SUGGESTIONS_MAX];
-    leafcast_camera c;
+    leafcast_camera c = {.size = sizeof c};
     int count = 0;
     make_block(&f, r, from, to);
     const long last[3] = {f.dims[0] - 1, f.dims[1] - 1, f.dims[2] - 1};

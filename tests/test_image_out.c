@@ -55,8 +55,13 @@ static float red[6] = {0.25f, 0.5f, 0, 1, 2, 3}, green[6] = {0}, blue[6] = {0};
 static float alpha[6] = {0.5f, 1, 0, 1, 1, 1};
 static double depth[6] = {1.5, INFINITY, 0.1, 3, 4, 5};
 static int32_t ids[6] = {0, -1, 2, 3, 4, 5};
-static const leafcast_image IMAGE = {
-    .r = red, .g = green, .b = blue, .a = alpha, .z = depth, .id = ids};
+static const leafcast_image IMAGE = {.size = sizeof(leafcast_image),
+                                     .r = red,
+                                     .g = green,
+                                     .b = blue,
+                                     .a = alpha,
+                                     .z = depth,
+                                     .id = ids};
 
 static size_t slurp(char *buffer, size_t room) {
     FILE *f = fopen(target, "rb");
@@ -134,7 +139,8 @@ static void test_helper_stays(void **state) {
 static void fails(const char *script, status want, const char *says) {
     enum { SIDE = 512 }; /* more than a socket holds */
     static float plane[SIDE * SIDE];
-    const leafcast_image image = {.r = plane, .g = plane, .b = plane};
+    const leafcast_image image = {
+        .size = sizeof(leafcast_image), .r = plane, .g = plane, .b = plane};
     play(script);
     unlink(target);
     assert_int_equal(write_it(target, false, SIDE, SIDE, &image, NULL, 0), want);

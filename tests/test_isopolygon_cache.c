@@ -49,7 +49,7 @@ static void draw_all(leafcast *v, int isos, double shift, picture out[2], leafca
 
 static void compare(leafcast_options o, const picture want[2][2]) {
     static picture got[2];
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     leafcast *v = fixture_open(path, &o);
     for (int round = 0; round < 4; round++) {
         const int isos = round % 2 ? ISOS : 1;
@@ -63,8 +63,9 @@ static void compare(leafcast_options o, const picture want[2][2]) {
 static void test_same_bits(void **state) {
     (void)state;
     static picture want[2][2];
-    leafcast_stats stats;
-    const leafcast_options plain = {.isa = "scalar", .threads = 1};
+    leafcast_stats stats = {.size = sizeof stats};
+    const leafcast_options plain = {
+        .size = sizeof(leafcast_options), .isa = "scalar", .threads = 1};
     leafcast *v = fixture_open(path, &plain);
     draw_all(v, 1, 0.0, want[0], &stats);
     assert_true(stats.roots > 500);
@@ -72,10 +73,23 @@ static void test_same_bits(void **state) {
     leafcast_close(v);
     for (int mode = 0; mode < MODES; mode++) {
         const leafcast_isopolygons how = (leafcast_isopolygons)mode;
-        compare((leafcast_options){.isa = "scalar", .threads = 3, .isopolygons = how}, want);
-        compare((leafcast_options){.threads = 4, .isopolygons = how}, want);
-        compare((leafcast_options){.threads = 4, .packets = 8, .isopolygons = how}, want);
-        compare((leafcast_options){.threads = 2, .treelet_limit = 2, .isopolygons = how}, want);
+        compare((leafcast_options){.size = sizeof(leafcast_options),
+                                   .isa = "scalar",
+                                   .threads = 3,
+                                   .isopolygons = how},
+                want);
+        compare(
+            (leafcast_options){.size = sizeof(leafcast_options), .threads = 4, .isopolygons = how},
+            want);
+        compare(
+            (leafcast_options){
+                .size = sizeof(leafcast_options), .threads = 4, .packets = 8, .isopolygons = how},
+            want);
+        compare((leafcast_options){.size = sizeof(leafcast_options),
+                                   .threads = 2,
+                                   .treelet_limit = 2,
+                                   .isopolygons = how},
+                want);
     }
 }
 
@@ -84,9 +98,11 @@ static void test_budget(void **state) {
     (void)state;
     static picture want[2], got[2];
     uint64_t held[MODES];
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     for (int mode = 0; mode < MODES; mode++) {
-        leafcast_options o = {.threads = 1, .isopolygons = (leafcast_isopolygons)mode};
+        leafcast_options o = {.size = sizeof(leafcast_options),
+                              .threads = 1,
+                              .isopolygons = (leafcast_isopolygons)mode};
         leafcast *v = fixture_open(path, &o);
         draw_all(v, 1, 0.0, mode ? got : want, &stats);
         held[mode] = stats.bytes_resident;

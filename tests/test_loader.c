@@ -302,7 +302,9 @@ static hash_id draw(leafcast *v, double iso) {
     const leafcast_scene scene = leafcast_scene_default();
     const leafcast_camera camera = leafcast_standard_view(v, 1.1, SIDE, SIDE);
     assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
-    if (leafcast_trace(v, &scene, &camera, &(leafcast_image){.z = depth}, NULL, NULL, NULL))
+    if (leafcast_trace(v, &scene, &camera,
+                       &(leafcast_image){.size = sizeof(leafcast_image), .z = depth}, NULL, NULL,
+                       NULL))
         fail_msg("%s", leafcast_error_text());
     return hash_identity(depth, sizeof depth);
 }
@@ -319,14 +321,17 @@ static void test_pictures(void **state) {
     const char *path = fixture_leaf(&f, 4, 1, false);
     field_release(&f);
     for (int i = 0; i < ISOS; i++) {
-        leafcast *fresh = fixture_open(path, &(leafcast_options){.threads = 1, .isa = "scalar"});
+        leafcast *fresh = fixture_open(
+            path,
+            &(leafcast_options){.size = sizeof(leafcast_options), .threads = 1, .isa = "scalar"});
         want[i] = draw(fresh, 20.0 + 35.5 * i);
         leafcast_close(fresh);
     }
     for (int isa = CPU_SCALAR; isa <= (int)cpu_best(); isa++)
         for (size_t k = 0; k < sizeof limits / sizeof *limits; k++) {
             field_random r = {FIELD_SEED};
-            leafcast *v = fixture_open(path, &(leafcast_options){.threads = 3,
+            leafcast *v = fixture_open(path, &(leafcast_options){.size = sizeof(leafcast_options),
+                                                                 .threads = 3,
                                                                  .isa = cpu_isa_name((cpu_isa)isa),
                                                                  .treelet_limit = limits[k]});
             for (int step = 0; step < 3 * ISOS; step++) {

@@ -51,7 +51,8 @@ static void make(const char *name, const char *part_name, bool coarse) {
 }
 
 static leafcast *open_with(const char *name, const char *isa, uint32_t treelet_limit) {
-    const leafcast_options o = {.isa = isa, .threads = 2, .treelet_limit = treelet_limit};
+    const leafcast_options o = {
+        .size = sizeof(leafcast_options), .isa = isa, .threads = 2, .treelet_limit = treelet_limit};
     return fixture_open(scratch_path(name), &o);
 }
 
@@ -87,7 +88,7 @@ static uint64_t check_picture(const picture *got, const picture *exact, const pi
 
 static void draw_exact(const char *name, const leafcast_scene *scene, const leafcast_camera *view,
                        double iso, picture *p) {
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     leafcast *v = open_with(name, "scalar", 0);
     select_one(v, iso);
     pictures_draw(v, scene, view, p, &stats);
@@ -112,7 +113,7 @@ static void test_becomes_exact(void **state) {
             scene.preview = true;
             uint64_t marked = 1;
             for (int n = 0; n < FRAMES_MAX && marked; n++) {
-                leafcast_stats stats;
+                leafcast_stats stats = {.size = sizeof stats};
                 pictures_draw(v, &scene, &view, &got, &stats);
                 marked = check_picture(&got, &exact, NULL);
                 assert_int_equal(marked, stats.provisional_pixels);
@@ -138,7 +139,8 @@ static void test_is_the_grid(void **state) {
         draw_exact("part.leaf", &scene, &view, ISO, &gridded);
         scene.preview = true;
         select_one(v, ISO);
-        leafcast_stats stats, before = {0};
+        leafcast_stats stats = {.size = sizeof(leafcast_stats)},
+                       before = {.size = sizeof(leafcast_stats)};
         for (int n = 0, still = 0; n < FRAMES_MAX && still < 50; n++) {
             pictures_draw(v, &scene, &view, &got, &stats);
             still = stats.bytes_read == before.bytes_read ? still + 1 : 0;
@@ -175,7 +177,7 @@ static void test_scenes(void **state) {
         const leafcast_camera view = pictures_view(v, kind % PICTURE_VIEWS, &r);
         leafcast_surface s[2] = {leafcast_surface_default(ISO), leafcast_surface_default(ISO + 1)};
         s[0].opacity = kind % 2 ? 0.5F : 1.0F;
-        leafcast_stats stats;
+        leafcast_stats stats = {.size = sizeof stats};
         w = open_with("mesh.leaf", "scalar", 0);
         scene.preview = false;
         assert_int_equal(leafcast_select(w, s, 2), LEAFCAST_OK);
@@ -258,7 +260,8 @@ static void test_steps(void **state) {
         select_one(v, ISO);
         select_one(w, ISO);
         for (size_t k = 0; k < sizeof order / sizeof *order; k++) {
-            leafcast_stats stats, before = {0};
+            leafcast_stats stats = {.size = sizeof(leafcast_stats)},
+                           before = {.size = sizeof(leafcast_stats)};
             take_part("series.leaf", order[k], "part.leaf");
             scene.preview = false;
             assert_int_equal(leafcast_select_set(w, 0, order[k]), LEAFCAST_OK);
@@ -291,7 +294,8 @@ static leafcast_status try_draw(leafcast *v, bool preview) {
     leafcast_scene scene = leafcast_scene_default();
     scene.preview = preview;
     const leafcast_camera view = leafcast_standard_view(v, 1.3, PICTURE_WIDTH, PICTURE_HEIGHT);
-    const leafcast_image image = {.z = p.z, .provisional = p.provisional};
+    const leafcast_image image = {
+        .size = sizeof(leafcast_image), .z = p.z, .provisional = p.provisional};
     return leafcast_trace(v, &scene, &view, &image, NULL, NULL, NULL);
 }
 
@@ -329,7 +333,8 @@ static void test_memory(void **state) {
     make("mesh.leaf", NULL, true);
     int enough = 0;
     for (uint64_t memory = 256 << 10; memory < 64 << 20; memory += memory / 3) {
-        const leafcast_options o = {.threads = 2, .memory = memory};
+        const leafcast_options o = {
+            .size = sizeof(leafcast_options), .threads = 2, .memory = memory};
         leafcast *v = NULL;
         if (leafcast_open(scratch_path("mesh.leaf"), &o, &v) != LEAFCAST_OK)
             continue;

@@ -96,7 +96,7 @@ static int different_isos(const ref_hit *hits, size_t count) {
 static void judge_peeled(const stage *s, const leafcast_scene *scene, const leafcast_camera *c,
                          const leafcast_surface *surfaces, peel_tally *tally) {
     static picture p;
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     double isos[ISOS];
     const double box[2][3] = {{scene->clip_min[0], scene->clip_min[1], scene->clip_min[2]},
                               {scene->clip_max[0], scene->clip_max[1], scene->clip_max[2]}};
@@ -200,7 +200,7 @@ static int in_shadow(const stage *s, const double at[3], const double to[3], dou
 static void judge_light(const stage *s, const leafcast_scene *scene, const leafcast_camera *c,
                         shadow_counts *n) {
     static picture p;
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     const leafcast_light *light = &scene->lights[0];
     pictures_draw(s->v.of[s->v.count - 1], scene, c, &p, &stats);
     for (int i = 0; i < PICTURE_PIXELS; i += STEP) {

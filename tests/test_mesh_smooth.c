@@ -180,7 +180,7 @@ static void test_linear(void **state) {
     const double length = sqrt(4 + 9 + 0.25), want[3] = {-2 / length, 3 / length, -0.5 / length};
     leafcast *v = open_kuhn(8, linear, 0.3);
     const leafcast_scene scene = smooth_scene();
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     field_random r = {4};
     int hits = 0;
     for (int kind = 0; kind < PICTURE_VIEWS; kind++) {
@@ -201,7 +201,7 @@ static void test_linear(void **state) {
 /* The root mean square of the angles between a sphere's normals and the picture's, in degrees. */
 static double error_of(leafcast *v, const leafcast_scene *scene, double *worst) {
     static picture p;
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     const leafcast_camera c = leafcast_standard_view(v, 1.6, PICTURE_WIDTH, PICTURE_HEIGHT);
     double sum = 0, hits = 0;
     *worst = 0;
@@ -278,11 +278,14 @@ static void test_shading_alone(void **state) {
     (void)state;
     static picture faceted, smooth, again;
     lab_mesh lab;
-    leafcast_stats before, with, after;
+    leafcast_stats before = {.size = sizeof(leafcast_stats)},
+                   with = {.size = sizeof(leafcast_stats)},
+                   after = {.size = sizeof(leafcast_stats)};
     assert_true(lab_mesh_make(&lab, "noise", CUBES, 7));
     const char *path = lab_leaf_make(&lab, 100, true);
     for (uint32_t limit = 0; limit < 2; limit++) {
-        const leafcast_options o = {.threads = 2, .treelet_limit = limit};
+        const leafcast_options o = {
+            .size = sizeof(leafcast_options), .threads = 2, .treelet_limit = limit};
         leafcast *v = fixture_open(path, &o);
         const leafcast_surface s = leafcast_surface_default(lab.iso);
         const leafcast_scene scene = leafcast_scene_default(), other = smooth_scene();
@@ -312,7 +315,7 @@ static void test_refused(void **state) {
     static picture p;
     lab_mesh lab;
     const leafcast_scene scene = smooth_scene();
-    const leafcast_image image = {.r = p.rgba[0]};
+    const leafcast_image image = {.size = sizeof(leafcast_image), .r = p.rgba[0]};
     assert_true(lab_mesh_make(&lab, "sphere", CUBES, 7));
     const char *mesh = lab_leaf_make(&lab, 100, false);
     field f;

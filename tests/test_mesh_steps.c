@@ -140,10 +140,11 @@ static void fill_album(const series *s, album *a) {
     a->hits = 0;
     leafcast_close(whole);
     for (uint32_t set = 0; set < SETS; set++) {
-        leafcast *v = fixture_open(single(s, set, "single.leaf"),
-                                   &(leafcast_options){.isa = "scalar", .threads = 1});
+        leafcast *v = fixture_open(
+            single(s, set, "single.leaf"),
+            &(leafcast_options){.size = sizeof(leafcast_options), .isa = "scalar", .threads = 1});
         const leafcast_scene scene = leafcast_scene_default();
-        leafcast_stats stats;
+        leafcast_stats stats = {.size = sizeof stats};
         assert_int_equal(leafcast_select(v, surfaces, 2), LEAFCAST_OK);
         pictures_draw(v, &scene, &a->camera, &a->page[set], &stats);
         for (int i = 0; i < PICTURE_PIXELS; i++)
@@ -165,7 +166,7 @@ static void assert_page(leafcast *v, const album *a, uint32_t set, leafcast_stat
 /* Sets at random, the same ones again and again among them. */
 static void leaf_through(const char *path, const leafcast_options *o, const album *a, int count) {
     field_random r = {SEED};
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     leafcast *v = fixture_open(path, o);
     assert_int_equal(leafcast_select(v, surfaces, 2), LEAFCAST_OK);
     for (int i = 0; i < count; i++) {
@@ -183,14 +184,16 @@ static uint64_t least_memory(const char *path, const album *a) {
     for (uint64_t memory = 1 << 16;; memory *= 2) {
         static picture p;
         const leafcast_scene scene = leafcast_scene_default();
-        const leafcast_options o = {.memory = memory, .threads = 1};
+        const leafcast_options o = {
+            .size = sizeof(leafcast_options), .memory = memory, .threads = 1};
         leafcast *v = NULL;
         leafcast_status st = leafcast_open(path, &o, &v);
         if (st == LEAFCAST_OK)
             st = leafcast_select(v, surfaces, 2);
         if (st == LEAFCAST_OK)
-            st = leafcast_trace(v, &scene, &a->camera, &(leafcast_image){.z = p.z}, NULL, NULL,
-                                NULL);
+            st = leafcast_trace(v, &scene, &a->camera,
+                                &(leafcast_image){.size = sizeof(leafcast_image), .z = p.z}, NULL,
+                                NULL, NULL);
         leafcast_close(v);
         if (st == LEAFCAST_OK)
             return 2 * memory; /* a picture has more planes */
@@ -212,7 +215,8 @@ static void test_pictures(void **state) {
             for (int isa = ALL_ISAS ? CPU_SCALAR : (int)cpu_best(); isa <= (int)cpu_best(); isa++)
                 for (size_t i = 0; i < sizeof limits / sizeof *limits; i++)
                     for (int backend = 1; backend < 3; backend++) {
-                        const leafcast_options o = {.schema = (leafcast_schema)schema,
+                        const leafcast_options o = {.size = sizeof(leafcast_options),
+                                                    .schema = (leafcast_schema)schema,
                                                     .isa = cpu_isa_name((cpu_isa)isa),
                                                     .threads = 1 + (int)i,
                                                     .backend = (leafcast_backend)backend,
@@ -225,8 +229,10 @@ static void test_pictures(void **state) {
         for (int schema = LEAFCAST_SCHEMA_TREES; schema <= LEAFCAST_SCHEMA_REFIT; schema++)
             for (uint64_t memory = least; memory <= 8 * least; memory *= 2)
                 leaf_through(s.path,
-                             &(leafcast_options){
-                                 .schema = (leafcast_schema)schema, .memory = memory, .threads = 1},
+                             &(leafcast_options){.size = sizeof(leafcast_options),
+                                                 .schema = (leafcast_schema)schema,
+                                                 .memory = memory,
+                                                 .threads = 1},
                              &a, 2 * PAGES);
         mesh_leaves_release(&s.all);
     }
@@ -239,8 +245,10 @@ static void test_pictures(void **state) {
  * too.) Refitting reads no codes. */
 static void assert_reading(const series *s, const album *a, leafcast_schema schema, uint64_t *first,
                            uint64_t *again) {
-    leafcast_stats stats;
-    leafcast *v = fixture_open(s->path, &(leafcast_options){.schema = schema, .threads = 2});
+    leafcast_stats stats = {.size = sizeof stats};
+    leafcast *v = fixture_open(
+        s->path,
+        &(leafcast_options){.size = sizeof(leafcast_options), .schema = schema, .threads = 2});
     assert_int_equal(leafcast_select(v, surfaces, 2), LEAFCAST_OK);
     assert_page(v, a, 1, &stats); /* topologies */
     *first = *again = 0;
@@ -420,12 +428,15 @@ static void flip(const char *path, uint64_t at) {
 static leafcast_status draw_set(const char *path, leafcast_schema schema, const album *a,
                                 uint32_t set, double *z) {
     leafcast_scene scene = leafcast_scene_default();
-    leafcast *v = fixture_open(path, &(leafcast_options){.schema = schema, .threads = 1});
+    leafcast *v = fixture_open(
+        path,
+        &(leafcast_options){.size = sizeof(leafcast_options), .schema = schema, .threads = 1});
     scene.sweep = true;
     assert_int_equal(leafcast_select(v, surfaces, 2), LEAFCAST_OK);
     assert_int_equal(leafcast_select_set(v, set / STEPS, set % STEPS), LEAFCAST_OK);
     const leafcast_status st =
-        leafcast_trace(v, &scene, &a->camera, &(leafcast_image){.z = z}, NULL, NULL, NULL);
+        leafcast_trace(v, &scene, &a->camera,
+                       &(leafcast_image){.size = sizeof(leafcast_image), .z = z}, NULL, NULL, NULL);
     leafcast_close(v);
     return st;
 }

@@ -63,8 +63,10 @@ static void test_treelets(void **state) {
         for (uint32_t limit = 0; limit < 20; limit += limit < 2 ? 1 : 17) {
             for (int isa = 0; isa <= (int)cpu_best(); isa++) {
                 const bool first = i == 0 && limit == 0 && isa == 0;
-                const leafcast_options o = {
-                    .isa = cpu_isa_name((cpu_isa)isa), .threads = 2, .treelet_limit = limit};
+                const leafcast_options o = {.size = sizeof(leafcast_options),
+                                            .isa = cpu_isa_name((cpu_isa)isa),
+                                            .threads = 2,
+                                            .treelet_limit = limit};
                 mesh_pictures_draw(path, lab.iso, &o, first ? &want : &got);
                 if (!first)
                     assert_memory_equal(&want, &got, sizeof want);
@@ -80,7 +82,7 @@ static void test_treelets(void **state) {
 static void judge_picture(const tet_ref *reference, double iso, leafcast *v,
                           const leafcast_camera *c, ref_tally *tally) {
     static picture p;
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     const leafcast_scene scene = leafcast_scene_default();
     pictures_draw(v, &scene, c, &p, &stats);
     for (int i = 0; i < PICTURE_PIXELS; i += STEP) {

@@ -84,7 +84,8 @@ static planes *sample(leafcast_image *image) {
         p->g[i] = p->a[i] * ((float)y / HEIGHT);
         p->b[i] = p->a[i] * (float)((x * 7 + y * 13) % 256) / 255.0f;
     }
-    *image = (leafcast_image){.r = p->r, .g = p->g, .b = p->b, .a = p->a};
+    *image = (leafcast_image){
+        .size = sizeof(leafcast_image), .r = p->r, .g = p->g, .b = p->b, .a = p->a};
     return p;
 }
 
@@ -173,7 +174,7 @@ static void test_png_full(void **state) {
 static void test_pnm(void **state) {
     (void)state;
     float r[2] = {0.0f, 1.0f}, g[2] = {0.25f, 2.0f}, b[2] = {0.5f, -1.0f};
-    const leafcast_image image = {.r = r, .g = g, .b = b};
+    const leafcast_image image = {.size = sizeof(leafcast_image), .r = r, .g = g, .b = b};
     const picture p = {1, 2, &image, NULL, 0};
     kept ppm = {0}, pfm = {0};
     assert_int_equal(picture_ppm_write(&budget, NULL, &p, &(byte_sink){keep, &ppm}), ST_OK);

@@ -77,8 +77,13 @@ static leafcast_status draw(leafcast *volume, job *j) {
     answers *a = j->out;
     const leafcast_scene scene = scene_of(j);
     const leafcast_camera camera = leafcast_standard_view(volume, 1.1, SIDE, SIDE);
-    const leafcast_image image = {
-        .r = a->rgba[0], .g = a->rgba[1], .b = a->rgba[2], .a = a->rgba[3], .z = a->z};
+    const leafcast_image image = {.size = sizeof(leafcast_image),
+                                  .r = a->rgba[0],
+                                  .g = a->rgba[1],
+                                  .b = a->rgba[2],
+                                  .a = a->rgba[3],
+                                  .z = a->z};
+    j->stats.size = sizeof j->stats;
     return leafcast_trace(volume, &scene, &camera, &image, &j->stats, j->watch, j->watch_ctx);
 }
 
@@ -242,7 +247,10 @@ static bool fail_at(job *j, fault_kind what, long k, hash_id want, int *errors) 
 static void sweep_faults(const kind *how, fault_kind what, uint32_t treelet_limit) {
     static answers a;
     job j = {.out = &a,
-             .options = {.treelet_limit = treelet_limit, .threads = 3, .backend = how->backend}};
+             .options = {.size = sizeof(leafcast_options),
+                         .treelet_limit = treelet_limit,
+                         .threads = 3,
+                         .backend = how->backend}};
     j.path = leaf_of("waves", 30, how->compressed, &j.iso);
     const hash_id want = clean_answers(j.path, j.iso);
     int errors = 0, runs = 0;
@@ -341,7 +349,10 @@ static void test_damaged_treelet_is_named_when_needed(void **state) {
     static answers a;
     for (int i = 0; i < 2 * KINDS; i++) {
         const kind *how = &kinds[i / 2];
-        job j = {.out = &a, .sweep = i % 2, .options = {.threads = 2, .backend = how->backend}};
+        job j = {
+            .out = &a,
+            .sweep = i % 2,
+            .options = {.size = sizeof(leafcast_options), .threads = 2, .backend = how->backend}};
         mem m;
         j.path = leaf_of("sphere", 45, how->compressed, &j.iso);
         j.iso = 0.6;
@@ -366,7 +377,9 @@ static void test_file_truncated_after_opening(void **state) {
     (void)state;
     static answers a;
     for (int i = 0; i < KINDS; i++) {
-        job j = {.out = &a, .options = {.threads = 2, .backend = kinds[i].backend}};
+        job j = {.out = &a,
+                 .options = {
+                     .size = sizeof(leafcast_options), .threads = 2, .backend = kinds[i].backend}};
         size_t size = 0;
         j.path = leaf_of("waves", 30, kinds[i].compressed, &j.iso);
         const hash_id want = clean_answers(j.path, j.iso);
@@ -413,7 +426,10 @@ static void test_stopping(void **state) {
         const kind *how = &kinds[i / 2];
         job j = {.out = &a,
                  .sweep = i % 2,
-                 .options = {.treelet_limit = 4, .threads = 3, .backend = how->backend}};
+                 .options = {.size = sizeof(leafcast_options),
+                             .treelet_limit = 4,
+                             .threads = 3,
+                             .backend = how->backend}};
         j.path = leaf_of("waves", 30, how->compressed, &j.iso);
         const hash_id want = clean_answers(j.path, j.iso);
         leafcast *volume = fixture_open(j.path, &j.options);
@@ -453,11 +469,12 @@ static void test_closing_early(void **state) {
         const kind *how = &kinds[i % KINDS];
         const belongings before = now_held();
         stopper s = {.at = 1 + i / KINDS};
-        job j = {.out = &a,
-                 .sweep = true,
-                 .watch = stop_at,
-                 .watch_ctx = &s,
-                 .options = {.threads = 2, .backend = how->backend}};
+        job j = {
+            .out = &a,
+            .sweep = true,
+            .watch = stop_at,
+            .watch_ctx = &s,
+            .options = {.size = sizeof(leafcast_options), .threads = 2, .backend = how->backend}};
         j.path = leaf_of("waves", 30, how->compressed, &j.iso);
         leafcast *volume = fixture_open(j.path, &j.options);
         assert_int_equal(choose(volume, j.iso), LEAFCAST_OK);
@@ -524,7 +541,8 @@ static void test_any_memory_budget(void **state) {
         for (int threads = 1; threads <= 3; threads += 2) {
             double iso = 0;
             const char *path = leaf_of("waves", 30, kinds[i].compressed, &iso);
-            const leafcast_options o = {.threads = threads, .backend = kinds[i].backend};
+            const leafcast_options o = {
+                .size = sizeof(leafcast_options), .threads = threads, .backend = kinds[i].backend};
             check_budgets(path, o, iso);
         }
 }
@@ -535,7 +553,8 @@ __attribute__((unused)) static void test_any_memory_budget_for_large_treelets(vo
     field f;
     assert_true(field_make(&f, "waves", 48, FIELD_SEED));
     for (int i = 0; i < KINDS; i++) {
-        const leafcast_options o = {.threads = 1, .backend = kinds[i].backend};
+        const leafcast_options o = {
+            .size = sizeof(leafcast_options), .threads = 1, .backend = kinds[i].backend};
         check_budgets(fixture_leaf(&f, 6, 1, kinds[i].compressed), o, f.iso);
     }
     field_release(&f);
@@ -584,7 +603,8 @@ static void test_two_volumes_at_once(void **state) {
     for (int i = 0; i < KINDS; i++) {
         for (int k = 0; k < 2; k++) {
             n[k] = (neighbour){.j = {.out = &n[k].a,
-                                     .options = {.treelet_limit = 5,
+                                     .options = {.size = sizeof(leafcast_options),
+                                                 .treelet_limit = 5,
                                                  .threads = 1 + k,
                                                  .backend = kinds[i].backend}}};
             /* The second time round they share a file. */

@@ -13,7 +13,11 @@ static const float UP[3] = {0.0f, 0.0f, 1.0f}, DOWN[3] = {0.0f, 0.0f, -1.0f};
 static const float SLANTED[3] = {0.6f, 0.0f, 0.8f};
 
 static leafcast_scene scene_of(leafcast_shading shading) {
-    return (leafcast_scene){.ambient = 0.25f, .specular = 0.5f, .shininess = 3, .shading = shading};
+    return (leafcast_scene){.size = sizeof(leafcast_scene),
+                            .ambient = 0.25f,
+                            .specular = 0.5f,
+                            .shininess = 3,
+                            .shading = shading};
 }
 
 static void check_rgb(const float got[3], double r, double g, double b) {

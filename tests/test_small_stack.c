@@ -43,7 +43,7 @@ enum { SHADOWS = 1, LAYERS = 2, PREVIEW = 4, ANALYTIC = 8, SMOOTH = 16, SWEEP = 
 static leafcast_status picture(task *t, leafcast *v, unsigned how) {
     leafcast_scene scene = leafcast_scene_default();
     const leafcast_camera camera = leafcast_standard_view(v, 1.4, SIDE, SIDE);
-    const leafcast_image image = {.z = t->z};
+    const leafcast_image image = {.size = sizeof(leafcast_image), .z = t->z};
     leafcast_surface surfaces[2] = {leafcast_surface_default(t->iso),
                                     leafcast_surface_default(t->iso * 1.1)};
     surfaces[0].opacity = how & LAYERS ? 0.4f : 1.0f;
@@ -78,7 +78,8 @@ static leafcast_status probes(const task *t, leafcast *v) {
 static void *work(void *arg) {
     task *t = arg;
     leafcast *v = NULL;
-    const leafcast_options o = {.threads = 1,
+    const leafcast_options o = {.size = sizeof(leafcast_options),
+                                .threads = 1,
                                 .isa = t->isa,
                                 .packets = t->packets,
                                 .isopolygons = t->isopolygons,

@@ -100,15 +100,17 @@ static void test_few_treelets(void **state) {
     (void)state;
     static picture want, got;
     field f;
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     assert_true(field_make(&f, "waves", 60, FIELD_SEED));
     const char *path = fixture_leaf(&f, 4, 1, false);
     const leafcast_surface s = leafcast_surface_default(f.iso);
     leafcast_scene scene = leafcast_scene_default();
     for (uint32_t limit = 1; limit < 40; limit += 13) {
         for (int isa = 0; isa <= (int)cpu_best(); isa++) {
-            const leafcast_options o = {
-                .isa = cpu_isa_name((cpu_isa)isa), .threads = 2, .treelet_limit = limit};
+            const leafcast_options o = {.size = sizeof(leafcast_options),
+                                        .isa = cpu_isa_name((cpu_isa)isa),
+                                        .threads = 2,
+                                        .treelet_limit = limit};
             leafcast *v = fixture_open(path, &o);
             assert_int_equal(leafcast_select(v, &s, 1), LEAFCAST_OK);
             const leafcast_camera c = leafcast_standard_view(v, 1.1, PICTURE_WIDTH, PICTURE_HEIGHT);
@@ -134,7 +136,8 @@ static void assert_counts(const char *name) {
     for (double distance = 0.6; distance < 3.0; distance += 0.8) {
         const leafcast_camera c =
             leafcast_standard_view(v.of[0], distance, PICTURE_WIDTH, PICTURE_HEIGHT);
-        leafcast_stats single, tiled;
+        leafcast_stats single = {.size = sizeof(leafcast_stats)},
+                       tiled = {.size = sizeof(leafcast_stats)};
         pictures_draw(v.of[CPU_SCALAR], &scene, &c, &p, &single);
         for (int isa = 1; isa < v.count; isa++) {
             for (int again = 0; again < 2; again++)

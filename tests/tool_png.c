@@ -85,9 +85,15 @@ static void make_planes(job *j, leafcast_image *image) {
         exit(1);
     for (int k = 0; k < 256; k++)
         linear[k] = (float)colour_linear(k / 255.0);
-    *image = (leafcast_image){
-        planes, planes + pixels, planes + 2 * pixels, planes + 3 * pixels, NULL, {NULL}, NULL,
-        NULL};
+    *image = (leafcast_image){sizeof *image,
+                              planes,
+                              planes + pixels,
+                              planes + 2 * pixels,
+                              planes + 3 * pixels,
+                              NULL,
+                              {NULL},
+                              NULL,
+                              NULL};
     for (size_t i = 0; i < pixels; i++) {
         const unsigned char *at = j->bytes + 4 * i;
         image->a[i] = (float)at[3] / 255.0f;

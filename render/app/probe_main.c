@@ -301,7 +301,8 @@ static status select_set(const probe_options *o, leafcast *volume, json_t *answe
 }
 
 static status run(probe_options *o, json_t *answer) {
-    const leafcast_options open = {.memory = o->common.memory, .threads = 1};
+    const leafcast_options open = {
+        .size = sizeof(leafcast_options), .memory = o->common.memory, .threads = 1};
     leafcast *volume = NULL;
     status st = render_status(leafcast_open(o->volume, &open, &volume));
     if (st == ST_OK)

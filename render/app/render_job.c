@@ -29,7 +29,7 @@ static void release_planes(render_job *job) {
                             i->normal[0], i->normal[1], i->normal[2], i->id};
     for (size_t p = 0; p < sizeof planes / sizeof *planes; p++)
         mem_free(&job->m, planes[p]);
-    *i = (leafcast_image){0};
+    *i = (leafcast_image){.size = sizeof(leafcast_image)};
 }
 
 void render_job_close(render_job *job) {
@@ -91,7 +91,8 @@ static leafcast_image planes_wanted(const render_job *job, const script_frame *f
     const bool all = image_out_wants_all(&job->out, frame->output);
     const bool opaque = frame->view.scene.background[3] >= 1.0f; /* then so is every pixel */
     float *const c = colour ? &any_float : NULL, *const n = all ? &any_float : NULL;
-    return (leafcast_image){.r = c,
+    return (leafcast_image){.size = sizeof(leafcast_image),
+                            .r = c,
                             .g = c,
                             .b = c,
                             .a = all || !opaque ? c : NULL,
@@ -198,6 +199,7 @@ static status trace(render_job *job, const view_options *view, const leafcast_ca
         return ST_NOMEM;
     status st = ST_OK;
     for (int i = 0; i < job->repeat && st == ST_OK; i++) {
+        all[i].size = sizeof all[i];
         part p = {job->watch, job->done + job->share * i / job->repeat, job->share / job->repeat};
         st = render_status(leafcast_trace(job->volume, &view->scene, camera, &job->image, &all[i],
                                           job->watch ? report : NULL, &p));

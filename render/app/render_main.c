@@ -605,7 +605,8 @@ static status check_empty(const render_options *o) {
 }
 
 int main(int argc, char **argv) {
-    static render_options o = {.common = {.verb = "render"}, .repeat = 1};
+    static render_options o = {
+        .common = {.verb = "render"}, .open = {.size = sizeof(leafcast_options)}, .repeat = 1};
     const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
     struct argp_option options[VIEW_OPTIONS_ROOM];
     view_options_join(options, OPTIONS,

@@ -613,7 +613,7 @@ leafcast_camera view_options_fit(const view_options *v, const leafcast *volume) 
     const leafcast_camera *given = &v->camera;
     double isovalues[LEAFCAST_SURFACES_MAX];
     uint32_t field;
-    leafcast_camera c;
+    leafcast_camera c = {.size = sizeof c};
     for (int i = 0; i < v->isos; i++)
         isovalues[i] = v->surfaces[i].isovalue;
     if (view_options_field(v, volume, &field) == ST_OK &&

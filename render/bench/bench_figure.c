@@ -13,8 +13,11 @@
 static const float SAMPLES[8] = {0.0f, 0.9f, 1.0f, 0.2f, 0.1f, 1.0f, 0.8f, 0.0f};
 static const double ISO = 0.42;
 
-static const leafcast_camera VIEW = {
-    .eye = {-1.6, -2.0, 1.3}, .look_at = {0.5, 0.5, 0.48}, .up = {0.0, 0.0, 1.0}, .fov = 26.0};
+static const leafcast_camera VIEW = {.size = sizeof(leafcast_camera),
+                                     .eye = {-1.6, -2.0, 1.3},
+                                     .look_at = {0.5, 0.5, 0.48},
+                                     .up = {0.0, 0.0, 1.0},
+                                     .fov = 26.0};
 
 static void colour_of(const leafcast_scene *scene, const cell_visit *v, const hit *h,
                       const double direction[3], float rgb[3]) {
@@ -80,7 +83,10 @@ status bench_figure_draw(mem *m, const char *path, bool force, uint32_t side,
     float *planes = mem_array(m, 3 * pixels, sizeof *planes);
     if (!planes)
         return ST_NOMEM;
-    const leafcast_image image = {.r = planes, .g = planes + pixels, .b = planes + 2 * pixels};
+    const leafcast_image image = {.size = sizeof(leafcast_image),
+                                  .r = planes,
+                                  .g = planes + pixels,
+                                  .b = planes + 2 * pixels};
     *result = (bench_figure){0};
     uint64_t twice = 0;
     result->left =

@@ -186,7 +186,7 @@ static status find_aim(bench_job *job, leafcast *volume, leafcast_camera *camera
     enum { SIDE = 65 };
     double *depth = mem_array(&job->m, (size_t)SIDE * SIDE, sizeof *depth);
     const leafcast_scene scene = leafcast_scene_default();
-    const leafcast_image image = {.z = depth};
+    const leafcast_image image = {.size = sizeof(leafcast_image), .z = depth};
     leafcast_camera small = *camera;
     small.width = small.height = SIDE;
     if (!depth)

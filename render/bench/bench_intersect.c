@@ -49,7 +49,7 @@ static bool record(const ray *r, const cell_visit *visit, const float samples[8]
 
 status bench_ray_cells_record(mem *m, leafcast *volume, const leafcast_scene *scene,
                               const leafcast_camera *camera, uint32_t max, bench_ray_cells *out) {
-    const leafcast_image nothing = {0};
+    const leafcast_image nothing = {.size = sizeof(leafcast_image)};
     *out = (bench_ray_cells){mem_array(m, max, sizeof *out->cells), 0, max};
     if (!out->cells)
         return ST_NOMEM;

@@ -40,7 +40,8 @@ static void add_row(bench_table *t, const bench_subject *s, const bench_racer r[
 }
 
 static status enter(const bench_subject *s, int side, leafcast_isopolygons how, bench_racer *r) {
-    const leafcast_options options = {.threads = 1, .packets = side, .isopolygons = how};
+    const leafcast_options options = {
+        .size = sizeof(leafcast_options), .threads = 1, .packets = side, .isopolygons = how};
     const uint32_t size = s->view.camera.width;
     *r = (bench_racer){.scene = leafcast_scene_default()};
     status st = (status)leafcast_open(s->path, &options, &r->volume);
@@ -91,7 +92,7 @@ static const char *const WAY_NAMES[WAYS] = {"onthefly", "precompute", "cache"};
 
 /* Frames each of which has another isovalue, near the subject's. */
 static status draw_new(const bench_subject *s, bench_racer *r, int runs, double *seconds) {
-    const leafcast_image image = {.z = r->depth};
+    const leafcast_image image = {.size = sizeof(leafcast_image), .z = r->depth};
     status st = ST_OK;
     for (int run = 0; run < runs && st == ST_OK; run++) {
         leafcast_surface surface = s->view.surfaces[0];

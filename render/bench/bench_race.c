@@ -20,7 +20,8 @@ int bench_race_isas(const char *path, bool experiments, const char *names[BENCH_
                  {"auto", false}};
     int count = 0;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
-        const leafcast_options options = {.threads = 1, .isa = known[i].name};
+        const leafcast_options options = {
+            .size = sizeof(leafcast_options), .threads = 1, .isa = known[i].name};
         leafcast *volume = NULL;
         if (known[i].experiment && !experiments)
             continue;
@@ -32,7 +33,8 @@ int bench_race_isas(const char *path, bool experiments, const char *names[BENCH_
 }
 
 status bench_race_enter(const bench_entry *e, bench_racer *r) {
-    const leafcast_options options = {.threads = e->threads, .isa = e->isa};
+    const leafcast_options options = {
+        .size = sizeof(leafcast_options), .threads = e->threads, .isa = e->isa};
     const leafcast_surface surface = leafcast_surface_default(e->isovalue);
     *r = (bench_racer){.scene = leafcast_scene_default()};
     status st = (status)leafcast_open(e->path, &options, &r->volume);
@@ -50,8 +52,12 @@ static size_t pixels_of(const bench_racer *r) {
 /* Colours are drawn and thrown away, over each other. */
 static status draw(bench_racer *r, float *colours, double *seconds) {
     const size_t pixels = pixels_of(r);
-    const leafcast_image image = {
-        .r = colours, .g = colours + pixels, .b = colours + 2 * pixels, .z = r->depth};
+    const leafcast_image image = {.size = sizeof(leafcast_image),
+                                  .r = colours,
+                                  .g = colours + pixels,
+                                  .b = colours + 2 * pixels,
+                                  .z = r->depth};
+    r->stats.size = sizeof r->stats;
     const double cpu = clock_cpu_seconds(), wall = clock_seconds();
     status st =
         (status)leafcast_trace(r->volume, &r->scene, &r->camera, &image, &r->stats, NULL, NULL);

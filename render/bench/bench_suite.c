@@ -39,7 +39,7 @@ status bench_suite_subject(bench_job *job, const char *const *names, const char 
 /* ---- intersectors ---- */
 
 static status record(bench_job *job, const bench_subject *s, bench_ray_cells *cells) {
-    const leafcast_options open = {.threads = 1};
+    const leafcast_options open = {.size = sizeof(leafcast_options), .threads = 1};
     leafcast *volume = NULL;
     status st = (status)leafcast_open(s->path, &open, &volume);
     if (st == ST_OK)

@@ -38,8 +38,11 @@ static size_t pixels_of(const bench_racer *r) {
 /* One frame of one schema: the step is part of it. */
 static status draw(const heat *h, bench_racer *r, uint32_t step, pace *p, int frame) {
     const size_t pixels = pixels_of(r);
-    const leafcast_image image = {
-        .r = h->colours, .g = h->colours + pixels, .b = h->colours + 2 * pixels, .z = r->depth};
+    const leafcast_image image = {.size = sizeof(leafcast_image),
+                                  .r = h->colours,
+                                  .g = h->colours + pixels,
+                                  .b = h->colours + 2 * pixels,
+                                  .z = r->depth};
     const double cpu = clock_cpu_seconds(), wall = clock_seconds();
     status st = (status)leafcast_select_set(r->volume, h->field, step);
     if (st == ST_OK)
@@ -76,7 +79,8 @@ static status run(bench_job *job, heat *h) {
 static status enter(bench_job *job, const bench_subject *s, heat *h) {
     status st = ST_OK;
     for (int i = 0; i < SCHEMAS && st == ST_OK; i++) {
-        const leafcast_options options = {.threads = job->threads,
+        const leafcast_options options = {.size = sizeof(leafcast_options),
+                                          .threads = job->threads,
                                           .schema = (leafcast_schema)(LEAFCAST_SCHEMA_TREES + i)};
         const uint32_t size = job->view.camera.width;
         bench_racer *r = &h->racers[i];

@@ -27,7 +27,7 @@ typedef struct contestant {
 
 static status open_volume(const char *path, const view_options *view, const char *isa,
                           leafcast **volume) {
-    const leafcast_options options = {.threads = 1, .isa = isa};
+    const leafcast_options options = {.size = sizeof(leafcast_options), .threads = 1, .isa = isa};
     status st = (status)leafcast_open(path, &options, volume);
     if (st == ST_OK)
         st = (status)leafcast_select(*volume, view->surfaces, view->isos);
@@ -37,7 +37,8 @@ static status open_volume(const char *path, const view_options *view, const char
 /* One picture; its time into *seconds. */
 static status draw(contestant *c, const view_options *view, double *seconds) {
     const leafcast_camera camera = view_options_camera(view, c->volume);
-    const leafcast_image image = {.z = c->depth};
+    const leafcast_image image = {.size = sizeof(leafcast_image), .z = c->depth};
+    c->stats.size = sizeof c->stats;
     const double start = clock_cpu_seconds();
     status st =
         (status)leafcast_trace(c->volume, &view->scene, &camera, &image, &c->stats, NULL, NULL);

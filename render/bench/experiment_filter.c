@@ -129,7 +129,7 @@ leafcast_status experiment_filter(leafcast *volume, const leafcast_scene *scene,
     tape.cells = mem_array(&m, max, sizeof *tape.cells);
     if (!tape.cells)
         return LEAFCAST_NOMEM;
-    const leafcast_image nothing = {0};
+    const leafcast_image nothing = {.size = sizeof(leafcast_image)};
     experiment_intersect(volume, record);
     leafcast_status st = leafcast_trace(volume, scene, camera, &nothing, NULL, NULL, NULL);
     experiment_intersect(volume, NULL);

@@ -74,7 +74,10 @@ status peer_picture_write(mem *m, const char *path, bool force, uint32_t width, 
     float *planes = mem_array(m, 9 * pixels, sizeof *planes);
     if (!planes)
         return ST_NOMEM;
-    const leafcast_image both = {.r = planes, .g = planes + 3 * pixels, .b = planes + 6 * pixels};
+    const leafcast_image both = {.size = sizeof(leafcast_image),
+                                 .r = planes,
+                                 .g = planes + 3 * pixels,
+                                 .b = planes + 6 * pixels};
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0; x < width; x++) {
             const size_t from = x + width * y, to = x + 3 * (size_t)width * y;

@@ -87,6 +87,7 @@ static status turn_ours(race *r, contestant *c) {
         surface.isovalue = next_isovalue(r, c);
         st = (status)leafcast_select(volume, &surface, 1);
     }
+    r->stats.size = sizeof r->stats;
     if (st == ST_OK)
         st = (status)leafcast_trace(volume, &r->o->view->scene, &r->camera, &r->colours, &r->stats,
                                     NULL, NULL);
@@ -101,7 +102,7 @@ static status draw_embree(race *r, const contestant *c, const peer_embree *bvh,
 }
 
 static status turn_embree(race *r, contestant *c) {
-    const leafcast_image nothing = {0};
+    const leafcast_image nothing = {.size = sizeof(leafcast_image)};
     return draw_embree(r, c, r->bvh[c->quality], c->rays_alone ? &nothing : &r->colours);
 }
 
@@ -172,7 +173,8 @@ static status enter_all(race *r) {
 }
 
 static status open_ours(race *r, leafcast **volume) {
-    const leafcast_options options = {.threads = r->o->threads, .memory = r->o->memory};
+    const leafcast_options options = {
+        .size = sizeof(leafcast_options), .threads = r->o->threads, .memory = r->o->memory};
     status st = (status)leafcast_open(r->o->path, &options, volume);
     return st == ST_OK ? (status)leafcast_select(*volume, r->o->view->surfaces, 1) : st;
 }
@@ -317,7 +319,7 @@ static status compare(race *r) {
     const contestant with_16 = {.packet = PEER_PACKET_16};
     const leafcast_info info = leafcast_describe(r->steady);
     const size_t pixels = (size_t)r->camera.width * r->camera.height;
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     status st = (status)leafcast_trace(r->steady, &r->o->view->scene, &r->camera, &r->ours, &stats,
                                        NULL, NULL);
     for (size_t i = 0; i < pixels && !r->bvh[MEDIUM]; i++)

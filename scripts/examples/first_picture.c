@@ -34,8 +34,8 @@ static int write_ppm(const char *path, const leafcast_image *image) {
 int main(int argc, char **argv) {
     static float r[PIXELS], g[PIXELS], b[PIXELS];
     leafcast *volume = NULL;
-    leafcast_image image = {0};
-    leafcast_camera camera;
+    leafcast_image image = {sizeof image};
+    leafcast_camera camera = {sizeof camera};
     double isovalue = 0;
     int found = 0, bad = argc != 3;
     image.r = r, image.g = g, image.b = b;

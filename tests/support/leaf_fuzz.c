@@ -71,7 +71,8 @@ static leafcast_status draw_set(leafcast *v, const leafcast_camera *camera, uint
     static float normal[3][SIDE * SIDE];
     const leafcast_info info = leafcast_describe(v);
     const leafcast_scene scene = leafcast_scene_default();
-    const leafcast_image image = {.z = z, .normal = {normal[0], normal[1], normal[2]}};
+    const leafcast_image image = {
+        .size = sizeof(leafcast_image), .z = z, .normal = {normal[0], normal[1], normal[2]}};
     leafcast_surface surfaces[2];
     for (int i = 0; i < 2; i++) {
         const double iso = info.value_min + (i + 1) * (info.value_max - info.value_min) / 3;
@@ -91,7 +92,7 @@ static bool is_finite(const leafcast_camera *c) {
 }
 
 static const char *draw_file(const char *path, leaf_fuzz_result *r) {
-    const leafcast_options o = {.memory = MEMORY, .threads = 1};
+    const leafcast_options o = {.size = sizeof(leafcast_options), .memory = MEMORY, .threads = 1};
     leafcast *v = NULL;
     leafcast_status st = leafcast_open(path, &o, &v);
     if (st == LEAFCAST_OK) {

@@ -33,7 +33,8 @@ static void scene_end(scene *s) {
 }
 
 static status open_volume(const scene *s, const char *isa, int threads, leafcast **volume) {
-    const leafcast_options options = {.threads = threads, .isa = isa};
+    const leafcast_options options = {
+        .size = sizeof(leafcast_options), .threads = threads, .isa = isa};
     const leafcast_surface surface = leafcast_surface_default(s->f.iso);
     if (leafcast_open(s->path, &options, volume) != LEAFCAST_OK)
         return status_describe(ST_FAILED, "%s", leafcast_error_text());
@@ -251,7 +252,7 @@ static double inside_along(const scene *s, const double o[3], const double d[3],
 static status draw(const scene *s, const view *of, const char *isa, double *z) {
     leafcast *volume = NULL;
     const leafcast_scene plain = leafcast_scene_default();
-    const leafcast_image image = {.z = z};
+    const leafcast_image image = {.size = sizeof(leafcast_image), .z = z};
     status st = open_volume(s, isa, 1, &volume);
     if (st != ST_OK)
         return st;

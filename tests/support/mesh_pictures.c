@@ -60,7 +60,7 @@ void mesh_pictures_draw(const char *path, double isovalue, const leafcast_option
     leafcast *v = fixture_open(path, o);
     const leafcast_surface s = leafcast_surface_default(isovalue);
     const leafcast_scene scene = leafcast_scene_default();
-    leafcast_stats stats;
+    leafcast_stats stats = {.size = sizeof stats};
     assert_int_equal(leafcast_select(v, &s, 1), LEAFCAST_OK);
     const leafcast_camera c = leafcast_standard_view(v, 1.1, PICTURE_WIDTH, PICTURE_HEIGHT);
     pictures_draw(v, &scene, &c, p, &stats);

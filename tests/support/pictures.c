@@ -15,15 +15,20 @@
 void pictures_draw(leafcast *volume, const leafcast_scene *scene, const leafcast_camera *view,
                    picture *p, leafcast_stats *stats) {
     memset(p, 0, sizeof *p);
-    const leafcast_image image = {p->rgba[0], p->rgba[1],
-                                  p->rgba[2], p->rgba[3],
-                                  p->z,       {p->normal[0], p->normal[1], p->normal[2]},
-                                  p->id,      p->provisional};
+    const leafcast_image image = {sizeof image,
+                                  p->rgba[0],
+                                  p->rgba[1],
+                                  p->rgba[2],
+                                  p->rgba[3],
+                                  p->z,
+                                  {p->normal[0], p->normal[1], p->normal[2]},
+                                  p->id,
+                                  p->provisional};
     assert_int_equal(leafcast_trace(volume, scene, view, &image, stats, NULL, NULL), LEAFCAST_OK);
 }
 
 void pictures_open_one(picture_volumes *v, const char *path, const char *isa, int threads) {
-    const leafcast_options o = {.isa = isa, .threads = threads};
+    const leafcast_options o = {.size = sizeof(leafcast_options), .isa = isa, .threads = threads};
     v->name[v->count] = isa;
     v->of[v->count++] = fixture_open(path, &o);
 }
@@ -57,7 +62,8 @@ static size_t differing(const void *a, const void *b, size_t size, size_t count)
 int pictures_alike(const picture_volumes *v, const leafcast_scene *scene,
                    const leafcast_camera *view, const char *what) {
     static picture want, got;
-    leafcast_stats single, tiled;
+    leafcast_stats single = {.size = sizeof(leafcast_stats)},
+                   tiled = {.size = sizeof(leafcast_stats)};
     int hits = 0;
     pictures_draw(v->of[CPU_SCALAR], scene, view, &want, &single);
     for (int i = 0; i < PICTURE_PIXELS; i++)
@@ -90,8 +96,11 @@ int pictures_alike(const picture_volumes *v, const leafcast_scene *scene,
 /* Cameras around, near and inside a volume, at random and in its planes, narrow and wide. */
 leafcast_camera pictures_view(const leafcast *volume, int kind, field_random *r) {
     const leafcast_info info = leafcast_describe(volume);
-    leafcast_camera c = {
-        .up = {0.1, 0.2, 1.0}, .fov = 45.0, .width = PICTURE_WIDTH, .height = PICTURE_HEIGHT};
+    leafcast_camera c = {.size = sizeof(leafcast_camera),
+                         .up = {0.1, 0.2, 1.0},
+                         .fov = 45.0,
+                         .width = PICTURE_WIDTH,
+                         .height = PICTURE_HEIGHT};
     double reach = 0.0;
     for (int a = 0; a < 3; a++)
         reach = fmax(reach, info.bounds[1][a] - info.bounds[0][a]);

@@ -47,7 +47,8 @@ static void set_view(stage *s, int index) {
     double d[3], longest = 0;
     const leafcast_info info = leafcast_describe(s->volume);
     s->walled = (solid_kind(s->job->which) & SOLID_HOLLOW) && index % 2 == 0;
-    s->camera = (leafcast_camera){.up = {0.1, 0.2, 1},
+    s->camera = (leafcast_camera){.size = sizeof(leafcast_camera),
+                                  .up = {0.1, 0.2, 1},
                                   .fov = s->walled ? 110 : 35,
                                   .width = s->job->side,
                                   .height = s->job->side};
@@ -66,9 +67,11 @@ static void set_view(stage *s, int index) {
 }
 
 static status draw(stage *s) {
-    const leafcast_image image = {
-        .r = s->red, .z = s->z, .normal = {s->normal[0], s->normal[1], s->normal[2]}};
-    leafcast_stats stats;
+    const leafcast_image image = {.size = sizeof(leafcast_image),
+                                  .r = s->red,
+                                  .z = s->z,
+                                  .normal = {s->normal[0], s->normal[1], s->normal[2]}};
+    leafcast_stats stats = {.size = sizeof stats};
     if (leafcast_trace(s->volume, &s->scene, &s->camera, &image, &stats, NULL, NULL) != LEAFCAST_OK)
         return status_describe(ST_FAILED, "%s", leafcast_error_text());
     s->tally->ill_conditioned += stats.ill_conditioned;
@@ -147,7 +150,8 @@ static void judge_pixel(stage *s, size_t at) {
 }
 
 static status open_stage(stage *s, const char *path) {
-    const leafcast_options options = {.threads = 1, .isa = s->job->isa};
+    const leafcast_options options = {
+        .size = sizeof(leafcast_options), .threads = 1, .isa = s->job->isa};
     leafcast_surface surface = leafcast_surface_default(s->f.iso);
     for (int c = 0; c < 3; c++)
         surface.rgb[c] = 1;

@@ -1,0 +1,61 @@
+#include "render/arguments.h"
+
+#include "render/samples.h"
+
+status arguments_size(const char *name, size_t given, size_t here) {
+    if (given == here)
+        return ST_OK;
+    return status_describe(ST_USAGE,
+                           "%s.size is %zu, and %zu in version %s of the library: set it to the "
+                           "size of the struct, and build with the header of that version",
+                           name, given, here, LEAFCAST_VERSION);
+}
+
+/* One of an enumeration's values, which are 0 .. last. An enum may be signed or not. */
+static status one_of(const char *name, long long value, int last) {
+    if (value >= 0 && value <= last)
+        return ST_OK;
+    return status_describe(ST_USAGE, "%s is %lld: 0 to %d are possible", name, value, last);
+}
+
+status arguments_check_options(const leafcast_options *o) {
+    status st = arguments_size("leafcast_options", o->size, sizeof *o);
+    if (st == ST_OK)
+        st = one_of("leafcast_options.backend", (long long)o->backend, LEAFCAST_BACKEND_ARENA);
+    if (st == ST_OK)
+        st = one_of("leafcast_options.schema", (long long)o->schema, LEAFCAST_SCHEMA_REFIT);
+    if (st == ST_OK)
+        st = one_of("leafcast_options.isopolygons", (long long)o->isopolygons,
+                    LEAFCAST_ISOPOLYGONS_CACHE);
+    return st;
+}
+
+status arguments_check_scene(const leafcast_scene *s) {
+    status st = arguments_size("leafcast_scene", s->size, sizeof *s);
+    if (st == ST_OK)
+        st = one_of("leafcast_scene.light_count", s->light_count, LEAFCAST_LIGHTS_MAX);
+    if (st == ST_OK)
+        st = one_of("leafcast_scene.clip_plane_count", s->clip_plane_count,
+                    LEAFCAST_CLIP_PLANES_MAX);
+    if (st == ST_OK)
+        st = one_of("leafcast_scene.shading", (long long)s->shading, LEAFCAST_SHADING_FLAT);
+    if (st == ST_OK)
+        st = one_of("leafcast_scene.intersector", (long long)s->intersector, LEAFCAST_SCHWARZE);
+    if (st == ST_OK)
+        st = one_of("leafcast_scene.lod", (long long)s->lod, LEAFCAST_LOD_PIXEL);
+    if (st == ST_OK && !samples_valid(s->samples))
+        st = status_describe(ST_USAGE, "%d samples a pixel: 1, 4 and 16 are possible", s->samples);
+    return st;
+}
+
+status arguments_check_picture(const leafcast_scene *scene, const leafcast_camera *camera,
+                               const leafcast_image *image, const leafcast_stats *stats) {
+    status st = arguments_check_scene(scene);
+    if (st == ST_OK)
+        st = arguments_size("leafcast_camera", camera->size, sizeof *camera);
+    if (st == ST_OK)
+        st = arguments_size("leafcast_image", image->size, sizeof *image);
+    if (st == ST_OK && stats)
+        st = arguments_size("leafcast_stats", stats->size, sizeof *stats);
+    return st;
+}
