@@ -184,6 +184,7 @@ static status make_planes(race *r) {
     leafcast_image *images[2] = {&r->ours, &r->peer};
     for (int i = 0; i < 2; i++) {
         leafcast_image *p = images[i];
+        p->size = sizeof *p;
         p->r = mem_array(r->m, 3 * pixels, sizeof *p->r);
         p->z = mem_array(r->m, pixels, sizeof *p->z);
         if (!p->r || !p->z)

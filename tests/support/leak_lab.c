@@ -210,7 +210,9 @@ static bool make_view(const scene *s, int index, uint32_t side, view *out) {
     double p[3], q[3], middle[3];
     if (!solid_inside(&s->f, &s->v, &r, index == 2, p))
         return false;
-    *out = (view){{.up = {0.1, 0.2, 1}, .width = side, .height = side}, index < VIEWS / 2};
+    *out = (view){
+        {.size = sizeof(leafcast_camera), .up = {0.1, 0.2, 1}, .width = side, .height = side},
+        index < VIEWS / 2};
     out->camera.fov = out->inside ? 120 : 20;
     for (int a = 0; a < 3; a++) {
         const long last = s->v.dims[a] - 1;
