@@ -220,7 +220,7 @@ static void check_point(const mesh_case *c, leafcast *volume, const double point
 static void check_mesh(void (*make)(corners), const char *kind, tally *sums) {
     mesh_case c = mesh_of(make);
     check_signs(&c, kind, sums);
-    const leafcast_options o = {.threads = 1};
+    const leafcast_options o = {.size = sizeof(leafcast_options), .threads = 1};
     leafcast *volume = fixture_open(scratch_path("agree.leaf"), &o);
     for (int t = 0; t < TETS; t++)
         for (int n = 0; n < POINTS; n++) {
@@ -298,7 +298,7 @@ static void test_nodes(void **state) {
         assert_int_equal(leaf_file_open(&m, scratch_path("agree.leaf"), &f), ST_OK);
         assert_int_equal(resample_run(&m, f, &g, &o, NULL, take, &s, &result), ST_OK);
         leaf_file_close(f);
-        const leafcast_options one = {.threads = 1};
+        const leafcast_options one = {.size = sizeof(leafcast_options), .threads = 1};
         leafcast *volume = fixture_open(scratch_path("agree.leaf"), &one);
         for (int i = 0; i < 7 * 7 * 7; i++) {
             const double point[3] = {i % 7, i / 7 % 7, i / 49};
