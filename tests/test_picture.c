@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/base/fault.h"
 #include "render/app/picture_bytes.h"
 #include "render/app/picture_png.h"
 #include "render/app/picture_pnm.h"
@@ -125,6 +126,13 @@ static bool holds(const kept *k, const char *text, size_t size) {
     return false;
 }
 
+static status nowhere(void *ctx, const void *data, size_t size) {
+    (void)ctx;
+    (void)data;
+    (void)size;
+    return ST_OK;
+}
+
 static void test_png(void **state) {
     (void)state;
     leafcast_image image;
@@ -171,6 +179,57 @@ static void test_png_full(void **state) {
     free(p);
 }
 
+/* How many allocations a PNG takes; whichever fails, that is said, and nothing is lost. */
+static int allocations(const picture *p) {
+    const byte_sink none = {nowhere, NULL};
+    pool *workers = NULL;
+    assert_int_equal(pool_create(&budget, 1, &workers), ST_OK);
+    const size_t before = mem_used(&budget);
+    status st = ST_NOMEM;
+    int k = 0;
+    while (st != ST_OK && k < 1000) {
+        fault_arm(FAULT_ALLOC, ++k);
+        st = picture_png_write(&budget, workers, p, &none);
+        assert_true(st == ST_OK || st == ST_NOMEM);
+        assert_int_equal(mem_used(&budget), before);
+    }
+    fault_arm(FAULT_ALLOC, 0);
+    pool_destroy(workers);
+    return k - 1;
+}
+
+/* Those of libpng are among them: it keeps each text. */
+static void test_png_memory(void **state) {
+    (void)state;
+    leafcast_image image;
+    planes *p = sample(&image);
+    const image_meta meta[] = {{"isovalues", "37,80"}, {"volume", "a.leaf"}};
+    const int bare = allocations(&(picture){WIDTH, HEIGHT, &image, NULL, 0});
+    assert_in_range(bare, 1, 500);
+    assert_true(allocations(&(picture){WIDTH, HEIGHT, &image, meta, 2}) > bare);
+    free(p);
+}
+
+/* Metadata of any length: cut between two letters. */
+static void test_png_text(void **state) {
+    (void)state;
+    static char value[3 * PICTURE_PNG_TEXT];
+    leafcast_image image;
+    planes *p = sample(&image);
+    for (int letters = 0; letters < 3; letters++) {
+        const int n = PICTURE_PNG_TEXT - 1 - letters;
+        memset(value, 'a', sizeof value - 1);
+        memcpy(value + n, "\342\202\254", 3);
+        const image_meta meta[] = {{"volume", value}};
+        kept k = write_png(1, &(picture){WIDTH, HEIGHT, &image, meta, 1}, 0, ST_OK);
+        value[n] = 0;
+        assert_true(holds(&k, value, (size_t)n));
+        assert_false(holds(&k, "a\342", 2));
+        free(k.data);
+    }
+    free(p);
+}
+
 static void test_pnm(void **state) {
     (void)state;
     float r[2] = {0.0f, 1.0f}, g[2] = {0.25f, 2.0f}, b[2] = {0.5f, -1.0f};
@@ -191,10 +250,9 @@ static void test_pnm(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bytes),
-        cmocka_unit_test(test_png),
-        cmocka_unit_test(test_png_full),
-        cmocka_unit_test(test_pnm),
+        cmocka_unit_test(test_bytes),    cmocka_unit_test(test_png),
+        cmocka_unit_test(test_png_full), cmocka_unit_test(test_png_memory),
+        cmocka_unit_test(test_png_text), cmocka_unit_test(test_pnm),
     };
     mem_init(&budget, 0);
     return cmocka_run_group_tests(tests, NULL, NULL);

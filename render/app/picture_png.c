@@ -155,9 +155,23 @@ static status deflate_band(void *ctx, size_t index, int worker) {
 /* ---- The file ---- */
 
 typedef struct png_out {
+    mem *m;
     const byte_sink *to;
-    status st; /* of the sink; after a fault nothing more goes to it */
+    status st; /* of the sink, or ST_NOMEM; after a fault nothing more goes to it */
 } png_out;
+
+static png_voidp take_memory(png_structp png, png_alloc_size_t size) {
+    png_out *o = png_get_mem_ptr(png);
+    void *block = mem_alloc(o->m, size);
+    if (!block && o->st == ST_OK)
+        o->st = ST_NOMEM;
+    return block;
+}
+
+static void give_memory(png_structp png, png_voidp block) {
+    const png_out *o = png_get_mem_ptr(png);
+    mem_free(o->m, block);
+}
 
 static void put(png_structp png, png_bytep data, size_t size) {
     png_out *o = png_get_io_ptr(png);
@@ -188,10 +202,19 @@ static bool plain(const char *text) {
     return true;
 }
 
+/* Cut to less than room bytes before a letter of UTF-8. */
+static void copy_text(char *to, size_t room, const char *from) {
+    size_t n = strnlen(from, room - 1);
+    while (n > 0 && ((unsigned char)from[n] & 0xC0) == 0x80)
+        n--;
+    memcpy(to, from, n);
+    to[n] = 0;
+}
+
 static void add_text(png_structp png, png_infop info, const char *key, const char *value) {
-    char name[80], copy[4096];
+    char name[80], copy[PICTURE_PNG_TEXT];
     snprintf(name, sizeof name, "%s", key);
-    snprintf(copy, sizeof copy, "%s", value);
+    copy_text(copy, sizeof copy, value);
     png_text text = {.compression =
                          plain(copy) ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE,
                      .key = name,
@@ -250,8 +273,9 @@ static status put_bands(png_structp png, bands *b, pool *threads, const png_out 
 }
 
 static status put_picture(bands *b, pool *threads, const byte_sink *to) {
-    png_out o = {.to = to, .st = ST_OK};
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &o, complain, keep_quiet);
+    png_out o = {.m = b->m, .to = to, .st = ST_OK};
+    png_structp png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &o, complain, keep_quiet, &o,
+                                                take_memory, give_memory);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     volatile status st = ST_OK;
     if (!info) {

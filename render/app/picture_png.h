@@ -12,9 +12,11 @@
 #include "formats/base/pool.h"
 #include "render/app/picture.h"
 
+enum { PICTURE_PNG_TEXT = 4096 };
+
 /* picture_png_write() - ST_NOMEM, ST_UNSUPPORTED of more than 2^28 columns, or what the sink
- * returned.
- */
+ * returned. Values of metadata are cut to less than PICTURE_PNG_TEXT bytes, between two letters of
+ * UTF-8. */
 CHECKED status picture_png_write(mem *m, pool *threads, const picture *p, const byte_sink *to);
 
 /* picture_png_bytes() - memory that this takes at a time, about. */

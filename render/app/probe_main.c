@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/cli_json.h"
 #include "formats/base/mem.h"
 #include "formats/base/num.h"
 #include "formats/base/shell_line.h"
@@ -104,22 +105,17 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
 
 /* ---- the answer: JSON first, from which the text is printed ---- */
 
-/* JSON has no infinity and no NaN. */
-static json_t *real(double x) {
-    return isfinite(x) ? json_real(x) : json_string(isnan(x) ? "nan" : x > 0 ? "inf" : "-inf");
-}
-
 static json_t *reals(const double *x, int count) {
     json_t *list = json_array();
     for (int i = 0; i < count; i++)
-        json_array_append_new(list, real(x[i]));
+        json_array_append_new(list, cli_json_real(x[i]));
     return list;
 }
 
 static json_t *floats(const float *x, int count) {
     json_t *list = json_array();
     for (int i = 0; i < count; i++)
-        json_array_append_new(list, real((double)x[i]));
+        json_array_append_new(list, cli_json_real((double)x[i]));
     return list;
 }
 
@@ -143,11 +139,11 @@ static void set_tet(json_t *out, uint64_t tet, float vertices[4][3], const float
 
 static json_t *hit_json(const probe_options *o, leafcast_hit *h) {
     json_t *out = json_object();
-    json_object_set_new(out, "t", real(h->t));
-    json_object_set_new(out, "error_bound", real(h->error_bound));
+    json_object_set_new(out, "t", cli_json_real(h->t));
+    json_object_set_new(out, "error_bound", cli_json_real(h->error_bound));
     json_object_set_new(out, "point", reals(h->point, 3));
     json_object_set_new(out, "id", json_integer(h->surface));
-    json_object_set_new(out, "isovalue", real(o->view.surfaces[h->surface].isovalue));
+    json_object_set_new(out, "isovalue", cli_json_real(o->view.surfaces[h->surface].isovalue));
     json_object_set_new(out, "side",
                         json_string(h->flat       ? "flat tet"
                                     : h->entering ? "entering"
@@ -167,7 +163,7 @@ static json_t *point_json(const probe_options *o, const double where[3], leafcas
     json_object_set_new(out, "inside", json_boolean(s->inside));
     if (!s->inside)
         return out;
-    json_object_set_new(out, "value", real(s->value));
+    json_object_set_new(out, "value", cli_json_real(s->value));
     if (o->is_mesh)
         set_tet(out, s->tet, s->vertices, s->values);
     else
@@ -186,6 +182,8 @@ static void print_value(const json_t *value) {
         }
     } else if (json_is_string(value)) {
         fputs(json_string_value(value), stdout);
+    } else if (json_is_null(value)) {
+        putchar('-'); /* not finite */
     } else if (json_is_boolean(value)) {
         fputs(json_is_true(value) ? "yes" : "no", stdout);
     } else {
@@ -296,7 +294,7 @@ static status select_set(const probe_options *o, leafcast *volume, json_t *answe
         return st;
     json_object_set_new(answer, "field", json_string(leafcast_field_name(volume, field)));
     json_object_set_new(answer, "step", json_integer(o->view.step));
-    json_object_set_new(answer, "time", real(leafcast_step_time(volume, o->view.step)));
+    json_object_set_new(answer, "time", cli_json_real(leafcast_step_time(volume, o->view.step)));
     return ST_OK;
 }
 

@@ -74,6 +74,14 @@ cp "$leaf" "$odd"
 exits "a file whose name is no text" 0 "$leafcast" probe "$odd" --point 3,1.5,-0.25 --json
 ok "is in the line, as far as it is" json "j['rerun'].endswith(r\"/o\xff d.leaf'\")"
 
+python3 -c 'import struct, sys
+sys.stdout.buffer.write(struct.pack("<27f", *[float("nan"), float("-inf")] + 25 * [1.0]))' >"$tmp/hole.raw"
+exits "a volume with a hole" 0 "$leafcast" convert "$tmp/hole.raw" --dims 3,3,3 --type f32 -o "$tmp/hole.leaf" -q
+exits "a point in it" 0 "$leafcast" probe "$tmp/hole.leaf" --point 0.5,0.5,0.5 --json
+ok "has numbers that are null" json 'j["value"] is None and j["samples"] == [None, None] + 6 * [1]'
+exits "in words" 0 "$leafcast" probe "$tmp/hole.leaf" --point 0.5,0.5,0.5
+ok "a line each" says '^samples: - - 1 1 1 1 1 1$' out
+
 for wrong in "" "$leaf" "$leaf --at 1,1" "$leaf --iso 1" "$leaf --iso 1 --at 1,1 --point 1,1,1" "$leaf --iso 1 --at 1024,0" \
     "$leaf --iso 1 --at 1.5,0" "$leaf --iso 1 --ray 0,0,0,0,0,0" "$leaf --point 1,2" "$leaf --iso nan --at 1,1" \
     "$leaf --point 1,2,3 -o x"; do
