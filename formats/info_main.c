@@ -54,14 +54,12 @@ static const struct argp_option options[] = {
 static void parse_iso(struct argp_state *state, arguments *a, const char *text) {
     if (a->iso_count == ISOS_MAX)
         argp_error(state, "more than %d isovalues", ISOS_MAX);
-    if (num_double(text, "--iso", &a->isos[a->iso_count++]) != ST_OK)
-        argp_error(state, "%s", status_text());
+    cli_usage_unless(state, num_double(text, "--iso", &a->isos[a->iso_count++]));
 }
 
 static void parse_dims(struct argp_state *state, arguments *a, const char *text) {
     double sizes[3];
-    if (num_doubles(text, "--dims", ", x", 3, sizes) != ST_OK)
-        argp_error(state, "%s", status_text());
+    cli_usage_unless(state, num_doubles(text, "--dims", ", x", 3, sizes));
     for (int i = 0; i < 3; i++) {
         if (!(sizes[i] >= 1 && sizes[i] <= GRID_DIM_MAX && sizes[i] == (uint32_t)sizes[i]))
             argp_error(state, "--dims: \"%s\": expected whole numbers from 1 to %d", text,
@@ -86,10 +84,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
             argp_error(state, "--type: \"%s\" is none of u8 i8 u16 i16 u32 i32 f32 f64", arg);
         break;
     case KEY_BIG_ENDIAN: q->grid.big_endian = true; break;
-    case KEY_SKIP:
-        if (num_size(arg, "--skip", &q->grid.skip) != ST_OK)
-            argp_error(state, "%s", status_text());
-        break;
+    case KEY_SKIP: cli_usage_unless(state, num_size(arg, "--skip", &q->grid.skip)); break;
     case ARGP_KEY_ARG:
         if (a->input)
             argp_error(state, "one file at a time, not also \"%s\"", arg);

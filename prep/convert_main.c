@@ -164,21 +164,16 @@ static status check_uses(const arguments *a, int input, const char *format) {
     return ST_OK;
 }
 
-static void usage_unless(struct argp_state *state, status st) {
-    if (st != ST_OK)
-        argp_error(state, "%s", status_text());
-}
-
 static int64_t parse_int(struct argp_state *state, const char *text, const char *what, int64_t lo,
                          int64_t hi) {
     int64_t value = lo;
-    usage_unless(state, num_int(text, what, lo, hi, &value));
+    cli_usage_unless(state, num_int(text, what, lo, hi, &value));
     return value;
 }
 
 static void parse_dims(struct argp_state *state, arguments *a, const char *text) {
     double sizes[3];
-    usage_unless(state, num_doubles(text, "--dims", ", x", 3, sizes));
+    cli_usage_unless(state, num_doubles(text, "--dims", ", x", 3, sizes));
     for (int i = 0; i < 3; i++) {
         if (!(sizes[i] >= 1 && sizes[i] <= GRID_DIM_MAX && sizes[i] == (uint32_t)sizes[i]))
             argp_error(state, "--dims: \"%s\": expected whole numbers from 1 to %d", text,
@@ -188,7 +183,7 @@ static void parse_dims(struct argp_state *state, arguments *a, const char *text)
 }
 
 static void parse_spacing(struct argp_state *state, arguments *a, const char *text) {
-    usage_unless(state, num_doubles(text, "--spacing", ", ", 3, a->hints.spacing));
+    cli_usage_unless(state, num_doubles(text, "--spacing", ", ", 3, a->hints.spacing));
     for (int i = 0; i < 3; i++)
         if (!isfinite(a->hints.spacing[i]) || a->hints.spacing[i] == 0)
             argp_error(state, "--spacing: \"%s\": expected three numbers other than 0", text);
@@ -255,14 +250,14 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
             argp_error(state, "--type: \"%s\" is none of u8 i8 u16 i16 u32 i32 f32 f64", arg);
         break;
     case KEY_BIG_ENDIAN: a->hints.big_endian = true; break;
-    case KEY_SKIP: usage_unless(state, num_size(arg, "--skip", &a->hints.skip)); break;
+    case KEY_SKIP: cli_usage_unless(state, num_size(arg, "--skip", &a->hints.skip)); break;
     case KEY_SPACING: parse_spacing(state, a, arg); break;
     case KEY_MISSING:
-        usage_unless(state, num_double(arg, "--missing", &a->hints.missing));
+        cli_usage_unless(state, num_double(arg, "--missing", &a->hints.missing));
         a->hints.has_missing = true;
         break;
     case KEY_ORIGIN:
-        usage_unless(state, num_doubles(arg, "--origin", ", ", 3, a->hints.origin));
+        cli_usage_unless(state, num_doubles(arg, "--origin", ", ", 3, a->hints.origin));
         a->hints.has_origin = true;
         break;
     case KEY_AXIS_X:

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "formats/base/heap.h"
 #include "formats/base/thread.h"
 #include "stream/treelet_cache.h"
 
@@ -61,35 +62,21 @@ struct loader_private {
 
 /* ---- The queue: a binary heap by (priority, treelet) ---- */
 
-static bool more_urgent(loader_request a, loader_request b) {
-    return a.priority != b.priority ? a.priority < b.priority : a.t < b.t;
+static bool more_urgent(const loader_request *a, const loader_request *b) {
+    return a->priority != b->priority ? a->priority < b->priority : a->t < b->t;
 }
 
+HEAP_RISE(request, loader_request, more_urgent)
+HEAP_SINK(request, loader_request, more_urgent)
+
 static void queue_push(struct loader_private *h, loader_request r) {
-    size_t i = h->queued++;
-    while (i > 0 && more_urgent(r, h->queue[(i - 1) / 2])) {
-        h->queue[i] = h->queue[(i - 1) / 2];
-        i = (i - 1) / 2;
-    }
-    h->queue[i] = r;
+    request_rise(h->queue, h->queued++, r);
 }
 
 static loader_request queue_pop(struct loader_private *h) {
-    loader_request top = h->queue[0], last = h->queue[--h->queued];
-    size_t i = 0;
-    for (;;) {
-        size_t child = 2 * i + 1;
-        if (child >= h->queued)
-            break;
-        if (child + 1 < h->queued && more_urgent(h->queue[child + 1], h->queue[child]))
-            child++;
-        if (!more_urgent(h->queue[child], last))
-            break;
-        h->queue[i] = h->queue[child];
-        i = child;
-    }
-    h->queue[i] = last;
-    return top;
+    const loader_request first = h->queue[0], last = h->queue[--h->queued];
+    request_sink(h->queue, 0, h->queued, last);
+    return first;
 }
 
 /* ---- One treelet in and out ---- */
@@ -694,7 +681,7 @@ void loader_follow(loader *l, const atomic_uchar touched[]) {
 }
 
 static int by_priority(const void *a, const void *b) {
-    return more_urgent(*(const loader_request *)a, *(const loader_request *)b) ? -1 : 1;
+    return more_urgent(a, b) ? -1 : 1;
 }
 
 status loader_admit(loader *l, loader_request *requests, size_t count) {

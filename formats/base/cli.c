@@ -102,7 +102,7 @@ static const struct argp_option common_options[] = {
     {"list-options", KEY_LIST, NULL, OPTION_HIDDEN, "for completion: a line an option", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-static void usage_unless(struct argp_state *state, status st) {
+void cli_usage_unless(struct argp_state *state, status st) {
     if (st != ST_OK)
         argp_error(state, "%s", status_text());
 }
@@ -145,11 +145,11 @@ static error_t parse_common(int key, char *arg, struct argp_state *state) {
     case 'q': c->verbosity = 0; break;
     case 'v': c->verbosity++; break;
     case KEY_THREADS:
-        usage_unless(state, num_int(arg, "--threads", 1, MAX_THREADS, &threads));
+        cli_usage_unless(state, num_int(arg, "--threads", 1, MAX_THREADS, &threads));
         c->threads = (int)threads;
         break;
     case KEY_MEMORY:
-        usage_unless(state, num_size(arg, "--memory", &c->memory));
+        cli_usage_unless(state, num_size(arg, "--memory", &c->memory));
         if (c->memory == 0)
             argp_error(state, "--memory: a size above 0 is needed");
         break;

@@ -40,6 +40,10 @@ extern const struct argp cli_common_argp;
  */
 void cli_parse(const struct argp *table, cli_common *common, int argc, char **argv, void *input);
 
+/* cli_usage_unless() - for a table's parser: a usage error (the process exits) unless st is ST_OK.
+ */
+void cli_usage_unless(struct argp_state *state, status st);
+
 /* cli_progress() - bar on a terminal, otherwise a line every few seconds, nothing with -q. Valid
  * for the process's life. */
 const progress *cli_progress(cli_common *common);

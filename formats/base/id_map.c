@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "formats/base/heap.h"
+
 static status grow(id_map *map) {
     size_t room = map->room ? 2 * map->room : 64;
     id_run *larger = mem_array(map->m, room, sizeof *larger);
@@ -28,28 +30,20 @@ status id_map_add(id_map *map, uint64_t id) {
     return st;
 }
 
-/* Let runs[at] sink to where it belongs in a heap with the largest id on top. */
-static void sink(id_run *runs, size_t at, size_t count) {
-    id_run moved = runs[at];
-    for (size_t child; (child = 2 * at + 1) < count; at = child) {
-        if (child + 1 < count && runs[child + 1].id > runs[child].id)
-            child++;
-        if (runs[child].id <= moved.id)
-            break;
-        runs[at] = runs[child];
-    }
-    runs[at] = moved;
+static bool is_larger(const id_run *a, const id_run *b) {
+    return a->id > b->id;
 }
+
+HEAP_SINK(run, id_run, is_larger)
 
 /* Heapsort: no memory beyond the budget, no bad cases. */
 static void sort(id_run *runs, size_t count) {
     for (size_t i = count / 2; i-- > 0;)
-        sink(runs, i, count);
+        run_sink(runs, i, count, runs[i]);
     for (size_t left = count; left > 1;) {
-        id_run largest = runs[0];
-        runs[0] = runs[--left];
+        const id_run largest = runs[0], last = runs[--left];
+        run_sink(runs, 0, left, last);
         runs[left] = largest;
-        sink(runs, 0, left);
     }
 }
 

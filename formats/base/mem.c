@@ -79,6 +79,14 @@ void mem_free(mem *m, void *block) {
     free(line);
 }
 
+void *mem_zlib_alloc(void *m, unsigned count, unsigned size) {
+    return mem_array(m, count, size);
+}
+
+void mem_zlib_free(void *m, void *block) {
+    mem_free(m, block);
+}
+
 size_t mem_used(const mem *m) {
     return atomic_load(&m->used);
 }

@@ -33,6 +33,10 @@ char *mem_copy_text(mem *m, const char *text);
 /* mem_free() - NULL is fine. */
 void mem_free(mem *m, void *block);
 
+/* mem_zlib_alloc(), mem_zlib_free() - zalloc and zfree of a z_stream whose opaque is a mem. */
+void *mem_zlib_alloc(void *m, unsigned count, unsigned size);
+void mem_zlib_free(void *m, void *block);
+
 /* mem_used(), mem_peak() - bytes now, and at most. */
 size_t mem_used(const mem *m);
 size_t mem_peak(const mem *m);

@@ -13,14 +13,6 @@ struct inflate_stream {
     bool ended;
 };
 
-static void *z_alloc(void *m, unsigned count, unsigned size) {
-    return mem_array(m, count, size);
-}
-
-static void z_free(void *m, void *block) {
-    mem_free(m, block);
-}
-
 static status at_gzip_member(byte_stream *from, bool *yes) {
     const uint8_t *data;
     size_t size;
@@ -36,8 +28,8 @@ status inflate_stream_open(mem *m, byte_stream *from, inflate_stream **out) {
         return ST_NOMEM;
     s->m = m;
     s->from = from;
-    s->z.zalloc = z_alloc;
-    s->z.zfree = z_free;
+    s->z.zalloc = mem_zlib_alloc;
+    s->z.zfree = mem_zlib_free;
     s->z.opaque = m;
     status st = at_gzip_member(from, &s->gzip);
     /* 15: the largest window; 32: gzip or zlib, as the first bytes say. */

@@ -123,6 +123,11 @@ _Static_assert(sizeof(leaf_part) == 32, "leaf_part is 32 bytes");
 _Static_assert(sizeof(leaf_header) == LEAF_HEADER_BYTES, "leaf_header is a page");
 _Static_assert(sizeof(leaf_section) == 32, "leaf_section is 32 bytes");
 
+/* leaf_aligned() - the first multiple of LEAF_ALIGN at or behind a byte of a payload. */
+static inline uint32_t leaf_aligned(uint32_t at) {
+    return (at + LEAF_ALIGN - 1) / LEAF_ALIGN * LEAF_ALIGN;
+}
+
 /* Sections follow the table in its order, each at the first multiple of LEAF_ALIGN behind the one
  * before; payloads follow the sections in order (leaf_layout_payload_at()). So sizes alone fix
  * every offset, and no byte is unaccounted for.

@@ -342,10 +342,6 @@ uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
     }
 }
 
-static uint64_t aligned(uint64_t at) {
-    return (at + LEAF_ALIGN - 1) / LEAF_ALIGN * LEAF_ALIGN;
-}
-
 /* One entry: its kind, and that it lies right behind `end`. */
 static status check_section(const char *path, const leaf_header *h, const leaf_section *s,
                             uint64_t entry, uint64_t *end) {
@@ -360,10 +356,11 @@ static status check_section(const char *path, const leaf_header *h, const leaf_s
             ST_UNSUPPORTED,
             "%s: byte %llu: section %u of version %u, where this program reads version 1", path,
             (unsigned long long)entry + offsetof(leaf_section, version), s->kind, s->version);
-    if (s->offset != aligned(*end))
+    const uint64_t offset = leaf_layout_aligned(*end, LEAF_ALIGN_LOG2);
+    if (s->offset != offset)
         return corrupt(path, entry + offsetof(leaf_section, offset),
                        "expected section %u at byte %llu, found %llu", s->kind,
-                       (unsigned long long)aligned(*end), (unsigned long long)s->offset);
+                       (unsigned long long)offset, (unsigned long long)s->offset);
     uint64_t expected = known ? leaf_section_bytes(h, s->kind) : s->bytes;
     if (s->bytes != expected || !s->bytes)
         return corrupt(path, entry + offsetof(leaf_section, bytes),

@@ -182,10 +182,6 @@ uint8_t leaf_layout_children(const leaf_layout *l, uint32_t treelet) {
     return level ? octants(&l->level[level - 1], l->place[treelet]) : 0;
 }
 
-static uint32_t aligned(uint32_t bytes) {
-    return (bytes + LEAF_ALIGN - 1) / LEAF_ALIGN * LEAF_ALIGN;
-}
-
 static leaf_payload payload_of(const leaf_layout *l, const uint32_t cells[3]) {
     leaf_payload p = {.node_levels = l->cells_log2 - LEAF_BLOCK_LOG2};
     uint32_t count = 1;
@@ -194,8 +190,8 @@ static leaf_payload payload_of(const leaf_layout *l, const uint32_t cells[3]) {
         p.samples[a] = cells[a] + 1 + 2 * l->halo;
         count *= p.samples[a];
     }
-    p.samples_at = aligned(leaf_codes_at(p.node_levels + 1));
-    p.bytes = aligned(p.samples_at + count * (uint32_t)sample_size(l->type));
+    p.samples_at = leaf_aligned(leaf_codes_at(p.node_levels + 1));
+    p.bytes = leaf_aligned(p.samples_at + count * (uint32_t)sample_size(l->type));
     return p;
 }
 

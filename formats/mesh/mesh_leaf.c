@@ -8,22 +8,18 @@
 
 /* ---- shapes ---- */
 
-static uint32_t aligned(uint32_t bytes) {
-    return (bytes + LEAF_ALIGN - 1) / LEAF_ALIGN * LEAF_ALIGN;
-}
-
 mesh_shape mesh_leaf_shape(const uint32_t counts[4]) {
     mesh_shape s = {
         .tets = counts[0], .vertices = counts[1], .nodes = counts[2], .leaves = counts[3]};
     s.leaf_first_at = s.nodes * (uint32_t)sizeof(mesh_node);
-    s.tets_at = aligned(s.leaf_first_at + (s.leaves + 1) * (uint32_t)sizeof(uint16_t));
-    s.positions_at = aligned(s.tets_at + s.tets * (uint32_t)sizeof(uint16_t[4]));
-    s.topology_bytes = aligned(s.positions_at + s.vertices * (uint32_t)sizeof(float[3]));
-    s.values_at = aligned(s.nodes * (uint32_t)sizeof(mesh_codes));
-    s.values_bytes = aligned(s.values_at + s.vertices * (uint32_t)sizeof(float));
-    s.gradients_bytes = aligned(s.vertices * (uint32_t)sizeof(float[3]));
-    s.moved_at = aligned(s.nodes * (uint32_t)sizeof(mesh_boxes));
-    s.positions_bytes = aligned(s.moved_at + s.vertices * (uint32_t)sizeof(float[3]));
+    s.tets_at = leaf_aligned(s.leaf_first_at + (s.leaves + 1) * (uint32_t)sizeof(uint16_t));
+    s.positions_at = leaf_aligned(s.tets_at + s.tets * (uint32_t)sizeof(uint16_t[4]));
+    s.topology_bytes = leaf_aligned(s.positions_at + s.vertices * (uint32_t)sizeof(float[3]));
+    s.values_at = leaf_aligned(s.nodes * (uint32_t)sizeof(mesh_codes));
+    s.values_bytes = leaf_aligned(s.values_at + s.vertices * (uint32_t)sizeof(float));
+    s.gradients_bytes = leaf_aligned(s.vertices * (uint32_t)sizeof(float[3]));
+    s.moved_at = leaf_aligned(s.nodes * (uint32_t)sizeof(mesh_boxes));
+    s.positions_bytes = leaf_aligned(s.moved_at + s.vertices * (uint32_t)sizeof(float[3]));
     return s;
 }
 

@@ -81,17 +81,9 @@ static status place_number(vtk_bytes *b, place *p, uint64_t *out) {
 
 /* ---- the head ---- */
 
-static void *z_alloc(void *m, unsigned count, unsigned size) {
-    return mem_array(m, count, size);
-}
-
-static void z_free(void *m, void *block) {
-    mem_free(m, block);
-}
-
 static status start_zlib(vtk_bytes *b) {
-    b->z.zalloc = z_alloc;
-    b->z.zfree = z_free;
+    b->z.zalloc = mem_zlib_alloc;
+    b->z.zfree = mem_zlib_free;
     b->z.opaque = b->m;
     b->ready = inflateInit(&b->z) == Z_OK;
     return b->ready ? ST_OK : ST_NOMEM;

@@ -58,16 +58,11 @@ static const struct argp_option options[] = {
      2},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-static void usage_unless(struct argp_state *state, status st) {
-    if (st != ST_OK)
-        argp_error(state, "%s", status_text());
-}
-
 /* One number for all three axes, or three. */
 static void parse_triple(struct argp_state *state, const char *text, const char *what,
                          const char *separators, double out[3]) {
     int count = text[strcspn(text, separators)] ? 3 : 1;
-    usage_unless(state, num_doubles(text, what, separators, count, out));
+    cli_usage_unless(state, num_doubles(text, what, separators, count, out));
     if (count == 1)
         out[1] = out[2] = out[0];
 }
@@ -96,7 +91,7 @@ static void parse_copies(struct argp_state *state, arguments *a, const char *tex
 }
 
 static void parse_deform(struct argp_state *state, arguments *a, const char *text) {
-    usage_unless(state, num_double(text, "--deform", &a->deform));
+    cli_usage_unless(state, num_double(text, "--deform", &a->deform));
     if (!(a->deform > 0 && a->deform <= TET_LATTICE_DEFORM_MAX))
         argp_error(state, "--deform: \"%s\": expected a number above 0, at most %g", text,
                    TET_LATTICE_DEFORM_MAX);
@@ -105,7 +100,7 @@ static void parse_deform(struct argp_state *state, arguments *a, const char *tex
 static int64_t parse_int(struct argp_state *state, const char *text, const char *what, int64_t lo,
                          int64_t hi) {
     int64_t value = lo;
-    usage_unless(state, num_int(text, what, lo, hi, &value));
+    cli_usage_unless(state, num_int(text, what, lo, hi, &value));
     return value;
 }
 

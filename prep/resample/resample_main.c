@@ -52,15 +52,10 @@ static const struct argp_option options[] = {
      "take an array of the cells, averaged to the points", 2},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-static void usage_unless(struct argp_state *state, status st) {
-    if (st != ST_OK)
-        argp_error(state, "%s", status_text());
-}
-
 static void parse_dims(struct argp_state *state, resample_wish *w, const char *text) {
     const int count = text[strcspn(text, ", x")] ? 3 : 1;
     double sizes[3] = {0};
-    usage_unless(state, num_doubles(text, "--dims", ", x", count, sizes));
+    cli_usage_unless(state, num_doubles(text, "--dims", ", x", count, sizes));
     for (int a = 0; a < count; a++) {
         if (!(sizes[a] >= 2 && sizes[a] <= GRID_DIM_MAX && sizes[a] == (uint32_t)sizes[a]))
             argp_error(state, "--dims: \"%s\": expected whole numbers from 2 to %d", text,
@@ -70,13 +65,13 @@ static void parse_dims(struct argp_state *state, resample_wish *w, const char *t
 }
 
 static void parse_spacing(struct argp_state *state, resample_wish *w, const char *text) {
-    usage_unless(state, num_double(text, "--spacing", &w->spacing));
+    cli_usage_unless(state, num_double(text, "--spacing", &w->spacing));
     if (!(w->spacing > 0 && isfinite(w->spacing)))
         argp_error(state, "--spacing: \"%s\": expected a number above 0", text);
 }
 
 static void parse_bounds(struct argp_state *state, resample_wish *w, const char *text) {
-    usage_unless(state, num_doubles(text, "--bounds", ", ", 6, w->box));
+    cli_usage_unless(state, num_doubles(text, "--bounds", ", ", 6, w->box));
     for (int a = 0; a < 3; a++)
         if (!(w->box[a] < w->box[a + 3] && isfinite(w->box[a + 3] - w->box[a])))
             argp_error(state, "--bounds: \"%s\": expected the lower corner, then the upper one",
@@ -86,13 +81,13 @@ static void parse_bounds(struct argp_state *state, resample_wish *w, const char 
 
 static int64_t parse_step(struct argp_state *state, const char *text) {
     int64_t value = 0;
-    usage_unless(state, num_int(text, "--step", 0, UINT32_MAX, &value));
+    cli_usage_unless(state, num_int(text, "--step", 0, UINT32_MAX, &value));
     return value;
 }
 
 static int parse_component(struct argp_state *state, const char *text) {
     int64_t value = 1;
-    usage_unless(state, num_int(text, "--component", 1, INT_MAX, &value));
+    cli_usage_unless(state, num_int(text, "--component", 1, INT_MAX, &value));
     return (int)value;
 }
 

@@ -43,16 +43,15 @@ static const struct argp_option options[] = {
 
 static double parse_number(struct argp_state *state, const char *text, const char *what) {
     double value = 0;
-    if (num_double(text, what, &value) != ST_OK)
-        argp_error(state, "%s", status_text());
+    cli_usage_unless(state, num_double(text, what, &value));
     return value;
 }
 
 /* R or R,ANGLE. */
 static void parse_quality(struct argp_state *state, tetrahedralize_options *how, const char *text) {
     double numbers[2] = {0, 0};
-    if (num_doubles(text, "--quality", ",", strchr(text, ',') ? 2 : 1, numbers) != ST_OK)
-        argp_error(state, "%s", status_text());
+    cli_usage_unless(state,
+                     num_doubles(text, "--quality", ",", strchr(text, ',') ? 2 : 1, numbers));
     if (!(numbers[0] == 0 || (numbers[0] > 1 && numbers[0] <= RATIO_MAX)))
         argp_error(state, "--quality: \"%s\": expected R above 1, at most %g, or 0", text,
                    RATIO_MAX);

@@ -40,14 +40,6 @@ typedef struct bands {
     int slot_count;
 } bands;
 
-static voidpf z_alloc(voidpf m, uInt items, uInt size) {
-    return mem_zalloc(m, (size_t)items * size);
-}
-
-static void z_free(voidpf m, voidpf block) {
-    mem_free(m, block);
-}
-
 static size_t stride_of(uint32_t width, bool alpha) {
     return (size_t)(alpha ? PIXEL_MAX : 3) * width + 1;
 }
@@ -57,7 +49,7 @@ static uint32_t rows_of(size_t stride) {
 }
 
 static bool slot_init(const bands *b, slot *s) {
-    s->z = (z_stream){.zalloc = z_alloc, .zfree = z_free, .opaque = b->m};
+    s->z = (z_stream){.zalloc = mem_zlib_alloc, .zfree = mem_zlib_free, .opaque = b->m};
     s->rows[0] = mem_alloc(b->m, b->stride);
     s->rows[1] = mem_alloc(b->m, b->stride);
     s->filtered = mem_alloc(b->m, b->stride * b->rows);

@@ -98,8 +98,7 @@ static error_t parse(int key, char *arg, struct argp_state *state) {
         if (st == ST_AGAIN)
             return ARGP_ERR_UNKNOWN;
     }
-    if (st)
-        argp_error(state, "%s", status_text());
+    cli_usage_unless(state, st);
     return 0;
 }
 

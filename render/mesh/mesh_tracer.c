@@ -1,5 +1,6 @@
 #include "render/mesh/mesh_tracer.h"
 
+#include "formats/base/heap.h"
 #include "render/mesh/mesh_walk.h"
 #include "render/mesh/tet_smooth.h"
 
@@ -57,7 +58,7 @@ enum { AHEAD_MAX = 256 };
 
 /* What lies ahead of a ray: a heap, the first at its top. */
 typedef struct frontier {
-    int count;
+    size_t count;
     bool overflown; /* something is missing: the rest is for next_passage() */
     tree_node heap[AHEAD_MAX];
 } frontier;
@@ -69,29 +70,19 @@ static bool node_less(const tree_node *a, const tree_node *b) {
     return a->level != b->level ? a->level > b->level : a->i < b->i;
 }
 
+HEAP_RISE(node, tree_node, node_less)
+HEAP_SINK(node, tree_node, node_less)
+
 static void push_node(frontier *f, tree_node node) {
-    if (f->count == AHEAD_MAX) {
+    if (f->count == AHEAD_MAX)
         f->overflown = true;
-        return;
-    }
-    int at = f->count++;
-    for (; at > 0 && node_less(&node, &f->heap[(at - 1) / 2]); at = (at - 1) / 2)
-        f->heap[at] = f->heap[(at - 1) / 2];
-    f->heap[at] = node;
+    else
+        node_rise(f->heap, f->count++, node);
 }
 
 static tree_node pop_node(frontier *f) {
     const tree_node first = f->heap[0], last = f->heap[--f->count];
-    int at = 0;
-    for (int next = 1; next < f->count; next = 2 * at + 1) {
-        if (next + 1 < f->count && node_less(&f->heap[next + 1], &f->heap[next]))
-            next++;
-        if (!node_less(&f->heap[next], &last))
-            break;
-        f->heap[at] = f->heap[next];
-        at = next;
-    }
-    f->heap[at] = last;
+    node_sink(f->heap, 0, f->count, last);
     return first;
 }
 
