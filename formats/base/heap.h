@@ -15,24 +15,24 @@
 #include <stddef.h>
 
 /* HEAP_RISE() - defines NAME_rise(): from a free place at the end towards the first. */
-#define HEAP_RISE(NAME, TYPE, BEFORE)                                            \
-    static inline void NAME##_rise(TYPE *items, size_t at, TYPE item) {          \
-        for (; at > 0 && BEFORE(&item, &items[(at - 1) / 2]); at = (at - 1) / 2) \
-            items[at] = items[(at - 1) / 2];                                     \
-        items[at] = item;                                                        \
+#define HEAP_RISE(NAME, TYPE, BEFORE)                                             \
+    static inline void NAME##_rise(TYPE *items, size_t at, TYPE added) {          \
+        for (; at > 0 && BEFORE(&added, &items[(at - 1) / 2]); at = (at - 1) / 2) \
+            items[at] = items[(at - 1) / 2];                                      \
+        items[at] = added;                                                        \
     }
 
 /* HEAP_SINK() - defines NAME_sink(): from a free place away from the first, among `count` items. */
-#define HEAP_SINK(NAME, TYPE, BEFORE)                                                 \
-    static inline void NAME##_sink(TYPE *items, size_t at, size_t count, TYPE item) { \
-        for (size_t child; (child = 2 * at + 1) < count; at = child) {                \
-            if (child + 1 < count && BEFORE(&items[child + 1], &items[child]))        \
-                child++;                                                              \
-            if (!BEFORE(&items[child], &item))                                        \
-                break;                                                                \
-            items[at] = items[child];                                                 \
-        }                                                                             \
-        items[at] = item;                                                             \
+#define HEAP_SINK(NAME, TYPE, BEFORE)                                                  \
+    static inline void NAME##_sink(TYPE *items, size_t at, size_t count, TYPE added) { \
+        for (size_t child; (child = 2 * at + 1) < count; at = child) {                 \
+            if (child + 1 < count && BEFORE(&items[child + 1], &items[child]))         \
+                child++;                                                               \
+            if (!BEFORE(&items[child], &added))                                        \
+                break;                                                                 \
+            items[at] = items[child];                                                  \
+        }                                                                              \
+        items[at] = added;                                                             \
     }
 
 #endif

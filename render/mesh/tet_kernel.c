@@ -123,7 +123,8 @@ static void sight_of(const isopolygon *g, const ray *r, sight *s) {
     s->g = g;
     s->r = r;
     for (int i = 0; i < g->count; i++)
-        vec3_sub(g->p[i], r->o, s->a[i]);
+        for (int k = 0; k < 3; k++)
+            s->a[i][k] = g->p[i][k] - r->o[k];
 }
 
 /* The edge function of points i -> j of the polygon: always taken from the lower tet edge to the
