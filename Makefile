@@ -261,6 +261,7 @@ run-tests: all $(TOOLS) $(filter $B/%,$(RUN))
 	@$(TEST_ENV) scripts/run-tests --timeout $(TIMEOUT) $(RUN)
 quick:
 	@scripts/check_layers
+	@scripts/check_kinds
 	@scripts/check_headers
 	@scripts/check_size
 	@$(MAKE) --no-print-directory $(ALL_CORES) run-tests T="$(QUICK)"
@@ -295,6 +296,7 @@ bench: all
 
 check: all
 	scripts/check_layers
+	scripts/check_kinds
 	scripts/check_headers
 	scripts/check_isa $B
 	scripts/check_man $B

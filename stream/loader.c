@@ -16,19 +16,20 @@ typedef enum residence { ABSENT, QUEUED, LOADING, READY, FAILED } residence;
 
 typedef struct reader {
     loader *owner;
-    mesh_scratch scratch;
+    resident_scratch scratch;
     pthread_t thread;
 } reader;
 
-/* A mesh's topology, which treelets of several sets share. */
+/* A payload that treelets of several sets share. */
 typedef struct shared {
-    const void *topology;
+    const void *payload;
     uint32_t users;
 } shared;
 
 struct loader_private {
     source *source;
-    mesh_store store;
+    const resident_kind *kind;
+    resident_store store;
     pthread_mutex_t lock;
     pthread_cond_t work, done;
     /* Guarded by lock: */
@@ -38,7 +39,7 @@ struct loader_private {
     treelet **places; /* READY ones, oldest first */
     treelet_cache
         cache;      /* ABSENT ones; they stay only as long as nothing else needs their memory */
-    shared *shared; /* of a mesh, a treelet */
+    shared *shared; /* a treelet; NULL: nothing is shared */
     uint32_t filled, loading, capacity;
     size_t bytes, room; /* of all treelets; that they may have */
     uint64_t published; /* treelets that became READY */
@@ -49,12 +50,11 @@ struct loader_private {
     /* The selected isovalues; read-only while anything is traced or loaded. */
     double isovalues[ACTIVE_ISOS_MAX];
     active_set isos;
-    active_fn *compute;
     atomic_size_t masks; /* made */
     uint8_t *existing;   /* a treelet's octants that are there */
     uint8_t *held;       /* whether a treelet's subtree holds an isovalue: room for a sweep */
-    treelet_tree tree;   /* of a mesh */
-    uint32_t set;        /* of a mesh's values; 0: of a grid */
+    treelet_tree tree;   /* where treelets overlap */
+    uint32_t set;        /* selected */
     size_t place_bytes;
     reader *readers;
     int started;
@@ -82,85 +82,32 @@ static loader_request queue_pop(struct loader_private *h) {
 /* ---- One treelet in and out ---- */
 
 uint64_t loader_stored_bytes(const loader *l, uint32_t t) {
-    return l->tree ? mesh_resident_stored(&l->hidden->store, l->hidden->set, t) : l->file->sizes[t];
+    return l->hidden->kind->stored(&l->hidden->store, l->hidden->set, t);
 }
 
-/* A treelet of a grid and its masks share one block; these begin there. */
-enum { TREELET_HEAD = (sizeof(treelet) + 63) / 64 * 64 };
-
-static status grid_load(loader *l, uint32_t t, source_scratch *scratch, treelet **out,
-                        uint64_t *read) {
-    const leaf_layout *layout = &l->file->layout;
-    leaf_payload shape = leaf_layout_payload(layout, t);
-    const size_t block = TREELET_HEAD + active_bytes(shape.node_levels);
-    treelet *tr = mem_zalloc(l->m, block);
-    if (!tr)
-        return ST_NOMEM;
-    tr->id = t;
-    tr->level = layout->level_of[t];
-    for (int a = 0; a < 3; a++)
-        tr->first_cell[a] = layout->place[t][a] << layout->cells_log2;
-    tr->shape = shape;
-    tr->masks = active_init((char *)tr + TREELET_HEAD, shape.node_levels);
-    tr->bytes = block + shape.bytes + source_overhead_bytes(l->hidden->source) + 128;
-    status st = source_load(l->hidden->source, t, scratch, &tr->payload);
-    if (st != ST_OK) {
-        mem_free(l->m, tr);
-        return st;
-    }
-    *read += l->file->sizes[t];
-    tr->samples = (const char *)tr->payload + shape.samples_at;
-    *out = tr;
-    return ST_OK;
-}
-
-/* *tr: NULL, or one that the cache had, without its set. Stays what it is when this fails. */
-static status mesh_load(loader *l, uint32_t t, const void *topology, mesh_scratch *scratch,
-                        treelet **tr, uint64_t *read) {
-    const mesh_store *store = &l->hidden->store;
-    status st = *tr ? ST_OK : mesh_resident_create(store, t, tr);
-    if (st != ST_OK)
-        return st;
-    if (!(*tr)->payload)
-        (*tr)->payload = topology;
-    st = mesh_resident_topology(store, *tr, scratch, read);
-    return st == ST_OK ? mesh_resident_load(store, *tr, l->hidden->set, scratch, read) : st;
-}
-
-/* Under the lock: what is there of a mesh's topology, for one more user. */
-static const void *share_topology(struct loader_private *h, uint32_t t) {
+/* Under the lock: what is there of a shared payload, for one more user. */
+static const void *share_payload(struct loader_private *h, uint32_t t) {
     if (!h->shared)
         return NULL;
     h->shared[t].users++;
-    return h->shared[t].topology;
+    return h->shared[t].payload;
 }
 
 /* Under the lock: one user less. */
-static void release_topology(struct loader_private *h, uint32_t t) {
-    if (--h->shared[t].users > 0 || !h->shared[t].topology)
+static void release_payload(struct loader_private *h, uint32_t t) {
+    if (--h->shared[t].users > 0 || !h->shared[t].payload)
         return;
-    source_evict(h->source, t, h->shared[t].topology);
-    h->bytes -= mesh_resident_topology_bytes(&h->store, t);
-    h->shared[t].topology = NULL;
+    source_evict(h->source, t, h->shared[t].payload);
+    h->bytes -= h->kind->shared_bytes(&h->store, t);
+    h->shared[t].payload = NULL;
 }
 
-/* Under the lock: a treelet's topology is there for others, too. */
+/* Under the lock: a treelet's payload is there for others, too. */
 static void offer(struct loader_private *h, const treelet *tr) {
-    if (!h->shared || h->shared[tr->id].topology || !tr->payload)
+    if (!h->shared || h->shared[tr->id].payload || !tr->payload)
         return;
-    h->shared[tr->id].topology = tr->payload;
-    h->bytes += mesh_resident_topology_bytes(&h->store, tr->id);
-}
-
-/* Under the lock. */
-static void treelet_free(loader *l, treelet *tr) {
-    struct loader_private *h = l->hidden;
-    if (h->shared) {
-        mesh_resident_destroy(&h->store, tr);
-        return;
-    }
-    source_evict(h->source, tr->id, tr->payload);
-    mem_free(l->m, tr);
+    h->shared[tr->id].payload = tr->payload;
+    h->bytes += h->kind->shared_bytes(&h->store, tr->id);
 }
 
 static void publish(loader *l, treelet *tr) {
@@ -176,9 +123,9 @@ static void discard(loader *l, treelet *tr) {
     struct loader_private *h = l->hidden;
     const uint32_t t = tr->id;
     h->bytes -= tr->bytes;
-    treelet_free(l, tr);
+    h->kind->destroy(&h->store, tr);
     if (h->shared)
-        release_topology(h, t);
+        release_payload(h, t);
 }
 
 /* Take a treelet out of the rays' sight; its place is the caller's to close. */
@@ -220,11 +167,11 @@ static bool take_back(loader *l, uint32_t t) {
 }
 
 /* Under the lock, which is given back while it reads. */
-static void bring_in(loader *l, uint32_t t, mesh_scratch *scratch) {
+static void bring_in(loader *l, uint32_t t, resident_scratch *scratch) {
     struct loader_private *h = l->hidden;
     uint64_t read = 0;
     treelet *tr = treelet_cache_find(&h->cache, t, TREELET_NO_SET);
-    const void *topology = tr ? tr->payload : share_topology(h, t);
+    const void *payload = tr ? tr->payload : share_payload(h, t);
     if (tr) {
         treelet_cache_remove(&h->cache, tr);
         h->bytes -= tr->bytes;
@@ -235,8 +182,7 @@ static void bring_in(loader *l, uint32_t t, mesh_scratch *scratch) {
     pthread_mutex_unlock(&h->lock);
 
     double start = clock_seconds();
-    status st = l->tree ? mesh_load(l, t, topology, scratch, &tr, &read)
-                        : grid_load(l, t, &scratch->source, &tr, &read);
+    status st = h->kind->load(&h->store, t, h->set, payload, scratch, &tr, &read);
     if (st == ST_OK)
         loader_mask(l, tr);
     double seconds = clock_seconds() - start;
@@ -260,7 +206,7 @@ static void bring_in(loader *l, uint32_t t, mesh_scratch *scratch) {
     if (tr)
         discard(l, tr);
     else if (h->shared)
-        release_topology(h, t);
+        release_payload(h, t);
 }
 
 static void *read_treelets(void *arg) {
@@ -292,11 +238,6 @@ static void relax(unsigned spins) {
 #endif
 }
 
-/* Of a mesh's treelet in its set. */
-static const float *own_range(const loader *l, const treelet *tr) {
-    return l->file->own[(size_t)tr->set * l->file->layout.treelets + tr->id];
-}
-
 void loader_mask(const loader *l, treelet *tr) {
     struct loader_private *h = l->hidden;
     for (unsigned spins = 0;; spins++) {
@@ -306,13 +247,7 @@ void loader_mask(const loader *l, treelet *tr) {
         if (seen != LOADER_MASKING &&
             atomic_compare_exchange_strong_explicit(&tr->masked, &seen, LOADER_MASKING,
                                                     memory_order_acquire, memory_order_relaxed)) {
-            if (tr->masks)
-                h->compute(tr->masks, l->file, tr->id, tr->payload, &h->isos);
-            else
-                mesh_active_compute(tr->active, &tr->mesh, own_range(l, tr), tr->payload,
-                                    tr->values, h->isos.isovalues, h->isos.count);
-            if (tr->derived)
-                h->store.derived.make(tr, &h->isos);
+            h->kind->mask(&h->store, tr, &h->isos);
             atomic_fetch_add_explicit(&h->masks, 1, memory_order_relaxed);
             atomic_store_explicit(&tr->masked, l->selection, memory_order_release);
             return;
@@ -333,29 +268,44 @@ static uint8_t *existing_octants(mem *m, const leaf_layout *layout) {
 
 /* What a resident treelet costs at most. */
 static size_t place_bytes_of(const loader *l) {
-    const leaf_layout *layout = &l->file->layout;
+    const struct loader_private *h = l->hidden;
     size_t most = 0;
-    for (uint32_t t = 0; l->tree && t < layout->treelets; t++) {
-        const size_t bytes = mesh_resident_bytes(&l->hidden->store, t);
+    for (uint32_t t = 0; t < l->file->layout.treelets; t++) {
+        const size_t bytes = h->kind->bytes(&h->store, t);
         most = bytes > most ? bytes : most;
     }
-    if (l->tree)
-        return most;
-    return leaf_layout_payload_max(layout) + active_bytes(layout->cells_log2 - LEAF_BLOCK_LOG2) +
-           source_overhead_bytes(l->hidden->source) + TREELET_HEAD + 256;
+    return most;
 }
 
-/* A mesh's directory as a tree. */
+/* The directory as a tree, where treelets overlap. */
 static status grow_tree(loader *l) {
     struct loader_private *h = l->hidden;
-    if (l->file->header.kind != LEAF_KIND_MESH)
-        return ST_OK;
-    h->shared = mem_array(l->m, l->file->layout.treelets, sizeof *h->shared);
-    if (!h->shared)
+    const uint32_t treelets = l->file->layout.treelets;
+    const treelet_bounds *boxes = h->kind->boxes(l->file, 0);
+    if (h->kind->shares)
+        h->shared = mem_array(l->m, treelets, sizeof *h->shared);
+    if (h->kind->shares && !h->shared)
         return ST_NOMEM;
-    status st = treelet_tree_init(&h->tree, l->m, l->file->mesh->bounds, l->file->layout.treelets);
+    if (!boxes)
+        return ST_OK;
     l->tree = &h->tree;
+    return treelet_tree_init(&h->tree, l->m, boxes, treelets);
+}
+
+static status scratch_init(struct loader_private *h, resident_scratch *scratch) {
+    const size_t bytes = h->kind->scratch(&h->store);
+    *scratch = (resident_scratch){.room = bytes ? mem_alloc(h->store.m, bytes) : NULL};
+    if (bytes && !scratch->room)
+        return ST_NOMEM;
+    status st = source_scratch_init(h->source, &scratch->source);
+    if (st != ST_OK)
+        mem_free(h->store.m, scratch->room);
     return st;
+}
+
+static void scratch_release(struct loader_private *h, resident_scratch *scratch) {
+    source_scratch_release(h->source, &scratch->source);
+    mem_free(h->store.m, scratch->room);
 }
 
 /* The threads that read. */
@@ -364,14 +314,14 @@ static status start_readers(loader *l, int workers) {
     for (; h->started < workers; h->started++) {
         reader *r = &h->readers[h->started];
         r->owner = l;
-        status st = mesh_scratch_init(&h->store, &r->scratch);
+        status st = scratch_init(h, &r->scratch);
         if (st != ST_OK)
             return st;
         char what[64];
         snprintf(what, sizeof what, "loader thread %d of %d", h->started + 1, workers);
         st = thread_start(&r->thread, read_treelets, r, what);
         if (st != ST_OK) {
-            mesh_scratch_release(&h->store, &r->scratch);
+            scratch_release(h, &r->scratch);
             return st;
         }
     }
@@ -393,7 +343,7 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, loader **out
     pthread_cond_init(&h->work, NULL);
     pthread_cond_init(&h->done, NULL);
     h->capacity = 1;
-    h->compute = active_for(o->isa);
+    h->kind = resident_kind_of(f);
     l->own = mem_array(m, n, 1);
     l->children = mem_array(m, n, 1);
     l->resident = mem_array(m, n, sizeof *l->resident);
@@ -412,8 +362,12 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, loader **out
         st = source_open(m, f, o->source, &h->source);
     if (st != ST_OK)
         goto fail;
-    h->store = (mesh_store){
-        .m = m, .file = f, .source = h->source, .schema = o->schema, .derived = o->derived};
+    h->store = (resident_store){.m = m,
+                                .file = f,
+                                .source = h->source,
+                                .compute = active_for(o->isa),
+                                .schema = o->schema,
+                                .derived = o->derived};
     h->room = h->place_bytes = place_bytes_of(l);
     st = start_readers(l, o->workers);
     if (st != ST_OK)
@@ -436,7 +390,7 @@ void loader_destroy(loader *l) {
         pthread_mutex_unlock(&h->lock);
         for (int i = 0; i < h->started; i++) {
             pthread_join(h->readers[i].thread, NULL);
-            mesh_scratch_release(&h->store, &h->readers[i].scratch);
+            scratch_release(h, &h->readers[i].scratch);
         }
         if (h->places)
             evict_oldest(l, h->filled);
@@ -560,12 +514,12 @@ void loader_select(loader *l, const double *isovalues, int count) {
     pthread_mutex_unlock(&h->lock);
 }
 
-/* What is in the cache keeps its topology alone. */
+/* What is in the cache keeps what it shares alone. */
 static void strip_cache(loader *l) {
     struct loader_private *h = l->hidden;
     for (treelet *tr = h->cache.oldest; tr; tr = tr->newer) {
         h->bytes -= tr->bytes;
-        mesh_resident_strip(&h->store, tr);
+        h->kind->strip(&h->store, tr);
         h->bytes += tr->bytes;
     }
 }
@@ -576,11 +530,9 @@ void loader_select_set(loader *l, uint32_t set) {
     rest(h);
     if (set != h->set) {
         h->stepped = true;
-        const leaf_layout *layout = &l->file->layout;
         h->set = set;
-        if (layout->moved_steps)
-            treelet_tree_move(&h->tree, (const treelet_bounds *)l->file->mesh->bounds +
-                                            leaf_layout_bounds(layout, set % layout->steps, 0));
+        if (l->file->layout.moved_steps)
+            treelet_tree_move(&h->tree, h->kind->boxes(l->file, set));
         select_anew(l);
         if (h->store.schema == MESH_REFIT)
             strip_cache(l);

@@ -24,7 +24,7 @@
 
 #include "formats/base/cpu.h"
 #include "formats/leaf/leaf_file.h"
-#include "stream/mesh_resident.h"
+#include "stream/resident.h"
 #include "stream/source.h"
 #include "stream/treelet.h"
 #include "stream/treelet_tree.h"
@@ -45,7 +45,7 @@ typedef struct loader {
     uint8_t *own;      /* 1: its own level holds a surface */
     uint8_t *children; /* octants whose subtree holds one, by the merged ranges */
     _Atomic(treelet *) *resident;
-    const treelet_tree *tree; /* of a mesh's treelets; NULL for a grid */
+    const treelet_tree *tree; /* where treelets overlap; else NULL */
     size_t selection;         /* how many different ones there were */
     uint64_t bytes_active;
     uint32_t treelets_active;
@@ -58,7 +58,7 @@ typedef struct loader_options {
     mesh_schema schema;   /* of a mesh's steps */
     int workers;          /* threads that read, at least 1 */
     cpu_isa isa;          /* for active_for() */
-    derived_kind derived; /* of a mesh's treelets, with their masks */
+    mesh_derived derived; /* of a mesh's treelets, with their masks */
 } loader_options;
 
 /* loader_create() - nothing is selected yet; of a mesh, its first set is. */

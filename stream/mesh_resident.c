@@ -7,11 +7,11 @@
 
 /* ---- sizes ---- */
 
-static uint32_t step_of(const mesh_store *s, uint32_t set) {
+static uint32_t step_of(const resident_store *s, uint32_t set) {
     return set % s->file->layout.steps;
 }
 
-static bool moves(const mesh_store *s) {
+static bool moves(const resident_store *s) {
     return s->file->layout.moved_steps > 0;
 }
 
@@ -22,38 +22,38 @@ static size_t nodes_at(const mesh_shape *shape) {
     return HEAD + (mesh_active_bytes(shape) + 63) / 64 * 64;
 }
 
-static size_t derived_at(const mesh_store *s, const mesh_shape *shape) {
+static size_t derived_at(const resident_store *s, const mesh_shape *shape) {
     return nodes_at(shape) + (moves(s) ? shape->nodes * sizeof(mesh_node) : 0);
 }
 
-static size_t block_bytes(const mesh_store *s, const mesh_shape *shape) {
+static size_t block_bytes(const resident_store *s, const mesh_shape *shape) {
     return derived_at(s, shape) + (s->derived.bytes ? s->derived.bytes(shape) : 0);
 }
 
-size_t mesh_resident_topology_bytes(const mesh_store *s, uint32_t t) {
+static size_t topology_bytes(const resident_store *s, uint32_t t) {
     const mesh_shape shape = mesh_leaf_shape(s->file->mesh->counts[t]);
     return shape.topology_bytes + source_overhead_bytes(s->source);
 }
 
-static size_t values_bytes(const mesh_store *s, const mesh_shape *shape) {
+static size_t values_bytes(const resident_store *s, const mesh_shape *shape) {
     return shape->values_bytes + source_overhead_bytes(s->source);
 }
 
-static size_t moved_bytes(const mesh_store *s, const mesh_shape *shape) {
+static size_t moved_bytes(const resident_store *s, const mesh_shape *shape) {
     return shape->positions_bytes + source_overhead_bytes(s->source);
 }
 
-static size_t gradients_bytes(const mesh_store *s, const mesh_shape *shape) {
+static size_t gradients_bytes(const resident_store *s, const mesh_shape *shape) {
     return s->gradients ? shape->gradients_bytes + source_overhead_bytes(s->source) : 0;
 }
 
-size_t mesh_resident_bytes(const mesh_store *s, uint32_t t) {
+static size_t most_bytes(const resident_store *s, uint32_t t) {
     const mesh_shape shape = mesh_leaf_shape(s->file->mesh->counts[t]);
-    return mesh_resident_topology_bytes(s, t) + block_bytes(s, &shape) + values_bytes(s, &shape) +
+    return topology_bytes(s, t) + block_bytes(s, &shape) + values_bytes(s, &shape) +
            (moves(s) ? moved_bytes(s, &shape) : 0) + gradients_bytes(s, &shape) + 256;
 }
 
-uint64_t mesh_resident_stored(const mesh_store *s, uint32_t set, uint32_t t) {
+static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t) {
     const leaf_file *f = s->file;
     const uint32_t step = step_of(s, set);
     uint64_t bytes = f->sizes[t] + f->sizes[leaf_layout_values(&f->layout, set, t)];
@@ -64,34 +64,20 @@ uint64_t mesh_resident_stored(const mesh_store *s, uint32_t set, uint32_t t) {
     return bytes;
 }
 
-/* ---- scratch ---- */
-
-status mesh_scratch_init(const mesh_store *s, mesh_scratch *scratch) {
-    *scratch = (mesh_scratch){0};
-    status st = source_scratch_init(s->source, &scratch->source);
+/* Room for refitting. */
+static size_t scratch_bytes(const resident_store *s) {
     size_t most = 0;
-    for (uint32_t t = 0; s->file->mesh && t < s->file->layout.treelets; t++) {
+    for (uint32_t t = 0; s->schema == MESH_REFIT && t < s->file->layout.treelets; t++) {
         const mesh_shape shape = mesh_leaf_shape(s->file->mesh->counts[t]);
         const size_t bytes = mesh_refit_scratch(&shape);
         most = bytes > most ? bytes : most;
     }
-    if (st != ST_OK || s->schema != MESH_REFIT || most == 0)
-        return st;
-    scratch->refit = mem_alloc(s->m, most);
-    if (scratch->refit)
-        return ST_OK;
-    source_scratch_release(s->source, &scratch->source);
-    return ST_NOMEM;
-}
-
-void mesh_scratch_release(const mesh_store *s, mesh_scratch *scratch) {
-    mem_free(s->m, scratch->refit);
-    source_scratch_release(s->source, &scratch->source);
+    return most;
 }
 
 /* ---- one treelet ---- */
 
-status mesh_resident_create(const mesh_store *s, uint32_t t, treelet **out) {
+static status create(const resident_store *s, uint32_t t, treelet **out) {
     const leaf_file *f = s->file;
     const mesh_shape shape = mesh_leaf_shape(f->mesh->counts[t]);
     treelet *tr = mem_zalloc(s->m, block_bytes(s, &shape));
@@ -110,14 +96,14 @@ status mesh_resident_create(const mesh_store *s, uint32_t t, treelet **out) {
 }
 
 /* Give a payload back: to the source, or where it is our own. */
-static void give_back(const mesh_store *s, const treelet *tr, uint32_t p, const void *payload) {
+static void give_back(const resident_store *s, const treelet *tr, uint32_t p, const void *payload) {
     if (payload && tr->refit)
         mem_free(s->m, (void *)(uintptr_t)payload);
     else if (payload)
         source_evict(s->source, p, payload);
 }
 
-void mesh_resident_strip(const mesh_store *s, treelet *tr) {
+static void strip(const resident_store *s, treelet *tr) {
     const leaf_layout *l = &s->file->layout;
     if (tr->set == TREELET_NO_SET)
         return;
@@ -133,17 +119,17 @@ void mesh_resident_strip(const mesh_store *s, treelet *tr) {
     atomic_store_explicit(&tr->masked, 0, memory_order_relaxed);
 }
 
-void mesh_resident_destroy(const mesh_store *s, treelet *tr) {
+static void destroy(const resident_store *s, treelet *tr) {
     if (!tr)
         return;
-    mesh_resident_strip(s, tr);
+    strip(s, tr);
     mem_free(s->m, tr);
 }
 
 /* ---- reading ---- */
 
-status mesh_resident_topology(const mesh_store *s, treelet *tr, mesh_scratch *scratch,
-                              uint64_t *read) {
+static status load_topology(const resident_store *s, treelet *tr, resident_scratch *scratch,
+                            uint64_t *read) {
     if (tr->payload)
         return ST_OK;
     const void *topology;
@@ -160,8 +146,8 @@ status mesh_resident_topology(const mesh_store *s, treelet *tr, mesh_scratch *sc
 }
 
 /* Read payload p into memory of our own: from byte `from` on where that can be; *whole tells. */
-static status read_own(const mesh_store *s, uint32_t p, uint32_t from, mesh_scratch *scratch,
-                       char **payload, bool *whole, uint64_t *read) {
+static status read_own(const resident_store *s, uint32_t p, uint32_t from,
+                       resident_scratch *scratch, char **payload, bool *whole, uint64_t *read) {
     leaf_file *f = s->file;
     const uint32_t bytes = leaf_layout_payload_bytes(&f->layout, p);
     *whole = !leaf_file_is_raw(f, p);
@@ -176,13 +162,13 @@ static status read_own(const mesh_store *s, uint32_t p, uint32_t from, mesh_scra
 }
 
 /* A completed payload must be the file's. */
-static status check_own(const mesh_store *s, uint32_t p, const void *payload) {
+static status check_own(const resident_store *s, uint32_t p, const void *payload) {
     const void *view;
     return leaf_file_decode(s->file, p, payload, NULL, &view);
 }
 
-static status refit_values(const mesh_store *s, treelet *tr, uint32_t set, mesh_scratch *scratch,
-                           uint64_t *read) {
+static status refit_values(const resident_store *s, treelet *tr, uint32_t set,
+                           resident_scratch *scratch, uint64_t *read) {
     const leaf_file *f = s->file;
     const size_t element = (size_t)set * f->layout.treelets + tr->id;
     const uint32_t p = leaf_layout_values(&f->layout, set, tr->id);
@@ -193,12 +179,12 @@ static status refit_values(const mesh_store *s, treelet *tr, uint32_t set, mesh_
     if (st != ST_OK || whole)
         return st;
     mesh_refit_values(&tr->mesh, tr->payload, f->own[element],
-                      !(f->flags[element] & LEAF_FLAG_NON_FINITE), payload, scratch->refit);
+                      !(f->flags[element] & LEAF_FLAG_NON_FINITE), payload, scratch->room);
     return check_own(s, p, payload);
 }
 
-static status refit_moved(const mesh_store *s, treelet *tr, uint32_t step, mesh_scratch *scratch,
-                          uint64_t *read) {
+static status refit_moved(const resident_store *s, treelet *tr, uint32_t step,
+                          resident_scratch *scratch, uint64_t *read) {
     const leaf_layout *l = &s->file->layout;
     const uint32_t p = leaf_layout_positions(l, step, tr->id);
     char *payload = NULL;
@@ -209,20 +195,20 @@ static status refit_moved(const mesh_store *s, treelet *tr, uint32_t step, mesh_
         st = mesh_leaf_check_moved(s->file, step, tr->id, payload);
     if (st != ST_OK || whole)
         return st;
-    mesh_refit_boxes(&tr->mesh, tr->payload, tr->bounds, payload, scratch->refit);
+    mesh_refit_boxes(&tr->mesh, tr->payload, tr->bounds, payload, scratch->room);
     return check_own(s, p, payload);
 }
 
-static status load_values(const mesh_store *s, treelet *tr, uint32_t set, mesh_scratch *scratch,
-                          uint64_t *read) {
+static status load_values(const resident_store *s, treelet *tr, uint32_t set,
+                          resident_scratch *scratch, uint64_t *read) {
     const uint32_t p = leaf_layout_values(&s->file->layout, set, tr->id);
     status st = source_load(s->source, p, &scratch->source, &tr->values);
     *read += st == ST_OK ? s->file->sizes[p] : 0;
     return st;
 }
 
-static status load_gradients(const mesh_store *s, treelet *tr, uint32_t set, mesh_scratch *scratch,
-                             uint64_t *read) {
+static status load_gradients(const resident_store *s, treelet *tr, uint32_t set,
+                             resident_scratch *scratch, uint64_t *read) {
     const uint32_t p = leaf_layout_gradients(&s->file->layout, set, tr->id);
     const void *payload;
     status st = source_load(s->source, p, &scratch->source, &payload);
@@ -233,8 +219,8 @@ static status load_gradients(const mesh_store *s, treelet *tr, uint32_t set, mes
     return ST_OK;
 }
 
-static status load_moved(const mesh_store *s, treelet *tr, uint32_t step, mesh_scratch *scratch,
-                         uint64_t *read) {
+static status load_moved(const resident_store *s, treelet *tr, uint32_t step,
+                         resident_scratch *scratch, uint64_t *read) {
     const uint32_t p = leaf_layout_positions(&s->file->layout, step, tr->id);
     status st = source_load(s->source, p, &scratch->source, &tr->moved);
     if (st != ST_OK)
@@ -260,8 +246,8 @@ static void place(treelet *tr) {
     tr->positions = mesh_leaf_moved(&tr->mesh, tr->moved);
 }
 
-status mesh_resident_load(const mesh_store *s, treelet *tr, uint32_t set, mesh_scratch *scratch,
-                          uint64_t *read) {
+static status load_set(const resident_store *s, treelet *tr, uint32_t set,
+                       resident_scratch *scratch, uint64_t *read) {
     const uint32_t step = step_of(s, set);
     tr->set = set;
     tr->refit = s->schema == MESH_REFIT;
@@ -273,7 +259,7 @@ status mesh_resident_load(const mesh_store *s, treelet *tr, uint32_t set, mesh_s
     if (st == ST_OK && s->gradients)
         st = load_gradients(s, tr, set, scratch, read);
     if (st != ST_OK) {
-        mesh_resident_strip(s, tr);
+        strip(s, tr);
         return st;
     }
     tr->bytes += values_bytes(s, &tr->mesh) + (tr->moved ? moved_bytes(s, &tr->mesh) : 0) +
@@ -281,3 +267,40 @@ status mesh_resident_load(const mesh_store *s, treelet *tr, uint32_t set, mesh_s
     place(tr);
     return ST_OK;
 }
+
+static status load(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
+                   resident_scratch *scratch, treelet **tr, uint64_t *read) {
+    status st = *tr ? ST_OK : create(s, t, tr);
+    if (st != ST_OK)
+        return st;
+    if (!(*tr)->payload)
+        (*tr)->payload = shared;
+    st = load_topology(s, *tr, scratch, read);
+    return st == ST_OK ? load_set(s, *tr, set, scratch, read) : st;
+}
+
+/* ---- the row ---- */
+
+static const treelet_bounds *boxes(const leaf_file *f, uint32_t set) {
+    return (const treelet_bounds *)f->mesh->bounds +
+           leaf_layout_bounds(&f->layout, set % f->layout.steps, 0);
+}
+
+static void mask(const resident_store *s, treelet *tr, const active_set *isos) {
+    const float *own = s->file->own[(size_t)tr->set * s->file->layout.treelets + tr->id];
+    mesh_active_compute(tr->active, &tr->mesh, own, tr->payload, tr->values, isos->isovalues,
+                        isos->count);
+    if (tr->derived)
+        s->derived.make(tr, isos);
+}
+
+const resident_kind mesh_resident = {.shares = true,
+                                     .boxes = boxes,
+                                     .scratch = scratch_bytes,
+                                     .bytes = most_bytes,
+                                     .shared_bytes = topology_bytes,
+                                     .stored = stored,
+                                     .load = load,
+                                     .strip = strip,
+                                     .destroy = destroy,
+                                     .mask = mask};

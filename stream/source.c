@@ -92,7 +92,7 @@ static status map_file(source *s) {
         return status_describe(ST_UNSUPPORTED,
                                "%s: compressed payloads cannot be mapped: use the arena backend",
                                path);
-    if (f->mesh) {
+    if (leaf_file_holds_indices(f)) {
         s->kind = SOURCE_ARENA;
         return ST_OK;
     }

@@ -410,6 +410,10 @@ status leaf_file_decode(const leaf_file *f, uint32_t p, const void *stored, void
     return st;
 }
 
+bool leaf_file_holds_indices(const leaf_file *f) {
+    return f->header.kind == LEAF_KIND_MESH;
+}
+
 const char *leaf_file_field_name(const leaf_file *f, uint32_t field) {
     return f->mesh && field < f->header.fields ? f->mesh->names[field] : "";
 }

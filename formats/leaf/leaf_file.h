@@ -83,6 +83,10 @@ CHECKED status leaf_file_load(leaf_file *f, uint32_t p, void *stored, void *payl
 CHECKED status leaf_file_decode(const leaf_file *f, uint32_t p, const void *stored, void *payload,
                                 const void **view);
 
+/* leaf_file_holds_indices() - whether payloads hold indices or offsets: such bytes are copied
+ * before they are checked and used, as somebody may write to the file meanwhile. */
+bool leaf_file_holds_indices(const leaf_file *f);
+
 /* leaf_file_field_name() - "" where it has none. leaf_file_step_time() - a step's, in the units of
  * the input; its number where there are no times. */
 const char *leaf_file_field_name(const leaf_file *f, uint32_t field);

@@ -82,8 +82,8 @@ static void keep_seen(treelet *tr, const active_set *isos) {
     keep(tr, isos, false);
 }
 
-derived_kind isopolygon_cache_kind(bool precomputed) {
-    return (derived_kind){kept_bytes, precomputed ? keep_all : keep_seen};
+mesh_derived isopolygon_cache_kind(bool precomputed) {
+    return (mesh_derived){kept_bytes, precomputed ? keep_all : keep_seen};
 }
 
 /* Its number among the kept ones; room: none. */

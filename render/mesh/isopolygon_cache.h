@@ -14,12 +14,12 @@
 #define RENDER_MESH_ISOPOLYGON_CACHE_H
 
 #include "render/mesh/tet_kernel.h"
-#include "stream/derived.h"
+#include "stream/mesh_derived.h"
 
 enum { KEPT_SHARE = 3 };
 
 /* What a loader is to derive; how: precomputed, or else cached. */
-derived_kind isopolygon_cache_kind(bool precomputed);
+mesh_derived isopolygon_cache_kind(bool precomputed);
 
 /* isopolygon_cache_find() - the isopolygon of an active tet of the treelet for the i-th selected
  * isovalue, or NULL where it has none. Kept, or made in *own. */

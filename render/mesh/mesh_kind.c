@@ -28,9 +28,9 @@ static status mesh_open(leafcast *v) {
     return ST_OK;
 }
 
-static derived_kind derived_of(const leafcast_options *o) {
+static mesh_derived derived_of(const leafcast_options *o) {
     if (o->isopolygons == LEAFCAST_ISOPOLYGONS_ONTHEFLY)
-        return (derived_kind){NULL, NULL};
+        return (mesh_derived){NULL, NULL};
     return isopolygon_cache_kind(o->isopolygons == LEAFCAST_ISOPOLYGONS_PRECOMPUTE);
 }
 

@@ -14,7 +14,7 @@ stand_in() {
     printf '%s\n' "$@" >>"$tree/$name"
     chmod 755 "$tree/$name"
 }
-for f in check_layers check_headers check_size check_format check_man check_isa setup-debian; do
+for f in check_layers check_kinds check_headers check_size check_format check_man check_isa setup-debian; do
     stand_in scripts/$f "echo $f \"\$@\" >>$tree/ran"
 done
 stand_in scripts/bare-root 'echo in the root: "$@"' 'echo "7 passed, 0 failed, 1 skipped"'
@@ -26,7 +26,7 @@ last() { [ "$(tail -n 1 "$tmp/out")" = "$1" ]; }
 exits "all steps" 0 ci
 ok "end with the summary of the tests in the bare root" last "7 passed, 0 failed, 1 skipped"
 ok "set up for CI first" sh -c 'head -n 1 "$1" | grep -qx "setup-debian --ci"' - "$tree/ran"
-for f in CONFIG=sanitize CONFIG=thread CC=clang fuzz cppcheck shellcheck check_layers check_headers \
+for f in CONFIG=sanitize CONFIG=thread CC=clang fuzz cppcheck shellcheck check_layers check_kinds check_headers \
     check_size check_format check_man; do
     ok "ran: $f" grep -q -- "$f" "$tree/ran"
 done

@@ -1,16 +1,16 @@
-/* derived.h - what the layer above makes of a mesh's treelet for the selected isovalues, and keeps
- * in its block, beside the masks. */
-#ifndef STREAM_DERIVED_H
-#define STREAM_DERIVED_H
+/* mesh_derived.h - what the layer above makes of a mesh's treelet for the selected isovalues, and
+ * keeps in its block, beside the masks. */
+#ifndef STREAM_MESH_DERIVED_H
+#define STREAM_MESH_DERIVED_H
 
 #include "stream/treelet.h"
 
-typedef struct derived_kind {
+typedef struct mesh_derived {
     /* Room in the block of a treelet of this shape; NULL: nothing is derived. */
     size_t (*bytes)(const mesh_shape *shape);
     /* Masks have been made for these isovalues: make what belongs to them, in tr->derived, zero to
      * begin with. Nobody else looks at it meanwhile. */
     void (*make)(treelet *tr, const active_set *isos);
-} derived_kind;
+} mesh_derived;
 
 #endif

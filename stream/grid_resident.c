@@ -1,0 +1,88 @@
+#include "stream/grid_resident.h"
+
+/* A treelet and its masks share one block; these begin there. */
+enum { HEAD = (sizeof(treelet) + 63) / 64 * 64 };
+
+static const treelet_bounds *boxes(const leaf_file *f, uint32_t set) {
+    (void)f;
+    (void)set;
+    return NULL;
+}
+
+static size_t scratch_bytes(const resident_store *s) {
+    (void)s;
+    return 0;
+}
+
+/* All are alike. */
+static size_t most_bytes(const resident_store *s, uint32_t t) {
+    const leaf_layout *layout = &s->file->layout;
+    (void)t;
+    return leaf_layout_payload_max(layout) + active_bytes(layout->cells_log2 - LEAF_BLOCK_LOG2) +
+           source_overhead_bytes(s->source) + HEAD + 256;
+}
+
+static size_t shared_bytes(const resident_store *s, uint32_t t) {
+    (void)s;
+    (void)t;
+    return 0;
+}
+
+static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t) {
+    (void)set;
+    return s->file->sizes[t];
+}
+
+static status load(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
+                   resident_scratch *scratch, treelet **out, uint64_t *read) {
+    const leaf_layout *layout = &s->file->layout;
+    const leaf_payload shape = leaf_layout_payload(layout, t);
+    const size_t block = HEAD + active_bytes(shape.node_levels);
+    (void)shared;
+    treelet *tr = mem_zalloc(s->m, block);
+    if (!tr)
+        return ST_NOMEM;
+    tr->id = t;
+    tr->set = set;
+    tr->level = layout->level_of[t];
+    for (int a = 0; a < 3; a++)
+        tr->first_cell[a] = layout->place[t][a] << layout->cells_log2;
+    tr->shape = shape;
+    tr->masks = active_init((char *)tr + HEAD, shape.node_levels);
+    tr->bytes = block + shape.bytes + source_overhead_bytes(s->source) + 128;
+    status st = source_load(s->source, t, &scratch->source, &tr->payload);
+    if (st != ST_OK) {
+        mem_free(s->m, tr);
+        return st;
+    }
+    *read += s->file->sizes[t];
+    tr->samples = (const char *)tr->payload + shape.samples_at;
+    *out = tr;
+    return ST_OK;
+}
+
+/* There is one set: what has it keeps it. */
+static void strip(const resident_store *s, treelet *tr) {
+    (void)s;
+    (void)tr;
+}
+
+static void destroy(const resident_store *s, treelet *tr) {
+    source_evict(s->source, tr->id, tr->payload);
+    mem_free(s->m, tr);
+}
+
+static void mask(const resident_store *s, treelet *tr, const active_set *isos) {
+    s->compute(tr->masks, s->file, tr->id, tr->payload, isos);
+}
+
+const resident_kind grid_resident = {.shares = false,
+                                     .boxes = boxes,
+                                     .scratch = scratch_bytes,
+                                     .bytes = most_bytes,
+                                     .shared_bytes = shared_bytes,
+                                     .stored = stored,
+                                     .load = load,
+                                     .strip = strip,
+                                     .destroy = destroy,
+                                     .mask = mask};
