@@ -43,6 +43,7 @@ static status draw(const heat *h, bench_racer *r, uint32_t step, pace *p, int fr
                                   .g = h->colours + pixels,
                                   .b = h->colours + 2 * pixels,
                                   .z = r->depth};
+    r->stats.size = sizeof r->stats;
     const double cpu = clock_cpu_seconds(), wall = clock_seconds();
     status st = (status)leafcast_select_set(r->volume, h->field, step);
     if (st == ST_OK)
