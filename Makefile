@@ -294,6 +294,14 @@ setup:
 bench: all
 	$(FRONT) bench $(SUITE)
 
+# What editors and clang-tidy ask for, of this CONFIG and CC.
+compile_commands.json: FORCE
+	@$(MAKE) --no-print-directory -Bn V=1 tests 2>/dev/null | awk -v folder="$(CURDIR)" ' \
+	    BEGIN { print "[" } END { print "\n]" } \
+	    / -c -o / { file = $$NF; gsub(/\\/, "\\\\"); gsub(/"/, "\\\""); \
+	        printf "%s{\"directory\": \"%s\", \"file\": \"%s\", \"command\": \"%s\"}", \
+	            n++ ? ",\n" : "", folder, file, $$0 }' >$@
+
 check: all
 	scripts/check_layers
 	scripts/check_kinds
@@ -329,7 +337,8 @@ list help:
 	@echo "make stress     ray-cells by the million against the reference; COUNT=$(COUNT) CSV=FILE"
 	@echo "make demo       install what is missing, build, generate, convert, render: demo.png"
 	@echo "make bench      the benchmark tables; SUITE=NAME for one"
-	@echo "make check      the rules of the house: layers, headers, ISA, manual, sizes, format"
+	@echo "make check      the rules of the house: layers, kinds, headers, ISA, manual, sizes, format"
+	@echo "make compile_commands.json   for editors"
 	@echo "make install    PREFIX=$(PREFIX) DESTDIR=$(DESTDIR)"
 	@echo "make setup      install what is missing (Debian)"
 	@echo "make clean      remove build/ and demo.png"
