@@ -169,13 +169,13 @@ $(eval $(call archive_rule,$(BENCH),$(filter render/bench/%,$(PARTS))))
 $(eval $(call archive_rule,$(INTERNAL),$(filter-out render/app/% render/bench/%,$(PARTS))))
 
 # The public functions and what they reach, as one object in which nothing else has a name to the outside.
-$B/obj/leafcast.o: $(DOOR) $(INTERNAL)
+$B/app/leafcast.o: $(DOOR) $(INTERNAL)
 	$(Q)$(LD) -r -o $@ $^ && $(OBJCOPY) --localize-hidden $@
-$(STATIC): $B/obj/leafcast.o
+$(STATIC): $B/app/leafcast.o
 	@mkdir -p $(@D) && rm -f $@
 	$(call say,AR  ,$@)
 	$(Q)$(AR) rcsD $@ $<
-$(SHARED): $B/obj/leafcast.o scripts/leafcast.map
+$(SHARED): $B/app/leafcast.o scripts/leafcast.map
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(ALL_C) -shared -Wl,-soname,$(SONAME) -Wl,--version-script,scripts/leafcast.map \

@@ -211,34 +211,57 @@ static status mesh_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, cons
     return ST_OK;
 }
 
-/* Treelets are looked at in order, so that of the tets that share a point it is the first. */
-static status mesh_cell_at(leafcast *v, const double point[3], leafcast_sample *sample) {
-    const leaf_layout *layout = &v->file->layout;
-    for (uint32_t t = 0; t < layout->treelets; t++) {
-        const float *bounds = v->file->mesh->bounds[leaf_layout_bounds(layout, v->step, t)];
-        bool within = true;
-        for (int a = 0; a < 3; a++)
-            within &= (double)bounds[a] <= point[a] && point[a] <= (double)bounds[a + 3];
-        if (!within)
-            continue;
-        const treelet *at;
-        uint32_t place;
-        double weights[4];
-        status st = volume_treelet(v, t, &at);
-        if (st != ST_OK)
-            return st;
-        if (!mesh_walk_find(at, point, &place, weights))
-            continue;
-        const tet x = mesh_walk_tet(at, place);
-        *sample = (leafcast_sample){.inside = true, .treelet = t, .tet = at->first_tet + place};
-        copy_tet(at, place, sample->vertices, sample->values);
-        for (int k = 0; k < 4; k++)
-            if (weights[k] > 0.0)
-                sample->value += weights[k] * (isfinite(x.f[k]) ? (double)x.f[k] : (double)NAN);
-        (void)tet_gradient(&x, sample->gradient);
-        return ST_OK;
-    }
+/* Looks for it in a treelet. */
+static status find_in_treelet(leafcast *v, uint32_t t, const double point[3],
+                              leafcast_sample *sample) {
+    const treelet *at;
+    uint32_t place;
+    double weights[4];
+    status st = volume_treelet(v, t, &at);
+    if (st != ST_OK || !mesh_walk_find(at, point, &place, weights))
+        return st;
+    const tet x = mesh_walk_tet(at, place);
+    *sample = (leafcast_sample){.inside = true, .treelet = t, .tet = at->first_tet + place};
+    copy_tet(at, place, sample->vertices, sample->values);
+    for (int k = 0; k < 4; k++)
+        if (weights[k] > 0.0)
+            sample->value += weights[k] * (isfinite(x.f[k]) ? (double)x.f[k] : (double)NAN);
+    (void)tet_gradient(&x, sample->gradient);
     return ST_OK;
+}
+
+static bool holds(const float bounds[6], const double point[3]) {
+    bool within = true;
+    for (int a = 0; a < 3; a++)
+        within &= (double)bounds[a] <= point[a] && point[a] <= (double)bounds[a + 3];
+    return within;
+}
+
+typedef struct tree_place {
+    uint32_t level, i;
+} tree_place;
+
+/* Treelets are looked at in order, so that of the tets that share a point it is the first: of a
+ * node's children the first is pushed last. */
+static status mesh_cell_at(leafcast *v, const double point[3], leafcast_sample *sample) {
+    const treelet_tree *tree = v->treelets->tree;
+    tree_place stack[TREELET_TREE_LEVELS_MAX * TREELET_TREE_ARITY];
+    status st = ST_OK;
+    int top = 0;
+    stack[top++] = (tree_place){tree->levels - 1, 0};
+    while (top > 0 && st == ST_OK && !sample->inside) {
+        const tree_place p = stack[--top];
+        if (!holds(tree->bounds[p.level][p.i], point))
+            continue;
+        if (p.level == 0) {
+            st = find_in_treelet(v, p.i, point, sample);
+            continue;
+        }
+        uint32_t count, first = treelet_tree_children(tree, p.level, p.i, &count);
+        while (count-- > 0)
+            stack[top++] = (tree_place){p.level - 1, first + count};
+    }
+    return st;
 }
 
 const kind mesh_kind = {.open = mesh_open,

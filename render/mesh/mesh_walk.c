@@ -273,11 +273,54 @@ static bool holds_point(const tet *x, const double point[3], double weights[4]) 
     return true;
 }
 
-bool mesh_walk_find(const treelet *tr, const double point[3], uint32_t *place, double weights[4]) {
-    for (*place = 0; *place < tr->mesh.tets; ++*place) {
-        const tet x = mesh_walk_tet(tr, *place);
-        if (holds_point(&x, point, weights))
-            return true;
+/* The children of a node whose boxes hold a point. */
+static unsigned children_at(const treelet *tr, const mesh_node *n, const double point[3]) {
+    unsigned at = 0;
+    for (int c = 0; c < MESH_CHILDREN; c++) {
+        bool holds = true;
+        for (int a = 0; a < 3; a++)
+            holds &= n->lo[a][c] <= n->hi[a][c] && /* it is there */
+                     (double)mesh_leaf_plane(&tr->planes, a, n->lo[a][c]) <= point[a] &&
+                     point[a] <= (double)mesh_leaf_plane(&tr->planes, a, n->hi[a][c]);
+        at |= (unsigned)holds << c;
     }
-    return false;
+    return at;
+}
+
+/* The first tet from `from` to `end` that holds the point; `end`: none does. */
+static uint32_t find_in_leaf(const treelet *tr, uint32_t from, uint32_t end, const double point[3],
+                             double weights[4]) {
+    for (; from < end; from++) {
+        const tet x = mesh_walk_tet(tr, from);
+        if (holds_point(&x, point, weights))
+            break;
+    }
+    return from;
+}
+
+bool mesh_walk_find(const treelet *tr, const double point[3], uint32_t *place, double weights[4]) {
+    const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->payload);
+    uint16_t stack[STACK_MAX];
+    int top = 0;
+    *place = tr->mesh.tets;
+    stack[top++] = 0;
+    while (top > 0) {
+        const uint16_t child = stack[--top];
+        if (!(child & MESH_LEAF)) {
+            const mesh_node *n = &tr->nodes[child];
+            for (unsigned left = children_at(tr, n, point); left; left &= left - 1)
+                stack[top++] = n->child[__builtin_ctz(left)];
+            continue;
+        }
+        /* Tets of other leaves may hold it, too: the first of all is asked for. */
+        const uint32_t leaf = child & ~MESH_LEAF;
+        const uint32_t end = first[leaf + 1] < *place ? first[leaf + 1] : *place;
+        double w[4];
+        const uint32_t found = find_in_leaf(tr, first[leaf], end, point, w);
+        if (found >= end)
+            continue;
+        *place = found;
+        memcpy(weights, w, sizeof w);
+    }
+    return *place < tr->mesh.tets;
 }
