@@ -195,7 +195,8 @@ void limit_memory(const char *bytes) {
 
 } // namespace
 
-void terminatetetgen(tetgenmesh *, int code) {
+/* In place of the library's own: so it must be seen from there. */
+__attribute__((visibility("default"))) void terminatetetgen(tetgenmesh *, int code) {
     give_up(code);
 }
 
