@@ -28,13 +28,13 @@ status cli_json_write(FILE *out, json_t *document, bool line) {
     char *text = document ? json_dumps(document, layout | JSON_REAL_PRECISION(17)) : NULL;
     status st = ST_OK;
     json_decref(document);
-    if (atomic_exchange(&starved, false))
-        st = status_describe(ST_NOMEM, "no memory to write the results as JSON");
-    else if (!text)
-        st = status_describe(ST_FAILED, "the results cannot be written as JSON");
-    if (st == ST_OK) {
+    const bool no_memory = atomic_exchange(&starved, false);
+    if (text && !no_memory) {
         fputs(text, out);
         fputc('\n', out);
+    } else {
+        st = no_memory ? status_describe(ST_NOMEM, "no memory to write the results as JSON")
+                       : status_describe(ST_FAILED, "the results cannot be written as JSON");
     }
     free(text);
     return st;
