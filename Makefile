@@ -193,9 +193,9 @@ $(foreach m,$(MAINS),$(eval $(call verb_rule,$m)))
 # Shared objects by the hundred: OpenImageIO is linked into a process of its own.
 ifneq ($(OIIO),)
 $B/libexec/leafcast-write-image: render/app/write_image_main.cpp $B/flags-c++
-	@mkdir -p $(@D) $B/obj
+	@mkdir -p $(@D) $B/obj/$(<D)
 	$(call say,C++ ,$<)
-	$(Q)$(CXX) $(ALL_CXX) $(shell pkg-config --cflags OpenImageIO) -MMD -MP -MF $B/obj/image.d \
+	$(Q)$(CXX) $(ALL_CXX) $(shell pkg-config --cflags OpenImageIO) -MMD -MP -MF $B/obj/$(<:.cpp=.d) \
 	    -o $@ $< $(LDFLAGS) $(shell pkg-config --libs OpenImageIO)
 else
 .PHONY: $B/libexec/leafcast-write-image
@@ -208,9 +208,9 @@ endif
 # TetGen is AGPL, and may crash: it is linked into a process of its own, too.
 ifneq ($(TETGEN),)
 $(TETGEN_BIN): prep/tetrahedralize/tetgen_worker_main.cpp $B/flags-c++
-	@mkdir -p $(@D) $B/obj
+	@mkdir -p $(@D) $B/obj/$(<D)
 	$(call say,C++ ,$<)
-	$(Q)$(CXX) $(ALL_CXX) -MMD -MP -MF $B/obj/tetgen.d -o $@ $< $(LDFLAGS) -ltet
+	$(Q)$(CXX) $(ALL_CXX) -MMD -MP -MF $B/obj/$(<:.cpp=.d) -o $@ $< $(LDFLAGS) -ltet
 else
 .PHONY: $(TETGEN_BIN)
 $(TETGEN_BIN):
@@ -224,12 +224,12 @@ PEER_VTK := $B/libexec/leafcast-peer-vtk
 # fast as it can, and its numbers need not be the same elsewhere.
 $B/native/embree: FORCE
 	$(call remember,$(EMBREE))
-$B/native/%.o: render/bench/%.c $B/flags $B/native/embree
+$B/native/%.o: %.c $B/flags $B/native/embree
 	@mkdir -p $(@D)
 	$(call say,CC  ,$<)
 	$(Q)$(CC) $(ALL_C) -march=native -ffp-contract=fast $(if $(EMBREE),-DPEER_WITH_EMBREE) \
 	    -MMD -MP -c -o $@ $<
-$(PEERS): $B/native/peer_embree.o | $(PEER_VTK)
+$(PEERS): $(NATIVE:%.c=$B/native/%.o) | $(PEER_VTK)
 $(PEERS): ALL_LIBS += $(if $(EMBREE),-lembree3)
 
 $(PEER_VTK): scripts/peer_vtk
@@ -353,4 +353,5 @@ list help:
 clean:
 	rm -rf build demo.png
 
--include $(shell find $B/obj $B/native -name '*.d' 2>/dev/null)
+# As deep as their sources.
+-include $(shell find $B/obj $B/native -mindepth 2 -name '*.d' 2>/dev/null)

@@ -36,10 +36,9 @@ struct loader_private {
     uint8_t *state;        /* residence, a treelet */
     loader_request *queue; /* binary heap, smallest priority first */
     size_t queued;
-    treelet **places; /* READY ones, oldest first */
-    treelet_cache
-        cache;      /* ABSENT ones; they stay only as long as nothing else needs their memory */
-    shared *shared; /* a treelet; NULL: nothing is shared */
+    treelet **places;    /* READY ones, oldest first */
+    treelet_cache cache; /* ABSENT ones, as long as nothing else needs their memory */
+    shared *shared;      /* a treelet; NULL: nothing is shared */
     uint32_t filled, loading, capacity;
     size_t bytes, room; /* of all treelets; that they may have */
     uint64_t published; /* treelets that became READY */

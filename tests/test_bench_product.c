@@ -14,26 +14,23 @@
 #include <unistd.h>
 
 #include "render/bench/bench_product.h"
+#include "tests/support/scratch.h"
 
 enum { LINES = 4000000, LINE_BYTES = 8 };
 
-static char folder[] = "/tmp/leafcast-product-XXXXXX";
-static char path[64];
+static const char *path;
 static mem budget;
 
 static int set_up(void **state) {
     (void)state;
     mem_init(&budget, 0);
-    if (!mkdtemp(folder))
-        return 1;
-    snprintf(path, sizeof path, "%s/table.csv", folder);
+    path = scratch_path("table.csv");
     return 0;
 }
 
 static int tear_down(void **state) {
     (void)state;
-    unlink(path);
-    return rmdir(folder) != 0 || mem_used(&budget) != 0;
+    return mem_used(&budget) != 0;
 }
 
 static void print_lines(const void *ctx, FILE *out) {

@@ -126,8 +126,6 @@ static void grid_active_box(const leafcast *v, uint32_t set, const double *isova
 
 static status grid_check(const leafcast *v, const leafcast_scene *scene) {
     (void)v;
-    if (!intersector_find(scene->intersector))
-        return status_describe(ST_USAGE, "there is no such intersector");
     if (scene->smooth_normals)
         return status_describe(ST_USAGE, "smooth normals are for meshes: a volume has central and "
                                          "analytic ones");
