@@ -10,6 +10,7 @@
 #include "render/frame.h"
 #include "render/kernels.h"
 #include "render/leafcast_volume.h"
+#include "render/segments.h"
 #include "render/tile.h"
 
 typedef struct kind {
@@ -51,6 +52,11 @@ typedef struct kind {
     trace_result (*next)(const tracer *tr, const ray *r, trace_state *state,
                          ray_counters *counters);
     surface_point (*surface)(const tracer *tr, const treelet *at, const ray *r, const hit *h);
+
+    /* The pieces of a ray: what segments_next() is made of. state->first = state->sure = 0, so that
+     * ahead[0 .. count) were found before. Result SEGMENTS_SOME: state->sure of them come next. */
+    segments_result (*segments)(const tracer *tr, const ray *r, segments_state *state,
+                                ray_counters *counters);
 
     /* ---- A cell ---- */
 

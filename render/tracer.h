@@ -77,17 +77,18 @@ static inline void tracer_touch(const tracer *tr, uint32_t t) {
 }
 
 /* tracer_enter() - the active treelet t, which the ray enters at t_in. NULL where it is absent: a
- * preview goes on without it, every other ray stops and resumes there (TRACE_BLOCKED). */
-static inline const treelet *tracer_enter(const tracer *tr, uint32_t t, double t_in,
-                                          trace_state *state) {
+ * preview goes on without it (*provisional), every other ray stops there, to resume at *blocked
+ * from *t_from on: all three are of its state, that of trace_begin() or of segments_begin(). */
+static inline const treelet *tracer_enter(const tracer *tr, uint32_t t, double t_in, double *t_from,
+                                          uint32_t *blocked, bool *provisional) {
     const treelet *at = loader_lookup(tr->treelets, t);
     if (at) {
         tracer_touch(tr, t);
     } else if (tr->preview) {
-        state->provisional = true;
+        *provisional = true;
     } else {
-        state->t_from = t_in;
-        state->blocked = t;
+        *t_from = t_in;
+        *blocked = t;
     }
     return at;
 }

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "render/cubic.h"
+
 enum {
     START = -1,
     END = 3
@@ -64,17 +66,8 @@ static inline double mix(double a, double b, double s) {
     return (1.0 - s) * a + s * b;
 }
 
-bool cell_cubic(const cell_visit *visit, const float samples[8], double iso, double b[4]) {
-    /* Subtract the isovalue first: what follows keeps its relative precision. */
-    double f[8];
-    int inside = 0;
-    for (int i = 0; i < 8; i++) {
-        f[i] = (double)samples[i] - iso;
-        inside += f[i] >= 0.0;
-    }
-    if (inside == 0 || inside == 8)
-        return false;
-
+/* The form of eight corner values along a visit. */
+static void blossom(const cell_visit *visit, const double f[8], double b[4]) {
     /* The trilinear form at all corners of the box that entry and exit span; bit a of the index =
      * exit on axis a. Always x, then y, then z: with an exact 0 or 1 on the crossed axis what
      * remains is the face's bilinear form, alike from both cells. */
@@ -98,7 +91,27 @@ bool cell_cubic(const cell_visit *visit, const float samples[8], double iso, dou
     b[1] = (m[1] + m[2] + m[4]) * (1.0 / 3.0);
     b[2] = (m[3] + m[5] + m[6]) * (1.0 / 3.0);
     b[3] = m[7];
+}
+
+bool cell_cubic(const cell_visit *visit, const float samples[8], double iso, double b[4]) {
+    /* Subtract the isovalue first: what follows keeps its relative precision. */
+    double f[8];
+    int inside = 0;
+    for (int i = 0; i < 8; i++) {
+        f[i] = (double)samples[i] - iso;
+        inside += f[i] >= 0.0;
+    }
+    if (inside == 0 || inside == 8)
+        return false;
+    blossom(visit, f, b);
     return true;
+}
+
+void cell_values(const cell_visit *visit, const float samples[8], double b[4]) {
+    double f[8];
+    for (int i = 0; i < 8; i++)
+        f[i] = (double)samples[i];
+    blossom(visit, f, b);
 }
 
 /* The cubic in power form about the entry, for fast evaluation between brackets. */
@@ -167,31 +180,6 @@ static double refine(const cubic *p, double lo, double hi, double f_lo, double f
     return s;
 }
 
-/* The extrema of the cubic strictly inside (0, 1), ascending. */
-static int extrema(const double b[4], double at[2]) {
-    /* f' / 3 = q0 (1-s)^2 + 2 q1 s (1-s) + q2 s^2 */
-    double q0 = b[1] - b[0], q1 = b[2] - b[1], q2 = b[3] - b[2];
-    double half_b = q1 - q0, a = (q2 - q1) - half_b;
-    double discriminant = q1 * q1 - q0 * q2;
-    if (!(discriminant >= 0.0))
-        return 0;
-    /* The stable quadratic formula: no subtraction of nearly equal terms. */
-    double w = -(half_b + (half_b >= 0.0 ? sqrt(discriminant) : -sqrt(discriminant)));
-    double s0 = a != 0.0 ? w / a : -1.0;
-    double s1 = w != 0.0 ? q0 / w : -1.0;
-    if (s1 < s0) {
-        double swap = s0;
-        s0 = s1;
-        s1 = swap;
-    }
-    int n = 0;
-    if (s0 > 0.0 && s0 < 1.0)
-        at[n++] = s0;
-    if (s1 > 0.0 && s1 < 1.0 && (n == 0 || s1 > s0))
-        at[n++] = s1;
-    return n;
-}
-
 /* The greatest power of two that is not above x, which is positive and normal. */
 static double power_below(double x) {
     uint64_t bits;
@@ -228,7 +216,7 @@ static bool touches(const cubic *p, double s, double f) {
 /* Roots between neighbouring extrema, where the cubic is monotone. */
 static int isolate(const cubic *p, const double b[4], double roots[3]) {
     double at[4] = {0.0}, f[4] = {b[0]};
-    const int last = 1 + extrema(b, at + 1);
+    const int last = 1 + cubic_extrema(b, at + 1);
     int changes = 0;
     for (int i = 1; i <= last; i++) {
         at[i] = i < last ? at[i] : 1.0;

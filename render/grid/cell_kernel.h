@@ -56,6 +56,10 @@ bool cell_visit_of(const ray *r, const cell_box *box, cell_visit *visit);
  * active for iso (not min < iso && iso <= max). */
 bool cell_cubic(const cell_visit *visit, const float samples[8], double iso, double b[4]);
 
+/* cell_values() - f itself along the visit, in the same form, whatever the samples: b[0] and b[3]
+ * are those of the cells beyond the faces. */
+void cell_values(const cell_visit *visit, const float samples[8], double b[4]);
+
 /* cell_roots() - the changes of side of the cubic in [0, 1], ascending: 0 to 3 parameters.
  * scale-invariant; b finite. */
 int cell_roots(const double b[4], double roots[3]);

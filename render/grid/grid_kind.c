@@ -5,6 +5,7 @@
 
 #include "render/active_box.h"
 #include "render/grid/grid_projection.h"
+#include "render/grid/grid_segments.h"
 #include "render/grid/grid_tile.h"
 #include "render/grid/grid_tracer.h"
 #include "render/grid/surface.h"
@@ -319,5 +320,6 @@ const kind grid_kind = {.open = grid_open,
                         .rank = grid_rank,
                         .next = grid_tracer_next,
                         .surface = grid_tracer_surface,
+                        .segments = grid_segments,
                         .cell_of_hit = grid_cell_of_hit,
                         .cell_at = grid_cell_at};

@@ -171,7 +171,8 @@ trace_result mesh_tracer_next(const tracer *tr, const ray *r, trace_state *state
             if (at.t == LEAF_NO_TREELET)
                 return hit_exists(&state->best) ? TRACE_HIT : TRACE_MISS;
         }
-        const treelet *here = tracer_enter(tr, at.t, at.t_in, state);
+        const treelet *here =
+            tracer_enter(tr, at.t, at.t_in, &state->t_from, &state->blocked, &state->provisional);
         if (!here && !tr->preview)
             return TRACE_BLOCKED;
         if (here && walk_passage(tr, here, r, state, counters))

@@ -1,0 +1,141 @@
+#include "render/grid/grid_segments.h"
+
+#include "render/grid/grid_passage.h"
+
+/* A node of a treelet still to be visited, as in walk.c. */
+typedef struct pending {
+    double t_in, t_out;
+    uint32_t cell[3];
+    uint32_t morton;
+    uint32_t size; /* 2^size cells on a side */
+} pending;
+
+/* What a walk through a treelet does not change. */
+typedef struct collector {
+    const walk_scene *scene;
+    const treelet *at;
+    const ray *r;
+    double from; /* pieces that begin before were found earlier */
+    segments_state *state;
+    ray_counters *counters;
+} collector;
+
+static bool all_finite(const float samples[8]) {
+    double sum = 0.0;
+    for (int i = 0; i < 8; i++)
+        sum += (double)samples[i];
+    return isfinite(sum);
+}
+
+/* The piece in a cell, if there is one. False: there is, but no room for it. */
+static bool take_cell(const collector *c, const uint32_t cell[3]) {
+    const level_planes *planes = &c->scene->levels[c->at->level];
+    const cell_box box = walk_cell_box(planes, cell);
+    segments_state *s = c->state;
+    cell_visit visit;
+    float samples[8];
+    c->counters->cells++;
+    if (!cell_visit_of(c->r, &box, &visit) || !(visit.t_in < visit.t_out) || visit.t_in < c->from)
+        return true;
+    walk_cell_samples(c->scene, c->at, cell, samples);
+    if (!all_finite(samples))
+        return true;
+    if (s->count == s->room)
+        return false;
+    segment *piece = &s->ahead[s->count++];
+    *piece = (segment){.t0 = visit.t_in,
+                       .t1 = visit.t_out,
+                       .cell = walk_cell_index(planes, cell),
+                       .treelet = c->at->id,
+                       .degree = 3};
+    cell_values(&visit, samples, piece->b);
+    s->t_from = visit.t_out;
+    return true;
+}
+
+enum { STACK_MAX = 4 * (LEAF_CELLS_LOG2_MAX + 1) };
+
+static int push_children(const collector *c, const pending *node, unsigned octants,
+                         pending stack[STACK_MAX], int top) {
+    const level_planes *planes = &c->scene->levels[c->at->level];
+    const unsigned mask = walk_children(c->at, node->size, node->morton) & octants;
+    const uint32_t half = 1u << (node->size - 1);
+    double middle[3];
+    octree_child children[4];
+    c->counters->nodes++;
+    for (int a = 0; a < 3; a++)
+        middle[a] = planes->at[a][node->cell[a] + half];
+    for (int i = octree_step(c->r, middle, node->t_in, node->t_out, children); i-- > 0;) {
+        const unsigned o = children[i].octant;
+        if (!(mask >> o & 1u) || !(children[i].t_in < children[i].t_out))
+            continue;
+        pending *child = &stack[top++];
+        *child = (pending){
+            children[i].t_in, children[i].t_out, {0}, node->morton << 3 | o, node->size - 1};
+        for (int a = 0; a < 3; a++)
+            child->cell[a] = node->cell[a] + (o >> a & 1u ? half : 0);
+    }
+    return top;
+}
+
+/* The pieces in a treelet, front to back. False: there was no room for all of them. */
+static bool walk_pieces(const collector *c, const grid_passage *node) {
+    unsigned octants = node->octants ? node->octants : 255u;
+    pending stack[STACK_MAX];
+    int top = 0;
+    stack[top++] = (pending){node->t_in,
+                             node->t_out,
+                             {c->at->first_cell[0], c->at->first_cell[1], c->at->first_cell[2]},
+                             0,
+                             c->at->shape.node_levels + LEAF_BLOCK_LOG2};
+    while (top > 0) {
+        const pending p = stack[--top];
+        if (p.size > 0)
+            top = push_children(c, &p, octants, stack, top);
+        else if (!take_cell(c, p.cell))
+            return false;
+        octants = 255u;
+    }
+    return true;
+}
+
+/* What there is to be given out, else why there is nothing. */
+static segments_result stop(segments_state *state, segments_result otherwise) {
+    state->sure = state->count;
+    return state->count > 0 ? SEGMENTS_SOME : otherwise;
+}
+
+segments_result grid_segments(const tracer *tr, const ray *r, segments_state *state,
+                              ray_counters *counters) {
+    double t_in = fmax(r->t0, state->t_from), t_out = r->t1;
+    if (!tracer_box(tr, r, &t_in, &t_out))
+        return SEGMENTS_END;
+    bool resuming = state->blocked != LEAF_NO_TREELET;
+    grid_passage stack[GRID_PASSAGES_MAX];
+    int top = 0;
+    stack[top++] = (grid_passage){t_in, t_out, 0, 0};
+    while (top > 0) {
+        const grid_passage node = stack[--top];
+        /* Crossings are the cells' own: where the node has no length, none of its cells has. */
+        if (!(node.t_in < node.t_out))
+            continue;
+        if (!grid_passage_drawn(tr, &node)) {
+            counters->nodes++;
+            top = grid_passage_push(tr, r, &node, stack, top, &state->provisional);
+            continue;
+        }
+        if (!tr->treelets->own[node.t] || (resuming && node.t != state->blocked))
+            continue;
+        const treelet *at = tracer_enter(tr, node.t, node.t_in, &state->t_from, &state->blocked,
+                                         &state->provisional);
+        if (!at && !tr->preview)
+            return stop(state, SEGMENTS_BLOCKED);
+        resuming = false;
+        state->blocked = LEAF_NO_TREELET;
+        const collector c = {tr->own, at, r, t_in, state, counters};
+        if (at && !walk_pieces(&c, &node))
+            return stop(state, SEGMENTS_SOME);
+    }
+    state->t_from = INFINITY;
+    return stop(state, SEGMENTS_END);
+}

@@ -1,0 +1,96 @@
+/* segments.h - one ray's pieces through the cells of a volume, in order of t.
+ *
+ * The second question to a kind, beside tracer.h's: not where an isovalue is crossed, but what the
+ * value does everywhere on the way. Resumable at an absent treelet, as tracer_next() is. Like
+ * there, only what the loader's selection needs is looked at: treelets, nodes and cells without
+ * interest give nothing, and are not read.
+ *
+ * What holds:
+ *   - A piece has a length: t0 < t1. A cell that the ray passes gives one piece, unless its length
+ *     vanishes in rounding. Cells that touch NaN or inf give none, flat tets neither.
+ *   - Pieces come by rising t0, none twice. In a grid they do not overlap by a bit; in a mesh
+ * (whose tets do not overlap) by no more than the rounding of t.
+ *   - Where the ray leaves a cell through a face and enters the next one, the end of one piece is
+ *     the start of the other: the same bits of t and of the value. In a grid a ray through an edge
+ *     or a corner passes from cell to cell at one t, too, but the value there is that of either
+ *     cell's own face, equal to rounding. So it is beside a flat tet.
+ *   - What a ray in a face, along an edge or through a vertex belongs to: in a grid, to the cell
+ *     that owns [i, i + 1); in a mesh, to the tet that it would pass if it were moved by (e, e^2,
+ *     e^3), e infinitely small. So nothing is counted twice or left out.
+ *   - t and values err by no more than grid_segments.h and mesh_segments.h say.
+ *   - The same bits whatever was resident when, and however little.
+ *
+ * How it is checked (tests/test_segments.c): every ray against all cells, or tets, by the reference
+ * renderers in long double, which share no code. For each cell there: a piece iff it is passed for
+ * more than the bound, t and the value at both ends and between them within the bound. Ends that
+ * adjoin, bit for bit. The sum of lengths. The same bits with one resident treelet, with room for
+ * one piece, and with everything.
+ */
+#ifndef RENDER_SEGMENTS_H
+#define RENDER_SEGMENTS_H
+
+#include "render/tracer.h"
+
+/* A piece of a ray in a cell. Its value at t is a polynomial in s = (t - t0) / (t1 - t0), in
+ * Bernstein form: b[0] .. b[degree], whose first and last are the values at t0 and t1. */
+typedef struct segment {
+    double t0, t1;
+    double b[4];
+    uint64_t cell;    /* as in a hit */
+    uint32_t treelet; /* that it came from */
+    uint32_t degree;  /* 1 (a tet), 3 (a trilinear cell) */
+} segment;
+
+typedef enum segments_result { SEGMENTS_SOME, SEGMENTS_END, SEGMENTS_BLOCKED } segments_result;
+
+/* Pieces of a ray are ordered by these. */
+typedef struct segment_key {
+    double t0;
+    uint64_t cell;
+} segment_key;
+
+/* How far a ray has come. The pieces ahead lie in the caller's memory: where a ray is suspended,
+ * they stay with it. */
+typedef struct segments_state {
+    segment *ahead;       /* room for `room` pieces: found, but not yet given out, in order */
+    uint32_t room;        /* at least 1; more saves time, see mesh_segments.h */
+    uint32_t first;       /* of them, the next to be given out */
+    uint32_t sure, count; /* from there on: certain to be the next ones; all */
+    double t_from;        /* where to resume; */
+    uint32_t blocked;     /* at this treelet; LEAF_NO_TREELET: none is waited for */
+    bool provisional;     /* preview: something on the way was coarser than wanted, or not there */
+    segment_key last;     /* the piece that was given out last */
+    /* Where treelets overlap: */
+    uint32_t entered;  /* the last treelet entered, at t_from */
+    segment_key limit; /* pieces from here on have been found, and dropped for want of room */
+} segments_state;
+
+/* segments_begin() - from the ray's start, with room for so many pieces. */
+segments_state segments_begin(segment *ahead, uint32_t room);
+
+/* segments_next() - the next piece, nothing more, or the treelet state->blocked is needed. *out is
+ * set where the result is SEGMENTS_SOME. */
+segments_result segments_next(const tracer *tr, const ray *r, segments_state *state, segment *out,
+                              ray_counters *counters);
+
+/* ---- A piece ---- */
+
+/* segment_at() - the value at parameter s in [0, 1] of the piece, the very ends at 0 and 1. */
+double segment_at(const segment *s, double at);
+
+/* segment_t() - t there. */
+double segment_t(const segment *s, double at);
+
+/* segment_range() - the least and the greatest value in it, and where: t of both. */
+typedef struct segment_extent {
+    double least, most, least_t, most_t;
+} segment_extent;
+segment_extent segment_range(const segment *s);
+
+/* ---- For kinds ---- */
+
+static inline bool segment_key_less(segment_key a, segment_key b) {
+    return a.t0 != b.t0 ? a.t0 < b.t0 : a.cell < b.cell;
+}
+
+#endif
