@@ -83,16 +83,25 @@ status volume_open_file(leafcast *v) {
     return ST_OK;
 }
 
-static status open_path(leafcast *v, const char *path) {
+/* Where a volume is: a file, or its bytes. */
+typedef struct location {
+    const char *path; /* NULL: in memory */
+    const void *bytes;
+    size_t size;
+} location;
+
+static status open_location(leafcast *v, const location *from) {
     if (!kernels_for(v->options.isa, &v->kernels))
         return status_describe(ST_USAGE, "this CPU or this build has no kernels called %s",
                                v->options.isa);
-    status st = leaf_file_open(&v->budget, path, &v->file);
+    status st =
+        from->path ? leaf_file_open(&v->budget, from->path, &v->file)
+                   : leaf_file_open_memory(&v->budget, "memory", from->bytes, from->size, &v->file);
     return st == ST_OK ? volume_open_file(v) : st;
 }
 
-leafcast_status leafcast_open(const char *path, const leafcast_options *options,
-                              leafcast **volume) {
+static leafcast_status open_volume(const location *from, const leafcast_options *options,
+                                   leafcast **volume) {
     mem outside;
     const double start = clock_seconds();
     status st = options ? arguments_check_options(options) : ST_OK;
@@ -105,7 +114,7 @@ leafcast_status leafcast_open(const char *path, const leafcast_options *options,
     if (options)
         v->options = *options;
     mem_init(&v->budget, (size_t)v->options.memory);
-    st = open_path(v, path);
+    st = open_location(v, from);
     if (st != ST_OK) {
         leafcast_close(v);
         return volume_public_status(st);
@@ -114,6 +123,18 @@ leafcast_status leafcast_open(const char *path, const leafcast_options *options,
     v->open_s = clock_seconds() - start;
     *volume = v;
     return LEAFCAST_OK;
+}
+
+leafcast_status leafcast_open(const char *path, const leafcast_options *options,
+                              leafcast **volume) {
+    const location from = {.path = path};
+    return open_volume(&from, options, volume);
+}
+
+leafcast_status leafcast_open_memory(const void *bytes, size_t size,
+                                     const leafcast_options *options, leafcast **volume) {
+    const location from = {.bytes = bytes, .size = size};
+    return open_volume(&from, options, volume);
 }
 
 void leafcast_close(leafcast *v) {

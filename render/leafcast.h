@@ -117,6 +117,14 @@ typedef struct leafcast_options {
  * or the file of its name is another. */
 LEAFCAST_API leafcast_status leafcast_open(const char *path, const leafcast_options *options,
                                            leafcast **volume);
+
+/* leafcast_open_memory() - the same of a file's bytes in memory. They stay the caller's, and must
+ * be there and stay as they are until the volume is closed; nobody looks whether they do. What is
+ * aligned to 64 bytes and holds a grid without compression is used in place, otherwise treelets are
+ * copied. The budget counts them either way. */
+LEAFCAST_API leafcast_status leafcast_open_memory(const void *bytes, size_t size,
+                                                  const leafcast_options *options,
+                                                  leafcast **volume);
 LEAFCAST_API void leafcast_close(leafcast *volume); /* NULL is fine */
 
 typedef struct leafcast_info {

@@ -22,7 +22,8 @@ struct source {
     leaf_file *file;
     source_kind kind;
     const backend *backend;
-    uint8_t *map; /* mapped: the whole file */
+    uint8_t *map;         /* mapped: the whole file */
+    const uint8_t *bytes; /* in place: the whole file, the caller's */
     size_t page;
 };
 
@@ -61,6 +62,19 @@ static void mapped_evict(source *s, uint32_t p, const void *payload) {
 
 static const backend mapped_backend = {mapped_load, mapped_evict};
 
+/* ---- in place: bytes that are in memory already ---- */
+
+static status place_load(source *s, uint32_t p, source_scratch *scratch, const void **payload) {
+    (void)scratch;
+    return leaf_file_decode(s->file, p, s->bytes + s->file->offsets[p], NULL, payload);
+}
+
+static void place_evict(source *s, uint32_t p, const void *payload) {
+    (void)s, (void)p, (void)payload;
+}
+
+static const backend place_backend = {place_load, place_evict};
+
 /* ---- arena ---- */
 
 static status arena_load(source *s, uint32_t p, source_scratch *scratch, const void **payload) {
@@ -83,19 +97,11 @@ static void arena_evict(source *s, uint32_t p, const void *payload) {
 
 static const backend arena_backend = {arena_load, arena_evict};
 
-/* ---- both ---- */
+/* ---- all ---- */
 
 static status map_file(source *s) {
     const leaf_file *f = s->file;
     const char *path = file_path(f->source);
-    if (f->header.codec != LEAF_CODEC_RAW)
-        return status_describe(ST_UNSUPPORTED,
-                               "%s: compressed payloads cannot be mapped: use the arena backend",
-                               path);
-    if (leaf_file_holds_indices(f)) {
-        s->kind = SOURCE_ARENA;
-        return ST_OK;
-    }
     if (file_offset(f->source))
         return status_describe(ST_UNSUPPORTED, "%s: a part of a file cannot be mapped", path);
     file_mark_settle(&f->mark);
@@ -110,16 +116,47 @@ static status map_file(source *s) {
     return ST_OK;
 }
 
+/* Payloads are aligned in the file; so they are in memory where the file is. */
+static status use_bytes(source *s, const uint8_t *bytes) {
+    s->kind = SOURCE_ARENA; /* nothing is rounded to pages */
+    if ((uintptr_t)bytes % LEAF_ALIGN)
+        return ST_OK;
+    s->bytes = bytes;
+    s->backend = &place_backend;
+    return ST_OK;
+}
+
+/* Payloads where they are, if they can be used there. */
+static status use_in_place(source *s) {
+    const leaf_file *f = s->file;
+    if (f->header.codec != LEAF_CODEC_RAW)
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: compressed payloads cannot be mapped: use the arena backend",
+                               file_path(f->source));
+    if (leaf_file_holds_indices(f)) {
+        s->kind = SOURCE_ARENA;
+        return ST_OK;
+    }
+    const uint8_t *bytes = file_memory(f->source);
+    return bytes ? use_bytes(s, bytes) : map_file(s);
+}
+
+/* The arena (see README.md), but for bytes that need no reading. */
+static source_kind best_kind(const leaf_file *f) {
+    const bool here = file_memory(f->source) && f->header.codec == LEAF_CODEC_RAW;
+    return here ? SOURCE_MAPPED : SOURCE_ARENA;
+}
+
 status source_open(mem *m, leaf_file *f, source_kind kind, source **out) {
     source *s = mem_zalloc(m, sizeof *s);
     if (!s)
         return ST_NOMEM;
     s->m = m;
     s->file = f;
-    s->kind = kind == SOURCE_AUTO ? SOURCE_ARENA : kind;
+    s->kind = kind == SOURCE_AUTO ? best_kind(f) : kind;
     s->page = (size_t)sysconf(_SC_PAGESIZE);
     s->backend = &arena_backend;
-    const status st = s->kind == SOURCE_MAPPED ? map_file(s) : ST_OK;
+    const status st = s->kind == SOURCE_MAPPED ? use_in_place(s) : ST_OK;
     if (st != ST_OK) {
         mem_free(m, s);
         return st;

@@ -1,8 +1,10 @@
-/* source.h - where treelet payloads come from: two backends that give the same bytes.
+/* source.h - where treelet payloads come from: backends that give the same bytes.
  *
  *   mapped  the file is mapped once; a load populates the treelet's pages with MADV_POPULATE_READ
  *           (which reports an error instead of raising SIGBUS) and checks them; an eviction gives
- *           them back with MADV_DONTNEED; raw payloads of grids only
+ *           them back with MADV_DONTNEED; raw payloads of grids only. Of a file in memory
+ *           (leaf_file_open_memory()): its bytes are checked and used in place, where they are
+ *           aligned to LEAF_ALIGN
  *   arena   a load reads (and decompresses) into a buffer of our own
  *
  * Somebody may write to the file at any time. What the arena checked stays as it was. Mapped bytes
@@ -22,9 +24,9 @@ typedef enum source_kind { SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA } source_kin
 
 typedef struct source source;
 
-/* source_open() - AUTO is the arena (see README.md), and so is MAPPED for a mesh; ST_UNSUPPORTED
- * when mapped is asked for compressed payloads. The file stays the caller's and must outlive the
- * source. */
+/* source_open() - AUTO is the arena (see README.md), but for raw payloads in memory; MAPPED is the
+ * arena for a mesh. ST_UNSUPPORTED when mapped is asked for compressed payloads. The file stays the
+ * caller's and must outlive the source. */
 CHECKED status source_open(mem *m, leaf_file *f, source_kind kind, source **out);
 void source_close(source *s); /* NULL is fine */
 

@@ -66,6 +66,32 @@ static void test_read(void **state) {
     check_left(0);
 }
 
+/* Bytes of the caller's, and parts of them. */
+static void test_memory(void **state) {
+    (void)state;
+    char buffer[16] = "";
+    file *f = NULL, *part = NULL;
+    assert_int_equal(file_open_memory(&m, "a name", "0123456789", 10, &f), ST_OK);
+    assert_int_equal(file_size(f), 10);
+    assert_string_equal(file_path(f), "a name");
+    assert_int_equal(file_descriptor(f), -1);
+    assert_int_equal(file_read_at(f, 7, buffer, 3), ST_OK);
+    assert_string_equal(buffer, "789");
+    assert_int_equal(file_read_at(f, 8, buffer, 3), ST_CORRUPT);
+    assert_non_null(strstr(status_text(), "a name: ends at byte 10"));
+    assert_int_equal(file_read_at(f, UINT64_MAX - 1, buffer, 3), ST_CORRUPT);
+    assert_int_equal(file_open_part(&m, f, 6, 20, &part), ST_OK);
+    file_close(f);
+    assert_int_equal(file_size(part), 4);
+    assert_int_equal(*(const char *)file_memory(part), '6');
+    assert_int_equal(file_read_at(part, 1, buffer, 3), ST_OK);
+    assert_string_equal(buffer, "789");
+    assert_int_equal(file_read_at(part, 1, buffer, 4), ST_CORRUPT);
+    assert_non_null(strstr(status_text(), "a name (from byte 6)"));
+    file_close(part);
+    check_left(0);
+}
+
 static void test_open_refused(void **state) {
     (void)state;
     file *f;
@@ -241,6 +267,7 @@ static void test_faults(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup(test_read, set_up),
+        cmocka_unit_test_setup(test_memory, set_up),
         cmocka_unit_test_setup(test_open_refused, set_up),
         cmocka_unit_test_setup(test_commit, set_up),
         cmocka_unit_test_setup(test_discard, set_up),

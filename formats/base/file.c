@@ -1,5 +1,6 @@
 #include "formats/base/file.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -17,7 +18,8 @@
 struct file {
     mem *m;
     int fd;
-    uint64_t offset; /* of its first byte */
+    const char *memory; /* instead of fd; else NULL */
+    uint64_t offset;    /* of its first byte */
     uint64_t size;
     char *path;
 };
@@ -76,21 +78,41 @@ static status open_regular(file *f, const char *path) {
     return file_guard_opened(f->fd, path);
 }
 
-status file_open(mem *m, const char *path, file **out) {
+static status make_file(mem *m, const char *path, file **out) {
     file *f = mem_zalloc(m, sizeof *f);
     if (!f)
         return ST_NOMEM;
     f->m = m;
     f->fd = -1;
-    status st = ST_NOMEM;
     f->path = mem_copy_text(m, path);
-    if (f->path)
+    if (!f->path) {
+        file_close(f);
+        return ST_NOMEM;
+    }
+    *out = f;
+    return ST_OK;
+}
+
+status file_open(mem *m, const char *path, file **out) {
+    file *f = NULL;
+    status st = make_file(m, path, &f);
+    if (st == ST_OK)
         st = open_regular(f, path);
     if (st != ST_OK) {
         file_close(f);
         return st;
     }
     *out = f;
+    return ST_OK;
+}
+
+status file_open_memory(mem *m, const char *name, const void *bytes, size_t size, file **out) {
+    static const char none;
+    status st = make_file(m, name, out);
+    if (st != ST_OK)
+        return st;
+    (*out)->memory = size ? bytes : &none;
+    (*out)->size = size;
     return ST_OK;
 }
 
@@ -104,9 +126,12 @@ status file_open_pipe(const char *path, int *fd) {
     return st;
 }
 
-status file_open_part(mem *m, const char *path, uint64_t offset, uint64_t size, file **out) {
+status file_open_part(mem *m, const file *of, uint64_t offset, uint64_t size, file **out) {
     file *f = NULL;
-    status st = file_open(m, path, &f);
+    const char *path = of->path;
+    assert(of->offset == 0);
+    status st = of->memory ? file_open_memory(m, path, of->memory, (size_t)of->size, &f)
+                           : file_open(m, path, &f);
     if (st != ST_OK)
         return st;
     const size_t room = strlen(path) + 64;
@@ -150,6 +175,10 @@ uint64_t file_offset(const file *f) {
     return f->offset;
 }
 
+const void *file_memory(const file *f) {
+    return f->memory ? f->memory + f->offset : NULL;
+}
+
 static status read_at(int fd, const char *path, uint64_t offset, void *buffer, size_t size) {
     if (fault_hit(FAULT_READ))
         return file_failed(EIO, path, "cannot read");
@@ -173,7 +202,10 @@ status file_read_at(file *f, uint64_t offset, void *buffer, size_t size) {
         return status_describe(ST_CORRUPT, "%s: ends at byte %llu, expected %zu bytes from %llu",
                                f->path, (unsigned long long)f->size, size,
                                (unsigned long long)offset);
-    return read_at(f->fd, f->path, f->offset + offset, buffer, size);
+    if (!f->memory)
+        return read_at(f->fd, f->path, f->offset + offset, buffer, size);
+    memcpy(buffer, f->memory + f->offset + offset, size);
+    return ST_OK;
 }
 
 /* ---- writing ---- */

@@ -25,14 +25,21 @@ void file_close(file *f); /* NULL is fine */
  * ST_IO for anything else. Does not wait for a pipe's writer: wait_ready() before each read. */
 CHECKED status file_open_pipe(const char *path, int *fd);
 
-/* file_open_part() - bytes [offset, offset + size) of a file, which are then 0 .. size - 1 of this
- * one; they need not be there. Its path says which part it is. */
-CHECKED status file_open_part(mem *m, const char *path, uint64_t offset, uint64_t size, file **out);
+/* file_open_memory() - bytes of the caller's, read as a file is; they stay as they are until it is
+ * closed. name: its path in messages. */
+CHECKED status file_open_memory(mem *m, const char *name, const void *bytes, size_t size,
+                                file **out);
+
+/* file_open_part() - bytes [offset, offset + size) of another file, which may be closed before this
+ * one; they are then 0 .. size - 1 of this one, and need not be there. Its path says which part it
+ * is. `of` is no part itself. */
+CHECKED status file_open_part(mem *m, const file *of, uint64_t offset, uint64_t size, file **out);
 
 const char *file_path(const file *f);
 uint64_t file_size(const file *f);
-int file_descriptor(const file *f); /* byte 0 is at file_offset() */
+int file_descriptor(const file *f); /* byte 0 is at file_offset(); -1: in memory */
 uint64_t file_offset(const file *f);
+const void *file_memory(const file *f); /* where byte 0 is; NULL: not in memory */
 
 /* file_read_at() - exactly size bytes; ST_CORRUPT ("ends at byte N, expected ...") past the end,
  * ST_IO on an error. */

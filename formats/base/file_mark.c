@@ -15,6 +15,9 @@ static file_mark mark_of(const struct stat *s) {
 
 status file_mark_take(const file *f, file_mark *mark) {
     struct stat s;
+    *mark = (file_mark){0};
+    if (file_memory(f))
+        return ST_OK;
     if (fstat(file_descriptor(f), &s) != 0)
         return file_failed(errno, file_path(f), "looking at its size");
     *mark = mark_of(&s);
@@ -25,6 +28,8 @@ status file_mark_check(const file *f, const file_mark *mark) {
     struct stat s;
     const char *path = file_path(f);
     assert(file_offset(f) == 0);
+    if (file_memory(f))
+        return ST_OK;
     if (fstat(file_descriptor(f), &s) != 0)
         return file_failed(errno, path, "looking at its size");
     const file_mark now = mark_of(&s);

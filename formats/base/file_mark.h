@@ -1,7 +1,8 @@
 /* file_mark.h - whether a file is still the one that was opened.
  *
  * A mark holds a file's size, inode and time of last modification. What it cannot see: bytes that
- * change without a new time, as through a writable mapping of a file on tmpfs.
+ * change without a new time, as through a writable mapping of a file on tmpfs. Bytes in memory
+ * (file_open_memory()) count as unchanged.
  */
 #ifndef FORMATS_BASE_FILE_MARK_H
 #define FORMATS_BASE_FILE_MARK_H

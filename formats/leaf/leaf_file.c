@@ -266,27 +266,31 @@ static void clean_names(leaf_file *f, const char *path) {
         text_name(f->mesh->names[i], sizeof *f->mesh->names, f->mesh->names[i]);
 }
 
-/* part: all of the file where it has no bytes. */
-static status open_part(mem *m, const char *path, const leaf_part *part, leaf_file **out) {
-    leaf_file *f = mem_zalloc(m, sizeof *f);
-    if (!f)
-        return ST_NOMEM;
-    f->m = m;
-    opening o = {.f = f};
-    status st = part->bytes ? file_open_part(m, path, part->offset, part->bytes, &f->source)
-                            : file_open(m, path, &f->source);
+static status read_directory(opening *o) {
+    leaf_file *f = o->f;
+    status st = file_mark_take(f->source, &f->mark);
     if (st == ST_OK)
-        st = file_mark_take(f->source, &f->mark);
-    if (st == ST_OK)
-        st = read_head(&o);
+        st = read_head(o);
     if (st == ST_OK)
         st = allocate_directory(f);
     if (st == ST_OK)
-        st = read_sections(&o);
+        st = read_sections(o);
     if (st == ST_OK)
-        st = check_directory(&o);
-    if (st == ST_OK)
-        st = check_gap(f, o.end, f->offsets[0]);
+        st = check_directory(o);
+    return st == ST_OK ? check_gap(f, o->end, f->offsets[0]) : st;
+}
+
+/* source is consumed; path: where its bytes are, for a name. */
+static status open_source(mem *m, file *source, const char *path, leaf_file **out) {
+    leaf_file *f = mem_zalloc(m, sizeof *f);
+    if (!f) {
+        file_close(source);
+        return ST_NOMEM;
+    }
+    f->m = m;
+    f->source = source;
+    opening o = {.f = f};
+    status st = read_directory(&o);
     if (st != ST_OK) {
         leaf_file_close(f);
         return st;
@@ -301,8 +305,16 @@ static status open_part(mem *m, const char *path, const leaf_part *part, leaf_fi
 }
 
 status leaf_file_open(mem *m, const char *path, leaf_file **out) {
-    const leaf_part whole = {0};
-    return open_part(m, path, &whole, out);
+    file *source = NULL;
+    status st = file_open(m, path, &source);
+    return st == ST_OK ? open_source(m, source, path, out) : st;
+}
+
+status leaf_file_open_memory(mem *m, const char *name, const void *bytes, size_t size,
+                             leaf_file **out) {
+    file *source = NULL;
+    status st = file_open_memory(m, name, bytes, size, &source);
+    return st == ST_OK ? open_source(m, source, name, out) : st;
 }
 
 bool leaf_file_has_coarse(const leaf_file *f, uint32_t set) {
@@ -313,7 +325,10 @@ status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file
     assert(leaf_file_has_coarse(f, set));
     const leaf_part *part = &f->mesh->coarse[set];
     leaf_file *coarse = NULL;
-    status st = open_part(m, file_path(f->source), part, &coarse);
+    file *source = NULL;
+    status st = file_open_part(m, f->source, part->offset, part->bytes, &source);
+    if (st == ST_OK)
+        st = open_source(m, source, file_path(f->source), &coarse);
     if (st == ST_OK && (coarse->mesh || memcmp(coarse->header.id, part->id, sizeof part->id)))
         st = status_describe(
             ST_CORRUPT, "%s: expected the grid %016llx%016llx, found %s%016llx%016llx",

@@ -47,7 +47,8 @@ typedef struct leaf_file {
     mesh_directory *mesh;  /* NULL: a grid */
     histogram *histograms; /* of each set, a grid being one; NULL: the file has none */
     file *source;
-    file_mark mark; /* of the file, or of the one that this is a part of, when it was opened */
+    file_mark mark; /* of the file, or of the one that this is a part of, when it was opened; of
+                       bytes in memory: 0 */
     mem *m;
     uint64_t directory_bytes; /* in the file: header, section table, sections */
     uint64_t payloads_end;    /* of the last run of payloads */
@@ -55,6 +56,11 @@ typedef struct leaf_file {
 
 /* leaf_file_open() - ST_CORRUPT names file, byte and what was expected. */
 CHECKED status leaf_file_open(mem *m, const char *path, leaf_file **out);
+
+/* leaf_file_open_memory() - the same of a file's bytes, which stay the caller's, and as they are
+ * until it is closed. name: instead of a path. No alignment is asked for. */
+CHECKED status leaf_file_open_memory(mem *m, const char *name, const void *bytes, size_t size,
+                                     leaf_file **out);
 void leaf_file_close(leaf_file *f); /* NULL is fine */
 
 /* leaf_file_has_coarse() - whether f, a mesh, has a coarse grid of a set. leaf_file_open_coarse() -

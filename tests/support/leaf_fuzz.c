@@ -44,12 +44,12 @@ static status print_histograms(mem *m, const leaf_file *f) {
 }
 
 /* The container by itself. */
-static const char *read_file(const char *path, leaf_fuzz_result *r) {
+static const char *read_file(const char *bytes, size_t size, leaf_fuzz_result *r) {
     mem m;
     leaf_file *f = NULL;
     leaf_activity levels[LEAF_LEVELS_MAX];
     mem_init(&m, MEMORY);
-    r->open = leaf_file_open(&m, path, &f);
+    r->open = leaf_file_open_memory(&m, "fuzz", bytes, size, &f);
     bool described = is_described(r->open);
     if (r->open == ST_OK) {
         const double middle = f->header.value_min + (f->header.value_max - f->header.value_min) / 2;
@@ -91,10 +91,14 @@ static bool is_finite(const leafcast_camera *c) {
     return sum < 1e30;
 }
 
-static const char *draw_file(const char *path, leaf_fuzz_result *r) {
-    const leafcast_options o = {.size = sizeof(leafcast_options), .memory = MEMORY, .threads = 1};
+static const char *draw_file(const char *bytes, size_t size, bool in_place, leaf_fuzz_result *r) {
+    const leafcast_options o = {.size = sizeof(leafcast_options),
+                                .memory = MEMORY,
+                                .threads = 1,
+                                .backend =
+                                    in_place ? LEAFCAST_BACKEND_AUTO : LEAFCAST_BACKEND_ARENA};
     leafcast *v = NULL;
-    leafcast_status st = leafcast_open(path, &o, &v);
+    leafcast_status st = leafcast_open_memory(bytes, size, &o, &v);
     if (st == LEAFCAST_OK) {
         const leafcast_info info = leafcast_describe(v);
         const leafcast_camera camera = leafcast_standard_view(v, 1.1, SIDE, SIDE);
@@ -114,16 +118,23 @@ static const char *draw_file(const char *path, leaf_fuzz_result *r) {
     return is_described(r->trace) ? NULL : "a picture fails without a description";
 }
 
-const char *leaf_fuzz_try(const char *path, leaf_fuzz_result *r) {
+const char *leaf_fuzz_try(const char *bytes, size_t size, bool in_place, leaf_fuzz_result *r) {
     *r = (leaf_fuzz_result){ST_AGAIN, ST_AGAIN, ST_AGAIN};
-    const char *wrong = read_file(path, r);
+    const char *wrong = read_file(bytes, size, r);
     if (!wrong && (!is_of_a_file(r->open) || (r->open == ST_OK && !is_of_a_file(r->verify))))
         wrong = "an error of another kind";
     if (!wrong)
-        wrong = draw_file(path, r);
+        wrong = draw_file(bytes, size, in_place, r);
     if (!wrong && r->verify == ST_OK && r->trace != ST_OK && r->trace != ST_NOMEM)
         wrong = "a sound file cannot be drawn";
     return wrong;
+}
+
+char *leaf_fuzz_alloc(size_t size) {
+    void *bytes = NULL;
+    if (posix_memalign(&bytes, LEAF_ALIGN, size ? size : 1) != 0)
+        abort(); /* a test without memory has nothing to say */
+    return bytes;
 }
 
 void leaf_fuzz_seal(char *bytes, size_t size) {
