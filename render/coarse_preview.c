@@ -24,6 +24,7 @@ static status open_coarse(leafcast *v, uint32_t set) {
     coarse->options.packets = 0;
     coarse->options.backend = LEAFCAST_BACKEND_ARENA;
     coarse->kernels = v->kernels;
+    coarse->readers = loader_readers(v->treelets);
     mem_init(&coarse->budget, v->budget.limit >> SHARE_LOG2);
     status st = leaf_file_open_coarse(&coarse->budget, v->file, set, &coarse->file);
     if (st == ST_OK)

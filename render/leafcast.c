@@ -60,7 +60,7 @@ static status open_loader(leafcast *v) {
         .source = kinds[v->options.backend], .workers = LOADER_WORKERS, .isa = v->kernels.isa};
     if (v->kind->loading)
         v->kind->loading(v, &o);
-    return loader_create(&v->budget, v->file, &o, &v->treelets);
+    return loader_create(&v->budget, v->file, &o, v->readers, &v->treelets);
 }
 
 status volume_open_file(leafcast *v) {

@@ -11,6 +11,7 @@ struct leafcast {
     leafcast_options options;
     leaf_file *file;
     pool *threads;
+    readers *readers; /* whose threads read for it; NULL: it has some of its own */
     loader *treelets;
     const struct kind *kind;
     void *own; /* the kind's part */

@@ -3,22 +3,20 @@
 #include <pthread.h>
 #include <sched.h>
 #include <stdbool.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "formats/base/clock.h"
 #include "formats/base/heap.h"
-#include "formats/base/thread.h"
 #include "stream/treelet_cache.h"
 
 typedef enum residence { ABSENT, QUEUED, LOADING, READY, FAILED } residence;
 
-typedef struct reader {
-    loader *owner;
+/* What a thread reads in; as many as read for this loader at a time. */
+typedef struct seat {
     resident_scratch scratch;
-    pthread_t thread;
-} reader;
+    struct seat *next; /* that is free */
+} seat;
 
 /* A payload that treelets of several sets share. */
 typedef struct shared {
@@ -31,7 +29,7 @@ struct loader_private {
     const resident_kind *kind;
     resident_store store;
     pthread_mutex_t lock;
-    pthread_cond_t work, done;
+    pthread_cond_t done;
     /* Guarded by lock: */
     uint8_t *state;        /* residence, a treelet */
     loader_request *queue; /* binary heap, smallest priority first */
@@ -42,10 +40,11 @@ struct loader_private {
     uint32_t filled, loading, capacity;
     size_t bytes, room; /* of all treelets; that they may have */
     uint64_t published; /* treelets that became READY */
-    bool quit, sweeping;
+    bool sweeping;
     bool stepped; /* another set was selected, and loader_follow() not yet called */
     status_note failure;
     loader_stats stats;
+    seat *free_seats;
     /* The selected isovalues; read-only while anything is traced or loaded. */
     double isovalues[ACTIVE_ISOS_MAX];
     active_set isos;
@@ -55,8 +54,11 @@ struct loader_private {
     treelet_tree tree;   /* where treelets overlap */
     uint32_t set;        /* selected */
     size_t place_bytes;
-    reader *readers;
-    int started;
+    readers *readers, *own_readers; /* the second NULL: they are the caller's */
+    reader_customer customer;
+    bool joined;
+    seat *seats;
+    int seats_made;
 };
 
 /* ---- The queue: a binary heap by (priority, treelet) ---- */
@@ -165,6 +167,18 @@ static bool take_back(loader *l, uint32_t t) {
     return true;
 }
 
+/* Under the lock: whether a thread could read something now. */
+static bool can_begin(const struct loader_private *h) {
+    return h->queued > 0 && h->filled + h->loading < h->capacity && h->free_seats;
+}
+
+/* Under the lock, after what can_begin() asks for has changed. */
+static void tell_readers(struct loader_private *h) {
+    const bool waiting = can_begin(h);
+    if (waiting || h->customer.waiting)
+        readers_tell(h->readers, &h->customer, waiting, waiting ? h->queue[0].priority : 0);
+}
+
 /* Under the lock, which is given back while it reads. */
 static void bring_in(loader *l, uint32_t t, resident_scratch *scratch) {
     struct loader_private *h = l->hidden;
@@ -178,6 +192,7 @@ static void bring_in(loader *l, uint32_t t, resident_scratch *scratch) {
     make_room(l, 1);
     h->state[t] = LOADING;
     h->loading++;
+    tell_readers(h);
     pthread_mutex_unlock(&h->lock);
 
     double start = clock_seconds();
@@ -208,23 +223,23 @@ static void bring_in(loader *l, uint32_t t, resident_scratch *scratch) {
         release_payload(h, t);
 }
 
-static void *read_treelets(void *arg) {
-    reader *self = arg;
-    loader *l = self->owner;
+/* One read for the readers. */
+static void read_most_urgent(void *ctx) {
+    loader *l = ctx;
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
-    for (;;) {
-        while (!h->quit && (h->queued == 0 || h->filled + h->loading >= h->capacity))
-            pthread_cond_wait(&h->work, &h->lock);
-        if (h->quit)
-            break;
+    if (can_begin(h)) {
         const uint32_t t = queue_pop(h).t;
+        seat *mine = h->free_seats;
+        h->free_seats = mine->next;
         if (!take_back(l, t))
-            bring_in(l, t, &self->scratch);
+            bring_in(l, t, &mine->scratch);
+        mine->next = h->free_seats;
+        h->free_seats = mine;
         pthread_cond_broadcast(&h->done);
     }
+    tell_readers(h);
     pthread_mutex_unlock(&h->lock);
-    return NULL;
 }
 
 /* ---- Masks ---- */
@@ -307,27 +322,36 @@ static void scratch_release(struct loader_private *h, resident_scratch *scratch)
     mem_free(h->store.m, scratch->room);
 }
 
-/* The threads that read. */
-static status start_readers(loader *l, int workers) {
+/* Room for so many reads at a time. */
+static status make_seats(loader *l, int count) {
     struct loader_private *h = l->hidden;
-    for (; h->started < workers; h->started++) {
-        reader *r = &h->readers[h->started];
-        r->owner = l;
-        status st = scratch_init(h, &r->scratch);
+    h->seats = mem_array(l->m, (size_t)count, sizeof *h->seats);
+    status st = h->seats ? ST_OK : ST_NOMEM;
+    while (st == ST_OK && h->seats_made < count) {
+        seat *s = &h->seats[h->seats_made];
+        st = scratch_init(h, &s->scratch);
         if (st != ST_OK)
-            return st;
-        char what[64];
-        snprintf(what, sizeof what, "loader thread %d of %d", h->started + 1, workers);
-        st = thread_start(&r->thread, read_treelets, r, what);
-        if (st != ST_OK) {
-            scratch_release(h, &r->scratch);
-            return st;
-        }
+            break;
+        h->seats_made++;
+        s->next = h->free_seats;
+        h->free_seats = s;
     }
-    return ST_OK;
+    return st;
 }
 
-status loader_create(mem *m, leaf_file *f, const loader_options *o, loader **out) {
+/* The threads that read: the caller's, or some of its own. */
+static status join_readers(loader *l, readers *given, int workers) {
+    struct loader_private *h = l->hidden;
+    h->customer = (reader_customer){.read = read_most_urgent, .ctx = l};
+    status st = given ? ST_OK : readers_create(l->m, &h->own_readers);
+    h->readers = given ? given : h->own_readers;
+    if (st == ST_OK)
+        st = readers_join(h->readers, &h->customer, workers);
+    h->joined = st == ST_OK;
+    return st;
+}
+
+status loader_create(mem *m, leaf_file *f, const loader_options *o, readers *given, loader **out) {
     const size_t n = f->layout.treelets;
     status st = ST_NOMEM;
     loader *l = mem_zalloc(m, sizeof *l);
@@ -339,7 +363,6 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, loader **out
     if (!h)
         goto fail;
     pthread_mutex_init(&h->lock, NULL);
-    pthread_cond_init(&h->work, NULL);
     pthread_cond_init(&h->done, NULL);
     h->capacity = 1;
     h->kind = resident_kind_of(f);
@@ -352,9 +375,8 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, loader **out
     treelet_cache_init(&h->cache, m, (uint32_t)n);
     h->existing = existing_octants(m, &f->layout);
     h->held = mem_array(m, n, 1);
-    h->readers = mem_array(m, (size_t)o->workers, sizeof *h->readers);
     if (!l->own || !l->children || !l->resident || !h->state || !h->queue || !h->places ||
-        !h->cache.of || !h->existing || !h->held || !h->readers)
+        !h->cache.of || !h->existing || !h->held)
         goto fail;
     st = grow_tree(l);
     if (st == ST_OK)
@@ -368,7 +390,9 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, loader **out
                                 .schema = o->schema,
                                 .derived = o->derived};
     h->room = h->place_bytes = place_bytes_of(l);
-    st = start_readers(l, o->workers);
+    st = make_seats(l, o->workers);
+    if (st == ST_OK)
+        st = join_readers(l, given, o->workers);
     if (st != ST_OK)
         goto fail;
     *out = l;
@@ -383,25 +407,21 @@ void loader_destroy(loader *l) {
         return;
     struct loader_private *h = l->hidden;
     if (h) {
-        pthread_mutex_lock(&h->lock);
-        h->quit = true;
-        pthread_cond_broadcast(&h->work);
-        pthread_mutex_unlock(&h->lock);
-        for (int i = 0; i < h->started; i++) {
-            pthread_join(h->readers[i].thread, NULL);
-            scratch_release(h, &h->readers[i].scratch);
-        }
+        if (h->joined)
+            readers_leave(h->readers, &h->customer);
+        readers_destroy(h->own_readers);
+        for (int i = 0; i < h->seats_made; i++)
+            scratch_release(h, &h->seats[i].scratch);
         if (h->places)
             evict_oldest(l, h->filled);
         h->room = 0;
         if (h->cache.of)
             make_room(l, 1);
         pthread_cond_destroy(&h->done);
-        pthread_cond_destroy(&h->work);
         pthread_mutex_destroy(&h->lock);
         source_close(h->source);
         treelet_tree_release(&h->tree);
-        mem_free(l->m, h->readers);
+        mem_free(l->m, h->seats);
         mem_free(l->m, h->held);
         mem_free(l->m, h->existing);
         treelet_cache_release(&h->cache, l->m);
@@ -423,6 +443,7 @@ void loader_destroy(loader *l) {
 static void quiesce(struct loader_private *h) {
     while (h->queued > 0)
         h->state[h->queue[--h->queued].t] = ABSENT;
+    tell_readers(h);
     while (h->loading > 0)
         pthread_cond_wait(&h->done, &h->lock);
 }
@@ -557,6 +578,10 @@ void loader_select_gradients(loader *l, bool needed) {
     pthread_mutex_unlock(&h->lock);
 }
 
+readers *loader_readers(const loader *l) {
+    return l->hidden->readers;
+}
+
 size_t loader_place_bytes(const loader *l) {
     return l->hidden->place_bytes;
 }
@@ -591,8 +616,7 @@ void loader_want(loader *l, uint32_t t, uint64_t priority) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     want_locked(l, t, priority);
-    if (h->filled + h->loading < h->capacity)
-        pthread_cond_signal(&h->work);
+    tell_readers(h);
     pthread_mutex_unlock(&h->lock);
 }
 
@@ -607,7 +631,7 @@ void loader_sweep(loader *l) {
     pthread_mutex_lock(&h->lock);
     h->sweeping = true;
     sweep_locked(l);
-    pthread_cond_broadcast(&h->work);
+    tell_readers(h);
     pthread_mutex_unlock(&h->lock);
 }
 
@@ -624,7 +648,7 @@ void loader_follow(loader *l, const atomic_uchar touched[]) {
         if (l->own[t] && atomic_load_explicit(&touched[t], memory_order_relaxed))
             want_locked(l, t, 0);
     if (h->stepped) {
-        pthread_cond_broadcast(&h->work);
+        tell_readers(h);
         wait_idle(h);
     }
     h->stepped = false;
@@ -657,7 +681,7 @@ status loader_admit(loader *l, loader_request *requests, size_t count) {
     /* What the rays leave room for. */
     if (h->sweeping && h->filled + h->queued < h->capacity)
         sweep_locked(l);
-    pthread_cond_broadcast(&h->work);
+    tell_readers(h);
     const uint64_t before = h->published;
     while (!ready && h->published == before && h->failure.st == ST_OK)
         pthread_cond_wait(&h->done, &h->lock);

@@ -2,10 +2,11 @@
  * them in.
  *
  * The isovalue sweep (M08 4.4.1) over the directory says which treelets hold a surface; those that
- * are wanted are read, checked, given their masks of active cells and published by worker threads,
- * most urgent first, into at most `capacity` places. A treelet goes ABSENT -> QUEUED -> LOADING ->
- * READY, or to FAILED. READY treelets stay until loader_admit(), loader_set_capacity() or another
- * selection takes them away, which only happens while no ray is being traced.
+ * are wanted are read, checked, given their masks of active cells and published by threads
+ * (readers.h) that several loaders may share, most urgent first, into at most `capacity` places. A
+ * treelet goes ABSENT -> QUEUED -> LOADING -> READY, or to FAILED. READY treelets stay until
+ * loader_admit(), loader_set_capacity() or another selection takes them away, which only happens
+ * while no ray is being traced.
  *
  * Another selection costs no more than its sweep: whoever looks a READY treelet up first makes its
  * new masks, and treelets that hold none of the new isovalues go to a cache, where they keep what
@@ -24,6 +25,7 @@
 
 #include "formats/base/cpu.h"
 #include "formats/leaf/leaf_file.h"
+#include "stream/readers.h"
 #include "stream/resident.h"
 #include "stream/source.h"
 #include "stream/treelet.h"
@@ -56,14 +58,20 @@ typedef struct loader {
 typedef struct loader_options {
     source_kind source;
     mesh_schema schema;   /* of a mesh's steps */
-    int workers;          /* threads that read, at least 1 */
+    int workers;          /* threads that read for it at a time, at least 1 */
     cpu_isa isa;          /* for active_for() */
     mesh_derived derived; /* of a mesh's treelets, with their masks */
 } loader_options;
 
-/* loader_create() - nothing is selected yet; of a mesh, its first set is. */
-CHECKED status loader_create(mem *m, leaf_file *f, const loader_options *o, loader **out);
+/* loader_create() - nothing is selected yet; of a mesh, its first set is. given: threads that read
+ * for other loaders, too, and outlive this one; at least `workers` of them from then on. NULL:
+ * `workers` of its own. */
+CHECKED status loader_create(mem *m, leaf_file *f, const loader_options *o, readers *given,
+                             loader **out);
 void loader_destroy(loader *l); /* waits for reads under way; NULL is fine */
+
+/* loader_readers() - its threads, for another loader that lives shorter. */
+readers *loader_readers(const loader *l);
 
 /* loader_select() - the isovalues of the coming frames. One pass over the directory, and none when
  * they are the same as before. */

@@ -42,7 +42,7 @@ static void stage_open(stage *s, sample_type type, cpu_isa isa) {
     s->payload = mem_alloc(&s->m, leaf_layout_payload_max(&s->f->layout));
     s->truth = active_init(mem_alloc(&s->m, active_bytes(s->levels)), s->levels);
     const loader_options options = {.source = SOURCE_ARENA, .workers = WORKERS, .isa = isa};
-    assert_int_equal(loader_create(&s->m, s->f, &options, &s->l), ST_OK);
+    assert_int_equal(loader_create(&s->m, s->f, &options, NULL, &s->l), ST_OK);
     loader_set_capacity(s->l, s->f->layout.treelets, 0);
 }
 

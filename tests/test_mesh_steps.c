@@ -331,7 +331,7 @@ static void test_loader(void **state) {
         mem_init(&m, 0);
         mem_init(&own, 0);
         assert_int_equal(leaf_file_open(&m, s.path, &f), ST_OK);
-        assert_int_equal(loader_create(&m, f, &o, &l), ST_OK);
+        assert_int_equal(loader_create(&m, f, &o, NULL, &l), ST_OK);
         const size_t bare = mem_used(&m), n = f->layout.treelets;
         uint32_t ready = 0;
         field_random r = {SEED};
@@ -376,7 +376,7 @@ static bool fail_at(const char *path, mesh_schema schema, fault_kind what, long 
     mem_init(&m, 0);
     mem_init(&own, 0);
     assert_int_equal(leaf_file_open(&m, path, &f), ST_OK);
-    assert_int_equal(loader_create(&m, f, &o, &l), ST_OK);
+    assert_int_equal(loader_create(&m, f, &o, NULL, &l), ST_OK);
     loader_set_capacity(l, f->layout.treelets, SIZE_MAX);
     loader_select(l, &ISO, 1);
     assert_int_equal(bring_in_all(l), ST_OK);

@@ -1,6 +1,7 @@
-/* fault.h - the tests' hook: let the k-th allocation, read or thread creation of this process fail.
+/* fault.h - the tests' hook: let the k-th allocation, read or thread creation of this process fail,
+ * or let all of a kind take longer.
  *
- * Off by default, and then one relaxed load. With the table of file_guard.h
+ * Off by default, and then two relaxed loads. With the table of file_guard.h
  * the only state in the library that is global; only tests set it.
  */
 #ifndef FORMATS_BASE_FAULT_H
@@ -23,7 +24,12 @@ void fault_arm(fault_kind kind, long k);
 /* fault_fired() - whether the armed fault has happened. */
 bool fault_fired(fault_kind kind);
 
-/* fault_hit() - asked by the operation itself: true when it must fail now. Thread-safe. */
+/* fault_delay() - from now on each operation of this kind takes so many microseconds more, asleep;
+ * 0: none does. */
+void fault_delay(fault_kind kind, long us);
+
+/* fault_hit() - asked by the operation itself: true when it must fail now. Sleeps if it is delayed.
+ * Thread-safe. */
 bool fault_hit(fault_kind kind);
 
 #endif
