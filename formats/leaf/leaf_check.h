@@ -9,6 +9,7 @@
 #define FORMATS_LEAF_LEAF_CHECK_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "formats/base/hash.h"
@@ -46,14 +47,10 @@ typedef struct leaf_directory {
     uint64_t end;                   /* of the sections */
 } leaf_directory;
 
-/* leaf_check_counts() - of a mesh, before l has them: each can be, and all add up to the header's.
- */
-CHECKED status leaf_check_counts(const char *path, const leaf_header *h, const leaf_directory *d);
-
 /* leaf_check_directory() - payloads follow one another in treelet order as leaf_layout_payload_at()
  * says, up to the parts and the end of the file; ranges are well formed, and each merged one is
  * exactly the union of its own and its children's merged ones. Of a mesh: bounds too, and their
- * union. */
+ * union. Each kind's part: leaf_geometry.h. */
 CHECKED status leaf_check_directory(const char *path, const leaf_header *h, const leaf_layout *l,
                                     const leaf_directory *d);
 
@@ -61,18 +58,54 @@ CHECKED status leaf_check_directory(const char *path, const leaf_header *h, cons
  * file. */
 CHECKED status leaf_check_axis(const char *path, const double *axis, uint32_t count, uint64_t at);
 
-/* leaf_check_names() - of a mesh's fields, section FIELDS at `at`: texts; the first is the
- * header's. */
-CHECKED status leaf_check_names(const char *path, const leaf_header *h, const char (*names)[64],
-                                uint64_t at);
-
-/* leaf_section_bytes() - the size that a section of this kind must have; 0 for an unknown kind, and
- * one that this file has not. leaf_section_optional() - whether it may be missing all the same. */
+/* leaf_section_bytes() - the size that a section of this kind must have; 0 for an unknown kind, one
+ * that this file has not, and a geometry that nobody knows. leaf_section_optional() - whether it
+ * may be missing all the same. */
 uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind);
 bool leaf_section_optional(uint32_t kind);
 
 /* leaf_header_checksum(), leaf_header_id() - as a sound header has them. */
 uint64_t leaf_header_checksum(const leaf_header *h);
 hash_id leaf_header_id(const leaf_header *h, const leaf_section *table);
+
+/* ---- For rows of leaf_geometry.h ---- */
+
+/* leaf_check_corrupt() - ST_CORRUPT: "FILE: byte N: " and the text. */
+__attribute__((format(printf, 3, 4))) status leaf_check_corrupt(const char *path, uint64_t at,
+                                                                const char *fmt, ...);
+
+/* A field that must lie in [lo, hi]; outside, it may be a later version's, hence ST_UNSUPPORTED. */
+typedef struct leaf_field {
+    size_t at;
+    const char *name;
+    uint32_t value, lo, hi;
+} leaf_field;
+#define LEAF_FIELD(h, name, lo, hi) \
+    { offsetof(leaf_header, name), #name, (h)->name, lo, hi }
+CHECKED status leaf_check_fields(const char *path, const leaf_field *fields, size_t count);
+
+/* leaf_check_source() - the input's type is one that is stored as the samples'. */
+CHECKED status leaf_check_source(const char *path, const leaf_header *h);
+
+/* leaf_check_zero() - nothing in a reserved place, which is `at` in the file. leaf_check_text() -
+ * it ends with a NUL, and nothing hides behind it. */
+CHECKED status leaf_check_zero(const char *path, const void *bytes, size_t size, uint64_t at);
+CHECKED status leaf_check_text(const char *path, const char *text, size_t size, uint64_t at);
+
+/* leaf_check_directory_bytes() - of all sections that a file with this header must have. */
+uint64_t leaf_check_directory_bytes(const leaf_header *h);
+
+/* leaf_check_well_formed() - whether a range is ordered and finite, or the empty range.
+ * leaf_check_widen() - by another one. */
+bool leaf_check_well_formed(double lo, double hi);
+void leaf_check_widen(double range[2], const float own[2]);
+
+/* leaf_check_flags() - of an element of FLAGS: those that it can have. leaf_check_union() - what
+ * the header says of all values against what treelets say: their range, and that there are
+ * non-finite ones. */
+CHECKED status leaf_check_flags(const char *path, const leaf_header *h, const leaf_directory *d,
+                                size_t element);
+CHECKED status leaf_check_union(const char *path, const leaf_header *h, const double range[2],
+                                unsigned flags);
 
 #endif

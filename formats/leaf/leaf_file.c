@@ -7,7 +7,7 @@
 
 #include "formats/base/hash.h"
 #include "formats/base/text.h"
-#include "formats/leaf/leaf_check.h"
+#include "formats/leaf/leaf_geometry.h"
 
 _Static_assert(
     __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
@@ -44,6 +44,8 @@ static status read_head(opening *o) {
     status st = file_read_at(f->source, 0, &f->header, sizeof f->header);
     if (st == ST_OK)
         st = leaf_check_header(path, &f->header, file_size(f->source));
+    if (st == ST_OK)
+        f->geometry = leaf_geometry_of(f->header.kind);
     if (st == ST_OK)
         st = leaf_check_layout(path, &f->header, &f->layout);
     if (st == ST_OK)
@@ -117,33 +119,9 @@ static status read_histograms(leaf_file *f, const leaf_section *s) {
     return st;
 }
 
-static status allocate_mesh(leaf_file *f) {
-    const size_t count = f->layout.treelets;
-    mesh_directory *mesh = f->mesh = mem_zalloc(f->m, sizeof *f->mesh);
-    if (!mesh)
-        return ST_NOMEM;
-    mesh->sets = f->layout.sets;
-    mesh->fields = f->header.fields;
-    mesh->steps = f->header.steps;
-    mesh->bounds = mem_array(f->m, count * (1 + f->layout.moved_steps), sizeof *mesh->bounds);
-    mesh->counts = mem_array(f->m, count, sizeof *mesh->counts);
-    mesh->first_tet = mem_array(f->m, count + 1, sizeof *mesh->first_tet);
-    mesh->names = mem_array(f->m, mesh->fields, sizeof *mesh->names);
-    mesh->times = mem_array(f->m, mesh->steps, sizeof *mesh->times);
-    if (!mesh->bounds || !mesh->counts || !mesh->first_tet || !mesh->names || !mesh->times)
-        return ST_NOMEM;
-    mesh->coarse = mem_array(f->m, mesh->sets, sizeof *mesh->coarse);
-    if (!mesh->coarse)
-        return ST_NOMEM;
-    memcpy(mesh->names[0], f->header.field, sizeof *mesh->names);
-    for (uint32_t s = 0; s < mesh->steps; s++)
-        mesh->times[s] = s;
-    return ST_OK;
-}
-
 static status allocate_directory(leaf_file *f) {
     const size_t payloads = f->layout.payloads;
-    const size_t ranges = (size_t)f->layout.treelets * (f->layout.sets ? f->layout.sets : 1);
+    const size_t ranges = (size_t)f->layout.treelets * f->geometry->sets(&f->header);
     f->ranges = mem_array(f->m, ranges, sizeof *f->ranges);
     f->own = mem_array(f->m, ranges, sizeof *f->own);
     f->flags = mem_array(f->m, ranges, sizeof *f->flags);
@@ -152,7 +130,7 @@ static status allocate_directory(leaf_file *f) {
     f->checksums = mem_array(f->m, payloads, sizeof *f->checksums);
     if (!f->ranges || !f->own || !f->flags || !f->offsets || !f->sizes || !f->checksums)
         return ST_NOMEM;
-    return f->layout.sets ? allocate_mesh(f) : ST_OK;
+    return f->geometry->allocate(f);
 }
 
 static status read_sections(opening *o) {
@@ -162,13 +140,8 @@ static status read_sections(opening *o) {
         [LEAF_SECTION_FLAGS] = f->flags,   [LEAF_SECTION_OFFSETS] = f->offsets,
         [LEAF_SECTION_SIZES] = f->sizes,   [LEAF_SECTION_CHECKSUMS] = f->checksums,
     };
-    if (f->mesh) {
-        arrays[LEAF_SECTION_BOUNDS] = f->mesh->bounds;
-        arrays[LEAF_SECTION_COUNTS] = f->mesh->counts;
-        arrays[LEAF_SECTION_FIELDS] = f->mesh->names;
-        arrays[LEAF_SECTION_TIMES] = f->mesh->times;
-        arrays[LEAF_SECTION_COARSE] = f->mesh->coarse;
-    }
+    for (uint32_t kind = LEAF_SECTION_AXES; kind <= LEAF_SECTION_LAST; kind++)
+        arrays[kind] = f->geometry->section(f, kind);
     uint64_t end = LEAF_HEADER_BYTES + f->header.sections * sizeof *o->table;
     const leaf_section *axes = NULL;
     for (uint32_t i = 0; i < f->header.sections; i++) {
@@ -193,40 +166,6 @@ static status read_sections(opening *o) {
     return read_axes(f, axes);
 }
 
-/* The layout of a mesh, once its counts are known to be sound. */
-static status lay_out_mesh(leaf_file *f) {
-    mesh_directory *mesh = f->mesh;
-    const leaf_blocks blocks = {.treelets = f->layout.treelets,
-                                .fields = mesh->fields,
-                                .steps = mesh->steps,
-                                .gradients = f->layout.gradient_sets > 0,
-                                .moving = f->layout.moved_steps > 0};
-    status st = leaf_layout_init_mesh(&f->layout, f->m, &blocks);
-    if (st != ST_OK)
-        return st;
-    leaf_layout_set_counts(&f->layout, (const uint32_t(*)[4])mesh->counts);
-    for (uint32_t t = 0; t < f->layout.treelets; t++)
-        mesh->first_tet[t + 1] = mesh->first_tet[t] + mesh->counts[t][0];
-    return ST_OK;
-}
-
-static status lay_out_grid(leaf_file *f) {
-    return leaf_layout_init(&f->layout, f->m, f->header.dims, f->header.cells_log2, f->header.halo,
-                            (sample_type)f->header.sample_type);
-}
-
-/* Names and times, where the file has them. */
-static status check_labels(const opening *o) {
-    mesh_directory *mesh = o->f->mesh;
-    const char *path = file_path(o->f->source);
-    const uint64_t names = o->at[LEAF_SECTION_FIELDS - 1], times = o->at[LEAF_SECTION_TIMES - 1];
-    mesh->has_times = times > 0;
-    status st = ST_OK;
-    if (names)
-        st = leaf_check_names(path, &o->f->header, (const char(*)[64])mesh->names, names);
-    return st == ST_OK && times ? leaf_check_axis(path, mesh->times, mesh->steps, times) : st;
-}
-
 static status check_directory(const opening *o) {
     leaf_file *f = o->f;
     const char *path = file_path(f->source);
@@ -239,17 +178,7 @@ static status check_directory(const opening *o) {
         .end = o->end,
     };
     memcpy(d.at, o->at, sizeof d.at);
-    status st = ST_OK;
-    if (f->mesh) {
-        d.bounds = (const float(*)[6])f->mesh->bounds;
-        d.counts = (const uint32_t(*)[4])f->mesh->counts;
-        d.parts = o->at[LEAF_SECTION_COARSE - 1] ? f->mesh->coarse : NULL;
-        st = check_labels(o);
-        if (st == ST_OK)
-            st = leaf_check_counts(path, &f->header, &d);
-    }
-    if (st == ST_OK)
-        st = f->mesh ? lay_out_mesh(f) : lay_out_grid(f);
+    status st = f->geometry->lay_out(f, &d);
     return st == ST_OK ? leaf_check_directory(path, &f->header, &f->layout, &d) : st;
 }
 
@@ -262,8 +191,6 @@ static void clean_names(leaf_file *f, const char *path) {
         text_file_name(f->name, sizeof f->name, path);
     text_name(h->field, sizeof h->field, h->field);
     text_name(h->provenance, sizeof h->provenance, h->provenance);
-    for (uint32_t i = 0; f->mesh && i < f->mesh->fields; i++)
-        text_name(f->mesh->names[i], sizeof *f->mesh->names, f->mesh->names[i]);
 }
 
 static status read_directory(opening *o) {
@@ -355,15 +282,8 @@ void leaf_file_close(leaf_file *f) {
     mem_free(f->m, f->checksums);
     mem_free(f->m, f->histograms);
     mem_free(f->m, f->axis[0]);
-    if (f->mesh) {
-        mem_free(f->m, f->mesh->bounds);
-        mem_free(f->m, f->mesh->counts);
-        mem_free(f->m, f->mesh->first_tet);
-        mem_free(f->m, f->mesh->names);
-        mem_free(f->m, f->mesh->times);
-        mem_free(f->m, f->mesh->coarse);
-        mem_free(f->m, f->mesh);
-    }
+    if (f->geometry)
+        f->geometry->release(f);
     file_close(f->source);
     mem_free(f->m, f);
 }
@@ -426,7 +346,7 @@ status leaf_file_decode(const leaf_file *f, uint32_t p, const void *stored, void
 }
 
 bool leaf_file_holds_indices(const leaf_file *f) {
-    return f->header.kind == LEAF_KIND_MESH;
+    return f->geometry->holds_indices;
 }
 
 const char *leaf_file_field_name(const leaf_file *f, uint32_t field) {

@@ -32,6 +32,7 @@ typedef struct mesh_directory {
 
 typedef struct leaf_file {
     leaf_header header;
+    const struct leaf_geometry *geometry; /* the row of its kind */
     char name[64]; /* to show: the header's, or the file's own without its suffix */
     leaf_layout layout;
     /* The directory, an element a treelet; of a mesh: ranges, own, flags an element set * treelets
@@ -44,7 +45,8 @@ typedef struct leaf_file {
     uint64_t *checksums;
     /* Level-0 node coordinates in grid space, always there (0, 1, 2, ... for a regular grid). */
     double *axis[3];
-    mesh_directory *mesh;  /* NULL: a grid */
+    mesh_directory *mesh;  /* NULL: no mesh */
+    void *besides;         /* what the directory of another kind has */
     histogram *histograms; /* of each set, a grid being one; NULL: the file has none */
     file *source;
     file_mark mark; /* of the file, or of the one that this is a part of, when it was opened; of

@@ -1,14 +1,28 @@
 #include "formats/leaf/leaf_layout.h"
 
 #include <assert.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "formats/grid/grid.h"
+#include "formats/leaf/grid_geometry.h"
+#include "formats/leaf/mesh_geometry.h"
 #include "formats/mesh/mesh_leaf.h"
 
 static uint32_t halved_up(uint32_t n) {
     return n / 2 + (n & 1);
+}
+
+static leaf_payload payload_of(const leaf_layout *l, const uint32_t cells[3]) {
+    leaf_payload p = {.node_levels = l->cells_log2 - LEAF_BLOCK_LOG2};
+    uint32_t count = 1;
+    for (int a = 0; a < 3; a++) {
+        p.cells[a] = cells[a];
+        p.samples[a] = cells[a] + 1 + 2 * l->halo;
+        count *= p.samples[a];
+    }
+    p.samples_at = leaf_aligned(leaf_codes_at(p.node_levels + 1));
+    p.bytes = leaf_aligned(p.samples_at + count * (uint32_t)sample_size(l->type));
+    return p;
 }
 
 /* The dims of every level down to the one whose cells fit a single treelet. Coarse cells are
@@ -36,6 +50,7 @@ static status level_dims(leaf_layout *l, const uint32_t dims[3]) {
 status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32_t cells_log2,
                           uint32_t halo, sample_type type) {
     memset(l, 0, sizeof *l);
+    l->geometry = &grid_geometry;
     l->cells_log2 = cells_log2;
     l->halo = halo;
     l->type = type;
@@ -58,7 +73,9 @@ status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32_t cells
         v->count = (uint32_t)count;
         total += count;
     }
+    const uint32_t b = 1u << cells_log2;
     l->treelets = l->payloads = (uint32_t)total;
+    l->payload_max = payload_of(l, (uint32_t[3]){b, b, b}).bytes;
     return ST_OK;
 }
 
@@ -122,6 +139,7 @@ void leaf_layout_mesh(leaf_layout *l, const leaf_blocks *b) {
     assert(b->treelets > 0 && b->fields > 0 && b->steps > (b->moving ? 1U : 0U));
     assert(leaf_blocks_payloads(b) < LEAF_NO_TREELET);
     memset(l, 0, sizeof *l);
+    l->geometry = &mesh_geometry;
     l->levels = 1;
     l->type = SAMPLE_F32;
     l->treelets = l->level[0].count = b->treelets;
@@ -182,19 +200,6 @@ uint8_t leaf_layout_children(const leaf_layout *l, uint32_t treelet) {
     return level ? octants(&l->level[level - 1], l->place[treelet]) : 0;
 }
 
-static leaf_payload payload_of(const leaf_layout *l, const uint32_t cells[3]) {
-    leaf_payload p = {.node_levels = l->cells_log2 - LEAF_BLOCK_LOG2};
-    uint32_t count = 1;
-    for (int a = 0; a < 3; a++) {
-        p.cells[a] = cells[a];
-        p.samples[a] = cells[a] + 1 + 2 * l->halo;
-        count *= p.samples[a];
-    }
-    p.samples_at = leaf_aligned(leaf_codes_at(p.node_levels + 1));
-    p.bytes = leaf_aligned(p.samples_at + count * (uint32_t)sample_size(l->type));
-    return p;
-}
-
 leaf_payload leaf_layout_payload(const leaf_layout *l, uint32_t treelet) {
     const leaf_level *v = &l->level[l->level_of[treelet]];
     uint32_t b = 1u << l->cells_log2, cells[3];
@@ -206,23 +211,15 @@ leaf_payload leaf_layout_payload(const leaf_layout *l, uint32_t treelet) {
 }
 
 uint32_t leaf_layout_payload_bytes(const leaf_layout *l, uint32_t p) {
-    if (!l->sets)
-        return leaf_layout_payload(l, p).bytes;
-    const mesh_shape s = mesh_leaf_shape(l->counts[p % l->treelets]);
-    uint32_t index;
-    switch (leaf_layout_block_of(l, p, &index)) {
-    case LEAF_BLOCK_TOPOLOGY: return s.topology_bytes;
-    case LEAF_BLOCK_VALUES: return s.values_bytes;
-    case LEAF_BLOCK_GRADIENTS: return s.gradients_bytes;
-    default: return s.positions_bytes;
-    }
+    return l->geometry->payload_bytes(l, p);
 }
 
 uint32_t leaf_layout_payload_max(const leaf_layout *l) {
-    if (l->sets)
-        return l->payload_max;
-    uint32_t b = 1u << l->cells_log2;
-    return payload_of(l, (uint32_t[3]){b, b, b}).bytes;
+    return l->payload_max;
+}
+
+bool leaf_layout_begins_run(const leaf_layout *l, uint32_t p) {
+    return l->geometry->begins_run(l, p);
 }
 
 leaf_block leaf_layout_block_of(const leaf_layout *l, uint32_t p, uint32_t *index) {
@@ -243,17 +240,5 @@ leaf_block leaf_layout_block_of(const leaf_layout *l, uint32_t p, uint32_t *inde
 }
 
 const char *leaf_layout_payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
-    static const char *const formats[] = {
-        [LEAF_BLOCK_TOPOLOGY] = "treelet %u's topology",
-        [LEAF_BLOCK_VALUES] = "treelet %u's values of set %u",
-        [LEAF_BLOCK_GRADIENTS] = "treelet %u's gradients of set %u",
-        [LEAF_BLOCK_POSITIONS] = "treelet %u's positions of step %u"};
-    uint32_t index;
-    if (!l->sets) {
-        snprintf(text, LEAF_NAME_MAX, "treelet %u's payload", p);
-        return text;
-    }
-    const leaf_block block = leaf_layout_block_of(l, p, &index);
-    snprintf(text, LEAF_NAME_MAX, formats[block], p % l->treelets, index);
-    return text;
+    return l->geometry->payload_name(l, p, text);
 }

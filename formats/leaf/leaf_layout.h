@@ -27,6 +27,7 @@ typedef struct leaf_level {
 } leaf_level;
 
 typedef struct leaf_layout {
+    const struct leaf_geometry *geometry;
     uint32_t cells_log2, halo, levels;
     sample_type type;
     uint32_t treelets;           /* of all levels */
@@ -36,7 +37,7 @@ typedef struct leaf_layout {
     uint32_t gradient_sets;      /* mesh: sets, or 0 where there are no gradients */
     uint32_t moved_steps;        /* mesh: steps - 1, or 0 where vertices stay in place */
     const uint32_t (*counts)[4]; /* mesh: section COUNTS; of the file or the writer */
-    uint32_t payload_max;        /* mesh */
+    uint32_t payload_max;        /* leaf_layout_payload_max() */
     leaf_level level[LEAF_LEVELS_MAX];
     /* Per treelet: */
     uint32_t *first_child; /* LEAF_NO_TREELET at level 0 */
@@ -145,20 +146,17 @@ static inline uint64_t leaf_layout_aligned(uint64_t at, uint32_t log2) {
     return (at + mask) & ~mask;
 }
 
+/* leaf_layout_begins_run() - whether payload p is the first of a run. */
+bool leaf_layout_begins_run(const leaf_layout *l, uint32_t p);
+
 /* leaf_layout_payload_at() - where payload p lies when the one before it (for p = 0: the last
  * section) ends at `end`: at the next multiple of LEAF_ALIGN, or of 2^run_align_log2 for the first
  * of a run. That is, in a grid, the child in octant 0, which every parent has; in a mesh the first
  * treelet's payload in each block. */
 static inline uint64_t leaf_layout_payload_at(const leaf_layout *l, uint32_t p, uint64_t end,
                                               uint32_t run_align_log2) {
-    bool first;
-    if (l->sets) {
-        first = p % l->treelets == 0;
-    } else {
-        const uint32_t *place = l->place[p];
-        first = !((place[0] | place[1] | place[2]) & 1);
-    }
-    return leaf_layout_aligned(end, first ? run_align_log2 : LEAF_ALIGN_LOG2);
+    return leaf_layout_aligned(end,
+                               leaf_layout_begins_run(l, p) ? run_align_log2 : LEAF_ALIGN_LOG2);
 }
 
 /* Where the codes of tree level k (1 .. K) lie in the payload: lo[8^k] there, hi[8^k] behind it. */

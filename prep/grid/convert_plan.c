@@ -95,7 +95,9 @@ static uint64_t family_size(const leaf_layout *l, const sort *x, const sort *y, 
 
 static void plan_sizes(convert_plan *plan, const grid *g, const convert_options *o) {
     const leaf_layout *l = &plan->layout;
-    leaf_header h = {.treelets = l->treelets, .dims = {g->dims[0], g->dims[1], g->dims[2]}};
+    leaf_header h = {.kind = LEAF_KIND_GRID,
+                     .treelets = l->treelets,
+                     .dims = {g->dims[0], g->dims[1], g->dims[2]}};
     h.rectilinear = grid_is_rectilinear(g);
     h.sections = h.rectilinear ? LEAF_SECTION_AXES : LEAF_SECTION_AXES - 1;
     uint64_t bytes = LEAF_HEADER_BYTES + (h.sections + o->file.histograms) * sizeof(leaf_section);

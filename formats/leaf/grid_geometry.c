@@ -1,0 +1,200 @@
+#include "formats/leaf/grid_geometry.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "formats/base/sample.h"
+
+/* ---- The header ---- */
+
+static status check_parameters(const char *path, const leaf_header *h) {
+    const leaf_field fields[] = {
+        LEAF_FIELD(h, cells_log2, LEAF_CELLS_LOG2_MIN, LEAF_CELLS_LOG2_MAX),
+        LEAF_FIELD(h, halo, 0, 1),
+        LEAF_FIELD(h, block_log2, LEAF_BLOCK_LOG2, LEAF_BLOCK_LOG2),
+        LEAF_FIELD(h, rectilinear, 0, 1),
+        LEAF_FIELD(h, fields, 1, 1),
+        LEAF_FIELD(h, steps, 1, 1),
+    };
+    status st = leaf_check_fields(path, fields, sizeof fields / sizeof fields[0]);
+    /* Integers with a value for no data are stored as f32, too, which has NaN for it. */
+    return st == ST_OK && h->sample_type != SAMPLE_F32 ? leaf_check_source(path, h) : st;
+}
+
+static status check_values(const char *path, const leaf_header *h) {
+    uint64_t samples = (uint64_t)h->dims[0] * h->dims[1] * h->dims[2];
+    if (h->non_finite > samples || (h->non_finite && h->sample_type != SAMPLE_F32))
+        return leaf_check_corrupt(path, offsetof(leaf_header, non_finite),
+                                  "%llu samples cannot be NaN or infinite",
+                                  (unsigned long long)h->non_finite);
+    const double *w = h->to_world;
+    for (int i = 0; i < 12; i++)
+        if (!isfinite(w[i]))
+            return leaf_check_corrupt(path, offsetof(leaf_header, to_world) + sizeof *w * (size_t)i,
+                                      "expected a finite number");
+    double det = w[0] * (w[5] * w[10] - w[6] * w[9]) - w[1] * (w[4] * w[10] - w[6] * w[8]) +
+                 w[2] * (w[4] * w[9] - w[5] * w[8]);
+    if (!(fabs(det) > 0))
+        return leaf_check_corrupt(path, offsetof(leaf_header, to_world),
+                                  "expected an invertible matrix");
+    return ST_OK;
+}
+
+static status check_layout(const char *path, const leaf_header *h, leaf_layout *l) {
+    status st = leaf_layout_levels(l, h->dims, h->cells_log2, h->halo, (sample_type)h->sample_type);
+    if (st != ST_OK)
+        return status_describe(st, "%s: byte %zu: %s", path, offsetof(leaf_header, dims),
+                               status_text());
+    if (h->levels != l->levels)
+        return leaf_check_corrupt(path, offsetof(leaf_header, levels),
+                                  "expected %u levels, found %u", l->levels, h->levels);
+    if (h->treelets != l->treelets)
+        return leaf_check_corrupt(path, offsetof(leaf_header, treelets),
+                                  "expected %u treelets, found %llu", l->treelets,
+                                  (unsigned long long)h->treelets);
+    if (leaf_check_directory_bytes(h) > h->file_bytes)
+        return leaf_check_corrupt(path, offsetof(leaf_header, dims),
+                                  "a grid of %u x %u x %u has a directory of %llu bytes, "
+                                  "which a file of %llu cannot hold",
+                                  h->dims[0], h->dims[1], h->dims[2],
+                                  (unsigned long long)leaf_check_directory_bytes(h),
+                                  (unsigned long long)h->file_bytes);
+    return ST_OK;
+}
+
+static status check_rest(const char *path, const leaf_header *h) {
+    const size_t rest = offsetof(leaf_header, tets);
+    return leaf_check_zero(path, (const char *)h + rest, sizeof *h - rest, rest);
+}
+
+/* ---- The directory ---- */
+
+static uint64_t sets(const leaf_header *h) {
+    (void)h;
+    return 1;
+}
+
+static uint64_t payloads(const leaf_header *h) {
+    return h->treelets;
+}
+
+static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
+    if (kind != LEAF_SECTION_AXES || !h->rectilinear)
+        return 0;
+    return ((uint64_t)h->dims[0] + h->dims[1] + h->dims[2]) * sizeof(double);
+}
+
+/* The axes are leaf_file's. */
+static status allocate(leaf_file *f) {
+    (void)f;
+    return ST_OK;
+}
+
+static void *section(const leaf_file *f, uint32_t kind) {
+    (void)f;
+    (void)kind;
+    return NULL;
+}
+
+static void release(leaf_file *f) {
+    (void)f;
+}
+
+static status lay_out(leaf_file *f, leaf_directory *d) {
+    const leaf_header *h = &f->header;
+    (void)d;
+    return leaf_layout_init(&f->layout, f->m, h->dims, h->cells_log2, h->halo,
+                            (sample_type)h->sample_type);
+}
+
+/* What integer samples can have as their range. */
+static bool of_type(sample_type type, const float range[2]) {
+    static const float limits[][2] = {[SAMPLE_U8] = {0, 255},
+                                      [SAMPLE_I8] = {-128, 127},
+                                      [SAMPLE_U16] = {0, 65535},
+                                      [SAMPLE_I16] = {-32768, 32767}};
+    if (type == SAMPLE_F32 || range[0] > range[1])
+        return true;
+    return range[0] >= limits[type][0] && range[1] <= limits[type][1] &&
+           range[0] == floorf(range[0]) && range[1] == floorf(range[1]);
+}
+
+/* One treelet's own and merged range. A merged range is compared by value, so that -0 and 0 are the
+ * same. */
+static status check_ranges(const char *path, const leaf_layout *l, const leaf_directory *d,
+                           uint32_t t) {
+    const float *own = d->own[t], *merged = d->ranges[t];
+    uint64_t entry = (uint64_t)t * sizeof(float[2]);
+    if (!leaf_check_well_formed((double)own[0], (double)own[1]) || !of_type(l->type, own))
+        return leaf_check_corrupt(path, d->at[LEAF_SECTION_OWN - 1] + entry,
+                                  "treelet %u's own range %g .. %g is none of %s samples", t,
+                                  (double)own[0], (double)own[1], sample_name(l->type));
+    float lo = own[0], hi = own[1];
+    uint32_t child = l->first_child[t];
+    for (unsigned n = (unsigned)__builtin_popcount(leaf_layout_children(l, t)); n > 0;
+         n--, child++) {
+        lo = fminf(lo, d->ranges[child][0]);
+        hi = fmaxf(hi, d->ranges[child][1]);
+    }
+    if (merged[0] != lo || merged[1] != hi)
+        return leaf_check_corrupt(
+            path, d->at[LEAF_SECTION_RANGES - 1] + entry,
+            "expected treelet %u's merged range to be its own and its children's %g .. "
+            "%g, found %g .. %g",
+            t, (double)lo, (double)hi, (double)merged[0], (double)merged[1]);
+    return ST_OK;
+}
+
+static status check_directory(const char *path, const leaf_header *h, const leaf_layout *l,
+                              const leaf_directory *d) {
+    double range[2] = {(double)INFINITY, -(double)INFINITY};
+    unsigned level0_flags = 0;
+    for (uint32_t t = l->treelets; t-- > 0;) {
+        status st = check_ranges(path, l, d, t);
+        if (st == ST_OK)
+            st = leaf_check_flags(path, h, d, t);
+        if (st != ST_OK)
+            return st;
+        if (l->level_of[t] == 0) {
+            leaf_check_widen(range, d->own[t]);
+            level0_flags |= d->flags[t];
+        }
+    }
+    return leaf_check_union(path, h, range, level0_flags);
+}
+
+/* ---- Payloads ---- */
+
+static uint32_t payload_bytes(const leaf_layout *l, uint32_t p) {
+    return leaf_layout_payload(l, p).bytes;
+}
+
+/* The child in octant 0, which every parent has. */
+static bool begins_run(const leaf_layout *l, uint32_t p) {
+    const uint32_t *place = l->place[p];
+    return !((place[0] | place[1] | place[2]) & 1);
+}
+
+static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
+    (void)l;
+    snprintf(text, LEAF_NAME_MAX, "treelet %u's payload", p);
+    return text;
+}
+
+const leaf_geometry grid_geometry = {.holds_indices = false,
+                                     .check_parameters = check_parameters,
+                                     .check_values = check_values,
+                                     .check_rest = check_rest,
+                                     .check_layout = check_layout,
+                                     .sets = sets,
+                                     .payloads = payloads,
+                                     .section_bytes = section_bytes,
+                                     .allocate = allocate,
+                                     .section = section,
+                                     .release = release,
+                                     .lay_out = lay_out,
+                                     .check_directory = check_directory,
+                                     .payload_bytes = payload_bytes,
+                                     .begins_run = begins_run,
+                                     .payload_name = payload_name};

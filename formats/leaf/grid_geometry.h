@@ -1,0 +1,9 @@
+/* grid_geometry.h - the row of grids in a treelet file. */
+#ifndef FORMATS_LEAF_GRID_GEOMETRY_H
+#define FORMATS_LEAF_GRID_GEOMETRY_H
+
+#include "formats/leaf/leaf_geometry.h"
+
+extern const leaf_geometry grid_geometry;
+
+#endif

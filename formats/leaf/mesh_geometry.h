@@ -1,0 +1,9 @@
+/* mesh_geometry.h - the row of meshes in a treelet file. */
+#ifndef FORMATS_LEAF_MESH_GEOMETRY_H
+#define FORMATS_LEAF_MESH_GEOMETRY_H
+
+#include "formats/leaf/leaf_geometry.h"
+
+extern const leaf_geometry mesh_geometry;
+
+#endif
