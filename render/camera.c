@@ -82,6 +82,10 @@ void camera_ray(const camera *c, double x, double y, double origin[3], double di
     }
 }
 
+ray_bundle camera_bundle(const camera *c) {
+    return (ray_bundle){RAYS_FROM, {c->eye[0], c->eye[1], c->eye[2]}};
+}
+
 double camera_pixel(const camera *c) {
     return 2.0 * vec3_length(c->up) / c->height;
 }

@@ -9,6 +9,7 @@
 
 #include "formats/base/status.h"
 #include "render/leafcast.h"
+#include "render/ray_bundle.h"
 
 /* A leafcast_camera made ready: d(x, y) = forward + ((2x - middle x) / height) right + ((middle y -
  * 2y) / height) up. */
@@ -34,6 +35,9 @@ void camera_shift(camera *c, double dx, double dy);
 /* camera_ray() - the ray through (x, y), in pixels: from the eye, unit direction; no component is
  * -0. */
 void camera_ray(const camera *c, double x, double y, double origin[3], double direction[3]);
+
+/* camera_bundle() - all rays of the camera. */
+ray_bundle camera_bundle(const camera *c);
 
 /* camera_pixel() - the width of a pixel at distance 1 from the eye, in the middle of the picture:
  * what --lod pixel goes by. */

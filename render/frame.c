@@ -4,8 +4,8 @@
 #include <stdatomic.h>
 #include <string.h>
 
+#include "render/integrator.h"
 #include "render/kind.h"
-#include "render/pixel_ray.h"
 
 enum {
     BATCH = 256, /* resumed rays a work item */
@@ -18,16 +18,12 @@ typedef struct tally {
     _Alignas(64) ray_counters counters;
 } tally;
 
-/* Rays of a tile that have suspended, on their way into records. */
-typedef struct suspended_rays {
-    pixel_ray ray[BATCH];
-    uint32_t count;
-} suspended_rays;
-
-/* What a thread draws a tile in; the tile's kernel has the rest of the scratch. */
+/* What a thread draws a tile in; then come records of rays that have suspended, on their way to
+ * their place, and the tile's kernel has the rest of the scratch. */
 typedef struct easel {
     _Alignas(64) tile_outcome todo;
-    suspended_rays suspended;
+    char *records; /* BATCH */
+    uint32_t suspended;
 } easel;
 
 typedef struct drawing {
@@ -37,10 +33,11 @@ typedef struct drawing {
     tally *tallies;
     /* Records of suspended rays, in chunks that come as they are needed; guarded by lock. */
     pthread_mutex_t lock;
-    pixel_ray **chunks;
-    uint32_t records_made, records_free, free_head, reserved;
+    char **chunks;
+    uint32_t records_made, free_head, reserved;
     /* Buckets: per treelet the list of rays that wait for it, and which treelets have one; guarded
-     * by lock. */
+     * by lock. Treelets of all volumes, numbered through. */
+    uint32_t first[FRAME_VOLUMES_MAX + 1];
     uint32_t *bucket;
     uint32_t *waiting;
     uint32_t waiting_count;
@@ -55,23 +52,32 @@ typedef struct drawing {
     atomic_size_t finished; /* pixels */
 } drawing;
 
-uint32_t frame_records_min(const kind *k, int threads) {
-    return (uint32_t)threads * k->tile_side * k->tile_side;
+static uint32_t tile_side(const frame *f) {
+    return f->tracer->kind->tile_side;
 }
 
-size_t frame_record_bytes(void) {
-    return sizeof(pixel_ray) + sizeof(uint32_t);
+static size_t records_bytes(const frame *f) {
+    return (BATCH * f->integrator->record_bytes + 63) / 64 * 64;
 }
 
-size_t frame_scratch_bytes(const kind *k) {
-    return sizeof(easel) + k->tile_scratch;
+uint32_t frame_records_min(const frame *f) {
+    return (uint32_t)pool_threads(f->threads) * tile_side(f) * tile_side(f);
+}
+
+size_t frame_record_bytes(const frame *f) {
+    return f->integrator->record_bytes + sizeof(uint32_t);
+}
+
+size_t frame_scratch_bytes(const frame *f) {
+    return sizeof(easel) + records_bytes(f) + f->tracer->kind->tile_scratch;
 }
 
 static easel *easel_of(const frame *f, int worker) {
-    easel *e =
-        (easel *)((char *)f->scratch + (size_t)worker * frame_scratch_bytes(f->tracer->kind));
-    e->todo.scratch = e + 1;
-    e->suspended.count = 0;
+    char *own = (char *)f->scratch + (size_t)worker * frame_scratch_bytes(f);
+    easel *e = (easel *)own;
+    e->records = own + sizeof *e;
+    e->todo.scratch = e->records + records_bytes(f);
+    e->suspended = 0;
     return e;
 }
 
@@ -79,19 +85,45 @@ static uint32_t tiles_of(uint32_t pixels, uint32_t side) {
     return (pixels + side - 1) / side;
 }
 
-size_t frame_bytes(const kind *k, uint32_t treelets, uint32_t records_max, uint32_t width,
-                   uint32_t height, int threads) {
-    const uint32_t side = k->tile_side;
-    const size_t tiles = (size_t)tiles_of(width, side) * tiles_of(height, side);
-    const size_t chunks = records_max / CHUNK + 1;
-    return treelets * (2 * sizeof(uint32_t) + sizeof(loader_request)) +
-           tiles * (2 * sizeof(uint32_t) + side * sizeof(tile_row)) +
-           chunks * (sizeof(void *) + 192) + CHUNK * sizeof(pixel_ray) +
-           ((size_t)threads + 1) * sizeof(tally);
+static uint32_t treelets_of(const frame *f) {
+    uint32_t treelets = 0;
+    for (int v = 0; v < f->volumes; v++)
+        treelets += f->tracer[v].layout->treelets;
+    return treelets;
 }
 
-static pixel_ray *record(const drawing *d, uint32_t i) {
-    return &d->chunks[i / CHUNK][i % CHUNK];
+size_t frame_bytes(const frame *f, uint32_t records_max) {
+    const uint32_t side = tile_side(f);
+    const size_t tiles = (size_t)tiles_of(f->width, side) * tiles_of(f->height, side);
+    const size_t chunks = records_max / CHUNK + 1;
+    return treelets_of(f) * (2 * sizeof(uint32_t) + sizeof(loader_request)) +
+           tiles * (2 * sizeof(uint32_t) + side * sizeof(tile_row)) +
+           chunks * (sizeof(void *) + 192) + CHUNK * f->integrator->record_bytes +
+           ((size_t)pool_threads(f->threads) + 1) * sizeof(tally);
+}
+
+static ray_record *record(const drawing *d, uint32_t i) {
+    return (ray_record *)(d->chunks[i / CHUNK] + i % CHUNK * d->f->integrator->record_bytes);
+}
+
+/* ---- The order of treelets ---- */
+
+static uint64_t priority_of(const frame *f, int volume, uint32_t t, uint32_t leg) {
+    const tracer *tr = &f->tracer[volume];
+    const ray_bundle rays = f->integrator->bundle(f, leg);
+    return (uint64_t)leg << 32 | tr->kind->rank(tr, t, &rays);
+}
+
+static uint64_t priority_for(const frame *f, const ray_record *r) {
+    return priority_of(f, r->volume, r->blocked, r->leg);
+}
+
+/* The volume of a treelet among those of all. */
+static int volume_of(const drawing *d, uint32_t t) {
+    int v = 0;
+    while (t >= d->first[v + 1])
+        v++;
+    return v;
 }
 
 /* ---- Records and buckets; with the lock held ---- */
@@ -99,26 +131,27 @@ static pixel_ray *record(const drawing *d, uint32_t i) {
 static status make_chunk(drawing *d) {
     const frame *f = d->f;
     const uint32_t left = f->records_max - d->records_made, count = left < CHUNK ? left : CHUNK;
-    pixel_ray *chunk = mem_array(f->m, count, sizeof *chunk);
+    char *chunk = mem_array(f->m, count, f->integrator->record_bytes);
     if (!chunk)
         return ST_NOMEM;
     d->chunks[d->records_made / CHUNK] = chunk;
-    for (uint32_t i = count; i-- > 0;) {
-        chunk[i].next = d->free_head;
-        d->free_head = d->records_made + i;
+    for (uint32_t i = d->records_made + count; i-- > d->records_made;) {
+        record(d, i)->next = d->free_head;
+        d->free_head = i;
     }
     d->records_made += count;
     return ST_OK;
 }
 
 static void suspend(drawing *d, uint32_t i) {
-    pixel_ray *p = record(d, i);
-    const uint32_t t = p->search.blocked;
+    const frame *f = d->f;
+    ray_record *r = record(d, i);
+    const uint32_t t = d->first[r->volume] + r->blocked;
     if (d->bucket[t] == no_record) {
         d->waiting[d->waiting_count++] = t;
-        loader_want(d->f->treelets, t, pixel_ray_priority(d->f, p));
+        loader_want(f->tracer[r->volume].treelets, r->blocked, priority_for(f, r));
     }
-    p->next = d->bucket[t];
+    r->next = d->bucket[t];
     d->bucket[t] = i;
 }
 
@@ -148,10 +181,11 @@ static bool reserve(drawing *d, uint32_t count) {
  * them. */
 static bool wait_for_treelets(drawing *d, uint32_t tile, const tile_outcome *todo) {
     const frame *f = d->f;
-    if (todo->absent_count == 0 || f->tracer->preview || !loader_has_room(f->treelets))
+    loader *treelets = f->tracer->treelets;
+    if (todo->absent_count == 0 || f->tracer->preview || !loader_has_room(treelets))
         return false;
     for (int i = 0; i < todo->absent_count; i++)
-        loader_want(f->treelets, todo->absent[i], pixel_ray_first_priority(f, todo->absent[i]));
+        loader_want(treelets, todo->absent[i], priority_of(f, 0, todo->absent[i], 0));
     memcpy(rows_to_do(d, tile), todo->waits, d->side * sizeof *todo->waits);
     pthread_mutex_lock(&d->lock);
     d->tiles_later[d->tiles_off++] = tile;
@@ -169,8 +203,7 @@ static void begin_tile(drawing *d, uint32_t tile, uint32_t x0, uint32_t y0, tile
         memset(todo->waits, 0, sizeof todo->waits);
         return;
     }
-    const tile_fn trace = f->tracer->kind->tile(f->kernels);
-    trace(f, x0, y0, rows_to_do(d, tile), todo, counters);
+    f->integrator->tile(f)(f, x0, y0, rows_to_do(d, tile), todo, counters);
     if (wait_for_treelets(d, tile, todo))
         return;
     for (uint32_t y = 0; y < d->side; y++)
@@ -186,21 +219,22 @@ static uint32_t pixels_of(const tile_row rows[], uint32_t side) {
 }
 
 /* The reservation has made sure of room. */
-static status keep_suspended(drawing *d, suspended_rays *s) {
+static status keep_suspended(drawing *d, easel *e) {
+    const size_t bytes = d->f->integrator->record_bytes;
     status st = ST_OK;
     pthread_mutex_lock(&d->lock);
-    for (uint32_t i = 0; i < s->count && st == ST_OK; i++) {
+    for (uint32_t i = 0; i < e->suspended && st == ST_OK; i++) {
         if (d->free_head == no_record)
             st = make_chunk(d);
         if (st != ST_OK)
             break;
         const uint32_t r = d->free_head;
         d->free_head = record(d, r)->next;
-        *record(d, r) = s->ray[i];
+        memcpy(record(d, r), e->records + i * bytes, bytes);
         suspend(d, r);
     }
     pthread_mutex_unlock(&d->lock);
-    s->count = 0;
+    e->suspended = 0;
     return st;
 }
 
@@ -211,21 +245,25 @@ static void unreserve(drawing *d, uint32_t count) {
 }
 
 /* What tiles have left to single rays of one row. *kept: how many were suspended, by then. */
-static status draw_row(drawing *d, const tile_outcome *todo, uint32_t x0, uint32_t y0, uint32_t y,
-                       suspended_rays *s, uint32_t *kept, ray_counters *counters) {
+static status draw_row(drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t y, uint32_t *kept,
+                       ray_counters *counters) {
     const frame *f = d->f;
+    const integrator *in = f->integrator;
+    const tile_outcome *todo = &e->todo;
     status st = ST_OK;
     for (tile_row left = todo->open[y] | todo->found[y]; left && st == ST_OK; left &= left - 1) {
         const uint32_t x = (uint32_t)__builtin_ctz(left), i = d->side * y + x;
         const uint32_t pixel = (y0 + y) * f->width + x0 + x;
-        pixel_ray *p = &s->ray[s->count];
-        *p = todo->open[y] >> x & 1u ? pixel_ray_start(pixel)
-                                     : pixel_ray_found(f, pixel, &todo->hits[i], todo->at[i]);
-        if (pixel_ray_advance(f, p, counters))
+        ray_record *r = (ray_record *)(e->records + e->suspended * in->record_bytes);
+        if (todo->open[y] >> x & 1u)
+            in->begin(f, pixel, r);
+        else
+            in->found(f, pixel, &todo->hits[i], todo->at[i], r);
+        if (in->advance(f, r, counters))
             continue;
         ++*kept;
-        if (++s->count == BATCH)
-            st = keep_suspended(d, s);
+        if (++e->suspended == BATCH)
+            st = keep_suspended(d, e);
     }
     return st;
 }
@@ -238,9 +276,9 @@ static status draw_tile(drawing *d, uint32_t tile, easel *e, ray_counters *count
     begin_tile(d, tile, x0, y0, &e->todo, counters);
     status st = ST_OK;
     for (uint32_t y = 0; y < d->side && st == ST_OK; y++)
-        st = draw_row(d, &e->todo, x0, y0, y, &e->suspended, &kept, counters);
+        st = draw_row(d, e, x0, y0, y, &kept, counters);
     if (st == ST_OK)
-        st = keep_suspended(d, &e->suspended);
+        st = keep_suspended(d, e);
     const uint32_t begun = asked - pixels_of(e->todo.waits, d->side);
     counters->primary_rays += begun;
     atomic_fetch_add_explicit(&d->finished, begun - kept, memory_order_relaxed);
@@ -254,7 +292,7 @@ static void resume_batch(drawing *d, size_t batch, ray_counters *counters) {
     bool done[BATCH];
     size_t finished = 0;
     for (size_t i = from; i < to; i++) {
-        done[i - from] = pixel_ray_advance(d->f, record(d, d->runnable[i]), counters);
+        done[i - from] = d->f->integrator->advance(d->f, record(d, d->runnable[i]), counters);
         finished += done[i - from];
     }
     atomic_fetch_add_explicit(&d->finished, finished, memory_order_relaxed);
@@ -320,7 +358,8 @@ static status collect_runnable(drawing *d) {
     d->runnable_count = 0;
     for (uint32_t i = 0; i < d->waiting_count; i++) {
         const uint32_t t = d->waiting[i];
-        if (!loader_lookup(d->f->treelets, t)) {
+        const int v = volume_of(d, t);
+        if (!loader_lookup(d->f->tracer[v].treelets, t - d->first[v])) {
             d->waiting[kept++] = t;
             continue;
         }
@@ -333,12 +372,30 @@ static status collect_runnable(drawing *d) {
     return ST_OK;
 }
 
+/* All rays wait: at least one treelet of each volume that some wait for comes. */
 static status admit(drawing *d) {
-    for (uint32_t i = 0; i < d->waiting_count; i++) {
-        const uint32_t t = d->waiting[i];
-        d->requests[i] = (loader_request){t, pixel_ray_priority(d->f, record(d, d->bucket[t]))};
+    const frame *f = d->f;
+    status st = ST_OK;
+    for (int v = 0; v < f->volumes && st == ST_OK; v++) {
+        size_t count = 0;
+        for (uint32_t i = 0; i < d->waiting_count; i++) {
+            const uint32_t t = d->waiting[i];
+            if (t >= d->first[v] && t < d->first[v + 1])
+                d->requests[count++] =
+                    (loader_request){t - d->first[v], priority_for(f, record(d, d->bucket[t]))};
+        }
+        if (count > 0)
+            st = loader_admit(f->tracer[v].treelets, d->requests, count);
     }
-    return loader_admit(d->f->treelets, d->requests, d->waiting_count);
+    return st;
+}
+
+/* The first volume's that has one. */
+static status failure(const frame *f) {
+    status st = ST_OK;
+    for (int v = 0; v < f->volumes && st == ST_OK; v++)
+        st = loader_failure(f->tracer[v].treelets);
+    return st;
 }
 
 static status draw_passes(drawing *d, ray_counters *total) {
@@ -358,7 +415,7 @@ static status draw_passes(drawing *d, ray_counters *total) {
         }
         const uint32_t tiles = room ? d->tiles_left : 0;
         if (d->tiles_waiting > 0 && d->runnable_count == 0)
-            st = loader_settle(f->treelets);
+            st = loader_settle(f->tracer->treelets);
         if (st != ST_OK)
             return st;
         d->tiles_waiting = 0;
@@ -367,7 +424,7 @@ static status draw_passes(drawing *d, ray_counters *total) {
         total->passes++;
         st = pool_run(f->threads, d->batches + tiles, run_item, d);
         if (st == ST_OK)
-            st = loader_failure(f->treelets);
+            st = failure(f);
         if (st != ST_OK)
             return st;
         if (room) {
@@ -426,12 +483,13 @@ static void put_in_order(drawing *d) {
 }
 
 static status drawing_init(drawing *d, const frame *f) {
-    const uint32_t treelets = f->tracer->layout->treelets;
+    const uint32_t treelets = treelets_of(f), side = tile_side(f);
     const int threads = pool_threads(f->threads);
-    const uint32_t side = f->tracer->kind->tile_side;
     *d = (drawing){
         .f = f, .side = side, .tiles_x = tiles_of(f->width, side), .free_head = no_record};
     pthread_mutex_init(&d->lock, NULL);
+    for (int v = 0; v < f->volumes; v++)
+        d->first[v + 1] = d->first[v] + f->tracer[v].layout->treelets;
     d->tiles = d->tiles_left = d->tiles_x * tiles_of(f->height, side);
     d->tallies = mem_array(f->m, (size_t)threads, sizeof *d->tallies);
     d->chunks = mem_array(f->m, f->records_max / CHUNK + 1, sizeof *d->chunks);

@@ -10,6 +10,7 @@
 #include "render/frame.h"
 #include "render/kernels.h"
 #include "render/leafcast_volume.h"
+#include "render/ray_bundle.h"
 #include "render/segments.h"
 #include "render/tile.h"
 
@@ -42,9 +43,8 @@ typedef struct kind {
     uint32_t tile_side;
     size_t tile_scratch;
     tile_fn (*tile)(const kernels *k);
-    /* Where a treelet stands in the order of rays from the eye (light: NULL), or towards a light:
-     * along each of them ranks rise. */
-    uint32_t (*rank)(const frame *f, uint32_t t, const leafcast_light *light);
+    /* Where a treelet stands in the order of a bundle of rays: along each of them ranks rise. */
+    uint32_t (*rank)(const tracer *tr, uint32_t t, const ray_bundle *rays);
 
     /* ---- A ray ---- */
 

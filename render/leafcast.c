@@ -11,6 +11,7 @@
 #include "render/experiment.h"
 #include "render/kind.h"
 #include "render/samples.h"
+#include "render/surface_integrator.h"
 
 _Static_assert((int)LEAFCAST_USAGE == (int)ST_USAGE && (int)LEAFCAST_CORRUPT == (int)ST_CORRUPT &&
                    (int)LEAFCAST_UNSUPPORTED == (int)ST_UNSUPPORTED &&
@@ -361,34 +362,37 @@ static leafcast_image colours_of(const leafcast_image *image) {
         .size = sizeof *image, .r = image->r, .g = image->g, .b = image->b, .a = image->a};
 }
 
+static const leafcast_scene *scene_of(const frame *f) {
+    return surface_look_of(f)->scene;
+}
+
 /* Records of suspended rays, as many as there may be use for. */
-static uint32_t records_wanted(const leafcast *v, size_t pixels) {
-    const uint32_t least = frame_records_min(v->kind, pool_threads(v->threads));
+static uint32_t records_wanted(const frame *f) {
+    const size_t pixels = (size_t)f->width * f->height;
+    const uint32_t least = frame_records_min(f);
     const size_t records = (pixels + 255) / 256 * 256 * 2;
     return records < least ? least : records < UINT32_MAX / 2 ? (uint32_t)records : UINT32_MAX / 2;
 }
 
 /* What all threads draw in. */
-static size_t scratch_bytes(const leafcast *v) {
-    return (size_t)pool_threads(v->threads) * frame_scratch_bytes(v->kind);
+static size_t scratch_bytes(const frame *f) {
+    return (size_t)pool_threads(f->threads) * frame_scratch_bytes(f);
 }
 
 /* All of the budget but records and treelets. */
 static size_t fixed_bytes(const leafcast *v, const frame *f) {
     const size_t pixels = (size_t)f->width * f->height;
     const leafcast_image colours = colours_of(&f->image);
-    return v->base_bytes + scratch_bytes(v) + v->beside + coarse_preview_bytes(v) +
+    return v->base_bytes + scratch_bytes(f) + v->beside + coarse_preview_bytes(v) +
            image_bytes(&f->image, pixels) +
-           (f->scene->samples > 1 ? image_bytes(&colours, pixels) : 0) +
-           v->kind->projection_bytes(&v->file->layout) +
-           frame_bytes(v->kind, v->file->layout.treelets, records_wanted(v, pixels), f->width,
-                       f->height, pool_threads(v->threads));
+           (scene_of(f)->samples > 1 ? image_bytes(&colours, pixels) : 0) +
+           v->kind->projection_bytes(&v->file->layout) + frame_bytes(f, records_wanted(f));
 }
 
 /* With the fewest records, and one treelet at a time. */
-static status check_budget(const leafcast *v, size_t fixed) {
-    const uint32_t least = frame_records_min(v->kind, pool_threads(v->threads));
-    const size_t needed = fixed + least * frame_record_bytes() + loader_place_bytes(v->treelets);
+static status check_budget(const leafcast *v, const frame *f, size_t fixed) {
+    const size_t needed =
+        fixed + frame_records_min(f) * frame_record_bytes(f) + loader_place_bytes(v->treelets);
     if (v->budget.limit == 0 || needed <= v->budget.limit)
         return ST_OK;
     return status_describe(
@@ -400,7 +404,7 @@ static status check_budget(const leafcast *v, size_t fixed) {
 /* Once, for all frames. */
 static status make_scratch(leafcast *v, frame *f) {
     if (!v->scratch)
-        v->scratch = mem_alloc(&v->budget, scratch_bytes(v));
+        v->scratch = mem_alloc(&v->budget, scratch_bytes(f));
     f->scratch = v->scratch;
     return v->scratch ? ST_OK : ST_NOMEM;
 }
@@ -409,19 +413,19 @@ static status make_scratch(leafcast *v, frame *f) {
  * rest, or what one treelet leaves), treelets. */
 static status share_budget(leafcast *v, frame *f) {
     const uint32_t treelets = v->file->layout.treelets;
-    const uint32_t least = frame_records_min(v->kind, pool_threads(v->threads));
+    const uint32_t least = frame_records_min(f);
     const size_t place = loader_place_bytes(v->treelets);
     size_t places = treelets, cached = SIZE_MAX;
-    size_t records = records_wanted(v, (size_t)f->width * f->height);
+    size_t records = records_wanted(f);
     if (v->budget.limit) {
         const size_t fixed = fixed_bytes(v, f);
-        status st = check_budget(v, fixed);
+        status st = check_budget(v, f, fixed);
         if (st != ST_OK)
             return st;
         const size_t rest = v->budget.limit - fixed, beside = rest - place;
-        const size_t most = (rest / 4 < beside ? rest / 4 : beside) / frame_record_bytes();
+        const size_t most = (rest / 4 < beside ? rest / 4 : beside) / frame_record_bytes(f);
         records = most < least ? least : most < records ? most : records;
-        const size_t left = rest - records * frame_record_bytes();
+        const size_t left = rest - records * frame_record_bytes(f);
         places = left / place < treelets ? left / place : treelets;
         cached = left - places * place;
     }
@@ -437,7 +441,7 @@ static status share_budget(leafcast *v, frame *f) {
 /* Tiles of rays, where there are kernels for them. An experiment's intersector wants single rays.
  */
 static status project(leafcast *v, frame *f) {
-    if (!v->kind->tile(&v->kernels) || v->intersect)
+    if (!f->integrator->tile(f) || v->intersect)
         return ST_OK;
     status st = v->kind->project(v, &f->camera);
     if (st == ST_OK && v->projection.usable)
@@ -481,13 +485,21 @@ leafcast_status leafcast_check_room(leafcast *v, const leafcast_scene *scene,
     status st = arguments_check_picture(scene, camera_of, planes, NULL);
     if (st != ST_OK)
         return volume_public_status(st);
-    const frame f = {
-        .scene = scene, .width = camera_of->width, .height = camera_of->height, .image = *planes};
+    const tracer tr = {.kind = v->kind, .layout = &v->file->layout};
+    const surface_look look = {.scene = scene};
+    const frame f = {.tracer = &tr,
+                     .volumes = 1,
+                     .integrator = &surface_integrator,
+                     .look = &look,
+                     .threads = v->threads,
+                     .width = camera_of->width,
+                     .height = camera_of->height,
+                     .image = *planes};
     camera c;
     st = camera_init(&c, camera_of);
     v->beside = (size_t)beside;
     if (st == ST_OK)
-        st = check_budget(v, fixed_bytes(v, &f));
+        st = check_budget(v, &f, fixed_bytes(v, &f));
     return volume_public_status(st);
 }
 
@@ -543,7 +555,7 @@ static status draw_samples(leafcast *v, const frame *f, ray_counters *counters) 
     const leafcast_image colours = colours_of(&f->image);
     const bool coloured = colours.r || colours.g || colours.b || colours.a;
     const size_t pixels = (size_t)f->width * f->height;
-    const int samples = coloured ? f->scene->samples : 0;
+    const int samples = coloured ? scene_of(f)->samples : 0;
     leafcast_image planes = f->image, now = {0};
     planes.r = planes.g = planes.b = planes.a = NULL;
     const bool others = !coloured || image_bytes(&planes, 1) > 0;
@@ -571,8 +583,8 @@ static status draw_samples(leafcast *v, const frame *f, ray_counters *counters) 
 static status draw(leafcast *v, const frame *f, ray_counters *counters) {
     static const double centre[2] = {0.0, 0.0};
     const part whole = {f, 0, 1};
-    return f->scene->samples > 1 ? draw_samples(v, f, counters)
-                                 : draw_part(v, &whole, &f->image, centre, counters);
+    return scene_of(f)->samples > 1 ? draw_samples(v, f, counters)
+                                    : draw_part(v, &whole, &f->image, centre, counters);
 }
 
 leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
@@ -583,16 +595,18 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
     if (st != ST_OK)
         return volume_public_status(st);
     tracer tr, coarse;
+    surface_look look = {.scene = scene, .volume = {{.surfaces = v->surfaces}}};
     frame f = {.m = &v->budget,
                .threads = v->threads,
-               .treelets = v->treelets,
                .tracer = &tr,
+               .volumes = 1,
+               .integrator = &surface_integrator,
+               .look = &look,
                .kernels = &v->kernels,
-               .scene = scene,
-               .surfaces = v->surfaces,
                .width = from->width,
                .height = from->height,
                .image = *image,
+               .stride = from->width,
                .watch = watch,
                .watch_ctx = watch_ctx};
     ray_counters counters = {0};
@@ -602,11 +616,11 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
     if (st == ST_OK)
         st = volume_tracer(v, scene, &f.camera, &tr);
     if (st == ST_OK)
-        st = coarse_preview_begin(v, scene, &coarse, &f.coarse);
+        st = coarse_preview_begin(v, scene, &coarse, &look.volume[0].coarse);
     if (st == ST_OK)
         st = share_budget(v, &f);
-    if (st == ST_NOMEM && f.coarse) { /* rather without than not at all */
-        f.coarse = NULL;
+    if (st == ST_NOMEM && look.volume[0].coarse) { /* rather without than not at all */
+        look.volume[0].coarse = NULL;
         coarse_preview_end(v);
         st = share_budget(v, &f);
     }
@@ -621,7 +635,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
     st = make_scratch(v, &f);
     if (st == ST_OK)
         st = draw(v, &f, &counters);
-    if (st == ST_OK && f.coarse)
+    if (st == ST_OK && look.volume[0].coarse)
         st = loader_failure(v->coarse->treelets);
     if (st == ST_OK && scene->sweep && !scene->preview)
         st = loader_settle(v->treelets);
@@ -631,7 +645,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
         v->first_image_s = end - v->opened_at;
     if (stats)
         fill_stats(v, &counters, end - start, stats);
-    if (stats && f.coarse)
+    if (stats && look.volume[0].coarse)
         coarse_preview_stats(v, stats);
     return volume_public_status(st);
 }

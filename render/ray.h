@@ -41,6 +41,15 @@ static inline hit hit_behind(double t) {
     return (hit){t, UINT64_MAX, INT32_MAX, false};
 }
 
+/* Before every hit with a t of t or more: as the best of a search, a bound. */
+static inline hit hit_from(double t) {
+    return (hit){t, 0, -1, false};
+}
+
+static inline bool hit_is_bound(const hit *h) {
+    return h->iso < 0;
+}
+
 static inline bool hit_exists(const hit *h) {
     return h->t < INFINITY;
 }

@@ -2,7 +2,7 @@
  * (see formats/base/simd.h).
  *
  * surface_at() and shade.h in the same order of operations, many pixels at a time. Here a frame has
- * one opaque surface a pixel and no shadows; others go pixel by pixel (pixel_ray.h).
+ * one opaque surface a pixel and no shadows; others go pixel by pixel (surface_integrator.h).
  */
 #ifndef RENDER_TILE_SHADE_TEMPLATE_H
 #define RENDER_TILE_SHADE_TEMPLATE_H
@@ -11,8 +11,8 @@
 
 #ifdef SIMD_NAME
 
-#include "render/pixel_ray.h"
 #include "render/shade.h"
+#include "render/surface_integrator.h"
 #include "render/tile_state_template.h"
 
 typedef struct tile_pixels {
@@ -38,14 +38,18 @@ typedef struct lit_pixels {
     vf normal[3], eye[3], rgb[3], out[3];
 } lit_pixels;
 
+static const leafcast_surface *tile_surfaces(const tile_state *s) {
+    return surface_look_of(s->f)->volume[0].surfaces;
+}
+
 /* shade_point_of() and shade_ambient(), VF_N pixels at a time. */
 SIMD lit_pixels lit_begin(const tile_state *s, unsigned i, const tile_pixels *p) {
-    const leafcast_scene *scene = s->f->scene;
+    const leafcast_scene *scene = surface_look_of(s->f)->scene;
     lit_pixels l;
     float rgb[3][VF_N];
     for (unsigned k = 0; k < VF_N; k++)
         for (int c = 0; c < 3; c++)
-            rgb[c][k] = s->f->surfaces[p->id[i + k] < 0 ? 0 : p->id[i + k]].rgb[c];
+            rgb[c][k] = tile_surfaces(s)[p->id[i + k] < 0 ? 0 : p->id[i + k]].rgb[c];
     for (int a = 0; a < 3; a++) {
         l.normal[a] = f_load(p->normal[a] + i);
         l.eye[a] = f_load(s->rays.towards_eye[a] + i);
@@ -86,12 +90,12 @@ SIMD void lit_towards(const tile_state *s, unsigned i, unsigned hits, const leaf
     float towards[3][VF_N] = {{0.0f}};
     double direction[3];
     if (!light->point)
-        pixel_ray_towards(s->f, 0, 0.0, light, direction);
+        surface_towards(s->f, 0, 0.0, light, direction);
     for (unsigned k = 0; k < VF_N; k++) {
         const unsigned at = i + k;
         if (light->point && (hits >> k & 1u))
-            pixel_ray_towards(s->f, (s->y0 + at / TILE) * s->f->width + s->x0 + at % TILE, s->t[at],
-                              light, direction);
+            surface_towards(s->f, (s->y0 + at / TILE) * s->f->width + s->x0 + at % TILE, s->t[at],
+                            light, direction);
         for (int a = 0; a < 3 && (!light->point || (hits >> k & 1u)); a++)
             towards[a][k] = (float)direction[a];
     }
@@ -102,12 +106,12 @@ SIMD void lit_towards(const tile_state *s, unsigned i, unsigned hits, const leaf
 /* Colours of the pixels with surfaces: shade_composite() in front of shade_background(). */
 SIMD void shade_pixels(const tile_state *s, unsigned i, unsigned hits, tile_pixels *p) {
     static const float white[3] = {1.0f, 1.0f, 1.0f};
-    const leafcast_scene *scene = s->f->scene;
+    const leafcast_scene *scene = surface_look_of(s->f)->scene;
     const mf has = mf_of_bits(hits);
     float opacity[VF_N];
     for (unsigned k = 0; k < VF_N; k++) {
         p->id[i + k] = hits >> k & 1u ? s->iso[i + k] : -1;
-        opacity[k] = s->f->surfaces[p->id[i + k] < 0 ? 0 : p->id[i + k]].opacity;
+        opacity[k] = tile_surfaces(s)[p->id[i + k] < 0 ? 0 : p->id[i + k]].opacity;
     }
     lit_pixels l = lit_begin(s, i, p);
     if (scene->light_count == 0)
@@ -150,7 +154,7 @@ static void write_floats(float *to, const float *from, unsigned pixels) {
 /* The planes of the first surface, and the colours, of the pixels of a row. */
 static void write_row(const tile_state *s, unsigned y, unsigned pixels, const tile_pixels *p) {
     const leafcast_image *image = &s->f->image;
-    const size_t row = (size_t)(s->y0 + y) * s->f->width + s->x0;
+    const size_t row = (size_t)(s->y0 + y) * s->f->stride + s->x0;
     const unsigned from = TILE * y;
     float *const colours[4] = {image->r, image->g, image->b, image->a};
     for (unsigned left = pixels; left; left &= left - 1) {
@@ -173,7 +177,7 @@ static void write_row(const tile_state *s, unsigned y, unsigned pixels, const ti
 /* What a pixel is without a surface. */
 static void clear_pixels(const frame *f, tile_pixels *p) {
     float rgba[4] = {0.0f, 0.0f, 0.0f, 0.0f};
-    shade_background(rgba, f->scene->background);
+    shade_background(rgba, surface_look_of(f)->scene->background);
     for (unsigned i = 0; i < TILE_RAYS; i++) {
         p->id[i] = -1;
         for (int a = 0; a < 3; a++)
@@ -202,13 +206,9 @@ static void shade_tile(const tile_state *s, tile_pixels *p) {
 
 /* Whether a pixel is done with its first surface, and no light may be hidden from it. */
 static bool shaded_together(const frame *f) {
-    bool single = f->scene->layers_max == 1;
-    if (!single) {
-        single = true;
-        for (int i = 0; i < f->tracer->isos.count; i++)
-            single &= f->surfaces[i].opacity >= 1.0f;
-    }
-    return single && (f->scene->light_count == 0 || !f->scene->shadows);
+    const leafcast_scene *scene = surface_look_of(f)->scene;
+    return (scene->layers_max == 1 || surface_opaque(f)) &&
+           (scene->light_count == 0 || !scene->shadows);
 }
 
 /* Write what is done; the rest is said in the outcome, but for the hits' cells. together: pixels

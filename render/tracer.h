@@ -21,7 +21,7 @@
 typedef struct tracer {
     const struct kind *kind;
     const void *own; /* the kind's part */
-    const loader *treelets;
+    loader *treelets;
     const leaf_layout *layout;
     active_set isos;
     affine space;

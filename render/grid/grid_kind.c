@@ -166,6 +166,7 @@ static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
         .count = tr->isos.count,
         .type = layout->type,
         .halo = layout->halo,
+        .intersector = scene->intersector,
         .intersect = v->intersect ? v->intersect : intersector_find(scene->intersector)->next_hit,
         .walk = v->kernels.walk,
         .analytic_normals = scene->analytic_normals};
@@ -214,28 +215,27 @@ static int64_t treelet_of(const tracer *tr, int a, double x) {
     return lo >> tr->layout->cells_log2;
 }
 
-static uint32_t grid_rank(const frame *f, uint32_t t, const leafcast_light *light) {
-    const tracer *tr = f->tracer;
+static uint32_t grid_rank(const tracer *tr, uint32_t t, const ray_bundle *rays) {
     const uint32_t level = tr->layout->level_of[t];
     const int64_t far = (int64_t)1 << 24; /* more than any place */
-    double from[3], towards[3] = {0.0, 0.0, 0.0};
-    affine_point_to_grid(&tr->space, light && light->point ? light->vector : f->camera.eye, from);
-    if (light && !light->point)
-        affine_vector_to_grid(&tr->space, light->vector, towards);
+    double vector[3];
+    if (rays->way == RAYS_ALONG)
+        affine_vector_to_grid(&tr->space, rays->vector, vector);
+    else
+        affine_point_to_grid(&tr->space, rays->vector, vector);
     int64_t rank = 0;
     for (int a = 0; a < 3; a++) {
         const int64_t place = (int64_t)tr->layout->place[t][a] << level;
-        if (light && !light->point) {
-            /* Along the light's direction. */
-            rank += towards[a] > 0.0 ? place : far - place;
+        if (rays->way == RAYS_ALONG) {
+            rank += vector[a] > 0.0 ? place : far - place;
             continue;
         }
         /* A ray only moves away from the eye's treelet on every axis (and towards a light's), so
          * the Manhattan distance rises. Of a coarse treelet: from the one of its level there. */
         const int64_t size = (int64_t)1 << level;
-        const int64_t centre = (treelet_of(tr, a, from[a]) >> level) * size;
+        const int64_t centre = (treelet_of(tr, a, vector[a]) >> level) * size;
         const int64_t distance = place > centre ? place - centre : centre - place;
-        rank += light ? far - distance : distance;
+        rank += rays->way == RAYS_TOWARDS ? far - distance : distance;
     }
     return (uint32_t)rank;
 }

@@ -78,7 +78,7 @@ static void flush(tile_walk *w) {
     const walk_scene *scene = scene_of(w);
     cell_batch_hits hits;
     w->s.f->kernels->cells(&w->batch, (int)w->waiting, scene->isovalues, scene->count,
-                           w->s.f->scene->intersector, &hits);
+                           scene->intersector, &hits);
     for (uint32_t left = hits.found; left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left), i = w->ray_of[k];
         take_hit(w, k, hits.t[k], hits.iso[k], hits.entering >> k & 1u);
@@ -688,7 +688,7 @@ static void tile_walk_run(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0
                           const tile_row asked[], tile_outcome *out, ray_counters *counters) {
     tile_state_begin(&w->s, f, x0, y0, asked, out, counters);
     w->place = tile_place_of(f, x0, y0);
-    w->filter = f->scene->intersector == LEAFCAST_MARMITT;
+    w->filter = scene_of(w)->intersector == LEAFCAST_MARMITT;
     w->waiting = 0;
     w->queue = (near_queue){.count = 0};
     for (unsigned y = 0; y < ROWS; y++)

@@ -12,6 +12,7 @@
 #include "render/counters.h"
 #include "render/grid/cell_kernel.h"
 #include "render/grid/level_planes.h"
+#include "render/leafcast.h"
 #include "render/ray.h"
 #include "stream/loader.h"
 
@@ -31,7 +32,8 @@ struct walk_scene {
     int count;
     sample_type type;
     uint32_t halo;
-    intersect_fn intersect;
+    leafcast_intersector intersector;
+    intersect_fn intersect; /* that of a ray by itself */
     walk_fn walk;
     bool analytic_normals; /* of the cells, instead of central differences */
 };

@@ -164,13 +164,13 @@ static double along(const float bounds[6], const double direction[3]) {
     return sum;
 }
 
-static uint32_t mesh_rank(const frame *f, uint32_t t, const leafcast_light *light) {
-    const float *bounds = mesh_rays_of(f->tracer)->tree->bounds[0][t];
-    if (!light)
-        return ordered(distance_to(bounds, f->camera.eye));
-    if (!light->point)
-        return ordered(along(bounds, light->vector));
-    return ~ordered(distance_to(bounds, light->vector));
+static uint32_t mesh_rank(const tracer *tr, uint32_t t, const ray_bundle *rays) {
+    const float *bounds = mesh_rays_of(tr)->tree->bounds[0][t];
+    switch (rays->way) {
+    case RAYS_FROM: return ordered(distance_to(bounds, rays->vector));
+    case RAYS_TOWARDS: return ~ordered(distance_to(bounds, rays->vector));
+    default: return ordered(along(bounds, rays->vector));
+    }
 }
 
 /* ---- Cells ---- */

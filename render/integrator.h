@@ -1,0 +1,39 @@
+/* integrator.h - what makes a pixel of a ray: a row of functions for each way of looking.
+ *
+ * A frame (frame.h) begins a record for each pixel's ray, advances it until it is done or needs a
+ * treelet that is absent, keeps it meanwhile, and knows no more of it than its head. Integrators
+ * ask kinds of geometry (kind.h) for what is on a ray's way, and write pixels.
+ */
+#ifndef RENDER_INTEGRATOR_H
+#define RENDER_INTEGRATOR_H
+
+#include "render/frame.h"
+#include "render/ray_bundle.h"
+#include "render/tile.h"
+
+/* All that a frame knows of a ray; the integrator's part follows. */
+typedef struct ray_record {
+    uint32_t pixel;
+    uint32_t next;    /* in its bucket, or among those that are free */
+    uint32_t blocked; /* the treelet that it waits for, */
+    uint16_t volume;  /* of this volume, */
+    uint16_t leg;     /* on this leg of its way; treelets for lower ones come first */
+} ray_record;
+
+typedef struct integrator {
+    size_t record_bytes; /* head and part */
+
+    /* The ray of a pixel before anything is traced. */
+    void (*begin)(const frame *f, uint32_t pixel, ray_record *r);
+    /* Go on until the pixel is written (true), or a treelet is needed: the head says which. */
+    bool (*advance)(const frame *f, ray_record *r, ray_counters *counters);
+    /* The bundle of all rays on a leg of their way. */
+    ray_bundle (*bundle)(const frame *f, uint32_t leg);
+
+    /* The kernel that begins whole tiles of pixels; NULL: ray by ray. What it has found but not
+     * written is gone on with: h, in the treelet `at`. */
+    tile_fn (*tile)(const frame *f);
+    void (*found)(const frame *f, uint32_t pixel, const hit *h, const treelet *at, ray_record *r);
+} integrator;
+
+#endif

@@ -1,0 +1,36 @@
+/* surface_integrator.h - isosurfaces, opaque or transparent, with lights and shadows.
+ *
+ * A pixel's ray is a small state machine: find the next surface of any volume, then for each light
+ * whether it is seen, then composite and go on behind the surface. Rays are made anew from the
+ * pixel and the current hit whenever the state is taken up.
+ */
+#ifndef RENDER_SURFACE_INTEGRATOR_H
+#define RENDER_SURFACE_INTEGRATOR_H
+
+#include "render/integrator.h"
+
+extern const integrator surface_integrator;
+
+/* How surfaces look: frame.look. */
+typedef struct surface_look {
+    const leafcast_scene *scene; /* its lights, shading, background */
+    struct {
+        const leafcast_surface *surfaces; /* one an isovalue of the volume's tracer */
+        int32_t first_id;                 /* in the plane of ids: of the first of them */
+        const tracer *coarse; /* what a preview draws where treelets are absent; or NULL */
+    } volume[FRAME_VOLUMES_MAX];
+} surface_look;
+
+static inline const surface_look *surface_look_of(const frame *f) {
+    return f->look;
+}
+
+/* surface_towards() - the unit direction to a light from a pixel's hit at t, world space; for a
+ * directional light pixel and t do not matter. */
+void surface_towards(const frame *f, uint32_t pixel, double t, const leafcast_light *light,
+                     double to[3]);
+
+/* surface_opaque() - whether no light comes through any surface. */
+bool surface_opaque(const frame *f);
+
+#endif
