@@ -17,11 +17,24 @@ TIMEOUT ?= 300
 ifeq ($(CONFIG)-$(origin CC),fuzz-default)
 CC := clang
 endif
+# CROSS=aarch64-linux-gnu: a build for another machine, by the compiler and with the libraries that Debian
+# calls so. RUNNER, an emulator, begins its programs in tests.
+CROSS  ?=
+RUNNER ?= $(if $(CROSS),qemu-$(firstword $(subst -, ,$(CROSS)))-static)
+ifneq ($(CROSS),)
+ifeq ($(origin CC),default)
+CC := $(CROSS)-gcc
+endif
+AR := $(CROSS)-ar
+LD := $(CROSS)-ld
+OBJCOPY := $(CROSS)-objcopy
+endif
+PKG_CONFIG := $(if $(CROSS),PKG_CONFIG_LIBDIR=/usr/lib/$(CROSS)/pkgconfig )pkg-config
 CLANG := $(findstring clang,$(notdir $(firstword $(CC))))
 ifeq ($(origin CXX),default)
 CXX := $(if $(CLANG),clang++,g++)
 endif
-B := build/$(CONFIG)$(if $(CLANG),$(if $(filter fuzz,$(CONFIG)),,-clang))
+B := build/$(CONFIG)$(if $(CLANG),$(if $(filter fuzz,$(CONFIG)),,-clang))$(addprefix -,$(CROSS))
 
 SAFE           := -g -fno-omit-frame-pointer -fno-sanitize-recover=all
 FLAGS_release  := -O3 -DNDEBUG
@@ -37,7 +50,11 @@ endif
 
 # Results must not depend on the compiler: no contraction to FMA, never -ffast-math, no -march.
 # One set of objects for programs and the shared library: -fPIC costs no instruction in hot functions.
-COMMON := $(FLAGS_$(CONFIG)) -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-errno -pthread -I. \
+MACHINE := $(shell $(CC) -dumpmachine 2>/dev/null)
+X86     := $(filter x86_64% i%86%,$(MACHINE))
+# gcc 12.2 dies of loops of fmin() and fmax() there (in vect_transform_reduction).
+NO_LOOPS := $(if $(CLANG),,$(if $(filter aarch64%,$(MACHINE)),-fno-tree-loop-vectorize))
+COMMON := $(FLAGS_$(CONFIG)) $(NO_LOOPS) -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-errno -pthread -I. \
           -DLEAFCAST_VERSION='"$(VERSION)"'
 WARN   := -Wall -Wextra -Wshadow -Wvla -Wpointer-arith -Wwrite-strings -Wundef \
           $(if $(filter 1,$(WERROR)),-Werror)
@@ -51,7 +68,6 @@ ALL_CXX = -std=c++17 -D_GNU_SOURCE $(filter-out -fsanitize=%,$(COMMON)) $(WARN) 
 ALL_LIBS = $(DEPS_LIBS) -lm
 
 # ---- what there is -------------------------------------------------------------------------------
-X86      := $(filter x86_64% i%86%,$(shell $(CC) -dumpmachine 2>/dev/null))
 SOURCES  := $(sort $(wildcard $(foreach d,formats prep stream render,$d/*.c $d/*/*.c)))
 SOURCES  := $(if $(X86),$(SOURCES),$(filter-out %_sse42.c %_avx2.c %_avx512.c,$(SOURCES)))
 MAINS    := $(filter %_main.c,$(SOURCES))
@@ -70,6 +86,7 @@ VERBS_C   = $(if $(TETGEN),$(MAINS),$(filter-out $(TETGEN_C),$(MAINS)))
 verb      = $B/libexec/leafcast-$(subst _,-,$(patsubst %_main.c,%,$(notdir $1)))
 VERBS     = $(foreach m,$(VERBS_C),$(call verb,$m))
 FRONT    := $B/bin/leafcast
+EMULATED := $(if $(CROSS),$B/emulated/bin/leafcast)
 SUPPORT  := $(sort $(wildcard tests/*/*.c))
 SUPPORT  := $(if $(X86),$(SUPPORT),$(filter-out %_sse42.c %_avx2.c %_avx512.c,$(SUPPORT)))
 SUPPORT  := $(SUPPORT:%.c=$B/obj/%.o)
@@ -81,7 +98,8 @@ CLI      := $(sort $(wildcard tests/cli/*.sh))
 
 # A test says what it is in a line of its own, `marks: threads` (it starts threads: run under
 # CONFIG=thread), `long` (it takes long: begun first, left out by `make quick`), `plain` (it holds numbers
-# against numbers, on input that other tests read, too: left out under CONFIG=sanitize), or several.
+# against numbers, on input that other tests read, too: left out under CONFIG=sanitize), `bits` (what it
+# says could differ on another CPU: run under CROSS), or several.
 names  = $(basename $(notdir $1))
 marked = $(call names,$(shell grep -lE '^[^ ]+ marks:.*\b$1\b' tests/test_*.c tests/cli/*.sh))
 LONG  := $(call marked,long)
@@ -89,8 +107,9 @@ QUICK  = $(filter-out $(LONG),$(call names,$(TESTS) $(CLI)))
 
 # T="NAME..." runs only the tests of those names: make test T="test_pool front_door"
 T_thread   = $(call marked,threads)
+T_cross    = $(call marked,bits)
 T_sanitize = $(filter-out $(call marked,plain),$(call names,$(TESTS) $(CLI)))
-T         ?= $(T_$(CONFIG))
+T         ?= $(T_$(if $(CROSS),cross,$(CONFIG)))
 only = $(filter $(foreach t,$1,$B/tests/$t tests/cli/$t.sh),$2)
 ASKED := $(if $(strip $T),$(call only,$T,$(TESTS) $(CLI)),$(TESTS) $(CLI))
 RUN   := $(call only,$(LONG),$(ASKED))
@@ -102,22 +121,24 @@ DOOR_PC := libzstd libxxhash
 LIBS_PC := zlib libzstd jansson libxxhash expat libpng
 ifneq ($(filter-out list help clean setup test demo,$(or $(MAKECMDGOALS),all)),)
 MISSING := $(if $(shell command -v pkg-config),,pkg-config) \
-           $(foreach p,$(LIBS_PC),$(shell pkg-config --exists $p 2>/dev/null || echo $p))
+           $(foreach p,$(LIBS_PC),$(shell $(PKG_CONFIG) --exists $p 2>/dev/null || echo $p))
 ifneq ($(strip $(MISSING)),)
 $(info leafcast needs what is not here: $(strip $(MISSING)))
 $(shell scripts/setup-debian --list >&2)
 $(error run scripts/setup-debian, which installs it on Debian; `make demo` and `make test` do so)
 endif
-DEPS_CFLAGS := $(shell pkg-config --cflags $(LIBS_PC))
-DEPS_LIBS   := $(shell pkg-config --libs $(LIBS_PC))
+DEPS_CFLAGS := $(shell $(PKG_CONFIG) --cflags $(LIBS_PC))
+DEPS_LIBS   := $(shell $(PKG_CONFIG) --libs $(LIBS_PC))
 IMAGE       := $B/libexec/leafcast-write-image
 TETGEN_BIN  := $B/libexec/leafcast-tetgen
 # Optional ones are looked for as scripts/setup-debian does; `make EMBREE= TETGEN= OIIO=` does without.
 has          = $(shell scripts/setup-debian --has $1 && echo y)
 CXX_HERE    := $(shell command -v $(firstword $(CXX)))
+ifeq ($(CROSS),)
 EMBREE      := $(call has,libembree-dev)
 TETGEN      := $(if $(CXX_HERE),$(call has,libtet1.5-dev))
 OIIO        := $(if $(CXX_HERE),$(call has,libopenimageio-dev))
+endif
 endif
 
 # ---- building ------------------------------------------------------------------------------------
@@ -179,7 +200,7 @@ $(SHARED): $B/app/leafcast.o scripts/leafcast.map
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(ALL_C) -shared -Wl,-soname,$(SONAME) -Wl,--version-script,scripts/leafcast.map \
-	    -Wl,-z,defs $(LDFLAGS) -o $@ $< $(shell pkg-config --libs $(DOOR_PC)) -lm
+	    -Wl,-z,defs $(LDFLAGS) -o $@ $< $(shell $(PKG_CONFIG) --libs $(DOOR_PC)) -lm
 	@ln -sfn $(notdir $@) $(@D)/$(SONAME) && ln -sfn $(SONAME) $(@D)/libleafcast.so
 
 define verb_rule
@@ -195,8 +216,8 @@ ifneq ($(OIIO),)
 $B/libexec/leafcast-write-image: render/app/write_image_main.cpp $B/flags-c++
 	@mkdir -p $(@D) $B/obj/$(<D)
 	$(call say,C++ ,$<)
-	$(Q)$(CXX) $(ALL_CXX) $(shell pkg-config --cflags OpenImageIO) -MMD -MP -MF $B/obj/$(<:.cpp=.d) \
-	    -o $@ $< $(LDFLAGS) $(shell pkg-config --libs OpenImageIO)
+	$(Q)$(CXX) $(ALL_CXX) $(shell $(PKG_CONFIG) --cflags OpenImageIO) -MMD -MP -MF $B/obj/$(<:.cpp=.d) \
+	    -o $@ $< $(LDFLAGS) $(shell $(PKG_CONFIG) --libs OpenImageIO)
 else
 .PHONY: $B/libexec/leafcast-write-image
 $B/libexec/leafcast-write-image:
@@ -227,7 +248,7 @@ $B/native/embree: FORCE
 $B/native/%.o: %.c $B/flags $B/native/embree
 	@mkdir -p $(@D)
 	$(call say,CC  ,$<)
-	$(Q)$(CC) $(ALL_C) -march=native -ffp-contract=fast $(if $(EMBREE),-DPEER_WITH_EMBREE) \
+	$(Q)$(CC) $(ALL_C) $(if $(CROSS),,-march=native) -ffp-contract=fast $(if $(EMBREE),-DPEER_WITH_EMBREE) \
 	    -MMD -MP -c -o $@ $<
 $(PEERS): $(NATIVE:%.c=$B/native/%.o) | $(PEER_VTK)
 $(PEERS): ALL_LIBS += $(if $(EMBREE),-lembree3)
@@ -241,6 +262,14 @@ $(FRONT): scripts/leafcast render/leafcast.h Makefile
 	@sed 's/@VERSION@/$(VERSION)/' $< >$@ && chmod 755 $@
 build/leafcast: $(FRONT)
 	@ln -sfn release/bin/leafcast $@
+# A front door whose verbs are scripts that begin the emulator.
+$B/emulated/bin/leafcast: $(FRONT) $(VERBS)
+	@rm -rf $B/emulated && mkdir -p $(@D) $B/emulated/libexec
+	@for verb in $(notdir $(VERBS)); do \
+	    printf '#!/bin/sh\nexec %s "$$@"\n' "$(RUNNER) $(CURDIR)/$B/libexec/$$verb" >$B/emulated/libexec/$$verb; \
+	done
+	@chmod 755 $B/emulated/libexec/*
+	@cp -p $< $@
 
 # ---- tests ---------------------------------------------------------------------------------------
 $(TESTS) $(TOOLS): LINK_TESTS := -lcmocka
@@ -255,10 +284,10 @@ $B/flags-link: FORCE
 $(SHARED) $(VERBS) $(IMAGE) $(TETGEN_BIN) $(TESTS) $(TOOLS) $(FUZZERS): $B/flags-link
 
 tests: all $(TESTS) $(TOOLS)
-TEST_ENV = LEAFCAST_BUILD=$(CURDIR)/$B LEAFCAST=$(CURDIR)/$(FRONT) \
+TEST_ENV = LEAFCAST_BUILD=$(CURDIR)/$B LEAFCAST=$(CURDIR)/$(or $(EMULATED),$(FRONT)) \
            LEAFCAST_COMPILE=$(call quoted,$(CC) $(ALL_C)) LEAFCAST_LIBS='$(ALL_LIBS) -lcmocka'
-run-tests: all $(TOOLS) $(filter $B/%,$(RUN))
-	@$(TEST_ENV) scripts/run-tests --timeout $(TIMEOUT) $(RUN)
+run-tests: all $(EMULATED) $(if $(CROSS),,$(TOOLS)) $(filter $B/%,$(RUN))
+	@$(TEST_ENV) scripts/run-tests --timeout $(TIMEOUT) $(if $(RUNNER),--under $(call quoted,$(RUNNER))) $(RUN)
 quick:
 	@scripts/check_layers
 	@scripts/check_kinds
@@ -346,6 +375,7 @@ list help:
 	@echo "CONFIG=$(CONFIG)  one of $(CONFIGS); each has its own folder in build/"
 	@echo "CC=$(CC) CXX=$(CXX) CPPFLAGS= CFLAGS= CXXFLAGS= LDFLAGS="
 	@echo "WERROR=1        warnings are errors"
+	@echo "CROSS=aarch64-linux-gnu   build for another machine; its tests are begun by RUNNER=$(or $(RUNNER),qemu-aarch64-static)"
 	@echo "EMBREE= TETGEN= OIIO=   build without one, though it is here"
 	@echo "TIMEOUT=$(TIMEOUT)     seconds a test program may take"
 	@echo "V=1             show the commands"
