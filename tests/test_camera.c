@@ -1,4 +1,5 @@
 /* test_camera.c - the camera: hand-checked rays, the standard view, cameras that are none. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

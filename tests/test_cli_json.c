@@ -1,4 +1,5 @@
 /* test_cli_json.c - results as JSON: whole, or an error that says why not. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,7 @@
 /* test_exact_agree.c - the converter, the prober and the resampler against exact sums: which tets
  * are flat or inverted, and which hold a point, on faces, edges and vertices and a bit beside them,
  * of tets of any size and shape. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,5 @@
 /* test_exact_sign.c - exact signs against whole numbers of any size, from the definition. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

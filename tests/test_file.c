@@ -1,6 +1,7 @@
 /* test_file.c - files read at offsets; outputs that appear complete or not at all, also when the
  * disk is full.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

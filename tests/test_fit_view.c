@@ -1,6 +1,7 @@
 /* test_fit_view.c - the view that fits: every corner of a box is in the picture, one at its margin;
  * of files, what is active.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

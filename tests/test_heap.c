@@ -1,4 +1,5 @@
 /* test_heap.c - binary heaps: items come out in order, whatever order they went in. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,6 @@
 /* test_histogram.c - histograms against counting by hand, and suggestions where they are known.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,7 @@
 /* test_input_facts.c - what is said of an input: cut files, empty ones, the k-th allocation and
  * read that fails, a stop.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

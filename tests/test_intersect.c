@@ -1,5 +1,6 @@
 /* test_intersect.c - each intersector on cells whose answer is known: planes, two surfaces, none.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

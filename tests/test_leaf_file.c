@@ -1,5 +1,6 @@
 /* test_leaf_file.c - treelet files cut short, damaged, and made to do harm: refused, each of them.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

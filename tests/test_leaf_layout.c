@@ -1,6 +1,7 @@
 /* test_leaf_layout.c - levels, treelets, their order and their payloads' sizes, against FORMAT.md
  * done the long way.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,6 @@
 /* test_mesh_active.c - which tets of a treelet hold a surface, against their values; and the tree
  * over the treelets, against their bounds. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

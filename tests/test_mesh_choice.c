@@ -1,6 +1,7 @@
 /* test_mesh_choice.c - which array is taken, the same in all formats: of the points; else none,
  * when there is none at all; those of the cells only when asked. And how much of a mesh has come.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

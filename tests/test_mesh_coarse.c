@@ -1,7 +1,7 @@
 /* test_mesh_coarse.c - the coarse grids in a mesh's treelet file: they are the mesh resampled, the
  * same bytes whatever the way; what is wrong with them is found, by both readers alike.
  */
-/* marks: threads */
+/* marks: threads, bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

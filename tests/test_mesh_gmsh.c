@@ -1,6 +1,7 @@
 /* test_mesh_gmsh.c - Gmsh's .msh of both versions as text and binary, all kinds of cells and data;
  * refusals that name the place, cut and damaged files, faults.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

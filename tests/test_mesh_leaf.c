@@ -1,5 +1,6 @@
 /* test_mesh_leaf.c - treelet files of meshes: planes and codes, what is written is read by both
  * readers, the same bytes in any order, what info counts. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,7 @@
 /* test_mesh_split.c - cells as tets: every numbering gives tets that fill the cell, turned alike,
  * and cut its faces as the neighbours do.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,7 @@
 /* test_mesh_stream.c - the mesh stream: what is written is read, by file and by pipe; refusals that
  * name the place; cut and damaged files; faults.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

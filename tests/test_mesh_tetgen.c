@@ -1,6 +1,7 @@
 /* test_mesh_tetgen.c - .node and .ele: counting from 0 and 1, attributes, markers, comments;
  * refusals that name the line, cut and damaged files, a real mesh.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

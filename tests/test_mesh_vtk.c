@@ -1,6 +1,7 @@
 /* test_mesh_vtk.c - legacy VTK grids: versions, text and bytes, every kind of data; refusals that
  * name the byte; cut and damaged files; faults; averages in rounds; memory that does not grow.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

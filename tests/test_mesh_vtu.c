@@ -1,6 +1,7 @@
 /* test_mesh_vtu.c - VTK XML grids: every coding, pieces, fields; refusals that name the line; cut
  * and damaged files; faults; memory that does not grow.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,7 @@
 /* test_metaimage.c - MHD and MHA: every header feature, refusals that name the line, cut and
  * damaged files.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

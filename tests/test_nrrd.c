@@ -1,7 +1,7 @@
 /* test_nrrd.c - NRRD: every header feature, refusals that name the line, cut and damaged files,
  * pipes, the writer.
  */
-/* marks: threads */
+/* marks: threads, bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

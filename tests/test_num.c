@@ -1,5 +1,6 @@
 /* test_num.c - numbers to and from text: whole texts only, any locale, round trips.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

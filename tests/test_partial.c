@@ -1,4 +1,5 @@
 /* test_partial.c - temporary names: what a killed run left goes, what a live one writes stays. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,6 @@
 /* test_picture.c - pictures' bytes: encoded colours against the formula, PNG read back by libpng,
  * whatever the threads; PPM and PFM byte for byte. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -2,6 +2,7 @@
  * refused with file and place, cut and damaged files, faults; welding, dropping, open and flat
  * ones.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* test_pool.c - loops shared out to threads: every index once, errors told, threads that cannot be
  * made.
  */
-/* marks: threads */
+/* marks: threads, bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

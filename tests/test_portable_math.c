@@ -1,6 +1,7 @@
 /* test_portable_math.c - the error bounds of portable_math.h against long double libm, and their
  * pinned bits.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,7 +1,7 @@
 /* test_pyramid.c - the rolling window against the formula, bit for bit, for any batches and
  * threads.
  */
-/* marks: threads */
+/* marks: threads, bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,7 @@
 /* test_quantize.c - codes lose no surface: a range that holds an isovalue passes, for every range
  * and every isovalue; and integers on at most 256 values pass nothing else.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

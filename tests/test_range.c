@@ -1,6 +1,7 @@
 /* test_range.c - leafcast_range(): the values of one field at one step, against the values that the
  * file was made of.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

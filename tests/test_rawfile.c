@@ -1,6 +1,7 @@
 /* test_rawfile.c - bare samples described by hints, by a JSON beside them, by their name; and what
  * goes before what.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,7 @@
 /* test_real_meshes.c - the VTK files of the data folder against the raw arrays that lie beside
  * them: every point, tet and value to the bit.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

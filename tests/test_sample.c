@@ -1,6 +1,7 @@
 /* test_sample.c - sample types: names, byte order, conversion to the stored types; and grids of
  * them.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,5 @@
 /* test_sequence.c - names of the files of a sequence. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,5 @@
 /* test_shade.c - colours that can be worked out by hand. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

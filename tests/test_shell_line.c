@@ -1,4 +1,5 @@
 /* test_shell_line.c - a printed command line, read by a shell, gives the words that went in. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,6 @@
 /* test_tet_kernel.c - isopolygons and hits in single tets against the plain formula in long double:
  * where the line is inside the tet, f is linear. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

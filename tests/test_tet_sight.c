@@ -2,6 +2,7 @@
  * kernel's, to the bit: isopolygons, their edges as the eye sees them, normals. Any tets, flat
  * ones, values at the isovalue, beyond floats' middle range.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,5 +1,6 @@
 /* test_text.c - names as valid UTF-8, and what a terminal may see.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,7 @@
 /* test_text_tokens.c - decimal numbers: the same doubles as strtod() gives, whatever their form;
  * words across the stream's buffer, with their lines, among comments, up to a '<'.
  */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,5 @@
 /* test_treelet_build.c - payloads against FORMAT.md done sample by sample. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,5 @@
 /* test_vec3.c - vectors of three doubles: signs, orders of operations, extreme lengths. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,5 @@
 /* test_view_options.c - colours, the flags of a view, and the same from JSON. */
+/* marks: bits */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -26,8 +26,8 @@ last() { [ "$(tail -n 1 "$tmp/out")" = "$1" ]; }
 exits "all steps" 0 ci
 ok "end with the summary of the tests in the bare root" last "7 passed, 0 failed, 1 skipped"
 ok "set up for CI first" sh -c 'head -n 1 "$1" | grep -qx "setup-debian --ci"' - "$tree/ran"
-for f in CONFIG=sanitize CONFIG=thread CC=clang fuzz cppcheck shellcheck check_layers check_kinds check_headers \
-    check_size check_format check_man; do
+for f in CONFIG=sanitize CONFIG=thread CC=clang CROSS=aarch64 fuzz cppcheck shellcheck check_layers check_kinds check_headers \
+    check_size check_format check_man check_isa; do
     ok "ran: $f" grep -q -- "$f" "$tree/ran"
 done
 ok "the root is told to make demo and test" grep -q 'make demo' "$tmp/out"
