@@ -20,7 +20,7 @@ _Static_assert((int)LEAFCAST_USAGE == (int)ST_USAGE && (int)LEAFCAST_CORRUPT == 
                    (int)LEAFCAST_STOPPED == (int)ST_STOPPED &&
                    (int)LEAFCAST_FAILED == (int)ST_FAILED,
                "public and internal status agree");
-_Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ACTIVE_ISOS_MAX, "as many isovalues as surfaces");
+_Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ISOVALUES_MAX, "as many isovalues as surfaces");
 
 leafcast_status volume_public_status(status st) {
     switch (st) {
@@ -201,7 +201,8 @@ leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, i
         v->isovalues[i] = surfaces[i].isovalue;
     }
     v->surface_count = count;
-    loader_select(v->treelets, v->isovalues, count);
+    const interest in = interest_of_isovalues(v->isovalues, count);
+    loader_select(v->treelets, &in);
     loader_reset_statistics(v->treelets);
     return LEAFCAST_OK;
 }

@@ -13,6 +13,7 @@
 
 #include "render/affine.h"
 #include "render/counters.h"
+#include "render/isovalue_list.h"
 #include "render/ray.h"
 #include "render/surface_point.h"
 #include "stream/loader.h"
@@ -23,7 +24,7 @@ typedef struct tracer {
     const void *own; /* the kind's part */
     loader *treelets;
     const leaf_layout *layout;
-    active_set isos;
+    isovalue_list isos;
     affine space;
     double box[2][3];      /* of the volume, grid space */
     bool boxed;            /* rays are cut to the box: coarse levels reach past it */

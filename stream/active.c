@@ -23,11 +23,6 @@ active_masks *active_init(void *block, uint32_t node_levels) {
     return masks;
 }
 
-float active_threshold(double iso) {
-    const float f = (float)iso;
-    return (double)f < iso ? nextafterf(f, INFINITY) : f;
-}
-
 /* Morton order of the 4^3 cells of a block, a row of 4 cells at a time: bit positions of (x = 0..3)
  * are 0, 1, 8, 9. */
 static uint64_t spread_row(unsigned row) {
@@ -38,14 +33,17 @@ static unsigned row_shift(unsigned y, unsigned z) {
     return (y & 1u) << 1 | (y & 2u) << 3 | (z & 1u) << 2 | (z & 2u) << 4;
 }
 
-/* From one bit a node (5 x 5 rows of 5), the cells whose corners hold both a 0 and a 1. */
-static uint64_t mixed_cells(const uint8_t rows[NODES][NODES]) {
+/* A bit a node of a block. */
+typedef uint8_t node_rows[NODES][NODES];
+
+/* The cells with any corner in `reach` and not all corners in `beyond`. */
+static uint64_t met_cells(const node_rows reach, const node_rows beyond) {
     uint64_t mask = 0;
-    uint8_t any[NODES][NODES], all[NODES][NODES];
+    node_rows any, all;
     for (int z = 0; z < NODES; z++) {
         for (int y = 0; y < NODES; y++) {
-            any[z][y] = (uint8_t)(rows[z][y] | rows[z][y] >> 1);
-            all[z][y] = (uint8_t)(rows[z][y] & rows[z][y] >> 1);
+            any[z][y] = (uint8_t)(reach[z][y] | reach[z][y] >> 1);
+            all[z][y] = (uint8_t)(beyond[z][y] & beyond[z][y] >> 1);
         }
     }
     for (unsigned z = 0; z < BLOCK; z++) {
@@ -59,7 +57,7 @@ static uint64_t mixed_cells(const uint8_t rows[NODES][NODES]) {
 }
 
 /* The cells of a block that touch a set bit. */
-static uint64_t touched_cells(const uint8_t rows[NODES][NODES]) {
+static uint64_t touched_cells(const node_rows rows) {
     uint64_t mask = 0;
     for (unsigned z = 0; z < BLOCK; z++) {
         for (unsigned y = 0; y < BLOCK; y++) {
@@ -109,24 +107,19 @@ static void gather(sample_type type, block_samples *b, const void *samples, cons
     }
 }
 
-/* Of isovalues that lie in the treelet's own range. */
-static uint64_t block_mask(const block_samples *b, const active_set *set, bool non_finite) {
-    uint8_t rows[NODES][NODES];
-    uint64_t mask = 0;
-    for (int i = 0; i < set->count; i++) {
-        const double iso = set->isovalues[i];
-        for (int z = 0; z < NODES; z++) {
-            for (int y = 0; y < NODES; y++) {
-                unsigned row = 0;
-                for (int x = 0; x < NODES; x++)
-                    row |= (unsigned)((double)b->f[z][y][x] >= iso) << x;
-                rows[z][y] = (uint8_t)row;
-            }
+/* The samples of a block at or above a limit. */
+static void rows_from(const block_samples *b, float limit, node_rows rows) {
+    for (int z = 0; z < NODES; z++) {
+        for (int y = 0; y < NODES; y++) {
+            unsigned row = 0;
+            for (int x = 0; x < NODES; x++)
+                row |= (unsigned)(b->f[z][y][x] >= limit) << x;
+            rows[z][y] = (uint8_t)row;
         }
-        mask |= mixed_cells(rows);
     }
-    if (!non_finite || !mask)
-        return mask;
+}
+
+static void rows_missing(const block_samples *b, node_rows rows) {
     for (int z = 0; z < NODES; z++) {
         for (int y = 0; y < NODES; y++) {
             unsigned row = 0;
@@ -135,7 +128,23 @@ static uint64_t block_mask(const block_samples *b, const active_set *set, bool n
             rows[z][y] = (uint8_t)row;
         }
     }
-    return mask & ~touched_cells(rows);
+}
+
+static uint64_t block_mask(const block_samples *b, const interest_part *in, bool non_finite) {
+    node_rows reach, beyond;
+    uint64_t mask = 0;
+    for (int i = 0; i < in->count; i++) {
+        const interest_limits at = in->limits[i];
+        const bool isovalue = at.reach == at.beyond;
+        rows_from(b, at.reach, reach);
+        if (!isovalue)
+            rows_from(b, at.beyond, beyond);
+        mask |= met_cells(reach, isovalue ? reach : beyond);
+    }
+    if (!non_finite || !mask)
+        return mask;
+    rows_missing(b, reach);
+    return mask & ~touched_cells(reach);
 }
 
 /* Cells beyond the treelet's own do not exist, whatever codes may say. */
@@ -157,39 +166,31 @@ static void morton_place(uint32_t code, uint32_t levels, uint32_t at[3]) {
             at[a] |= (code >> (3 * l + (uint32_t)a) & 1u) << l;
 }
 
-/* Which of the 8^k nodes of a level hold an isovalue by their codes: one byte of eight siblings at
+/* Which of the 8^k nodes of a level meet the interest by their codes: one byte of eight siblings at
  * a time. */
-static uint8_t held_siblings(const uint8_t *lo, const uint8_t *hi, const quantized_iso *isos,
-                             int count) {
+static uint8_t held_siblings(const uint8_t *lo, const uint8_t *hi, const interest_part *in) {
     unsigned mask = 0;
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < in->count; i++)
         for (unsigned c = 0; c < 8; c++)
-            mask |= (unsigned)quantize_holds(isos[i], lo[c], hi[c]) << c;
+            mask |= (unsigned)quantize_holds(in->codes[i], lo[c], hi[c]) << c;
     return (uint8_t)mask;
 }
 
 void active_compute(active_masks *masks, const leaf_file *f, uint32_t t, const void *payload,
-                    const active_set *all) {
+                    const interest *in) {
     const leaf_payload shape = leaf_layout_payload(&f->layout, t);
     const uint32_t levels = shape.node_levels, blocks = 1u << (3 * levels);
     const uint8_t *bytes = payload;
-    const quantizer q = quantizer_of(f->own[t][0], f->own[t][1], f->layout.type);
     const bool non_finite = f->flags[t] & LEAF_FLAG_NON_FINITE;
-    quantized_iso isos[ACTIVE_ISOS_MAX];
-    double inside[ACTIVE_ISOS_MAX];
-    active_set set = {0, inside};
-    assert(all->count <= ACTIVE_ISOS_MAX);
-    for (int i = 0; i < all->count; i++) {
-        isos[set.count] = quantizer_iso(&q, all->isovalues[i]);
-        inside[set.count] = all->isovalues[i];
-        set.count += isos[set.count].below >= 0;
-    }
+    const quantizer q = quantizer_of(f->own[t][0], f->own[t][1], f->layout.type);
+    interest_part part;
+    interest_within(&part, in, &q);
 
-    /* Leaves: blocks whose codes hold an isovalue get their exact cell mask. */
+    /* Leaves: blocks whose codes meet the interest get their exact cell mask. */
     const uint8_t *lo = bytes + leaf_codes_at(levels), *hi = lo + blocks;
     block_samples b;
     for (uint32_t group = 0; group < blocks; group += 8) {
-        unsigned held = held_siblings(lo + group, hi + group, isos, set.count), active = 0;
+        unsigned held = held_siblings(lo + group, hi + group, &part), active = 0;
         for (uint32_t c = 0; c < 8; c++) {
             uint64_t mask = 0;
             if (held >> c & 1u) {
@@ -201,7 +202,7 @@ void active_compute(active_masks *masks, const leaf_file *f, uint32_t t, const v
                 }
                 gather(f->layout.type, &b, bytes + shape.samples_at, shape.samples, from,
                        f->layout.halo);
-                mask = block_mask(&b, &set, non_finite) & valid_cells(shape.cells, at);
+                mask = block_mask(&b, &part, non_finite) & valid_cells(shape.cells, at);
             }
             masks->cells[group + c] = mask;
             active |= (unsigned)(mask != 0) << c;

@@ -1,13 +1,13 @@
-/* active.h - which nodes and cells of a treelet an isovalue set needs: bit masks derived from codes
- * and samples.
+/* active.h - which nodes and cells of a treelet an interest needs: bit masks derived from codes and
+ * samples.
  *
  * The treelet's tree becomes an octree of 8-bit child masks over its blocks of 4^3 cells, and every
  * active block gets a mask of its 64 cells, all in Morton order (bit 0 x, bit 1 y, bit 2 z per
  * level). So byte i of a block's mask are the cells of its i-th 2^3 group, and traversal is the
  * same step from root to cell: test a bit of a byte.
  *
- * A cell is active iff min < iso && iso <= max over its eight samples for at least one isovalue,
- * and none of them is NaN or inf: exact, so traversal need not look at samples. Derived data, never
+ * A cell is active iff the range of its eight samples meets the interest (interest.h) and none of
+ * them is NaN or inf: exact, so traversal need not look at samples. Derived data, never
  * stored: 4.1 KiB a treelet of 32^3 cells, made in 2 to 5 us with AVX2 or SSE4.2, in 14 to 41 us by
  * the scalar version (README.md).
  */
@@ -19,13 +19,7 @@
 
 #include "formats/base/cpu.h"
 #include "formats/leaf/leaf_file.h"
-
-enum { ACTIVE_ISOS_MAX = 32 };
-
-typedef struct active_set {
-    int count; /* isovalues, at most ACTIVE_ISOS_MAX */
-    const double *isovalues;
-} active_set;
+#include "stream/interest.h"
 
 /* Masks of one treelet; lies in front of its arrays in one block of active_bytes(). */
 typedef struct active_masks {
@@ -40,18 +34,14 @@ size_t active_bytes(uint32_t node_levels);
 /* active_init() - lay the masks out in a block of active_bytes(); everything inactive. */
 active_masks *active_init(void *block, uint32_t node_levels);
 
-/* active_compute() - masks of treelet t for an isovalue set, from its payload. Of the samples only
- * those of blocks whose codes hold an isovalue of the set decide. */
+/* active_compute() - masks of treelet t for an interest, from its payload. Of the samples only
+ * those of blocks whose codes meet it decide. */
 typedef void active_fn(active_masks *masks, const leaf_file *f, uint32_t t, const void *payload,
-                       const active_set *set);
+                       const interest *in);
 active_fn active_compute;
 
 /* active_for() - the same function, the same bits, for a CPU that this one is. */
 active_fn *active_for(cpu_isa isa);
-
-/* active_threshold() - the least float (inf included) that reaches iso: for every float f,
- * f >= active_threshold(iso) is (double)f >= iso. */
-float active_threshold(double iso);
 
 /* Where level k (1 .. K-1) starts in `nodes`. */
 static inline uint32_t active_nodes_at(uint32_t k) {

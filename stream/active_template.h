@@ -2,9 +2,10 @@
  * active_avx512.c include it.
  *
  * The same bits as active.c, 32 cells at a time. A row of 33 samples becomes two words: which of
- * its 32 cells have any, and which have all samples at or above the isovalue. Words of four rows
- * are combined to active cells and turned into Morton order together. Only rows of blocks (along x)
- * with at least one block whose codes hold an isovalue are looked at.
+ * its 32 cells have any, and which have all samples at or above a limit. An interval takes any of
+ * those that reach it and all of those beyond it: for an isovalue that is one pass. Words of four
+ * rows are combined to active cells and turned into Morton order together. Only rows of blocks
+ * (along x) with at least one block whose codes meet the interest are looked at.
  */
 #ifndef STREAM_ACTIVE_TEMPLATE_H
 #define STREAM_ACTIVE_TEMPLATE_H
@@ -16,7 +17,6 @@ active_fn active_compute_sse42, active_compute_avx2, active_compute_avx512;
 
 #ifdef SIMD_NAME
 
-#include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
@@ -164,11 +164,14 @@ SIMD uint32_t finite_f32(const float *s, vf limit) {
 /* ---- Rows of cells ---- */
 
 /* One word of up to 32 cells for every row of nodes of a layer of blocks (y + nodes * z, z from the
- * layer's first plane on), where any or all of a cell's two samples on the row reach the isovalue;
- * where any is NaN or inf. */
+ * layer's first plane on). */
 enum { PLANES = BLOCK + 1 };
+typedef uint32_t layer_words[NODES_MAX * PLANES];
+
+/* Where any of a cell's two samples on the row reaches the interval; where all lie beyond it; where
+ * any is NaN or inf. spare: what a pass finds that nobody asks for. */
 typedef struct row_bits {
-    uint32_t any[NODES_MAX * PLANES], all[NODES_MAX * PLANES], bad[NODES_MAX * PLANES];
+    layer_words any, all, bad, spare;
 } row_bits;
 
 /* What is looked at: one treelet's samples, from the halo on. */
@@ -178,14 +181,21 @@ typedef struct sample_rows {
     sample_type type;
 } sample_rows;
 
-/* f >= iso, as a comparison of samples. */
+/* f >= limit, as a comparison of samples. */
 typedef struct threshold {
     int32_t i;
     float f;
 } threshold;
 
+/* What samples of a layer are compared with, and where the words of its rows go: any or all of a
+ * cell's two samples reach the limit. No limit: any are NaN or inf. */
+typedef struct row_pass {
+    const threshold *limit;
+    uint32_t *any, *all;
+} row_pass;
+
 /* False: no sample reaches it. */
-SIMD bool threshold_of(sample_type type, double iso, threshold *out) {
+SIMD bool threshold_of(sample_type type, float limit, threshold *out) {
     static const double least[] = {
         [SAMPLE_U8] = 0, [SAMPLE_I8] = INT8_MIN, [SAMPLE_U16] = 0, [SAMPLE_I16] = INT16_MIN};
     static const double most[] = {[SAMPLE_U8] = UINT8_MAX,
@@ -193,10 +203,10 @@ SIMD bool threshold_of(sample_type type, double iso, threshold *out) {
                                   [SAMPLE_U16] = UINT16_MAX,
                                   [SAMPLE_I16] = INT16_MAX};
     if (type == SAMPLE_F32) {
-        out->f = active_threshold(iso);
-        return true;
+        out->f = limit;
+        return limit <= FLT_MAX;
     }
-    const double i = ceil(iso);
+    const double i = ceil((double)limit);
     if (!(i <= most[type]))
         return false;
     out->i = (int32_t)(i > least[type] ? i : least[type]);
@@ -231,13 +241,13 @@ static void run_bad(const void *from, size_t stride, uint32_t count, uint32_t *b
     }
 }
 
-/* Words of `count` rows that follow each other; reads 33 samples of each. limit NULL: which are not
- * finite. */
+/* Words of `count` rows that follow each other; reads 33 samples of each. */
 static void run_of(const sample_rows *s, const void *from, size_t stride, uint32_t count,
-                   const threshold *limit, row_bits *rows, size_t at) {
-    uint32_t *any = rows->any + at, *all = rows->all + at;
+                   const row_pass *pass, size_t at) {
+    const threshold *limit = pass->limit;
+    uint32_t *any = pass->any + at, *all = pass->all + at;
     if (!limit) {
-        run_bad(from, stride, count, rows->bad + at);
+        run_bad(from, stride, count, any);
         return;
     }
     switch (s->type) {
@@ -252,18 +262,18 @@ static void run_of(const sample_rows *s, const void *from, size_t stride, uint32
 /* The same for rows y .. y + count - 1 of plane z, cells from x on. Rows may be shorter than 33
  * samples, and the payload may end with the last of them: those are copied first. */
 static void rows_of_plane(const sample_rows *s, uint32_t x, uint32_t y, uint32_t z, uint32_t count,
-                          const threshold *limit, row_bits *rows, size_t at) {
+                          const row_pass *pass, size_t at) {
     const size_t width = (ROW + 1) * s->element;
     const char *from = s->first + x * s->element + y * s->row + z * s->slice;
     if ((size_t)(s->end - from) >= (count - 1) * s->row + width) {
-        run_of(s, from, s->row / s->element, count, limit, rows, at);
+        run_of(s, from, s->row / s->element, count, pass, at);
         return;
     }
     for (uint32_t i = 0; i < count; i++, from += s->row) {
         float copy[ROW + 1] = {0};
         const size_t left = (size_t)(s->end - from);
         memcpy(copy, from, left < width ? left : width);
-        run_of(s, copy, 0, 1, limit, rows, at + i);
+        run_of(s, copy, 0, 1, pass, at + i);
     }
 }
 
@@ -272,7 +282,7 @@ typedef uint16_t wanted_rows[BLOCKS_A_SIDE_MAX];
 
 /* The words of the rows of plane z that these rows of blocks touch; at: where the plane's go. */
 static void rows_wanted(const sample_rows *s, const uint32_t cells[3], unsigned held, uint32_t x,
-                        uint32_t z, const threshold *limit, row_bits *rows, size_t at) {
+                        uint32_t z, const row_pass *pass, size_t at) {
     while (held) {
         const unsigned by = (unsigned)__builtin_ctz(held);
         const unsigned run = (unsigned)__builtin_ctz(~(held >> by));
@@ -280,32 +290,27 @@ static void rows_wanted(const sample_rows *s, const uint32_t cells[3], unsigned 
         const uint32_t y = by * BLOCK, last = y + run * BLOCK;
         if (y >= cells[1])
             break;
-        rows_of_plane(s, x, y, z, (last < cells[1] ? last : cells[1]) - y + 1, limit, rows, at + y);
+        rows_of_plane(s, x, y, z, (last < cells[1] ? last : cells[1]) - y + 1, pass, at + y);
     }
 }
 
 /* The words of layer bz of blocks. Its first plane is the last one of the layer below, if that was
  * looked at. */
 static void layer_wanted(const sample_rows *s, const uint32_t cells[3], uint32_t side, uint32_t x,
-                         const wanted_rows wanted, uint32_t bz, const threshold *limit,
-                         row_bits *rows) {
+                         const wanted_rows wanted, uint32_t bz, const row_pass *pass) {
     const uint32_t nodes = side + 1, z0 = bz * BLOCK;
     const uint32_t last = cells[2] - z0 < BLOCK ? cells[2] - z0 : BLOCK;
     uint32_t k = 0;
     if (bz > 0 && wanted[bz - 1]) {
-        const size_t bytes = nodes * sizeof *rows->any, from = (size_t)BLOCK * nodes;
-        if (limit) {
-            memcpy(rows->any, rows->any + from, bytes);
-            memcpy(rows->all, rows->all + from, bytes);
-        } else {
-            memcpy(rows->bad, rows->bad + from, bytes);
-        }
+        const size_t bytes = nodes * sizeof *pass->any, from = (size_t)BLOCK * nodes;
+        memcpy(pass->any, pass->any + from, bytes);
+        memcpy(pass->all, pass->all + from, bytes);
         k = 1;
     }
     for (; k <= last; k++) {
         /* The next layer takes the last plane over. */
         const bool shared = k == BLOCK && z0 + BLOCK < side;
-        rows_wanted(s, cells, wanted[bz] | (shared ? wanted[bz + 1] : 0u), x, z0 + k, limit, rows,
+        rows_wanted(s, cells, wanted[bz] | (shared ? wanted[bz + 1] : 0u), x, z0 + k, pass,
                     (size_t)k * nodes);
     }
 }
@@ -397,16 +402,16 @@ static void blocks_wanted(const row_bits *rows, const uint32_t cells[3], uint32_
 
 /* ---- Codes and nodes ---- */
 
-/* Whether the codes of each block hold an isovalue: a byte eight siblings. */
+/* Whether the codes of each block meet the interest: a byte eight siblings. */
 static void held_blocks(const uint8_t *lo, const uint8_t *hi, uint32_t blocks,
-                        const quantized_iso *isos, int count, uint8_t *held) {
+                        const interest_part *in, uint8_t *held) {
     for (uint32_t b = 0; b < blocks; b += 16) {
         const __m128i low = _mm_loadu_si128((const __m128i *)(lo + b));
         const __m128i high = _mm_loadu_si128((const __m128i *)(hi + b));
         __m128i holds = _mm_setzero_si128();
-        for (int i = 0; i < count; i++) {
-            const __m128i below = _mm_set1_epi8((char)isos[i].below);
-            const __m128i above = _mm_set1_epi8((char)isos[i].above);
+        for (int i = 0; i < in->count; i++) {
+            const __m128i below = _mm_set1_epi8((char)in->codes[i].below);
+            const __m128i above = _mm_set1_epi8((char)in->codes[i].above);
             holds =
                 _mm_or_si128(holds, _mm_and_si128(_mm_cmpeq_epi8(_mm_min_epu8(low, below), low),
                                                   _mm_cmpeq_epi8(_mm_max_epu8(high, above), high)));
@@ -482,49 +487,52 @@ static void sum_up(active_masks *masks, uint32_t levels, const uint8_t *held) {
 /* Masks of the cells from x on that a word covers. */
 static void word_of_cells(active_masks *masks, const sample_rows *s, const leaf_payload *shape,
                           uint32_t x, const wanted_rows wanted, bool non_finite,
-                          const active_set *set) {
+                          const interest_part *in) {
     const uint32_t side = BLOCK << shape->node_levels;
     const size_t used = (size_t)(side + 1) * PLANES * sizeof(uint32_t);
     row_bits rows;
+    const row_pass missing = {NULL, rows.bad, rows.spare};
     if (shape->cells[1] < side || shape->cells[2] < side) {
         /* Rows that do not exist are looked at with those that do. */
         memset(rows.any, 0, used);
         memset(rows.all, 0, used);
         memset(rows.bad, 0, used);
     }
-    for (int i = 0; i < set->count; i++) {
-        threshold limit = {0, 0.0f};
-        if (!threshold_of(s->type, set->isovalues[i], &limit))
+    for (int i = 0; i < in->count; i++) {
+        const interest_limits at = in->limits[i];
+        const bool isovalue = at.reach == at.beyond;
+        threshold reach = {0, 0.0f}, beyond = {0, 0.0f};
+        if (!threshold_of(s->type, at.reach, &reach))
             continue;
+        const bool bounded = !isovalue && threshold_of(s->type, at.beyond, &beyond);
+        const row_pass first = {&reach, rows.any, isovalue ? rows.all : rows.spare};
+        const row_pass second = {&beyond, rows.spare, rows.all};
+        if (!isovalue && !bounded)
+            memset(rows.all, 0, used);
         for (uint32_t bz = 0; bz * BLOCK < shape->cells[2]; bz++) {
             if (!wanted[bz])
                 continue;
             if (non_finite)
-                layer_wanted(s, shape->cells, side, x, wanted, bz, NULL, &rows);
-            layer_wanted(s, shape->cells, side, x, wanted, bz, &limit, &rows);
+                layer_wanted(s, shape->cells, side, x, wanted, bz, &missing);
+            layer_wanted(s, shape->cells, side, x, wanted, bz, &first);
+            if (bounded)
+                layer_wanted(s, shape->cells, side, x, wanted, bz, &second);
             blocks_wanted(&rows, shape->cells, side, x, wanted, bz, non_finite, masks->cells);
         }
     }
 }
 
 void SIMD_NAME(active_compute)(active_masks *masks, const leaf_file *f, uint32_t t,
-                               const void *payload, const active_set *all) {
+                               const void *payload, const interest *in) {
     const leaf_payload shape = leaf_layout_payload(&f->layout, t);
     const uint32_t levels = shape.node_levels, blocks = 1u << (3 * levels);
     const uint32_t side = BLOCK << levels, halo = f->layout.halo;
     const quantizer q = quantizer_of(f->own[t][0], f->own[t][1], f->layout.type);
-    quantized_iso isos[ACTIVE_ISOS_MAX];
-    double inside[ACTIVE_ISOS_MAX];
-    active_set set = {0, inside};
+    interest_part part;
     uint8_t held[GROUPS_MAX];
-    assert(all->count <= ACTIVE_ISOS_MAX);
-    for (int i = 0; i < all->count; i++) {
-        isos[set.count] = quantizer_iso(&q, all->isovalues[i]);
-        inside[set.count] = all->isovalues[i];
-        set.count += isos[set.count].below >= 0;
-    }
+    interest_within(&part, in, &q);
     const uint8_t *lo = (const uint8_t *)payload + leaf_codes_at(levels);
-    held_blocks(lo, lo + blocks, blocks, isos, set.count, held);
+    held_blocks(lo, lo + blocks, blocks, &part, held);
 
     const size_t element = sample_size(f->layout.type), row = shape.samples[0] * element;
     sample_rows s = {.end = (const char *)payload + shape.bytes,
@@ -537,7 +545,7 @@ void SIMD_NAME(active_compute)(active_masks *masks, const leaf_file *f, uint32_t
     wanted_rows wanted;
     for (uint32_t x = 0; x < shape.cells[0]; x += ROW)
         if (want_rows(held, side, x, wanted))
-            word_of_cells(masks, &s, &shape, x, wanted, f->flags[t] & LEAF_FLAG_NON_FINITE, &set);
+            word_of_cells(masks, &s, &shape, x, wanted, f->flags[t] & LEAF_FLAG_NON_FINITE, &part);
     sum_up(masks, levels, held);
 }
 

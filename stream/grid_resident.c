@@ -72,8 +72,8 @@ static void destroy(const resident_store *s, treelet *tr) {
     mem_free(s->m, tr);
 }
 
-static void mask(const resident_store *s, treelet *tr, const active_set *isos) {
-    s->compute(tr->masks, s->file, tr->id, tr->payload, isos);
+static void mask(const resident_store *s, treelet *tr, const interest *in) {
+    s->compute(tr->masks, s->file, tr->id, tr->payload, in);
 }
 
 const resident_kind grid_resident = {.shares = false,

@@ -45,12 +45,10 @@ struct loader_private {
     status_note failure;
     loader_stats stats;
     seat *free_seats;
-    /* The selected isovalues; read-only while anything is traced or loaded. */
-    double isovalues[ACTIVE_ISOS_MAX];
-    active_set isos;
+    interest selected;   /* read-only while anything is traced or loaded */
     atomic_size_t masks; /* made */
     uint8_t *existing;   /* a treelet's octants that are there */
-    uint8_t *held;       /* whether a treelet's subtree holds an isovalue: room for a sweep */
+    uint8_t *held;       /* whether a treelet's subtree meets the interest: room for a sweep */
     treelet_tree tree;   /* where treelets overlap */
     uint32_t set;        /* selected */
     size_t place_bytes;
@@ -261,7 +259,7 @@ void loader_mask(const loader *l, treelet *tr) {
         if (seen != LOADER_MASKING &&
             atomic_compare_exchange_strong_explicit(&tr->masked, &seen, LOADER_MASKING,
                                                     memory_order_acquire, memory_order_relaxed)) {
-            h->kind->mask(&h->store, tr, &h->isos);
+            h->kind->mask(&h->store, tr, &h->selected);
             atomic_fetch_add_explicit(&h->masks, 1, memory_order_relaxed);
             atomic_store_explicit(&tr->masked, l->selection, memory_order_release);
             return;
@@ -454,26 +452,24 @@ static void rest(struct loader_private *h) {
     quiesce(h);
 }
 
-/* Of each range whether it holds an isovalue: compared as floats, without a branch. */
-static void holding(const float (*ranges)[2], uint32_t count, const active_set *isos,
-                    uint8_t *held) {
+/* Of each range whether it meets the interest: without a branch. */
+static void holding(const float (*ranges)[2], uint32_t count, const interest *in, uint8_t *held) {
     memset(held, 0, count);
-    for (int i = 0; i < isos->count; i++) {
-        const float at = active_threshold(isos->isovalues[i]);
+    for (int i = 0; i < in->count; i++) {
+        const interest_limits at = in->limits[i];
         for (uint32_t t = 0; t < count; t++)
-            held[t] |= (uint8_t)((ranges[t][0] < at) & (ranges[t][1] >= at));
+            held[t] |= (uint8_t)((ranges[t][0] < at.beyond) & (ranges[t][1] >= at.reach));
     }
 }
 
-/* The isovalue sweep: which treelets hold a surface themselves, and which children's subtrees do.
- */
+/* The sweep: which treelets are of interest themselves, and which children's subtrees are. */
 static void sweep_ranges(loader *l) {
     const leaf_file *f = l->file;
     const struct loader_private *h = l->hidden;
     const uint32_t treelets = f->layout.treelets, inner = f->layout.level[0].first;
     const size_t first = (size_t)treelets * h->set;
-    holding((const float(*)[2])f->own + first, treelets, &h->isos, l->own);
-    holding((const float(*)[2])f->ranges + first, treelets, &h->isos, h->held);
+    holding((const float(*)[2])f->own + first, treelets, &h->selected, l->own);
+    holding((const float(*)[2])f->ranges + first, treelets, &h->selected, h->held);
     uint64_t bytes = 0;
     uint32_t active = 0;
     for (uint32_t t = 0; t < treelets; t++) {
@@ -493,7 +489,7 @@ static void sweep_ranges(loader *l) {
         treelet_tree_select(&l->hidden->tree, l->own);
 }
 
-/* Resident treelets that hold a surface are READY, the others in the cache. */
+/* Resident treelets of interest are READY, the others in the cache. */
 static void sort_resident(loader *l) {
     struct loader_private *h = l->hidden;
     const uint32_t filled = h->filled;
@@ -520,14 +516,12 @@ static void select_anew(loader *l) {
     sort_resident(l);
 }
 
-void loader_select(loader *l, const double *isovalues, int count) {
+void loader_select(loader *l, const interest *in) {
     struct loader_private *h = l->hidden;
-    const size_t bytes = (size_t)count * sizeof *isovalues;
     pthread_mutex_lock(&h->lock);
     rest(h);
-    if (count != h->isos.count || memcmp(h->isovalues, isovalues, bytes) != 0) {
-        memcpy(h->isovalues, isovalues, bytes);
-        h->isos = (active_set){count, h->isovalues};
+    if (!interest_same(in, &h->selected)) {
+        h->selected = *in;
         l->selection++;
         select_anew(l);
     }

@@ -1,16 +1,16 @@
 /* loader.h - treelets at run time: which are needed, which are resident, and the threads that bring
  * them in.
  *
- * The isovalue sweep (M08 4.4.1) over the directory says which treelets hold a surface; those that
- * are wanted are read, checked, given their masks of active cells and published by threads
+ * The sweep (M08 4.4.1) over the directory says which treelets' ranges meet the interest; those
+ * that are wanted are read, checked, given their masks of active cells and published by threads
  * (readers.h) that several loaders may share, most urgent first, into at most `capacity` places. A
  * treelet goes ABSENT -> QUEUED -> LOADING -> READY, or to FAILED. READY treelets stay until
  * loader_admit(), loader_set_capacity() or another selection takes them away, which only happens
  * while no ray is being traced.
  *
  * Another selection costs no more than its sweep: whoever looks a READY treelet up first makes its
- * new masks, and treelets that hold none of the new isovalues go to a cache, where they keep what
- * they have read until their place is needed or their isovalue comes back. So do those of a mesh's
+ * new masks, and treelets that do not meet the new interest go to a cache, where they keep what
+ * they have read until their place is needed or they are of interest again. So do those of a mesh's
  * other fields and time steps, with their masks (schema trees); or a step's vertices give way to
  * the next one's, and the tree is refit (mesh_resident.h).
  *
@@ -43,9 +43,9 @@ typedef struct loader_stats {
 typedef struct loader {
     mem *m;
     leaf_file *file;
-    /* Per treelet, for the selected isovalues; read-only while tracing. */
-    uint8_t *own;      /* 1: its own level holds a surface */
-    uint8_t *children; /* octants whose subtree holds one, by the merged ranges */
+    /* Per treelet, for the selected interest; read-only while tracing. */
+    uint8_t *own;      /* 1: the range of its own level meets it */
+    uint8_t *children; /* octants whose subtree does, by the merged ranges */
     _Atomic(treelet *) *resident;
     const treelet_tree *tree; /* where treelets overlap; else NULL */
     size_t selection;         /* how many different ones there were */
@@ -73,9 +73,9 @@ void loader_destroy(loader *l); /* waits for reads under way; NULL is fine */
 /* loader_readers() - its threads, for another loader that lives shorter. */
 readers *loader_readers(const loader *l);
 
-/* loader_select() - the isovalues of the coming frames. One pass over the directory, and none when
- * they are the same as before. */
-void loader_select(loader *l, const double *isovalues, int count);
+/* loader_select() - what the coming frames need of the volume (copied). One pass over the
+ * directory, and none when it is the same as before. */
+void loader_select(loader *l, const interest *in);
 
 /* loader_select_set() - the set of a mesh's values, and the step, that the coming frames show. A
  * pass over the directory, and none when it is the same as before. */
@@ -107,7 +107,7 @@ uint32_t loader_capacity(const loader *l);
  * reading). */
 void loader_mask(const loader *l, treelet *tr);
 
-/* loader_lookup() - the treelet if it is READY, with masks of the selected isovalues, else NULL.
+/* loader_lookup() - the treelet if it is READY, with masks of the selected interest, else NULL.
  * Any thread. Never waits for a read. */
 static inline const treelet *loader_lookup(const loader *l, uint32_t t) {
     treelet *tr = atomic_load_explicit(&l->resident[t], memory_order_acquire);
@@ -129,7 +129,7 @@ static inline void loader_prefetch(const loader *l, uint32_t t) {
  * for before. Any thread. */
 void loader_want(loader *l, uint32_t t, uint64_t priority);
 
-/* loader_sweep() - want every treelet that holds a surface, coarse levels first, behind everything
+/* loader_sweep() - want every treelet of interest, coarse levels first, behind everything
  * that rays want. */
 void loader_sweep(loader *l);
 

@@ -1,8 +1,7 @@
 #include "stream/mesh_active.h"
 
+#include <math.h>
 #include <string.h>
-
-#include "stream/active.h"
 
 static size_t words_of(const mesh_shape *shape) {
     return (shape->tets + 63) / 64;
@@ -20,39 +19,80 @@ mesh_active *mesh_active_init(void *block, const mesh_shape *shape) {
     return active;
 }
 
-/* Bit i of a vertex: its value is at or above isovalue i. */
-static void find_sides(uint8_t *sides, const float *values, uint32_t count, const double *isovalues,
-                       int isos) {
+/* Intervals are looked at together, as many as a byte has bits for. Bit i of a vertex: its value
+ * reaches interval i; bit i + shift: it lies beyond. shift 0: for all of them this is the same. */
+typedef struct batch {
+    const interest_limits *limits;
+    const quantized_limits *codes;
+    int count;
+    unsigned shift;
+} batch;
+
+enum { SIDE_BITS = 8 };
+
+/* The next ones from the first on: isovalues take a bit each, other intervals two. */
+static batch batch_of(const interest_part *part, int first) {
+    const interest_limits *at = part->limits + first;
+    const int left = part->count - first, most = left < SIDE_BITS ? left : SIDE_BITS;
+    batch b = {at, part->codes + first, 0, 0};
+    while (b.count < most && at[b.count].reach == at[b.count].beyond)
+        b.count++;
+    if (b.count < most && b.count < SIDE_BITS / 2) {
+        b.count = left < SIDE_BITS / 2 ? left : SIDE_BITS / 2;
+        b.shift = SIDE_BITS / 2;
+    }
+    return b;
+}
+
+static void find_sides(uint8_t *sides, const float *values, uint32_t count, const batch *b) {
     memset(sides, 0, count);
-    for (int i = 0; i < isos; i++) {
-        const float at = active_threshold(isovalues[i]);
+    for (int i = 0; i < b->count; i++) {
+        const interest_limits at = b->limits[i];
         for (uint32_t v = 0; v < count; v++)
-            sides[v] |= (uint8_t)((values[v] >= at) << i);
+            sides[v] |= (uint8_t)((values[v] >= at.reach) << i);
+        for (uint32_t v = 0; b->shift && v < count; v++)
+            sides[v] |= (uint8_t)((values[v] >= at.beyond) << (i + (int)b->shift));
     }
 }
 
-/* Those of a leaf's tets that have vertices on both sides of any isovalue; whether there are any.
- */
-static bool mark_tets(mesh_active *active, const uint16_t (*tets)[4], uint32_t first,
-                      uint32_t end) {
+/* Those of a leaf's tets of which a vertex reaches an interval, and not all are beyond it; whether
+ * there are any. */
+static inline bool mark_tets(mesh_active *active, const uint16_t (*tets)[4], uint32_t first,
+                             uint32_t end, unsigned shift) {
     const uint8_t *s = active->sides;
+    const unsigned reaches = (1u << (shift ? shift : SIDE_BITS)) - 1u;
     unsigned any = 0;
     for (uint32_t i = first; i < end; i++) {
         const uint16_t *v = tets[i];
         const uint8_t a = s[v[0]], b = s[v[1]], c = s[v[2]], d = s[v[3]];
-        const unsigned differ = (unsigned)((a | b | c | d) & ~(a & b & c & d));
-        active->tets[i / 64] |= (uint64_t)(differ != 0) << i % 64;
-        any |= differ;
+        const unsigned met = (unsigned)((a | b | c | d) & ~((a & b & c & d) >> shift)) & reaches;
+        active->tets[i / 64] |= (uint64_t)(met != 0) << i % 64;
+        any |= met;
     }
     return any;
 }
 
-/* Children whose values can hold one of the isovalues, by their codes. */
-static unsigned may_hold(const mesh_codes *codes, const quantized_iso isos[], int count) {
+/* Take those of a leaf's tets out that have a value that is not finite; whether any are left. */
+static bool drop_missing(mesh_active *active, const uint16_t (*tets)[4], uint32_t first,
+                         uint32_t end, const float *values) {
+    bool any = false;
+    for (uint32_t i = first; i < end; i++) {
+        bool finite = true;
+        for (int k = 0; k < 4; k++)
+            finite = finite && isfinite(values[tets[i][k]]);
+        if (!finite)
+            active->tets[i / 64] &= ~(UINT64_C(1) << i % 64);
+        any |= active->tets[i / 64] >> i % 64 & 1u;
+    }
+    return any;
+}
+
+/* Children whose values can meet one of the intervals, by their codes. */
+static unsigned may_meet(const mesh_codes *codes, const batch *b) {
     unsigned mask = 0;
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < b->count; i++)
         for (unsigned c = 0; c < MESH_CHILDREN; c++)
-            mask |= (unsigned)quantize_holds(isos[i], codes->lo[c], codes->hi[c]) << c;
+            mask |= (unsigned)quantize_holds(b->codes[i], codes->lo[c], codes->hi[c]) << c;
     return mask;
 }
 
@@ -69,48 +109,57 @@ typedef struct waiting_leaves {
     unsigned count, next;
 } waiting_leaves;
 
-static void mark_leaf(mesh_active *active, const uint16_t (*tets)[4], waiting_leaves *w) {
+/* What is marked, and from what. */
+typedef struct marking {
+    mesh_active *active;
+    const mesh_node *nodes;
+    const mesh_codes *codes;
+    const uint16_t *first; /* a leaf: its first tet */
+    const uint16_t (*tets)[4];
+    const float *values;
+    bool non_finite;
+} marking;
+
+static void mark_leaf(const marking *m, const batch *b, waiting_leaves *w) {
     const unsigned k = w->next++ % LEAVES_WAITING;
-    const bool any = mark_tets(active, tets, w->of[k].first, w->of[k].end);
-    active->children[w->of[k].node] |= (uint8_t)(any << w->of[k].child);
+    const uint32_t first = w->of[k].first, end = w->of[k].end;
+    bool any = b->shift ? mark_tets(m->active, m->tets, first, end, SIDE_BITS / 2)
+                        : mark_tets(m->active, m->tets, first, end, 0);
+    if (m->non_finite)
+        any = drop_missing(m->active, m->tets, first, end, m->values);
+    m->active->children[w->of[k].node] |= (uint8_t)(any << w->of[k].child);
 }
 
 /* Down the tree as far as codes say; reached: the nodes that this comes to. */
-static void mark_leaves(mesh_active *active, const mesh_shape *shape, const void *topology,
-                        const void *values, const quantized_iso isos[], int count,
-                        node_set reached) {
-    const mesh_node *nodes = mesh_leaf_nodes(topology);
-    const mesh_codes *codes = mesh_leaf_codes(values);
-    const uint16_t *first = mesh_leaf_first(shape, topology);
-    const uint16_t(*tets)[4] = mesh_leaf_tets(shape, topology);
+static void mark_leaves(const marking *m, uint32_t nodes, const batch *b, node_set reached) {
     waiting_leaves waiting = {.count = 0};
     reached[0] |= 1;
     /* Children come behind their parents. */
-    for (uint32_t word = 0; word * 64 < shape->nodes; word++) {
+    for (uint32_t word = 0; word * 64 < nodes; word++) {
         for (uint64_t done = 0, left; (left = reached[word] & ~done);) {
             const uint32_t n = word * 64 + (uint32_t)__builtin_ctzll(left);
             done |= left & -left;
-            for (unsigned hold = may_hold(&codes[n], isos, count); hold; hold &= hold - 1) {
-                const unsigned c = (unsigned)__builtin_ctz(hold);
-                const uint32_t child = nodes[n].child[c], leaf = child & ~(uint32_t)MESH_LEAF;
+            for (unsigned met = may_meet(&m->codes[n], b); met; met &= met - 1) {
+                const unsigned c = (unsigned)__builtin_ctz(met);
+                const uint32_t child = m->nodes[n].child[c], leaf = child & ~(uint32_t)MESH_LEAF;
                 if (child == MESH_NO_CHILD)
                     break;
                 if (!(child & MESH_LEAF)) {
                     reached[child / 64] |= UINT64_C(1) << child % 64;
                     continue;
                 }
-                __builtin_prefetch(tets[first[leaf]]);
+                __builtin_prefetch(m->tets[m->first[leaf]]);
                 if (waiting.count - waiting.next == LEAVES_WAITING)
-                    mark_leaf(active, tets, &waiting);
+                    mark_leaf(m, b, &waiting);
                 waiting.of[waiting.count % LEAVES_WAITING].node = n;
                 waiting.of[waiting.count % LEAVES_WAITING].child = c;
-                waiting.of[waiting.count % LEAVES_WAITING].first = first[leaf];
-                waiting.of[waiting.count++ % LEAVES_WAITING].end = first[leaf + 1];
+                waiting.of[waiting.count % LEAVES_WAITING].first = m->first[leaf];
+                waiting.of[waiting.count++ % LEAVES_WAITING].end = m->first[leaf + 1];
             }
         }
     }
     while (waiting.next < waiting.count)
-        mark_leaf(active, tets, &waiting);
+        mark_leaf(m, b, &waiting);
 }
 
 /* Nodes with active ones below, from the last one that was reached to the first. */
@@ -131,22 +180,27 @@ static void mark_nodes(mesh_active *active, const mesh_shape *shape, const mesh_
 }
 
 void mesh_active_compute(mesh_active *active, const mesh_shape *shape, const float own[2],
-                         const void *topology, const void *values, const double *isovalues,
-                         int count) {
-    enum { TOGETHER = 8 }; /* the bits of a side */
+                         bool non_finite, const void *topology, const void *values,
+                         const interest *in) {
+    const marking m = {.active = active,
+                       .nodes = mesh_leaf_nodes(topology),
+                       .codes = mesh_leaf_codes(values),
+                       .first = mesh_leaf_first(shape, topology),
+                       .tets = mesh_leaf_tets(shape, topology),
+                       .values = mesh_leaf_values(shape, values),
+                       .non_finite = non_finite};
     const quantizer q = quantizer_of(own[0], own[1], SAMPLE_F32);
+    interest_part part;
     node_set reached;
     memset(active->tets, 0, 8 * words_of(shape));
     memset(active->children, 0, shape->nodes);
     memset(reached, 0, (shape->nodes + 63) / 64 * sizeof reached[0]);
-    for (int i = 0; i < count; i += TOGETHER) {
-        const int isos = count - i < TOGETHER ? count - i : TOGETHER;
-        quantized_iso held[TOGETHER];
-        for (int k = 0; k < isos; k++)
-            held[k] = quantizer_iso(&q, isovalues[i + k]);
-        find_sides(active->sides, mesh_leaf_values(shape, values), shape->vertices, isovalues + i,
-                   isos);
-        mark_leaves(active, shape, topology, values, held, isos, reached);
+    interest_within(&part, in, &q);
+    for (int i = 0; i < part.count;) {
+        const batch b = batch_of(&part, i);
+        find_sides(active->sides, m.values, shape->vertices, &b);
+        mark_leaves(&m, shape->nodes, &b, reached);
+        i += b.count;
     }
-    mark_nodes(active, shape, mesh_leaf_nodes(topology), reached);
+    mark_nodes(active, shape, m.nodes, reached);
 }

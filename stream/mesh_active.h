@@ -1,8 +1,8 @@
-/* mesh_active.h - which tets of a mesh's treelet hold a surface: derived data of a resident
+/* mesh_active.h - which tets of a mesh's treelet are of interest: derived data of a resident
  * treelet, as active.h is for grids.
  *
- * Made for the frame's isovalues when a treelet is first looked at; exact but for tets with values
- * that are not finite, which may count as active. 2 bytes a vertex and node and a bit a tet.
+ * A tet is active iff the range of its four values meets the interest and none of them is NaN or
+ * inf: exact. Made when a treelet is first looked at. 2 bytes a vertex and node and a bit a tet.
  */
 #ifndef STREAM_MESH_ACTIVE_H
 #define STREAM_MESH_ACTIVE_H
@@ -10,6 +10,7 @@
 #include <stddef.h>
 
 #include "formats/mesh/mesh_leaf.h"
+#include "stream/interest.h"
 
 typedef struct mesh_active {
     uint8_t *children; /* a node: bit c: there are active tets below child c */
@@ -22,9 +23,9 @@ size_t mesh_active_bytes(const mesh_shape *shape);
 mesh_active *mesh_active_init(void *block, const mesh_shape *shape);
 
 /* mesh_active_compute() - topology, values: the treelet's checked payloads; own: the range of its
- * values, which its codes are relative to; count >= 0 finite isovalues. */
+ * values, which its codes are relative to; non_finite: there are others among them. */
 void mesh_active_compute(mesh_active *active, const mesh_shape *shape, const float own[2],
-                         const void *topology, const void *values, const double *isovalues,
-                         int count);
+                         bool non_finite, const void *topology, const void *values,
+                         const interest *in);
 
 #endif

@@ -1,4 +1,4 @@
-/* mesh_derived.h - what the layer above makes of a mesh's treelet for the selected isovalues, and
+/* mesh_derived.h - what the layer above makes of a mesh's treelet for the selected interest, and
  * keeps in its block, beside the masks. */
 #ifndef STREAM_MESH_DERIVED_H
 #define STREAM_MESH_DERIVED_H
@@ -8,9 +8,10 @@
 typedef struct mesh_derived {
     /* Room in the block of a treelet of this shape; NULL: nothing is derived. */
     size_t (*bytes)(const mesh_shape *shape);
-    /* Masks have been made for these isovalues: make what belongs to them, in tr->derived, zero to
-     * begin with. Nobody else looks at it meanwhile. */
-    void (*make)(treelet *tr, const active_set *isos);
+    /* Masks have been made for this interest: make what belongs to them, in tr->derived, zero to
+     * begin with. The interest stays until the masks are made anew. Nobody else looks at it
+     * meanwhile. */
+    void (*make)(treelet *tr, const interest *in);
 } mesh_derived;
 
 #endif

@@ -286,12 +286,13 @@ static const treelet_bounds *boxes(const leaf_file *f, uint32_t set) {
            leaf_layout_bounds(&f->layout, set % f->layout.steps, 0);
 }
 
-static void mask(const resident_store *s, treelet *tr, const active_set *isos) {
-    const float *own = s->file->own[(size_t)tr->set * s->file->layout.treelets + tr->id];
-    mesh_active_compute(tr->active, &tr->mesh, own, tr->payload, tr->values, isos->isovalues,
-                        isos->count);
+static void mask(const resident_store *s, treelet *tr, const interest *in) {
+    const size_t element = (size_t)tr->set * s->file->layout.treelets + tr->id;
+    const float *own = s->file->own[element];
+    const bool non_finite = s->file->flags[element] & LEAF_FLAG_NON_FINITE;
+    mesh_active_compute(tr->active, &tr->mesh, own, non_finite, tr->payload, tr->values, in);
     if (tr->derived)
-        s->derived.make(tr, isos);
+        s->derived.make(tr, in);
 }
 
 const resident_kind mesh_resident = {.shares = true,

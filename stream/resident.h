@@ -55,7 +55,7 @@ typedef struct resident_kind {
     /* Give all back but what is shared. */
     void (*destroy)(const resident_store *s, treelet *tr);
     /* Masks of what is active. */
-    void (*mask)(const resident_store *s, treelet *tr, const active_set *isos);
+    void (*mask)(const resident_store *s, treelet *tr, const interest *in);
 } resident_kind;
 
 /* resident_kind_of() - the row of a file's geometry. */

@@ -22,7 +22,7 @@ typedef struct treelet_tree {
     uint32_t levels; /* the last has one node */
     uint32_t count[TREELET_TREE_LEVELS_MAX];
     treelet_bounds *bounds[TREELET_TREE_LEVELS_MAX];
-    uint8_t *active[TREELET_TREE_LEVELS_MAX]; /* 1: a treelet below holds a surface */
+    uint8_t *active[TREELET_TREE_LEVELS_MAX]; /* 1: a treelet below is of interest */
     void *block;
     mem *m;
 } treelet_tree;
@@ -35,7 +35,7 @@ void treelet_tree_release(treelet_tree *tree);
 /* treelet_tree_move() - other bounds of the same treelets. */
 void treelet_tree_move(treelet_tree *tree, const treelet_bounds bounds[]);
 
-/* treelet_tree_select() - own: for each treelet whether it holds a surface. */
+/* treelet_tree_select() - own: for each treelet whether it is of interest. */
 void treelet_tree_select(treelet_tree *tree, const uint8_t own[]);
 
 /* treelet_tree_children() - of a node of a level > 0: the first child's index and how many. */

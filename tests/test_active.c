@@ -18,6 +18,7 @@
 
 #include "stream/active.h"
 #include "tests/support/fields.h"
+#include "tests/support/interests.h"
 #include "tests/support/leaf_files.h"
 
 static mem m;
@@ -54,7 +55,7 @@ static uint32_t morton(uint32_t x, uint32_t y, uint32_t z) {
 }
 
 static bool is_active(const leaf_file *f, const leaf_payload *shape, const void *samples,
-                      const uint32_t cell[3], const active_set *set) {
+                      const uint32_t cell[3], const interests *set) {
     double lo = INFINITY, hi = -INFINITY;
     for (unsigned c = 0; c < 8; c++) {
         size_t at[3];
@@ -68,15 +69,12 @@ static bool is_active(const leaf_file *f, const leaf_payload *shape, const void 
         lo = fmin(lo, v);
         hi = fmax(hi, v);
     }
-    for (int i = 0; i < set->count; i++)
-        if (lo < set->isovalues[i] && set->isovalues[i] <= hi)
-            return true;
-    return false;
+    return interests_meet(set, lo, hi);
 }
 
 /* All masks from their definition. */
 static void true_masks(active_masks *masks, const leaf_file *f, uint32_t t, const void *payload,
-                       const active_set *set) {
+                       const interests *set) {
     const leaf_payload shape = leaf_layout_payload(&f->layout, t);
     const void *samples = (const char *)payload + shape.samples_at;
     const uint32_t k = shape.node_levels;
@@ -130,20 +128,20 @@ static active_masks *dirty(const guarded *g, uint32_t levels) {
     return masks;
 }
 
-static void compare(bench *b, uint32_t t, const void *payload, const active_set *set, bool honest) {
-    char what[256];
+static void compare(bench *b, uint32_t t, const void *payload, const interests *set, bool honest) {
+    char what[512];
     active_masks *want = active_init(b->want.block, b->levels);
     if (honest)
         true_masks(want, b->f, t, payload, set);
     else
-        active_compute(want, b->f, t, payload, set);
+        active_compute(want, b->f, t, payload, &set->in);
     for (size_t i = 0; i < (size_t)1 << (3 * b->levels); i++)
         b->cells += (unsigned)__builtin_popcountll(want->cells[i]);
     for (int isa = CPU_SCALAR; isa <= (int)cpu_best(); isa++) {
         active_masks *got = dirty(&b->got, b->levels);
-        active_for((cpu_isa)isa)(got, b->f, t, payload, set);
-        snprintf(what, sizeof what, "%s, treelet %u, %d isovalues from %.17g, %s", b->name, t,
-                 set->count, set->count ? set->isovalues[0] : 0.0, cpu_isa_name((cpu_isa)isa));
+        active_for((cpu_isa)isa)(got, b->f, t, payload, &set->in);
+        snprintf(what, sizeof what, "%s, treelet %u, %s, %s", b->name, t, interests_name(set),
+                 cpu_isa_name((cpu_isa)isa));
         assert_same_masks(got, want, b->levels, what);
     }
 }
@@ -155,26 +153,44 @@ static void lie(uint8_t *codes, size_t bytes, field_random *r) {
             codes[i] = (uint8_t)field_random_bits(r);
 }
 
-static void compare_treelet(bench *b, uint32_t t, const double *isos, int count, field_random *r) {
+/* Each isovalue, all together, none, everything, and any intervals between these values. */
+static void compare_interests(bench *b, uint32_t t, const void *payload, const double *values,
+                              int count, field_random *r, bool honest) {
+    interests set;
+    for (int i = 0; i < count; i++) {
+        interests_of_isovalues(&set, &values[i], 1);
+        compare(b, t, payload, &set, honest);
+    }
+    interests_of_isovalues(&set, values, count);
+    compare(b, t, payload, &set, honest);
+    interests_of_isovalues(&set, values, 0);
+    compare(b, t, payload, &set, honest);
+    interests_of_all(&set);
+    compare(b, t, payload, &set, honest);
+    for (int i = 0; i < 6; i++) {
+        interests_random(&set, r, values, count);
+        compare(b, t, payload, &set, honest);
+    }
+}
+
+static void compare_treelet(bench *b, uint32_t t, const double *values, int count,
+                            field_random *r) {
     const leaf_payload shape = leaf_layout_payload(&b->f->layout, t);
     guarded payload = guarded_make(shape.bytes);
     assert_int_equal(leaf_file_load(b->f, t, b->stored, payload.block), ST_OK);
-    for (int i = 0; i < count; i++)
-        compare(b, t, payload.block, &(active_set){1, &isos[i]}, true);
-    compare(b, t, payload.block, &(active_set){count, isos}, true);
-    compare(b, t, payload.block, &(active_set){0, isos}, true);
+    compare_interests(b, t, payload.block, values, count, r, true);
     lie(payload.block, leaf_codes_at(shape.node_levels + 1), r);
-    for (int i = 0; i < count; i++)
-        compare(b, t, payload.block, &(active_set){1, &isos[i]}, false);
-    compare(b, t, payload.block, &(active_set){count, isos}, false);
+    compare_interests(b, t, payload.block, values, count, r, false);
     guarded_release(&payload);
 }
 
-/* All treelets of a case, for isovalues that samples have, lie between, or never reach. Returns the
+enum { VALUES_MAX = 32 };
+
+/* All treelets of a case, for values that samples have, lie between, or never reach. Returns the
  * active cells seen. */
 static uint64_t compare_case(leaf_case c, const char *name, const double *more, int more_count) {
     bench b = {.name = name};
-    double isos[ACTIVE_ISOS_MAX] = {-1e30, 1e30, 0.0, -0.5, -1e-310, 4e-45, 300.25, -1e300};
+    double isos[VALUES_MAX] = {-1e30, 1e30, 0.0, -0.5, -1e-310, 4e-45, 300.25, -1e300};
     int count = 8;
     for (int i = 0; i < more_count; i++)
         isos[count++] = more[i];
@@ -188,7 +204,7 @@ static uint64_t compare_case(leaf_case c, const char *name, const double *more, 
         isos[count++] = v + (i < 2 ? 0.25 : -0.25);
         isos[count++] = nextafter(v, i < 2 ? INFINITY : -INFINITY);
     }
-    assert_true(count <= ACTIVE_ISOS_MAX);
+    assert_true(count <= VALUES_MAX);
     assert_int_equal(leaf_file_open(&m, leaf_files_make(&c, "active.leaf"), &b.f), ST_OK);
     b.levels = c.options.file.cells_log2 - LEAF_BLOCK_LOG2;
     b.want = guarded_make(active_bytes(b.levels));
@@ -283,25 +299,9 @@ static void test_missing(void **state) {
         }
 }
 
-/* The least float that reaches an isovalue. */
-static void test_threshold(void **state) {
-    (void)state;
-    static const double values[] = {
-        0.0,  -0.0,  1e-310, -1e-310, 1e-46,  -1e-46,     1.0,         0.1,   1e30,   -1e30,
-        1e39, -1e39, 1e300,  -1e300,  3.4e38, 16777217.0, -16777217.0, 1e-45, -1e-45, FLT_MAX};
-    for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
-        const float at = active_threshold(values[i]);
-        assert_true((double)at >= values[i]);
-        const float below = nextafterf(at, -INFINITY);
-        assert_true((double)below < values[i] || (at == 0.0f && values[i] <= 0.0));
-    }
-    assert_true(active_threshold(1e39) == INFINITY);
-    assert_true(active_threshold(-1e39) == -FLT_MAX);
-}
-
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shapes), cmocka_unit_test(test_extremes),
-        cmocka_unit_test(test_missing), cmocka_unit_test(test_threshold)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_shapes),
+                                       cmocka_unit_test(test_extremes),
+                                       cmocka_unit_test(test_missing)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,6 +16,7 @@
 #include "stream/loader.h"
 #include "tests/support/fields.h"
 #include "tests/support/fixture.h"
+#include "tests/support/interests.h"
 #include "tests/support/leaf_files.h"
 
 enum { WORKERS = 2, THREADS = 4 };
@@ -66,27 +67,29 @@ static bool same_masks(const active_masks *a, const active_masks *b, uint32_t le
            !memcmp(a->nodes, b->nodes, active_nodes_at(levels));
 }
 
-static void assert_true_masks(stage *s, const treelet *tr, const active_set *set) {
+static void assert_true_masks(stage *s, const treelet *tr, const interest *in) {
     assert_int_equal(leaf_file_load(s->f, tr->id, s->stored, s->payload), ST_OK);
-    active_compute(s->truth, s->f, tr->id, s->payload, set);
+    active_compute(s->truth, s->f, tr->id, s->payload, in);
     assert_true(same_masks(tr->masks, s->truth, s->levels));
 }
 
 /* ---- The sweep ---- */
 
-static bool holds(const float range[2], const double *isos, int count) {
-    for (int i = 0; i < count; i++)
-        if ((double)range[0] < isos[i] && isos[i] <= (double)range[1])
-            return true;
-    return false;
+static void select_isovalues(loader *l, const double *isos, int count) {
+    const interest in = interest_of_isovalues(isos, count);
+    loader_select(l, &in);
 }
 
-static void assert_swept(const stage *s, const double *isos, int count) {
+static bool holds(const float range[2], const interests *set) {
+    return interests_meet(set, (double)range[0], (double)range[1]);
+}
+
+static void assert_swept(const stage *s, const interests *set) {
     const leaf_file *f = s->f;
     uint64_t bytes = 0;
     uint32_t active = 0;
     for (uint32_t t = 0; t < f->layout.treelets; t++) {
-        const bool own = holds(f->own[t], isos, count);
+        const bool own = holds(f->own[t], set);
         assert_int_equal(s->l->own[t], own);
         bytes += own ? f->sizes[t] : 0;
         active += own;
@@ -94,7 +97,7 @@ static void assert_swept(const stage *s, const double *isos, int count) {
         uint32_t child = f->layout.first_child[t];
         for (unsigned octant = 0; octant < 8; octant++) {
             const bool there = existing >> octant & 1u;
-            const bool held = there && holds(f->ranges[child], isos, count);
+            const bool held = there && holds(f->ranges[child], set);
             assert_int_equal(s->l->children[t] >> octant & 1u, held);
             child += there;
         }
@@ -103,24 +106,74 @@ static void assert_swept(const stage *s, const double *isos, int count) {
     assert_int_equal(s->l->treelets_active, active);
 }
 
-/* Ends of ranges, values beside them, and values that no float has. */
+static void sweep(stage *s, const interests *set) {
+    loader_select(s->l, &set->in);
+    assert_swept(s, set);
+}
+
+/* Isovalues and intervals at the ends of ranges, beside them, and where no float is. */
 static void test_sweep(void **state) {
     (void)state;
     stage s;
+    interests set;
     stage_open(&s, SAMPLE_F32, CPU_SCALAR);
-    assert_swept(&s, NULL, 0);
+    field_random r = {FIELD_SEED};
+    interests_of_isovalues(&set, NULL, 0);
+    assert_swept(&s, &set);
+    interests_of_all(&set);
+    sweep(&s, &set);
+    assert_true(s.l->treelets_active > 50);
     for (uint32_t t = 0; t < s.f->layout.treelets; t++)
         for (int end = 0; end < 2; end++) {
             const double at = (double)s.f->own[t][end];
             const double isos[] = {at, nextafter(at, INFINITY), nextafter(at, -INFINITY), 1e300};
             for (int i = 0; i < 4; i++) {
-                loader_select(s.l, &isos[i], 1);
-                assert_swept(&s, &isos[i], 1);
+                interests_of_isovalues(&set, &isos[i], 1);
+                sweep(&s, &set);
             }
-            loader_select(s.l, isos, 4);
-            assert_swept(&s, isos, 4);
+            interests_of_isovalues(&set, isos, 4);
+            sweep(&s, &set);
+            interests_random(&set, &r, isos, 4);
+            sweep(&s, &set);
         }
     stage_close(&s);
+}
+
+/* Intervals: what the sweep finds comes in, with the masks of the scalar version. */
+static void test_intervals(void **state) {
+    (void)state;
+    static const double values[] = {0, 60, 90.5, 120, 255};
+    for (int isa = CPU_SCALAR; isa <= (int)cpu_best(); isa++) {
+        stage s;
+        interests set;
+        stage_open(&s, SAMPLE_U8, (cpu_isa)isa);
+        field_random r = {FIELD_SEED};
+        for (int i = 0; i < 12; i++) {
+            if (i == 0)
+                interests_of_all(&set);
+            else
+                interests_random(&set, &r, values, 5);
+            sweep(&s, &set);
+            load_all(&s);
+            for (uint32_t t = 0; t < s.f->layout.treelets; t++) {
+                const treelet *tr = loader_lookup(s.l, t);
+                assert_int_equal(tr != NULL, s.l->own[t]);
+                if (tr)
+                    assert_true_masks(&s, tr, &set.in);
+            }
+        }
+        /* Given in another order they are the same selection. */
+        const size_t selection = s.l->selection;
+        const interest_interval turned[] = {{9, 9, false, true}, {2, 4, true, false}},
+                                again[] = {turned[1], turned[0]};
+        interest in = interest_of_intervals(turned, 2);
+        loader_select(s.l, &in);
+        assert_int_equal(s.l->selection, selection + 1);
+        in = interest_of_intervals(again, 2);
+        loader_select(s.l, &in);
+        assert_int_equal(s.l->selection, selection + 1);
+        stage_close(&s);
+    }
 }
 
 /* ---- Masks on the first look ---- */
@@ -133,8 +186,8 @@ static void test_lazy(void **state) {
         stage_open(&s, SAMPLE_U8, (cpu_isa)isa);
         for (size_t i = 0; i < sizeof isos / sizeof *isos; i++) {
             const int count = isos[i][0] == isos[i][1] ? 1 : 2;
-            const active_set set = {count, isos[i]};
-            loader_select(s.l, isos[i], count);
+            const interest in = interest_of_isovalues(isos[i], count);
+            select_isovalues(s.l, isos[i], count);
             loader_reset_statistics(s.l);
             assert_int_equal(loader_statistics(s.l).masks, 0);
             load_all(&s);
@@ -145,13 +198,13 @@ static void test_lazy(void **state) {
                 const treelet *tr = loader_lookup(s.l, t);
                 assert_int_equal(tr != NULL, s.l->own[t]);
                 if (tr)
-                    assert_true_masks(&s, tr, &set);
+                    assert_true_masks(&s, tr, &in);
                 seen += tr != NULL;
             }
             assert_true(seen > 50);
             assert_int_equal(loader_statistics(s.l).masks, seen);
             /* The same again: nothing to do. */
-            loader_select(s.l, isos[i], count);
+            select_isovalues(s.l, isos[i], count);
             for (uint32_t t = 0; t < s.f->layout.treelets; t++)
                 (void)loader_lookup(s.l, t);
             assert_int_equal(loader_statistics(s.l).masks, seen);
@@ -198,15 +251,15 @@ static void test_crowd(void **state) {
     assert_int_equal(pool_create(&s.m, THREADS, &threads), ST_OK);
     for (int i = 0; i < 40; i++) {
         const double iso = -9000.0 + 450.5 * i;
-        const active_set set = {1, &iso};
-        loader_select(s.l, &iso, 1);
+        const interest in = interest_of_isovalues(&iso, 1);
+        select_isovalues(s.l, &iso, 1);
         uint32_t active = 0;
         for (uint32_t t = 0; t < n; t++) {
             if (!s.l->own[t])
                 continue;
             active++;
             assert_int_equal(leaf_file_load(s.f, t, s.stored, s.payload), ST_OK);
-            active_compute(s.truth, s.f, t, s.payload, &set);
+            active_compute(s.truth, s.f, t, s.payload, &in);
             c.want[t] = hash_masks(s.truth, s.levels);
         }
         loader_reset_statistics(s.l);
@@ -237,36 +290,37 @@ static uint32_t ready(const stage *s) {
 static void test_kept(void **state) {
     (void)state;
     static const double here = 120.0, nowhere = 1e6;
+    const interest in = interest_of_isovalues(&here, 1);
     stage s;
     stage_open(&s, SAMPLE_U8, cpu_best());
-    loader_select(s.l, &here, 1);
+    select_isovalues(s.l, &here, 1);
     load_all(&s);
     const uint32_t active = s.l->treelets_active;
     assert_int_equal(ready(&s), active);
-    loader_select(s.l, &nowhere, 1);
+    select_isovalues(s.l, &nowhere, 1);
     assert_int_equal(ready(&s), 0);
     /* A point's treelet is asked for whatever its range. */
     uint32_t one = 0;
-    while (!holds(s.f->own[one], &here, 1))
+    while (!interest_meets(&in, s.f->own[one][0], s.f->own[one][1]))
         one++;
     loader_request request = {one, 0};
     assert_int_equal(loader_admit(s.l, &request, 1), ST_OK);
     assert_int_equal(ready(&s), 1);
-    loader_select(s.l, &here, 1);
+    select_isovalues(s.l, &here, 1);
     assert_int_equal(ready(&s), active);
     load_all(&s);
     assert_int_equal(loader_statistics(s.l).loads, active);
     for (uint32_t t = 0; t < s.f->layout.treelets; t++)
         if (s.l->own[t])
-            assert_true_masks(&s, loader_lookup(s.l, t), &(active_set){1, &here});
+            assert_true_masks(&s, loader_lookup(s.l, t), &in);
     /* Fewer places: the spare ones go first, and memory with them. */
-    loader_select(s.l, &nowhere, 1);
+    select_isovalues(s.l, &nowhere, 1);
     assert_int_equal(loader_admit(s.l, &request, 1), ST_OK);
     const size_t before = mem_used(&s.m);
     loader_set_capacity(s.l, 3, 0);
     assert_int_equal(ready(&s), 1);
     assert_true(mem_used(&s.m) + (active - 3) * active_bytes(s.levels) < before);
-    loader_select(s.l, &here, 1);
+    select_isovalues(s.l, &here, 1);
     assert_int_equal(ready(&s), 3);
     stage_close(&s);
 }
@@ -282,7 +336,7 @@ static void test_room(void **state) {
     field_random r = {FIELD_SEED};
     for (int i = 0; i < 200; i++) {
         const double iso = 5.0 * (double)field_random_below(&r, 51);
-        loader_select(s.l, &iso, 1);
+        select_isovalues(s.l, &iso, 1);
         load_all(&s);
         const uint32_t active = s.l->treelets_active;
         assert_int_equal(ready(&s), active < PLACES ? active : PLACES);
@@ -346,7 +400,9 @@ static void test_pictures(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sweep), cmocka_unit_test(test_lazy), cmocka_unit_test(test_crowd),
-        cmocka_unit_test(test_kept),  cmocka_unit_test(test_room), cmocka_unit_test(test_pictures)};
+        cmocka_unit_test(test_sweep),   cmocka_unit_test(test_intervals),
+        cmocka_unit_test(test_lazy),    cmocka_unit_test(test_crowd),
+        cmocka_unit_test(test_kept),    cmocka_unit_test(test_room),
+        cmocka_unit_test(test_pictures)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -13,20 +13,20 @@
 #include "formats/mesh/mesh_leaf_check.h"
 #include "stream/mesh_active.h"
 #include "stream/treelet_tree.h"
-#include "tests/support/fields.h"
+#include "tests/support/interests.h"
 #include "tests/support/mesh_leaves.h"
 
 /* ---- Active tets ---- */
 
-static bool is_active(const float f[4], const double *isovalues, int count) {
-    for (int i = 0; i < count; i++) {
-        int inside = 0;
-        for (int k = 0; k < 4; k++)
-            inside += (double)f[k] >= isovalues[i];
-        if (inside != 0 && inside != 4)
-            return true;
+static bool is_active(const float f[4], const interests *set) {
+    double lo = INFINITY, hi = -INFINITY;
+    for (int k = 0; k < 4; k++) {
+        if (!isfinite(f[k]))
+            return false;
+        lo = fmin(lo, (double)f[k]);
+        hi = fmax(hi, (double)f[k]);
     }
-    return false;
+    return interests_meet(set, lo, hi);
 }
 
 static bool is_marked(const mesh_active *a, uint32_t tet) {
@@ -55,12 +55,12 @@ typedef struct tally {
 } tally;
 
 static void assert_treelet(const mesh_shape *s, const void *topology, const void *values,
-                           const mesh_active *a, const double *isovalues, int count, tally *t) {
+                           const mesh_active *a, const interests *set, tally *t) {
     const float *f = mesh_leaf_values(s, values);
     for (uint32_t i = 0; i < s->tets; i++) {
         const uint16_t *v = mesh_leaf_tets(s, topology)[i];
         const float of[4] = {f[v[0]], f[v[1]], f[v[2]], f[v[3]]};
-        assert_int_equal(is_marked(a, i), is_active(of, isovalues, count));
+        assert_int_equal(is_marked(a, i), is_active(of, set));
         t->active += is_marked(a, i);
         t->all++;
     }
@@ -73,44 +73,93 @@ static void assert_treelet(const mesh_shape *s, const void *topology, const void
     }
 }
 
-/* Isovalues between, at and beyond the values; more of them than a byte has bits. */
-static void test_active(void **state) {
-    (void)state;
+/* A treelet's topology and values, and where its masks go. */
+typedef struct subject {
+    leaf_file *f;
+    mesh_shape shape;
+    void *topology, *values, *block;
+    mesh_active *active;
+    bool non_finite;
+} subject;
+
+static void subject_load(subject *x, mem *m, leaf_file *f, uint32_t p) {
+    *x = (subject){.f = f, .shape = mesh_leaf_shape(f->mesh->counts[p])};
+    x->topology = mem_alloc(m, x->shape.topology_bytes);
+    x->values = mem_alloc(m, x->shape.values_bytes);
+    x->block = mem_alloc(m, mesh_active_bytes(&x->shape));
+    assert_true(x->topology && x->values && x->block);
+    assert_int_equal(leaf_file_load(f, p, NULL, x->topology), ST_OK);
+    assert_int_equal(mesh_leaf_check_loaded(f, p, x->topology), ST_OK);
+    assert_int_equal(leaf_file_load(f, leaf_layout_values(&f->layout, 0, p), NULL, x->values),
+                     ST_OK);
+    x->active = mesh_active_init(x->block, &x->shape);
+    x->non_finite = f->flags[p] & LEAF_FLAG_NON_FINITE;
+}
+
+static void subject_release(subject *x, mem *m) {
+    mem_free(m, x->block);
+    mem_free(m, x->values);
+    mem_free(m, x->topology);
+}
+
+static void compare(const subject *x, uint32_t p, const interests *set, tally *t) {
+    mesh_active_compute(x->active, &x->shape, x->f->own[p], x->non_finite, x->topology, x->values,
+                        &set->in);
+    assert_treelet(&x->shape, x->topology, x->values, x->active, set, t);
+}
+
+/* Isovalues and intervals between, at and beyond the values; more of them than a byte has bits. */
+static void compare_treelet(const subject *x, uint32_t p, field_random *r, tally *t) {
     static const int counts[] = {0, 1, 2, 8, 9, 20};
+    const float *known = mesh_leaf_values(&x->shape, x->values);
+    double values[20];
+    interests set;
+    for (int i = 0; i < 20; i++) {
+        const double v = (double)known[(uint32_t)i % x->shape.vertices];
+        values[i] = i % 3 == 0 && isfinite(v) ? v : field_random_in(r, -3.0, 3.0);
+    }
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
+        interests_of_isovalues(&set, values, counts[k]);
+        compare(x, p, &set, t);
+    }
+    interests_of_all(&set);
+    compare(x, p, &set, t);
+    for (int k = 0; k < 30; k++) {
+        interests_random(&set, r, values, 20);
+        compare(x, p, &set, t);
+    }
+}
+
+static void compare_mesh(int non_finite) {
     field_random r = {3};
     tally t = {0};
     mem m;
     leaf_file *f;
-    mesh_case c = mesh_leaves_cube(6, 1, 1, 5, 0);
+    mesh_case c = mesh_leaves_cube(6, 1, 1, 5, non_finite);
     mem_init(&m, 0);
     assert_int_equal(leaf_file_open(&m, mesh_leaves_make(&c, "active.leaf"), &f), ST_OK);
     for (uint32_t p = 0; p < f->layout.treelets; p++) {
-        const mesh_shape s = mesh_leaf_shape(f->mesh->counts[p]);
-        void *topology = mem_alloc(&m, s.topology_bytes), *values = mem_alloc(&m, s.values_bytes);
-        void *block = mem_alloc(&m, mesh_active_bytes(&s));
-        assert_true(topology && values && block);
-        assert_int_equal(leaf_file_load(f, p, NULL, topology), ST_OK);
-        assert_int_equal(mesh_leaf_check_loaded(f, p, topology), ST_OK);
-        assert_int_equal(leaf_file_load(f, leaf_layout_values(&f->layout, 0, p), NULL, values),
-                         ST_OK);
-        mesh_active *a = mesh_active_init(block, &s);
-        for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
-            double isovalues[20];
-            for (int i = 0; i < counts[k]; i++) {
-                const float known = mesh_leaf_values(&s, values)[(uint32_t)i % s.vertices];
-                isovalues[i] = i % 3 == 0 ? (double)known : field_random_in(&r, -3.0, 3.0);
-            }
-            mesh_active_compute(a, &s, f->own[p], topology, values, isovalues, counts[k]);
-            assert_treelet(&s, topology, values, a, isovalues, counts[k], &t);
-        }
-        mem_free(&m, block);
-        mem_free(&m, values);
-        mem_free(&m, topology);
+        subject x;
+        subject_load(&x, &m, f, p);
+        compare_treelet(&x, p, &r, &t);
+        subject_release(&x, &m);
     }
     leaf_file_close(f);
     mesh_leaves_release(&c);
     assert_int_equal(mem_used(&m), 0);
     assert_true(t.active > t.all / 20 && t.active < t.all);
+}
+
+static void test_active(void **state) {
+    (void)state;
+    compare_mesh(0);
+}
+
+/* One value in 60, and in 4, is NaN or inf. */
+static void test_missing(void **state) {
+    (void)state;
+    compare_mesh(60);
+    compare_mesh(4);
 }
 
 /* ---- The tree ---- */
@@ -177,6 +226,7 @@ static void test_tree(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_active),
+        cmocka_unit_test(test_missing),
         cmocka_unit_test(test_tree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

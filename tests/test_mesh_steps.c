@@ -336,12 +336,13 @@ static void test_loader(void **state) {
         uint32_t ready = 0;
         field_random r = {SEED};
         for (int round = 0; round < 60; round++) {
-            const double isos[] = {ISO + 0.5 * (round % 3 - 1)};
+            const double iso = ISO + 0.5 * (round % 3 - 1);
+            const interest in = interest_of_isovalues(&iso, 1);
             const uint32_t set = (uint32_t)field_random_below(&r, SETS);
             const size_t beside = (size_t)field_random_below(&r, 1 << 20);
             loader_set_capacity(l, (uint32_t)n, beside);
             loader_select_set(l, set);
-            loader_select(l, isos, 1);
+            loader_select(l, &in);
             loader_sweep(l);
             assert_int_equal(loader_settle(l), ST_OK);
             ready += assert_sound(&own, l, set);
@@ -378,7 +379,8 @@ static bool fail_at(const char *path, mesh_schema schema, fault_kind what, long 
     assert_int_equal(leaf_file_open(&m, path, &f), ST_OK);
     assert_int_equal(loader_create(&m, f, &o, NULL, &l), ST_OK);
     loader_set_capacity(l, f->layout.treelets, SIZE_MAX);
-    loader_select(l, &ISO, 1);
+    const interest in = interest_of_isovalues(&ISO, 1);
+    loader_select(l, &in);
     assert_int_equal(bring_in_all(l), ST_OK);
     fault_arm(what, k);
     loader_select_set(l, 2);

@@ -29,7 +29,7 @@ static void test_exact(void **state) {
             for (int nudge = -1; nudge <= 1; nudge++) {
                 double iso = twice / 2.0;
                 iso = nudge ? nextafter(iso, nudge * 1e9) : iso;
-                quantized_iso c = quantizer_iso(&q, iso);
+                quantized_limits c = quantizer_iso(&q, iso);
                 for (int lo = (int)owns[i][0]; lo <= (int)owns[i][1]; lo++)
                     for (int hi = lo; hi <= (int)owns[i][1]; hi++)
                         if (quantize_holds(c, quantizer_floor(&q, lo), quantizer_ceil(&q, hi)) !=

@@ -215,11 +215,12 @@ typedef struct stage {
 static void stage_open(stage *s, const char *path, readers *r, int workers) {
     const loader_options o = {.source = SOURCE_ARENA, .workers = workers, .isa = CPU_SCALAR};
     static const double isos[] = {80.0, 120.0, 150.0};
+    const interest in = interest_of_isovalues(isos, 3);
     mem_init(&s->m, 0);
     assert_int_equal(leaf_file_open(&s->m, path, &s->f), ST_OK);
     assert_int_equal(loader_create(&s->m, s->f, &o, r, &s->l), ST_OK);
     loader_set_capacity(s->l, s->f->layout.treelets, 0);
-    loader_select(s->l, isos, 3);
+    loader_select(s->l, &in);
     assert_true(s->l->treelets_active > 50);
 }
 

@@ -3,8 +3,9 @@
  *
  * One monotone function g maps [lo, hi] onto [0, 255]; a range is stored as floor(g(min)),
  * ceil(g(max)). Writer, reader and renderer all use these functions, so that rounding can lose no
- * surface: a block whose samples hold min < iso && iso <= max passes quantize_holds() for every
- * isovalue. Bit-reproducible: only - * / and comparisons in double.
+ * surface: a block whose samples have min < beyond && reach <= max passes quantize_holds() for
+ * these limits; for every isovalue, which is both. Bit-reproducible: only - * / and comparisons in
+ * double.
  */
 #ifndef FORMATS_LEAF_QUANTIZE_H
 #define FORMATS_LEAF_QUANTIZE_H
@@ -21,11 +22,11 @@ typedef struct quantizer {
     bool exact; /* integer samples on at most 256 values: codes are value - lo, and lose nothing */
 } quantizer;
 
-/* The isovalue's code interval: a node holds the isovalue only if its lo code <= below and its hi
- * code >= above. */
-typedef struct quantized_iso {
+/* What is asked of a node's codes: they may hold it only if the lo code <= below and the hi code >=
+ * above. */
+typedef struct quantized_limits {
     int below, above; /* no node qualifies: below = -1 */
-} quantized_iso;
+} quantized_limits;
 
 static inline quantizer quantizer_of(float lo, float hi, sample_type type) {
     quantizer q = {.lo = (double)lo, .hi = (double)hi};
@@ -48,22 +49,31 @@ static inline uint8_t quantizer_ceil(const quantizer *q, double value) {
     return (uint8_t)ceil(quantizer_map(q, value));
 }
 
-/* quantizer_iso() - once per treelet and isovalue. A range holds an isovalue iff min < iso && iso
- * <= max; with exact codes the strict side stays strict. Integers relate to iso as they do to
- * ceil(iso), whose difference to lo is exact where that of iso may round (lo = -100, iso = 1e-20).
+/* quantizer_limits() - once per treelet and interval, for ranges with min < beyond && reach <= max;
+ * with exact codes the strict side stays strict. Integers relate to a limit as they do to
+ * its ceiling, whose difference to lo is exact where that of the limit may round (lo = -100, reach
+ * = 1e-20).
  */
-static inline quantized_iso quantizer_iso(const quantizer *q, double iso) {
-    quantized_iso c = {-1, 256};
-    if (!(q->lo < iso && iso <= q->hi))
+static inline quantized_limits quantizer_limits(const quantizer *q, double reach, double beyond) {
+    quantized_limits c = {-1, 256};
+    if (!(q->lo < beyond && reach <= q->hi))
         return c;
-    double g = quantizer_map(q, q->exact ? ceil(iso) : iso);
-    c.above = (int)ceil(g);
-    c.below = q->exact ? c.above - 1 : (int)floor(g);
+    reach = reach > q->lo ? reach : q->lo;
+    if (q->exact)
+        beyond = ceil(beyond) - 1.0; /* the last value before it */
+    beyond = beyond < q->hi ? beyond : q->hi;
+    c.above = quantizer_ceil(q, q->exact ? ceil(reach) : reach);
+    c.below = quantizer_floor(q, beyond);
     return c;
 }
 
-static inline bool quantize_holds(quantized_iso iso, uint8_t lo_code, uint8_t hi_code) {
-    return (int)lo_code <= iso.below && (int)hi_code >= iso.above;
+/* quantizer_iso() - for ranges that hold an isovalue: min < iso && iso <= max. */
+static inline quantized_limits quantizer_iso(const quantizer *q, double iso) {
+    return quantizer_limits(q, iso, iso);
+}
+
+static inline bool quantize_holds(quantized_limits limits, uint8_t lo_code, uint8_t hi_code) {
+    return (int)lo_code <= limits.below && (int)hi_code >= limits.above;
 }
 
 #endif

@@ -73,12 +73,12 @@ static status hoard_open(mem *m, const char *path, double iso, int runs, hoard *
 
 /* Every version over all payloads, in turn. */
 static void hoard_run(hoard *h, double iso, int runs) {
-    const active_set set = {1, &iso};
+    const interest in = interest_of_isovalues(&iso, 1);
     for (int run = 0; run < runs; run++)
         for (int isa = 0; isa <= (int)cpu_best(); isa++) {
             const double start = clock_cpu_seconds();
             for (uint32_t i = 0; i < h->count; i++)
-                active_for((cpu_isa)isa)(h->masks, h->f, h->treelet[i], h->payload[i], &set);
+                active_for((cpu_isa)isa)(h->masks, h->f, h->treelet[i], h->payload[i], &in);
             h->seconds[isa * runs + run] = clock_cpu_seconds() - start;
         }
 }

@@ -24,7 +24,7 @@ typedef struct contestant {
 typedef struct scene {
     const bench_tree *tree;
     double iso;
-    quantized_iso own, of_volume, *of_treelet;
+    quantized_limits own, of_volume, *of_treelet;
     camera camera;
     uint32_t size;
 } scene;

@@ -143,7 +143,7 @@ typedef struct active_cell {
     near_cell near;
     bool has_samples, has_forms;
     float samples[8];
-    near_form forms[ACTIVE_ISOS_MAX];
+    near_form forms[ISOVALUES_MAX];
 } active_cell;
 
 typedef struct near_visit {

@@ -8,12 +8,12 @@
 enum { EMPTY, MAKING, THERE };
 
 typedef struct isopolygon_cache {
-    int isos;
+    const interest *in; /* an interval's polygon is that of its lower end */
     uint32_t room;
     bool precomputed;
     uint32_t *before;     /* 64 tets: active ones before them */
     atomic_uchar *state;  /* of each polygon */
-    isopolygon *polygons; /* active tets in order, of each all isovalues; count 0: none */
+    isopolygon *polygons; /* active tets in order, of each all intervals; count 0: none */
 } isopolygon_cache;
 
 static uint32_t room_of(const mesh_shape *shape) {
@@ -52,34 +52,34 @@ static void make_polygon(const treelet *tr, uint32_t place, double isovalue, iso
 }
 
 /* All that there is room for. */
-static void precompute(isopolygon_cache *k, const treelet *tr, const active_set *isos) {
+static void precompute(isopolygon_cache *k, const treelet *tr) {
     uint32_t n = 0;
     for (uint32_t w = 0; w < words_of(&tr->mesh); w++)
         for (uint64_t left = tr->active->tets[w]; left; left &= left - 1)
-            for (int i = 0; i < isos->count && n < k->room; i++)
-                make_polygon(tr, 64 * w + (uint32_t)__builtin_ctzll(left), isos->isovalues[i],
+            for (int i = 0; i < k->in->count && n < k->room; i++)
+                make_polygon(tr, 64 * w + (uint32_t)__builtin_ctzll(left), k->in->of[i].lo,
                              &k->polygons[n++]);
 }
 
-static void keep(treelet *tr, const active_set *isos, bool precomputed) {
+static void keep(treelet *tr, const interest *in, bool precomputed) {
     isopolygon_cache *k = tr->derived;
     lay_out(k, &tr->mesh);
-    k->isos = isos->count;
+    k->in = in;
     k->precomputed = precomputed;
     count_active(k, tr);
     if (precomputed)
-        precompute(k, tr, isos);
+        precompute(k, tr);
     else
         for (uint32_t n = 0; n < k->room; n++)
             atomic_store_explicit(&k->state[n], EMPTY, memory_order_relaxed);
 }
 
-static void keep_all(treelet *tr, const active_set *isos) {
-    keep(tr, isos, true);
+static void keep_all(treelet *tr, const interest *in) {
+    keep(tr, in, true);
 }
 
-static void keep_seen(treelet *tr, const active_set *isos) {
-    keep(tr, isos, false);
+static void keep_seen(treelet *tr, const interest *in) {
+    keep(tr, in, false);
 }
 
 mesh_derived isopolygon_cache_kind(bool precomputed) {
@@ -87,10 +87,16 @@ mesh_derived isopolygon_cache_kind(bool precomputed) {
 }
 
 /* Its number among the kept ones; room: none. */
-static uint32_t number_of(const isopolygon_cache *k, const treelet *tr, uint32_t place, int i) {
+static uint32_t number_of(const isopolygon_cache *k, const treelet *tr, uint32_t place,
+                          double isovalue) {
+    int i = 0;
+    while (i < k->in->count && k->in->of[i].lo != isovalue)
+        i++;
+    if (i == k->in->count)
+        return k->room;
     const uint64_t below = tr->active->tets[place / 64] & ((UINT64_C(1) << place % 64) - 1);
     const uint64_t n =
-        (k->before[place / 64] + (uint64_t)__builtin_popcountll(below)) * (uint64_t)k->isos +
+        (k->before[place / 64] + (uint64_t)__builtin_popcountll(below)) * (uint64_t)k->in->count +
         (uint64_t)i;
     return n < k->room ? (uint32_t)n : k->room;
 }
@@ -105,10 +111,10 @@ static void offer_polygon(isopolygon_cache *k, uint32_t n, const isopolygon *own
     atomic_store_explicit(&k->state[n], THERE, memory_order_release);
 }
 
-const isopolygon *isopolygon_cache_find(const treelet *tr, uint32_t place, int i, double isovalue,
+const isopolygon *isopolygon_cache_find(const treelet *tr, uint32_t place, double isovalue,
                                         isopolygon *own) {
     isopolygon_cache *k = tr->derived;
-    const uint32_t n = k ? number_of(k, tr, place, i) : 0;
+    const uint32_t n = k ? number_of(k, tr, place, isovalue) : 0;
     const isopolygon *g = own;
     if (k && n < k->room &&
         (k->precomputed || atomic_load_explicit(&k->state[n], memory_order_acquire) == THERE)) {

@@ -21,9 +21,9 @@ enum { KEPT_SHARE = 3 };
 /* What a loader is to derive; how: precomputed, or else cached. */
 mesh_derived isopolygon_cache_kind(bool precomputed);
 
-/* isopolygon_cache_find() - the isopolygon of an active tet of the treelet for the i-th selected
- * isovalue, or NULL where it has none. Kept, or made in *own. */
-const isopolygon *isopolygon_cache_find(const treelet *tr, uint32_t place, int i, double isovalue,
+/* isopolygon_cache_find() - the isopolygon of an active tet of the treelet, or NULL where it has
+ * none. Kept, or made in *own. */
+const isopolygon *isopolygon_cache_find(const treelet *tr, uint32_t place, double isovalue,
                                         isopolygon *own);
 
 #endif

@@ -203,10 +203,10 @@ SIMD tet_known known_by(packet_view view) {
 
 static void packet_tet(packet *w, const treelet *at, uint32_t place, int first, int end) {
     const frame *f = w->s.f;
-    const active_set *isos = &f->tracer->isos;
+    const isovalue_list *isos = &f->tracer->isos;
     for (int i = 0; i < isos->count; i++) {
         isopolygon own;
-        const isopolygon *g = isopolygon_cache_find(at, place, i, isos->isovalues[i], &own);
+        const isopolygon *g = isopolygon_cache_find(at, place, isos->isovalues[i], &own);
         if (!g)
             continue;
         w->counters->isopolygons++;

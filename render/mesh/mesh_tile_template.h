@@ -15,7 +15,7 @@
 #include "render/mesh/mesh_tracer.h"
 #include "render/mesh/tet_sight_template.h"
 #include "render/tile_rects_template.h"
-#include "stream/active.h"
+#include "stream/interest.h"
 
 void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
                           tile_outcome *out, ray_counters *counters);
@@ -269,7 +269,7 @@ SIMD bool polygon_of(const mesh_tile *w, const treelet *at, unsigned lane, int32
         const tet exact = mesh_walk_tet(at, place);
         return isopolygon_of(&exact, isovalue, out);
     }
-    const isopolygon *g = isopolygon_cache_find(at, place, iso, isovalue, out);
+    const isopolygon *g = isopolygon_cache_find(at, place, isovalue, out);
     if (g && g != out)
         *out = *g;
     return g;
@@ -348,7 +348,7 @@ typedef struct tet_covers {
  * and quotient; so its point by less than what boxes' corners may err by. */
 SIMD children_extent extent_of_polygons(const tets_in_view *v, double iso) {
     const vf most = f_set(INFINITY), least = f_set(-INFINITY), zero = f_set(0.0f);
-    const vf threshold = f_set(active_threshold(iso));
+    const vf threshold = f_set(interest_threshold(iso));
     const vf near = f_set((float)iso), rest = f_set((float)(iso - (double)(float)iso));
     children_extent e = {most, least, most, least, most, least};
     vf up[4];
@@ -390,7 +390,7 @@ SIMD unsigned covers_of(const mesh_tile *w, const tets_in_view *v, double iso, t
 }
 
 static void walk_lanes(mesh_tile *w, const treelet *at) {
-    const active_set *isos = &w->s.f->tracer->isos;
+    const isovalue_list *isos = &w->s.f->tracer->isos;
     tet_lanes *l = &w->lanes;
     tets_in_view view;
     for (unsigned k = l->count; k < VF_N; k++)

@@ -107,7 +107,7 @@ static bool passes_box(const mesh_slabs *line, const tet *x) {
     return mesh_interval_in(line, lo, hi, &in);
 }
 
-static bool test_tet(const active_set *isos, const treelet *tr, uint32_t place, const ray *r,
+static bool test_tet(const isovalue_list *isos, const treelet *tr, uint32_t place, const ray *r,
                      const mesh_slabs *line, const hit *after, hit *best, ray_counters *counters) {
     const tet x = mesh_walk_tet(tr, place);
     bool changed = false, active = false;
@@ -219,7 +219,7 @@ static int push_children(const code_slabs *s, const treelet *tr, uint32_t node, 
 }
 
 /* The active tets from place `first` on. */
-static bool walk_leaf(const active_set *isos, const treelet *tr, uint32_t first, uint32_t end,
+static bool walk_leaf(const isovalue_list *isos, const treelet *tr, uint32_t first, uint32_t end,
                       const ray *r, const mesh_slabs *line, const hit *after, hit *best,
                       ray_counters *counters) {
     bool changed = false;
@@ -229,8 +229,8 @@ static bool walk_leaf(const active_set *isos, const treelet *tr, uint32_t first,
     return changed;
 }
 
-bool mesh_walk(const active_set *isos, const treelet *tr, const ray *r, const hit *after, bool any,
-               hit *best, ray_counters *counters) {
+bool mesh_walk(const isovalue_list *isos, const treelet *tr, const ray *r, const hit *after,
+               bool any, hit *best, ray_counters *counters) {
     const code_slabs slabs = code_slabs_of(tr, r, after);
     mesh_slabs line = mesh_slabs_of(r);
     line.t0 = -INFINITY;

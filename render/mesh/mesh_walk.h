@@ -9,14 +9,15 @@
 #define RENDER_MESH_MESH_WALK_H
 
 #include "render/counters.h"
+#include "render/isovalue_list.h"
 #include "render/mesh/tet_kernel.h"
 #include "stream/loader.h"
 
 /* mesh_walk() - lower *best to the first hit in this treelet that is strictly after `after` in
  * the order of mesh_tracer.h, if there is a lesser one. any: some hit there will do as well as the
  * first one. Returns whether it changed. */
-bool mesh_walk(const active_set *isos, const treelet *tr, const ray *r, const hit *after, bool any,
-               hit *best, ray_counters *counters);
+bool mesh_walk(const isovalue_list *isos, const treelet *tr, const ray *r, const hit *after,
+               bool any, hit *best, ray_counters *counters);
 
 /* mesh_walk_tet() - a tet of the treelet by its place there. */
 tet mesh_walk_tet(const treelet *tr, uint32_t place);

@@ -45,7 +45,7 @@ static unsigned morton(unsigned x, unsigned y, unsigned z) {
 static void read_masks(const char *path, volume_masks *v) {
     mem m;
     leaf_file *f = NULL;
-    const active_set set = {1, &v->iso};
+    const interest in = interest_of_isovalues(&v->iso, 1);
     mem_init(&m, 0);
     if (leaf_file_open(&m, path, &f) != ST_OK)
         goto fail;
@@ -58,7 +58,7 @@ static void read_masks(const char *path, volume_masks *v) {
     if (!payload || !block || leaf_file_load(f, t, NULL, payload) != ST_OK)
         goto fail;
     active_masks *masks = active_init(block, shape.node_levels);
-    active_for(cpu_best())(masks, f, t, payload, &set);
+    active_for(cpu_best())(masks, f, t, payload, &in);
     for (unsigned i = 0; i < CELLS; i++) {
         const unsigned x = i % SIDE, y = i / SIDE % SIDE, z = i / SIDE / SIDE;
         const unsigned code = morton(x, y, z);
