@@ -8,6 +8,7 @@
 #include "render/active_box.h"
 #include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_projection.h"
+#include "render/mesh/mesh_segments.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/mesh_tracer.h"
 #include "render/mesh/mesh_walk.h"
@@ -279,5 +280,6 @@ const kind mesh_kind = {.open = mesh_open,
                         .rank = mesh_rank,
                         .next = mesh_tracer_next,
                         .surface = mesh_tracer_surface,
+                        .segments = mesh_segments,
                         .cell_of_hit = mesh_cell_of_hit,
                         .cell_at = mesh_cell_at};

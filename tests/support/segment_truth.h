@@ -30,7 +30,8 @@ typedef struct segment_truth {
 } segment_truth;
 
 segment_truth segment_truth_grid(const ref_volume *v); /* node coordinates; to_world the identity */
-segment_truth segment_truth_mesh(const tet_ref_mesh *m);
+/* sound: points of one place are one point; else it is not known which faces are shared. */
+segment_truth segment_truth_mesh(const tet_ref_mesh *m, bool sound);
 
 typedef struct segment_tally {
     size_t rays, pieces, faces; /* faces: ends that adjoin, bit for bit */
