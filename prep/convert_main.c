@@ -11,11 +11,11 @@
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/base/text.h"
-#include "formats/grid/volume.h"
+#include "prep/convert_input.h"
 #include "prep/grid/convert.h"
 #include "prep/mesh/mesh_convert.h"
 
-enum { MEMORY_DEFAULT_MIB = 2048, ZSTD_LEVEL_DEFAULT = 3, ZSTD_LEVEL_MAX = 22 };
+enum { ZSTD_LEVEL_DEFAULT = 3, ZSTD_LEVEL_MAX = 22 };
 
 enum { FIELDS_MAX = 256 };
 
@@ -662,22 +662,15 @@ static status convert_meshes(arguments *a, mem *m, mesh *x, double start) {
 
 /* ---- what it is ---- */
 
-static status convert_stream(arguments *a, mem *m, byte_stream *s, bool is_mesh, double start) {
-    volume *v = NULL;
-    mesh *x = NULL;
-    status st =
-        is_mesh ? mesh_open_stream(m, s, &a->mesh, &x) : volume_open_stream(m, s, &a->hints, &v);
-    const char *format = st != ST_OK ? "" : is_mesh ? mesh_format(x) : volume_format(v);
-    const int input = is_mesh ? MESH : strcmp(format, VOLUME_RAW_SAMPLES) == 0 ? RAW : HEADED;
-    if (st == ST_OK)
-        st = check_uses(a, input, format);
-    if (st == ST_OK && !is_mesh && a->input_count > 1)
+static status convert_opened(arguments *a, mem *m, const convert_input *in, double start) {
+    const char *format = in->x ? mesh_format(in->x) : volume_format(in->v);
+    const int input = in->x ? MESH : strcmp(format, VOLUME_RAW_SAMPLES) == 0 ? RAW : HEADED;
+    status st = check_uses(a, input, format);
+    if (st == ST_OK && !in->x && a->input_count > 1)
         st = status_describe(ST_USAGE, "%s: only meshes have several steps yet", a->input);
-    if (st == ST_OK)
-        st = is_mesh ? convert_meshes(a, m, x, start) : convert_volume(a, m, v, start);
-    mesh_close(x);
-    volume_close(v);
-    return st;
+    if (st != ST_OK)
+        return st;
+    return in->x ? convert_meshes(a, m, in->x, start) : convert_volume(a, m, in->v, start);
 }
 
 /* Before an input is opened, for hours perhaps. */
@@ -697,28 +690,23 @@ static status guard_files(const arguments *a) {
 
 static status run(arguments *a) {
     mem m;
-    mem_init(&m, a->common.memory ? a->common.memory : (uint64_t)MEMORY_DEFAULT_MIB << 20);
-    double start = clock_seconds();
-    byte_stream *s = NULL;
+    mem_init(&m, a->common.memory ? a->common.memory : CONVERT_MEMORY_DEFAULT);
+    const double start = clock_seconds();
+    convert_input in = {0};
     status st = guard_files(a);
     if (st == ST_OK)
-        st = byte_stream_open(&m, a->input, &s);
-    bool is_mesh = false;
+        st = convert_input_open(&m, a->input, &a->hints, &a->mesh, &in);
     if (st == ST_OK)
-        st = mesh_recognise_stream(s, &is_mesh);
-    if (st != ST_OK) {
-        byte_stream_close(s);
-        return st;
-    }
-    return convert_stream(a, &m, s, is_mesh, start);
+        st = convert_opened(a, &m, &in, start);
+    convert_input_close(&in);
+    return st;
 }
 
 int main(int argc, char **argv) {
     arguments a = {.common = {.verb = "convert"},
                    .treelet_tets = MESH_TREELET_TETS,
                    .leaf_tets = MESH_LEAF_TETS,
-                   .file = leaf_parameters_default()};
-    a.file.histograms = true;
+                   .file = convert_parameters_default()};
     cli_parse(&table, &a.common, argc, argv, &a);
     return cli_finish(&a.common, run(&a));
 }

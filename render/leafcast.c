@@ -6,6 +6,7 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
+#include "formats/public_status.h"
 #include "render/arguments.h"
 #include "render/coarse_preview.h"
 #include "render/experiment.h"
@@ -13,27 +14,10 @@
 #include "render/samples.h"
 #include "render/surface_integrator.h"
 
-_Static_assert((int)LEAFCAST_USAGE == (int)ST_USAGE && (int)LEAFCAST_CORRUPT == (int)ST_CORRUPT &&
-                   (int)LEAFCAST_UNSUPPORTED == (int)ST_UNSUPPORTED &&
-                   (int)LEAFCAST_NOMEM == (int)ST_NOMEM &&
-                   (int)LEAFCAST_NOSPACE == (int)ST_NOSPACE && (int)LEAFCAST_IO == (int)ST_IO &&
-                   (int)LEAFCAST_STOPPED == (int)ST_STOPPED &&
-                   (int)LEAFCAST_FAILED == (int)ST_FAILED,
-               "public and internal status agree");
 _Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ISOVALUES_MAX, "as many isovalues as surfaces");
 
 leafcast_status volume_public_status(status st) {
-    switch (st) {
-    case ST_OK:
-    case ST_USAGE:
-    case ST_CORRUPT:
-    case ST_UNSUPPORTED:
-    case ST_NOMEM:
-    case ST_NOSPACE:
-    case ST_IO:
-    case ST_STOPPED: return (leafcast_status)st;
-    default: return LEAFCAST_FAILED;
-    }
+    return public_status(st);
 }
 
 status volume_check_file(const leafcast *v, status st) {
@@ -45,10 +29,6 @@ status volume_check_file(const leafcast *v, status st) {
 
 const char *leafcast_version(void) {
     return LEAFCAST_VERSION;
-}
-
-const char *leafcast_error_text(void) {
-    return status_text();
 }
 
 /* ---- Opening ---- */

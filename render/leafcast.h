@@ -36,35 +36,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include <leafcast_status.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 #define LEAFCAST_VERSION "0.1.0"
 
-/* The functions of the library; nothing else of it is visible. */
-#ifdef __GNUC__
-#define LEAFCAST_API __attribute__((visibility("default")))
-#else
-#define LEAFCAST_API
-#endif
-
 /* leafcast_version() - of the library that is linked: a LEAFCAST_VERSION, as text. */
 LEAFCAST_API const char *leafcast_version(void);
-
-typedef enum leafcast_status {
-    LEAFCAST_OK = 0,
-    LEAFCAST_USAGE = 2,   /* arguments that make no sense, or none together */
-    LEAFCAST_CORRUPT = 3, /* a malformed file: the text names file, place and what was expected */
-    LEAFCAST_UNSUPPORTED = 4, /* well-formed, but not handled */
-    LEAFCAST_NOMEM = 5,   /* memory, or the memory budget, does not suffice; or no more threads */
-    LEAFCAST_NOSPACE = 6, /* the disk is full, or a file may not grow further */
-    LEAFCAST_IO = 7,      /* the system refused another file operation */
-    LEAFCAST_STOPPED = 9, /* the caller's stop() said so */
-    LEAFCAST_FAILED = 10  /* anything else */
-} leafcast_status;
-
-LEAFCAST_API const char *leafcast_error_text(void);
 
 /* ---- Opening ---- */
 
