@@ -12,6 +12,7 @@
 #include "render/kind.h"
 #include "render/mesh/mesh_walk.h"
 #include "tests/support/fixture.h"
+#include "tests/support/interests.h"
 #include "tests/support/lab_leaf.h"
 #include "tests/support/segment_truth.h"
 
@@ -24,47 +25,8 @@ typedef struct stage {
 } stage;
 
 static void select_all(stage *s) {
-    loader *l = s->v->treelets;
-    for (uint32_t t = 0; t < l->file->layout.treelets; t++) {
-        l->own[t] = 1;
-        l->children[t] = leaf_layout_children(&l->file->layout, t);
-    }
-    for (uint32_t k = 0; l->tree && k < l->tree->levels; k++)
-        memset(l->tree->active[k], 1, l->tree->count[k]);
-}
-
-static void mask_all_tets(const treelet *at) {
-    for (uint32_t n = 0; n < at->mesh.nodes; n++) {
-        at->active->children[n] = 0;
-        for (int c = 0; c < MESH_CHILDREN; c++)
-            at->active->children[n] |= (uint8_t)((at->nodes[n].child[c] != MESH_NO_CHILD) << c);
-    }
-    memset(at->active->tets, 255, (at->mesh.tets + 63) / 64 * 8);
-}
-
-/* Whether the cell at a bit of a block's mask is there. */
-static bool cell_exists(const treelet *at, uint32_t block, unsigned bit) {
-    const uint32_t levels = at->shape.node_levels;
-    for (unsigned a = 0; a < 3; a++) {
-        uint32_t c = (bit >> a & 1) | (bit >> (3 + a) & 1) << 1;
-        for (unsigned k = 0; k < levels; k++)
-            c |= (block >> (3 * k + a) & 1) << (k + 2);
-        if (c >= at->shape.cells[a])
-            return false;
-    }
-    return true;
-}
-
-/* Every cell is active. */
-static void mask_all(const treelet *at) {
-    active_masks *m = at->masks;
-    memset(m->nodes, 255, active_nodes_at(at->shape.node_levels));
-    m->root = 255;
-    for (uint32_t b = 0; b < 1u << (3 * at->shape.node_levels); b++) {
-        m->cells[b] = 0;
-        for (unsigned i = 0; i < 64; i++)
-            m->cells[b] |= (uint64_t)cell_exists(at, b, i) << i;
-    }
+    const interest all = interest_of_all();
+    loader_select(s->v->treelets, &all);
 }
 
 static void stage_open(stage *s, const char *path) {
@@ -74,6 +36,10 @@ static void stage_open(stage *s, const char *path) {
     assert_int_equal(leafcast_select(s->v, &surface, 1), LEAFCAST_OK);
     assert_int_equal(volume_tracer(s->v, &scene, NULL, &s->tr), ST_OK);
     select_all(s);
+}
+
+static void stage_close(stage *s) {
+    leafcast_close(s->v);
 }
 
 /* All pieces of a ray, with room for so many ahead. */
@@ -87,18 +53,42 @@ static size_t follow(const stage *s, const ray *r, uint32_t room, segment *out) 
         switch (segments_next(&s->tr, r, &state, &out[count], &counters)) {
         case SEGMENTS_END: return count;
         case SEGMENTS_SOME: assert_true(++count < PIECES_MAX); break;
-        case SEGMENTS_BLOCKED:
-            assert_int_equal(volume_treelet(s->v, state.blocked, &at), ST_OK);
-            if (s->tr.target_level == 0 && s->v->file->mesh)
-                mask_all_tets(at);
-            else
-                mask_all(at);
+        case SEGMENTS_BLOCKED: assert_int_equal(volume_treelet(s->v, state.blocked, &at), ST_OK);
         }
     }
 }
 
-static void check_ray(segment_tally *sum, const stage *s, const segment_truth *truth,
-                      const char *name, const ref_ray *world) {
+/* Of what is selected at random, those pieces in whose cells it is met. */
+static void check_interest(stage *s, const segment_truth *truth, const ray *r, const segment *all,
+                           size_t count, field_random *random) {
+    static segment got[PIECES_MAX];
+    interests set;
+    double values[8] = {0.0};
+    size_t expected = 0;
+    for (int i = 0; i < 8 && count > 0; i++) {
+        const segment *of = &all[field_random_below(random, (long)count)];
+        double range[2];
+        truth->range(truth->of, of->cell, range);
+        values[i] = range[i % 2];
+    }
+    interests_random(&set, random, values, 8);
+    loader_select(s->v->treelets, &set.in);
+    const size_t found = follow(s, r, AHEAD, got);
+    for (size_t i = 0; i < count; i++) {
+        double range[2];
+        truth->range(truth->of, all[i].cell, range);
+        if (!interests_meet(&set, range[0], range[1]))
+            continue;
+        assert_true(expected < found);
+        assert_memory_equal(&all[i], &got[expected], sizeof *got);
+        expected++;
+    }
+    assert_int_equal(expected, found);
+    select_all(s);
+}
+
+static void check_ray(segment_tally *sum, stage *s, const segment_truth *truth, const char *name,
+                      const ref_ray *world, field_random *random) {
     static segment got[PIECES_MAX], again[PIECES_MAX];
     ray r;
     assert_true(tracer_ray(&s->tr, world->o, world->d, 0.0, INFINITY, &r));
@@ -112,17 +102,18 @@ static void check_ray(segment_tally *sum, const stage *s, const segment_truth *t
     assert_int_equal(follow(s, &r, room, again), count);
     assert_memory_equal(got, again, count * sizeof *got);
     loader_set_capacity(l, places, 0);
+    if (sum->rays % 4 == 0)
+        check_interest(s, truth, &r, got, count, random);
 }
 
-static void check_field(const char *name, long n, uint32_t cells_log2) {
-    field f;
+static void check_made(field *f, uint32_t cells_log2) {
     stage s;
     field_random random = {FIELD_SEED};
     segment_tally sum = {0};
-    assert_true(field_make(&f, name, n, FIELD_SEED));
-    const ref_volume world = field_volume(&f);
-    stage_open(&s, fixture_leaf(&f, cells_log2, 1, false));
-    ref_volume grid = ref_volume_regular(f.dims, f.samples, NULL, NULL);
+    const char *name = f->name;
+    const ref_volume world = field_volume(f);
+    stage_open(&s, fixture_leaf(f, cells_log2, 1, false));
+    ref_volume grid = ref_volume_regular(f->dims, f->samples, NULL, NULL);
     for (int a = 0; a < 3; a++)
         grid.axis[a] = s.v->file->axis[a];
     const segment_truth truth = segment_truth_grid(&grid);
@@ -132,7 +123,7 @@ static void check_field(const char *name, long n, uint32_t cells_log2) {
             field_random_ray(&world, &random, 1e6), field_exact_ray(&world, &random),
             field_aimed_ray(&world, &random, 5)};
         for (size_t k = 0; k < sizeof rays / sizeof *rays; k++)
-            check_ray(&sum, &s, &truth, name, &rays[k]);
+            check_ray(&sum, &s, &truth, name, &rays[k], &random);
     }
     print_message("# %s: %zu rays, %zu pieces, %zu faces; worst t %.2g, value %.2g, sum %.2g of "
                   "the bounds; %zu faults\n",
@@ -140,7 +131,13 @@ static void check_field(const char *name, long n, uint32_t cells_log2) {
                   sum.worst_sum, sum.faults);
     assert_int_equal(sum.faults, 0);
     assert_true(sum.pieces > sum.rays);
-    leafcast_close(s.v);
+    stage_close(&s);
+}
+
+static void check_field(const char *name, long n, uint32_t cells_log2) {
+    field f;
+    assert_true(field_make(&f, name, n, FIELD_SEED));
+    check_made(&f, cells_log2);
     field_release(&f);
 }
 
@@ -148,6 +145,32 @@ static void test_every_field(void **state) {
     (void)state;
     for (int i = 0; i < field_count(); i++)
         check_field(field_name(i), 23, 4);
+}
+
+static void test_other_sizes(void **state) {
+    (void)state;
+    check_field("noise-u8", 2, 4);
+    check_field("missing", 17, 4);
+    check_field("waves", 40, 5);
+    check_field("waves", 40, 6);
+}
+
+/* The types that no field has: noise of all their values. */
+static void test_other_types(void **state) {
+    (void)state;
+    static const struct {
+        const char *field, *type;
+        float below;
+    } types[] = {{"noise-u8", "i8", 128.0F}, {"noise-i16", "u16", -32768.0F}};
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
+        field f;
+        assert_true(field_make(&f, types[i].field, 23, FIELD_SEED));
+        f.type = f.name = types[i].type;
+        for (long k = 0; k < f.dims[0] * f.dims[1] * f.dims[2]; k++)
+            f.samples[k] -= types[i].below;
+        check_made(&f, 4);
+        field_release(&f);
+    }
 }
 
 /* ---- Meshes ---- */
@@ -200,14 +223,14 @@ static void check_mesh(const char *name, int cubes, uint32_t treelet_tets) {
     const segment_truth truth = segment_truth_mesh(&x.m, lab.sound);
     for (int i = 0; i < RAYS / 3 * LAB_RAY_KINDS; i++) {
         const ref_ray aimed = lab_mesh_ray(&lab, (lab_ray)(i % LAB_RAY_KINDS), &random);
-        check_ray(&sum, &s, &truth, name, &aimed);
+        check_ray(&sum, &s, &truth, name, &aimed, &random);
     }
     print_message("# %s%s: %u treelets; %zu rays, %zu pieces, %zu faces; worst t %.2g, value %.2g, "
                   "sum %.2g of the bounds; %zu faults\n",
                   name, lab.sound ? "" : ", unsound", s.v->file->layout.treelets, sum.rays,
                   sum.pieces, sum.faces, sum.worst_t, sum.worst_value, sum.worst_sum, sum.faults);
     soup_release(&x);
-    leafcast_close(s.v);
+    stage_close(&s);
     lab_mesh_release(&lab);
 }
 
@@ -220,6 +243,8 @@ static void test_every_mesh(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_field),
+        cmocka_unit_test(test_other_sizes),
+        cmocka_unit_test(test_other_types),
         cmocka_unit_test(test_every_mesh),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
