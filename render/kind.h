@@ -63,6 +63,8 @@ typedef struct kind {
     /* The cell of a hit, as leafcast_hit tells of it. */
     status (*cell_of_hit)(leafcast *v, const tracer *tr, const ray *r, const hit *h,
                           leafcast_hit *out);
+    /* The cell of a piece, as leafcast_segment tells of it. */
+    void (*cell_of_segment)(const tracer *tr, const segment *s, leafcast_segment *out);
     /* The cell at a point of world space, its value there and the gradient; *out stays where there
      * is none. */
     status (*cell_at)(leafcast *v, const double point[3], leafcast_sample *out);

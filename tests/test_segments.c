@@ -240,12 +240,107 @@ static void test_every_mesh(void **state) {
         check_mesh(lab_mesh_name(i), 5, 40);
 }
 
+/* ---- leafcast.h ---- */
+
+enum { SIDE = 24 };
+
+static void draw(leafcast *v, double *z) {
+    const leafcast_scene scene = leafcast_scene_default();
+    const leafcast_camera c = leafcast_standard_view(v, 1.1, SIDE, SIDE);
+    const leafcast_image image = {.size = sizeof image, .z = z};
+    assert_int_equal(leafcast_trace(v, &scene, &c, &image, NULL, NULL, NULL), LEAFCAST_OK);
+}
+
+static void assert_told(const segment *s, const leafcast_segment *told, bool is_mesh) {
+    assert_true(told->t0 == s->t0 && told->t1 == s->t1 && told->degree == (int)s->degree);
+    assert_memory_equal(told->control, s->b, (s->degree + 1) * sizeof *s->b);
+    assert_int_equal(told->degree, is_mesh ? 1 : 3);
+    for (int i = 0; i <= 32; i++) {
+        const double value = segment_at(s, i / 32.0),
+                     slack = 1e-13 * fmax(fabs(told->least), fabs(told->most));
+        assert_true(value >= told->least - slack && value <= told->most + slack);
+    }
+    assert_true(told->least_t >= s->t0 && told->least_t <= s->t1);
+    assert_true(told->most_t >= s->t0 && told->most_t <= s->t1);
+}
+
+/* What the internal functions give; a picture before and after, by one selection. */
+static void check_public(const char *path, double iso, const ref_ray *r) {
+    static segment want[PIECES_MAX];
+    static leafcast_segment told[PIECES_MAX];
+    static double before[SIDE * SIDE], after[SIDE * SIDE];
+    const leafcast_scene scene = leafcast_scene_default();
+    const leafcast_surface surface = leafcast_surface_default(iso);
+    stage s;
+    ray in_volume;
+    int count = 0, some = 0;
+    stage_open(&s, path);
+    const bool is_mesh = leafcast_describe(s.v).tets > 0;
+    assert_true(tracer_ray(&s.tr, r->o, r->d, 0.0, INFINITY, &in_volume));
+    const size_t expected = follow(&s, &in_volume, AHEAD, want);
+    stage_close(&s);
+
+    leafcast *v = fixture_open(path, NULL);
+    assert_int_equal(leafcast_probe_segments(v, &scene, r->o, r->d, told, PIECES_MAX, &count),
+                     LEAFCAST_OK);
+    assert_int_equal(count, expected);
+    for (int i = 0; i < count; i++)
+        assert_told(&want[i], &told[i], is_mesh);
+    assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
+    draw(v, before);
+    const uint32_t active = v->treelets->treelets_active;
+    assert_int_equal(leafcast_probe_segments(v, &scene, r->o, r->d, told, 3, &some), LEAFCAST_OK);
+    assert_int_equal(some, 3);
+    assert_told(&want[2], &told[2], is_mesh);
+    assert_int_equal(v->treelets->treelets_active, active);
+    draw(v, after);
+    assert_memory_equal(before, after, sizeof before);
+    assert_int_equal(
+        leafcast_probe_segments(v, &scene, r->o, (double[3]){0.0, 0.0, 0.0}, told, 3, &some),
+        LEAFCAST_USAGE);
+    leafcast_close(v);
+}
+
+static void test_public(void **state) {
+    (void)state;
+    field f;
+    lab_mesh lab;
+    assert_true(field_make(&f, "sphere", 40, FIELD_SEED));
+    const ref_ray across = {{-3.0, 12.2, 17.7}, {1.0, 0.2, 0.1}};
+    check_public(fixture_leaf(&f, 4, 1, false), f.iso, &across);
+    field_release(&f);
+    assert_true(lab_mesh_make(&lab, "sphere", 6, FIELD_SEED));
+    const ref_ray through = {{-3.0, 2.2, 2.7}, {1.0, 0.1, 0.05}};
+    check_public(lab_leaf_make(&lab, 40, false), lab.iso, &through);
+    lab_mesh_release(&lab);
+}
+
+/* The extremes of a cubic against sampling, those of a line at its ends. */
+static void test_range(void **state) {
+    (void)state;
+    field_random r = {FIELD_SEED};
+    for (int i = 0; i < 2000; i++) {
+        segment s = {.t0 = 2.0, .t1 = 5.0, .degree = i % 2 ? 3 : 1};
+        double least = INFINITY, most = -INFINITY;
+        for (uint32_t k = 0; k <= s.degree; k++)
+            s.b[k] = field_random_in(&r, -1.0, 1.0);
+        const segment_extent e = segment_range(&s);
+        for (int k = 0; k <= 1000; k++) {
+            least = fmin(least, segment_at(&s, k / 1000.0));
+            most = fmax(most, segment_at(&s, k / 1000.0));
+        }
+        assert_true(e.least <= least && e.least > least - 1e-5);
+        assert_true(e.most >= most && e.most < most + 1e-5);
+        assert_true(fabs(segment_at(&s, (e.least_t - 2.0) / 3.0) - e.least) < 1e-14);
+        assert_true(fabs(segment_at(&s, (e.most_t - 2.0) / 3.0) - e.most) < 1e-14);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_field),
-        cmocka_unit_test(test_other_sizes),
-        cmocka_unit_test(test_other_types),
-        cmocka_unit_test(test_every_mesh),
+        cmocka_unit_test(test_every_field), cmocka_unit_test(test_other_sizes),
+        cmocka_unit_test(test_other_types), cmocka_unit_test(test_every_mesh),
+        cmocka_unit_test(test_public),      cmocka_unit_test(test_range),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
