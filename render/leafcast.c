@@ -371,7 +371,8 @@ static size_t fixed_bytes(const leafcast *v, const frame *f) {
     return v->base_bytes + scratch_bytes(f) + v->beside + coarse_preview_bytes(v) +
            image_bytes(&f->image, pixels) +
            (scene_of(f)->samples > 1 ? image_bytes(&colours, pixels) : 0) +
-           v->kind->projection_bytes(&v->file->layout) + frame_bytes(f, records_wanted(f));
+           (v->kind->projection_bytes ? v->kind->projection_bytes(&v->file->layout) : 0) +
+           frame_bytes(f, records_wanted(f));
 }
 
 /* With the fewest records, and one treelet at a time. */
