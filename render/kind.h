@@ -36,8 +36,8 @@ typedef struct kind {
     status (*check)(const leafcast *v, const leafcast_scene *scene);
     /* The tracer's box, its kind's part and its levels of detail. c: see volume_tracer(). */
     void (*aim)(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr);
-    /* v->projection, not usable where tiles are not possible; memory that it takes. */
-    status (*project)(leafcast *v, const camera *c);
+    /* The camera's; not usable where tiles are not possible. Memory that it takes. */
+    status (*project)(leafcast *v, const camera *c, projection *out);
     size_t (*projection_bytes)(const leaf_layout *layout);
     /* Tiles of primary rays: pixels on a side, bytes that one needs, the kernel (NULL: none). */
     uint32_t tile_side;
