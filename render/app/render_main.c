@@ -69,7 +69,7 @@ static const struct argp_option OPTIONS[] = {
     {"and", AND, "FILE", 0,
      "a volume more, in the same picture; --iso, --color, --opacity, --field and --step behind it "
      "are about that one. Repeatable",
-     0},
+     10},
     {NULL, 0, NULL, 0, "Many pictures (-o out.png becomes out_0000.png ...):", 50},
     {"iso-list", ISO_LIST, "V1,V2,...", 0, "a picture for each isovalue; V:V is a picture with two",
      0},

@@ -581,6 +581,19 @@ static leafcast_camera first_view(const view_options *v, const leafcast *volume)
     return leafcast_standard_view(volume, v->distance, given->width, given->height);
 }
 
+/* Parallel rays begin in the plane through the eye: in front of all of the volume. */
+static void step_back(leafcast_camera *c, const leafcast *volume) {
+    const leafcast_info info = leafcast_describe(volume);
+    double diagonal = 0.0, away = 0.0;
+    for (int a = 0; a < 3; a++) {
+        const double edge = info.bounds[1][a] - info.bounds[0][a], from = c->eye[a] - c->look_at[a];
+        diagonal += edge * edge;
+        away += from * from;
+    }
+    for (int a = 0; a < 3; a++)
+        c->eye[a] = c->look_at[a] + (c->eye[a] - c->look_at[a]) * sqrt(diagonal / away);
+}
+
 leafcast_camera view_options_camera(const view_options *v, const leafcast *volume) {
     const leafcast_camera *given = &v->camera;
     leafcast_camera c = first_view(v, volume);
@@ -593,6 +606,8 @@ leafcast_camera view_options_camera(const view_options *v, const leafcast *volum
     if (v->fov)
         c.fov = given->fov;
     c.ortho_height = given->ortho_height;
+    if (c.ortho_height > 0.0 && !v->eye)
+        step_back(&c, volume);
     /* Straight down or up: +z cannot be up. */
     if (!v->up && c.eye[0] == c.look_at[0] && c.eye[1] == c.look_at[1]) {
         c.up[1] = 1.0;
