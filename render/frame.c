@@ -1,5 +1,6 @@
 #include "render/frame.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -26,7 +27,7 @@ typedef struct easel {
     uint32_t suspended;
 } easel;
 
-typedef struct drawing {
+struct drawing {
     const frame *f;
     uint32_t side; /* of a tile */
     uint32_t tiles_x, tiles;
@@ -50,7 +51,8 @@ typedef struct drawing {
     tile_row *to_do;                               /* `side` rows a tile: pixels not begun */
     loader_request *requests;
     atomic_size_t finished; /* pixels */
-} drawing;
+    ray_counters total;
+};
 
 static uint32_t tile_side(const frame *f) {
     return f->tracer->kind->tile_side;
@@ -510,13 +512,34 @@ static status drawing_init(drawing *d, const frame *f) {
     return ST_OK;
 }
 
+status frame_begin(const frame *f, drawing **out) {
+    drawing *d = *out = mem_zalloc(f->m, sizeof *d);
+    return d ? drawing_init(d, f) : ST_NOMEM;
+}
+
+status frame_advance(drawing *d, double until, bool *done) {
+    (void)until;
+    const status st = draw_passes(d, &d->total);
+    *done = st == ST_OK;
+    return st;
+}
+
+void frame_end(drawing *d, ray_counters *counters) {
+    if (!d)
+        return;
+    ray_counters_add(counters, &d->total);
+    for (int i = 0; d->tallies && i < pool_threads(d->f->threads); i++)
+        ray_counters_add(counters, &d->tallies[i].counters);
+    drawing_release(d);
+    mem_free(d->f->m, d);
+}
+
 status frame_render(const frame *f, ray_counters *counters) {
-    drawing d;
-    status st = drawing_init(&d, f);
+    drawing *d = NULL;
+    bool done;
+    status st = frame_begin(f, &d);
     if (st == ST_OK)
-        st = draw_passes(&d, counters);
-    for (int i = 0; d.tallies && i < pool_threads(f->threads); i++)
-        ray_counters_add(counters, &d.tallies[i].counters);
-    drawing_release(&d);
+        st = frame_advance(d, INFINITY, &done);
+    frame_end(d, counters);
     return st;
 }

@@ -34,9 +34,10 @@ typedef struct frame {
     const projection *projection; /* NULL: every ray by itself, else tiles of them; see tile.h */
     uint32_t width, height;
     leafcast_image image;
-    size_t stride;        /* of its planes: from row to row */
-    void *scratch;        /* frame_scratch_bytes() for each thread, not initialised */
-    uint32_t records_max; /* suspended rays at a time, at least frame_records_min() */
+    size_t stride;             /* of its planes: from row to row */
+    void *scratch;             /* frame_scratch_bytes() for each thread, not initialised */
+    uint32_t records_max;      /* suspended rays at a time, at least frame_records_min() */
+    const atomic_bool *cancel; /* true: stop soon; or NULL */
     bool (*watch)(void *ctx, double done); /* see leafcast_trace() */
     void *watch_ctx;
 } frame;
@@ -46,9 +47,14 @@ static inline size_t frame_plane(const frame *f, uint32_t pixel) {
     return pixel / f->width * f->stride + pixel % f->width;
 }
 
-/* frame_render() - draw into f->image. ST_STOPPED when watch() said so; the planes are then partly
- * written. */
+/* frame_render() - draw into f->image. ST_STOPPED when watch() or cancel said so; the planes are
+ * then partly written. */
 CHECKED status frame_render(const frame *f, ray_counters *counters);
+
+typedef struct drawing drawing;
+CHECKED status frame_begin(const frame *f, drawing **out);
+CHECKED status frame_advance(drawing *d, double until, bool *done);
+void frame_end(drawing *d, ray_counters *counters);
 
 /* The following need of f: tracer (kind, layout), volumes, integrator, threads, width and height.
  *

@@ -25,14 +25,14 @@ static grid_volume *grid_of(const leafcast *v) {
 static status grid_open(leafcast *v) {
     if (v->options.packets != 0)
         return status_describe(ST_USAGE, "packets are for meshes: in a grid, tiles of rays walk");
-    v->own = mem_zalloc(&v->budget, sizeof(grid_volume));
-    return v->own ? level_planes_init(&grid_of(v)->planes, &v->budget, v->file) : ST_NOMEM;
+    v->own = mem_zalloc(v->m, sizeof(grid_volume));
+    return v->own ? level_planes_init(&grid_of(v)->planes, v->m, v->file) : ST_NOMEM;
 }
 
 static void grid_close(leafcast *v) {
     if (v->own)
         level_planes_release(&grid_of(v)->planes);
-    mem_free(&v->budget, v->own);
+    mem_free(v->m, v->own);
 }
 
 /* Where a grid is, and how large its cells are. */
@@ -137,7 +137,6 @@ static status grid_check(const leafcast *v, const leafcast_scene *scene) {
  * nearest to the eye. */
 static void stop_levels(leafcast *v, const camera *c) {
     const leaf_layout *layout = &v->file->layout;
-    const double pixel = camera_pixel(c);
     for (uint32_t t = 0; t < layout->treelets; t++) {
         const level_planes *planes = &grid_of(v)->planes.levels[layout->level_of[t]];
         double centre[3], radius = 0.0, edge = 0.0, distance = 0.0, world[3];
@@ -153,7 +152,7 @@ static void stop_levels(leafcast *v, const camera *c) {
         affine_point_to_world(&v->space, centre, world);
         for (int a = 0; a < 3; a++)
             distance += (world[a] - c->eye[a]) * (world[a] - c->eye[a]);
-        v->stop[t] = edge <= pixel * fmax(sqrt(distance) - radius, 0.0);
+        v->stop[t] = edge <= camera_pixel(c, fmax(sqrt(distance) - radius, 0.0));
     }
 }
 
@@ -185,8 +184,8 @@ static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
     tr->boxed = tr->preview || tr->stop || tr->target_level > 0;
 }
 
-static status grid_project(leafcast *v, const camera *c) {
-    return grid_projection_init(&v->projection, &v->budget, &v->file->layout,
+static status grid_project(leafcast *v, const camera *c, projection *out) {
+    return grid_projection_init(out, v->m, &v->file->layout,
                                 grid_of(v)->planes.levels, &v->space, c);
 }
 

@@ -6,6 +6,7 @@
 
 #include "formats/base/exact.h"
 #include "render/active_box.h"
+#include "render/leafcast_device.h"
 #include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_projection.h"
 #include "render/mesh/mesh_segments.h"
@@ -18,7 +19,7 @@
 /* Packets instead of tiles, if asked for. */
 static status mesh_open(leafcast *v) {
     const int side = v->options.packets;
-    v->own = mem_zalloc(&v->budget, sizeof(mesh_rays));
+    v->own = mem_zalloc(v->m, sizeof(mesh_rays));
     if (!v->own || side == 0)
         return v->own ? ST_OK : ST_NOMEM;
     if (side != 2 && side != 4 && side != 8 && side != 16)
@@ -38,7 +39,7 @@ static mesh_derived derived_of(const leafcast_options *o) {
 /* Trees of all steps beside each other cost no refitting; where not all of them fit, one tree. */
 static mesh_schema schema_of(const leafcast *v) {
     const uint64_t room =
-        v->budget.limit ? v->budget.limit
+        v->m->limit ? v->m->limit
                         : (uint64_t)sysconf(_SC_PHYS_PAGES) / 4 * (uint64_t)sysconf(_SC_PAGESIZE);
     if (v->options.schema != LEAFCAST_SCHEMA_AUTO)
         return v->options.schema == LEAFCAST_SCHEMA_TREES ? MESH_TREES : MESH_REFIT;
@@ -47,7 +48,7 @@ static mesh_schema schema_of(const leafcast *v) {
 
 /* Readers refit trees, too: then as many as there are threads. */
 static void mesh_loading(const leafcast *v, loader_options *o) {
-    const int threads = pool_threads(v->threads);
+    const int threads = pool_threads(v->device->threads);
     o->schema = schema_of(v);
     o->derived = derived_of(&v->options);
     if (v->file->header.steps > 1 && o->schema == MESH_REFIT && threads > o->workers)
@@ -55,7 +56,7 @@ static void mesh_loading(const leafcast *v, loader_options *o) {
 }
 
 static void mesh_close(leafcast *v) {
-    mem_free(&v->budget, v->own);
+    mem_free(v->m, v->own);
 }
 
 /* A mesh's; an edge as if six tets in its box made a cube. */
@@ -122,8 +123,8 @@ static void mesh_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
     }
 }
 
-static status mesh_project(leafcast *v, const camera *c) {
-    mesh_projection_init(&v->projection, v->file->header.bounds, c);
+static status mesh_project(leafcast *v, const camera *c, projection *out) {
+    mesh_projection_init(out, v->file->header.bounds, c);
     return ST_OK;
 }
 
