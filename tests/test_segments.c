@@ -229,6 +229,10 @@ static void check_mesh(const char *name, int cubes, uint32_t treelet_tets) {
                   "sum %.2g of the bounds; %zu faults\n",
                   name, lab.sound ? "" : ", unsound", s.v->file->layout.treelets, sum.rays,
                   sum.pieces, sum.faces, sum.worst_t, sum.worst_value, sum.worst_sum, sum.faults);
+    assert_int_equal(sum.faults, 0);
+    /* The bounds are for the worst: what there is stays far below. */
+    assert_true(sum.worst_t < 0.2 && sum.worst_value < 0.1);
+    assert_true(sum.pieces > sum.rays && sum.faces >= sum.rays * lab.sound);
     soup_release(&x);
     stage_close(&s);
     lab_mesh_release(&lab);
