@@ -166,7 +166,7 @@ typedef struct leafcast_surface {
 
 LEAFCAST_API leafcast_surface leafcast_surface_default(double isovalue);
 
-/* leafcast_select() - the isosurfaces that the next pictures show: an isovalue sweep over the
+/* leafcast_select() - the isosurfaces that the next pictures show: a sweep over the
  * directory; loading starts. count 1 .. LEAFCAST_SURFACES_MAX, isovalues finite. */
 LEAFCAST_API leafcast_status leafcast_select(leafcast *volume, const leafcast_surface *surfaces,
                                              int count);
