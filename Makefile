@@ -3,7 +3,8 @@
 # Sources are found by wildcard: every .c file of the four layers goes into app/libinternal.a, with which
 # verbs and tests are linked, except X_main.c, which is the verb X (build/release/libexec/leafcast-X), and
 # what verbs share: render/app and render/bench have archives of their own. A new source needs no line
-# here. The library for others, lib/libleafcast.a and .so, is what render/leafcast*.c need of that.
+# here. The library for others, lib/libleafcast.a and .so, is what render/leafcast*.c and prep/leafcast*.c
+# need of that.
 
 VERSION := $(shell sed -n 's/^.define LEAFCAST_VERSION "\(.*\)"/\1/p' render/leafcast.h)
 CONFIG  ?= release
@@ -54,7 +55,7 @@ MACHINE := $(shell $(CC) -dumpmachine 2>/dev/null)
 X86     := $(filter x86_64% i%86%,$(MACHINE))
 # gcc 12.2 dies of loops of fmin() and fmax() there (in vect_transform_reduction).
 NO_LOOPS := $(if $(CLANG),,$(if $(filter aarch64%,$(MACHINE)),-fno-tree-loop-vectorize))
-COMMON := $(FLAGS_$(CONFIG)) $(NO_LOOPS) -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-errno -pthread -I. \
+COMMON := $(FLAGS_$(CONFIG)) $(NO_LOOPS) -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-errno -pthread -I. -Iformats \
           -DLEAFCAST_VERSION='"$(VERSION)"'
 WARN   := -Wall -Wextra -Wshadow -Wvla -Wpointer-arith -Wwrite-strings -Wundef \
           $(if $(filter 1,$(WERROR)),-Werror)
@@ -78,7 +79,8 @@ INTERNAL := $B/app/libinternal.a
 APP      := $B/app/libapp.a
 BENCH    := $B/app/libbench.a
 ARCHIVES := $(BENCH) $(APP) $(INTERNAL)
-DOOR     := $(patsubst %.c,$B/obj/%.o,$(filter render/leafcast%,$(PARTS)))
+DOOR     := $(patsubst %.c,$B/obj/%.o,$(filter formats/public_status.c prep/leafcast% render/leafcast%,$(PARTS)))
+HEADERS  := $(wildcard render/leafcast.h render/leafcast_experimental.h prep/leafcast_prep.h formats/leafcast_status.h)
 STATIC   := $B/lib/libleafcast.a
 SONAME   := libleafcast.so.$(firstword $(subst ., ,$(VERSION)))
 SHARED   := $B/lib/libleafcast.so.$(VERSION)
@@ -117,7 +119,7 @@ RUN   += $(filter-out $(RUN),$(ASKED))
 
 # ---- libraries -----------------------------------------------------------------------------------
 # What the library for others needs, and what the verbs need besides.
-DOOR_PC := libzstd libxxhash
+DOOR_PC := zlib libzstd jansson libxxhash expat
 LIBS_PC := zlib libzstd jansson libxxhash expat libpng
 ifneq ($(filter-out list help clean setup test demo,$(or $(MAKECMDGOALS),all)),)
 MISSING := $(if $(shell command -v pkg-config),,pkg-config) \
@@ -350,7 +352,7 @@ install: all $(STATIC) $(SHARED)
 	install -m 644 $(STATIC) $(SHARED) $D/lib
 	ln -sfn $(notdir $(SHARED)) $D/lib/$(SONAME)
 	ln -sfn $(SONAME) $D/lib/libleafcast.so
-	install -m 644 $(wildcard render/leafcast.h prep/leafcast_prep.h) $D/include/leafcast
+	install -m 644 $(HEADERS) $D/include/leafcast
 	install -m 644 $(wildcard scripts/man/*.1) $D/share/man/man1
 	install -D -m 644 scripts/completion.bash $D/share/bash-completion/completions/leafcast
 	install -D -m 644 scripts/completion.zsh $D/share/zsh/site-functions/_leafcast

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/cli_value.h"
 #include "formats/base/file.h"
 #include "formats/base/num.h"
 #include "formats/base/shell_line.h"
@@ -21,23 +22,13 @@ enum { ISOS_MAX = 64, HISTOGRAM_MAX = 32 };
 
 typedef struct arguments {
     cli_common common;
-    const char *input;
     double isos[ISOS_MAX];
     int iso_count;
     input_question question; /* of an input that is no treelet file */
     unsigned given;          /* bit KEY_X - KEY_ISO: that option */
 } arguments;
 
-enum {
-    KEY_ISO = 0x2000,
-    KEY_QUICK,
-    KEY_FIELD,
-    KEY_DIMS,
-    KEY_TYPE,
-    KEY_BIG_ENDIAN,
-    KEY_SKIP,
-    KEY_LAST = KEY_SKIP
-};
+enum { KEY_ISO = 0x2000, KEY_QUICK, KEY_FIELD, KEY_DIMS, KEY_TYPE, KEY_BIG_ENDIAN, KEY_SKIP };
 
 static const struct argp_option options[] = {
     {"iso", KEY_ISO, "V", CLI_BASIC,
@@ -51,64 +42,43 @@ static const struct argp_option options[] = {
     {"skip", KEY_SKIP, "BYTES", 0, "of raw samples: header bytes to pass over", 1},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-static void parse_iso(struct argp_state *state, arguments *a, const char *text) {
+static status add_iso(arguments *a, const char *text) {
     if (a->iso_count == ISOS_MAX)
-        argp_error(state, "more than %d isovalues", ISOS_MAX);
-    cli_usage_unless(state, num_double(text, "--iso", &a->isos[a->iso_count++]));
+        return status_describe(ST_USAGE, "more than %d isovalues", ISOS_MAX);
+    return num_double(text, "--iso", &a->isos[a->iso_count++]);
 }
 
-static void parse_dims(struct argp_state *state, arguments *a, const char *text) {
-    double sizes[3];
-    cli_usage_unless(state, num_doubles(text, "--dims", ", x", 3, sizes));
-    for (int i = 0; i < 3; i++) {
-        if (!(sizes[i] >= 1 && sizes[i] <= GRID_DIM_MAX && sizes[i] == (uint32_t)sizes[i]))
-            argp_error(state, "--dims: \"%s\": expected whole numbers from 1 to %d", text,
-                       GRID_DIM_MAX);
-        a->question.grid.dims[i] = (uint32_t)sizes[i];
-    }
-}
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    arguments *a = state->input;
+static status set(void *own, int key, const char *text) {
+    arguments *a = own;
     input_question *q = &a->question;
-    if (key >= KEY_ISO && key <= KEY_LAST)
-        a->given |= 1u << (key - KEY_ISO);
+    a->given |= 1u << (key - KEY_ISO);
     switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; break;
-    case KEY_ISO: parse_iso(state, a, arg); break;
-    case KEY_QUICK: q->header_only = true; break;
-    case KEY_FIELD: q->mesh.field = arg; break;
-    case KEY_DIMS: parse_dims(state, a, arg); break;
-    case KEY_TYPE:
-        if (!sample_parse(arg, &q->grid.type))
-            argp_error(state, "--type: \"%s\" is none of u8 i8 u16 i16 u32 i32 f32 f64", arg);
-        break;
-    case KEY_BIG_ENDIAN: q->grid.big_endian = true; break;
-    case KEY_SKIP: cli_usage_unless(state, num_size(arg, "--skip", &q->grid.skip)); break;
-    case ARGP_KEY_ARG:
-        if (a->input)
-            argp_error(state, "one file at a time, not also \"%s\"", arg);
-        a->input = arg;
-        break;
-    case ARGP_KEY_END:
-        if (!a->input)
-            argp_error(state, "an INPUT is needed");
-        break;
-    default: return ARGP_ERR_UNKNOWN;
+    case KEY_ISO: return add_iso(a, text);
+    case KEY_QUICK: q->header_only = true; return ST_OK;
+    case KEY_FIELD: q->mesh.field = text; return ST_OK;
+    case KEY_DIMS: return cli_dims(text, "--dims", 1, GRID_DIM_MAX, q->grid.dims);
+    case KEY_TYPE: return cli_sample_type(text, &q->grid.type);
+    case KEY_BIG_ENDIAN: q->grid.big_endian = true; return ST_OK;
+    case KEY_SKIP: return num_size(text, "--skip", &q->grid.skip);
+    default: return ST_AGAIN;
     }
-    return 0;
 }
 
-static const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {NULL, 0, NULL, 0}};
-static const struct argp table = {
+static status check(void *own) {
+    const arguments *a = own;
+    return a->common.input ? ST_OK : status_describe(ST_USAGE, "an INPUT is needed");
+}
+
+static const cli_verb verb = {
     .options = options,
-    .parser = parse,
+    .set = set,
+    .check = check,
+    .input = "file",
     .args_doc = "INPUT",
     .doc = "Say what is in a treelet file, or in any input of convert: its format, sizes, fields, "
            "values as a histogram, the isovalues that are worth a look, and what to do next. An "
            "active treelet, cell or tet is one with min < V <= "
            "max over its samples.\vExample:\n  leafcast info bonsai.leaf --iso 37",
-    .children = children,
 };
 
 /* What is printed, as text or as JSON. */
@@ -566,13 +536,13 @@ static void set_next(json_t *json, const char *line) {
 /* NULL where it does not fit. */
 static const char *next_command(const arguments *a, char line[NEXT_MAX]) {
     size_t length;
-    const char *stem = text_stem(a->input, &length);
+    const char *stem = text_stem(a->common.input, &length);
     char picture[PATH_MAX];
     shell_line l = shell_line_begin(line, NEXT_MAX);
     if (snprintf(picture, sizeof picture, "%.*s.png", (int)length, stem) >= (int)sizeof picture)
         return NULL;
     shell_line_put(&l, "leafcast render ");
-    shell_line_path(&l, a->input);
+    shell_line_path(&l, a->common.input);
     shell_line_put(&l, " -o ");
     shell_line_path(&l, picture);
     return l.full ? NULL : line;
@@ -667,9 +637,9 @@ static const struct {
 static status check_uses(const arguments *a, int input, const char *format) {
     for (size_t i = 0; i < sizeof uses / sizeof *uses; i++)
         if ((a->given >> (uses[i].key - KEY_ISO) & 1) && !(uses[i].inputs & input))
-            return status_describe(ST_USAGE,
-                                   "--%s is for %s, and %s is %s: it would change nothing",
-                                   uses[i].name, input_names[uses[i].inputs], a->input, format);
+            return status_describe(
+                ST_USAGE, "--%s is for %s, and %s is %s: it would change nothing", uses[i].name,
+                input_names[uses[i].inputs], a->common.input, format);
     return ST_OK;
 }
 
@@ -695,7 +665,7 @@ static status run_input(arguments *a, mem *m) {
     input_facts *x = mem_zalloc(m, sizeof *x);
     if (!x)
         return ST_NOMEM;
-    a->question.path = a->input;
+    a->question.path = a->common.input;
     a->question.opened = check_opened;
     a->question.ctx = a;
     status st = input_facts_read(m, &a->question, cli_progress(&a->common), x);
@@ -730,13 +700,13 @@ static status run(arguments *a) {
     mem_init(&m, a->common.memory);
     leaf_file *f = NULL;
     bool leaf = false;
-    status st = is_leaf(&m, a->input, &leaf);
+    status st = is_leaf(&m, a->common.input, &leaf);
     if (st == ST_OK && !leaf)
         return run_input(a, &m);
     if (st == ST_OK)
         st = check_uses(a, LEAF, "a treelet file");
     if (st == ST_OK)
-        st = leaf_file_open(&m, a->input, &f);
+        st = leaf_file_open(&m, a->common.input, &f);
     if (st == ST_OK)
         st = report(a, &m, f);
     leaf_file_close(f);
@@ -745,6 +715,6 @@ static status run(arguments *a) {
 
 int main(int argc, char **argv) {
     arguments a = {.common = {.verb = "info", .without = "output force"}};
-    cli_parse(&table, &a.common, argc, argv, &a);
+    cli_parse(&verb, &a.common, argc, argv);
     return cli_finish(&a.common, run(&a));
 }

@@ -9,36 +9,21 @@
 
 typedef struct arguments {
     cli_common common;
-    const char *input;
 } arguments;
 
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    arguments *a = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; break;
-    case ARGP_KEY_ARG:
-        if (a->input)
-            argp_error(state, "one file at a time, not also \"%s\"", arg);
-        a->input = arg;
-        break;
-    case ARGP_KEY_END:
-        if (!a->input)
-            argp_error(state, "a treelet file is needed");
-        break;
-    default: return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
+static status check(void *own) {
+    const arguments *a = own;
+    return a->common.input ? ST_OK : status_describe(ST_USAGE, "a treelet file is needed");
 }
 
-static const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {NULL, 0, NULL, 0}};
-static const struct argp table = {
-    .parser = parse,
+static const cli_verb verb = {
+    .check = check,
+    .input = "file",
     .args_doc = "F.leaf",
     .doc = "Check every byte of a treelet file: checksums, padding, ranges, the codes of every "
            "tree against its samples, samples that neighbours share; of a mesh, that boxes and "
            "ranges are those of their tets. Exit code 0 if it is sound, 3 if not."
            "\vExample:\n  leafcast verify bonsai.leaf",
-    .children = children,
 };
 
 static status report(const arguments *a, const leaf_file *f) {
@@ -50,7 +35,7 @@ static status report(const arguments *a, const leaf_file *f) {
         if (!cli_results(&a->common, true))
             return ST_OK;
         printf("%s: sound: %llu treelets, %llu bytes, id %s\n",
-               text_printable(path, sizeof path, a->input), (unsigned long long)h->treelets,
+               text_printable(path, sizeof path, a->common.input), (unsigned long long)h->treelets,
                (unsigned long long)h->file_bytes, id);
         return ST_OK;
     }
@@ -64,7 +49,7 @@ static status run(arguments *a) {
     mem m;
     mem_init(&m, a->common.memory);
     leaf_file *f = NULL;
-    status st = leaf_file_open(&m, a->input, &f);
+    status st = leaf_file_open(&m, a->common.input, &f);
     if (st == ST_OK)
         st = leaf_verify(&m, f, a->common.threads, cli_progress(&a->common));
     if (st == ST_OK)
@@ -75,6 +60,6 @@ static status run(arguments *a) {
 
 int main(int argc, char **argv) {
     arguments a = {.common = {.verb = "verify", .without = "output force"}};
-    cli_parse(&table, &a.common, argc, argv, &a);
+    cli_parse(&verb, &a.common, argc, argv);
     return cli_finish(&a.common, run(&a));
 }

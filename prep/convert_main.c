@@ -7,23 +7,21 @@
 #include <sys/resource.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/cli_value.h"
 #include "formats/base/clock.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/base/text.h"
-#include "formats/grid/volume.h"
+#include "prep/convert_input.h"
 #include "prep/grid/convert.h"
 #include "prep/mesh/mesh_convert.h"
 
-enum { MEMORY_DEFAULT_MIB = 2048, ZSTD_LEVEL_DEFAULT = 3, ZSTD_LEVEL_MAX = 22 };
+enum { ZSTD_LEVEL_DEFAULT = 3, ZSTD_LEVEL_MAX = 22 };
 
 enum { FIELDS_MAX = 256 };
 
 typedef struct arguments {
     cli_common common;
-    const char *input; /* the first */
-    char **inputs;
-    int input_count;
     volume_hints hints;
     mesh_hints mesh;
     const char *fields[FIELDS_MAX]; /* as asked for, or all there are */
@@ -64,8 +62,7 @@ enum {
     KEY_COARSE,
     KEY_GRADIENTS,
     KEY_NAME,
-    KEY_ALLOW_EMPTY,
-    KEY_LAST = KEY_ALLOW_EMPTY
+    KEY_ALLOW_EMPTY
 };
 
 static const struct argp_option options[] = {
@@ -157,155 +154,138 @@ static const char *option_name(int key) {
 static status check_uses(const arguments *a, int input, const char *format) {
     for (size_t i = 0; i < sizeof uses / sizeof *uses; i++)
         if ((a->given >> (uses[i].key - KEY_COMPRESS) & 1) && !(uses[i].inputs & input))
-            return status_describe(ST_USAGE,
-                                   "--%s is for %s, and %s is %s: it would change nothing",
-                                   option_name(uses[i].key), input_names[uses[i].inputs],
-                                   strcmp(a->input, "-") ? a->input : "standard input", format);
+            return status_describe(
+                ST_USAGE, "--%s is for %s, and %s is %s: it would change nothing",
+                option_name(uses[i].key), input_names[uses[i].inputs],
+                strcmp(a->common.input, "-") ? a->common.input : "standard input", format);
     return ST_OK;
 }
 
-static int64_t parse_int(struct argp_state *state, const char *text, const char *what, int64_t lo,
-                         int64_t hi) {
-    int64_t value = lo;
-    cli_usage_unless(state, num_int(text, what, lo, hi, &value));
-    return value;
-}
-
-static void parse_dims(struct argp_state *state, arguments *a, const char *text) {
-    double sizes[3];
-    cli_usage_unless(state, num_doubles(text, "--dims", ", x", 3, sizes));
-    for (int i = 0; i < 3; i++) {
-        if (!(sizes[i] >= 1 && sizes[i] <= GRID_DIM_MAX && sizes[i] == (uint32_t)sizes[i]))
-            argp_error(state, "--dims: \"%s\": expected whole numbers from 1 to %d", text,
-                       GRID_DIM_MAX);
-        a->hints.dims[i] = (uint32_t)sizes[i];
-    }
-}
-
-static void parse_spacing(struct argp_state *state, arguments *a, const char *text) {
-    cli_usage_unless(state, num_doubles(text, "--spacing", ", ", 3, a->hints.spacing));
-    for (int i = 0; i < 3; i++)
+static status set_spacing(arguments *a, const char *text) {
+    status st = num_doubles(text, "--spacing", ", ", 3, a->hints.spacing);
+    for (int i = 0; i < 3 && st == ST_OK; i++)
         if (!isfinite(a->hints.spacing[i]) || a->hints.spacing[i] == 0)
-            argp_error(state, "--spacing: \"%s\": expected three numbers other than 0", text);
+            st = status_describe(ST_USAGE, "--spacing: \"%s\": expected three numbers other than 0",
+                                 text);
+    return st;
 }
 
-static void parse_compress(struct argp_state *state, arguments *a, const char *text) {
+static status set_compress(arguments *a, const char *text) {
     if (strcmp(text, "none") == 0) {
         a->file.codec = LEAF_CODEC_RAW;
-        return;
+        return ST_OK;
     }
     if (strncmp(text, "zstd", 4) != 0 || (text[4] != '\0' && text[4] != ':'))
-        argp_error(state, "--compress: \"%s\" is neither zstd:N nor none", text);
+        return status_describe(ST_USAGE, "--compress: \"%s\" is neither zstd:N nor none", text);
     a->file.codec = LEAF_CODEC_ZSTD;
-    a->file.zstd_level = text[4]
-                             ? (int)parse_int(state, text + 5, "--compress zstd", 1, ZSTD_LEVEL_MAX)
-                             : ZSTD_LEVEL_DEFAULT;
+    a->file.zstd_level = ZSTD_LEVEL_DEFAULT;
+    return text[4] ? cli_int(text + 5, "--compress zstd", 1, ZSTD_LEVEL_MAX, &a->file.zstd_level)
+                   : ST_OK;
 }
 
-static void parse_treelet(struct argp_state *state, arguments *a, const char *text) {
-    int64_t cells =
-        parse_int(state, text, "--treelet", 1 << LEAF_CELLS_LOG2_MIN, 1 << LEAF_CELLS_LOG2_MAX);
-    if (cells & (cells - 1))
-        argp_error(state, "--treelet: %s is none of 16, 32, 64", text);
-    a->file.cells_log2 = (uint32_t)__builtin_ctzll((unsigned long long)cells);
+static status set_treelet(arguments *a, const char *text) {
+    uint32_t cells = 0;
+    status st =
+        cli_uint(text, "--treelet", 1 << LEAF_CELLS_LOG2_MIN, 1 << LEAF_CELLS_LOG2_MAX, &cells);
+    if (st == ST_OK && (cells & (cells - 1)))
+        st = status_describe(ST_USAGE, "--treelet: %s is none of 16, 32, 64", text);
+    if (st == ST_OK)
+        a->file.cells_log2 = (uint32_t)__builtin_ctz(cells);
+    return st;
 }
 
-static void parse_build(struct argp_state *state, arguments *a, const char *name) {
+static status set_build(arguments *a, const char *name) {
     a->sah = strcmp(name, "sah") == 0;
-    if (!a->sah && strcmp(name, "bih") != 0)
-        argp_error(state, "--build: \"%s\" is neither bih nor sah", name);
+    if (a->sah || strcmp(name, "bih") == 0)
+        return ST_OK;
+    return status_describe(ST_USAGE, "--build: \"%s\" is neither bih nor sah", name);
 }
 
-static void parse_inputs(struct argp_state *state, arguments *a) {
-    a->inputs = state->argv + state->next;
-    a->input_count = state->argc - state->next;
-    a->input = a->inputs[0];
-    if (a->input_count > LEAF_SETS_MAX)
-        argp_error(state, "more than %d steps", LEAF_SETS_MAX);
-}
-
-static void parse_field(struct argp_state *state, arguments *a, const char *name) {
+static status add_field(arguments *a, const char *name) {
     if (a->field_count == FIELDS_MAX)
-        argp_error(state, "more than %d fields", FIELDS_MAX);
+        return status_describe(ST_USAGE, "more than %d fields", FIELDS_MAX);
     char *clean = a->field_names[a->field_count];
     text_name(clean, sizeof a->field_names[0], name);
     if (a->field_count == 0)
         a->mesh.field = clean;
     a->fields[a->field_count++] = clean;
+    return ST_OK;
 }
 
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    arguments *a = state->input;
-    if (key >= KEY_COMPRESS && key <= KEY_LAST)
-        a->given |= (uint64_t)1 << (key - KEY_COMPRESS);
+static status set_fields(arguments *a, const char *text) {
+    a->all_fields = strcmp(text, "all") == 0;
+    if (a->all_fields)
+        return ST_OK;
+    return status_describe(ST_USAGE,
+                           "--fields: \"%s\": only \"all\" is known; --field NAME takes one", text);
+}
+
+static status set_grid(volume_hints *h, int key, const char *text) {
     switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; break;
-    case KEY_COMPRESS: parse_compress(state, a, arg); break;
-    case KEY_TREELET: parse_treelet(state, a, arg); break;
-    case KEY_HALO: a->file.halo = (uint32_t)parse_int(state, arg, "--halo", 0, 1); break;
-    case KEY_DRY_RUN: a->dry_run = true; break;
-    case KEY_DIMS: parse_dims(state, a, arg); break;
-    case KEY_TYPE:
-        if (!sample_parse(arg, &a->hints.type))
-            argp_error(state, "--type: \"%s\" is none of u8 i8 u16 i16 u32 i32 f32 f64", arg);
-        break;
-    case KEY_BIG_ENDIAN: a->hints.big_endian = true; break;
-    case KEY_SKIP: cli_usage_unless(state, num_size(arg, "--skip", &a->hints.skip)); break;
-    case KEY_SPACING: parse_spacing(state, a, arg); break;
-    case KEY_MISSING:
-        cli_usage_unless(state, num_double(arg, "--missing", &a->hints.missing));
-        a->hints.has_missing = true;
-        break;
-    case KEY_ORIGIN:
-        cli_usage_unless(state, num_doubles(arg, "--origin", ", ", 3, a->hints.origin));
-        a->hints.has_origin = true;
-        break;
+    case KEY_DIMS: return cli_dims(text, "--dims", 1, GRID_DIM_MAX, h->dims);
+    case KEY_TYPE: return cli_sample_type(text, &h->type);
+    case KEY_BIG_ENDIAN: h->big_endian = true; return ST_OK;
+    case KEY_SKIP: return num_size(text, "--skip", &h->skip);
+    case KEY_MISSING: h->has_missing = true; return num_double(text, "--missing", &h->missing);
+    case KEY_ORIGIN: h->has_origin = true; return num_doubles(text, "--origin", ", ", 3, h->origin);
     case KEY_AXIS_X:
     case KEY_AXIS_Y:
-    case KEY_AXIS_Z: a->hints.axis_file[key - KEY_AXIS_X] = arg; break;
-    case KEY_FIELD: parse_field(state, a, arg); break;
-    case KEY_FIELDS:
-        if (strcmp(arg, "all") != 0)
-            argp_error(state, "--fields: \"%s\": only \"all\" is known; --field NAME takes one",
-                       arg);
-        a->all_fields = true;
-        break;
-    case KEY_TIMES: a->times = arg; break;
-    case KEY_COMPONENT:
-        a->mesh.component = (int)parse_int(state, arg, "--component", 1, INT_MAX);
-        break;
-    case KEY_CELLS_TO_POINTS: a->mesh.cells_to_points = true; break;
-    case KEY_TREELET_TETS:
-        a->treelet_tets =
-            (uint32_t)parse_int(state, arg, "--treelet-tets", 1, LEAF_TREELET_TETS_MAX);
-        break;
-    case KEY_BUILD: parse_build(state, a, arg); break;
-    case KEY_LEAF_TETS:
-        a->leaf_tets = (uint32_t)parse_int(state, arg, "--leaf-tets", 1, LEAF_LEAF_TETS_MAX);
-        break;
-    case ARGP_KEY_ARGS: parse_inputs(state, a); break;
-    case KEY_COARSE:
-        a->coarse = true;
-        a->coarse_dims = arg ? (uint32_t)parse_int(state, arg, "--coarse", 2, GRID_DIM_MAX) : 0;
-        break;
-    case KEY_GRADIENTS: a->gradients = true; break;
-    case KEY_ALLOW_EMPTY: a->allow_empty = true; break;
-    case KEY_NAME: a->hints.name = a->mesh.name = arg; break;
-    case ARGP_KEY_END:
-        if (a->all_fields && a->field_count)
-            argp_error(state, "--fields all and --field exclude each other");
-        if (!a->input || (!a->common.output && !a->dry_run))
-            argp_error(state, "an INPUT and -o are needed");
-        break;
-    default: return ARGP_ERR_UNKNOWN;
+    case KEY_AXIS_Z: h->axis_file[key - KEY_AXIS_X] = text; return ST_OK;
+    default: return ST_AGAIN;
     }
-    return 0;
 }
 
-static const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {NULL, 0, NULL, 0}};
-static const struct argp table = {
+static status set_mesh(arguments *a, int key, const char *text) {
+    switch (key) {
+    case KEY_FIELD: return add_field(a, text);
+    case KEY_FIELDS: return set_fields(a, text);
+    case KEY_TIMES: a->times = text; return ST_OK;
+    case KEY_COMPONENT: return cli_int(text, "--component", 1, INT_MAX, &a->mesh.component);
+    case KEY_CELLS_TO_POINTS: a->mesh.cells_to_points = true; return ST_OK;
+    case KEY_TREELET_TETS:
+        return cli_uint(text, "--treelet-tets", 1, LEAF_TREELET_TETS_MAX, &a->treelet_tets);
+    case KEY_LEAF_TETS: return cli_uint(text, "--leaf-tets", 1, LEAF_LEAF_TETS_MAX, &a->leaf_tets);
+    case KEY_BUILD: return set_build(a, text);
+    case KEY_COARSE:
+        a->coarse = true;
+        a->coarse_dims = 0;
+        return text ? cli_uint(text, "--coarse", 2, GRID_DIM_MAX, &a->coarse_dims) : ST_OK;
+    case KEY_GRADIENTS: a->gradients = true; return ST_OK;
+    default: return ST_AGAIN;
+    }
+}
+
+static status set(void *own, int key, const char *text) {
+    arguments *a = own;
+    a->given |= (uint64_t)1 << (key - KEY_COMPRESS);
+    switch (key) {
+    case KEY_COMPRESS: return set_compress(a, text);
+    case KEY_TREELET: return set_treelet(a, text);
+    case KEY_HALO: return cli_uint(text, "--halo", 0, 1, &a->file.halo);
+    case KEY_DRY_RUN: a->dry_run = true; return ST_OK;
+    case KEY_SPACING: return set_spacing(a, text);
+    case KEY_ALLOW_EMPTY: a->allow_empty = true; return ST_OK;
+    case KEY_NAME: a->hints.name = a->mesh.name = text; return ST_OK;
+    default: break;
+    }
+    status st = set_grid(&a->hints, key, text);
+    return st == ST_AGAIN ? set_mesh(a, key, text) : st;
+}
+
+static status check(void *own) {
+    const arguments *a = own;
+    if (a->all_fields && a->field_count)
+        return status_describe(ST_USAGE, "--fields all and --field exclude each other");
+    if (!a->common.input || (!a->common.output && !a->dry_run))
+        return status_describe(ST_USAGE, "an INPUT and -o are needed");
+    return ST_OK;
+}
+
+static const cli_verb verb = {
     .options = options,
-    .parser = parse,
+    .set = set,
+    .check = check,
+    .inputs_max = LEAF_SETS_MAX,
     .args_doc = "INPUT... -o F.leaf",
     .doc = "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, raw samples "
            "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
@@ -319,7 +299,6 @@ static const struct argp table = {
            "what does not fit (of a volume: two slabs in half of it) goes through temporary files "
            "beside the output. The output's bytes depend on neither --memory nor --threads, "
            "nor on what the input's file is called.",
-    .children = children,
 };
 
 /* ---- results ---- */
@@ -458,7 +437,7 @@ static status convert_volume(arguments *a, mem *m, volume *v, double start) {
     out.seconds = clock_seconds() - start;
     out.peak_rss = peak_rss();
     if (out.result.trailing_bytes)
-        cli_note(&a->common, 1, "%s: %llu bytes behind the samples are ignored", a->input,
+        cli_note(&a->common, 1, "%s: %llu bytes behind the samples are ignored", a->common.input,
                  (unsigned long long)out.result.trailing_bytes);
     return report(a, &plan, volume_grid(v), &out);
 }
@@ -477,8 +456,8 @@ static void print_input(const arguments *a, const mesh_report *r) {
             printf("%s%s\n", i ? "            " : "fields      ", a->fields[i]);
     else if (*r->field)
         printf("field       %s\n", r->field);
-    if (a->input_count > 1)
-        printf("steps       %d\n", a->input_count);
+    if (a->common.input_count > 1)
+        printf("steps       %d\n", a->common.input_count);
     for (int i = 0; i < MESH_SPLIT_KINDS; i++)
         if (r->split[i])
             printf("split       %llu %s\n", whole(r->split[i]), kinds[i]);
@@ -562,7 +541,7 @@ static json_t *fields_json(const arguments *a, const mesh_result *r) {
 static status report_mesh(const arguments *a, const mesh_result *r, double seconds) {
     if (a->common.json) {
         json_t *json = mesh_plan_json(r);
-        json_object_set_new(json, "steps", json_integer(a->input_count));
+        json_object_set_new(json, "steps", json_integer(a->common.input_count));
         json_object_set_new(json, "fields", fields_json(a, r));
         if (!a->dry_run)
             add_mesh(json, r, seconds);
@@ -618,17 +597,17 @@ static void take_field(void *ctx, const char *name) {
 /* T0,T1,..: one for each step. */
 static status parse_times(const arguments *a, mem *m, double **times) {
     const char *at = a->times;
-    *times = mem_array(m, (size_t)a->input_count, sizeof **times);
+    *times = mem_array(m, (size_t)a->common.input_count, sizeof **times);
     if (!*times)
         return ST_NOMEM;
-    for (int i = 0; i < a->input_count; i++) {
+    for (int i = 0; i < a->common.input_count; i++) {
         char text[64];
         const size_t length = strcspn(at, ",");
-        const bool last = i + 1 == a->input_count;
+        const bool last = i + 1 == a->common.input_count;
         if (at[length] != (last ? '\0' : ','))
             return status_describe(ST_USAGE,
                                    "--times: \"%s\": expected %d times, one for each step",
-                                   a->times, a->input_count);
+                                   a->times, a->common.input_count);
         snprintf(text, sizeof text, "%.*s", (int)(length < 63 ? length : 63), at);
         status st = num_double(text, "--times", &(*times)[i]);
         if (st != ST_OK)
@@ -639,8 +618,8 @@ static status parse_times(const arguments *a, mem *m, double **times) {
 }
 
 static status convert_series(arguments *a, mem *m, mesh *x, double start, double *times) {
-    const mesh_series series = {.paths = (const char *const *)a->inputs,
-                                .steps = (uint32_t)a->input_count,
+    const mesh_series series = {.paths = (const char *const *)a->common.inputs,
+                                .steps = (uint32_t)a->common.input_count,
                                 .names = a->field_count ? a->fields : NULL,
                                 .fields = a->field_count ? (uint32_t)a->field_count : 1,
                                 .times = times,
@@ -662,22 +641,15 @@ static status convert_meshes(arguments *a, mem *m, mesh *x, double start) {
 
 /* ---- what it is ---- */
 
-static status convert_stream(arguments *a, mem *m, byte_stream *s, bool is_mesh, double start) {
-    volume *v = NULL;
-    mesh *x = NULL;
-    status st =
-        is_mesh ? mesh_open_stream(m, s, &a->mesh, &x) : volume_open_stream(m, s, &a->hints, &v);
-    const char *format = st != ST_OK ? "" : is_mesh ? mesh_format(x) : volume_format(v);
-    const int input = is_mesh ? MESH : strcmp(format, VOLUME_RAW_SAMPLES) == 0 ? RAW : HEADED;
-    if (st == ST_OK)
-        st = check_uses(a, input, format);
-    if (st == ST_OK && !is_mesh && a->input_count > 1)
-        st = status_describe(ST_USAGE, "%s: only meshes have several steps yet", a->input);
-    if (st == ST_OK)
-        st = is_mesh ? convert_meshes(a, m, x, start) : convert_volume(a, m, v, start);
-    mesh_close(x);
-    volume_close(v);
-    return st;
+static status convert_opened(arguments *a, mem *m, const convert_input *in, double start) {
+    const char *format = in->x ? mesh_format(in->x) : volume_format(in->v);
+    const int input = in->x ? MESH : strcmp(format, VOLUME_RAW_SAMPLES) == 0 ? RAW : HEADED;
+    status st = check_uses(a, input, format);
+    if (st == ST_OK && !in->x && a->common.input_count > 1)
+        st = status_describe(ST_USAGE, "%s: only meshes have several steps yet", a->common.input);
+    if (st != ST_OK)
+        return st;
+    return in->x ? convert_meshes(a, m, in->x, start) : convert_volume(a, m, in->v, start);
 }
 
 /* Before an input is opened, for hours perhaps. */
@@ -688,8 +660,8 @@ static status guard_files(const arguments *a) {
                                          "header is written last (./- is a file)");
     file_guard_watch();
     status st = ST_OK;
-    for (int i = 0; i < a->input_count && st == ST_OK; i++)
-        st = file_guard_input(a->inputs[i]);
+    for (int i = 0; i < a->common.input_count && st == ST_OK; i++)
+        st = file_guard_input(a->common.inputs[i]);
     for (int i = 0; i < 3 && st == ST_OK; i++)
         st = file_guard_input(a->hints.axis_file[i]);
     return st == ST_OK ? file_guard_output(output) : st;
@@ -697,28 +669,23 @@ static status guard_files(const arguments *a) {
 
 static status run(arguments *a) {
     mem m;
-    mem_init(&m, a->common.memory ? a->common.memory : (uint64_t)MEMORY_DEFAULT_MIB << 20);
-    double start = clock_seconds();
-    byte_stream *s = NULL;
+    mem_init(&m, a->common.memory ? a->common.memory : CONVERT_MEMORY_DEFAULT);
+    const double start = clock_seconds();
+    convert_input in = {0};
     status st = guard_files(a);
     if (st == ST_OK)
-        st = byte_stream_open(&m, a->input, &s);
-    bool is_mesh = false;
+        st = convert_input_open(&m, a->common.input, &a->hints, &a->mesh, &in);
     if (st == ST_OK)
-        st = mesh_recognise_stream(s, &is_mesh);
-    if (st != ST_OK) {
-        byte_stream_close(s);
-        return st;
-    }
-    return convert_stream(a, &m, s, is_mesh, start);
+        st = convert_opened(a, &m, &in, start);
+    convert_input_close(&in);
+    return st;
 }
 
 int main(int argc, char **argv) {
     arguments a = {.common = {.verb = "convert"},
                    .treelet_tets = MESH_TREELET_TETS,
                    .leaf_tets = MESH_LEAF_TETS,
-                   .file = leaf_parameters_default()};
-    a.file.histograms = true;
-    cli_parse(&table, &a.common, argc, argv, &a);
+                   .file = convert_parameters_default()};
+    cli_parse(&verb, &a.common, argc, argv);
     return cli_finish(&a.common, run(&a));
 }

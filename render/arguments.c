@@ -1,14 +1,10 @@
 #include "render/arguments.h"
 
+#include "formats/public_status.h"
 #include "render/samples.h"
 
 status arguments_size(const char *name, size_t given, size_t here) {
-    if (given == here)
-        return ST_OK;
-    return status_describe(ST_USAGE,
-                           "%s.size is %zu, and %zu in version %s of the library: set it to the "
-                           "size of the struct, and build with the header of that version",
-                           name, given, here, LEAFCAST_VERSION);
+    return public_size(name, given, here);
 }
 
 /* One of an enumeration's values, which are 0 .. last. An enum may be signed or not. */

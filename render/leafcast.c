@@ -6,6 +6,7 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
+#include "formats/public_status.h"
 #include "render/arguments.h"
 #include "render/coarse_preview.h"
 #include "render/experiment.h"
@@ -13,27 +14,10 @@
 #include "render/samples.h"
 #include "render/surface_integrator.h"
 
-_Static_assert((int)LEAFCAST_USAGE == (int)ST_USAGE && (int)LEAFCAST_CORRUPT == (int)ST_CORRUPT &&
-                   (int)LEAFCAST_UNSUPPORTED == (int)ST_UNSUPPORTED &&
-                   (int)LEAFCAST_NOMEM == (int)ST_NOMEM &&
-                   (int)LEAFCAST_NOSPACE == (int)ST_NOSPACE && (int)LEAFCAST_IO == (int)ST_IO &&
-                   (int)LEAFCAST_STOPPED == (int)ST_STOPPED &&
-                   (int)LEAFCAST_FAILED == (int)ST_FAILED,
-               "public and internal status agree");
 _Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ISOVALUES_MAX, "as many isovalues as surfaces");
 
 leafcast_status volume_public_status(status st) {
-    switch (st) {
-    case ST_OK:
-    case ST_USAGE:
-    case ST_CORRUPT:
-    case ST_UNSUPPORTED:
-    case ST_NOMEM:
-    case ST_NOSPACE:
-    case ST_IO:
-    case ST_STOPPED: return (leafcast_status)st;
-    default: return LEAFCAST_FAILED;
-    }
+    return public_status(st);
 }
 
 status volume_check_file(const leafcast *v, status st) {
@@ -45,10 +29,6 @@ status volume_check_file(const leafcast *v, status st) {
 
 const char *leafcast_version(void) {
     return LEAFCAST_VERSION;
-}
-
-const char *leafcast_error_text(void) {
-    return status_text();
 }
 
 /* ---- Opening ---- */
@@ -325,13 +305,10 @@ static status clip_of(const leafcast_scene *scene, tracer *tr) {
     return st;
 }
 
-status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
+status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
     status st = arguments_check_scene(scene);
-    if (st != ST_OK)
-        return st;
-    if (v->surface_count == 0)
-        return status_describe(ST_USAGE, "no isosurface is selected");
-    st = v->kind->check(v, scene);
+    if (st == ST_OK)
+        st = v->kind->check(v, scene);
     if (st != ST_OK)
         return st;
     loader_select_gradients(v->treelets, scene->smooth_normals);
@@ -344,6 +321,13 @@ status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, 
                    .touched = v->touched};
     v->kind->aim(v, scene, c, tr);
     return clip_of(scene, tr);
+}
+
+status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
+    const status st = arguments_check_scene(scene);
+    if (st == ST_OK && v->surface_count == 0)
+        return status_describe(ST_USAGE, "no isosurface is selected");
+    return st == ST_OK ? volume_tracer_of_all(v, scene, c, tr) : st;
 }
 
 static size_t image_bytes(const leafcast_image *image, size_t pixels) {
@@ -387,7 +371,8 @@ static size_t fixed_bytes(const leafcast *v, const frame *f) {
     return v->base_bytes + scratch_bytes(f) + v->beside + coarse_preview_bytes(v) +
            image_bytes(&f->image, pixels) +
            (scene_of(f)->samples > 1 ? image_bytes(&colours, pixels) : 0) +
-           v->kind->projection_bytes(&v->file->layout) + frame_bytes(f, records_wanted(f));
+           (v->kind->projection_bytes ? v->kind->projection_bytes(&v->file->layout) : 0) +
+           frame_bytes(f, records_wanted(f));
 }
 
 /* With the fewest records, and one treelet at a time. */

@@ -36,35 +36,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include <leafcast_status.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 #define LEAFCAST_VERSION "0.1.0"
 
-/* The functions of the library; nothing else of it is visible. */
-#ifdef __GNUC__
-#define LEAFCAST_API __attribute__((visibility("default")))
-#else
-#define LEAFCAST_API
-#endif
-
 /* leafcast_version() - of the library that is linked: a LEAFCAST_VERSION, as text. */
 LEAFCAST_API const char *leafcast_version(void);
-
-typedef enum leafcast_status {
-    LEAFCAST_OK = 0,
-    LEAFCAST_USAGE = 2,   /* arguments that make no sense, or none together */
-    LEAFCAST_CORRUPT = 3, /* a malformed file: the text names file, place and what was expected */
-    LEAFCAST_UNSUPPORTED = 4, /* well-formed, but not handled */
-    LEAFCAST_NOMEM = 5,   /* memory, or the memory budget, does not suffice; or no more threads */
-    LEAFCAST_NOSPACE = 6, /* the disk is full, or a file may not grow further */
-    LEAFCAST_IO = 7,      /* the system refused another file operation */
-    LEAFCAST_STOPPED = 9, /* the caller's stop() said so */
-    LEAFCAST_FAILED = 10  /* anything else */
-} leafcast_status;
-
-LEAFCAST_API const char *leafcast_error_text(void);
 
 /* ---- Opening ---- */
 
@@ -398,6 +379,28 @@ typedef struct leafcast_hit {
 LEAFCAST_API leafcast_status leafcast_probe_ray(leafcast *volume, const leafcast_scene *scene,
                                                 const double origin[3], const double direction[3],
                                                 leafcast_hit *hits, int max, int *count);
+
+/* A ray's piece in one cell. The value there is a polynomial in t, as it is in the cell: in
+ * Bernstein form over [t0, t1], so that control[0] is the value at t0 and control[degree] the one
+ * at t1. Where the ray goes on in the next cell, both have the same bits. */
+typedef struct leafcast_segment {
+    double t0, t1; /* t0 < t1, in lengths of the direction */
+    int degree;    /* 3 in a grid, 1 in a mesh */
+    double control[4];
+    double least, most, least_t, most_t; /* the extreme values, and where they are */
+    uint32_t cell[3];                    /* of a grid */
+    uint64_t tet;                        /* of a mesh */
+} leafcast_segment;
+
+/* leafcast_probe_segments() - what the field does along a ray: its pieces in order of t, whatever
+ * surfaces are selected; at most max of them, *count says how many were written. Cells without data
+ * (NaN, inf) and tets without volume have none. Of the scene, clipping and level of detail count.
+ */
+LEAFCAST_API leafcast_status leafcast_probe_segments(leafcast *volume, const leafcast_scene *scene,
+                                                     const double origin[3],
+                                                     const double direction[3],
+                                                     leafcast_segment *segments, int max,
+                                                     int *count);
 
 /* leafcast_pixel_ray() - the primary ray of a pixel: origin = eye, unit direction; direction 0,0,0
  * of a camera that cannot be. */

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "formats/base/bus_error.h"
+#include "formats/base/cli_value.h"
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
 #include "formats/base/partial.h"
@@ -102,7 +103,8 @@ static const struct argp_option common_options[] = {
     {"list-options", KEY_LIST, NULL, OPTION_HIDDEN, "for completion: a line an option", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-void cli_usage_unless(struct argp_state *state, status st) {
+/* The process ends unless st is ST_OK. */
+static void usage_unless(struct argp_state *state, status st) {
     if (st != ST_OK)
         argp_error(state, "%s", status_text());
 }
@@ -137,19 +139,16 @@ static void refuse_option(struct argp_state *state, const cli_common *c, int key
 
 static error_t parse_common(int key, char *arg, struct argp_state *state) {
     cli_common *c = state->input;
-    int64_t threads = 0;
-    if (c)
-        refuse_option(state, c, key);
+    refuse_option(state, c, key);
     switch (key) {
     case 'o': c->output = arg; break;
     case 'q': c->verbosity = 0; break;
     case 'v': c->verbosity++; break;
     case KEY_THREADS:
-        cli_usage_unless(state, num_int(arg, "--threads", 1, MAX_THREADS, &threads));
-        c->threads = (int)threads;
+        usage_unless(state, cli_int(arg, "--threads", 1, MAX_THREADS, &c->threads));
         break;
     case KEY_MEMORY:
-        cli_usage_unless(state, num_size(arg, "--memory", &c->memory));
+        usage_unless(state, num_size(arg, "--memory", &c->memory));
         if (c->memory == 0)
             argp_error(state, "--memory: a size above 0 is needed");
         break;
@@ -169,7 +168,36 @@ static error_t parse_common(int key, char *arg, struct argp_state *state) {
     return 0;
 }
 
-const struct argp cli_common_argp = {.options = common_options, .parser = parse_common};
+static const struct argp common_argp = {.options = common_options, .parser = parse_common};
+
+static const cli_verb *parsed_verb;
+
+static error_t parse_verb(int key, char *arg, struct argp_state *state) {
+    const cli_verb *verb = parsed_verb;
+    cli_common *c = state->input;
+    const int most = verb->inputs_max ? verb->inputs_max : 1;
+    status st = ST_AGAIN;
+    switch (key) {
+    case ARGP_KEY_INIT: state->child_inputs[0] = c; return 0;
+    case ARGP_KEY_ARGS:
+        c->inputs = state->argv + state->next;
+        c->input_count = state->argc - state->next;
+        c->input = c->inputs[0];
+        if (c->input_count > most && most > 1)
+            argp_error(state, "more than %d arguments", most);
+        else if (c->input_count > most)
+            argp_error(state, "%s: one %s is enough", c->inputs[1], verb->input);
+        return 0;
+    case ARGP_KEY_END: usage_unless(state, verb->check ? verb->check(c) : ST_OK); return 0;
+    default:
+        if (verb->set && key > 0 && key < ARGP_KEY_END)
+            st = verb->set(c, key, arg);
+        if (st == ST_AGAIN)
+            return ARGP_ERR_UNKNOWN;
+        usage_unless(state, st);
+        return 0;
+    }
+}
 
 /* ---- usage errors ---- */
 
@@ -247,7 +275,9 @@ static void say_leftover(const char *name, uint64_t bytes, bool removed) {
              name, (double)bytes / 0x1p20);
 }
 
-void cli_parse(const struct argp *table, cli_common *common, int argc, char **argv, void *input) {
+void cli_parse(const cli_verb *verb, cli_common *common, int argc, char **argv) {
+    static struct argp table;
+    static const struct argp_child children[] = {{&common_argp, 0, NULL, 0}, {NULL, 0, NULL, 0}};
     /* Messages start with the command as it is typed: argp takes it from argv[0]. */
     snprintf(command, sizeof command, "leafcast %s", common->verb);
     if (argc > 0)
@@ -262,9 +292,12 @@ void cli_parse(const struct argp *table, cli_common *common, int argc, char **ar
     common->threads = pool_default_threads();
     common->verbosity = 1;
     argp_err_exit_status = status_exit_code(ST_USAGE);
-    parsed = table;
+    parsed_verb = verb;
+    table =
+        (struct argp){verb->options, parse_verb, verb->args_doc, verb->doc, children, NULL, NULL};
+    parsed = &table;
     listen_in(argc, argv);
-    error_t error = argp_parse(table, argc, argv, ARGP_NO_HELP, NULL, input);
+    error_t error = argp_parse(parsed, argc, argv, ARGP_NO_HELP, NULL, common);
     if (error) {
         fprintf(stderr, "%s: %s\n", command, strerror(error));
         exit(status_exit_code(ST_USAGE));

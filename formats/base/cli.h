@@ -1,9 +1,8 @@
 /* cli.h - what all verbs share: common flags, exit codes, messages, the progress bar, Ctrl-C.
  *
- * Argument tables are glibc argp; a verb's table takes cli_common_argp as a child and a cli_common
- * as that child's input (its parser sets state->child_inputs[0] on ARGP_KEY_INIT). An option's
- * value may start with a minus: --iso -500. Only main programs (*_main.c) include this; the library
- * never does.
+ * A verb describes itself in a cli_verb: its own options, in a table of glibc's argp, and what
+ * takes their values. An option's value may start with a minus: --iso -500. Only main programs
+ * (*_main.c) include this; the library never does.
  */
 #ifndef FORMATS_BASE_CLI_H
 #define FORMATS_BASE_CLI_H
@@ -20,29 +19,37 @@
 typedef struct cli_common {
     const char *verb;    /* set by the verb before parsing, as is */
     const char *without; /* names, divided by blanks, of common options that it refuses; or NULL */
-    const char *output;  /* -o FILE; NULL when absent */
-    int threads;         /* --threads N; default: the CPUs this process may use */
-    uint64_t memory;     /* --memory SIZE in bytes; 0 when absent */
-    int verbosity;       /* 0 quiet, 1 normal, 2+ verbose */
-    bool json;           /* --json */
-    bool json_lines;     /* --json gives a line each time: set by the verb, before it prints any */
-    bool force;          /* --force: overwrite outputs */
+    const char *input;   /* the first of the arguments; NULL when there are none */
+    char **inputs;       /* all of them */
+    int input_count;
+    const char *output; /* -o FILE; NULL when absent */
+    int threads;        /* --threads N; default: the CPUs this process may use */
+    uint64_t memory;    /* --memory SIZE in bytes; 0 when absent */
+    int verbosity;      /* 0 quiet, 1 normal, 2+ verbose */
+    bool json;          /* --json */
+    bool json_lines;    /* --json gives a line each time: set by the verb, before it prints any */
+    bool force;         /* --force: overwrite outputs */
 } cli_common;
 
-extern const struct argp cli_common_argp;
+typedef struct cli_verb {
+    const struct argp_option *options; /* its own; NULL: none */
+    const char *args_doc, *doc;        /* as argp's; doc: see cli_options.h */
+    const char *input;                 /* what an argument is, for messages: "treelet file" */
+    int inputs_max;                    /* 0: one */
+    /* One of its options, text NULL where it takes none. ST_AGAIN: it is none of them. own: the
+     * struct that begins with the verb's cli_common. NULL: there are none. */
+    status (*set)(void *own, int key, const char *text);
+    status (*check)(void *own); /* what must hold over all of them */
+} cli_verb;
 
-/* cli_parse() - parse argv with a verb's argp table. Options that ask for help, see cli_options.h,
- * and --version print on stdout and exit 0; a usage error prints a line on stderr, and one that
- * says where help is, and exits 2 (this is a main program's function, it may). Sets the defaults of
- * common but for its verb; the verb's own parser calls argp_error() for usage errors. Installs the
+/* cli_parse() - parse argv for a verb, whose options begin with `common`. Options that ask for
+ * help, see cli_options.h, and --version print on stdout and exit 0; a usage error prints a line on
+ * stderr, and one that says where help is, and exits 2 (this is a main program's function, it may).
+ * Sets the defaults of common but for its verb; set() and check() return usage errors. Installs the
  * handlers for SIGINT, SIGTERM and SIGHUP that make the progress of cli_progress() stop the job; a
  * second signal kills. Ignores SIGPIPE and SIGXFSZ, so that they come back as errors of the write.
  */
-void cli_parse(const struct argp *table, cli_common *common, int argc, char **argv, void *input);
-
-/* cli_usage_unless() - for a table's parser: a usage error (the process exits) unless st is ST_OK.
- */
-void cli_usage_unless(struct argp_state *state, status st);
+void cli_parse(const cli_verb *verb, cli_common *common, int argc, char **argv);
 
 /* cli_progress() - bar on a terminal, otherwise a line every few seconds, nothing with -q. Valid
  * for the process's life. */

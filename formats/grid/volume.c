@@ -21,10 +21,16 @@ struct volume {
     const char *format;
     sample_type type;        /* of the samples in the file; layout.g.type: as they are handed out */
     inflate_stream *inflate; /* VOLUME_DEFLATE */
+    volume_source from;      /* instead of layout.data */
     uint32_t slice;          /* the next one */
     bool has_missing;
     double missing; /* read as NaN */
 };
+
+/* For messages. */
+static const char *name_of(const volume *v) {
+    return v->layout.data ? byte_stream_name(v->layout.data) : "slices";
+}
 
 /* ---- opening ---- */
 
@@ -112,8 +118,7 @@ static status apply_missing(volume *v, const volume_hints *hints) {
         return status_describe(ST_USAGE,
                                "%s: its samples are of type %s: none can be %s, the value for "
                                "missing data",
-                               byte_stream_name(v->layout.data), sample_name(g->type),
-                               num_print(v->missing, value));
+                               name_of(v), sample_name(g->type), num_print(v->missing, value));
     if (sample_is_integer(g->type)) {
         g->source = g->type;
         g->type = SAMPLE_F32;
@@ -197,6 +202,26 @@ status volume_open_stream(mem *m, byte_stream *s, const volume_hints *hints, vol
     return st;
 }
 
+status volume_open_source(mem *m, grid *g, const volume_source *from, const volume_hints *hints,
+                          volume **out) {
+    static const volume_hints none;
+    volume *v = mem_zalloc(m, sizeof *v);
+    if (!v) {
+        grid_release(g, m);
+        return ST_NOMEM;
+    }
+    const volume_hints *h = hints ? hints : &none;
+    *v = (volume){.m = m, .layout = {.m = m, .g = *g}, .format = "slices", .from = *from};
+    status st = apply_missing(v, h);
+    if (st != ST_OK) {
+        volume_close(v);
+        return st;
+    }
+    text_name(v->layout.g.name, sizeof v->layout.g.name, h->name ? h->name : v->layout.g.name);
+    *out = v;
+    return ST_OK;
+}
+
 void volume_close(volume *v) {
     if (!v)
         return;
@@ -256,19 +281,16 @@ static status mark_missing(const volume *v, const void *at, void *buffer, size_t
                                    "%s: slice %u (counted from 0): with a value for missing data, "
                                    "samples of type %s are kept as f32, which cannot hold the one "
                                    "with index %llu, near %.0f",
-                                   byte_stream_name(v->layout.data),
-                                   v->slice + (uint32_t)(bad / slice), sample_name(v->type),
-                                   (unsigned long long)(bad % slice),
+                                   name_of(v), v->slice + (uint32_t)(bad / slice),
+                                   sample_name(v->type), (unsigned long long)(bad % slice),
                                    (double)((const float *)buffer)[bad]);
     }
     return ST_OK;
 }
 
-status volume_read(volume *v, uint32_t count, void *buffer) {
-    const grid *g = &v->layout.g;
-    const size_t slice = (size_t)g->dims[0] * g->dims[1], width = sample_size(v->type);
-    const size_t samples = slice * count, size = samples * width;
-    char *at = (char *)buffer + samples * (sample_size(g->type) - width);
+/* Slices of `bytes` bytes as the file has them, in native byte order. */
+static status read_file(volume *v, uint32_t count, size_t bytes, char *at) {
+    const size_t size = count * bytes;
     size_t got = 0;
     status st = read_encoded(v, at, size, &got);
     if (st != ST_OK)
@@ -276,11 +298,29 @@ status volume_read(volume *v, uint32_t count, void *buffer) {
     if (got < size)
         return status_describe(ST_CORRUPT,
                                "%s: ends at byte %llu, inside slice %u of %u (counted from 0)",
-                               byte_stream_name(v->layout.data),
-                               (unsigned long long)byte_stream_position(v->layout.data),
-                               v->slice + (uint32_t)(got / (slice * width)), g->dims[2]);
+                               name_of(v), (unsigned long long)byte_stream_position(v->layout.data),
+                               v->slice + (uint32_t)(got / bytes), v->layout.g.dims[2]);
     if (is_foreign(&v->layout))
-        sample_swap(v->type, at, samples);
+        sample_swap(v->type, at, size / sample_size(v->type));
+    return ST_OK;
+}
+
+static status read_source(const volume *v, uint32_t count, size_t bytes, char *at) {
+    status st = ST_OK;
+    for (uint32_t i = 0; i < count && st == ST_OK; i++)
+        st = v->from.read(v->from.ctx, v->slice + i, at + i * bytes);
+    return st;
+}
+
+status volume_read(volume *v, uint32_t count, void *buffer) {
+    const grid *g = &v->layout.g;
+    const size_t slice = (size_t)g->dims[0] * g->dims[1], width = sample_size(v->type);
+    const size_t samples = slice * count;
+    char *at = (char *)buffer + samples * (sample_size(g->type) - width);
+    status st = v->from.read ? read_source(v, count, slice * width, at)
+                             : read_file(v, count, slice * width, at);
+    if (st != ST_OK)
+        return st;
     if (v->has_missing)
         st = mark_missing(v, at, buffer, samples);
     v->slice += count;
@@ -304,7 +344,7 @@ static status drain(volume *v, uint64_t *count) {
 }
 
 status volume_finish(volume *v, uint64_t *trailing) {
-    uint64_t count = 0, left = byte_stream_left(v->layout.data);
+    uint64_t count = 0, left = v->from.read ? 0 : byte_stream_left(v->layout.data);
     status st = ST_OK;
     if (v->layout.encoding == VOLUME_DEFLATE || left == UINT64_MAX)
         st = drain(v, &count);

@@ -47,11 +47,26 @@ CHECKED status volume_open(mem *m, const char *path, const volume_hints *hints, 
 /* volume_open_stream() - the same of a stream of which nothing was taken; it is taken over, and
  * closed in any case. */
 CHECKED status volume_open_stream(mem *m, byte_stream *s, const volume_hints *hints, volume **out);
+
+/* Samples that come from elsewhere than a file. */
+typedef struct volume_source {
+    /* Slice z, grid_slice_bytes() of them: called for 0, 1, .. in order, by the thread that reads.
+     * What is not ST_OK ends the reading, and is what volume_read() returns. */
+    status (*read)(void *ctx, uint32_t z, void *slice);
+    void *ctx;
+} volume_source;
+
+/* volume_open_source() - of such a grid, which passes grid_check(); it and its axes are taken over
+ * (m: theirs, too), and released in any case. Of hints, which may be NULL, the missing value and
+ * the name count. */
+CHECKED status volume_open_source(mem *m, grid *g, const volume_source *from,
+                                  const volume_hints *hints, volume **out);
 void volume_close(volume *v); /* NULL is fine */
 
 const grid *volume_grid(const volume *v);
 
-/* volume_format() - what it was read as: "NRRD", "MetaImage", VOLUME_RAW_SAMPLES. */
+/* volume_format() - what it was read as: "NRRD", "MetaImage", VOLUME_RAW_SAMPLES, or "slices" of a
+ * volume_source. */
 #define VOLUME_RAW_SAMPLES "raw samples"
 const char *volume_format(const volume *v);
 

@@ -8,6 +8,7 @@
 
 #include "formats/base/text.h"
 #include "formats/input/foreign.h"
+#include "formats/mesh/mesh_arrays.h"
 #include "formats/mesh/mesh_feed.h"
 #include "formats/mesh/mesh_gmsh.h"
 #include "formats/mesh/mesh_reader.h"
@@ -114,6 +115,23 @@ status mesh_open(mem *m, const char *path, const mesh_hints *hints, mesh **out) 
     return st == ST_OK ? mesh_open_stream(m, s, hints, out) : st;
 }
 
+status mesh_open_arrays(mem *m, const mesh_arrays *arrays, const char *name, mesh **out) {
+    mesh *x = mem_zalloc(m, sizeof *x);
+    if (!x)
+        return ST_NOMEM;
+    x->m = m;
+    x->source = (mesh_source){.m = m, .path = "arrays"};
+    x->reader = &mesh_arrays_reader;
+    status st = mesh_arrays_state(m, arrays, &x->state);
+    if (st != ST_OK) {
+        mesh_close(x);
+        return st;
+    }
+    text_name(x->source.name, sizeof x->source.name, name ? name : "");
+    *out = x;
+    return ST_OK;
+}
+
 void mesh_close(mesh *x) {
     if (!x)
         return;
@@ -158,7 +176,9 @@ double mesh_share(mesh *x) {
 
 status mesh_read(mesh *x, const mesh_sink *sink, mesh_report *report) {
     mesh_feed feed;
-    status st = mesh_feed_begin(&feed, x->m, byte_stream_name(x->source.data), sink, report);
+    byte_stream *data = x->source.data;
+    const char *name = data ? byte_stream_name(data) : x->source.path;
+    status st = mesh_feed_begin(&feed, x->m, name, sink, report);
     x->feed = &feed;
     if (st == ST_OK)
         st = x->reader->read(x->state, &feed);

@@ -79,6 +79,18 @@ CHECKED status mesh_recognise_stream(byte_stream *s, bool *known);
  * mesh_open_stream() - of a stream, which is taken over, and closed in any case. */
 CHECKED status mesh_open(mem *m, const char *path, const mesh_hints *hints, mesh **out);
 CHECKED status mesh_open_stream(mem *m, byte_stream *s, const mesh_hints *hints, mesh **out);
+
+/* A mesh in memory: the caller's, and as it is as long as the mesh is open. */
+typedef struct mesh_arrays {
+    uint64_t points, tets;
+    const float (*xyz)[3];
+    const float *values; /* NULL: there is no field */
+    const uint32_t (*ids)[4];
+    const char *field; /* name of the values; NULL: none */
+} mesh_arrays;
+
+/* mesh_open_arrays() - name: of the data set, or NULL. */
+CHECKED status mesh_open_arrays(mem *m, const mesh_arrays *arrays, const char *name, mesh **out);
 void mesh_close(mesh *x); /* NULL is fine */
 
 /* mesh_name() - of the data set: the hints', or its own, or "". Never the file's: the same mesh is

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/cli_value.h"
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
 #include "prep/generate/generate.h"
@@ -16,7 +17,7 @@ typedef struct arguments {
     const field_info *info;
     uint32_t dims[3];
     sample_type type;
-    uint64_t seed;
+    int64_t seed;
     bool seed_given;
     double spacing[3];
     bool tets, typed; /* --type was given */
@@ -58,103 +59,83 @@ static const struct argp_option options[] = {
      2},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-/* One number for all three axes, or three. */
-static void parse_triple(struct argp_state *state, const char *text, const char *what,
-                         const char *separators, double out[3]) {
-    int count = text[strcspn(text, separators)] ? 3 : 1;
-    cli_usage_unless(state, num_doubles(text, what, separators, count, out));
-    if (count == 1)
+static status set_counts(const char *text, const char *what, uint32_t lo, uint32_t hi,
+                         uint32_t out[3]) {
+    int count = 0;
+    status st = cli_dims_or_one(text, what, lo, hi, out, &count);
+    if (st == ST_OK && count == 1)
         out[1] = out[2] = out[0];
+    return st;
 }
 
-static void parse_dims(struct argp_state *state, arguments *a, const char *text) {
-    double sizes[3];
-    parse_triple(state, text, "--dims", ", x", sizes);
-    for (int c = 0; c < 3; c++) {
-        if (!(sizes[c] >= 2 && sizes[c] <= GRID_DIM_MAX && sizes[c] == (uint32_t)sizes[c]))
-            argp_error(state, "--dims: \"%s\": expected whole numbers from 2 to %d", text,
-                       GRID_DIM_MAX);
-        a->dims[c] = (uint32_t)sizes[c];
-    }
+static status set_spacing(arguments *a, const char *text) {
+    const int count = text[strcspn(text, ", ")] ? 3 : 1;
+    status st = num_doubles(text, "--spacing", ", ", count, a->spacing);
+    if (st == ST_OK && count == 1)
+        a->spacing[1] = a->spacing[2] = a->spacing[0];
+    return st;
 }
 
-static void parse_copies(struct argp_state *state, arguments *a, const char *text) {
-    double counts[3];
-    parse_triple(state, text, "--replicate", ", x", counts);
-    for (int c = 0; c < 3; c++) {
-        if (!(counts[c] >= 1 && counts[c] <= TET_LATTICE_CELLS_MAX &&
-              counts[c] == (uint32_t)counts[c]))
-            argp_error(state, "--replicate: \"%s\": expected whole numbers from 1 to %d", text,
-                       TET_LATTICE_CELLS_MAX);
-        a->copies[c] = (uint32_t)counts[c];
-    }
+static status set_deform(arguments *a, const char *text) {
+    status st = num_double(text, "--deform", &a->deform);
+    if (st == ST_OK && !(a->deform > 0 && a->deform <= TET_LATTICE_DEFORM_MAX))
+        st = status_describe(ST_USAGE, "--deform: \"%s\": expected a number above 0, at most %g",
+                             text, TET_LATTICE_DEFORM_MAX);
+    return st;
 }
 
-static void parse_deform(struct argp_state *state, arguments *a, const char *text) {
-    cli_usage_unless(state, num_double(text, "--deform", &a->deform));
-    if (!(a->deform > 0 && a->deform <= TET_LATTICE_DEFORM_MAX))
-        argp_error(state, "--deform: \"%s\": expected a number above 0, at most %g", text,
-                   TET_LATTICE_DEFORM_MAX);
-}
-
-static int64_t parse_int(struct argp_state *state, const char *text, const char *what, int64_t lo,
-                         int64_t hi) {
-    int64_t value = lo;
-    cli_usage_unless(state, num_int(text, what, lo, hi, &value));
-    return value;
-}
-
-static void parse_field(struct argp_state *state, arguments *a, const char *name) {
-    if (a->info)
-        argp_error(state, "one FIELD at a time, not also \"%s\"", name);
-    a->info = field_find(name);
-    if (!a->info)
-        argp_error(state, "no field \"%s\"; --help lists them", name);
-}
-
-static void parse_type(struct argp_state *state, arguments *a, const char *name) {
-    if (!sample_parse(name, &a->type) ||
-        (a->type != SAMPLE_U8 && a->type != SAMPLE_U16 && a->type != SAMPLE_F32))
-        argp_error(state, "--type: \"%s\" is not one of u8, u16, f32", name);
+static status set_type(arguments *a, const char *name) {
     a->typed = true;
+    if (sample_parse(name, &a->type) &&
+        (a->type == SAMPLE_U8 || a->type == SAMPLE_U16 || a->type == SAMPLE_F32))
+        return ST_OK;
+    return status_describe(ST_USAGE, "--type: \"%s\" is not one of u8, u16, f32", name);
+}
+
+static status set(void *own, int key, const char *text) {
+    arguments *a = own;
+    switch (key) {
+    case KEY_DIMS: return set_counts(text, "--dims", 2, GRID_DIM_MAX, a->dims);
+    case KEY_TYPE: return set_type(a, text);
+    case KEY_SEED: a->seed_given = true; return num_int(text, "--seed", 0, INT64_MAX, &a->seed);
+    case KEY_SPACING: return set_spacing(a, text);
+    case KEY_TETS: a->tets = true; return ST_OK;
+    case KEY_DEFORM: return set_deform(a, text);
+    case KEY_REPLICATE: return set_counts(text, "--replicate", 1, TET_LATTICE_CELLS_MAX, a->copies);
+    case KEY_STEPS: return cli_uint(text, "--steps", 1, STEPS_MAX, &a->steps);
+    default: return ST_AGAIN;
+    }
+}
+
+static status find_field(arguments *a) {
+    if (!a->common.input)
+        return ST_OK;
+    a->info = field_find(a->common.input);
+    if (a->info)
+        return ST_OK;
+    return status_describe(ST_USAGE, "no field \"%s\"; --help lists them", a->common.input);
 }
 
 /* What makes no sense together. */
-static void check_arguments(struct argp_state *state, const arguments *a) {
+static status check(void *own) {
+    arguments *a = own;
+    status st = find_field(a);
+    if (st != ST_OK)
+        return st;
     if (!a->info || !a->dims[0] || !a->common.output)
-        argp_error(state, "a FIELD, --dims and -o are needed");
+        return status_describe(ST_USAGE, "a FIELD, --dims and -o are needed");
     if (!a->tets && (a->deform > 0 || a->copies[0] > 0 || a->steps > 0))
-        argp_error(state, "--deform, --replicate and --steps are for meshes: --tets");
+        return status_describe(ST_USAGE,
+                               "--deform, --replicate and --steps are for meshes: --tets");
     if (a->tets && a->typed && a->type != SAMPLE_F32)
-        argp_error(state, "--type: the values of --tets are f32");
-    if (a->seed_given && a->info && !a->info->seeded)
-        argp_error(state, "--seed: %s is the same for any", a->info->name);
+        return status_describe(ST_USAGE, "--type: the values of --tets are f32");
+    if (a->seed_given && !a->info->seeded)
+        return status_describe(ST_USAGE, "--seed: %s is the same for any", a->info->name);
     if (a->steps > 0 && a->deform == 0)
-        argp_error(state, "--steps: --deform says how much the mesh moves");
+        return status_describe(ST_USAGE, "--steps: --deform says how much the mesh moves");
     if (a->steps > 0 && strcmp(a->common.output, "-") == 0)
-        argp_error(state, "-o -: --steps makes a file of each step");
-}
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    arguments *a = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; break;
-    case KEY_DIMS: parse_dims(state, a, arg); break;
-    case KEY_TYPE: parse_type(state, a, arg); break;
-    case KEY_SEED:
-        a->seed = (uint64_t)parse_int(state, arg, "--seed", 0, INT64_MAX);
-        a->seed_given = true;
-        break;
-    case KEY_SPACING: parse_triple(state, arg, "--spacing", ", ", a->spacing); break;
-    case KEY_TETS: a->tets = true; break;
-    case KEY_DEFORM: parse_deform(state, a, arg); break;
-    case KEY_REPLICATE: parse_copies(state, a, arg); break;
-    case KEY_STEPS: a->steps = (uint32_t)parse_int(state, arg, "--steps", 1, STEPS_MAX); break;
-    case ARGP_KEY_ARG: parse_field(state, a, arg); break;
-    case ARGP_KEY_END: check_arguments(state, a); break;
-    default: return ARGP_ERR_UNKNOWN;
-    }
-    return 0;
+        return status_describe(ST_USAGE, "-o -: --steps makes a file of each step");
+    return ST_OK;
 }
 
 /* The help's text, from the table of fields; to be freed. */
@@ -176,12 +157,12 @@ static char *describe(void) {
     return text;
 }
 
-static const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {NULL, 0, NULL, 0}};
-static struct argp table = {
+static cli_verb verb = {
     .options = options,
-    .parser = parse,
+    .set = set,
+    .check = check,
+    .input = "FIELD",
     .args_doc = "FIELD --dims N[,N,N] -o F.nrrd\nFIELD --tets --dims N[,N,N] -o F.mesh",
-    .children = children,
 };
 
 static grid make_grid(const arguments *a) {
@@ -195,7 +176,7 @@ static grid make_grid(const arguments *a) {
 
 static status run_tets(arguments *a, mem *m) {
     tet_generate_options how = {.info = a->info,
-                                .seed = a->seed,
+                                .seed = (uint64_t)a->seed,
                                 .shape = {.copies = {1, 1, 1}, .deform = a->deform},
                                 .threads = a->common.threads,
                                 .steps = a->steps};
@@ -209,7 +190,7 @@ static status run_tets(arguments *a, mem *m) {
 static status run_grid(arguments *a, mem *m) {
     grid g = make_grid(a);
     const generate_options how = {.info = a->info,
-                                  .seed = a->seed,
+                                  .seed = (uint64_t)a->seed,
                                   .threads = a->common.threads,
                                   .output = a->common.output,
                                   .force = a->common.force};
@@ -244,8 +225,8 @@ int main(int argc, char **argv) {
     arguments a = {
         .common = {.verb = "generate"}, .type = SAMPLE_U8, .seed = 1, .spacing = {1, 1, 1}};
     char *doc = describe();
-    table.doc = doc;
-    cli_parse(&table, &a.common, argc, argv, &a);
+    verb.doc = doc;
+    cli_parse(&verb, &a.common, argc, argv);
     const int code = cli_finish(&a.common, run(&a));
     free(doc);
     return code;

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/cli_value.h"
 #include "formats/base/clock.h"
 #include "formats/base/file.h"
 #include "formats/base/file_guard.h"
@@ -52,76 +53,54 @@ static const struct argp_option options[] = {
      "take an array of the cells, averaged to the points", 2},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-static void parse_dims(struct argp_state *state, resample_wish *w, const char *text) {
-    const int count = text[strcspn(text, ", x")] ? 3 : 1;
-    double sizes[3] = {0};
-    cli_usage_unless(state, num_doubles(text, "--dims", ", x", count, sizes));
-    for (int a = 0; a < count; a++) {
-        if (!(sizes[a] >= 2 && sizes[a] <= GRID_DIM_MAX && sizes[a] == (uint32_t)sizes[a]))
-            argp_error(state, "--dims: \"%s\": expected whole numbers from 2 to %d", text,
-                       GRID_DIM_MAX);
-        w->dims[a] = (uint32_t)sizes[a];
-    }
+static status set_spacing(resample_wish *w, const char *text) {
+    status st = num_double(text, "--spacing", &w->spacing);
+    if (st == ST_OK && !(w->spacing > 0 && isfinite(w->spacing)))
+        st = status_describe(ST_USAGE, "--spacing: \"%s\": expected a number above 0", text);
+    return st;
 }
 
-static void parse_spacing(struct argp_state *state, resample_wish *w, const char *text) {
-    cli_usage_unless(state, num_double(text, "--spacing", &w->spacing));
-    if (!(w->spacing > 0 && isfinite(w->spacing)))
-        argp_error(state, "--spacing: \"%s\": expected a number above 0", text);
-}
-
-static void parse_bounds(struct argp_state *state, resample_wish *w, const char *text) {
-    cli_usage_unless(state, num_doubles(text, "--bounds", ", ", 6, w->box));
-    for (int a = 0; a < 3; a++)
+static status set_bounds(resample_wish *w, const char *text) {
+    status st = num_doubles(text, "--bounds", ", ", 6, w->box);
+    for (int a = 0; a < 3 && st == ST_OK; a++)
         if (!(w->box[a] < w->box[a + 3] && isfinite(w->box[a + 3] - w->box[a])))
-            argp_error(state, "--bounds: \"%s\": expected the lower corner, then the upper one",
-                       text);
+            st = status_describe(
+                ST_USAGE, "--bounds: \"%s\": expected the lower corner, then the upper one", text);
     w->bounded = true;
+    return st;
 }
 
-static int64_t parse_step(struct argp_state *state, const char *text) {
-    int64_t value = 0;
-    cli_usage_unless(state, num_int(text, "--step", 0, UINT32_MAX, &value));
-    return value;
-}
-
-static int parse_component(struct argp_state *state, const char *text) {
-    int64_t value = 1;
-    cli_usage_unless(state, num_int(text, "--component", 1, INT_MAX, &value));
-    return (int)value;
-}
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    arguments *a = state->input;
+static status set(void *own, int key, const char *text) {
+    arguments *a = own;
+    mesh_hints *hints = &a->source.hints;
+    int count;
     switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; break;
-    case KEY_DIMS: parse_dims(state, &a->wish, arg); break;
-    case KEY_SPACING: parse_spacing(state, &a->wish, arg); break;
-    case KEY_BOUNDS: parse_bounds(state, &a->wish, arg); break;
-    case KEY_FIELD: a->source.hints.field = arg; break;
-    case KEY_COMPONENT: a->source.hints.component = parse_component(state, arg); break;
-    case KEY_CELLS_TO_POINTS: a->source.hints.cells_to_points = true; break;
-    case KEY_STEP: a->step = parse_step(state, arg); break;
-    case ARGP_KEY_ARG:
-        if (a->source.path)
-            argp_error(state, "one MESH at a time, not also \"%s\"", arg);
-        a->source.path = arg;
-        break;
-    case ARGP_KEY_END:
-        if (!a->source.path || !a->common.output)
-            argp_error(state, "a MESH and -o are needed");
-        if (a->wish.dims[0] > 0 && a->wish.spacing > 0)
-            argp_error(state, "either --dims or --spacing");
-        break;
-    default: return ARGP_ERR_UNKNOWN;
+    case KEY_DIMS: return cli_dims_or_one(text, "--dims", 2, GRID_DIM_MAX, a->wish.dims, &count);
+    case KEY_SPACING: return set_spacing(&a->wish, text);
+    case KEY_BOUNDS: return set_bounds(&a->wish, text);
+    case KEY_FIELD: hints->field = text; return ST_OK;
+    case KEY_COMPONENT: return cli_int(text, "--component", 1, INT_MAX, &hints->component);
+    case KEY_CELLS_TO_POINTS: hints->cells_to_points = true; return ST_OK;
+    case KEY_STEP: return num_int(text, "--step", 0, UINT32_MAX, &a->step);
+    default: return ST_AGAIN;
     }
-    return 0;
 }
 
-static const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {NULL, 0, NULL, 0}};
-static const struct argp table = {
+static status check(void *own) {
+    arguments *a = own;
+    a->source.path = a->common.input;
+    if (!a->source.path || !a->common.output)
+        return status_describe(ST_USAGE, "a MESH and -o are needed");
+    if (a->wish.dims[0] > 0 && a->wish.spacing > 0)
+        return status_describe(ST_USAGE, "either --dims or --spacing");
+    return ST_OK;
+}
+
+static const cli_verb verb = {
     .options = options,
-    .parser = parse,
+    .set = set,
+    .check = check,
+    .input = "MESH",
     .args_doc = "MESH -o F.nrrd",
     .doc = "Resample a mesh of tetrahedra to a regular grid of f32 samples, as NRRD (-o -: to "
            "standard output). MESH: a treelet file, or whatever mesh convert takes; or - for a "
@@ -132,7 +111,6 @@ static const struct argp table = {
            "that is no treelet file becomes one first, beside the output (-o -: in $TMPDIR), "
            "which takes about 14 bytes a tet and vanishes in the end. The output's bytes depend "
            "on neither --memory nor --threads.",
-    .children = children,
 };
 
 /* ---- all of it ---- */
@@ -244,6 +222,6 @@ static status run(arguments *a) {
 
 int main(int argc, char **argv) {
     arguments a = {.common = {.verb = "resample"}, .step = -1};
-    cli_parse(&table, &a.common, argc, argv, &a);
+    cli_parse(&verb, &a.common, argc, argv);
     return cli_finish(&a.common, run(&a));
 }

@@ -41,71 +41,65 @@ static const struct argp_option options[] = {
      "TetGen is stopped after so many (default 3600; 0: never)", 2},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-static double parse_number(struct argp_state *state, const char *text, const char *what) {
-    double value = 0;
-    cli_usage_unless(state, num_double(text, what, &value));
-    return value;
-}
-
 /* R or R,ANGLE. */
-static void parse_quality(struct argp_state *state, tetrahedralize_options *how, const char *text) {
+static status set_quality(tetrahedralize_options *how, const char *text) {
     double numbers[2] = {0, 0};
-    cli_usage_unless(state,
-                     num_doubles(text, "--quality", ",", strchr(text, ',') ? 2 : 1, numbers));
+    status st = num_doubles(text, "--quality", ",", strchr(text, ',') ? 2 : 1, numbers);
+    if (st != ST_OK)
+        return st;
     if (!(numbers[0] == 0 || (numbers[0] > 1 && numbers[0] <= RATIO_MAX)))
-        argp_error(state, "--quality: \"%s\": expected R above 1, at most %g, or 0", text,
-                   RATIO_MAX);
+        return status_describe(ST_USAGE, "--quality: \"%s\": expected R above 1, at most %g, or 0",
+                               text, RATIO_MAX);
     if (!(numbers[1] >= 0 && numbers[1] <= ANGLE_MAX) || (numbers[0] == 0 && numbers[1] > 0))
-        argp_error(state, "--quality: \"%s\": expected ANGLE in 0 .. %g, with an R", text,
-                   ANGLE_MAX);
+        return status_describe(ST_USAGE, "--quality: \"%s\": expected ANGLE in 0 .. %g, with an R",
+                               text, ANGLE_MAX);
     how->ratio = numbers[0];
     how->angle = numbers[1];
     how->meshing = true;
+    return ST_OK;
 }
 
-static void parse_volume(struct argp_state *state, tetrahedralize_options *how, const char *text) {
-    how->max_volume = parse_number(state, text, "--max-volume");
-    if (!(how->max_volume > 0 && how->max_volume < 1e300))
-        argp_error(state, "--max-volume: \"%s\": expected a number above 0", text);
+static status set_volume(tetrahedralize_options *how, const char *text) {
+    status st = num_double(text, "--max-volume", &how->max_volume);
+    if (st == ST_OK && !(how->max_volume > 0 && how->max_volume < 1e300))
+        st = status_describe(ST_USAGE, "--max-volume: \"%s\": expected a number above 0", text);
     how->meshing = true;
+    return st;
 }
 
-static void parse_timeout(struct argp_state *state, tetrahedralize_options *how, const char *text) {
-    how->seconds = parse_number(state, text, "--timeout");
-    if (!(how->seconds >= 0 && how->seconds <= 1e9))
-        argp_error(state, "--timeout: \"%s\": expected seconds, or 0", text);
+static status set_timeout(tetrahedralize_options *how, const char *text) {
+    status st = num_double(text, "--timeout", &how->seconds);
+    if (st == ST_OK && !(how->seconds >= 0 && how->seconds <= 1e9))
+        st = status_describe(ST_USAGE, "--timeout: \"%s\": expected seconds, or 0", text);
+    return st;
 }
 
-static void parse_input(struct argp_state *state, arguments *a, const char *path) {
-    if (a->how.input)
-        argp_error(state, "one input at a time, not also \"%s\"", path);
-    a->how.input = path;
-}
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    arguments *a = state->input;
+static status set(void *own, int key, const char *text) {
+    tetrahedralize_options *how = &((arguments *)own)->how;
     switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &a->common; break;
-    case KEY_QUALITY: parse_quality(state, &a->how, arg); break;
-    case KEY_MAX_VOLUME: parse_volume(state, &a->how, arg); break;
-    case KEY_FIELD: a->how.field = arg; break;
-    case KEY_FORMAT: a->how.format = arg; break;
-    case KEY_POINTS: a->how.points = true; break;
-    case KEY_TIMEOUT: parse_timeout(state, &a->how, arg); break;
-    case ARGP_KEY_ARG: parse_input(state, a, arg); break;
-    case ARGP_KEY_END:
-        if (!a->how.input || !a->common.output)
-            argp_error(state, "an INPUT and -o are needed");
-        break;
-    default: return ARGP_ERR_UNKNOWN;
+    case KEY_QUALITY: return set_quality(how, text);
+    case KEY_MAX_VOLUME: return set_volume(how, text);
+    case KEY_FIELD: how->field = text; return ST_OK;
+    case KEY_FORMAT: how->format = text; return ST_OK;
+    case KEY_POINTS: how->points = true; return ST_OK;
+    case KEY_TIMEOUT: return set_timeout(how, text);
+    default: return ST_AGAIN;
     }
-    return 0;
 }
 
-static const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {NULL, 0, NULL, 0}};
-static const struct argp table = {
+static status check(void *own) {
+    arguments *a = own;
+    a->how.input = a->common.input;
+    if (!a->how.input || !a->common.output)
+        return status_describe(ST_USAGE, "an INPUT and -o are needed");
+    return ST_OK;
+}
+
+static const cli_verb verb = {
     .options = options,
-    .parser = parse,
+    .set = set,
+    .check = check,
+    .input = "input",
     .args_doc = "INPUT -o F.mesh",
     .doc =
         "Make a mesh of tets of points or a closed surface. Points (.node .csv .txt .xyz .ply) "
@@ -113,7 +107,6 @@ static const struct argp table = {
         "of well-shaped tets, by TetGen. The mesh stream goes to F.mesh, or with -o - to standard "
         "output, as for `leafcast convert -'; INPUT may be -, too."
         "\vExample:\n  leafcast tetrahedralize bunny.stl -o bunny.mesh",
-    .children = children,
 };
 
 /* ---- the report ---- */
@@ -176,6 +169,6 @@ static status run(arguments *a) {
 int main(int argc, char **argv) {
     arguments a = {.common = {.verb = "tetrahedralize"},
                    .how = {.ratio = RATIO_DEFAULT, .seconds = TIMEOUT_DEFAULT}};
-    cli_parse(&table, &a.common, argc, argv, &a);
+    cli_parse(&verb, &a.common, argc, argv);
     return cli_finish(&a.common, run(&a));
 }

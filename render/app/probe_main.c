@@ -7,6 +7,7 @@
 
 #include "formats/base/cli.h"
 #include "formats/base/cli_json.h"
+#include "formats/base/cli_value.h"
 #include "formats/base/mem.h"
 #include "formats/base/num.h"
 #include "formats/base/shell_line.h"
@@ -18,7 +19,6 @@ enum { HITS_MAX = 1000 };
 typedef struct probe_options {
     cli_common common;
     view_options view;
-    const char *volume;
     bool is_mesh; /* the file: known once it is open */
     bool at, point, ray;
     double pixel[2], where[3], line[6];
@@ -38,32 +38,20 @@ static const struct argp_option OPTIONS[] = {
     {"hits", HITS, "N", CLI_BASIC, "at most N hits (20)", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-static status numbers(const char *text, const char *what, int count, double *out) {
-    status st = num_doubles(text, what, ",", count, out);
-    for (int i = 0; i < count && st == ST_OK; i++)
-        if (!isfinite(out[i]))
-            st =
-                status_describe(ST_USAGE, "%s: \"%s\" has a number that is not finite", what, text);
-    return st;
-}
-
-static status set_option(probe_options *o, int key, const char *text) {
-    int64_t n = 0;
-    status st = ST_OK;
+static status set_option(void *own, int key, const char *text) {
+    probe_options *o = own;
     switch (key) {
-    case AT: o->at = true; return numbers(text, "--at", 2, o->pixel);
-    case POINT: o->point = true; return numbers(text, "--point", 3, o->where);
-    case RAY: o->ray = true; return numbers(text, "--ray", 6, o->line);
-    case HITS:
-        st = num_int(text, "--hits", 1, HITS_MAX, &n);
-        o->hits = (int)n;
-        return st;
-    default: return ST_AGAIN;
+    case AT: o->at = true; return cli_vector(text, "--at", 2, o->pixel);
+    case POINT: o->point = true; return cli_vector(text, "--point", 3, o->where);
+    case RAY: o->ray = true; return cli_vector(text, "--ray", 6, o->line);
+    case HITS: return cli_int(text, "--hits", 1, HITS_MAX, &o->hits);
+    default: return view_options_set(&o->view, key, text);
     }
 }
 
-static status check_options(probe_options *o) {
-    if (!o->volume)
+static status check_options(void *own) {
+    probe_options *o = own;
+    if (!o->common.input)
         return status_describe(ST_USAGE, "which treelet file?");
     if (o->at + o->point + o->ray != 1)
         return status_describe(ST_USAGE, "where? one of --at X,Y, --ray and --point X,Y,Z");
@@ -78,28 +66,6 @@ static status check_options(probe_options *o) {
     if (o->view.scene.samples > 1)
         return status_describe(ST_USAGE, "--samples: a probe follows one ray");
     return o->point && o->view.isos == 0 ? ST_OK : view_options_check(&o->view);
-}
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    probe_options *o = state->input;
-    status st = ST_OK;
-    switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &o->common; return 0;
-    case ARGP_KEY_ARG:
-        if (o->volume)
-            argp_error(state, "%s: one treelet file is enough", arg);
-        o->volume = arg;
-        return 0;
-    case ARGP_KEY_END: st = check_options(o); break;
-    default:
-        st = set_option(o, key, arg);
-        if (st == ST_AGAIN)
-            st = view_options_set(&o->view, key, arg);
-        if (st == ST_AGAIN)
-            return ARGP_ERR_UNKNOWN;
-    }
-    cli_usage_unless(state, st);
-    return 0;
 }
 
 /* ---- the answer: JSON first, from which the text is printed ---- */
@@ -301,7 +267,7 @@ static status run(probe_options *o, json_t *answer) {
     const leafcast_options open = {
         .size = sizeof(leafcast_options), .memory = o->common.memory, .threads = 1};
     leafcast *volume = NULL;
-    status st = render_status(leafcast_open(o->volume, &open, &volume));
+    status st = render_status(leafcast_open(o->common.input, &open, &volume));
     if (st == ST_OK)
         o->is_mesh = leafcast_describe(volume).tets > 0;
     if (st == ST_OK)
@@ -317,20 +283,20 @@ static status run(probe_options *o, json_t *answer) {
 int main(int argc, char **argv) {
     static probe_options o = {.common = {.verb = "probe", .without = "output force threads"},
                               .hits = 20};
-    const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
     struct argp_option options[VIEW_OPTIONS_ROOM];
     view_options_join(options, OPTIONS, "iso size eye look-at");
-    const struct argp table = {
+    const cli_verb verb = {
         .options = options,
-        .parser = parse,
+        .set = set_option,
+        .check = check_options,
+        .input = "treelet file",
         .args_doc = "F.leaf",
         .doc = "Tell what a pixel's ray or a point sees: hits, cells, values, gradients, the error "
                "bound.\vExample:\n  leafcast probe bonsai.leaf --iso 37 --at 512,400\v"
                "The flags are those of render, so that a picture's pixel is found again. "
-               "With --json the answer is a JSON object.",
-        .children = children};
+               "With --json the answer is a JSON object."};
     view_options_init(&o.view);
-    cli_parse(&table, &o.common, argc, argv, &o);
+    cli_parse(&verb, &o.common, argc, argv);
 
     json_t *answer = json_object();
     status st = run(&o, answer);

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/cli_value.h"
 #include "formats/base/file.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
@@ -16,7 +17,7 @@ typedef struct render_options {
     cli_common common;
     view_options view;
     leafcast_options open;
-    const char *volume, *depth, *stats, *script, *iso_list, *camera_path, *format;
+    const char *depth, *stats, *script, *iso_list, *camera_path, *format;
     bool series; /* --steps: */
     uint32_t first_step, last_step;
     int repeat;
@@ -50,6 +51,9 @@ enum {
     ISOPOLYGONS
 };
 
+static const char BACKENDS[] = "auto|mapped|arena", SIDES[] = "tile|2|4|8|16",
+                  POLYGONS[] = "onthefly|precompute|cache";
+
 static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Outputs (-o takes .png, .ppm, .pfm, .exr; -: standard output):", 1},
     {"format", FORMAT, "NAME", 0, "png, ppm, pfm or exr, whatever the name's end is (-o -: png)",
@@ -72,8 +76,8 @@ static const struct argp_option OPTIONS[] = {
      "flags, with \"output\"; each is answered by a line of JSON",
      0},
     {NULL, 0, NULL, 0, "Machine:", 60},
-    {"backend", BACKEND, "auto|mapped|arena", CLI_EXPERIMENT,
-     "how treelets come in: auto, mapped or arena", 0},
+    {"backend", BACKEND, BACKENDS, CLI_EXPERIMENT, "how treelets come in: auto, mapped or arena",
+     0},
     {"schema", SCHEMA, "N", CLI_EXPERIMENT,
      "how another time step of a mesh comes in, 1: each step's trees are read, and stay beside "
      "those "
@@ -83,25 +87,14 @@ static const struct argp_option OPTIONS[] = {
      "never hold more than N treelets (0: what memory allows); for experiments", 0},
     {"isa", ISA, "auto|scalar|sse42|avx2|avx512", CLI_EXPERIMENT,
      "instructions to use: auto, scalar, sse42, avx2, avx512", 0},
-    {"packets", PACKETS, "tile|2|4|8|16", CLI_EXPERIMENT,
+    {"packets", PACKETS, SIDES, CLI_EXPERIMENT,
      "of a mesh: how rays walk together: by tile, or in packets of 2, 4, 8 or 16 on a side as "
      "those of Wald and others, 2007",
      0},
-    {"isopolygons", ISOPOLYGONS, "onthefly|precompute|cache", CLI_EXPERIMENT,
+    {"isopolygons", ISOPOLYGONS, POLYGONS, CLI_EXPERIMENT,
      "of a mesh: onthefly, or kept: precompute, or cache (when rays first meet them) (onthefly)",
      0},
     {NULL, 0, NULL, 0, NULL, 0}};
-
-static status set_backend(leafcast_options *open, const char *text) {
-    static const char *const names[] = {"auto", "mapped", "arena"};
-    for (int i = 0; i < 3; i++) {
-        if (strcmp(text, names[i]) == 0) {
-            open->backend = (leafcast_backend)i;
-            return ST_OK;
-        }
-    }
-    return status_describe(ST_USAGE, "--backend: \"%s\" is none of auto, mapped, arena", text);
-}
 
 static status set_steps(render_options *o, const char *text) {
     double ends[2];
@@ -120,32 +113,36 @@ static status set_steps(render_options *o, const char *text) {
     return ST_OK;
 }
 
-static status set_isopolygons(leafcast_options *open, const char *text) {
-    static const char *const names[] = {"onthefly", "precompute", "cache"};
-    for (int i = 0; i < 3; i++) {
-        if (strcmp(text, names[i]) == 0) {
-            open->isopolygons = (leafcast_isopolygons)i;
-            return ST_OK;
-        }
-    }
-    return status_describe(ST_USAGE, "--isopolygons: \"%s\" is none of onthefly, precompute, cache",
-                           text);
-}
-
-static status set_packets(leafcast_options *open, const char *text) {
-    static const char *const names[] = {"tile", "2", "4", "8", "16"};
+static status set_machine(leafcast_options *open, int key, const char *text) {
     static const int sides[] = {0, 2, 4, 8, 16};
-    for (int i = 0; i < 5; i++) {
-        if (strcmp(text, names[i]) == 0) {
-            open->packets = sides[i];
-            return ST_OK;
-        }
+    int which = 0;
+    status st = ST_OK;
+    switch (key) {
+    case BACKEND:
+        st = cli_word(text, "--backend", BACKENDS, &which);
+        open->backend = (leafcast_backend)which;
+        return st;
+    case SCHEMA:
+        st = cli_int(text, "--schema", 1, 2, &which);
+        open->schema = (leafcast_schema)which;
+        return st;
+    case ISOPOLYGONS:
+        st = cli_word(text, "--isopolygons", POLYGONS, &which);
+        open->isopolygons = (leafcast_isopolygons)which;
+        return st;
+    case PACKETS:
+        st = cli_word(text, "--packets", SIDES, &which);
+        open->packets = sides[which];
+        return st;
+    case ISA: open->isa = text; return ST_OK;
+    case TREELET_LIMIT:
+        return cli_uint(text, "--treelet-limit", 0, UINT32_MAX, &open->treelet_limit);
+    default: return ST_AGAIN;
     }
-    return status_describe(ST_USAGE, "--packets: \"%s\" is none of tile, 2, 4, 8, 16", text);
 }
 
-static status set_option(render_options *o, int key, const char *text) {
-    int64_t n = 0;
+static status set_option(void *own, int key, const char *text) {
+    render_options *o = own;
     status st = ST_OK;
     switch (key) {
     case DEPTH: o->depth = text; return ST_OK;
@@ -155,28 +152,12 @@ static status set_option(render_options *o, int key, const char *text) {
     case ISO_LIST: o->iso_list = text; return ST_OK;
     case CAMERA_PATH: o->camera_path = text; return ST_OK;
     case STEPS: return set_steps(o, text);
-    case BACKEND: return set_backend(&o->open, text);
-    case SCHEMA:
-        st = num_int(text, "--schema", 1, 2, &n);
-        o->open.schema = (leafcast_schema)n;
-        return st;
-    case ISA: o->open.isa = text; return ST_OK;
-    case ISOPOLYGONS: return set_isopolygons(&o->open, text);
-    case PACKETS: return set_packets(&o->open, text);
-    case TURNTABLE:
-        st = num_int(text, "--turntable", 1, PICTURES_MAX, &n);
-        o->turns = (int)n;
-        return st;
+    case TURNTABLE: return cli_int(text, "--turntable", 1, PICTURES_MAX, &o->turns);
     case FAIL_EMPTY: o->fail_empty = true; return ST_OK;
-    case REPEAT:
-        st = num_int(text, "--repeat", 1, 10000, &n);
-        o->repeat = (int)n;
-        return st;
-    case TREELET_LIMIT:
-        st = num_int(text, "--treelet-limit", 0, UINT32_MAX, &n);
-        o->open.treelet_limit = (uint32_t)n;
-        return st;
-    default: return ST_AGAIN;
+    case REPEAT: return cli_int(text, "--repeat", 1, 10000, &o->repeat);
+    default:
+        st = set_machine(&o->open, key, text);
+        return st == ST_AGAIN ? view_options_set(&o->view, key, text) : st;
     }
 }
 
@@ -189,10 +170,11 @@ static bool to_stdout(const char *path) {
 }
 
 /* What must hold over all flags. */
-static status check_options(const render_options *o) {
+static status check_options(void *own) {
+    const render_options *o = own;
     const bool sequence = is_sequence(o);
     const bool output = o->common.output || o->depth || o->stats || o->common.json;
-    if (!o->volume)
+    if (!o->common.input)
         return status_describe(ST_USAGE, "which treelet file?");
     if (o->script && (sequence || o->common.output || o->depth || o->stats))
         return status_describe(ST_USAGE,
@@ -209,28 +191,6 @@ static status check_options(const render_options *o) {
         return status_describe(ST_USAGE, "either --step or --steps");
     /* Of a path or a script, too: its entries may say either. */
     return view_options_check_camera(&o->view);
-}
-
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    render_options *o = state->input;
-    status st = ST_OK;
-    switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &o->common; return 0;
-    case ARGP_KEY_ARG:
-        if (o->volume)
-            argp_error(state, "%s: one treelet file is enough", arg);
-        o->volume = arg;
-        return 0;
-    case ARGP_KEY_END: st = check_options(o); break;
-    default:
-        st = set_option(o, key, arg);
-        if (st == ST_AGAIN)
-            st = view_options_set(&o->view, key, arg);
-        if (st == ST_AGAIN)
-            return ARGP_ERR_UNKNOWN;
-    }
-    cli_usage_unless(state, st);
-    return 0;
 }
 
 /* ---- one picture ---- */
@@ -430,7 +390,7 @@ static status count_frames(const render_options *o, sequence *s) {
 /* What it reads; outputs are held against it. */
 static status guard_inputs(const render_options *o) {
     file_guard_watch();
-    status st = file_guard_input(o->volume);
+    status st = file_guard_input(o->common.input);
     if (st == ST_OK)
         st = file_guard_input(o->camera_path);
     return st == ST_OK ? file_guard_input(o->script) : st;
@@ -502,13 +462,13 @@ static status check_file(const render_options *o, const render_job *job) {
     for (size_t i = 0; i < sizeof of_meshes / sizeof *of_meshes; i++)
         if (of_meshes[i].given && !mesh)
             return status_describe(ST_USAGE, "%s is for meshes, and %s is a grid",
-                                   of_meshes[i].name, o->volume);
+                                   of_meshes[i].name, o->common.input);
     if (o->open.schema != 0 && job->info.steps == 1)
-        return status_describe(ST_USAGE, "--schema: %s has one step", o->volume);
+        return status_describe(ST_USAGE, "--schema: %s has one step", o->common.input);
     if (!o->series || o->last_step < job->info.steps)
         return ST_OK;
     return status_describe(ST_USAGE, "--steps: there is no step %u: %s has %u", o->last_step,
-                           o->volume, job->info.steps);
+                           o->common.input, job->info.steps);
 }
 
 static status run_sequence(render_options *o, render_job *job) {
@@ -520,7 +480,7 @@ static status run_sequence(render_options *o, render_job *job) {
     if (st == ST_OK)
         st = check_sequence(o, job, &s, &frame);
     if (st == ST_OK)
-        st = render_job_open(job, o->volume, &o->open);
+        st = render_job_open(job, o->common.input, &o->open);
     if (st == ST_OK)
         st = check_file(o, job);
     if (st == ST_OK && o->stats)
@@ -575,7 +535,7 @@ static status run_script(render_options *o, render_job *job) {
     script_reader *script = NULL;
     bool failed = false;
     mem_init(&m, 0);
-    status st = render_job_open(job, o->volume, &o->open);
+    status st = render_job_open(job, o->common.input, &o->open);
     if (st == ST_OK)
         st = check_file(o, job);
     if (st == ST_OK)
@@ -606,13 +566,14 @@ static status check_empty(const render_options *o) {
 int main(int argc, char **argv) {
     static render_options o = {
         .common = {.verb = "render"}, .open = {.size = sizeof(leafcast_options)}, .repeat = 1};
-    const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
     struct argp_option options[VIEW_OPTIONS_ROOM];
     view_options_join(options, OPTIONS,
                       "iso color opacity size eye look-at light shadows clip-box");
-    const struct argp table = {
+    const cli_verb verb = {
         .options = options,
-        .parser = parse,
+        .set = set_option,
+        .check = check_options,
+        .input = "treelet file",
         .args_doc = "F.leaf -o FILE.png",
         .doc = "Draw isosurfaces of a treelet file into a picture.\v"
                "Example:\n  leafcast render bonsai.leaf --iso 37 -o bonsai.png\v"
@@ -623,10 +584,9 @@ int main(int argc, char **argv) {
                "(1, 0.6, 0.8), 2.2 or 1.1 times its longest edge away. Vectors "
                "are in world space. The picture is exact unless --lod, --preview or --intersector "
                "say otherwise. A mesh of tetrahedra has no levels of detail and no intersector but "
-               "the exact one.",
-        .children = children};
+               "the exact one."};
     view_options_init(&o.view);
-    cli_parse(&table, &o.common, argc, argv, &o);
+    cli_parse(&verb, &o.common, argc, argv);
 
     o.open.memory = o.common.memory;
     o.open.threads = o.common.threads;

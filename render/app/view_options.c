@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "formats/base/cli_options.h"
+#include "formats/base/cli_value.h"
 #include "formats/base/num.h"
 #include "render/app/colour.h"
 #include "render/grid/intersect.h"
@@ -41,6 +42,9 @@ enum {
     STEP
 };
 
+static const char SHADINGS[] = "diffuse|phong|flat",
+                  KINDS_OF_NORMALS[] = "central|analytic|faceted|smooth";
+
 const struct argp_option view_options_table[] = {
     {NULL, 0, NULL, 0, "Isosurfaces (repeat for more than one):", 10},
     {"iso", ISO, "V[,V...]", 0, "draw the isosurface of value V", 0},
@@ -61,8 +65,8 @@ const struct argp_option view_options_table[] = {
     {"samples", SAMPLES, "N", 0, "rays a pixel, against jagged edges: 1, 4 or 16 (1)", 0},
 
     {NULL, 0, NULL, 0, "Light and colour:", 30},
-    {"shading", SHADING, "diffuse|phong|flat", 0, "diffuse, phong or flat (diffuse)", 0},
-    {"normals", NORMALS, "central|analytic|faceted|smooth", 0,
+    {"shading", SHADING, SHADINGS, 0, "diffuse, phong or flat (diffuse)", 0},
+    {"normals", NORMALS, KINDS_OF_NORMALS, 0,
      "of volumes central (differences) or analytic (of the cell's own trilinear form) (central); "
      "of "
      "meshes faceted (of the tet's own) or smooth (between gradients at the vertices) (faceted)",
@@ -142,48 +146,12 @@ int view_options_key(const char *name, bool *repeats, bool *flag) {
 
 /* ---- values ---- */
 
-static status parse_finite(const char *text, const char *what, double lo, double hi, double *out) {
-    double value = 0.0;
-    status st = num_double(text, what, &value);
-    if (st)
-        return st;
-    if (!isfinite(value))
-        return status_describe(ST_USAGE, "%s: %s is not a finite number", what, text);
-    if (value < lo || value > hi)
-        return status_describe(ST_USAGE, "%s: %s is not in %g .. %g", what, text, lo, hi);
-    *out = value;
-    return ST_OK;
-}
-
 static status parse_weight(const char *text, const char *what, double hi, float *out) {
     double value = 0.0;
-    status st = parse_finite(text, what, 0.0, hi, &value);
+    status st = cli_finite(text, what, 0.0, hi, &value);
     if (st == ST_OK)
         *out = (float)value;
     return st;
-}
-
-static status parse_vector(const char *text, const char *what, int count, double *out) {
-    status st = num_doubles(text, what, ",", count, out);
-    for (int i = 0; i < count && st == ST_OK; i++)
-        if (!isfinite(out[i]))
-            st =
-                status_describe(ST_USAGE, "%s: \"%s\" has a number that is not finite", what, text);
-    return st;
-}
-
-/* The index of text among names; ST_USAGE listing them. */
-static status parse_name(const char *text, const char *what, const char *const *names, int count,
-                         int *out) {
-    char list[256] = "";
-    for (int i = 0; i < count; i++) {
-        if (strcmp(text, names[i]) == 0) {
-            *out = i;
-            return ST_OK;
-        }
-        strcat(strcat(list, i ? ", " : ""), names[i]);
-    }
-    return status_describe(ST_USAGE, "%s: \"%s\" is none of %s", what, text, list);
 }
 
 static status parse_size(const char *text, leafcast_camera *camera) {
@@ -202,27 +170,23 @@ static status parse_size(const char *text, leafcast_camera *camera) {
 }
 
 static status parse_lod(const char *text, leafcast_scene *scene) {
-    static const char *const names[] = {"exact", "pixel"};
     int which = 0;
-    int64_t level = 0;
     if (text[0] >= '0' && text[0] <= '9') {
-        status st = num_int(text, "--lod", 0, 63, &level);
         scene->lod = LEAFCAST_LOD_LEVEL;
-        scene->lod_level = (uint32_t)level;
-        return st;
+        return cli_uint(text, "--lod", 0, 63, &scene->lod_level);
     }
-    if (parse_name(text, "--lod", names, 2, &which))
+    if (cli_word(text, "--lod", "exact|pixel", &which))
         return status_describe(ST_USAGE, "--lod: \"%s\" is neither exact, pixel nor a level", text);
     scene->lod = which == 0 ? LEAFCAST_LOD_EXACT : LEAFCAST_LOD_PIXEL;
     return ST_OK;
 }
 
 static status parse_intersector(const char *text, leafcast_scene *scene) {
-    const char *names[INTERSECTOR_COUNT];
+    char names[256] = "";
     int which = 0;
     for (int i = 0; i < INTERSECTOR_COUNT; i++)
-        names[i] = intersector_at(i)->name;
-    status st = parse_name(text, "--intersector", names, INTERSECTOR_COUNT, &which);
+        strcat(strcat(names, i ? "|" : ""), intersector_at(i)->name);
+    status st = cli_word(text, "--intersector", names, &which);
     if (st == ST_OK)
         scene->intersector = intersector_at(which)->id;
     return st;
@@ -233,14 +197,6 @@ static status parse_field(const char *text, view_options *v) {
         return status_describe(ST_USAGE, "--field: \"%s\" is no field's name", text);
     memcpy(v->field, text, strlen(text) + 1);
     return ST_OK;
-}
-
-static status parse_step(const char *text, view_options *v) {
-    int64_t step = 0;
-    status st = num_int(text, "--step", 0, UINT16_MAX, &step);
-    if (st == ST_OK)
-        v->step = (uint32_t)step;
-    return st;
 }
 
 /* ---- flags that may be repeated ---- */
@@ -259,7 +215,7 @@ static status add_iso(view_options *v, const char *text) {
         snprintf(one, sizeof one, "%.*s", (int)(n < 63 ? n : 63), at);
         status st = room("--iso", v->isos, LEAFCAST_SURFACES_MAX);
         if (st == ST_OK)
-            st = parse_finite(one, "--iso", -INFINITY, INFINITY, &v->surfaces[v->isos].isovalue);
+            st = cli_finite(one, "--iso", -INFINITY, INFINITY, &v->surfaces[v->isos].isovalue);
         if (st != ST_OK)
             return st;
         v->isos++;
@@ -297,7 +253,7 @@ static status add_light(leafcast_scene *scene, bool point, const char *text) {
     for (const char *at = text; *at; at++)
         commas += *at == ',';
     double x[6] = {0.0, 0.0, 0.0, 1.0, 1.0, 1.0};
-    st = parse_vector(text, what, commas == 5 ? 6 : 3, x);
+    st = cli_vector(text, what, commas == 5 ? 6 : 3, x);
     if (st)
         return st;
     if (!point && x[0] == 0.0 && x[1] == 0.0 && x[2] == 0.0)
@@ -315,14 +271,14 @@ static status add_clip_plane(leafcast_scene *scene, const char *text) {
     double *plane = scene->clip_planes[scene->clip_plane_count];
     status st = room("--clip-plane", scene->clip_plane_count, LEAFCAST_CLIP_PLANES_MAX);
     if (st == ST_OK)
-        st = parse_vector(text, "--clip-plane", 4, plane);
+        st = cli_vector(text, "--clip-plane", 4, plane);
     scene->clip_plane_count += st == ST_OK;
     return st;
 }
 
 static status set_clip_box(leafcast_scene *scene, const char *text) {
     double x[6];
-    status st = parse_vector(text, "--clip-box", 6, x);
+    status st = cli_vector(text, "--clip-box", 6, x);
     for (int a = 0; a < 3 && st == ST_OK; a++) {
         if (!(x[a] <= x[a + 3]))
             st = status_describe(ST_USAGE, "--clip-box: \"%s\" ends before it begins", text);
@@ -336,43 +292,35 @@ static status set_clip_box(leafcast_scene *scene, const char *text) {
 /* ---- flags ---- */
 
 static status set_surface(view_options *v, int key, const char *text) {
-    int64_t layers = 0;
-    status st = ST_OK;
     switch (key) {
     case ISO: return add_iso(v, text);
     case COLOUR: return add_colour(v, text);
     case OPACITY: return add_opacity(v, text);
-    case LAYERS:
-        st = num_int(text, "--layers", 0, 1 << 20, &layers);
-        v->scene.layers_max = (int)layers;
-        return st;
+    case LAYERS: return cli_int(text, "--layers", 0, 1 << 20, &v->scene.layers_max);
     default: return ST_AGAIN;
     }
 }
 
 static status set_samples(const char *text, int *samples) {
-    int64_t n = 0;
-    status st = num_int(text, "--samples", 1, 16, &n);
-    if (st == ST_OK && n != 1 && n != 4 && n != 16)
-        st = status_describe(ST_USAGE, "--samples: %d is none of 1, 4, 16", (int)n);
-    *samples = (int)n;
+    status st = cli_int(text, "--samples", 1, 16, samples);
+    if (st == ST_OK && *samples != 1 && *samples != 4 && *samples != 16)
+        st = status_describe(ST_USAGE, "--samples: %d is none of 1, 4, 16", *samples);
     return st;
 }
 
 static status set_camera(view_options *v, int key, const char *text) {
-    static const char *const views[] = {"standard", "close", "fit"};
     leafcast_camera *c = &v->camera;
     int which = 0;
     status st = ST_OK;
     switch (key) {
-    case EYE: v->eye = true; return parse_vector(text, "--eye", 3, c->eye);
-    case LOOK_AT: v->look_at = true; return parse_vector(text, "--look-at", 3, c->look_at);
-    case UP: v->up = true; return parse_vector(text, "--up", 3, c->up);
-    case FOV: v->fov = true; return parse_finite(text, "--fov", 1e-6, 179.999, &c->fov);
+    case EYE: v->eye = true; return cli_vector(text, "--eye", 3, c->eye);
+    case LOOK_AT: v->look_at = true; return cli_vector(text, "--look-at", 3, c->look_at);
+    case UP: v->up = true; return cli_vector(text, "--up", 3, c->up);
+    case FOV: v->fov = true; return cli_finite(text, "--fov", 1e-6, 179.999, &c->fov);
     case SIZE: return parse_size(text, c);
     case SAMPLES: return set_samples(text, &v->scene.samples);
     case VIEW:
-        st = parse_name(text, "--view", views, 3, &which);
+        st = cli_word(text, "--view", "standard|close|fit", &which);
         v->fit = which == 2;
         v->distance = which == 1 ? 1.1 : 2.2;
         return st;
@@ -381,19 +329,16 @@ static status set_camera(view_options *v, int key, const char *text) {
 }
 
 static status set_light(view_options *v, int key, const char *text) {
-    static const char *const shadings[] = {"diffuse", "phong", "flat"};
-    static const char *const normals[] = {"central", "analytic", "faceted", "smooth"};
     leafcast_scene *s = &v->scene;
     int which = 0;
-    int64_t n = 0;
     status st = ST_OK;
     switch (key) {
     case SHADING:
-        st = parse_name(text, "--shading", shadings, 3, &which);
+        st = cli_word(text, "--shading", SHADINGS, &which);
         s->shading = (leafcast_shading)which;
         return st;
     case NORMALS:
-        st = parse_name(text, "--normals", normals, 4, &which);
+        st = cli_word(text, "--normals", KINDS_OF_NORMALS, &which);
         s->analytic_normals = which == 1 || which == 2;
         s->smooth_normals = which == 3;
         v->normals = which;
@@ -403,10 +348,7 @@ static status set_light(view_options *v, int key, const char *text) {
     case SHADOWS: s->shadows = true; return ST_OK;
     case AMBIENT: return parse_weight(text, "--ambient", 1.0, &s->ambient);
     case SPECULAR: return parse_weight(text, "--specular", 1000.0, &s->specular);
-    case SHININESS:
-        st = num_int(text, "--shininess", 1, 1024, &n);
-        s->shininess = (int)n;
-        return st;
+    case SHININESS: return cli_int(text, "--shininess", 1, 1024, &s->shininess);
     case BACKGROUND: return colour_parse(text, "--background", s->background, &s->background[3]);
     default: return ST_AGAIN;
     }
@@ -435,7 +377,7 @@ static status set_any(view_options *v, int key, const char *text) {
     if (st == ST_AGAIN && key == FIELD)
         st = parse_field(text, v);
     if (st == ST_AGAIN && key == STEP)
-        st = parse_step(text, v);
+        st = cli_uint(text, "--step", 0, UINT16_MAX, &v->step);
     return st;
 }
 

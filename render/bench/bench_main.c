@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/cli_value.h"
 #include "formats/base/file.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
@@ -42,15 +43,6 @@ static const struct argp_option OPTIONS[] = {
     {"scratch", SCRATCH, "DIR", 0, "keep converted volumes there (in $TMPDIR, for this run)", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-static status set_number(const char *text, const char *what, int64_t least, int64_t most,
-                         int *out) {
-    int64_t n = 0;
-    status st = num_int(text, what, least, most, &n);
-    if (st == ST_OK)
-        *out = (int)n;
-    return st;
-}
-
 static status set_form(bench_options *o, const char *text) {
     o->form = strcmp(text, "brief") == 0 ? BRIEF : strcmp(text, "full") == 0 ? FULL : 0;
     return o->form ? ST_OK : status_describe(ST_USAGE, "--form: %s: brief or full", text);
@@ -60,13 +52,14 @@ static unsigned bit_of(int key) {
     return 1u << (key - RUNS);
 }
 
-static status set_option(bench_options *o, int key, const char *text) {
+static status set_option(void *own, int key, const char *text) {
+    bench_options *o = own;
     if (key >= RUNS && key <= BASELINES)
         o->given |= bit_of(key);
     switch (key) {
-    case RUNS: return set_number(text, "--runs", 1, 1000, &o->job.runs);
-    case COUNT: return set_number(text, "--ray-cells", 1, 1 << 24, &o->job.count);
-    case LARGEST: return set_number(text, "--largest", 32, 1024, &o->job.largest);
+    case RUNS: return cli_int(text, "--runs", 1, 1000, &o->job.runs);
+    case COUNT: return cli_int(text, "--ray-cells", 1, 1 << 24, &o->job.count);
+    case LARGEST: return cli_int(text, "--largest", 32, 1024, &o->job.largest);
     case FORM: return set_form(o, text);
     case PLOT: o->plot = text; return ST_OK;
     case OUT: o->folder = text; return ST_OK;
@@ -74,32 +67,15 @@ static status set_option(bench_options *o, int key, const char *text) {
     case DATA: o->data = text; return ST_OK;
     case AGAINST: o->against = text; return ST_OK;
     case BASELINES: o->baselines = text; return ST_OK;
-    default: return ST_AGAIN;
+    default: return view_options_set(&o->job.view, key, text);
     }
 }
 
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    bench_options *o = state->input;
-    status st = ST_OK;
-    switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &o->common; return 0;
-    case ARGP_KEY_ARG:
-        if (!o->suite)
-            o->suite = arg;
-        else if (!o->job.target)
-            o->job.target = arg;
-        else
-            argp_error(state, "%s: a suite and a file are enough", arg);
-        return 0;
-    default:
-        st = set_option(o, key, arg);
-        if (st == ST_AGAIN)
-            st = view_options_set(&o->job.view, key, arg);
-        if (st == ST_AGAIN)
-            return ARGP_ERR_UNKNOWN;
-    }
-    cli_usage_unless(state, st);
-    return 0;
+static status take_arguments(void *own) {
+    bench_options *o = own;
+    o->suite = o->common.input;
+    o->job.target = o->common.input_count > 1 ? o->common.inputs[1] : NULL;
+    return ST_OK;
 }
 
 /* ---- results ---- */
@@ -413,20 +389,20 @@ int main(int argc, char **argv) {
         return hand_over(argv + 1);
     static bench_options o = {.common = {.verb = "bench", .without = "memory"},
                               .job = {.count = 500000, .largest = 1024}};
-    const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
     struct argp_option options[VIEW_OPTIONS_ROOM];
     view_options_join(options, OPTIONS, "iso size");
     char *doc = describe();
-    const struct argp table = {.options = options,
-                               .parser = parse,
-                               .args_doc = "[SUITE [F.leaf]]",
-                               .doc = doc,
-                               .children = children};
+    const cli_verb verb = {.options = options,
+                           .set = set_option,
+                           .check = take_arguments,
+                           .inputs_max = 2,
+                           .args_doc = "[SUITE [F.leaf]]",
+                           .doc = doc};
     view_options_init(&o.job.view);
     o.job.view.fit = false;      /* what is measured stays what it was */
     o.job.view.camera.width = 0; /* not given */
     mem_init(&o.job.m, 0);
-    cli_parse(&table, &o.common, argc, argv, &o);
+    cli_parse(&verb, &o.common, argc, argv);
     o.job.progress = cli_progress(&o.common);
     const int code = cli_finish(&o.common, run(&o));
     free(doc);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "formats/base/cli.h"
+#include "formats/base/cli_value.h"
 #include "formats/base/file.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
@@ -18,7 +19,7 @@
 typedef struct peers_options {
     cli_common common;
     view_options view;
-    const char *volume, *picture, *plot;
+    const char *picture, *plot;
     int runs;
     double step;
     mem m;
@@ -43,40 +44,25 @@ static status set_step(peers_options *o, const char *text) {
     return st;
 }
 
-static status set_option(peers_options *o, int key, const char *text) {
-    int64_t n = 0;
+static status set_option(void *own, int key, const char *text) {
+    peers_options *o = own;
     status st = ST_OK;
     switch (key) {
-    case RUNS:
-        st = num_int(text, "--runs", 1, 1000, &n);
-        o->runs = (int)n;
-        return st;
+    case RUNS: return cli_int(text, "--runs", 1, 1000, &o->runs);
     case STEP: return set_step(o, text);
     case PICTURE: o->picture = text; return ST_OK;
     case PLOT: o->plot = text; return ST_OK;
-    default: return view_options_set(&o->view, key, text);
+    default:
+        st = view_options_set(&o->view, key, text);
+        if (st == ST_OK && o->view.field[0])
+            st = status_describe(ST_USAGE, "--field: peers draw a file's first field");
+        return st;
     }
 }
 
-static error_t parse(int key, char *arg, struct argp_state *state) {
-    peers_options *o = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT: state->child_inputs[0] = &o->common; return 0;
-    case ARGP_KEY_ARG:
-        if (o->volume)
-            argp_error(state, "%s: one file is enough", arg);
-        o->volume = arg;
-        return 0;
-    case ARGP_KEY_NO_ARGS: argp_error(state, "which treelet file?"); return 0;
-    default: break;
-    }
-    status st = set_option(o, key, arg);
-    if (st == ST_OK && o->view.field[0])
-        st = status_describe(ST_USAGE, "--field: peers draw a file's first field");
-    if (st == ST_AGAIN)
-        return ARGP_ERR_UNKNOWN;
-    cli_usage_unless(state, st);
-    return 0;
+static status check_options(void *own) {
+    const peers_options *o = own;
+    return o->common.input ? ST_OK : status_describe(ST_USAGE, "which treelet file?");
 }
 
 static void print_csv(const void *table, FILE *out) {
@@ -106,7 +92,7 @@ static status check(peers_options *o) {
     if (st == ST_OK)
         st = peer_race_check(&o->view);
     if (st == ST_OK)
-        st = file_guard_input(o->volume);
+        st = file_guard_input(o->common.input);
     for (int i = 0; i < 2 && st == ST_OK; i++) {
         st = file_guard_output(outputs[i]);
         if (st == ST_OK && outputs[i])
@@ -124,7 +110,7 @@ static status find_step(peers_options *o) {
     leafcast *volume = NULL;
     if (o->step != 0.0)
         return ST_OK;
-    status st = (status)leafcast_open(o->volume, NULL, &volume);
+    status st = (status)leafcast_open(o->common.input, NULL, &volume);
     if (st == ST_OK) {
         const leafcast_info info = leafcast_describe(volume);
         o->step = 1e-3 * (info.value_max - info.value_min);
@@ -140,7 +126,7 @@ static status run(peers_options *o) {
         st = find_step(o);
     if (st)
         return st;
-    const peer_race_options race = {.path = o->volume,
+    const peer_race_options race = {.path = o->common.input,
                                     .view = &o->view,
                                     .step = o->step,
                                     .threads = o->common.threads,
@@ -173,23 +159,23 @@ static status run(peers_options *o) {
 
 int main(int argc, char **argv) {
     static peers_options o = {.common = {.verb = "bench peers"}, .runs = 9};
-    const struct argp_child children[] = {{&cli_common_argp, 0, NULL, 0}, {0}};
     struct argp_option options[VIEW_OPTIONS_ROOM];
     view_options_join(options, OPTIONS, "iso size");
-    const struct argp table = {
+    const cli_verb verb = {
         .options = options,
-        .parser = parse,
+        .set = set_option,
+        .check = check_options,
+        .input = "file",
         .args_doc = "F.leaf --iso V",
         .doc = "Measure beside others: Embree on the extracted triangles, VTK's flying edges.\v"
                "Example:\n  leafcast bench peers bonsai.leaf --iso 37\v"
                "The same volume, isovalue, camera, picture and threads, in turn. A new isovalue: "
                "another one for each picture; `ms` then holds what it takes to get at it. "
                "Embree's rows are its rtcIntersectN; `x Embree` is against its faster "
-               "rtcIntersect16. What is not installed is left out, and said.",
-        .children = children};
+               "rtcIntersect16. What is not installed is left out, and said."};
     view_options_init(&o.view);
     o.view.fit = false; /* what is measured stays what it was */
     mem_init(&o.m, 0);
-    cli_parse(&table, &o.common, argc, argv, &o);
+    cli_parse(&verb, &o.common, argc, argv);
     return cli_finish(&o.common, run(&o));
 }

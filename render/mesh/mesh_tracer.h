@@ -1,8 +1,7 @@
 /* mesh_tracer.h - one ray through a whole mesh of tets, treelet by treelet, resumable.
  *
- * Treelets overlap, so that no order of them is front to back. A ray takes them in the order of
- * (the t at which it enters their box, index): a hit is final when the next active one begins
- * behind it. Where the ray goes on after it was suspended is then that pair, and nothing else.
+ * Treelets overlap; a ray takes them in the order of mesh_passage.h. A hit is final when the next
+ * active one begins behind it.
  *
  * Hits are ordered by (t, iso, entering, tet). One crossing that several tets share (through a
  * face's edge, a vertex) has the same t bits, isovalue and direction in all of them: it is the hit

@@ -256,6 +256,34 @@ bool mesh_walk(const isovalue_list *isos, const treelet *tr, const ray *r, const
     return changed;
 }
 
+/* ---- All tets ---- */
+
+void mesh_walk_each(const treelet *tr, const ray *r, const hit *after, double nearest,
+                    mesh_walk_visit *visit, void *ctx, ray_counters *counters) {
+    const code_slabs slabs = code_slabs_of(tr, r, after);
+    const mesh_slabs line = mesh_slabs_of(r);
+    const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->payload);
+    pending stack[STACK_MAX];
+    int top = 0;
+    stack[top++] = (pending){-INFINITY, 0};
+    while (top > 0) {
+        const pending p = stack[--top];
+        if (!(p.child & MESH_LEAF)) {
+            counters->nodes++;
+            top = push_children(&slabs, tr, p.child, nearest, stack, top);
+            continue;
+        }
+        const uint32_t leaf = p.child & ~(uint32_t)MESH_LEAF;
+        for (uint32_t i = first[leaf]; i < first[leaf + 1]; i++) {
+            const tet x = mesh_walk_tet(tr, i);
+            if (!(tr->active->tets[i / 64] >> i % 64 & 1u) || !passes_box(&line, &x))
+                continue;
+            counters->cells++;
+            visit(ctx, tr, i, &x);
+        }
+    }
+}
+
 /* ---- Points ---- */
 
 static bool holds_point(const tet *x, const double point[3], double weights[4]) {

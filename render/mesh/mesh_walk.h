@@ -19,6 +19,12 @@
 bool mesh_walk(const isovalue_list *isos, const treelet *tr, const ray *r, const hit *after,
                bool any, hit *best, ray_counters *counters);
 
+/* mesh_walk_each() - visit() with every active tet of the treelet whose box the ray meets, as far
+ * as it is not left before `after` or entered behind `nearest`; in no order. */
+typedef void mesh_walk_visit(void *ctx, const treelet *tr, uint32_t place, const tet *x);
+void mesh_walk_each(const treelet *tr, const ray *r, const hit *after, double nearest,
+                    mesh_walk_visit *visit, void *ctx, ray_counters *counters);
+
 /* mesh_walk_tet() - a tet of the treelet by its place there. */
 tet mesh_walk_tet(const treelet *tr, uint32_t place);
 

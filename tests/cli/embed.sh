@@ -21,8 +21,8 @@ pc() {
 # What the headers declare, outside of braces: one name a line. Inline functions are no symbols.
 declared() {
     for h in "$at"/include/leafcast/*.h; do printf '#include "%s"\n' "$h"; done |
-        ${CC:-cc} -E -P -x c - | tr '\n' ' ' | sed 's/[;{}]/&\n/g' |
-        awk '{ if (!depth && !/inline/ && match($0, /leafcast_[a-z_0-9]+ *\(/))
+        ${CC:-cc} -E -P -I "$at/include/leafcast" -x c - | tr '\n' ' ' | sed 's/[;{}]/&\n/g' |
+        awk '{ if (!depth && !/inline|typedef/ && match($0, /leafcast_[a-z_0-9]+ *\(/))
                    print substr($0, RSTART, RLENGTH - 1)
                if (/\{$/) depth++
                if (/\}$/) depth-- }' | sort -u
@@ -32,19 +32,23 @@ nm -g --defined-only "$at/lib/libleafcast.a" | awk 'NF == 3 { print $3 }' | sort
 nm -D --defined-only "$at/lib/libleafcast.so" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' |
     sort >"$tmp/shared"
 ok "the headers declare functions" grep -q '^leafcast_trace$' "$tmp/declared"
+ok "of both halves" grep -q '^leafcast_convert_array$' "$tmp/declared"
 exits "the archive shows these and nothing else" 0 diff "$tmp/declared" "$tmp/archive"
 exits "and so does the shared library" 0 diff "$tmp/declared" "$tmp/shared"
 readelf -d "$at/lib/libleafcast.so" >"$tmp/dynamic"
 ok "which has a soname" grep -q 'SONAME.*\[libleafcast\.so\.0\]' "$tmp/dynamic"
 ok "under which it is there" [ -e "$at/lib/libleafcast.so.0" ]
+heavy='tet|embree|OpenImageIO|openvdb|stdc\+\+|png'
+ok "and needs no heavy library" sh -c '! grep NEEDED "$1" | grep -qE "$2"' - "$tmp/dynamic" "$heavy"
 
 # ---- examples ----
 exits "generate" 0 "$leafcast" generate marschner-lobb --dims 24 -o "$tmp/m.nrrd" -q
 exits "convert" 0 "$leafcast" convert "$tmp/m.nrrd" -o "$tmp/m.leaf" -q
-exits "render" 0 "$leafcast" render "$tmp/m.leaf" --size 320x240 --background 0,0,0 -o "$tmp/want.ppm" -q
 
 # like_render: the verb's picture; a byte may be another at the very border between two.
 like_render() {
+    "$leafcast" verify "$tmp/made.leaf" -q &&
+        "$leafcast" render "$tmp/made.leaf" --size 320x240 --background 0,0,0 -o "$tmp/want.ppm" --force -q &&
     [ "$(wc -c <"$tmp/got.ppm")" = "$(wc -c <"$tmp/want.ppm")" ] &&
         [ "$(cmp -l "$tmp/got.ppm" "$tmp/want.ppm" | wc -l)" -le 2 ]
 }
@@ -63,9 +67,11 @@ try() {
     how=$1
     shift
     exits "first_picture.c, $how" 0 "$@" -o "$tmp/picture" scripts/examples/first_picture.c $flags
-    rm -f "$tmp/got.ppm"
-    exits "draws" 0 env LD_LIBRARY_PATH="$where" "$tmp/picture" "$tmp/m.leaf" "$tmp/got.ppm"
+    rm -f "$tmp/got.ppm" "$tmp/made.leaf"
+    exits "converts and draws" 0 env LD_LIBRARY_PATH="$where" "$tmp/picture" "$tmp/made.leaf" "$tmp/got.ppm"
     ok "what the verb draws" like_render
+    exits "does not write over it" 1 env LD_LIBRARY_PATH="$where" "$tmp/picture" "$tmp/made.leaf" "$tmp/got.ppm"
+    ok "and says so" grep -q 'exists already' "$tmp/err"
     exits "rays.c, $how" 0 "$@" -o "$tmp/rays" scripts/examples/rays.c $flags
     exits "prints hits" 0 env LD_LIBRARY_PATH="$where" "$tmp/rays" "$tmp/m.leaf" 100 140
     ok "in order" as_expected

@@ -69,6 +69,18 @@ static real grid_value(const void *of, const ref_ray *r, uint64_t index, real t,
     return f[0];
 }
 
+static void grid_range(const void *of, uint64_t index, double range[2]) {
+    long cell[3];
+    real f[8];
+    cell_of(of, index, cell);
+    corners_of(of, cell, f);
+    range[0] = range[1] = (double)f[0];
+    for (int k = 1; k < 8; k++) {
+        range[0] = fmin(range[0], (double)f[k]);
+        range[1] = fmax(range[1], (double)f[k]);
+    }
+}
+
 static bool grid_share_face(const void *of, uint64_t a, uint64_t b) {
     long p[3], q[3], steps = 0;
     cell_of(of, a, p);
@@ -79,7 +91,106 @@ static bool grid_share_face(const void *of, uint64_t a, uint64_t b) {
 }
 
 segment_truth segment_truth_grid(const ref_volume *v) {
-    return (segment_truth){v, grid_pieces, grid_value, grid_share_face};
+    return (segment_truth){v, grid_pieces, grid_value, grid_range, grid_share_face};
+}
+
+/* ---- Meshes ---- */
+
+/* Of the tet's vertices as the ray sees them: the largest of the sums of |d_a (p_a - o_a)|, and how
+ * far they reach in t; their values. */
+typedef struct extent {
+    real terms, reach, range, largest;
+} extent;
+
+static extent extent_of(const tet_ref_mesh *m, size_t tet, const ref_ray *r) {
+    real dd = 0, lo = INFINITY, hi = -INFINITY, least = INFINITY, most = -INFINITY;
+    extent e = {0};
+    for (int a = 0; a < 3; a++)
+        dd += (real)r->d[a] * r->d[a];
+    for (int k = 0; k < 4; k++) {
+        const uint32_t v = m->tets[tet][k];
+        real along = 0, terms = 0;
+        for (int a = 0; a < 3; a++) {
+            const real term = r->d[a] * ((real)m->points[v][a] - r->o[a]);
+            along += term;
+            terms += fabsl(term);
+        }
+        e.terms = fmaxl(e.terms, terms / dd);
+        lo = fminl(lo, along / dd);
+        hi = fmaxl(hi, along / dd);
+        least = fminl(least, m->values[v]);
+        most = fmaxl(most, m->values[v]);
+    }
+    e.reach = hi - lo;
+    e.range = most - least;
+    e.largest = fmaxl(fabsl(least), fabsl(most));
+    return e;
+}
+
+static real t_off(const extent *e) {
+    return 0x1p-30L * e->reach + 16 * U * e->terms;
+}
+
+static size_t mesh_pieces(const void *of, const ref_ray *r, truth_piece *out, size_t room) {
+    const tet_ref_mesh *m = of;
+    size_t count = 0;
+    for (size_t i = 0; i < m->tet_count && count < room; i++) {
+        real t[2], f[2];
+        if (!tet_ref_crossings(m, i, r, t, f))
+            continue;
+        const extent e = extent_of(m, i, r);
+        const real off = t_off(&e);
+        if (t[1] > -off)
+            out[count++] = (truth_piece){i, fmaxl(t[0], 0), fmaxl(t[1], 0), {off, off}};
+    }
+    return count;
+}
+
+static real mesh_value(const void *of, const ref_ray *r, uint64_t tet, real at, real *off) {
+    const tet_ref_mesh *m = of;
+    const extent e = extent_of(m, tet, r);
+    real t[2], f[2];
+    *off = 0;
+    if (!tet_ref_crossings(m, tet, r, t, f))
+        return NAN;
+    const real length = t[1] - t[0], error = 0x1p-30L * e.range + 16 * U * e.largest;
+    /* Where t may be off by the whole length, the value may be either end's. */
+    const real steep = length > 0 ? fminl(1, 2 * t_off(&e) / length) : 1;
+    *off = error + steep * fabsl(f[1] - f[0]);
+    const real s = length > 0 ? (at - t[0]) / length : 0;
+    return f[0] + (f[1] - f[0]) * fminl(fmaxl(s, 0), 1);
+}
+
+static void mesh_range(const void *of, uint64_t tet, double range[2]) {
+    const tet_ref_mesh *m = of;
+    range[0] = INFINITY;
+    range[1] = -INFINITY;
+    for (int k = 0; k < 4; k++) {
+        range[0] = fmin(range[0], (double)m->values[m->tets[tet][k]]);
+        range[1] = fmax(range[1], (double)m->values[m->tets[tet][k]]);
+    }
+}
+
+static bool mesh_share_face(const void *of, uint64_t a, uint64_t b) {
+    const tet_ref_mesh *m = of;
+    int shared = 0;
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 4; k++) {
+            const uint32_t p = m->tets[a][i], q = m->tets[b][k];
+            shared += m->values[p] == m->values[q] &&
+                      memcmp(m->points[p], m->points[q], sizeof m->points[0]) == 0;
+        }
+    return shared == 3;
+}
+
+static bool share_none(const void *of, uint64_t a, uint64_t b) {
+    (void)of, (void)a, (void)b;
+    return false;
+}
+
+segment_truth segment_truth_mesh(const tet_ref_mesh *m, bool sound) {
+    return (segment_truth){m, mesh_pieces, mesh_value, mesh_range,
+                           sound ? mesh_share_face : share_none};
 }
 
 /* ---- The judge ---- */
@@ -128,26 +239,23 @@ static void judge_values(segment_tally *sum, const segment_truth *truth, const c
         fault(sum, name, r, s->cell, "the polynomial's ends", 0, 0);
 }
 
-static void judge_order(segment_tally *sum, const segment_truth *truth, const char *name,
-                        const ref_ray *r, const segment *a, const segment *b) {
-    if (!(a->t0 < a->t1))
-        fault(sum, name, r, a->cell, "no length", (real)a->t1 - a->t0, 0);
-    if (!b)
-        return;
-    if (!(a->t0 <= b->t0))
-        fault(sum, name, r, a->cell, "order", (real)b->t0 - a->t0, 0);
-    if (!truth->share_face(truth->of, a->cell, b->cell))
-        return;
-    if (a->t1 != b->t0 || memcmp(&a->b[a->degree], &b->b[0], sizeof b->b[0]) != 0)
-        fault(sum, name, r, a->cell, "does not adjoin", (real)a->b[a->degree] - b->b[0], 0);
-    sum->faces++;
-}
-
 static const truth_piece *piece_of(const truth_piece *want, size_t count, uint64_t cell) {
     for (size_t i = 0; i < count; i++)
         if (want[i].cell == cell)
             return &want[i];
     return NULL;
+}
+
+/* Where the ray passes from one cell to the next through a face. */
+static void judge_face(segment_tally *sum, const segment_truth *truth, const char *name,
+                       const ref_ray *r, const segment *a, const segment *b,
+                       const truth_piece *want_a, const truth_piece *want_b) {
+    /* Of a face the reference has one t, too. */
+    if (want_a->t1 != want_b->t0 || !truth->share_face(truth->of, a->cell, b->cell))
+        return;
+    if (a->t1 != b->t0 || memcmp(&a->b[a->degree], &b->b[0], sizeof b->b[0]) != 0)
+        fault(sum, name, r, a->cell, "does not adjoin", (real)a->t1 - b->t0, 0);
+    sum->faces++;
 }
 
 void segment_judge(segment_tally *sum, const segment_truth *truth, const char *name,
@@ -161,12 +269,16 @@ void segment_judge(segment_tally *sum, const segment_truth *truth, const char *n
     sum->pieces += count;
     for (size_t i = 0; i < count; i++) {
         const truth_piece *w = piece_of(want, wanted, got[i].cell);
-        judge_order(sum, truth, name, r, &got[i], i + 1 < count ? &got[i + 1] : NULL);
+        const truth_piece *next = i + 1 < count ? piece_of(want, wanted, got[i + 1].cell) : NULL;
         length += (real)got[i].t1 - got[i].t0;
+        if (!(got[i].t0 < got[i].t1) || (i > 0 && got[i - 1].t0 > got[i].t0))
+            fault(sum, name, r, got[i].cell, "order", (real)got[i].t1 - got[i].t0, 0);
         if (!w) {
             fault(sum, name, r, got[i].cell, "the reference does not pass it", 0, 0);
             continue;
         }
+        if (next)
+            judge_face(sum, truth, name, r, &got[i], &got[i + 1], w, next);
         if (seen[w - want])
             fault(sum, name, r, got[i].cell, "twice", 0, 0);
         seen[w - want] = true;

@@ -1,0 +1,121 @@
+#include "render/mesh/mesh_segments.h"
+
+#include "render/mesh/mesh_passage.h"
+#include "render/mesh/mesh_tracer.h"
+#include "render/mesh/tet_segment.h"
+
+static segment_key key_of(const segment *s) {
+    return (segment_key){s->t0, s->cell};
+}
+
+/* ---- Pieces ahead ---- */
+
+/* The greatest goes. */
+static void drop(segments_state *s) {
+    s->limit = key_of(&s->ahead[--s->count]);
+}
+
+static void hold(segments_state *s, const segment *piece) {
+    const segment_key key = key_of(piece);
+    if (!segment_key_less(s->last, key) || !segment_key_less(key, s->limit))
+        return;
+    if (s->count == s->room && segment_key_less(key_of(&s->ahead[s->count - 1]), key)) {
+        s->limit = key;
+        return;
+    }
+    if (s->count == s->room)
+        drop(s);
+    uint32_t at = s->count++;
+    for (; at > 0 && segment_key_less(key, key_of(&s->ahead[at - 1])); at--)
+        s->ahead[at] = s->ahead[at - 1];
+    s->ahead[at] = *piece;
+}
+
+/* Of those held, what begins before t comes before everything that begins there or behind. */
+static uint32_t held_before(const segments_state *s, double t) {
+    uint32_t n = 0;
+    while (n < s->count && s->ahead[n].t0 < t)
+        n++;
+    return n;
+}
+
+/* ---- Tets ---- */
+
+typedef struct collector {
+    const ray *r;
+    segments_state *state;
+} collector;
+
+/* Within the ray's [t0, t1]: an end that is cut off has the value between. */
+static void cut(const tet_piece *p, const ray *r, segment *s) {
+    const double slope = (p->f[1] - p->f[0]) / (p->t[1] - p->t[0]);
+    s->t0 = p->t[0];
+    s->t1 = p->t[1];
+    s->b[0] = p->f[0];
+    s->b[1] = p->f[1];
+    if (s->t0 < r->t0) {
+        s->t0 = r->t0;
+        s->b[0] = p->f[0] + (r->t0 - p->t[0]) * slope;
+    }
+    if (s->t1 > r->t1) {
+        s->t1 = r->t1;
+        s->b[1] = p->f[0] + (r->t1 - p->t[0]) * slope;
+    }
+}
+
+static void visit_tet(void *ctx, const treelet *at, uint32_t place, const tet *x) {
+    const collector *c = ctx;
+    segment s = {.cell = at->first_tet + place, .treelet = at->id, .degree = 1};
+    tet_piece p;
+    if (!tet_segment(x, c->r, &p) || !(p.t[0] < p.t[1]))
+        return;
+    cut(&p, c->r, &s);
+    if (s.t0 < s.t1)
+        hold(c->state, &s);
+}
+
+/* ---- Treelets ---- */
+
+/* From the last treelet entered on, until something is sure. SEGMENTS_END: that was all, but for
+ * what was dropped. */
+static segments_result go_on(const tracer *tr, const ray *r, segments_state *state,
+                             ray_counters *counters) {
+    const hit after = hit_behind(state->last.t0);
+    collector c = {r, state};
+    mesh_passages s;
+    bool resuming = state->blocked != LEAF_NO_TREELET;
+    mesh_passage at = {state->t_from, resuming ? state->blocked : state->entered};
+    mesh_passages_begin(&s, mesh_rays_of(tr)->tree, r, &after, counters);
+    for (;; resuming = false) {
+        if (!resuming) {
+            const mesh_passage next = mesh_passages_next(&s, at, state->limit.t0);
+            const bool none = next.t == LEAF_NO_TREELET;
+            state->sure = none ? state->count : held_before(state, next.t_in);
+            if (none || state->sure > 0)
+                return state->sure > 0 ? SEGMENTS_SOME : SEGMENTS_END;
+            at = next;
+        }
+        const treelet *here =
+            tracer_enter(tr, at.t, at.t_in, &state->t_from, &state->blocked, &state->provisional);
+        if (!here && !tr->preview)
+            return SEGMENTS_BLOCKED;
+        state->blocked = LEAF_NO_TREELET;
+        state->t_from = at.t_in;
+        state->entered = at.t;
+        if (here)
+            mesh_walk_each(here, r, &after, state->limit.t0, visit_tet, &c, counters);
+    }
+}
+
+segments_result mesh_segments(const tracer *tr, const ray *r, segments_state *state,
+                              ray_counters *counters) {
+    segments_result result = go_on(tr, r, state, counters);
+    while (result == SEGMENTS_END && state->limit.t0 < INFINITY) {
+        /* Once more, behind what was given out. */
+        state->limit = (segment_key){INFINITY, 0};
+        state->t_from = -INFINITY;
+        state->entered = LEAF_NO_TREELET;
+        result = go_on(tr, r, state, counters);
+    }
+    return result;
+}
