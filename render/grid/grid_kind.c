@@ -257,7 +257,7 @@ static status grid_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, cons
     }
     status st = volume_treelet(v, leaf_layout_find(&v->file->layout, tr->target_level, place), &at);
     if (st == ST_OK)
-        walk_cell_samples(scene, at, out->cell, out->samples);
+        walk_cell_samples(scene, resident_grid_of(at), out->cell, out->samples);
     return st;
 }
 
@@ -305,7 +305,7 @@ static status grid_cell_at(leafcast *v, const double point[3], leafcast_sample *
     double gradient[3], inverse[3];
     for (int a = 0; a < 3; a++)
         inverse[a] = planes->inverse[a][sample->cell[a]];
-    walk_cell_samples(&scene, at, sample->cell, sample->samples);
+    walk_cell_samples(&scene, resident_grid_of(at), sample->cell, sample->samples);
     sample->value = surface_trilinear(sample->samples, sample->at, inverse, gradient);
     affine_gradient_to_world(&v->space, gradient, sample->gradient);
     return ST_OK;

@@ -15,7 +15,7 @@
 typedef struct near_queue {
     float t_in[VF_N], t_out[VF_N], d[3][VF_N], lo[3][VF_N], hi[3][VF_N], inv[3][VF_N];
     float samples[8][VF_N];
-    const treelet *at[VF_N];
+    const resident_grid *at[VF_N];
     uint32_t cell[VF_N][3];
     uint8_t ray[VF_N];
     unsigned count;
@@ -32,9 +32,14 @@ typedef struct tile_walk {
     unsigned waiting;
     uint8_t ray_of[CELL_BATCH];
     uint32_t cell_of[CELL_BATCH][3];
-    const treelet *treelet_of[CELL_BATCH];
+    const resident_grid *treelet_of[CELL_BATCH];
     uint32_t cell[TILE_RAYS][3]; /* of what has been found */
 } tile_walk;
+
+/* Where ray i has found something. */
+SIMD const resident_grid *found_in(const tile_walk *w, unsigned i) {
+    return resident_grid_of(w->s.at[i]);
+}
 
 SIMD const walk_scene *scene_of(const tile_walk *w) {
     return w->s.f->tracer->own;
@@ -49,7 +54,7 @@ static bool any_of(const tile_row rows[], tile_rect r) {
 
 /* ---- The batch ---- */
 
-static uint64_t index_of(const tile_walk *w, const treelet *at, const uint32_t cell[3]) {
+static uint64_t index_of(const tile_walk *w, const resident_grid *at, const uint32_t cell[3]) {
     return walk_cell_index(&scene_of(w)->levels[at->level], cell);
 }
 
@@ -57,7 +62,7 @@ static uint64_t index_of(const tile_walk *w, const treelet *at, const uint32_t c
 static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool entering) {
     const unsigned i = w->ray_of[k];
     if (w->s.t[i] <= t) {
-        const hit known = {w->s.t[i], index_of(w, w->s.at[i], w->cell[i]), w->s.iso[i], false};
+        const hit known = {w->s.t[i], index_of(w, found_in(w, i), w->cell[i]), w->s.iso[i], false};
         const hit found = {t, index_of(w, w->treelet_of[k], w->cell_of[k]), iso, false};
         if (!hit_less(&found, &known))
             return;
@@ -65,7 +70,7 @@ static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool enter
     w->s.t[i] = t;
     w->s.iso[i] = iso;
     w->s.entering[i] = entering;
-    w->s.at[i] = w->treelet_of[k];
+    w->s.at[i] = &w->treelet_of[k]->head;
     for (int a = 0; a < 3; a++)
         w->cell[i][a] = w->cell_of[k][a];
 }
@@ -99,7 +104,7 @@ static bool is_open(const tile_walk *w, unsigned i) {
 }
 
 /* Let ray i wait for the cell kernel's answer. */
-static void add_to_batch(tile_walk *w, const treelet *at, const uint32_t cell[3],
+static void add_to_batch(tile_walk *w, const resident_grid *at, const uint32_t cell[3],
                          const float samples[8], unsigned i) {
     const level_planes *planes = &scene_of(w)->levels[at->level];
     cell_batch *b = &w->batch;
@@ -138,7 +143,7 @@ typedef struct near_form {
 
 /* What the filter needs is made when it is first needed. */
 typedef struct active_cell {
-    const treelet *at;
+    const resident_grid *at;
     uint32_t cell[3];
     near_cell near;
     bool has_samples, has_forms;
@@ -286,8 +291,8 @@ SIMD void add_visitors(tile_walk *w, active_cell *c, const near_visit *v, unsign
         flush(w);
 }
 
-static void cell_begin(active_cell *c, const treelet *at, const plane_projection *const planes[3],
-                       const uint32_t cell[3]) {
+static void cell_begin(active_cell *c, const resident_grid *at,
+                       const plane_projection *const planes[3], const uint32_t cell[3]) {
     c->at = at;
     c->has_samples = c->has_forms = false;
     for (int a = 0; a < 3; a++) {
@@ -359,7 +364,7 @@ static void queue_flush(tile_walk *w) {
 
 /* One active cell and the rays of its rectangle. Inlined, its loops are short of registers: frames
  * of large cells take x 1.2. */
-static __attribute__((noinline)) void walk_cell(tile_walk *w, const treelet *at,
+static __attribute__((noinline)) void walk_cell(tile_walk *w, const resident_grid *at,
                                                 const uint32_t cell[3], tile_rect r) {
     active_cell c;
     cell_begin(&c, at, w->place.p->at[at->level], cell);
@@ -410,7 +415,7 @@ SIMD unsigned group_visits(const tile_rays *rays, unsigned at, const group_plane
     return ~mf_bits(f_gt(in - out, slack)) & ((1u << VF_N) - 1u);
 }
 
-SIMD void queue_add(tile_walk *w, const treelet *at, const plane_projection *const planes[3],
+SIMD void queue_add(tile_walk *w, const resident_grid *at, const plane_projection *const planes[3],
                     const uint32_t cell[3], unsigned i, float t_in, float t_out) {
     near_queue *q = &w->queue;
     const unsigned k = q->count++, padded = i / TILE * STRIDE + i % TILE;
@@ -444,7 +449,7 @@ static unsigned in_order(unsigned octants, unsigned first) {
 
 /* The active cells of a group (octants), for the open rays of its rectangle one by one: few rays
  * visit the same cell there, and the lanes are better filled by its cells. */
-static void walk_group(tile_walk *w, const treelet *at, const uint32_t first_cell[3],
+static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t first_cell[3],
                        unsigned active, unsigned first, tile_rect r) {
     enum { VECTORS_OF_8 = VF_N < 8 ? 8 / VF_N : 1 };
     const plane_projection *const *projected = w->place.p->at[at->level];
@@ -520,7 +525,7 @@ static unsigned open_rays(const tile_walk *w, tile_rect r) {
     return count;
 }
 
-static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect) {
+static void walk_tree(tile_walk *w, const resident_grid *at, tile_rect rect) {
     const level_planes *planes = &scene_of(w)->levels[at->level];
     const plane_projection *const *projected = w->place.p->at[at->level];
     tree_node stack[TREE_STACK_MAX];
@@ -633,7 +638,7 @@ static void walk_drawn(tile_walk *w, uint32_t t, tile_rect r) {
     const loader *treelets = w->s.f->tracer->treelets;
     if (!treelets->own[t])
         return;
-    const treelet *at = loader_lookup(treelets, t);
+    const resident_grid *at = resident_grid_of(loader_lookup(treelets, t));
     if (!at) {
         miss_treelet(w, t, r);
         return;

@@ -188,7 +188,8 @@ static uint32_t treelet_of_tet(const leaf_file *f, uint64_t number) {
     return lo;
 }
 
-static void copy_tet(const treelet *at, uint32_t place, float vertices[4][3], float values[4]) {
+static void copy_tet(const resident_mesh *at, uint32_t place, float vertices[4][3],
+                     float values[4]) {
     const tet x = mesh_walk_tet(at, place);
     memcpy(vertices, x.p, sizeof x.p);
     memcpy(values, x.f, sizeof x.f);
@@ -203,7 +204,8 @@ static status mesh_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, cons
     status st = volume_treelet(v, treelet_of_tet(v->file, h->cell), &at);
     if (st != ST_OK)
         return st;
-    copy_tet(at, (uint32_t)(h->cell - at->first_tet), out->vertices, out->values);
+    const resident_mesh *own = resident_mesh_of(at);
+    copy_tet(own, (uint32_t)(h->cell - own->first_tet), out->vertices, out->values);
     double p[4][3];
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 3; k++)
@@ -220,12 +222,15 @@ static void mesh_cell_of_segment(const tracer *tr, const segment *s, leafcast_se
 /* Looks for it in a treelet. */
 static status find_in_treelet(leafcast *v, uint32_t t, const double point[3],
                               leafcast_sample *sample) {
-    const treelet *at;
+    const treelet *found;
     uint32_t place;
     double weights[4];
-    status st = volume_treelet(v, t, &at);
-    if (st != ST_OK || !mesh_walk_find(at, point, &place, weights))
+    status st = volume_treelet(v, t, &found);
+    if (st != ST_OK)
         return st;
+    const resident_mesh *at = resident_mesh_of(found);
+    if (!mesh_walk_find(at, point, &place, weights))
+        return ST_OK;
     const tet x = mesh_walk_tet(at, place);
     *sample = (leafcast_sample){.inside = true, .treelet = t, .tet = at->first_tet + place};
     copy_tet(at, place, sample->vertices, sample->values);

@@ -201,7 +201,7 @@ SIMD tet_known known_by(packet_view view) {
                                         : TET_UNKNOWN;
 }
 
-static void packet_tet(packet *w, const treelet *at, uint32_t place, int first, int end) {
+static void packet_tet(packet *w, const resident_mesh *at, uint32_t place, int first, int end) {
     const frame *f = w->s.f;
     const isovalue_list *isos = &f->tracer->isos;
     for (int i = 0; i < isos->count; i++) {
@@ -222,9 +222,9 @@ static void packet_tet(packet *w, const treelet *at, uint32_t place, int first, 
     }
 }
 
-static void packet_leaf(packet *w, const treelet *at, const packet_pending *p) {
+static void packet_leaf(packet *w, const resident_mesh *at, const packet_pending *p) {
     const uint32_t leaf = p->i & ~(uint32_t)MESH_LEAF;
-    const uint16_t *leaves = mesh_leaf_first(&at->mesh, at->payload);
+    const uint16_t *leaves = mesh_leaf_first(&at->mesh, at->head.payload);
     const uint32_t first = leaves[leaf], end = leaves[leaf + 1];
     int first_ray, end_ray;
     if (!packet_visits(w, p, &first_ray, &end_ray))
@@ -263,8 +263,8 @@ static float packet_near2(const packet_box *b) {
 }
 
 /* A node's active children, and how many there are of any kind: isoranges that are looked at. */
-SIMD int open_node(packet *w, const treelet *at, const packet_pending *p, packet_pending *stack,
-                   int top) {
+SIMD int open_node(packet *w, const resident_mesh *at, const packet_pending *p,
+                   packet_pending *stack, int top) {
     const mesh_node *n = &at->nodes[p->i];
     const unsigned active = at->active->children[p->i];
     const int bottom = top;
@@ -285,7 +285,7 @@ SIMD int open_node(packet *w, const treelet *at, const packet_pending *p, packet
     return top;
 }
 
-static void packet_treelet(packet *w, const treelet *at, int first_ray) {
+static void packet_treelet(packet *w, const resident_mesh *at, int first_ray) {
     packet_pending *stack = w->in_treelet;
     int top = 0;
     stack[top++] = (packet_pending){.first = first_ray, .only = true};
@@ -318,7 +318,7 @@ static void packet_waits(packet *w, const packet_pending *p) {
 
 static void packet_resident(packet *w, const packet_pending *p) {
     const tracer *tr = w->s.f->tracer;
-    const treelet *at = loader_lookup(tr->treelets, p->i);
+    const resident_mesh *at = resident_mesh_of(loader_lookup(tr->treelets, p->i));
     if (!at) {
         packet_waits(w, p);
         return;
@@ -412,20 +412,20 @@ static int packet_begin(packet *w) {
 }
 
 /* The treelet, which is resident, of a tet by its number in the whole mesh. */
-static const treelet *treelet_of_tet(const loader *l, uint64_t number) {
+static const resident_mesh *treelet_of_tet(const loader *l, uint64_t number) {
     const uint64_t *first = l->file->mesh->first_tet;
     uint32_t lo = 0, hi = l->file->layout.treelets;
     while (hi - lo > 1) {
         const uint32_t middle = lo + (hi - lo) / 2;
         *(first[middle] <= number ? &lo : &hi) = middle;
     }
-    return loader_lookup(l, lo);
+    return resident_mesh_of(loader_lookup(l, lo));
 }
 
 /* What the packet's rays have found, for the tile. */
 static void packet_end(packet *w) {
     const loader *treelets = w->s.f->tracer->treelets;
-    const treelet *at = NULL;
+    const resident_mesh *at = NULL;
     for (int i = 0; i < w->count; i++) {
         const hit *h = &w->rays.best[i];
         const unsigned y = w->y + (unsigned)i / w->side, x = w->x + (unsigned)i % w->side;
@@ -437,7 +437,7 @@ static void packet_end(packet *w) {
         w->s.t[to] = h->t;
         w->s.iso[to] = h->iso;
         w->s.entering[to] = h->entering;
-        w->s.at[to] = at;
+        w->s.at[to] = &at->head;
         w->tet[to] = (uint32_t)(h->cell - at->first_tet);
         w->s.counters->roots++;
     }
