@@ -8,6 +8,7 @@
 #ifdef SIMD_NAME
 
 #include "render/kernels.h"
+#include "render/ray_box.h"
 #include "render/tile_rects_template.h"
 #include "render/tile_state_template.h"
 
@@ -157,21 +158,32 @@ typedef struct near_visit {
 
 static const float UNIT = 0x1p-24f; /* of float rounding */
 
-/* Which rays of a window may visit the cell. Planes, reciprocals and products err by 4 units of t
- * at most, and so do t0 and t1; the test gives 16. */
+/* Cut t_in .. t_out to where rays with these reciprocals are between two planes, both seen from the
+ * eye. */
+SIMD void near_slab(vf lo, vf hi, vf reciprocal, vf *t_in, vf *t_out) {
+    const vf to_lo = lo * reciprocal, to_hi = hi * reciprocal;
+    *t_in = f_max(*t_in, f_min(to_lo, to_hi));
+    *t_out = f_min(*t_out, f_max(to_lo, to_hi));
+}
+
+/* What is left of them after all axes. Planes, reciprocals and products err by 4 units of t at
+ * most, and so do t0 and t1; the test gives 16. */
+SIMD unsigned near_passes(vf t_in, vf t_out) {
+    const vf slack = f_set(16.0f * UNIT) * (f_abs(t_in) + f_abs(t_out));
+    /* Inf - inf is no reason to drop a ray. */
+    return ~mf_bits(f_gt(t_in - t_out, slack));
+}
+
+/* Which rays of a window may visit the cell. */
 SIMD unsigned visits(const tile_rays *rays, unsigned at, const near_cell *c, near_visit *v) {
     vf t_in = window_load(rays->near_t0 + at), t_out = window_load(rays->near_t1 + at);
     for (int a = 0; a < 3; a++) {
         const vf r = window_load(rays->reciprocal[a] + at);
-        const vf lo = f_set(c->lo[a]) * r, hi = f_set(c->hi[a]) * r;
-        t_in = f_max(t_in, f_min(lo, hi));
-        t_out = f_min(t_out, f_max(lo, hi));
+        near_slab(f_set(c->lo[a]), f_set(c->hi[a]), r, &t_in, &t_out);
     }
     v->t_in = t_in;
     v->t_out = t_out;
-    const vf slack = f_set(16.0f * UNIT) * (f_abs(t_in) + f_abs(t_out));
-    /* Inf - inf is no reason to drop a ray. */
-    return ~mf_bits(f_gt(t_in - t_out, slack));
+    return near_passes(t_in, t_out);
 }
 
 static inline float larger(float a, float b) {
@@ -404,15 +416,11 @@ SIMD group_planes group_planes_of(const plane_projection *const planes[3], const
 SIMD unsigned group_visits(const tile_rays *rays, unsigned at, const group_planes *g, float t_in[],
                            float t_out[]) {
     vf in = f_set(rays->near_t0[at]), out = f_set(rays->near_t1[at]);
-    for (int a = 0; a < 3; a++) {
-        const vf r = f_set(rays->reciprocal[a][at]), lo = g->lo[a] * r, hi = g->hi[a] * r;
-        in = f_max(in, f_min(lo, hi));
-        out = f_min(out, f_max(lo, hi));
-    }
+    for (int a = 0; a < 3; a++)
+        near_slab(g->lo[a], g->hi[a], f_set(rays->reciprocal[a][at]), &in, &out);
     f_store(t_in, in);
     f_store(t_out, out);
-    const vf slack = f_set(16.0f * UNIT) * (f_abs(in) + f_abs(out));
-    return ~mf_bits(f_gt(in - out, slack)) & ((1u << VF_N) - 1u);
+    return near_passes(in, out) & ((1u << VF_N) - 1u);
 }
 
 SIMD void queue_add(tile_walk *w, const resident_grid *at, const plane_projection *const planes[3],
@@ -592,11 +600,7 @@ static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect 
             const uint32_t first = layout->place[t][a] << layout->cells_log2;
             const uint32_t end = first + (1u << layout->cells_log2);
             const uint32_t last = end < planes->cells[a] ? end : planes->cells[a];
-            const double lo = (planes->at[a][first] - eye) / d;
-            const double hi = (planes->at[a][last] - eye) / d;
-            const double near = d > 0.0 ? lo : hi, far = d > 0.0 ? hi : lo;
-            t_in = near > t_in ? near : t_in;
-            t_out = far < t_out ? far : t_out;
+            ray_box_slab(planes->at[a][first], planes->at[a][last], eye, d, &t_in, &t_out);
         }
         passing |= (unsigned)(t_in <= t_out) << x;
     }

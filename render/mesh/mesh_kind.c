@@ -4,8 +4,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "formats/base/box3.h"
 #include "formats/base/exact.h"
-#include "render/active_box.h"
 #include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_projection.h"
 #include "render/mesh/mesh_segments.h"
@@ -75,25 +75,18 @@ static void mesh_active_box(const leafcast *v, uint32_t set, const double *isova
                             double corners[8][3]) {
     const leaf_layout *l = &v->file->layout;
     const float(*own)[2] = (const float(*)[2])v->file->own + (size_t)set * l->treelets;
-    double box[2][3], lo[3], hi[3];
-    box_begin(box);
+    const interest in = interest_of_isovalues(isovalues, count);
+    double box[2][3], some[2][3];
+    box3_begin(box);
     for (uint32_t t = 0; t < l->treelets; t++) {
-        const float *bounds = v->file->mesh->bounds[leaf_layout_bounds(l, set % l->steps, t)];
-        for (int a = 0; a < 3; a++) {
-            lo[a] = (double)bounds[a];
-            hi[a] = (double)bounds[3 + a];
-        }
-        if (range_is_active(own[t], isovalues, count))
-            box_widen(box, lo, hi);
+        box3_of_floats(v->file->mesh->bounds[leaf_layout_bounds(l, set % l->steps, t)], some);
+        if (interest_meets(&in, own[t][0], own[t][1]))
+            box3_widen(box, some[0], some[1]);
     }
-    for (int a = 0; a < 3; a++) {
-        lo[a] = (double)v->file->header.bounds[a];
-        hi[a] = (double)v->file->header.bounds[3 + a];
-    }
-    if (!box_any(box))
-        box_widen(box, lo, hi);
+    if (!box3_any(box))
+        box3_of_floats(v->file->header.bounds, box);
     for (int i = 0; i < 8; i++)
-        box_corner(box, i, corners[i]);
+        box3_corner(box, i, corners[i]);
 }
 
 /* ---- A frame ---- */
@@ -116,10 +109,7 @@ static void mesh_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
     *own = (mesh_rays){v->treelets->tree, scene->smooth_normals};
     tr->own = own;
     tr->boxed = tr->preview;
-    for (int a = 0; a < 3; a++) {
-        tr->box[0][a] = (double)v->file->header.bounds[a];
-        tr->box[1][a] = (double)v->file->header.bounds[a + 3];
-    }
+    box3_of_floats(v->file->header.bounds, tr->box);
 }
 
 static status mesh_project(leafcast *v, const camera *c) {

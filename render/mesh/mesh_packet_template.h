@@ -9,6 +9,7 @@
 
 #include "render/kernels.h"
 #include "render/mesh/isopolygon_cache.h"
+#include "render/mesh/mesh_box_template.h"
 #include "render/mesh/mesh_packet.h"
 #include "render/mesh/mesh_shade_template.h"
 #include "render/mesh/mesh_tracer.h"
@@ -57,22 +58,11 @@ enum { PACKET_SMALLEST = 2 };
 
 /* ---- Rays and boxes ---- */
 
-/* VD_N rays from `at` on: those that meet the box before what they have found; the numbers are
- * those of mesh_interval_of(). */
+/* VD_N rays from `at` on: those that meet the box before what they have found. */
 SIMD unsigned rays_meet(const packet *w, const packet_box *b, int at) {
     const tet_rays *r = &w->rays;
-    vd t_in = d_set(-INFINITY), t_out = d_set(INFINITY);
-    for (int a = 0; a < 3; a++) {
-        const vd d = d_load(r->d[a] + at);
-        const vd lo = d_set(b->lo[a]) / d, hi = d_set(b->hi[a]) / d;
-        const md down = d_lt(d, d_set(0.0));
-        t_in = d_max(d_select(down, hi, lo), t_in);
-        t_out = d_min(d_select(down, lo, hi), t_out);
-    }
-    const vd slack = d_set(PACKET_GENEROSITY) * (d_abs(t_in) + d_abs(t_out));
-    const vd from = d_max(t_in - slack, d_load(r->from + at));
-    const vd to = d_min(t_out + slack, d_load(r->to + at));
-    return md_bits(d_le(from, to));
+    const vd d[3] = {d_load(r->d[0] + at), d_load(r->d[1] + at), d_load(r->d[2] + at)};
+    return mesh_box_meets(d, b->lo, b->hi, d_load(r->from + at), d_load(r->to + at));
 }
 
 /* How far any ray still looks. */

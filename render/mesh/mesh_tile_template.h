@@ -10,6 +10,7 @@
 #include <float.h>
 
 #include "render/mesh/isopolygon_cache.h"
+#include "render/mesh/mesh_box_template.h"
 #include "render/mesh/mesh_shade_template.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/mesh_tracer.h"
@@ -535,25 +536,17 @@ static void walk_treelet_of_mesh(mesh_tile *w, const resident_mesh *at, tile_rec
 
 /* ---- Treelets ---- */
 
-/* Which of VD_N rays pass a box before what they have found: mesh_interval_of(), for directions
- * without a 0. */
+/* Which of VD_N rays pass a box before what they have found. */
 SIMD unsigned rays_through(const mesh_tile *w, const double lo[3], const double hi[3], unsigned i) {
     const tile_rays *rays = &w->s.rays;
-    vd t_in = d_set(-INFINITY), t_out = d_set(INFINITY);
+    const vd d[3] = {d_load(rays->d[0] + i), d_load(rays->d[1] + i), d_load(rays->d[2] + i)};
+    double from_eye[2][3];
     for (int a = 0; a < 3; a++) {
-        const vd inverse = d_set(1.0) / d_load(rays->d[a] + i);
-        const vd to_lo = d_set(lo[a] - w->eye[a]) * inverse;
-        const vd to_hi = d_set(hi[a] - w->eye[a]) * inverse;
-        t_in = d_max(t_in, d_min(to_lo, to_hi));
-        t_out = d_min(t_out, d_max(to_lo, to_hi));
+        from_eye[0][a] = lo[a] - w->eye[a];
+        from_eye[1][a] = hi[a] - w->eye[a];
     }
-    const vd slack = d_set(MESH_GENEROSITY) * (d_abs(t_in) + d_abs(t_out));
-    const vd first = d_max(t_in - slack, d_load(rays->t0 + i));
-    const vd last = d_min(t_out + slack, d_load(rays->t1 + i));
-    const vd found = d_load(w->s.t + i);
-    /* With a slack that is not finite, everything may be. */
-    return ~md_bits(
-        md_or(d_gt(t_in - slack, t_out + slack), md_or(d_gt(first, last), d_gt(first, found))));
+    return mesh_box_meets(d, from_eye[0], from_eye[1], d_load(rays->t0 + i),
+                          d_min(d_load(rays->t1 + i), d_load(w->s.t + i)));
 }
 
 /* Rays that pass a treelet which is not there go no further. */

@@ -38,7 +38,8 @@ void mesh_walk_gradients(const resident_mesh *tr, uint32_t place, float gradient
 bool mesh_walk_find(const resident_mesh *tr, const double point[3], uint32_t *place,
                     double weights[4]);
 
-/* Kernel and boxes round differently; what is given away is a millionth of the distance. */
+/* Kernel and boxes round differently; what is given away is a millionth of the distance
+ * (render/ray_box.h). */
 #define MESH_GENEROSITY 0x1p-20
 
 /* The part of a ray's [t0, t1] in a box, generously: never less than the t of what the kernel finds
