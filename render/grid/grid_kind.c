@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/active_box.h"
+#include "formats/base/box3.h"
 #include "render/grid/grid_projection.h"
 #include "render/grid/grid_segments.h"
 #include "render/grid/grid_tile.h"
@@ -75,23 +75,24 @@ static void widen_by_histogram(const leafcast *v, double isovalue, double box[2]
             lo[a] = h->box[k][a] * last / 255.0;
             hi[a] = fmin(last, (h->box[k][3 + a] + 1) * last / 255.0 + 1.0);
         }
-        box_widen(box, lo, hi);
+        box3_widen(box, lo, hi);
     }
 }
 
 /* Of the treelets of level 0: nodes. */
 static void widen_by_treelets(const leafcast *v, const double *isovalues, int count,
                               double box[2][3]) {
+    const interest in = interest_of_isovalues(isovalues, count);
     const leaf_layout *l = &v->file->layout;
     for (uint32_t t = l->level[0].first; t < l->treelets; t++) {
         double lo[3], hi[3];
-        if (!range_is_active(v->file->own[t], isovalues, count))
+        if (!interest_meets(&in, v->file->own[t][0], v->file->own[t][1]))
             continue;
         for (int a = 0; a < 3; a++) {
             lo[a] = (double)l->place[t][a] * (1u << l->cells_log2);
             hi[a] = fmin(lo[a] + (1u << l->cells_log2), v->file->header.dims[a] - 1.0);
         }
-        box_widen(box, lo, hi);
+        box3_widen(box, lo, hi);
     }
 }
 
@@ -105,7 +106,7 @@ static void grid_active_box(const leafcast *v, uint32_t set, const double *isova
                             double corners[8][3]) {
     double box[2][3];
     (void)set;
-    box_begin(box);
+    box3_begin(box);
     if (v->file->histograms)
         for (int i = 0; i < count; i++)
             widen_by_histogram(v, isovalues[i], box);
@@ -118,7 +119,7 @@ static void grid_active_box(const leafcast *v, uint32_t set, const double *isova
     }
     for (int i = 0; i < 8; i++) {
         double corner[3];
-        box_corner(box, i, corner);
+        box3_corner(box, i, corner);
         affine_point_to_world(&v->space, corner, corners[i]);
     }
 }
@@ -256,7 +257,7 @@ static status grid_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, cons
     }
     status st = volume_treelet(v, leaf_layout_find(&v->file->layout, tr->target_level, place), &at);
     if (st == ST_OK)
-        walk_cell_samples(scene, at, out->cell, out->samples);
+        walk_cell_samples(scene, resident_grid_of(at), out->cell, out->samples);
     return st;
 }
 
@@ -304,7 +305,7 @@ static status grid_cell_at(leafcast *v, const double point[3], leafcast_sample *
     double gradient[3], inverse[3];
     for (int a = 0; a < 3; a++)
         inverse[a] = planes->inverse[a][sample->cell[a]];
-    walk_cell_samples(&scene, at, sample->cell, sample->samples);
+    walk_cell_samples(&scene, resident_grid_of(at), sample->cell, sample->samples);
     sample->value = surface_trilinear(sample->samples, sample->at, inverse, gradient);
     affine_gradient_to_world(&v->space, gradient, sample->gradient);
     return ST_OK;
