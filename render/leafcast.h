@@ -9,7 +9,8 @@
  *     leafcast_trace(volume, &scene, &camera, &image, &stats, NULL, NULL);
  *     leafcast_close(volume);
  *
- * No globals, no output, no exit. Vectors are (x, y, z); spaces are world space unless said.
+ * leafcast_prep.h makes such files. No globals, no output, no exit. Vectors are (x, y, z); spaces
+ * are world space unless said.
  *
  * Errors. Every call that can fail returns a leafcast_status; leafcast_error_text() then says more,
  * for the calling thread. A volume stays usable after any failure: the next call starts afresh.
