@@ -364,6 +364,72 @@ static void parts_make_the_whole(void **state) {
     }
 }
 
+/* Two frames of one device, slice by slice in turn. */
+static void slices_make_the_whole(void **state) {
+    const stage *s = *state;
+    static picture whole[2], sliced[2];
+    const leafcast_camera c[2] = {view_of(68), view_of(-40)};
+    pair v;
+    leafcast_frame *frame[2];
+    bool done[2] = {false, false};
+    int calls = 0;
+    const leafcast_options o = {.size = sizeof o, .threads = 2};
+    open_pair(&v, s, &o, 2);
+    leafcast_scene scene[2] = {lit(&v), v.scene};
+    leafcast_surface later = GRID_SURFACES[1];
+    leafcast_shown shown[1] = {{v.volume[0], 0, 0, &later, 1}};
+    scene[1].volumes = shown;
+    scene[1].volume_count = 1;
+    scene[1].samples = 4;
+    for (int k = 0; k < 2; k++)
+        pictures_draw(v.volume[0], &scene[k], &c[k], &whole[k], NULL);
+    for (int k = 0; k < 2; k++) {
+        picture *p = &sliced[k];
+        const leafcast_image image = {.size = sizeof image,
+                                      .r = p->rgba[0],
+                                      .g = p->rgba[1],
+                                      .b = p->rgba[2],
+                                      .a = p->rgba[3],
+                                      .z = p->z,
+                                      .normal = {p->normal[0], p->normal[1], p->normal[2]},
+                                      .id = p->id};
+        assert_int_equal(leafcast_frame_begin(v.volume[0], &scene[k], &c[k], &image, &frame[k]),
+                         LEAFCAST_OK);
+    }
+    later.isovalue = -5; /* what it was given is the frame's own */
+    while (!done[0] || !done[1]) {
+        for (int k = 0; k < 2; k++)
+            assert_int_equal(leafcast_frame_advance(frame[k], 0, &done[k], NULL), LEAFCAST_OK);
+        calls++;
+        assert_true(calls < 100000);
+    }
+    assert_true(calls > 3);
+    for (int k = 0; k < 2; k++) {
+        leafcast_frame_end(frame[k]);
+        same_picture(&whole[k], &sliced[k]);
+    }
+    close_pair(&v);
+}
+
+static void a_cancelled_frame_stops(void **state) {
+    static picture p;
+    const leafcast_camera c = view_of(68);
+    const leafcast_image image = {.size = sizeof image, .z = p.z};
+    pair v;
+    leafcast_frame *frame;
+    bool done;
+    open_pair(&v, *state, NULL, 1);
+    assert_int_equal(leafcast_frame_begin(v.volume[0], &v.scene, &c, &image, &frame), LEAFCAST_OK);
+    assert_int_equal(leafcast_frame_advance(frame, 0, &done, NULL), LEAFCAST_OK);
+    assert_false(done);
+    leafcast_frame_cancel(frame);
+    assert_int_equal(leafcast_frame_advance(frame, INFINITY, &done, NULL), LEAFCAST_STOPPED);
+    assert_false(done);
+    leafcast_frame_end(frame);
+    pictures_draw(v.volume[0], &v.scene, &c, &p, NULL);
+    close_pair(&v);
+}
+
 /* ---- Parallel rays ---- */
 
 static void orthographic_is_what_the_reference_says(void **state) {
@@ -585,6 +651,8 @@ int main(void) {
         cmocka_unit_test(host_threads_draw_the_same),
         cmocka_unit_test(volumes_of_a_device_share_its_budget),
         cmocka_unit_test(parts_make_the_whole),
+        cmocka_unit_test(slices_make_the_whole),
+        cmocka_unit_test(a_cancelled_frame_stops),
         cmocka_unit_test(orthographic_is_what_the_reference_says),
         cmocka_unit_test(rays_meet_what_pixels_see),
         cmocka_unit_test(rays_are_checked),

@@ -186,8 +186,8 @@ static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
 }
 
 static status grid_project(leafcast *v, const camera *c, projection *out) {
-    return grid_projection_init(out, v->m, &v->file->layout,
-                                grid_of(v)->planes.levels, &v->space, c);
+    return grid_projection_init(out, v->m, &v->file->layout, grid_of(v)->planes.levels, &v->space,
+                                c);
 }
 
 static tile_fn grid_tile(const kernels *k) {

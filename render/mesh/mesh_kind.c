@@ -40,7 +40,7 @@ static mesh_derived derived_of(const leafcast_options *o) {
 static mesh_schema schema_of(const leafcast *v) {
     const uint64_t room =
         v->m->limit ? v->m->limit
-                        : (uint64_t)sysconf(_SC_PHYS_PAGES) / 4 * (uint64_t)sysconf(_SC_PAGESIZE);
+                    : (uint64_t)sysconf(_SC_PHYS_PAGES) / 4 * (uint64_t)sysconf(_SC_PAGESIZE);
     if (v->options.schema != LEAFCAST_SCHEMA_AUTO)
         return v->options.schema == LEAFCAST_SCHEMA_TREES ? MESH_TREES : MESH_REFIT;
     return v->file->header.payload_bytes <= room / 2 ? MESH_TREES : MESH_REFIT;
