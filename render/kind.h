@@ -36,13 +36,17 @@ typedef struct kind {
     status (*check)(const leafcast *v, const leafcast_scene *scene);
     /* The tracer's box, its kind's part and its levels of detail. c: see volume_tracer(). */
     void (*aim)(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr);
-    /* v->projection, not usable where tiles are not possible; memory that it takes. */
-    status (*project)(leafcast *v, const camera *c);
-    size_t (*projection_bytes)(const leaf_layout *layout);
-    /* Tiles of primary rays: pixels on a side, bytes that one needs, the kernel (NULL: none). */
+    /* Tiles of primary rays: pixels on a side, 1 to TILE_MAX, also where rays go one by one; bytes
+     * that one needs; the kernel, NULL: none. Where there are none, the three may be NULL. */
     uint32_t tile_side;
     size_t tile_scratch;
     tile_fn (*tile)(const kernels *k);
+    /* v->projection, not usable where tiles are not possible; memory that it takes. */
+    status (*project)(leafcast *v, const camera *c);
+    size_t (*projection_bytes)(const leaf_layout *layout);
+
+    /* ---- The order of treelets ---- */
+
     /* Where a treelet stands in the order of a bundle of rays: along each of them ranks rise. */
     uint32_t (*rank)(const tracer *tr, uint32_t t, const ray_bundle *rays);
 
@@ -63,6 +67,8 @@ typedef struct kind {
     /* The cell of a hit, as leafcast_hit tells of it. */
     status (*cell_of_hit)(leafcast *v, const tracer *tr, const ray *r, const hit *h,
                           leafcast_hit *out);
+    /* The cell of a piece, as leafcast_segment tells of it. */
+    void (*cell_of_segment)(const tracer *tr, const segment *s, leafcast_segment *out);
     /* The cell at a point of world space, its value there and the gradient; *out stays where there
      * is none. */
     status (*cell_at)(leafcast *v, const double point[3], leafcast_sample *out);

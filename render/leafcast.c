@@ -305,13 +305,10 @@ static status clip_of(const leafcast_scene *scene, tracer *tr) {
     return st;
 }
 
-status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
+status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
     status st = arguments_check_scene(scene);
-    if (st != ST_OK)
-        return st;
-    if (v->surface_count == 0)
-        return status_describe(ST_USAGE, "no isosurface is selected");
-    st = v->kind->check(v, scene);
+    if (st == ST_OK)
+        st = v->kind->check(v, scene);
     if (st != ST_OK)
         return st;
     loader_select_gradients(v->treelets, scene->smooth_normals);
@@ -324,6 +321,13 @@ status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, 
                    .touched = v->touched};
     v->kind->aim(v, scene, c, tr);
     return clip_of(scene, tr);
+}
+
+status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
+    const status st = arguments_check_scene(scene);
+    if (st == ST_OK && v->surface_count == 0)
+        return status_describe(ST_USAGE, "no isosurface is selected");
+    return st == ST_OK ? volume_tracer_of_all(v, scene, c, tr) : st;
 }
 
 static size_t image_bytes(const leafcast_image *image, size_t pixels) {
@@ -367,7 +371,8 @@ static size_t fixed_bytes(const leafcast *v, const frame *f) {
     return v->base_bytes + scratch_bytes(f) + v->beside + coarse_preview_bytes(v) +
            image_bytes(&f->image, pixels) +
            (scene_of(f)->samples > 1 ? image_bytes(&colours, pixels) : 0) +
-           v->kind->projection_bytes(&v->file->layout) + frame_bytes(f, records_wanted(f));
+           (v->kind->projection_bytes ? v->kind->projection_bytes(&v->file->layout) : 0) +
+           frame_bytes(f, records_wanted(f));
 }
 
 /* With the fewest records, and one treelet at a time. */

@@ -380,6 +380,28 @@ LEAFCAST_API leafcast_status leafcast_probe_ray(leafcast *volume, const leafcast
                                                 const double origin[3], const double direction[3],
                                                 leafcast_hit *hits, int max, int *count);
 
+/* A ray's piece in one cell. The value there is a polynomial in t, as it is in the cell: in
+ * Bernstein form over [t0, t1], so that control[0] is the value at t0 and control[degree] the one
+ * at t1. Where the ray goes on in the next cell, both have the same bits. */
+typedef struct leafcast_segment {
+    double t0, t1; /* t0 < t1, in lengths of the direction */
+    int degree;    /* 3 in a grid, 1 in a mesh */
+    double control[4];
+    double least, most, least_t, most_t; /* the extreme values, and where they are */
+    uint32_t cell[3];                    /* of a grid */
+    uint64_t tet;                        /* of a mesh */
+} leafcast_segment;
+
+/* leafcast_probe_segments() - what the field does along a ray: its pieces in order of t, whatever
+ * surfaces are selected; at most max of them, *count says how many were written. Cells without data
+ * (NaN, inf) and tets without volume have none. Of the scene, clipping and level of detail count.
+ */
+LEAFCAST_API leafcast_status leafcast_probe_segments(leafcast *volume, const leafcast_scene *scene,
+                                                     const double origin[3],
+                                                     const double direction[3],
+                                                     leafcast_segment *segments, int max,
+                                                     int *count);
+
 /* leafcast_pixel_ray() - the primary ray of a pixel: origin = eye, unit direction; direction 0,0,0
  * of a camera that cannot be. */
 LEAFCAST_API void leafcast_pixel_ray(const leafcast_camera *camera, double x, double y,

@@ -33,12 +33,7 @@ static status describe_hit(leafcast *v, const tracer *tr, const ray *r, const do
     return v->kind->cell_of_hit(v, tr, r, h, out);
 }
 
-static status probe_ray(leafcast *v, const leafcast_scene *scene, const double origin[3],
-                        const double direction[3], leafcast_hit *hits, int max, int *count) {
-    tracer tr;
-    ray r;
-    ray_counters counters = {0};
-    *count = 0;
+static status check_ray(const double origin[3], const double direction[3]) {
     double length = 0.0, place = 0.0;
     for (int a = 0; a < 3; a++) {
         length += fabs(direction[a]);
@@ -47,7 +42,18 @@ static status probe_ray(leafcast *v, const leafcast_scene *scene, const double o
     if (!(length > 0.0 && length < INFINITY && place < INFINITY))
         return status_describe(ST_USAGE, "a ray needs a finite origin and a finite direction that "
                                          "is not 0,0,0");
-    status st = volume_tracer(v, scene, NULL, &tr);
+    return ST_OK;
+}
+
+static status probe_ray(leafcast *v, const leafcast_scene *scene, const double origin[3],
+                        const double direction[3], leafcast_hit *hits, int max, int *count) {
+    tracer tr;
+    ray r;
+    ray_counters counters = {0};
+    *count = 0;
+    status st = check_ray(origin, direction);
+    if (st == ST_OK)
+        st = volume_tracer(v, scene, NULL, &tr);
     if (st != ST_OK)
         return st;
     tr.preview = false;
@@ -80,6 +86,73 @@ leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, con
                                    const double direction[3], leafcast_hit *hits, int max,
                                    int *count) {
     const status st = probe_ray(v, scene, origin, direction, hits, max, count);
+    return volume_public_status(volume_check_file(v, st));
+}
+
+/* ---- Segments ---- */
+
+static leafcast_segment segment_told(const tracer *tr, const segment *s) {
+    const segment_extent e = segment_range(s);
+    leafcast_segment out = {.t0 = s->t0,
+                            .t1 = s->t1,
+                            .degree = (int)s->degree,
+                            .least = e.least,
+                            .most = e.most,
+                            .least_t = e.least_t,
+                            .most_t = e.most_t};
+    for (uint32_t i = 0; i <= s->degree; i++)
+        out.control[i] = s->b[i];
+    tr->kind->cell_of_segment(tr, s, &out);
+    return out;
+}
+
+enum { AHEAD = 64 };
+
+static status follow(leafcast *v, const tracer *tr, const ray *r, leafcast_segment *segments,
+                     int max, int *count) {
+    segment ahead[AHEAD], found;
+    ray_counters counters = {0};
+    segments_state state = segments_begin(ahead, AHEAD);
+    status st = ST_OK;
+    while (*count < max && st == ST_OK) {
+        const segments_result result = segments_next(tr, r, &state, &found, &counters);
+        if (result == SEGMENTS_END)
+            break;
+        if (result == SEGMENTS_BLOCKED)
+            st = need(v, state.blocked);
+        else
+            segments[(*count)++] = segment_told(tr, &found);
+    }
+    return st;
+}
+
+static status probe_segments(leafcast *v, const leafcast_scene *scene, const double origin[3],
+                             const double direction[3], leafcast_segment *segments, int max,
+                             int *count) {
+    tracer tr;
+    ray r;
+    *count = 0;
+    status st = check_ray(origin, direction);
+    if (st == ST_OK)
+        st = volume_tracer_of_all(v, scene, NULL, &tr);
+    if (st != ST_OK)
+        return st;
+    tr.preview = false;
+    loader_forget_failures(v->treelets);
+    /* All of the volume, and then what frames show again. */
+    const interest all = interest_of_all();
+    const interest shown = interest_of_isovalues(v->isovalues, v->surface_count);
+    loader_select(v->treelets, &all);
+    if (tracer_ray(&tr, origin, direction, 0.0, INFINITY, &r))
+        st = follow(v, &tr, &r, segments, max, count);
+    loader_select(v->treelets, &shown);
+    return st;
+}
+
+leafcast_status leafcast_probe_segments(leafcast *v, const leafcast_scene *scene,
+                                        const double origin[3], const double direction[3],
+                                        leafcast_segment *segments, int max, int *count) {
+    const status st = probe_segments(v, scene, origin, direction, segments, max, count);
     return volume_public_status(volume_check_file(v, st));
 }
 

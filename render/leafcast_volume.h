@@ -51,6 +51,10 @@ CHECKED status volume_open_file(leafcast *v);
  * pixels; may be NULL. */
 CHECKED status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr);
 
+/* volume_tracer_of_all() - likewise, whether a surface is selected or not. */
+CHECKED status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const camera *c,
+                                    tracer *tr);
+
 /* volume_treelet() - treelet t, brought in if need be: what rays have seen may have given way to
  * others since. */
 CHECKED status volume_treelet(leafcast *v, uint32_t t, const treelet **out);

@@ -370,7 +370,8 @@ static ray_bundle surface_bundle(const frame *f, uint32_t leg) {
 
 /* A tile's kernel walks one volume. */
 static tile_fn surface_tile(const frame *f) {
-    return f->volumes == 1 ? f->tracer->kind->tile(f->kernels) : NULL;
+    const kind *k = f->tracer->kind;
+    return f->volumes == 1 && k->tile ? k->tile(f->kernels) : NULL;
 }
 
 const integrator surface_integrator = {.record_bytes = sizeof(surface_ray),

@@ -261,6 +261,11 @@ static status grid_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, cons
     return st;
 }
 
+static void grid_cell_of_segment(const tracer *tr, const segment *s, leafcast_segment *out) {
+    const walk_scene *scene = tr->own;
+    surface_cell_of(&scene->levels[tr->layout->level_of[s->treelet]], s->cell, out->cell);
+}
+
 /* The cell that owns a coordinate: [i, i + 1), the last one its end too. */
 static uint32_t cell_owning(const double *axis, uint32_t nodes, double x) {
     uint32_t lo = 0, hi = nodes - 1;
@@ -322,4 +327,5 @@ const kind grid_kind = {.open = grid_open,
                         .surface = grid_tracer_surface,
                         .segments = grid_segments,
                         .cell_of_hit = grid_cell_of_hit,
+                        .cell_of_segment = grid_cell_of_segment,
                         .cell_at = grid_cell_at};

@@ -20,13 +20,6 @@ typedef struct collector {
     ray_counters *counters;
 } collector;
 
-static bool all_finite(const float samples[8]) {
-    double sum = 0.0;
-    for (int i = 0; i < 8; i++)
-        sum += (double)samples[i];
-    return isfinite(sum);
-}
-
 /* The piece in a cell, if there is one. False: there is, but no room for it. */
 static bool take_cell(const collector *c, const uint32_t cell[3]) {
     const level_planes *planes = &c->scene->levels[c->at->level];
@@ -37,11 +30,9 @@ static bool take_cell(const collector *c, const uint32_t cell[3]) {
     c->counters->cells++;
     if (!cell_visit_of(c->r, &box, &visit) || !(visit.t_in < visit.t_out) || visit.t_in < c->from)
         return true;
-    walk_cell_samples(c->scene, c->at, cell, samples);
-    if (!all_finite(samples))
-        return true;
     if (s->count == s->room)
         return false;
+    walk_cell_samples(c->scene, c->at, cell, samples);
     segment *piece = &s->ahead[s->count++];
     *piece = (segment){.t0 = visit.t_in,
                        .t1 = visit.t_out,

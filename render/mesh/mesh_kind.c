@@ -212,6 +212,11 @@ static status mesh_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, cons
     return ST_OK;
 }
 
+static void mesh_cell_of_segment(const tracer *tr, const segment *s, leafcast_segment *out) {
+    (void)tr;
+    out->tet = s->cell;
+}
+
 /* Looks for it in a treelet. */
 static status find_in_treelet(leafcast *v, uint32_t t, const double point[3],
                               leafcast_sample *sample) {
@@ -282,4 +287,5 @@ const kind mesh_kind = {.open = mesh_open,
                         .surface = mesh_tracer_surface,
                         .segments = mesh_segments,
                         .cell_of_hit = mesh_cell_of_hit,
+                        .cell_of_segment = mesh_cell_of_segment,
                         .cell_at = mesh_cell_at};

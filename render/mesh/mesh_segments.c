@@ -46,10 +46,6 @@ typedef struct collector {
     segments_state *state;
 } collector;
 
-static bool all_finite(const float f[4]) {
-    return isfinite((double)f[0] + (double)f[1] + (double)f[2] + (double)f[3]);
-}
-
 /* Within the ray's [t0, t1]: an end that is cut off has the value between. */
 static void cut(const tet_piece *p, const ray *r, segment *s) {
     const double slope = (p->f[1] - p->f[0]) / (p->t[1] - p->t[0]);
@@ -71,7 +67,7 @@ static void visit_tet(void *ctx, const treelet *at, uint32_t place, const tet *x
     const collector *c = ctx;
     segment s = {.cell = at->first_tet + place, .treelet = at->id, .degree = 1};
     tet_piece p;
-    if (!all_finite(x->f) || !tet_segment(x, c->r, &p) || !(p.t[0] < p.t[1]))
+    if (!tet_segment(x, c->r, &p) || !(p.t[0] < p.t[1]))
         return;
     cut(&p, c->r, &s);
     if (s.t0 < s.t1)

@@ -274,7 +274,7 @@ static void put_sample(FILE *out, const char *type, float value) {
         memcpy(&bits, &value, 4);
     } else {
         bits = (uint32_t)(int32_t)value;
-        bytes = strcmp(type, "i16") == 0 ? 2 : 1;
+        bytes = strcmp(type + 1, "16") == 0 ? 2 : 1;
     }
     for (int b = 0; b < bytes; b++)
         putc((int)(bits >> (8 * b) & 0xff), out);
@@ -313,6 +313,8 @@ static bool write_axis(const field *f, const char *path, int a) {
 bool field_write_nrrd(const field *f, const char *path) {
     const char *type = f->type[0] == 'f'             ? "float"
                        : strcmp(f->type, "i16") == 0 ? "int16"
+                       : strcmp(f->type, "u16") == 0 ? "uint16"
+                       : strcmp(f->type, "i8") == 0  ? "int8"
                                                      : "uint8";
     const double *s = f->spacing, *o = f->origin;
     FILE *out = fopen(path, "wb");

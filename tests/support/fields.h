@@ -23,7 +23,7 @@ long field_random_below(field_random *r, long count);          /* 0 .. count - 1
 /* A test volume. The samples are those of its type, as floats. */
 typedef struct field {
     const char *name;
-    const char *type; /* "u8", "i16" or "f32" */
+    const char *type; /* "u8", "i16" or "f32"; a test may make it "i8" or "u16" */
     long dims[3];
     float *samples;
     double *axis[3]; /* node coordinates of a rectilinear field, else NULL */

@@ -69,6 +69,18 @@ static real grid_value(const void *of, const ref_ray *r, uint64_t index, real t,
     return f[0];
 }
 
+static void grid_range(const void *of, uint64_t index, double range[2]) {
+    long cell[3];
+    real f[8];
+    cell_of(of, index, cell);
+    corners_of(of, cell, f);
+    range[0] = range[1] = (double)f[0];
+    for (int k = 1; k < 8; k++) {
+        range[0] = fmin(range[0], (double)f[k]);
+        range[1] = fmax(range[1], (double)f[k]);
+    }
+}
+
 static bool grid_share_face(const void *of, uint64_t a, uint64_t b) {
     long p[3], q[3], steps = 0;
     cell_of(of, a, p);
@@ -79,7 +91,7 @@ static bool grid_share_face(const void *of, uint64_t a, uint64_t b) {
 }
 
 segment_truth segment_truth_grid(const ref_volume *v) {
-    return (segment_truth){v, grid_pieces, grid_value, grid_share_face};
+    return (segment_truth){v, grid_pieces, grid_value, grid_range, grid_share_face};
 }
 
 /* ---- Meshes ---- */
@@ -149,6 +161,16 @@ static real mesh_value(const void *of, const ref_ray *r, uint64_t tet, real at, 
     return f[0] + (f[1] - f[0]) * fminl(fmaxl(s, 0), 1);
 }
 
+static void mesh_range(const void *of, uint64_t tet, double range[2]) {
+    const tet_ref_mesh *m = of;
+    range[0] = INFINITY;
+    range[1] = -INFINITY;
+    for (int k = 0; k < 4; k++) {
+        range[0] = fmin(range[0], (double)m->values[m->tets[tet][k]]);
+        range[1] = fmax(range[1], (double)m->values[m->tets[tet][k]]);
+    }
+}
+
 static bool mesh_share_face(const void *of, uint64_t a, uint64_t b) {
     const tet_ref_mesh *m = of;
     int shared = 0;
@@ -167,7 +189,8 @@ static bool share_none(const void *of, uint64_t a, uint64_t b) {
 }
 
 segment_truth segment_truth_mesh(const tet_ref_mesh *m, bool sound) {
-    return (segment_truth){m, mesh_pieces, mesh_value, sound ? mesh_share_face : share_none};
+    return (segment_truth){m, mesh_pieces, mesh_value, mesh_range,
+                           sound ? mesh_share_face : share_none};
 }
 
 /* ---- The judge ---- */

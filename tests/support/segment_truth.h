@@ -25,6 +25,8 @@ typedef struct segment_truth {
     /* The value in a cell at t, and by how much ours may be off there. */
     long double (*value)(const void *of, const ref_ray *r, uint64_t cell, long double t,
                          long double *off);
+    /* The least and the greatest sample of a cell. */
+    void (*range)(const void *of, uint64_t cell, double range[2]);
     /* Whether two cells share a face: then ends that meet are the same bits. */
     bool (*share_face)(const void *of, uint64_t a, uint64_t b);
 } segment_truth;
