@@ -264,7 +264,8 @@ static void hear(void *ctx, uint32_t t) {
         if (w->f->tracer[v].treelets == ear->treelets)
             come(w, w->first[v] + t);
     changed(w);
-    wake_one(w); /* perhaps to find that nothing more comes */
+    if (w->asleep == w->threads)
+        wake_one(w); /* perhaps to find that nothing more comes */
     if (!ready)
         end_round(w);
     pthread_mutex_unlock(&w->lock);

@@ -38,8 +38,9 @@ struct loader_private {
     treelet_cache cache; /* ABSENT ones, as long as nothing else needs their memory */
     shared *shared;      /* a treelet; NULL: nothing is shared */
     uint32_t filled, loading, capacity;
-    size_t bytes, room; /* of all treelets; that they may have */
-    uint64_t published; /* treelets that became READY */
+    _Atomic uint32_t claimed; /* filled, loading and queued; can be seen without the lock */
+    size_t bytes, room;       /* of all treelets; that they may have */
+    uint64_t published;       /* treelets that became READY */
     bool sweeping;
     bool stepped; /* another set was selected, and loader_follow() not yet called */
     status_note failure;
@@ -111,12 +112,19 @@ static void offer(struct loader_private *h, const treelet *tr) {
     h->bytes += h->kind->shared_bytes(&h->store, tr->id);
 }
 
-static void set_state(struct loader_private *h, uint32_t t, residence to) {
-    atomic_store_explicit(&h->state[t], (unsigned char)to, memory_order_relaxed);
-}
-
 static residence state_of(const struct loader_private *h, uint32_t t) {
     return (residence)atomic_load_explicit(&h->state[t], memory_order_relaxed);
+}
+
+static bool claims_place(residence r) {
+    return r == QUEUED || r == LOADING || r == READY;
+}
+
+static void set_state(struct loader_private *h, uint32_t t, residence to) {
+    const uint32_t claimed = atomic_load_explicit(&h->claimed, memory_order_relaxed);
+    const int more = claims_place(to) - claims_place(state_of(h, t));
+    atomic_store_explicit(&h->state[t], (unsigned char)to, memory_order_relaxed);
+    atomic_store_explicit(&h->claimed, claimed + (uint32_t)more, memory_order_relaxed);
 }
 
 static void tell_listener(const struct loader_private *h, uint32_t t) {
@@ -707,12 +715,9 @@ status loader_admit(loader *l, loader_request *requests, size_t count) {
     return st;
 }
 
-bool loader_has_room(loader *l) {
-    struct loader_private *h = l->hidden;
-    pthread_mutex_lock(&h->lock);
-    const bool room = h->filled + h->loading + h->queued < h->capacity;
-    pthread_mutex_unlock(&h->lock);
-    return room;
+bool loader_has_room(const loader *l) {
+    const struct loader_private *h = l->hidden;
+    return atomic_load_explicit(&h->claimed, memory_order_relaxed) < h->capacity;
 }
 
 void loader_listen(loader *l, void (*heard)(void *ctx, uint32_t t), void *ctx) {

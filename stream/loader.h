@@ -150,8 +150,8 @@ typedef struct loader_request {
 CHECKED status loader_admit(loader *l, loader_request *requests, size_t count);
 
 /* loader_has_room() - whether there would be a place for one more treelet when all that is wanted
- * has come. Any thread. */
-bool loader_has_room(loader *l);
+ * has come. Any thread, no lock. */
+bool loader_has_room(const loader *l);
 
 /* loader_listen() - heard(ctx, t) from now on whenever treelet t has become READY or has failed, by
  * the thread that reads, which holds the loader's lock meanwhile: heard() may call
