@@ -1,5 +1,6 @@
 #include "render/frame.h"
 
+#include <math.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -21,7 +22,7 @@ typedef struct easel {
     uint32_t suspended;
 } easel;
 
-typedef struct drawing {
+struct drawing {
     const frame *f;
     uint32_t side; /* of a tile */
     uint32_t tiles_x, tiles;
@@ -29,7 +30,8 @@ typedef struct drawing {
     ray_records records;
     frame_work work;
     tile_row *to_do; /* `side` rows a tile: pixels not begun */
-} drawing;
+    uint64_t rounds;
+};
 
 static uint32_t tile_side(const frame *f) {
     return f->tracer->kind->tile_side;
@@ -76,7 +78,8 @@ size_t frame_bytes(const frame *f, uint32_t records_max) {
     const size_t tiles = (size_t)tiles_of(f->width, side) * tiles_of(f->height, side);
     return frame_work_bytes(treelets_of(f), tiles) +
            ray_records_bytes(f->integrator->record_bytes, records_max) +
-           tiles * side * sizeof(tile_row) + ((size_t)pool_threads(f->threads) + 1) * sizeof(tally);
+           tiles * side * sizeof(tile_row) +
+           ((size_t)pool_threads(f->threads) + 1) * sizeof(tally) + sizeof(drawing) + 128;
 }
 
 /* ---- Work items ---- */
@@ -179,6 +182,8 @@ static status draw_tile(drawing *d, uint32_t tile, easel *e, tally *mine) {
     const uint32_t begun = asked - pixels_of(e->todo.waits, d->side);
     mine->counters.primary_rays += begun;
     count_finished(mine, begun - kept);
+    if (begun > 0)
+        frame_work_progress(&d->work);
     return st;
 }
 
@@ -192,6 +197,7 @@ static void resume_rays(drawing *d, const work_item *item, tally *mine) {
             left[count++] = r;
     }
     count_finished(mine, item->count - count);
+    frame_work_progress(&d->work);
     frame_work_suspend(&d->work, &mine->reserve, left, count);
 }
 
@@ -219,10 +225,12 @@ static status draw_items(void *ctx, size_t index, int worker) {
     work_item item;
     status st = ST_OK;
     (void)index;
+    frame_work_enter(&d->work);
     while (st == ST_OK && frame_work_take(&d->work, &d->tallies[worker].reserve, &item))
         st = draw_item(d, &item, worker);
     if (st != ST_OK)
         frame_work_stop(&d->work);
+    frame_work_leave(&d->work, &d->tallies[worker].reserve);
     return st;
 }
 
@@ -234,27 +242,31 @@ static status failure(const frame *f) {
     return st;
 }
 
-static status draw_rounds(drawing *d, ray_counters *total) {
+/* Until nothing can be done without treelets giving way to others, or the time is over. */
+static status draw_round(drawing *d) {
     const frame *f = d->f;
-    bool done = false;
-    status st = ST_OK;
-    while (st == ST_OK && !done) {
-        total->passes++;
-        st = pool_run(f->threads, (size_t)pool_threads(f->threads), draw_items, d);
-        if (st == ST_OK)
-            st = failure(f);
-        if (st == ST_OK)
-            st = frame_work_admit(&d->work, &done);
-    }
+    d->rounds++;
+    status st = pool_run(f->threads, (size_t)pool_threads(f->threads), draw_items, d);
+    if (st == ST_OK)
+        st = failure(f);
+    if (st == ST_OK && f->cancel && atomic_load(f->cancel))
+        st = status_describe(ST_STOPPED, "stopped");
     return st;
 }
 
-static void drawing_release(drawing *d) {
-    mem *m = d->f->m;
-    frame_work_release(&d->work);
-    ray_records_release(&d->records);
-    mem_free(m, d->to_do);
-    mem_free(m, d->tallies);
+status frame_advance(drawing *d, double until, bool *done) {
+    status st = ST_OK;
+    *done = false;
+    frame_work_begin(&d->work, until);
+    for (bool again = true; again && st == ST_OK;) {
+        st = draw_round(d);
+        *done = st == ST_OK && frame_work_done(&d->work);
+        again = !*done && !frame_work_late(&d->work);
+        if (again && st == ST_OK)
+            st = frame_work_admit(&d->work);
+    }
+    frame_work_end(&d->work);
+    return st;
 }
 
 /* A tile with all its pixels in the picture to do. */
@@ -289,15 +301,14 @@ static void put_in_order(drawing *d) {
 
 static status drawing_init(drawing *d, const frame *f) {
     const uint32_t side = tile_side(f);
-    const int threads = pool_threads(f->threads);
     *d = (drawing){.f = f, .side = side, .tiles_x = tiles_of(f->width, side)};
     d->tiles = d->tiles_x * tiles_of(f->height, side);
-    status st = ray_records_init(&d->records, f->m, f->integrator->record_bytes, f->records_max);
+    const status records =
+        ray_records_init(&d->records, f->m, f->integrator->record_bytes, f->records_max);
     const status work = frame_work_init(&d->work, f, &d->records, d->tiles);
-    st = st == ST_OK ? work : st;
-    d->tallies = mem_array(f->m, (size_t)threads, sizeof *d->tallies);
+    d->tallies = mem_array(f->m, (size_t)pool_threads(f->threads), sizeof *d->tallies);
     d->to_do = mem_array(f->m, d->tiles, side * sizeof *d->to_do);
-    if (st != ST_OK || !d->tallies || !d->to_do)
+    if (records != ST_OK || work != ST_OK || !d->tallies || !d->to_do)
         return ST_NOMEM;
     for (uint32_t i = 0; i < d->tiles; i++)
         begin_to_do(d, i);
@@ -305,13 +316,43 @@ static status drawing_init(drawing *d, const frame *f) {
     return ST_OK;
 }
 
-status frame_render(const frame *f, ray_counters *counters) {
-    drawing d;
-    status st = drawing_init(&d, f);
+status frame_begin(const frame *f, drawing **out) {
+    drawing *d = mem_alloc(f->m, sizeof *d);
+    if (!d)
+        return ST_NOMEM;
+    const status st = drawing_init(d, f);
     if (st == ST_OK)
-        st = draw_rounds(&d, counters);
-    for (int i = 0; d.tallies && i < pool_threads(f->threads); i++)
-        ray_counters_add(counters, &d.tallies[i].counters);
-    drawing_release(&d);
+        *out = d;
+    else
+        frame_end(d, NULL);
+    return st;
+}
+
+static void add_counters(const drawing *d, ray_counters *total) {
+    total->passes += d->rounds;
+    for (int i = 0; i < pool_threads(d->f->threads); i++)
+        ray_counters_add(total, &d->tallies[i].counters);
+}
+
+void frame_end(drawing *d, ray_counters *total) {
+    if (!d)
+        return;
+    mem *m = d->f->m;
+    if (total && d->tallies)
+        add_counters(d, total);
+    frame_work_release(&d->work);
+    ray_records_release(&d->records);
+    mem_free(m, d->to_do);
+    mem_free(m, d->tallies);
+    mem_free(m, d);
+}
+
+status frame_render(const frame *f, ray_counters *counters) {
+    drawing *d = NULL;
+    bool done = false;
+    status st = frame_begin(f, &d);
+    if (st == ST_OK)
+        st = frame_advance(d, (double)INFINITY, &done);
+    frame_end(d, counters);
     return st;
 }

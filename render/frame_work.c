@@ -1,5 +1,8 @@
 #include "render/frame_work.h"
 
+#include <math.h>
+
+#include "formats/base/clock.h"
 #include "render/kind.h"
 
 enum { NONE = -1, NOT_COME = -2 }; /* ends of lists; a bucket that is not in one */
@@ -176,11 +179,27 @@ static bool loaders_read(const frame *f) {
     return reading;
 }
 
+bool frame_work_late(const frame_work *w) {
+    return w->until < (double)INFINITY &&
+           atomic_load_explicit(&w->progress, memory_order_relaxed) && clock_seconds() >= w->until;
+}
+
+/* Under the lock: until there is news, or the time is over. */
+static void wait_for_news(frame_work *w) {
+    const double until = w->until;
+    if (until == (double)INFINITY || !atomic_load_explicit(&w->progress, memory_order_relaxed)) {
+        pthread_cond_wait(&w->changed, &w->lock);
+        return;
+    }
+    const struct timespec at = {(time_t)until, (long)(1e9 * (until - floor(until)))};
+    (void)pthread_cond_timedwait(&w->changed, &w->lock, &at);
+}
+
 /* Sleep until something has changed. The last one awake finds out whether anything will. */
 static void sleep_or_end(frame_work *w) {
     const uint64_t heard = w->heard;
     bool comes = true;
-    if (++w->asleep == w->threads) {
+    if (++w->asleep == w->inside) {
         comes = w->hung_up > 0;
         pthread_mutex_unlock(&w->lock);
         comes = comes && loaders_read(w->f);
@@ -189,19 +208,43 @@ static void sleep_or_end(frame_work *w) {
     if (w->heard == heard && !comes)
         end_round(w);
     else if (w->heard == heard)
-        pthread_cond_wait(&w->changed, &w->lock);
+        wait_for_news(w);
     w->asleep--;
+}
+
+static bool is_cancelled(const frame *f) {
+    return f->cancel && atomic_load_explicit(f->cancel, memory_order_relaxed);
+}
+
+/* Whether no more is to be begun. */
+static bool is_over(frame_work *w) {
+    if (!w->over && (is_cancelled(w->f) || frame_work_late(w)))
+        end_round(w);
+    return w->over;
+}
+
+void frame_work_enter(frame_work *w) {
+    pthread_mutex_lock(&w->lock);
+    w->inside++;
+    pthread_mutex_unlock(&w->lock);
+}
+
+void frame_work_leave(frame_work *w, ray_reserve *own) {
+    (void)ray_records_keep(w->records, own, 0);
+    pthread_mutex_lock(&w->lock);
+    w->inside--;
+    pthread_mutex_unlock(&w->lock);
 }
 
 bool frame_work_take(frame_work *w, ray_reserve *own, work_item *item) {
     if (!atomic_load_explicit(&w->look, memory_order_relaxed) && own->promised >= w->tile_rays &&
-        next_tile(w, &item->tile)) {
+        !is_cancelled(w->f) && !frame_work_late(w) && next_tile(w, &item->tile)) {
         item->is_tile = true;
         return true;
     }
     bool got = false;
     pthread_mutex_lock(&w->lock);
-    while (!w->over && !(got = take_rays(w, item) || take_tile(w, own, item))) {
+    while (!is_over(w) && !(got = take_rays(w, item) || take_tile(w, own, item))) {
         /* Others may have waited for these; and they count before anybody says that there are none.
          */
         if (ray_records_keep(w->records, own, 0))
@@ -264,7 +307,7 @@ static void hear(void *ctx, uint32_t t) {
         if (w->f->tracer[v].treelets == ear->treelets)
             come(w, w->first[v] + t);
     changed(w);
-    if (w->asleep == w->threads)
+    if (w->asleep == w->inside)
         wake_one(w); /* perhaps to find that nothing more comes */
     if (!ready)
         end_round(w);
@@ -291,37 +334,96 @@ static bool look_over_waiting(frame_work *w) {
     return tiles;
 }
 
-/* What rays wait for in a volume. */
-static size_t collect_requests(frame_work *w, int volume) {
+/* What a treelet's first ray waits for. */
+static wish wish_for(const frame_work *w, uint32_t t) {
+    return wish_of(ray_records_at(w->records, w->buckets[t].rays));
+}
+
+/* What rays wait for from a loader. */
+static size_t collect_requests(frame_work *w, const loader *from) {
     size_t count = 0;
+    pthread_mutex_lock(&w->lock);
     for (uint32_t i = 0; i < w->waiting_count; i++) {
-        const uint32_t t = w->waiting[i];
-        if (t < w->first[volume] || t >= w->first[volume + 1])
-            continue;
-        const ray_record *r = ray_records_at(w->records, w->buckets[t].rays);
-        w->requests[count++] =
-            (loader_request){t - w->first[volume], priority_of(w->f, wish_of(r))};
+        const wish x = wish_for(w, w->waiting[i]);
+        if (w->f->tracer[x.volume].treelets == from)
+            w->requests[count++] = (loader_request){x.t, priority_of(w->f, x)};
     }
+    pthread_mutex_unlock(&w->lock);
     return count;
 }
 
-status frame_work_admit(frame_work *w, bool *done) {
+/* Volumes before this one may have the same loader. */
+static bool is_first_of_loader(const frame *f, int volume) {
+    int v = 0;
+    while (f->tracer[v].treelets != f->tracer[volume].treelets)
+        v++;
+    return v == volume;
+}
+
+bool frame_work_done(frame_work *w) {
+    pthread_mutex_lock(&w->lock);
+    const bool done = w->hung_up == 0 && w->resumable == none && !tile_left(w);
+    pthread_mutex_unlock(&w->lock);
+    return done;
+}
+
+status frame_work_admit(frame_work *w) {
+    const frame *f = w->f;
     status st = ST_OK;
     pthread_mutex_lock(&w->lock);
     w->over = false;
     const bool tiles = look_over_waiting(w);
     changed(w);
-    *done = !tiles && w->waiting_count == 0;
     pthread_mutex_unlock(&w->lock);
-    /* Each volume that rays wait for gets at least one treelet. */
-    for (int v = 0; v < w->f->volumes && !tiles && st == ST_OK; v++) {
-        pthread_mutex_lock(&w->lock);
-        const size_t count = collect_requests(w, v);
-        pthread_mutex_unlock(&w->lock);
+    /* Each loader that rays wait for brings at least one treelet. */
+    for (int v = 0; v < f->volumes && !tiles && st == ST_OK; v++) {
+        loader *from = f->tracer[v].treelets;
+        const size_t count = is_first_of_loader(f, v) ? collect_requests(w, from) : 0;
         if (count > 0)
-            st = loader_admit(w->f->tracer[v].treelets, w->requests, count);
+            st = loader_admit(from, w->requests, count);
     }
     return st;
+}
+
+/* Other frames may have been drawn since: what had come may have gone, and nothing is asked for any
+ * more. */
+static void sort_buckets(frame_work *w) {
+    w->come_first = none;
+    w->waiting_count = 0;
+    for (uint32_t t = 0; t < w->first[w->f->volumes]; t++) {
+        work_bucket *b = &w->buckets[t];
+        b->next = not_come;
+        for (; b->tiles != none; w->hung_up--)
+            push_tile(w, &w->resumable, pop_tile(w, &b->tiles));
+        if (b->rays == none)
+            continue;
+        const wish x = wish_for(w, t);
+        if (loader_is_ready(w->f->tracer[x.volume].treelets, x.t))
+            come(w, t);
+        else
+            w->waiting[w->waiting_count++] = t;
+    }
+}
+
+void frame_work_begin(frame_work *w, double until) {
+    const frame *f = w->f;
+    for (int v = 0; v < f->volumes; v++)
+        loader_listen(f->tracer[v].treelets, hear, &w->ears[v]);
+    pthread_mutex_lock(&w->lock);
+    w->until = until;
+    atomic_store_explicit(&w->progress, false, memory_order_relaxed);
+    w->over = false;
+    sort_buckets(w);
+    changed(w);
+    pthread_mutex_unlock(&w->lock);
+    /* Nobody else is in a round yet. */
+    for (uint32_t i = 0; i < w->waiting_count; i++)
+        ask_for(f, wish_for(w, w->waiting[i]));
+}
+
+void frame_work_end(frame_work *w) {
+    for (int v = 0; v < w->f->volumes; v++)
+        loader_listen(w->f->tracer[v].treelets, NULL, NULL);
 }
 
 /* ---- Making and ending ---- */
@@ -331,11 +433,13 @@ size_t frame_work_bytes(uint32_t treelets, size_t tiles) {
            tiles * (sizeof(work_tile) + sizeof(uint32_t));
 }
 
-static void listen_to_loaders(frame_work *w) {
-    for (int v = 0; v < w->f->volumes; v++) {
-        w->ears[v] = (work_ear){w, w->f->tracer[v].treelets};
-        loader_listen(w->f->tracer[v].treelets, hear, &w->ears[v]);
-    }
+/* Threads wait for a time by this clock. */
+static void make_condition(pthread_cond_t *c) {
+    pthread_condattr_t how;
+    pthread_condattr_init(&how);
+    pthread_condattr_setclock(&how, CLOCK_MONOTONIC);
+    pthread_cond_init(c, &how);
+    pthread_condattr_destroy(&how);
 }
 
 status frame_work_init(frame_work *w, const frame *f, ray_records *records, uint32_t tiles) {
@@ -343,14 +447,16 @@ status frame_work_init(frame_work *w, const frame *f, ray_records *records, uint
     *w = (frame_work){.f = f,
                       .records = records,
                       .tile_rays = side * side,
-                      .threads = pool_threads(f->threads),
+                      .until = (double)INFINITY,
                       .tile_count = tiles,
                       .come_first = none,
                       .resumable = none};
     pthread_mutex_init(&w->lock, NULL);
-    pthread_cond_init(&w->changed, NULL);
-    for (int v = 0; v < f->volumes; v++)
+    make_condition(&w->changed);
+    for (int v = 0; v < f->volumes; v++) {
         w->first[v + 1] = w->first[v] + f->tracer[v].layout->treelets;
+        w->ears[v] = (work_ear){w, f->tracer[v].treelets};
+    }
     const uint32_t treelets = w->first[f->volumes];
     w->buckets = mem_array(f->m, treelets, sizeof *w->buckets);
     w->waiting = mem_array(f->m, treelets, sizeof *w->waiting);
@@ -361,13 +467,10 @@ status frame_work_init(frame_work *w, const frame *f, ray_records *records, uint
         return ST_NOMEM;
     for (uint32_t t = 0; t < treelets; t++)
         w->buckets[t] = (work_bucket){none, none, not_come};
-    listen_to_loaders(w);
     return ST_OK;
 }
 
 void frame_work_release(frame_work *w) {
-    for (int v = 0; v < w->f->volumes; v++)
-        loader_listen(w->f->tracer[v].treelets, NULL, NULL);
     mem_free(w->f->m, w->order);
     mem_free(w->f->m, w->tiles);
     mem_free(w->f->m, w->requests);

@@ -3,16 +3,17 @@
  * There are tiles to begin, tiles to go on with, and batches of suspended rays. A treelet's bucket
  * holds the rays that wait for it and the tiles that wait for it among others; when it comes, they
  * go on. A thread takes whatever can be done, waits for the next treelet only when there is
- * nothing, and begins no tile for whose rays it has no records. All threads come together, which
- * ends a round, only when nothing can be done and nothing more comes: the picture is done, or it is
- * stuck until treelets give way to others, which they cannot while rays are traced.
+ * nothing, and begins no tile for whose rays it has no records. A round ends, for all threads, only
+ * when nothing can be done and nothing more comes: the picture is done, or it is stuck until
+ * treelets give way to others, which they cannot while rays are traced; or when the time is over.
+ * No thread waits for another, so threads may also come into a round one after the other.
  *
  * Why a frame ends, with any number of places and records from frame_records_min() on:
  *
- *   - A round ends. Each thread that sleeps has given its reserve of records back before. The last
- *     one awake sees every record that is no ray's and finds nothing to do. If something waits for
- *     a treelet, it asks the loaders whether they are reading: the end of that read is heard then,
- *     and wakes a thread.
+ *   - A round ends. A thread gives its reserve of records back before it sleeps or leaves. The last
+ *     one awake of those inside sees every record that is no ray's and finds nothing to do. If
+ *     something waits for a treelet, it asks the loaders whether they are reading: the end of that
+ *     read is heard then, and wakes a thread.
  *   - A tile waits only where its treelets had places at that time. If others were quicker and
  *     places ran out, the tile is taken up again at the end of the round; as the queue of the
  *     loader is not empty then, and places are not free, it does not wait again but suspends its
@@ -62,7 +63,8 @@ typedef struct frame_work {
     const frame *f;
     ray_records *records;
     uint32_t tile_rays; /* what a tile must be promised */
-    int threads;
+    double until; /* no item is begun later, once there was progress; INFINITY: none is late */
+    atomic_bool progress; /* since frame_work_begin(): a tile or a ray got further */
     /* Treelets of all volumes, numbered through. */
     uint32_t first[FRAME_VOLUMES_MAX + 1];
     work_ear ears[FRAME_VOLUMES_MAX];
@@ -78,9 +80,9 @@ typedef struct frame_work {
     uint32_t come_first, come_last; /* buckets whose treelets have come */
     uint32_t resumable;             /* tiles to go on with */
     size_t hung_up;                 /* rays and tiles in buckets */
-    int asleep;
-    uint64_t heard;    /* treelets that came or failed */
-    bool over;         /* the round is */
+    int inside, asleep;             /* threads in the round; of these, waiting */
+    uint64_t heard;                 /* treelets that came or failed */
+    bool over;                      /* the round is */
     uint32_t *waiting; /* treelets whose buckets were not empty at some time in this round */
     uint32_t waiting_count;
     loader_request *requests;
@@ -92,13 +94,22 @@ typedef struct work_item {
     uint32_t count, rays[WORK_BATCH]; /* records */
 } work_item;
 
-/* frame_work_init() - for this many tiles. Loaders are listened to until frame_work_release(),
- * which is called also where it fails. */
+/* frame_work_init() - for this many tiles. Released also where it fails. */
 CHECKED status frame_work_init(frame_work *w, const frame *f, ray_records *records, uint32_t tiles);
 void frame_work_release(frame_work *w);
 
+/* frame_work_begin() - from here to frame_work_end() loaders are listened to, and nobody else may
+ * use them but frame_work_admit(). What waited before is asked for again. until: clock_seconds().
+ */
+void frame_work_begin(frame_work *w, double until);
+void frame_work_end(frame_work *w);
+
 /* frame_work_bytes() - memory that it takes. */
 size_t frame_work_bytes(uint32_t treelets, size_t tiles);
+
+/* frame_work_enter(), frame_work_leave() - around a thread's part in a round. */
+void frame_work_enter(frame_work *w);
+void frame_work_leave(frame_work *w, ray_reserve *own);
 
 /* frame_work_take() - what to do next; false when the round is over. Records for a tile's rays are
  * promised to the thread's reserve. No lock for a tile that is begun while nothing else can be
@@ -113,11 +124,20 @@ void frame_work_suspend(frame_work *w, ray_reserve *own, const uint32_t rays[], 
  * for them. False: it had better not wait, since there may be no places for them. */
 bool frame_work_wait(frame_work *w, uint32_t tile, const uint32_t absent[], int count);
 
+/* frame_work_progress() - a tile or a ray got further than it was. */
+static inline void frame_work_progress(frame_work *w) {
+    atomic_store_explicit(&w->progress, true, memory_order_relaxed);
+}
+
+/* frame_work_late() - the time is over. */
+bool frame_work_late(const frame_work *w);
+
 /* frame_work_stop() - end the round early. */
 void frame_work_stop(frame_work *w);
 
-/* frame_work_admit() - between rounds: something can be done again, unless *done. Returns the error
- * of a treelet that failed. */
-CHECKED status frame_work_admit(frame_work *w, bool *done);
+/* frame_work_done() - between rounds: nothing is left to do. frame_work_admit() - something can be
+ * done again, unless nothing is left. Returns the error of a treelet that failed. */
+bool frame_work_done(frame_work *w);
+CHECKED status frame_work_admit(frame_work *w);
 
 #endif
