@@ -617,6 +617,17 @@ void loader_set_capacity(loader *l, uint32_t places, size_t beside) {
     pthread_mutex_unlock(&h->lock);
 }
 
+void loader_clear(loader *l) {
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    rest(h);
+    evict_oldest(l, h->filled);
+    h->room = 0;
+    make_room(l, 0);
+    h->room = h->capacity * h->place_bytes;
+    pthread_mutex_unlock(&h->lock);
+}
+
 uint32_t loader_capacity(const loader *l) {
     return l->hidden->capacity;
 }

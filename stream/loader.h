@@ -102,6 +102,9 @@ uint64_t loader_stored_bytes(const loader *l, uint32_t t);
 void loader_set_capacity(loader *l, uint32_t places, size_t beside);
 uint32_t loader_capacity(const loader *l);
 
+/* loader_clear() - give all treelets back. Only while nothing is traced. */
+void loader_clear(loader *l);
+
 /* loader_mask() - what loader_lookup() calls for a treelet whose masks are of another selection:
  * makes them, or waits for the thread that does (2 to 5 us a treelet of 32^3 cells, no lock, no
  * reading). */
