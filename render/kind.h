@@ -36,13 +36,17 @@ typedef struct kind {
     status (*check)(const leafcast *v, const leafcast_scene *scene);
     /* The tracer's box, its kind's part and its levels of detail. c: see volume_tracer(). */
     void (*aim)(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr);
-    /* v->projection, not usable where tiles are not possible; memory that it takes. */
-    status (*project)(leafcast *v, const camera *c);
-    size_t (*projection_bytes)(const leaf_layout *layout);
-    /* Tiles of primary rays: pixels on a side, bytes that one needs, the kernel (NULL: none). */
+    /* Tiles of primary rays: pixels on a side, 1 to TILE_MAX, also where rays go one by one; bytes
+     * that one needs; the kernel, NULL: none. Where there are none, the three may be NULL. */
     uint32_t tile_side;
     size_t tile_scratch;
     tile_fn (*tile)(const kernels *k);
+    /* The camera's; not usable where tiles are not possible. Memory that it takes. */
+    status (*project)(leafcast *v, const camera *c, projection *out);
+    size_t (*projection_bytes)(const leaf_layout *layout);
+
+    /* ---- The order of treelets ---- */
+
     /* Where a treelet stands in the order of a bundle of rays: along each of them ranks rise. */
     uint32_t (*rank)(const tracer *tr, uint32_t t, const ray_bundle *rays);
 

@@ -11,6 +11,7 @@
 
 #include "render/kind.h"
 #include "render/mesh/mesh_walk.h"
+#include "stream/grid_resident.h"
 #include "tests/support/fixture.h"
 #include "tests/support/interests.h"
 #include "tests/support/lab_leaf.h"
@@ -229,9 +230,10 @@ static soup soup_of(const stage *s) {
     for (uint32_t t = 0; t < f->layout.treelets; t++) {
         const treelet *at;
         assert_int_equal(volume_treelet(s->v, t, &at), ST_OK);
-        for (uint32_t i = 0; i < at->mesh.tets; i++) {
-            const tet y = mesh_walk_tet(at, i);
-            const size_t n = at->first_tet + i;
+        const resident_mesh *own = resident_mesh_of(at);
+        for (uint32_t i = 0; i < own->mesh.tets; i++) {
+            const tet y = mesh_walk_tet(own, i);
+            const size_t n = own->first_tet + i;
             memcpy(x.points[4 * n], y.p, sizeof y.p);
             memcpy(&x.values[4 * n], y.f, sizeof y.f);
             for (uint32_t k = 0; k < 4; k++)

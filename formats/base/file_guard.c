@@ -89,17 +89,9 @@ static status refuse(const entry *output, const entry *other) {
 /* ---- the table; under its lock ---- */
 
 static status add(entry *e) {
-    if (table.count == table.room) {
-        const size_t room = table.room ? 2 * table.room : 16;
-        entry *all = mem_array(&table.m, room, sizeof *all);
-        if (!all)
-            return ST_NOMEM;
-        if (table.count)
-            memcpy(all, table.all, table.count * sizeof *all);
-        mem_free(&table.m, table.all);
-        table.all = all;
-        table.room = room;
-    }
+    status st = mem_grow(&table.m, &table.all, sizeof *e, table.count, 16, &table.room);
+    if (st != ST_OK)
+        return st;
     table.all[table.count++] = *e;
     e->path = NULL;
     return ST_OK;

@@ -4,19 +4,6 @@
 
 #include "formats/base/heap.h"
 
-static status grow(id_map *map) {
-    size_t room = map->room ? 2 * map->room : 64;
-    id_run *larger = mem_array(map->m, room, sizeof *larger);
-    if (!larger)
-        return ST_NOMEM;
-    if (map->count > 0)
-        memcpy(larger, map->runs, map->count * sizeof *larger);
-    mem_free(map->m, map->runs);
-    map->runs = larger;
-    map->room = room;
-    return ST_OK;
-}
-
 status id_map_add(id_map *map, uint64_t id) {
     id_run *last = map->count ? &map->runs[map->count - 1] : NULL;
     if (last && id >= last->id && id - last->id == last->count) {
@@ -24,7 +11,7 @@ status id_map_add(id_map *map, uint64_t id) {
         map->places++;
         return ST_OK;
     }
-    status st = map->count == map->room ? grow(map) : ST_OK;
+    status st = mem_grow(map->m, &map->runs, sizeof *map->runs, map->count, 64, &map->room);
     if (st == ST_OK)
         map->runs[map->count++] = (id_run){id, map->places++, 1};
     return st;

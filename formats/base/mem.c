@@ -61,6 +61,22 @@ void *mem_array(mem *m, size_t count, size_t size) {
     return mem_zalloc(m, bytes ? bytes : 1);
 }
 
+status mem_grow(mem *m, void *array, size_t size, size_t count, size_t least, size_t *room) {
+    if (count < *room)
+        return ST_OK;
+    const size_t more = *room ? 2 * *room : least;
+    void *old, *larger = mem_array(m, more, size);
+    if (!larger)
+        return ST_NOMEM;
+    memcpy(&old, array, sizeof old);
+    if (count > 0)
+        memcpy(larger, old, count * size);
+    mem_free(m, old);
+    memcpy(array, &larger, sizeof larger);
+    *room = more;
+    return ST_OK;
+}
+
 char *mem_copy_text(mem *m, const char *text) {
     size_t size = strlen(text) + 1;
     char *copy = mem_alloc(m, size);

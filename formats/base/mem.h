@@ -10,6 +10,8 @@
 #include <stdatomic.h>
 #include <stddef.h>
 
+#include "formats/base/status.h"
+
 typedef struct mem {
     atomic_size_t used; /* bytes in blocks not yet freed, book-keeping included */
     atomic_size_t peak; /* the most that `used` ever was */
@@ -26,6 +28,11 @@ void *mem_zalloc(mem *m, size_t size);
 
 /* mem_array() - count elements of size bytes each, zeroed; NULL on overflow too. */
 void *mem_array(mem *m, size_t count, size_t size);
+
+/* mem_grow() - room for one more behind the count elements of size bytes of an array that grows.
+ * array: the address of the pointer to it, NULL at first; *room: for how many it has room. When it
+ * is full it moves to one of twice the room, at first `least`. ST_NOMEM: all is as it was. */
+CHECKED status mem_grow(mem *m, void *array, size_t size, size_t count, size_t least, size_t *room);
 
 /* mem_copy_text() - a copy of a string in the budget. */
 char *mem_copy_text(mem *m, const char *text);

@@ -3,6 +3,7 @@
 #include <assert.h>
 #include <stdint.h>
 #include <string.h>
+#include <strings.h>
 
 /* Bytes of the UTF-8 character at `at`, which ends in NUL; 0 when there is none (RFC 3629: neither
  * overlong, nor a surrogate, nor beyond U+10FFFF). */
@@ -72,6 +73,11 @@ void text_file_name(char *to, size_t room, const char *path) {
     memcpy(front, name, length);
     front[length] = 0;
     text_name(to, room, front);
+}
+
+bool text_ends_in(const char *path, const char *suffix) {
+    const size_t length = strlen(path), tail = strlen(suffix);
+    return length >= tail && strcasecmp(path + length - tail, suffix) == 0;
 }
 
 bool text_same_name(const char *a, const char *b, size_t room) {

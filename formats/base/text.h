@@ -24,6 +24,9 @@ const char *text_stem(const char *path, size_t *length);
 /* text_file_name() - the same for people, as text_name() makes it. room as there. */
 void text_file_name(char *to, size_t room, const char *path);
 
+/* text_ends_in() - whether a path ends like this (".vtu"), in any case of letters. */
+bool text_ends_in(const char *path, const char *suffix);
+
 /* text_same_name() - whether two texts are the same name, cut to less than room bytes. */
 bool text_same_name(const char *a, const char *b, size_t room);
 

@@ -3,6 +3,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "formats/base/text.h"
 #include "formats/input/header_fields.h"
 
 typedef struct metaimage {
@@ -11,13 +12,8 @@ typedef struct metaimage {
     int axes;
 } metaimage;
 
-static bool ends_in(const char *path, const char *suffix) {
-    size_t length = strlen(path), tail = strlen(suffix);
-    return length >= tail && strcasecmp(path + length - tail, suffix) == 0;
-}
-
 bool metaimage_known(const char *path, const uint8_t *start, size_t size) {
-    return ends_in(path, ".mhd") || ends_in(path, ".mha") ||
+    return text_ends_in(path, ".mhd") || text_ends_in(path, ".mha") ||
            (size >= 10 && memcmp(start, "ObjectType", 10) == 0);
 }
 

@@ -7,6 +7,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
+#include "formats/base/text.h"
 #include "formats/input/foreign.h"
 
 enum { PATH_ROOM = 4096, JSON_MAX = 1 << 20 };
@@ -170,11 +171,6 @@ static status read_json_beside(mem *m, const char *path, size_t front, facts *kn
     return ST_OK;
 }
 
-bool rawfile_is_json(const char *path) {
-    const char *dot = strrchr(base_name(path), '.');
-    return dot && strcasecmp(dot, ".json") == 0;
-}
-
 /* Read path, which is a JSON, and open the samples that it describes: those it names, or those of
  * its own name. */
 static status open_json(volume_layout *l, const char *path, facts *known) {
@@ -204,7 +200,7 @@ static void apply_hints(facts *known, const volume_hints *hints) {
 static status gather(volume_layout *l, const char *path, facts *known) {
     if (strcmp(path, "-") == 0)
         return ST_OK;
-    if (rawfile_is_json(path))
+    if (text_ends_in(path, ".json"))
         return open_json(l, path, known);
     size_t front = parse_name(base_name(path), known);
     return read_json_beside(l->m, path, front, known);
@@ -238,7 +234,7 @@ status rawfile_open(volume_layout *l, const char *path, const volume_hints *hint
         return st;
     apply_hints(&known, hints);
     const bool unknown = !known.type || !known.dims[0] || !known.dims[1] || !known.dims[2];
-    if (unknown && rawfile_is_json(path))
+    if (unknown && text_ends_in(path, ".json"))
         return status_describe(ST_UNSUPPORTED,
                                "%s: expected \"size\" and \"type\" of the samples (or --dims and "
                                "--type)",

@@ -20,9 +20,6 @@
 #include "formats/grid/volume.h"
 #include "formats/grid/volume_layout.h"
 
-/* rawfile_is_json() - whether the path is that of a JSON that describes a raw file. */
-bool rawfile_is_json(const char *path);
-
 /* rawfile_open() - describe the samples of path, the file l->data (exchanged for the samples when
  * path is the JSON). Spacing and origin hints are not looked at. l->m and l->data are set; release
  * l in any case. ST_UNSUPPORTED when sizes or type stay unknown. */

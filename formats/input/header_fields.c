@@ -70,28 +70,13 @@ status header_fields_missing(const header_fields *h, const char *key) {
     return status_describe(ST_CORRUPT, "%s: the header ends without \"%s\"", h->name, key);
 }
 
-static status grow(header_fields *h) {
-    if (h->count < h->room)
-        return ST_OK;
-    size_t room = h->room ? 2 * h->room : 16;
-    header_field *larger = mem_array(h->m, room, sizeof *larger);
-    if (!larger)
-        return ST_NOMEM;
-    if (h->items)
-        memcpy(larger, h->items, h->count * sizeof *larger);
-    mem_free(h->m, h->items);
-    h->items = larger;
-    h->room = room;
-    return ST_OK;
-}
-
 /* Split a line at its separator and keep it. */
 static status add_field(header_fields *h, const char *line, unsigned number, char separator) {
     const char *at = strchr(line, separator);
     if (!at || h->count == FIELDS_MAX)
         return status_describe(ST_CORRUPT, "%s: line %u: expected \"key%c value\", not \"%.60s\"",
                                h->name, number, separator, line);
-    status st = grow(h);
+    status st = mem_grow(h->m, &h->items, sizeof *h->items, h->count, 16, &h->room);
     if (st != ST_OK)
         return st;
     header_field f = {.line = number, .pair = separator == ':' && at[1] == '='};

@@ -223,3 +223,21 @@ status text_tokens_int(text_tokens *t, const char *what, int64_t lo, int64_t hi,
         return fault_at(t, what);
     return st;
 }
+
+status text_tokens_double_here(text_tokens *t, const char *what, double *out) {
+    bool more;
+    status st = text_tokens_more(t, &more);
+    if (st == ST_OK && !more) {
+        t->token[0] = 0;
+        return text_tokens_fault(t, "%s", what);
+    }
+    return st == ST_OK ? text_tokens_double(t, what, out) : st;
+}
+
+status text_tokens_int_here(text_tokens *t, const char *what, int64_t lo, int64_t hi,
+                            int64_t absent, int64_t *out) {
+    bool more;
+    *out = absent;
+    status st = text_tokens_more(t, &more);
+    return st == ST_OK && more ? text_tokens_int(t, what, lo, hi, out) : st;
+}

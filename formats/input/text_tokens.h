@@ -51,6 +51,12 @@ CHECKED status text_tokens_double(text_tokens *t, const char *what, double *out)
 CHECKED status text_tokens_int(text_tokens *t, const char *what, int64_t lo, int64_t hi,
                                int64_t *out);
 
+/* The next word of this line as a number. The first: ST_CORRUPT where the line ends before it; the
+ * second: *out is then `absent`. */
+CHECKED status text_tokens_double_here(text_tokens *t, const char *what, double *out);
+CHECKED status text_tokens_int_here(text_tokens *t, const char *what, int64_t lo, int64_t hi,
+                                    int64_t absent, int64_t *out);
+
 /* text_tokens_fault() - ST_CORRUPT: file, line, the last word, and what was expected in its place.
  */
 status text_tokens_fault(const text_tokens *t, const char *fmt, ...)

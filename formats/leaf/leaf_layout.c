@@ -135,15 +135,27 @@ uint64_t leaf_blocks_payloads(const leaf_blocks *b) {
     return b->treelets * (1 + sets + (b->gradients ? sets : 0) + (b->moving ? b->steps - 1 : 0));
 }
 
+void leaf_layout_flat(leaf_layout *l, const leaf_geometry *geometry, uint32_t treelets,
+                      uint32_t payloads) {
+    memset(l, 0, sizeof *l);
+    l->geometry = geometry;
+    l->levels = 1;
+    l->type = SAMPLE_F32;
+    l->treelets = l->level[0].count = treelets;
+    l->payloads = payloads;
+}
+
+status leaf_layout_init_flat(leaf_layout *l, mem *m) {
+    status st = allocate(l, m);
+    for (uint32_t t = 0; st == ST_OK && t < l->treelets; t++)
+        l->first_child[t] = LEAF_NO_TREELET;
+    return st;
+}
+
 void leaf_layout_mesh(leaf_layout *l, const leaf_blocks *b) {
     assert(b->treelets > 0 && b->fields > 0 && b->steps > (b->moving ? 1U : 0U));
     assert(leaf_blocks_payloads(b) < LEAF_NO_TREELET);
-    memset(l, 0, sizeof *l);
-    l->geometry = &mesh_geometry;
-    l->levels = 1;
-    l->type = SAMPLE_F32;
-    l->treelets = l->level[0].count = b->treelets;
-    l->payloads = (uint32_t)leaf_blocks_payloads(b);
+    leaf_layout_flat(l, &mesh_geometry, b->treelets, (uint32_t)leaf_blocks_payloads(b));
     l->sets = b->fields * b->steps;
     l->steps = b->steps;
     l->gradient_sets = b->gradients ? l->sets : 0;
@@ -152,10 +164,7 @@ void leaf_layout_mesh(leaf_layout *l, const leaf_blocks *b) {
 
 status leaf_layout_init_mesh(leaf_layout *l, mem *m, const leaf_blocks *b) {
     leaf_layout_mesh(l, b);
-    status st = allocate(l, m);
-    for (uint32_t t = 0; st == ST_OK && t < l->treelets; t++)
-        l->first_child[t] = LEAF_NO_TREELET;
-    return st;
+    return leaf_layout_init_flat(l, m);
 }
 
 void leaf_layout_set_counts(leaf_layout *l, const uint32_t (*counts)[4]) {

@@ -36,7 +36,7 @@ typedef struct leaf_layout {
     uint32_t steps;              /* mesh; else 0 */
     uint32_t gradient_sets;      /* mesh: sets, or 0 where there are no gradients */
     uint32_t moved_steps;        /* mesh: steps - 1, or 0 where vertices stay in place */
-    const uint32_t (*counts)[4]; /* mesh: section COUNTS; of the file or the writer */
+    const uint32_t (*counts)[4]; /* section COUNTS, or NULL; of the file or the writer */
     uint32_t payload_max;        /* leaf_layout_payload_max() */
     leaf_level level[LEAF_LEVELS_MAX];
     /* Per treelet: */
@@ -66,6 +66,13 @@ typedef struct leaf_blocks {
 
 /* leaf_blocks_payloads() - how many payloads: 2^32 - 1 or more are too many for a file. */
 uint64_t leaf_blocks_payloads(const leaf_blocks *b);
+
+/* leaf_layout_flat() - of a kind without levels: treelets without parents or children, all at place
+ * 0, 0, 0; without allocating. counts and payload_max, if its row looks at them, are the caller's
+ * to set. leaf_layout_init_flat() - the per-treelet arrays of one. */
+void leaf_layout_flat(leaf_layout *l, const struct leaf_geometry *geometry, uint32_t treelets,
+                      uint32_t payloads);
+CHECKED status leaf_layout_init_flat(leaf_layout *l, mem *m);
 
 /* leaf_layout_mesh() - of a mesh file, without allocating; leaf_blocks_payloads() below 2^32 - 1.
  * leaf_layout_init_mesh() - and the per-treelet arrays. leaf_layout_set_counts() - what sizes

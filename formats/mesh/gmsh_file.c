@@ -156,19 +156,6 @@ static status read_format(gmsh_file *f, text_tokens *t) {
     return st;
 }
 
-static status grow_arrays(gmsh_file *f) {
-    size_t room = f->room ? 2 * f->room : 16;
-    gmsh_array *larger = mem_array(f->m, room, sizeof *larger);
-    if (!larger)
-        return ST_NOMEM;
-    if (f->count > 0)
-        memcpy(larger, f->arrays, f->count * sizeof *larger);
-    mem_free(f->m, f->arrays);
-    f->arrays = larger;
-    f->room = room;
-    return ST_OK;
-}
-
 /* Tags that are texts: the first is the name, in quotes. */
 static status read_name(text_tokens *t, char name[MESH_NAME_MAX + 1]) {
     int64_t tags;
@@ -218,7 +205,7 @@ static status read_shape(text_tokens *t, gmsh_array *a) {
 }
 
 static status read_array(gmsh_file *f, text_tokens *t, gmsh_owner owner) {
-    status st = f->count == f->room ? grow_arrays(f) : ST_OK;
+    status st = mem_grow(f->m, &f->arrays, sizeof *f->arrays, f->count, 16, &f->room);
     if (st != ST_OK)
         return st;
     gmsh_array *a = &f->arrays[f->count++];

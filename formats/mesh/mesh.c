@@ -34,11 +34,6 @@ enum { READERS = sizeof readers / sizeof *readers };
 
 /* ---- recognising ---- */
 
-bool mesh_reader_suffix(const char *path, const char *suffix) {
-    size_t length = strlen(path), tail = strlen(suffix);
-    return length >= tail && strcasecmp(path + length - tail, suffix) == 0;
-}
-
 static const mesh_reader *find_reader(const char *path, const uint8_t *start, size_t size) {
     for (int i = 0; i < READERS; i++)
         if (readers[i]->known(path, start, size))

@@ -206,19 +206,11 @@ static status read_nodes(gmsh_reading *r) {
 /* ---- the field ---- */
 
 static status push(float_list *list, float value) {
-    if (list->count == list->room) {
-        size_t room = list->room ? 2 * list->room : 1024;
-        float *larger = mem_array(list->m, room, sizeof *larger);
-        if (!larger)
-            return ST_NOMEM;
-        if (list->count > 0)
-            memcpy(larger, list->items, list->count * sizeof *larger);
-        mem_free(list->m, list->items);
-        list->items = larger;
-        list->room = room;
-    }
-    list->items[list->count++] = value;
-    return ST_OK;
+    status st =
+        mem_grow(list->m, &list->items, sizeof *list->items, list->count, 1024, &list->room);
+    if (st == ST_OK)
+        list->items[list->count++] = value;
+    return st;
 }
 
 /* The number of a row's node or element, and its values. */
@@ -254,19 +246,10 @@ static status read_node_data(gmsh_reading *r, gmsh_cursor *c) {
 
 static status push_start(gmsh_reading *r) {
     size_t row = (size_t)r->rows.places - 1;
-    if (row == r->starts_room) {
-        size_t room = row ? 2 * row : 1024;
-        uint64_t *larger = mem_array(r->file->m, room, sizeof *larger);
-        if (!larger)
-            return ST_NOMEM;
-        if (row > 0)
-            memcpy(larger, r->starts, row * sizeof *larger);
-        mem_free(r->file->m, r->starts);
-        r->starts = larger;
-        r->starts_room = room;
-    }
-    r->starts[row] = r->values.count;
-    return ST_OK;
+    status st = mem_grow(r->file->m, &r->starts, sizeof *r->starts, row, 1024, &r->starts_room);
+    if (st == ST_OK)
+        r->starts[row] = r->values.count;
+    return st;
 }
 
 /* A row's number of nodes, kept in front of its values. */

@@ -32,7 +32,4 @@ typedef struct mesh_reader {
     void (*fields)(const void *state, void (*take)(void *ctx, const char *name), void *ctx);
 } mesh_reader;
 
-/* mesh_reader_suffix() - whether a path ends like this (".vtu"), in any case of letters. */
-bool mesh_reader_suffix(const char *path, const char *suffix);
-
 #endif

@@ -4,11 +4,10 @@
 #include <string.h>
 
 #include "formats/base/num.h"
+#include "formats/base/text.h"
 #include "formats/input/text_tokens.h"
 #include "formats/mesh/mesh_average.h"
 #include "formats/mesh/mesh_choice.h"
-
-enum { ATTRIBUTES_MAX = 4096 };
 
 typedef struct tetgen_state {
     mem *m;
@@ -16,9 +15,9 @@ typedef struct tetgen_state {
     text_tokens nodes, tets;
     const mesh_hints *hints;
     char *other_path;
-    int64_t points, cells;                     /* as the headers say */
-    int64_t attributes, markers, cell_columns; /* columns behind x y z, and behind a b c d */
-    int64_t first;                             /* id of the first point */
+    mesh_tetgen_columns has;
+    int64_t cells, cell_columns; /* columns behind a b c d */
+    int64_t first;               /* id of the first point */
     int column; /* taken, from 0, of attributes and marker, or of the tets' columns; -1: none */
     char field[MESH_NAME_MAX + 1];
 } tetgen_state;
@@ -26,33 +25,24 @@ typedef struct tetgen_state {
 static bool tetgen_known(const char *path, const uint8_t *start, size_t size) {
     (void)start;
     (void)size;
-    return mesh_reader_suffix(path, ".node") || mesh_reader_suffix(path, ".ele");
+    return text_ends_in(path, ".node") || text_ends_in(path, ".ele");
 }
 
 /* ---- headers ---- */
 
-/* The header's next number, or `absent` when the line ends before it. */
-static status read_count(text_tokens *t, const char *what, int64_t lo, int64_t hi, int64_t absent,
-                         int64_t *out) {
-    bool more;
-    *out = absent;
-    status st = text_tokens_more(t, &more);
-    return st == ST_OK && more ? text_tokens_int(t, what, lo, hi, out) : st;
-}
-
-static status read_node_header(tetgen_state *s) {
-    text_tokens *t = &s->nodes;
+status mesh_tetgen_points(text_tokens *t, uint64_t most, mesh_tetgen_columns *out) {
     int64_t dimensions;
-    status st = text_tokens_int(t, "the number of points", 0, (int64_t)MESH_POINTS_MAX, &s->points);
+    status st = text_tokens_int(t, "the number of points", 0, (int64_t)most, &out->points);
     if (st == ST_OK)
-        st = read_count(t, "the number of dimensions, 3", 0, 100, 3, &dimensions);
+        st = text_tokens_int_here(t, "the number of dimensions, 3", 0, 100, 3, &dimensions);
     if (st == ST_OK && dimensions != 3)
         return status_describe(ST_UNSUPPORTED, "%s: points of %d dimensions, expected 3",
                                byte_stream_name(t->s), (int)dimensions);
     if (st == ST_OK)
-        st = read_count(t, "the number of attributes", 0, ATTRIBUTES_MAX, 0, &s->attributes);
+        st = text_tokens_int_here(t, "the number of attributes", 0, MESH_TETGEN_ATTRIBUTES_MAX, 0,
+                                  &out->attributes);
     if (st == ST_OK)
-        st = read_count(t, "the number of markers, 0 or 1", 0, 1, 0, &s->markers);
+        st = text_tokens_int_here(t, "the number of markers, 0 or 1", 0, 1, 0, &out->markers);
     return st == ST_OK ? text_tokens_end_line(t) : st;
 }
 
@@ -61,12 +51,13 @@ static status read_tet_header(tetgen_state *s) {
     int64_t corners;
     status st = text_tokens_int(t, "the number of tets", 0, INT64_MAX, &s->cells);
     if (st == ST_OK)
-        st = read_count(t, "the number of nodes of a tet, 4", 0, 100, 4, &corners);
+        st = text_tokens_int_here(t, "the number of nodes of a tet, 4", 0, 100, 4, &corners);
     if (st == ST_OK && corners != 4)
         return status_describe(ST_UNSUPPORTED, "%s: tets of %d nodes, expected 4",
                                byte_stream_name(t->s), (int)corners);
     if (st == ST_OK)
-        st = read_count(t, "the number of attributes", 0, ATTRIBUTES_MAX, 0, &s->cell_columns);
+        st = text_tokens_int_here(t, "the number of attributes", 0, MESH_TETGEN_ATTRIBUTES_MAX, 0,
+                                  &s->cell_columns);
     return st == ST_OK ? text_tokens_end_line(t) : st;
 }
 
@@ -77,7 +68,7 @@ static int64_t column_number(const char *field, const char *prefix) {
     size_t length = strlen(prefix);
     int64_t k = 0;
     const char *digits = strncmp(field, prefix, length) == 0 ? field + length : field;
-    return num_int(digits, "", 1, ATTRIBUTES_MAX, &k) == ST_OK ? k : 0;
+    return num_int(digits, "", 1, MESH_TETGEN_ATTRIBUTES_MAX, &k) == ST_OK ? k : 0;
 }
 
 static void add_columns(mesh_choice_names *names, const char *prefix, int64_t count) {
@@ -92,8 +83,8 @@ static void add_columns(mesh_choice_names *names, const char *prefix, int64_t co
 static status no_field(const tetgen_state *s) {
     mesh_choice_names points = {0}, cells = {0};
     const mesh_hints *hints = s->hints;
-    add_columns(&points, "attr", s->attributes);
-    if (s->markers && (hints->field || hints->cells_to_points || s->cell_columns))
+    add_columns(&points, "attr", s->has.attributes);
+    if (s->has.markers && (hints->field || hints->cells_to_points || s->cell_columns))
         mesh_choice_add(&points, "marker");
     add_columns(&cells, "region", s->cell_columns);
     const text_tokens *t = hints->cells_to_points ? &s->tets : &s->nodes;
@@ -104,10 +95,10 @@ static status choose_field(tetgen_state *s) {
     const mesh_hints *hints = s->hints;
     bool cells = hints->cells_to_points;
     const char *prefix = cells ? "region" : "attr";
-    int64_t columns = cells ? s->cell_columns : s->attributes, k = 1;
+    int64_t columns = cells ? s->cell_columns : s->has.attributes, k = 1;
     s->column = -1;
-    if (hints->field && !cells && strcmp(hints->field, "marker") == 0 && s->markers) {
-        s->column = (int)s->attributes;
+    if (hints->field && !cells && strcmp(hints->field, "marker") == 0 && s->has.markers) {
+        s->column = (int)s->has.attributes;
         strcpy(s->field, "marker");
         return mesh_choice_component(byte_stream_name(s->nodes.s), hints, s->field, 1);
     }
@@ -124,13 +115,13 @@ static status choose_field(tetgen_state *s) {
 
 /* F.ele for F.node, and the other way round. */
 static status open_other(tetgen_state *s, const char *path) {
-    size_t stem = strlen(path) - (mesh_reader_suffix(path, ".node") ? 5 : 4);
+    size_t stem = strlen(path) - (text_ends_in(path, ".node") ? 5 : 4);
     size_t room = strlen(path) + 2;
     s->other_path = mem_alloc(s->m, room);
     if (!s->other_path)
         return ST_NOMEM;
     snprintf(s->other_path, room, "%.*s%s", (int)stem, path,
-             mesh_reader_suffix(path, ".node") ? ".ele" : ".node");
+             text_ends_in(path, ".node") ? ".ele" : ".node");
     return byte_stream_open(s->m, s->other_path, &s->other);
 }
 
@@ -144,12 +135,12 @@ static status tetgen_open(mesh_source *source, void **state) {
     status st = open_other(s, source->path);
     if (st != ST_OK)
         return st;
-    bool node = mesh_reader_suffix(source->path, ".node");
+    bool node = text_ends_in(source->path, ".node");
     s->nodes = (text_tokens){
         .s = node ? source->data : s->other, .line = 1, .comment = '#', .commas = true};
     s->tets = s->nodes;
     s->tets.s = node ? s->other : source->data;
-    st = read_node_header(s);
+    st = mesh_tetgen_points(&s->nodes, MESH_POINTS_MAX, &s->has);
     if (st == ST_OK)
         st = read_tet_header(s);
     return st == ST_OK ? choose_field(s) : st;
@@ -181,23 +172,12 @@ static status read_id(text_tokens *t, int64_t row, int64_t *first) {
     return ST_OK;
 }
 
-/* The next number, which must stand on the same line. */
-static status read_same_line(text_tokens *t, const char *what, double *out) {
-    bool more;
-    status st = text_tokens_more(t, &more);
-    if (st == ST_OK && !more) {
-        t->token[0] = 0;
-        return text_tokens_fault(t, "%s", what);
-    }
-    return st == ST_OK ? text_tokens_double(t, what, out) : st;
-}
-
 /* Columns up to the line's end; *value is that of number `column`. */
 static status read_columns(text_tokens *t, int64_t count, int column, double *value) {
     status st = ST_OK;
     for (int i = 0; st == ST_OK && i < count; i++) {
         double number = 0;
-        st = read_same_line(t, "an attribute or marker", &number);
+        st = text_tokens_double_here(t, "an attribute or marker", &number);
         if (i == column)
             *value = number;
     }
@@ -208,13 +188,13 @@ static status read_nodes(tetgen_state *s, mesh_feed *feed) {
     status st = ST_OK;
     bool values = s->column >= 0 && !s->hints->cells_to_points;
     s->first = -1;
-    for (int64_t i = 0; st == ST_OK && i < s->points; i++) {
+    for (int64_t i = 0; st == ST_OK && i < s->has.points; i++) {
         double xyz[3] = {0}, value = 0;
         st = read_id(&s->nodes, i, &s->first);
         for (int a = 0; st == ST_OK && a < 3; a++)
-            st = read_same_line(&s->nodes, "a coordinate", &xyz[a]);
+            st = text_tokens_double_here(&s->nodes, "a coordinate", &xyz[a]);
         if (st == ST_OK)
-            st = read_columns(&s->nodes, s->attributes + s->markers, s->column, &value);
+            st = read_columns(&s->nodes, s->has.attributes + s->has.markers, s->column, &value);
         if (st == ST_OK)
             st = mesh_feed_point(feed, xyz);
         if (st == ST_OK && values)
@@ -273,9 +253,9 @@ static status tetgen_read(void *state, mesh_feed *feed) {
     mesh_average average = {0};
     strcpy(feed->report->field, s->field);
     mesh_feed_expect_cells(feed, (uint64_t)s->cells);
-    status st = mesh_feed_expect(feed, (uint64_t)s->points);
+    status st = mesh_feed_expect(feed, (uint64_t)s->has.points);
     if (st == ST_OK && s->hints->cells_to_points)
-        st = mesh_average_begin(&average, s->m, (uint64_t)s->points);
+        st = mesh_average_begin(&average, s->m, (uint64_t)s->has.points);
     if (st == ST_OK)
         st = read_both(s, feed, average.m ? &average : NULL);
     mesh_average_release(&average);
@@ -285,7 +265,7 @@ static status tetgen_read(void *state, mesh_feed *feed) {
 static void tetgen_fields(const void *state, void (*take)(void *ctx, const char *name), void *ctx) {
     const tetgen_state *s = state;
     const bool cells = s->hints->cells_to_points;
-    for (int k = 1; k <= (cells ? s->cell_columns : s->attributes); k++) {
+    for (int k = 1; k <= (cells ? s->cell_columns : s->has.attributes); k++) {
         char name[MESH_NAME_MAX + 1];
         snprintf(name, sizeof name, "%s%d", cells ? "region" : "attr", k);
         take(ctx, name);

@@ -10,7 +10,18 @@
 #ifndef FORMATS_MESH_MESH_TETGEN_H
 #define FORMATS_MESH_MESH_TETGEN_H
 
+#include "formats/input/text_tokens.h"
 #include "formats/mesh/mesh_reader.h"
+
+enum { MESH_TETGEN_ATTRIBUTES_MAX = 4096 };
+
+/* What stands in front of the points, in files of surfaces, too. */
+typedef struct mesh_tetgen_columns {
+    int64_t points, attributes, markers;
+} mesh_tetgen_columns;
+
+/* mesh_tetgen_points() - the header of the points, of which there are at most so many. */
+CHECKED status mesh_tetgen_points(text_tokens *t, uint64_t most, mesh_tetgen_columns *out);
 
 extern const mesh_reader mesh_tetgen_reader;
 

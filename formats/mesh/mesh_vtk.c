@@ -7,6 +7,7 @@
 #include <strings.h>
 
 #include "formats/base/num.h"
+#include "formats/base/text.h"
 #include "formats/input/foreign.h"
 #include "formats/input/text_tokens.h"
 #include "formats/mesh/vtk_cursor.h"
@@ -561,7 +562,7 @@ static bool known(const char *path, const uint8_t *start, size_t size) {
     static const char magic[] = "# vtk DataFile";
     bool starts =
         size >= sizeof magic - 1 && strncasecmp((const char *)start, magic, sizeof magic - 1) == 0;
-    return (starts || mesh_reader_suffix(path, ".vtk")) && !foreign_is_other_vtk(start, size);
+    return (starts || text_ends_in(path, ".vtk")) && !foreign_is_other_vtk(start, size);
 }
 
 static status open_file(mesh_source *source, void **state) {

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "formats/base/num.h"
+#include "formats/base/text.h"
 #include "formats/input/foreign.h"
 #include "formats/mesh/vtk_cursor.h"
 #include "formats/mesh/vtk_unstructured.h"
@@ -414,7 +415,7 @@ static status scan_file(vtk_unstructured *g, byte_stream *data) {
 static bool known(const char *path, const uint8_t *start, size_t size) {
     static const char tag[] = "<VTKFile";
     return (memmem(start, size < 1024 ? size : 1024, tag, sizeof tag - 1) ||
-            mesh_reader_suffix(path, ".vtu")) &&
+            text_ends_in(path, ".vtu")) &&
            !foreign_is_other_vtk(start, size);
 }
 

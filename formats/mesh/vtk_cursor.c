@@ -100,22 +100,15 @@ static status bad_word(const vtk_cursor *c, const char *expected) {
                            expected);
 }
 
-static status text_doubles(vtk_cursor *c, size_t count, double *out) {
+/* out: doubles, or whole numbers. */
+static status text_numbers(vtk_cursor *c, size_t count, bool whole, void *out) {
     for (size_t i = 0; i < count; i++, c->taken++) {
         status st = next_word(c);
-        if (st == ST_OK && !text_number_double(c->text.token, &out[i]))
-            st = bad_word(c, "");
-        if (st != ST_OK)
-            return st;
-    }
-    return ST_OK;
-}
-
-static status text_whole(vtk_cursor *c, size_t count, uint64_t *out) {
-    for (size_t i = 0; i < count; i++, c->taken++) {
-        status st = next_word(c);
-        if (st == ST_OK && !text_number_whole(c->text.token, &out[i]))
-            st = bad_word(c, "whole ");
+        const bool good =
+            st == ST_OK && (whole ? text_number_whole(c->text.token, (uint64_t *)out + i)
+                                  : text_number_double(c->text.token, (double *)out + i));
+        if (st == ST_OK && !good)
+            st = bad_word(c, whole ? "whole " : "");
         if (st != ST_OK)
             return st;
     }
@@ -215,43 +208,31 @@ static status check_left(const vtk_cursor *c, size_t count) {
     return count > c->left ? too_few(c, c->taken + c->left, c->taken + count) : ST_OK;
 }
 
-status vtk_cursor_doubles(vtk_cursor *c, size_t count, double *out) {
+static status read_numbers(vtk_cursor *c, size_t count, bool whole, void *out) {
     status st = check_left(c, count);
     if (st == ST_OK && c->array->coding == VTK_TEXT) {
         c->left -= c->left == VTK_CURSOR_ANY ? 0 : count;
-        return text_doubles(c, count, out);
+        return text_numbers(c, count, whole, out);
     }
-    while (st == ST_OK && count > 0) {
+    for (size_t done = 0, part; st == ST_OK && done < count; done += part) {
         const uint8_t *from;
-        size_t part = count;
+        part = count - done;
         st = some(c, &part, &from);
-        if (st != ST_OK)
-            break;
-        to_doubles(c->array->type, from, part, out);
-        out += part;
-        count -= part;
+        if (st == ST_OK && whole)
+            to_whole(c->array->type, from, part, (uint64_t *)out + done);
+        else if (st == ST_OK)
+            to_doubles(c->array->type, from, part, (double *)out + done);
     }
     return st;
 }
 
+status vtk_cursor_doubles(vtk_cursor *c, size_t count, double *out) {
+    return read_numbers(c, count, false, out);
+}
+
 status vtk_cursor_whole(vtk_cursor *c, size_t count, uint64_t *out) {
     assert(vtk_array_whole(c->array->type));
-    status st = check_left(c, count);
-    if (st == ST_OK && c->array->coding == VTK_TEXT) {
-        c->left -= c->left == VTK_CURSOR_ANY ? 0 : count;
-        return text_whole(c, count, out);
-    }
-    while (st == ST_OK && count > 0) {
-        const uint8_t *from;
-        size_t part = count;
-        st = some(c, &part, &from);
-        if (st != ST_OK)
-            break;
-        to_whole(c->array->type, from, part, out);
-        out += part;
-        count -= part;
-    }
-    return st;
+    return read_numbers(c, count, true, out);
 }
 
 status vtk_cursor_finish(vtk_cursor *c) {

@@ -11,26 +11,8 @@
 
 enum { COMPONENTS_MAX = 4096 };
 
-/* Room for one more item; the array may move. */
-static status grow(mem *m, void **items, size_t *room, size_t count, size_t size) {
-    if (count < *room)
-        return ST_OK;
-    size_t more = *room ? 2 * *room : 8;
-    void *larger = mem_array(m, more, size);
-    if (!larger)
-        return ST_NOMEM;
-    if (*items)
-        memcpy(larger, *items, count * size);
-    mem_free(m, *items);
-    *items = larger;
-    *room = more;
-    return ST_OK;
-}
-
 status vtk_unstructured_add_piece(vtk_unstructured *g, vtk_piece **out) {
-    void *pieces = g->pieces;
-    status st = grow(g->m, &pieces, &g->room, g->count, sizeof *g->pieces);
-    g->pieces = pieces;
+    status st = mem_grow(g->m, &g->pieces, sizeof *g->pieces, g->count, 8, &g->room);
     if (st == ST_OK)
         *out = &g->pieces[g->count++];
     return st;
@@ -38,11 +20,10 @@ status vtk_unstructured_add_piece(vtk_unstructured *g, vtk_piece **out) {
 
 status vtk_unstructured_add_field(vtk_unstructured *g, vtk_piece *p, vtk_owner owner,
                                   const vtk_array *field) {
-    void *fields = p->fields[owner];
-    status st = grow(g->m, &fields, &p->room[owner], p->count[owner], sizeof *field);
-    p->fields[owner] = fields;
+    size_t *count = &p->count[owner];
+    status st = mem_grow(g->m, &p->fields[owner], sizeof *field, *count, 8, &p->room[owner]);
     if (st == ST_OK)
-        p->fields[owner][p->count[owner]++] = *field;
+        p->fields[owner][(*count)++] = *field;
     else
         mem_free(g->m, field->name);
     return st;

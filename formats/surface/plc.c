@@ -36,21 +36,13 @@ enum { FORMATS = sizeof formats / sizeof *formats };
 /* ---- building ---- */
 
 status plc_add(plc *x, plc_list *list, const void *element, size_t size) {
-    if (list->count == list->room) {
-        if (list->count >= PLC_MAX)
-            return status_describe(ST_UNSUPPORTED,
-                                   "more than %llu points, facets or corners: expected fewer",
-                                   (unsigned long long)PLC_MAX);
-        const size_t room = list->room ? 2 * list->room : 1024;
-        void *data = mem_alloc(x->m, room * size);
-        if (!data)
-            return ST_NOMEM;
-        if (list->count)
-            memcpy(data, list->data, list->count * size);
-        mem_free(x->m, list->data);
-        list->data = data;
-        list->room = room;
-    }
+    if (list->count == list->room && list->count >= PLC_MAX)
+        return status_describe(ST_UNSUPPORTED,
+                               "more than %llu points, facets or corners: expected fewer",
+                               (unsigned long long)PLC_MAX);
+    status st = mem_grow(x->m, &list->data, size, list->count, 1024, &list->room);
+    if (st != ST_OK)
+        return st;
     memcpy((char *)list->data + list->count * size, element, size);
     list->count++;
     return ST_OK;
@@ -110,7 +102,7 @@ static status find_format(const plc_source *s, const plc_format **out) {
     size_t size;
     *out = NULL;
     for (int i = 0; i < FORMATS && !s->hints.format; i++)
-        if (mesh_reader_suffix(s->path, formats[i].suffix))
+        if (text_ends_in(s->path, formats[i].suffix))
             *out = &formats[i];
     if (s->hints.format)
         *out = format_named(s->hints.format);

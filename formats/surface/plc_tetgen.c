@@ -4,40 +4,19 @@
 #include <string.h>
 
 #include "formats/base/num.h"
+#include "formats/base/text.h"
 #include "formats/input/text_tokens.h"
-#include "formats/mesh/mesh_reader.h"
-
-enum { ATTRIBUTES_MAX = 4096 };
+#include "formats/mesh/mesh_tetgen.h"
 
 typedef struct nodes {
-    int64_t points, attributes, markers; /* as the header says */
-    int64_t first;                       /* id of the first point, 0 or 1 */
-    int column;                          /* of the field; -1: none */
+    mesh_tetgen_columns has;
+    int64_t first; /* id of the first point, 0 or 1 */
+    int column;    /* of the field; -1: none */
 } nodes;
-
-/* The next number of this line, or `absent` when the line ends before it. */
-static status read_optional(text_tokens *t, const char *what, int64_t lo, int64_t hi,
-                            int64_t absent, int64_t *out) {
-    bool more;
-    *out = absent;
-    status st = text_tokens_more(t, &more);
-    return st == ST_OK && more ? text_tokens_int(t, what, lo, hi, out) : st;
-}
 
 static status skip_line(text_tokens *t) {
     char rest[1024];
     return text_tokens_rest(t, rest, sizeof rest);
-}
-
-/* The next number, which must stand on the same line. */
-static status read_same_line(text_tokens *t, const char *what, double *out) {
-    bool more;
-    status st = text_tokens_more(t, &more);
-    if (st == ST_OK && !more) {
-        t->token[0] = 0;
-        return text_tokens_fault(t, "%s", what);
-    }
-    return st == ST_OK ? text_tokens_double(t, what, out) : st;
 }
 
 /* ---- points ---- */
@@ -46,42 +25,30 @@ static status choose_field(const plc_source *s, nodes *n) {
     const char *field = s->hints.field;
     int64_t k = 1;
     n->column = -1;
-    if (!field && n->attributes == 0)
+    if (!field && n->has.attributes == 0)
         return ST_OK;
-    if (field && strcmp(field, "marker") == 0 && n->markers) {
-        n->column = (int)n->attributes;
+    if (field && strcmp(field, "marker") == 0 && n->has.markers) {
+        n->column = (int)n->has.attributes;
         strcpy(s->out->field, "marker");
         return ST_OK;
     }
     const char *digits = field && strncmp(field, "attr", 4) == 0 ? field + 4 : field;
-    if (field && num_int(digits, "", 1, n->attributes, &k) != ST_OK)
+    if (field && num_int(digits, "", 1, n->has.attributes, &k) != ST_OK)
         return s->hints.optional
                    ? ST_OK
                    : status_describe(ST_UNSUPPORTED,
                                      "%s: no field \"%s\", there are %d: attr1 ..%s",
-                                     byte_stream_name(s->data), field, (int)n->attributes,
-                                     n->markers ? ", and marker" : "");
+                                     byte_stream_name(s->data), field, (int)n->has.attributes,
+                                     n->has.markers ? ", and marker" : "");
     n->column = (int)k - 1;
     snprintf(s->out->field, sizeof s->out->field, "attr%d", (int)k);
     return ST_OK;
 }
 
 static status read_header(const plc_source *s, text_tokens *t, nodes *n) {
-    int64_t dimensions;
-    status st = text_tokens_int(t, "the number of points", 0, (int64_t)PLC_MAX, &n->points);
-    if (st == ST_OK)
-        st = read_optional(t, "the number of dimensions, 3", 0, 100, 3, &dimensions);
-    if (st == ST_OK && dimensions != 3)
-        return status_describe(ST_UNSUPPORTED, "%s: points of %d dimensions, expected 3",
-                               byte_stream_name(t->s), (int)dimensions);
-    if (st == ST_OK)
-        st = read_optional(t, "the number of attributes", 0, ATTRIBUTES_MAX, 0, &n->attributes);
-    if (st == ST_OK)
-        st = read_optional(t, "the number of markers, 0 or 1", 0, 1, 0, &n->markers);
-    if (st == ST_OK)
-        st = text_tokens_end_line(t);
+    status st = mesh_tetgen_points(t, PLC_MAX, &n->has);
     /* Of a .poly without points, those of the .node say. */
-    return st == ST_OK && n->points > 0 ? choose_field(s, n) : st;
+    return st == ST_OK && n->has.points > 0 ? choose_field(s, n) : st;
 }
 
 static status read_point(const plc_source *s, text_tokens *t, nodes *n, int64_t i) {
@@ -92,9 +59,9 @@ static status read_point(const plc_source *s, text_tokens *t, nodes *n, int64_t 
     if (i == 0)
         n->first = id;
     for (int a = 0; st == ST_OK && a < 3; a++)
-        st = read_same_line(t, "a coordinate", &xyz[a]);
-    for (int c = 0; st == ST_OK && c < n->attributes + n->markers; c++) {
-        st = read_same_line(t, "an attribute or marker", &number);
+        st = text_tokens_double_here(t, "a coordinate", &xyz[a]);
+    for (int c = 0; st == ST_OK && c < n->has.attributes + n->has.markers; c++) {
+        st = text_tokens_double_here(t, "an attribute or marker", &number);
         if (c == n->column)
             value = number;
     }
@@ -108,7 +75,7 @@ static status read_point(const plc_source *s, text_tokens *t, nodes *n, int64_t 
 static status read_points(const plc_source *s, text_tokens *t, nodes *n) {
     status st = read_header(s, t, n);
     n->first = 0;
-    for (int64_t i = 0; st == ST_OK && i < n->points; i++)
+    for (int64_t i = 0; st == ST_OK && i < n->has.points; i++)
         st = read_point(s, t, n, i);
     s->out->counted_from = (unsigned)n->first;
     return st;
@@ -128,9 +95,9 @@ status plc_tetgen_read_node(plc_source *s) {
 /* The points of F.node, for F.poly and F.smesh. */
 static status read_other(const plc_source *s, nodes *n) {
     plc_source other = *s;
-    const size_t stem = strlen(s->path) - (mesh_reader_suffix(s->path, ".poly") ? 5 : 6);
+    const size_t stem = strlen(s->path) - (text_ends_in(s->path, ".poly") ? 5 : 6);
     const size_t room = strlen(s->path) + 2;
-    if (!mesh_reader_suffix(s->path, ".poly") && !mesh_reader_suffix(s->path, ".smesh"))
+    if (!text_ends_in(s->path, ".poly") && !text_ends_in(s->path, ".smesh"))
         return status_describe(ST_CORRUPT,
                                "%s: has no points, and no name ending in .poly or .smesh that says "
                                "which .node has",
@@ -167,7 +134,7 @@ static status read_place(const plc_source *s, text_tokens *t, plc_list *list) {
     double id, xyz[3];
     status st = text_tokens_double(t, "the id of a hole", &id);
     for (int a = 0; st == ST_OK && a < 3; a++)
-        st = read_same_line(t, "a coordinate of a hole", &xyz[a]);
+        st = text_tokens_double_here(t, "a coordinate of a hole", &xyz[a]);
     if (st == ST_OK)
         st = plc_add(s->out, list, xyz, sizeof xyz);
     return st == ST_OK ? skip_line(t) : st;
@@ -179,7 +146,7 @@ static status read_poly_facet(const plc_source *s, text_tokens *t, const nodes *
     int64_t polygons = 0, holes = 0, corners = 0;
     status st = text_tokens_int(t, "the number of a facet's polygons", 1, INT32_MAX, &polygons);
     if (st == ST_OK)
-        st = read_optional(t, "the number of a facet's holes", 0, INT32_MAX, 0, &holes);
+        st = text_tokens_int_here(t, "the number of a facet's holes", 0, INT32_MAX, 0, &holes);
     if (st == ST_OK)
         st = skip_line(t);
     for (int64_t p = 0; st == ST_OK && p < polygons; p++) {
@@ -223,7 +190,7 @@ static status read_region(const plc_source *s, text_tokens *t) {
     bool more;
     status st = text_tokens_double(t, "the id of a region", &id);
     for (int a = 0; st == ST_OK && a < 4; a++)
-        st = read_same_line(t, "a coordinate or attribute of a region", &region[a]);
+        st = text_tokens_double_here(t, "a coordinate or attribute of a region", &region[a]);
     region[4] = region[3];
     if (st == ST_OK)
         st = text_tokens_more(t, &more);
@@ -255,7 +222,7 @@ static status read_complex(plc_source *s, bool poly) {
     nodes n;
     s->out->loose = true;
     status st = read_points(s, &t, &n);
-    if (st == ST_OK && n.points == 0)
+    if (st == ST_OK && n.has.points == 0)
         st = read_other(s, &n);
     if (st == ST_OK)
         st = read_facets(s, &t, &n, poly);

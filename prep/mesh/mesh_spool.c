@@ -29,21 +29,8 @@ size_t mesh_spool_buffers(size_t element) {
     return CHUNK * element + 4096;
 }
 
-static status grow_table(mesh_spool *s) {
-    size_t room = s->chunk_room ? 2 * s->chunk_room : 64;
-    char **chunks = mem_array(s->m, room, sizeof *chunks);
-    if (!chunks)
-        return ST_NOMEM;
-    if (s->chunk_count)
-        memcpy(chunks, s->chunks, s->chunk_count * sizeof *chunks);
-    mem_free(s->m, s->chunks);
-    s->chunks = chunks;
-    s->chunk_room = room;
-    return ST_OK;
-}
-
 static status add_chunk(mesh_spool *s) {
-    status st = s->chunk_count == s->chunk_room ? grow_table(s) : ST_OK;
+    status st = mem_grow(s->m, &s->chunks, sizeof *s->chunks, s->chunk_count, 64, &s->chunk_room);
     if (st != ST_OK)
         return st;
     char *chunk = mem_alloc(s->m, CHUNK * s->element);

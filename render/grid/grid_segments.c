@@ -13,7 +13,7 @@ typedef struct pending {
 /* What a walk through a treelet does not change. */
 typedef struct collector {
     const walk_scene *scene;
-    const treelet *at;
+    const resident_grid *at;
     const ray *r;
     segments_state *state;
     ray_counters *counters;
@@ -36,7 +36,7 @@ static bool take_cell(const collector *c, const uint32_t cell[3]) {
     *piece = (segment){.t0 = visit.t_in,
                        .t1 = visit.t_out,
                        .cell = walk_cell_index(planes, cell),
-                       .treelet = c->at->id,
+                       .treelet = c->at->head.id,
                        .degree = 3};
     cell_values(&visit, samples, piece->b);
     s->t_from = visit.t_out;
@@ -117,8 +117,8 @@ segments_result grid_segments(const tracer *tr, const ray *r, segments_state *st
         }
         if (!tr->treelets->own[node.t] || (resuming && node.t != state->blocked))
             continue;
-        const treelet *at = tracer_enter(tr, node.t, node.t_in, &state->t_from, &state->blocked,
-                                         &state->provisional);
+        const resident_grid *at = resident_grid_of(tracer_enter(
+            tr, node.t, node.t_in, &state->t_from, &state->blocked, &state->provisional));
         if (!at && !tr->preview)
             return stop(state, SEGMENTS_BLOCKED);
         resuming = false;
