@@ -1,5 +1,6 @@
 /* test_scene.c - scenes of several volumes on one device: what the references say, and the same
  * bits for any budget, in turns, in parts, by the host's threads; rays of the caller's own. */
+/* marks: threads */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
