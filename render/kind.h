@@ -15,6 +15,8 @@
 #include "render/tile.h"
 
 typedef struct kind {
+    const char *name; /* leafcast_info.kind */
+
     /* ---- An open volume ---- */
 
     /* Check the options, make what rays need beside treelets: v->own. close() releases what there
@@ -58,7 +60,8 @@ typedef struct kind {
     surface_point (*surface)(const tracer *tr, const treelet *at, const ray *r, const hit *h);
 
     /* The pieces of a ray: what segments_next() is made of. state->first = state->sure = 0, so that
-     * ahead[0 .. count) were found before. Result SEGMENTS_SOME: state->sure of them come next. */
+     * ahead[0 .. count) were found before. Result SEGMENTS_SOME: state->sure of them come next.
+     * NULL, like cell_of_segment(): cells of this kind overlap, or values are no polynomials. */
     segments_result (*segments)(const tracer *tr, const ray *r, segments_state *state,
                                 ray_counters *counters);
 

@@ -177,6 +177,7 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
     if (st != ST_OK)
         return volume_public_status(st);
     *info = (leafcast_info){.size = sizeof *info,
+                            .kind = v->kind->name,
                             .levels = h->levels,
                             .fields = h->fields,
                             .steps = h->steps,

@@ -136,6 +136,7 @@ LEAFCAST_API void leafcast_close(leafcast *volume); /* NULL is fine */
 
 typedef struct leafcast_info {
     size_t size;
+    const char *kind;        /* of geometry: "grid" or "mesh"; there may be others one day */
     uint32_t dims[3];        /* nodes per axis, level 0; of a mesh: 0 */
     uint64_t tets, vertices; /* of a mesh; of a grid: 0 */
     uint32_t fields, steps;

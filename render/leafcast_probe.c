@@ -156,6 +156,8 @@ static status probe_segments(leafcast *v, const leafcast_scene *scene, const dou
     tracer tr;
     ray r;
     *count = 0;
+    if (!v->kind->segments)
+        return status_describe(ST_USAGE, "a ray through %s has no pieces", v->kind->name);
     status st = check_ray(origin, direction);
     if (st == ST_OK)
         st = show(v, scene);

@@ -411,6 +411,9 @@ static void test_reads_what_is_active(void **state) {
     assert_int_equal(leafcast_select(v, &high, 1), LEAFCAST_OK);
     const leafcast_camera c = view_of(v, 0);
     pictures_draw(v, &scene, &c, &p, &stats);
+    const leafcast_info info = leafcast_describe(v);
+    assert_string_equal(info.kind, "spheres");
+    assert_int_equal(info.treelets, TREELETS);
     assert_int_equal(stats.treelets_total, TREELETS);
     assert_int_equal(stats.treelets_active, active);
     assert_int_equal(stats.bytes_active, bytes);
@@ -501,6 +504,23 @@ static void test_probe_point(void **state) {
     free(l->file.bytes);
 }
 
+/* Balls overlap, so that a ray has no pieces in order: that is said. */
+static void test_no_segments(void **state) {
+    (void)state;
+    const lab *l = lab_make();
+    leafcast *v = open_with(l, NULL, 1.0f);
+    const leafcast_scene scene = leafcast_scene_default();
+    const double origin[3] = {-50.0, 30.0, 30.0}, direction[3] = {1.0, 0.0, 0.0};
+    leafcast_segment some[4];
+    int count = 1;
+    assert_int_equal(leafcast_probe_segments(v, &scene, origin, direction, some, 4, &count),
+                     LEAFCAST_USAGE);
+    assert_non_null(strstr(leafcast_error_text(), "spheres has no pieces"));
+    assert_int_equal(count, 0);
+    leafcast_close(v);
+    free(l->file.bytes);
+}
+
 /* ---- Files ---- */
 
 static leafcast_status open_memory(const leaf_image *i) {
@@ -583,6 +603,7 @@ int main(void) {
         cmocka_unit_test(test_reads_what_is_active),
         cmocka_unit_test(test_probe_ray),
         cmocka_unit_test(test_probe_point),
+        cmocka_unit_test(test_no_segments),
         cmocka_unit_test(test_hostile_files),
         cmocka_unit_test(test_hostile_payload),
         cmocka_unit_test(test_grid_beside),

@@ -421,7 +421,7 @@ static status run(probe_options *o, json_t *answer) {
     if (st == ST_OK)
         st = render_status(leafcast_open(o->common.input, &open, &volume));
     if (st == ST_OK)
-        o->is_mesh = leafcast_describe(volume).tets > 0;
+        o->is_mesh = strcmp(leafcast_describe(volume).kind, "mesh") == 0;
     if (st == ST_OK)
         st = view_options_check_volume(&o->view, volume);
     if (st == ST_OK)

@@ -476,7 +476,7 @@ static status draw_sequence(render_options *o, render_job *job, sequence *s, scr
 
 /* Before the first picture is drawn: flags that would change nothing, steps that are not there. */
 static status check_file(const render_options *o, const render_job *job) {
-    const bool mesh = job->info.tets > 0;
+    const bool mesh = strcmp(job->info.kind, "mesh") == 0;
     const struct {
         bool given;
         const char *name;
@@ -485,8 +485,8 @@ static status check_file(const render_options *o, const render_job *job) {
                      {o->open.schema != 0, "--schema"}};
     for (size_t i = 0; i < sizeof of_meshes / sizeof *of_meshes; i++)
         if (of_meshes[i].given && !mesh)
-            return status_describe(ST_USAGE, "%s is for meshes, and %s is a grid",
-                                   of_meshes[i].name, o->common.input);
+            return status_describe(ST_USAGE, "%s is for meshes, and %s is a %s", of_meshes[i].name,
+                                   o->common.input, job->info.kind);
     if (o->open.schema != 0 && job->info.steps == 1)
         return status_describe(ST_USAGE, "--schema: %s has one step", o->common.input);
     if (!o->series || o->last_step < job->info.steps)

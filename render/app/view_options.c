@@ -529,15 +529,22 @@ static const flag_need MESH_NEEDS[] = {
     {INTERSECTOR, intersector_is_exact, "--intersector: intersectors are for grids"},
     {NORMALS, normals_of_meshes, "--normals: a mesh's are faceted or smooth"}};
 
-status view_options_check_volume(const view_options *v, const leafcast *volume) {
-    const bool mesh = leafcast_describe(volume).tets > 0;
-    const flag_need *needs = mesh ? MESH_NEEDS : GRID_NEEDS;
-    for (size_t i = 0; i < sizeof GRID_NEEDS / sizeof *GRID_NEEDS; i++)
+static status check_flags(const view_options *v, const flag_need *needs, size_t count) {
+    for (size_t i = 0; i < count; i++)
         if ((v->given & bit_of(needs[i].key)) && !needs[i].met(v))
             return status_describe(ST_USAGE, "%s", needs[i].why);
     return ST_OK;
 }
-_Static_assert(sizeof GRID_NEEDS == sizeof MESH_NEEDS, "one loop for both");
+
+/* Of kinds that are not known here the library says itself what they cannot do. */
+status view_options_check_volume(const view_options *v, const leafcast *volume) {
+    const leafcast_info info = leafcast_describe(volume);
+    if (strcmp(info.kind, "grid") == 0)
+        return check_flags(v, GRID_NEEDS, sizeof GRID_NEEDS / sizeof *GRID_NEEDS);
+    if (strcmp(info.kind, "mesh") == 0)
+        return check_flags(v, MESH_NEEDS, sizeof MESH_NEEDS / sizeof *MESH_NEEDS);
+    return ST_OK;
+}
 
 status view_options_check(view_options *v) {
     if (v->isos == 0)

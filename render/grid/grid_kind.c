@@ -311,7 +311,8 @@ static status grid_cell_at(leafcast *v, const double point[3], leafcast_sample *
     return ST_OK;
 }
 
-const kind grid_kind = {.open = grid_open,
+const kind grid_kind = {.name = "grid",
+                        .open = grid_open,
                         .close = grid_close,
                         .describe = grid_describe,
                         .active_box = grid_active_box,

@@ -266,7 +266,8 @@ static status mesh_cell_at(leafcast *v, const double point[3], leafcast_sample *
     return st;
 }
 
-const kind mesh_kind = {.open = mesh_open,
+const kind mesh_kind = {.name = "mesh",
+                        .open = mesh_open,
                         .close = mesh_close,
                         .loading = mesh_loading,
                         .describe = mesh_describe,

@@ -297,7 +297,8 @@ static status spheres_cell_at(leafcast *v, const double point[3], leafcast_sampl
     return ST_OK;
 }
 
-const kind spheres_kind = {.open = spheres_open,
+const kind spheres_kind = {.name = "spheres",
+                           .open = spheres_open,
                            .close = spheres_close,
                            .describe = spheres_describe,
                            .active_box = spheres_active_box,
