@@ -4,7 +4,6 @@
 #include <limits.h>
 #include <math.h>
 #include <pthread.h>
-#include <stdatomic.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -30,8 +29,10 @@ typedef struct job {
     leafcast_convert_options o; /* the caller's, or the default */
     const char *out;
     progress p;
-    pthread_mutex_t lock; /* of watch() */
-    atomic_bool stopped;
+    pthread_mutex_t lock; /* of watch(), and of all that follows */
+    const char *stage;
+    double fraction;
+    bool stopped;
 } job;
 
 /* ---- Arguments ---- */
@@ -94,21 +95,28 @@ static status check_output(job *j) {
 
 /* ---- A job ---- */
 
+/* Stages that tell nothing (mesh_coarse.h) ask for a stop all the same: watch() then hears what it
+ * heard before. */
 static void tell(void *ctx, const char *stage, double fraction) {
     job *j = ctx;
     pthread_mutex_lock(&j->lock);
-    if (!j->stopped && !j->o.watch(j->o.watch_ctx, stage, fraction))
-        j->stopped = true;
+    j->stage = stage;
+    j->fraction = fraction;
     pthread_mutex_unlock(&j->lock);
 }
 
 static bool must_stop(void *ctx) {
-    return ((job *)ctx)->stopped;
+    job *j = ctx;
+    pthread_mutex_lock(&j->lock);
+    const bool stopped = j->stopped || !j->o.watch(j->o.watch_ctx, j->stage, j->fraction);
+    j->stopped = stopped;
+    pthread_mutex_unlock(&j->lock);
+    return stopped;
 }
 
 /* In any case job_end() follows. */
 static status job_begin(job *j, const char *out, const leafcast_convert_options *options) {
-    *j = (job){.out = out, .o = {.size = sizeof j->o}};
+    *j = (job){.out = out, .o = {.size = sizeof j->o}, .stage = "begin"};
     pthread_mutex_init(&j->lock, NULL);
     status st = options ? check_options(options) : ST_OK;
     if (st != ST_OK)

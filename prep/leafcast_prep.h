@@ -15,7 +15,8 @@
  * sizes (RLIMIT_FSIZE) ignores SIGXFSZ, to get LEAFCAST_NOSPACE and not a signal.
  *
  * Threads. Calls are independent of each other, and may be made by several threads at once. A call
- * uses threads of its own, which end with it. Of the caller's code they run what is said here.
+ * uses threads of its own, which end with it and have the caller's signal mask. Of the caller's
+ * code they run what is said here.
  *
  * One library with the viewing half: that half pays for this one with 330 KB of code that is not
  * loaded until it is used, and with zlib, jansson and expat, which are 0.1 ms of a program's start;
@@ -75,8 +76,9 @@ typedef struct leafcast_convert_options {
 
 /* leafcast_convert_path() - a file as `leafcast convert` takes it: NRRD, MetaImage, raw samples
  * with their dimensions in the name or in a JSON beside them; a mesh of TetGen, VTK, Gmsh, a mesh
- * stream. Standard input is none. leafcast_convert_steps() - several meshes of the same tets, whose
- * points may move: the steps of a time series. times: ascending; NULL: 0, 1, .. options may be
+ * stream. A named pipe's writer is waited for, whatever watch() says; standard input is refused.
+ * leafcast_convert_steps() - several meshes of the same tets, whose points may move: the steps of a
+ * time series. times: ascending; NULL: 0, 1, .. options may be
  * NULL. */
 LEAFCAST_API leafcast_status leafcast_convert_path(const char *in, const char *out,
                                                    const leafcast_convert_options *options);
@@ -115,8 +117,8 @@ typedef struct leafcast_grid {
 
 /* leafcast_convert_slices() - slice is called for z = 0, 1, .. dims[2] - 1, each once and in order,
  * by one thread, which is none of the caller's: it fills dims[0] * dims[1] samples, x fastest.
- * Another status than LEAFCAST_OK ends the conversion, and becomes its status. Never more than a
- * few slices are held, whatever their number. */
+ * Another status than LEAFCAST_OK ends the conversion, and becomes its status. A conversion that
+ * ends for another reason waits for the call that is under way. */
 typedef leafcast_status (*leafcast_slice)(void *ctx, uint32_t z, void *samples);
 LEAFCAST_API leafcast_status leafcast_convert_slices(const leafcast_grid *grid,
                                                      leafcast_slice slice, void *ctx,

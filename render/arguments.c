@@ -1,5 +1,7 @@
 #include "render/arguments.h"
 
+#include <math.h>
+
 #include "formats/public_status.h"
 #include "render/samples.h"
 
@@ -16,6 +18,9 @@ static status one_of(const char *name, long long value, int last) {
 
 status arguments_check_options(const leafcast_options *o) {
     status st = arguments_size("leafcast_options", o->size, sizeof *o);
+    if (st == ST_OK && o->device && (o->memory || o->threads || o->isa || o->run))
+        st = status_describe(ST_USAGE, "leafcast_options.device has its own memory, threads, isa "
+                                       "and run: these are for a new device");
     if (st == ST_OK)
         st = one_of("leafcast_options.backend", (long long)o->backend, LEAFCAST_BACKEND_ARENA);
     if (st == ST_OK)
@@ -26,8 +31,23 @@ status arguments_check_options(const leafcast_options *o) {
     return st;
 }
 
+status arguments_check_surfaces(const leafcast_surface *surfaces, int count) {
+    if (count < 1 || count > LEAFCAST_SURFACES_MAX)
+        return status_describe(ST_USAGE, "%d isosurfaces: 1 to %d can be drawn at once", count,
+                               LEAFCAST_SURFACES_MAX);
+    for (int i = 0; i < count; i++) {
+        if (!isfinite(surfaces[i].isovalue))
+            return status_describe(ST_USAGE, "isovalue %d is not a finite number", i + 1);
+        if (!(surfaces[i].opacity > 0.0f && surfaces[i].opacity <= 1.0f))
+            return status_describe(ST_USAGE, "opacity %d is not in (0, 1]", i + 1);
+    }
+    return ST_OK;
+}
+
 status arguments_check_scene(const leafcast_scene *s) {
     status st = arguments_size("leafcast_scene", s->size, sizeof *s);
+    if (st == ST_OK)
+        st = one_of("leafcast_scene.volume_count", s->volume_count, LEAFCAST_VOLUMES_MAX);
     if (st == ST_OK)
         st = one_of("leafcast_scene.light_count", s->light_count, LEAFCAST_LIGHTS_MAX);
     if (st == ST_OK)
@@ -44,13 +64,32 @@ status arguments_check_scene(const leafcast_scene *s) {
     return st;
 }
 
+/* The part of the picture, and its rows. */
+static status check_image(const leafcast_image *image, const leafcast_camera *camera) {
+    const status st = arguments_size("leafcast_image", image->size, sizeof *image);
+    if (st != ST_OK)
+        return st;
+    if (image->width == 0 ? image->x || image->y || image->height : image->height == 0)
+        return status_describe(ST_USAGE, "a part of the picture with %u x %u pixels", image->width,
+                               image->height);
+    if ((uint64_t)image->x + image->width > camera->width ||
+        (uint64_t)image->y + image->height > camera->height)
+        return status_describe(ST_USAGE, "%u x %u pixels from (%u, %u) on: the picture has %u x %u",
+                               image->width, image->height, image->x, image->y, camera->width,
+                               camera->height);
+    const uint32_t width = image->width ? image->width : camera->width;
+    if (image->stride != 0 && image->stride < width)
+        return status_describe(ST_USAGE, "rows of %u pixels every %zu", width, image->stride);
+    return ST_OK;
+}
+
 status arguments_check_picture(const leafcast_scene *scene, const leafcast_camera *camera,
                                const leafcast_image *image, const leafcast_stats *stats) {
     status st = arguments_check_scene(scene);
     if (st == ST_OK)
         st = arguments_size("leafcast_camera", camera->size, sizeof *camera);
     if (st == ST_OK)
-        st = arguments_size("leafcast_image", image->size, sizeof *image);
+        st = check_image(image, camera);
     if (st == ST_OK && stats)
         st = arguments_size("leafcast_stats", stats->size, sizeof *stats);
     return st;

@@ -15,6 +15,7 @@ CHECKED status arguments_size(const char *name, size_t given, size_t here);
 
 CHECKED status arguments_check_options(const leafcast_options *options);
 CHECKED status arguments_check_scene(const leafcast_scene *scene);
+CHECKED status arguments_check_surfaces(const leafcast_surface *surfaces, int count);
 
 /* arguments_check_picture() - of a picture, or the question whether there is room for it. stats may
  * be NULL. */

@@ -31,7 +31,9 @@ static status check(const leafcast_camera *from) {
                                from->height, CAMERA_PIXELS_MAX);
     if (!all_finite(from->eye) || !all_finite(from->look_at) || !all_finite(from->up))
         return status_describe(ST_USAGE, "the camera's eye, look-at and up must be finite");
-    if (!(from->fov > 0.0 && from->fov < 180.0))
+    if (!(from->ortho_height >= 0.0 && from->ortho_height < INFINITY))
+        return status_describe(ST_USAGE, "an orthographic picture %g high", from->ortho_height);
+    if (from->ortho_height == 0.0 && !(from->fov > 0.0 && from->fov < 180.0))
         return status_describe(ST_USAGE, "a field of view of %g degrees is not between 0 and 180",
                                from->fov);
     return ST_OK;
@@ -53,26 +55,45 @@ status camera_init(camera *c, const leafcast_camera *from) {
         return status_describe(ST_USAGE, "the camera looks along its up direction");
     vec3_cross(c->right, c->forward, c->up);
 
-    const double half = tangent(from->fov * PI / 360.0);
+    c->ortho = from->ortho_height > 0.0;
+    const double half = c->ortho ? 0.5 * from->ortho_height : tangent(from->fov * PI / 360.0);
     for (int a = 0; a < 3; a++) {
         c->right[a] *= half;
         c->up[a] *= half;
     }
     c->width = from->width;
     c->height = from->height;
-    camera_shift(c, 0.0, 0.0);
+    camera_window(c, 0, 0);
     return ST_OK;
 }
 
+void camera_window(camera *c, uint32_t x, uint32_t y) {
+    c->window[0] = x;
+    c->window[1] = y;
+    camera_shift(c, 0.0, 0.0);
+}
+
 void camera_shift(camera *c, double dx, double dy) {
-    c->middle[0] = c->width - 2.0 * dx;
-    c->middle[1] = c->height - 2.0 * dy;
+    c->middle[0] = c->width - 2.0 * (c->window[0] + dx);
+    c->middle[1] = c->height - 2.0 * (c->window[1] + dy);
+}
+
+/* Parallel rays: (u, v) is where they begin. */
+static void ortho_ray(const camera *c, double u, double v, double origin[3], double direction[3]) {
+    for (int a = 0; a < 3; a++) {
+        origin[a] = c->eye[a] + u * c->right[a] + v * c->up[a];
+        direction[a] = c->forward[a] + 0.0;
+    }
 }
 
 void camera_ray(const camera *c, double x, double y, double origin[3], double direction[3]) {
     const double u = (2.0 * x - c->middle[0]) / c->height;
     const double v = (c->middle[1] - 2.0 * y) / c->height;
     double d[3];
+    if (c->ortho) {
+        ortho_ray(c, u, v, origin, direction);
+        return;
+    }
     for (int a = 0; a < 3; a++)
         d[a] = c->forward[a] + u * c->right[a] + v * c->up[a];
     const double shrink = 1.0 / vec3_length(d);
@@ -83,11 +104,12 @@ void camera_ray(const camera *c, double x, double y, double origin[3], double di
 }
 
 ray_bundle camera_bundle(const camera *c) {
-    return (ray_bundle){RAYS_FROM, {c->eye[0], c->eye[1], c->eye[2]}};
+    const double *v = c->ortho ? c->forward : c->eye;
+    return (ray_bundle){c->ortho ? RAYS_ALONG : RAYS_FROM, {v[0], v[1], v[2]}};
 }
 
-double camera_pixel(const camera *c) {
-    return 2.0 * vec3_length(c->up) / c->height;
+double camera_pixel(const camera *c, double distance) {
+    return 2.0 * vec3_length(c->up) / c->height * (c->ortho ? 1.0 : distance);
 }
 
 leafcast_camera camera_standard(const double bounds[2][3], double distance, uint32_t width,

@@ -17,9 +17,12 @@ typedef struct camera {
     double eye[3];
     double forward[3];      /* unit length */
     double right[3], up[3]; /* as long as half the height of the picture at distance 1 */
-    double width, height;   /* pixels */
+    double width, height;   /* pixels of the whole picture */
+    double window[2];       /* its pixel that counts as (0, 0) */
     double middle[2];       /* twice the pixel that `forward` goes through: width, height, unless
-                               camera_shift() says otherwise */
+                               camera_window() and camera_shift() say otherwise */
+    bool ortho; /* rays are parallel; right and up are then half the height of the picture
+                   in world units */
 } camera;
 
 /* The index of a pixel fits 32 bits, signed or not. */
@@ -29,19 +32,21 @@ enum { CAMERA_PIXELS_MAX = INT32_MAX };
  * many pixels, fov outside (0, 180), nothing between eye and look_at, `up` along the view. */
 CHECKED status camera_init(camera *c, const leafcast_camera *from);
 
-/* camera_shift() - from now on, rays go through what was (x + dx, y + dy); at most half a pixel. */
+/* camera_window() - pixels are counted from (x, y) on; the same rays, to the bit. camera_shift() -
+ * from now on, rays go through what is (x + dx, y + dy) there; at most half a pixel. */
+void camera_window(camera *c, uint32_t x, uint32_t y);
 void camera_shift(camera *c, double dx, double dy);
 
-/* camera_ray() - the ray through (x, y), in pixels: from the eye, unit direction; no component is
- * -0. */
+/* camera_ray() - the ray through (x, y), in pixels: from the eye, or the plane through it; unit
+ * direction; no component is -0. */
 void camera_ray(const camera *c, double x, double y, double origin[3], double direction[3]);
 
 /* camera_bundle() - all rays of the camera. */
 ray_bundle camera_bundle(const camera *c);
 
-/* camera_pixel() - the width of a pixel at distance 1 from the eye, in the middle of the picture:
+/* camera_pixel() - the width of a pixel at a distance from the eye, in the middle of the picture:
  * what --lod pixel goes by. */
-double camera_pixel(const camera *c);
+double camera_pixel(const camera *c, double distance);
 
 /* camera_fit() - the nearest place from which all corners of a box are in the picture, looking at
  * its middle. corners: as bits of the index say, along the box's axes 0, 1, 2, in world space.

@@ -1,51 +1,52 @@
 #include "render/coarse_preview.h"
 
-#include <string.h>
+#include "render/leafcast_device.h"
 
 enum { SHARE_LOG2 = 3 };
 
+/* Of the device's budget, if it has one. */
+static size_t share_of(const leafcast *v) {
+    return v->m->limit >> SHARE_LOG2;
+}
+
 size_t coarse_preview_bytes(const leafcast *v) {
-    return v->coarse ? v->coarse->budget.limit : 0;
+    return v->coarse ? share_of(v) : 0;
 }
 
 void coarse_preview_end(leafcast *v) {
-    leafcast_close(v->coarse);
+    if (v->coarse)
+        volume_release(v->coarse);
     v->coarse = NULL;
 }
 
 static status open_coarse(leafcast *v, uint32_t set) {
-    mem outside;
-    mem_init(&outside, 0);
-    leafcast *coarse = mem_zalloc(&outside, sizeof *coarse);
+    leafcast_options options = v->options;
+    options.packets = 0;
+    options.backend = LEAFCAST_BACKEND_ARENA;
+    leafcast *coarse = volume_on(v->device, &options);
     if (!coarse)
         return ST_NOMEM;
-    coarse->options = v->options;
-    coarse->options.threads = 1;
-    coarse->options.packets = 0;
-    coarse->options.backend = LEAFCAST_BACKEND_ARENA;
-    coarse->kernels = v->kernels;
-    coarse->readers = loader_readers(v->treelets);
-    mem_init(&coarse->budget, v->budget.limit >> SHARE_LOG2);
-    status st = leaf_file_open_coarse(&coarse->budget, v->file, set, &coarse->file);
+    const size_t before = mem_used(v->m);
+    status st = leaf_file_open_coarse(v->m, v->file, set, &coarse->file);
     if (st == ST_OK)
         st = volume_open_file(coarse);
     if (st != ST_OK) {
-        leafcast_close(coarse);
+        volume_release(coarse);
         return st;
     }
+    coarse->base_bytes = mem_used(v->m) - before;
     v->coarse = coarse;
     v->coarse_set = set;
     return ST_OK;
 }
 
-/* As many treelets as its budget holds; false: not even one. */
-static bool make_places(leafcast *coarse) {
-    const size_t place = loader_place_bytes(coarse->treelets);
+/* As many treelets as its share holds; false: not even one. */
+static bool make_places(const leafcast *v) {
+    const leafcast *coarse = v->coarse;
+    const size_t place = loader_place_bytes(coarse->treelets), share = share_of(v);
     size_t places = coarse->file->layout.treelets;
-    if (coarse->budget.limit) {
-        const size_t room = coarse->budget.limit > coarse->base_bytes
-                                ? (coarse->budget.limit - coarse->base_bytes) / place
-                                : 0;
+    if (share) {
+        const size_t room = share > coarse->base_bytes ? (share - coarse->base_bytes) / place : 0;
         places = room < places ? room : places;
     }
     if (places > 0)
@@ -65,12 +66,12 @@ static status begin_loading(loader *l) {
     return st;
 }
 
-status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, tracer *tr,
-                            const tracer **out) {
+status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, const leafcast_shown *shown,
+                            tracer *tr, const tracer **out) {
     *out = NULL;
     if (!scene->preview)
         return ST_OK;
-    const uint32_t set = leaf_layout_set(&v->file->layout, v->field, v->step);
+    const uint32_t set = leaf_layout_set(&v->file->layout, shown->field, shown->step);
     if (v->coarse && v->coarse_set != set)
         coarse_preview_end(v);
     if (!leaf_file_has_coarse(v->file, set))
@@ -81,16 +82,14 @@ status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, tracer *tr
     if (st != ST_OK)
         return st;
     leafcast *coarse = v->coarse;
-    if (!make_places(coarse)) {
+    if (!make_places(v)) {
         coarse_preview_end(v);
         return ST_OK;
     }
     leafcast_scene whole = *scene;
     whole.smooth_normals = false; /* a grid has others */
     whole.lod = LEAFCAST_LOD_EXACT;
-    if (coarse->surface_count != v->surface_count ||
-        memcmp(coarse->surfaces, v->surfaces, (size_t)v->surface_count * sizeof *v->surfaces) != 0)
-        (void)leafcast_select(coarse, v->surfaces, v->surface_count);
+    volume_show(coarse, 0, 0, shown->surfaces, shown->count);
     st = begin_loading(coarse->treelets);
     if (st == ST_OK)
         st = volume_tracer(coarse, &whole, NULL, tr);
@@ -103,5 +102,4 @@ void coarse_preview_stats(const leafcast *v, leafcast_stats *stats) {
     const loader_stats l = loader_statistics(v->coarse->treelets);
     stats->bytes_read += l.bytes_read;
     stats->bytes_resident += l.bytes_resident;
-    stats->bytes_peak += mem_peak(&v->coarse->budget);
 }

@@ -1,63 +1,44 @@
 #include "render/frame.h"
 
-#include <pthread.h>
+#include <math.h>
 #include <stdatomic.h>
 #include <string.h>
 
-#include "render/integrator.h"
+#include "render/frame_work.h"
 #include "render/kind.h"
 
-enum {
-    BATCH = 256, /* resumed rays a work item */
-    CHUNK = 4096 /* records allocated at once */
-};
-static const uint32_t no_record = UINT32_MAX;
-
-/* A thread's counters, apart from the others' cache lines. */
+/* What a thread counts and has in reserve, apart from the others' cache lines. */
 typedef struct tally {
     _Alignas(64) ray_counters counters;
+    atomic_size_t finished; /* pixels */
+    ray_reserve reserve;
 } tally;
 
 /* What a thread draws a tile in; then come records of rays that have suspended, on their way to
  * their place, and the tile's kernel has the rest of the scratch. */
 typedef struct easel {
     _Alignas(64) tile_outcome todo;
-    char *records; /* BATCH */
+    char *records; /* WORK_BATCH */
     uint32_t suspended;
 } easel;
 
-typedef struct drawing {
+struct drawing {
     const frame *f;
     uint32_t side; /* of a tile */
     uint32_t tiles_x, tiles;
     tally *tallies;
-    /* Records of suspended rays, in chunks that come as they are needed; guarded by lock. */
-    pthread_mutex_t lock;
-    char **chunks;
-    uint32_t records_made, free_head, reserved;
-    /* Buckets: per treelet the list of rays that wait for it, and which treelets have one; guarded
-     * by lock. Treelets of all volumes, numbered through. */
-    uint32_t first[FRAME_VOLUMES_MAX + 1];
-    uint32_t *bucket;
-    uint32_t *waiting;
-    uint32_t waiting_count;
-    /* This pass: rays to resume, then tiles to start. */
-    uint32_t *runnable;
-    uint32_t runnable_count, runnable_room;
-    size_t batches;
-    uint32_t *tiles_now, *tiles_later; /* not drawn yet: of this pass; put off to the next */
-    uint32_t tiles_left, tiles_off, tiles_waiting; /* the last: put off until treelets come */
-    tile_row *to_do;                               /* `side` rows a tile: pixels not begun */
-    loader_request *requests;
-    atomic_size_t finished; /* pixels */
-} drawing;
+    ray_records records;
+    frame_work work;
+    tile_row *to_do; /* `side` rows a tile: pixels not begun */
+    uint64_t rounds;
+};
 
 static uint32_t tile_side(const frame *f) {
     return f->tracer->kind->tile_side;
 }
 
 static size_t records_bytes(const frame *f) {
-    return (BATCH * f->integrator->record_bytes + 63) / 64 * 64;
+    return (WORK_BATCH * f->integrator->record_bytes + 63) / 64 * 64;
 }
 
 uint32_t frame_records_min(const frame *f) {
@@ -65,7 +46,7 @@ uint32_t frame_records_min(const frame *f) {
 }
 
 size_t frame_record_bytes(const frame *f) {
-    return f->integrator->record_bytes + sizeof(uint32_t);
+    return f->integrator->record_bytes;
 }
 
 size_t frame_scratch_bytes(const frame *f) {
@@ -95,69 +76,10 @@ static uint32_t treelets_of(const frame *f) {
 size_t frame_bytes(const frame *f, uint32_t records_max) {
     const uint32_t side = tile_side(f);
     const size_t tiles = (size_t)tiles_of(f->width, side) * tiles_of(f->height, side);
-    const size_t chunks = records_max / CHUNK + 1;
-    return treelets_of(f) * (2 * sizeof(uint32_t) + sizeof(loader_request)) +
-           tiles * (2 * sizeof(uint32_t) + side * sizeof(tile_row)) +
-           chunks * (sizeof(void *) + 192) + CHUNK * f->integrator->record_bytes +
-           ((size_t)pool_threads(f->threads) + 1) * sizeof(tally);
-}
-
-static ray_record *record(const drawing *d, uint32_t i) {
-    return (ray_record *)(d->chunks[i / CHUNK] + i % CHUNK * d->f->integrator->record_bytes);
-}
-
-/* ---- The order of treelets ---- */
-
-static uint64_t priority_of(const frame *f, int volume, uint32_t t, uint32_t leg) {
-    const tracer *tr = &f->tracer[volume];
-    const ray_bundle rays = f->integrator->bundle(f, leg);
-    return (uint64_t)leg << 32 | tr->kind->rank(tr, t, &rays);
-}
-
-static uint64_t priority_for(const frame *f, const ray_record *r) {
-    return priority_of(f, r->volume, r->blocked, r->leg);
-}
-
-/* The volume of a treelet among those of all. */
-static int volume_of(const drawing *d, uint32_t t) {
-    int v = 0;
-    while (t >= d->first[v + 1])
-        v++;
-    return v;
-}
-
-/* ---- Records and buckets; with the lock held ---- */
-
-static status make_chunk(drawing *d) {
-    const frame *f = d->f;
-    const uint32_t left = f->records_max - d->records_made, count = left < CHUNK ? left : CHUNK;
-    char *chunk = mem_array(f->m, count, f->integrator->record_bytes);
-    if (!chunk)
-        return ST_NOMEM;
-    d->chunks[d->records_made / CHUNK] = chunk;
-    for (uint32_t i = d->records_made + count; i-- > d->records_made;) {
-        record(d, i)->next = d->free_head;
-        d->free_head = i;
-    }
-    d->records_made += count;
-    return ST_OK;
-}
-
-static void suspend(drawing *d, uint32_t i) {
-    const frame *f = d->f;
-    ray_record *r = record(d, i);
-    const uint32_t t = d->first[r->volume] + r->blocked;
-    if (d->bucket[t] == no_record) {
-        d->waiting[d->waiting_count++] = t;
-        loader_want(f->tracer[r->volume].treelets, r->blocked, priority_for(f, r));
-    }
-    r->next = d->bucket[t];
-    d->bucket[t] = i;
-}
-
-static void release(drawing *d, uint32_t i) {
-    record(d, i)->next = d->free_head;
-    d->free_head = i;
+    return frame_work_bytes(treelets_of(f), tiles) +
+           ray_records_bytes(f->integrator->record_bytes, records_max) +
+           tiles * side * sizeof(tile_row) +
+           ((size_t)pool_threads(f->threads) + 1) * sizeof(tally) + sizeof(drawing) + 128;
 }
 
 /* ---- Work items ---- */
@@ -167,31 +89,14 @@ static tile_row *rows_to_do(const drawing *d, uint32_t tile) {
     return d->to_do + (size_t)tile * d->side;
 }
 
-static bool reserve(drawing *d, uint32_t count) {
-    pthread_mutex_lock(&d->lock);
-    const bool fits = d->reserved + count <= d->f->records_max;
-    if (fits)
-        d->reserved += count;
-    pthread_mutex_unlock(&d->lock);
-    return fits;
-}
-
-/* A tile whose rays met absent treelets asks for them and is taken up again when they have come;
- * but rays wait one by one where treelets have to take turns, and where a preview goes on without
- * them. */
+/* A tile whose rays met absent treelets is taken up again when they have come; but rays wait one by
+ * one where treelets have to take turns, and where a preview goes on without them. From here on it
+ * may be another thread's. */
 static bool wait_for_treelets(drawing *d, uint32_t tile, const tile_outcome *todo) {
-    const frame *f = d->f;
-    loader *treelets = f->tracer->treelets;
-    if (todo->absent_count == 0 || f->tracer->preview || !loader_has_room(treelets))
+    if (todo->absent_count == 0 || d->f->tracer->preview)
         return false;
-    for (int i = 0; i < todo->absent_count; i++)
-        loader_want(treelets, todo->absent[i], priority_of(f, 0, todo->absent[i], 0));
     memcpy(rows_to_do(d, tile), todo->waits, d->side * sizeof *todo->waits);
-    pthread_mutex_lock(&d->lock);
-    d->tiles_later[d->tiles_off++] = tile;
-    d->tiles_waiting++;
-    pthread_mutex_unlock(&d->lock);
-    return true;
+    return frame_work_wait(&d->work, tile, todo->absent, todo->absent_count);
 }
 
 static void begin_tile(drawing *d, uint32_t tile, uint32_t x0, uint32_t y0, tile_outcome *todo,
@@ -218,35 +123,30 @@ static uint32_t pixels_of(const tile_row rows[], uint32_t side) {
     return count;
 }
 
-/* The reservation has made sure of room. */
-static status keep_suspended(drawing *d, easel *e) {
+/* A record was promised to each. */
+static status keep_suspended(drawing *d, easel *e, ray_reserve *own) {
     const size_t bytes = d->f->integrator->record_bytes;
+    uint32_t kept[WORK_BATCH];
     status st = ST_OK;
-    pthread_mutex_lock(&d->lock);
     for (uint32_t i = 0; i < e->suspended && st == ST_OK; i++) {
-        if (d->free_head == no_record)
-            st = make_chunk(d);
-        if (st != ST_OK)
-            break;
-        const uint32_t r = d->free_head;
-        d->free_head = record(d, r)->next;
-        memcpy(record(d, r), e->records + i * bytes, bytes);
-        suspend(d, r);
+        st = ray_records_take(&d->records, own, &kept[i]);
+        if (st == ST_OK)
+            memcpy(ray_records_at(&d->records, kept[i]), e->records + i * bytes, bytes);
     }
-    pthread_mutex_unlock(&d->lock);
+    if (st == ST_OK && e->suspended > 0)
+        frame_work_suspend(&d->work, own, kept, e->suspended);
     e->suspended = 0;
     return st;
 }
 
-static void unreserve(drawing *d, uint32_t count) {
-    pthread_mutex_lock(&d->lock);
-    d->reserved -= count;
-    pthread_mutex_unlock(&d->lock);
+static void count_finished(tally *t, size_t pixels) {
+    const size_t before = atomic_load_explicit(&t->finished, memory_order_relaxed);
+    atomic_store_explicit(&t->finished, before + pixels, memory_order_relaxed);
 }
 
 /* What tiles have left to single rays of one row. *kept: how many were suspended, by then. */
 static status draw_row(drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t y, uint32_t *kept,
-                       ray_counters *counters) {
+                       tally *mine) {
     const frame *f = d->f;
     const integrator *in = f->integrator;
     const tile_outcome *todo = &e->todo;
@@ -259,134 +159,78 @@ static status draw_row(drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t 
             in->begin(f, pixel, r);
         else
             in->found(f, pixel, &todo->hits[i], todo->at[i], r);
-        if (in->advance(f, r, counters))
+        if (in->advance(f, r, &mine->counters))
             continue;
         ++*kept;
-        if (++e->suspended == BATCH)
-            st = keep_suspended(d, e);
+        if (++e->suspended == WORK_BATCH)
+            st = keep_suspended(d, e, &mine->reserve);
     }
     return st;
 }
 
 /* Trace a tile's rays, all together as far as that goes. */
-static status draw_tile(drawing *d, uint32_t tile, easel *e, ray_counters *counters) {
+static status draw_tile(drawing *d, uint32_t tile, easel *e, tally *mine) {
     uint32_t kept = 0;
     const uint32_t x0 = tile % d->tiles_x * d->side, y0 = tile / d->tiles_x * d->side;
     const uint32_t asked = pixels_of(rows_to_do(d, tile), d->side);
-    begin_tile(d, tile, x0, y0, &e->todo, counters);
+    begin_tile(d, tile, x0, y0, &e->todo, &mine->counters);
     status st = ST_OK;
     for (uint32_t y = 0; y < d->side && st == ST_OK; y++)
-        st = draw_row(d, e, x0, y0, y, &kept, counters);
+        st = draw_row(d, e, x0, y0, y, &kept, mine);
     if (st == ST_OK)
-        st = keep_suspended(d, e);
+        st = keep_suspended(d, e, &mine->reserve);
     const uint32_t begun = asked - pixels_of(e->todo.waits, d->side);
-    counters->primary_rays += begun;
-    atomic_fetch_add_explicit(&d->finished, begun - kept, memory_order_relaxed);
-    unreserve(d, d->side * d->side - kept);
+    mine->counters.primary_rays += begun;
+    count_finished(mine, begun - kept);
+    if (begun > 0)
+        frame_work_progress(&d->work);
     return st;
 }
 
-static void resume_batch(drawing *d, size_t batch, ray_counters *counters) {
-    const size_t from = batch * BATCH;
-    const size_t to = from + BATCH < d->runnable_count ? from + BATCH : d->runnable_count;
-    bool done[BATCH];
+static void resume_rays(drawing *d, const work_item *item, tally *mine) {
+    uint32_t left[WORK_BATCH], count = 0;
+    for (uint32_t i = 0; i < item->count; i++) {
+        const uint32_t r = item->rays[i];
+        if (d->f->integrator->advance(d->f, ray_records_at(&d->records, r), &mine->counters))
+            ray_records_give(&d->records, &mine->reserve, r);
+        else
+            left[count++] = r;
+    }
+    count_finished(mine, item->count - count);
+    frame_work_progress(&d->work);
+    frame_work_suspend(&d->work, &mine->reserve, left, count);
+}
+
+static double share_done(const drawing *d) {
     size_t finished = 0;
-    for (size_t i = from; i < to; i++) {
-        done[i - from] = d->f->integrator->advance(d->f, record(d, d->runnable[i]), counters);
-        finished += done[i - from];
-    }
-    atomic_fetch_add_explicit(&d->finished, finished, memory_order_relaxed);
-    pthread_mutex_lock(&d->lock);
-    for (size_t i = from; i < to; i++) {
-        if (done[i - from]) {
-            release(d, d->runnable[i]);
-            d->reserved--;
-        } else {
-            suspend(d, d->runnable[i]);
-        }
-    }
-    pthread_mutex_unlock(&d->lock);
-}
-
-static void put_off(drawing *d, uint32_t tile) {
-    pthread_mutex_lock(&d->lock);
-    d->tiles_later[d->tiles_off++] = tile;
-    pthread_mutex_unlock(&d->lock);
-}
-
-static double share_done(drawing *d) {
-    const size_t finished = atomic_load_explicit(&d->finished, memory_order_relaxed);
+    for (int i = 0; i < pool_threads(d->f->threads); i++)
+        finished += atomic_load_explicit(&d->tallies[i].finished, memory_order_relaxed);
     return (double)finished / ((double)d->f->width * d->f->height);
 }
 
-static status run_item(void *ctx, size_t index, int worker) {
-    drawing *d = ctx;
+static status draw_item(drawing *d, const work_item *item, int worker) {
     const frame *f = d->f;
-    ray_counters *counters = &d->tallies[worker].counters;
+    tally *mine = &d->tallies[worker];
     if (f->watch && !f->watch(f->watch_ctx, share_done(d)))
         return status_describe(ST_STOPPED, "stopped");
-    if (index < d->batches) {
-        resume_batch(d, index, counters);
-        return ST_OK;
-    }
-    const uint32_t tile = d->tiles_now[index - d->batches];
-    if (!reserve(d, d->side * d->side)) {
-        put_off(d, tile);
-        return ST_OK;
-    }
-    return draw_tile(d, tile, easel_of(f, worker), counters);
-}
-
-/* ---- Passes ---- */
-
-/* Room for every record there is: most frames have none. */
-static status make_room(drawing *d) {
-    if (d->records_made <= d->runnable_room)
-        return ST_OK;
-    mem_free(d->f->m, d->runnable);
-    d->runnable = mem_array(d->f->m, d->records_made, sizeof *d->runnable);
-    d->runnable_room = d->runnable ? d->records_made : 0;
-    return d->runnable ? ST_OK : ST_NOMEM;
-}
-
-/* Empty the buckets whose treelets have come. */
-static status collect_runnable(drawing *d) {
-    uint32_t kept = 0;
-    status st = make_room(d);
-    if (st != ST_OK)
-        return st;
-    d->runnable_count = 0;
-    for (uint32_t i = 0; i < d->waiting_count; i++) {
-        const uint32_t t = d->waiting[i];
-        const int v = volume_of(d, t);
-        if (!loader_lookup(d->f->tracer[v].treelets, t - d->first[v])) {
-            d->waiting[kept++] = t;
-            continue;
-        }
-        for (uint32_t r = d->bucket[t]; r != no_record; r = record(d, r)->next)
-            d->runnable[d->runnable_count++] = r;
-        d->bucket[t] = no_record;
-    }
-    d->waiting_count = kept;
-    d->batches = (d->runnable_count + BATCH - 1) / BATCH;
+    if (item->is_tile)
+        return draw_tile(d, item->tile, easel_of(f, worker), mine);
+    resume_rays(d, item, mine);
     return ST_OK;
 }
 
-/* All rays wait: at least one treelet of each volume that some wait for comes. */
-static status admit(drawing *d) {
-    const frame *f = d->f;
+/* A thread's round. */
+static status draw_items(void *ctx, size_t index, int worker) {
+    drawing *d = ctx;
+    work_item item;
     status st = ST_OK;
-    for (int v = 0; v < f->volumes && st == ST_OK; v++) {
-        size_t count = 0;
-        for (uint32_t i = 0; i < d->waiting_count; i++) {
-            const uint32_t t = d->waiting[i];
-            if (t >= d->first[v] && t < d->first[v + 1])
-                d->requests[count++] =
-                    (loader_request){t - d->first[v], priority_for(f, record(d, d->bucket[t]))};
-        }
-        if (count > 0)
-            st = loader_admit(f->tracer[v].treelets, d->requests, count);
-    }
+    (void)index;
+    frame_work_enter(&d->work);
+    while (st == ST_OK && frame_work_take(&d->work, &d->tallies[worker].reserve, &item))
+        st = draw_item(d, &item, worker);
+    if (st != ST_OK)
+        frame_work_stop(&d->work);
+    frame_work_leave(&d->work, &d->tallies[worker].reserve);
     return st;
 }
 
@@ -398,58 +242,31 @@ static status failure(const frame *f) {
     return st;
 }
 
-static status draw_passes(drawing *d, ray_counters *total) {
+/* Until nothing can be done without treelets giving way to others, or the time is over. */
+static status draw_round(drawing *d) {
     const frame *f = d->f;
-    for (;;) {
-        status st = collect_runnable(d);
-        if (st != ST_OK)
-            return st;
-        const bool room = d->tiles_left > 0 && d->reserved + d->side * d->side <= f->records_max;
-        if (d->runnable_count == 0 && !room) {
-            if (d->waiting_count == 0)
-                return ST_OK;
-            st = admit(d);
-            if (st != ST_OK)
-                return st;
-            continue;
-        }
-        const uint32_t tiles = room ? d->tiles_left : 0;
-        if (d->tiles_waiting > 0 && d->runnable_count == 0)
-            st = loader_settle(f->tracer->treelets);
-        if (st != ST_OK)
-            return st;
-        d->tiles_waiting = 0;
-        if (room)
-            d->tiles_off = 0;
-        total->passes++;
-        st = pool_run(f->threads, d->batches + tiles, run_item, d);
-        if (st == ST_OK)
-            st = failure(f);
-        if (st != ST_OK)
-            return st;
-        if (room) {
-            uint32_t *later = d->tiles_later;
-            d->tiles_later = d->tiles_now;
-            d->tiles_now = later;
-            d->tiles_left = d->tiles_off;
-        }
-    }
+    d->rounds++;
+    status st = pool_run(f->threads, (size_t)pool_threads(f->threads), draw_items, d);
+    if (st == ST_OK)
+        st = failure(f);
+    if (st == ST_OK && f->cancel && atomic_load(f->cancel))
+        st = status_describe(ST_STOPPED, "stopped");
+    return st;
 }
 
-static void drawing_release(drawing *d) {
-    mem *m = d->f->m;
-    for (uint32_t i = 0; i * CHUNK < d->records_made; i++)
-        mem_free(m, d->chunks[i]);
-    mem_free(m, d->requests);
-    mem_free(m, d->runnable);
-    mem_free(m, d->waiting);
-    mem_free(m, d->bucket);
-    mem_free(m, d->to_do);
-    mem_free(m, d->tiles_later);
-    mem_free(m, d->tiles_now);
-    mem_free(m, d->chunks);
-    mem_free(m, d->tallies);
-    pthread_mutex_destroy(&d->lock);
+status frame_advance(drawing *d, double until, bool *done) {
+    status st = ST_OK;
+    *done = false;
+    frame_work_begin(&d->work, until);
+    for (bool again = true; again && st == ST_OK;) {
+        st = draw_round(d);
+        *done = st == ST_OK && frame_work_done(&d->work);
+        again = !*done && !frame_work_late(&d->work);
+        if (again && st == ST_OK)
+            st = frame_work_admit(&d->work);
+    }
+    frame_work_end(&d->work);
+    return st;
 }
 
 /* A tile with all its pixels in the picture to do. */
@@ -476,47 +293,66 @@ static void put_in_order(drawing *d) {
             for (uint32_t code = 0; code < SIDE * SIDE; code++) {
                 const uint32_t x = x0 + even_bits(code), y = y0 + even_bits(code >> 1);
                 if (x < d->tiles_x && y < tiles_y)
-                    d->tiles_now[count++] = y * d->tiles_x + x;
+                    d->work.order[count++] = y * d->tiles_x + x;
             }
         }
     }
 }
 
 static status drawing_init(drawing *d, const frame *f) {
-    const uint32_t treelets = treelets_of(f), side = tile_side(f);
-    const int threads = pool_threads(f->threads);
-    *d = (drawing){
-        .f = f, .side = side, .tiles_x = tiles_of(f->width, side), .free_head = no_record};
-    pthread_mutex_init(&d->lock, NULL);
-    for (int v = 0; v < f->volumes; v++)
-        d->first[v + 1] = d->first[v] + f->tracer[v].layout->treelets;
-    d->tiles = d->tiles_left = d->tiles_x * tiles_of(f->height, side);
-    d->tallies = mem_array(f->m, (size_t)threads, sizeof *d->tallies);
-    d->chunks = mem_array(f->m, f->records_max / CHUNK + 1, sizeof *d->chunks);
-    d->tiles_now = mem_array(f->m, d->tiles, sizeof *d->tiles_now);
-    d->tiles_later = mem_array(f->m, d->tiles, sizeof *d->tiles_later);
+    const uint32_t side = tile_side(f);
+    *d = (drawing){.f = f, .side = side, .tiles_x = tiles_of(f->width, side)};
+    d->tiles = d->tiles_x * tiles_of(f->height, side);
+    const status records =
+        ray_records_init(&d->records, f->m, f->integrator->record_bytes, f->records_max);
+    const status work = frame_work_init(&d->work, f, &d->records, d->tiles);
+    d->tallies = mem_array(f->m, (size_t)pool_threads(f->threads), sizeof *d->tallies);
     d->to_do = mem_array(f->m, d->tiles, side * sizeof *d->to_do);
-    d->bucket = mem_array(f->m, treelets, sizeof *d->bucket);
-    d->waiting = mem_array(f->m, treelets, sizeof *d->waiting);
-    d->requests = mem_array(f->m, treelets, sizeof *d->requests);
-    if (!d->tallies || !d->chunks || !d->tiles_now || !d->tiles_later || !d->to_do || !d->bucket ||
-        !d->waiting || !d->requests)
+    if (records != ST_OK || work != ST_OK || !d->tallies || !d->to_do)
         return ST_NOMEM;
     for (uint32_t i = 0; i < d->tiles; i++)
         begin_to_do(d, i);
     put_in_order(d);
-    for (uint32_t t = 0; t < treelets; t++)
-        d->bucket[t] = no_record;
     return ST_OK;
 }
 
-status frame_render(const frame *f, ray_counters *counters) {
-    drawing d;
-    status st = drawing_init(&d, f);
+status frame_begin(const frame *f, drawing **out) {
+    drawing *d = mem_alloc(f->m, sizeof *d);
+    if (!d)
+        return ST_NOMEM;
+    const status st = drawing_init(d, f);
     if (st == ST_OK)
-        st = draw_passes(&d, counters);
-    for (int i = 0; d.tallies && i < pool_threads(f->threads); i++)
-        ray_counters_add(counters, &d.tallies[i].counters);
-    drawing_release(&d);
+        *out = d;
+    else
+        frame_end(d, NULL);
+    return st;
+}
+
+static void add_counters(const drawing *d, ray_counters *total) {
+    total->passes += d->rounds;
+    for (int i = 0; i < pool_threads(d->f->threads); i++)
+        ray_counters_add(total, &d->tallies[i].counters);
+}
+
+void frame_end(drawing *d, ray_counters *total) {
+    if (!d)
+        return;
+    mem *m = d->f->m;
+    if (total && d->tallies)
+        add_counters(d, total);
+    frame_work_release(&d->work);
+    ray_records_release(&d->records);
+    mem_free(m, d->to_do);
+    mem_free(m, d->tallies);
+    mem_free(m, d);
+}
+
+status frame_render(const frame *f, ray_counters *counters) {
+    drawing *d = NULL;
+    bool done = false;
+    status st = frame_begin(f, &d);
+    if (st == ST_OK)
+        st = frame_advance(d, (double)INFINITY, &done);
+    frame_end(d, counters);
     return st;
 }

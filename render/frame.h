@@ -9,6 +9,8 @@
 #ifndef RENDER_FRAME_H
 #define RENDER_FRAME_H
 
+#include <stdatomic.h>
+
 #include "formats/base/pool.h"
 #include "render/camera.h"
 #include "render/counters.h"
@@ -39,6 +41,7 @@ typedef struct frame {
     uint32_t records_max; /* suspended rays at a time, at least frame_records_min() */
     bool (*watch)(void *ctx, double done); /* see leafcast_trace() */
     void *watch_ctx;
+    const atomic_bool *cancel; /* ends it soon with ST_STOPPED once it is true; or NULL */
 } frame;
 
 /* frame_plane() - where a pixel is in the image's planes. */
@@ -46,8 +49,23 @@ static inline size_t frame_plane(const frame *f, uint32_t pixel) {
     return pixel / f->width * f->stride + pixel % f->width;
 }
 
-/* frame_render() - draw into f->image. ST_STOPPED when watch() said so; the planes are then partly
- * written. */
+typedef struct drawing drawing;
+
+/* frame_begin() - a drawing of f, which is used until frame_end(); nothing is drawn yet. All its
+ * memory is of f->m. */
+CHECKED status frame_begin(const frame *f, drawing **out);
+
+/* frame_advance() - go on. Nothing is begun after `until` (clock_seconds(), INFINITY: never) but
+ * what makes some progress, so that any number of calls ends. *done when every pixel is written.
+ * In between the loaders may serve others: they must have the same selection again, and forgotten
+ * their failures. ST_STOPPED when watch() or *cancel said so; the planes are then partly written.
+ * After any error there is only frame_end(). */
+CHECKED status frame_advance(drawing *d, double until, bool *done);
+
+/* frame_end() - adds what it took to the counters, which may be NULL. NULL for d is fine. */
+void frame_end(drawing *d, ray_counters *total);
+
+/* frame_render() - the three in a row. */
 CHECKED status frame_render(const frame *f, ray_counters *counters);
 
 /* The following need of f: tracer (kind, layout), volumes, integrator, threads, width and height.

@@ -41,8 +41,8 @@ typedef struct kind {
     uint32_t tile_side;
     size_t tile_scratch;
     tile_fn (*tile)(const kernels *k);
-    /* v->projection, not usable where tiles are not possible; memory that it takes. */
-    status (*project)(leafcast *v, const camera *c);
+    /* The camera's; not usable where tiles are not possible. Memory that it takes. */
+    status (*project)(leafcast *v, const camera *c, projection *out);
     size_t (*projection_bytes)(const leaf_layout *layout);
 
     /* ---- The order of treelets ---- */

@@ -9,7 +9,8 @@
  *     leafcast_trace(volume, &scene, &camera, &image, &stats, NULL, NULL);
  *     leafcast_close(volume);
  *
- * No globals, no output, no exit. Vectors are (x, y, z); spaces are world space unless said.
+ * leafcast_prep.h makes such files. No globals, no output, no exit. Vectors are (x, y, z); spaces
+ * are world space unless said.
  *
  * Errors. Every call that can fail returns a leafcast_status; leafcast_error_text() then says more,
  * for the calling thread. A volume stays usable after any failure: the next call starts afresh.
@@ -21,9 +22,15 @@
  * Any other size is LEAFCAST_USAGE. Structs without it stay as they are. A value that is none of
  * an enumeration's is LEAFCAST_USAGE, too.
  *
- * Threads. Calls on one volume come from one thread at a time, which may be another each time;
- * different volumes are independent. A volume has threads of its own, which end with it; of the
- * caller's code they run watch() alone. Their signal mask is that of the thread that opened it.
+ * Devices. Volumes on one device share its threads and its memory budget; a volume that is opened
+ * without one has a device of its own, which ends with it. A scene shows one volume or several.
+ *
+ * Threads. Any thread may call, several at a time: calls that draw or probe volumes of one device
+ * take turns. But a volume, device or frame is closed by one call, when no other uses it any more.
+ * leafcast_select() and leafcast_select_set() say what later calls see, whoever makes them: threads
+ * that share a volume let their scenes say it instead. Of the caller's code, a device's threads run
+ * watch() alone, which must not call for that device. Their signal mask is that of the thread that
+ * made them.
  *
  * Colours are linear RGB in [0, 1]. Those of pictures are premultiplied by alpha (a background of
  * alpha 0 adds nothing), and not clamped: light may exceed 1. Bytes for a screen are the caller's:
@@ -49,7 +56,8 @@ LEAFCAST_API const char *leafcast_version(void);
 
 /* ---- Opening ---- */
 
-typedef struct leafcast leafcast;
+typedef struct leafcast_device leafcast_device;
+typedef struct leafcast leafcast; /* a volume */
 
 typedef enum leafcast_backend {
     LEAFCAST_BACKEND_AUTO = 0,
@@ -80,18 +88,36 @@ typedef enum leafcast_isopolygons {
 
 typedef struct leafcast_options {
     size_t size;
-    /* Bytes for everything: directory, treelets, rays; 0: as much as the scene needs. */
+
+    /* ---- Of a device ---- */
+
+    /* Bytes for everything: directories, treelets, rays; 0: as much as scenes need. */
     uint64_t memory;
-    /* At most so many treelets at a time, 0: what memory allows; for tests and experiments. */
-    uint32_t treelet_limit;
-    int threads; /* render threads; 0: the CPUs this process may use */
+    int threads;     /* render threads; 0: the CPUs this process may use; 1: the caller's alone */
+    const char *isa; /* kernels by name ("scalar"); NULL or "auto": the best this CPU has */
+    /* To draw by `threads` threads of the caller's: run() calls work(arg, i) once for every i below
+     * count, side by side or one after the other, and returns when all these have returned. NULL:
+     * the device makes threads of its own. Those that read files are its own in any case. */
+    void (*run)(void *host, int count, void (*work)(void *arg, int index), void *arg);
+    void *host;
+
+    /* ---- Of a volume ---- */
+
+    leafcast_device *device; /* that it is on; what is above is then left 0. NULL: one of its own */
     leafcast_backend backend;
     leafcast_schema schema;
-    const char *isa; /* kernels by name ("scalar"); NULL or "auto": the best this CPU has */
-    int packets;     /* of a mesh: 0: tiles of rays; 2, 4, 8, 16: packets of so many on a side as
-                        W07 has them, the same pictures */
     leafcast_isopolygons isopolygons;
+    /* At most so many treelets at a time, 0: what memory allows; for tests and experiments. */
+    uint32_t treelet_limit;
+    int packets; /* of a mesh: 0: tiles of rays; 2, 4, 8, 16: packets of so many on a side as W07
+                    has them, the same pictures */
 } leafcast_options;
+
+/* leafcast_device_create() - options may be NULL for the defaults; those of volumes do not matter.
+ * leafcast_device_destroy() - the device ends with the last volume on it. NULL is fine. */
+LEAFCAST_API leafcast_status leafcast_device_create(const leafcast_options *options,
+                                                    leafcast_device **device);
+LEAFCAST_API void leafcast_device_destroy(leafcast_device *device);
 
 /* leafcast_open() - options may be NULL for the defaults. The file must stay as it is while it is
  * open: pictures and probes are LEAFCAST_CORRUPT as soon as its size, its time of last modification
@@ -147,8 +173,8 @@ typedef struct leafcast_surface {
 
 LEAFCAST_API leafcast_surface leafcast_surface_default(double isovalue);
 
-/* leafcast_select() - the isosurfaces that the next pictures show: an isovalue sweep over the
- * directory; loading starts. count 1 .. LEAFCAST_SURFACES_MAX, isovalues finite. */
+/* leafcast_select() - the isosurfaces that the next pictures show, as far as their scenes list no
+ * volumes. count 1 .. LEAFCAST_SURFACES_MAX, isovalues finite. */
 LEAFCAST_API leafcast_status leafcast_select(leafcast *volume, const leafcast_surface *surfaces,
                                              int count);
 
@@ -198,8 +224,23 @@ typedef enum leafcast_lod {
     LEAFCAST_LOD_PIXEL      /* per treelet, the coarsest whose cells are not larger than a pixel */
 } leafcast_lod;
 
+/* A volume of a scene, and what it shows of it. */
+typedef struct leafcast_shown {
+    leafcast *volume;
+    uint32_t field, step;
+    const leafcast_surface *surfaces; /* count of them, as of leafcast_select() */
+    int count;
+} leafcast_shown;
+
+enum { LEAFCAST_VOLUMES_MAX = 16 };
+
 typedef struct leafcast_scene {
     size_t size;
+    /* Volumes of one device, each once. Surfaces of all are seen in order of their distance; of two
+     * at the same one the volume that is listed first comes first. 0: the volume that is passed
+     * with the scene, as it was selected. */
+    const leafcast_shown *volumes;
+    int volume_count;
     leafcast_light lights[LEAFCAST_LIGHTS_MAX];
     int light_count; /* 0: a headlight at the eye, without shadows */
     float ambient;   /* k_a of M08 eq. 4.6, in [0, 1] */
@@ -243,8 +284,11 @@ static inline leafcast_scene leafcast_scene_default(void) {
 typedef struct leafcast_camera {
     size_t size;
     double eye[3], look_at[3], up[3];
-    double fov;             /* vertical, degrees */
+    double fov;             /* vertical, degrees; of a perspective camera */
     uint32_t width, height; /* pixels; centres at +0.5, y down */
+    /* Orthographic, if not 0: world units from the lower to the upper edge of the picture. Rays are
+     * parallel and begin in the plane through the eye. */
+    double ortho_height;
 } leafcast_camera;
 
 /* leafcast_get_standard_view(), leafcast_standard_view() - fov 45, up +z, looking at the centre of
@@ -305,14 +349,21 @@ LEAFCAST_API leafcast_status leafcast_fit_view(const leafcast *volume, uint32_t 
 
 /* ---- Pictures ---- */
 
-/* Planes of width * height values, row by row from the top, the caller's own; any may be NULL. */
+/* Planes of values, row by row from the top, the caller's own; any may be NULL. */
 typedef struct leafcast_image {
     size_t size;
     float *r, *g, *b, *a;
-    double *z;            /* of the nearest surface: distance along the unit ray, +inf on a miss */
-    float *normal[3];     /* unit, towards lower values; 0 on a miss */
-    int32_t *id;          /* index of the nearest surface, -1 on a miss */
+    double *z;        /* of the nearest surface: distance along the unit ray, +inf on a miss */
+    float *normal[3]; /* unit, towards lower values; 0 on a miss */
+    int32_t *id;      /* index of the nearest surface, -1 on a miss; surfaces of the volumes of a
+                         scene are numbered through */
     uint8_t *provisional; /* 1: preview drew a coarser level than was asked for */
+    uint8_t *rgba8; /* 4 bytes a pixel for a screen: sRGB, not premultiplied. Needs room for the
+                       planes r, g, b, a where these are NULL */
+    /* The part of the camera's picture that is drawn, and that planes hold: its left upper pixel
+     * and its size. Width 0: the whole picture. */
+    uint32_t x, y, width, height;
+    size_t stride; /* values from row to row, of all planes; 0: width */
 } leafcast_image;
 
 typedef struct leafcast_stats {
@@ -353,6 +404,30 @@ LEAFCAST_API leafcast_status leafcast_trace(leafcast *volume, const leafcast_sce
                                             const leafcast_camera *camera,
                                             const leafcast_image *image, leafcast_stats *stats,
                                             bool (*watch)(void *ctx, double done), void *watch_ctx);
+
+/* A picture that is drawn bit by bit, so that a program goes on meanwhile.
+ *
+ * leafcast_frame_begin() - copies what it is given, but for planes, which the caller keeps. The
+ * volumes must stay open until leafcast_frame_end(); until then memory is held for it. Calls on one
+ * frame come from one thread at a time, but for leafcast_frame_cancel(). */
+typedef struct leafcast_frame leafcast_frame;
+
+LEAFCAST_API leafcast_status leafcast_frame_begin(leafcast *volume, const leafcast_scene *scene,
+                                                  const leafcast_camera *camera,
+                                                  const leafcast_image *image,
+                                                  leafcast_frame **frame);
+
+/* leafcast_frame_advance() - draw for about so many seconds (INFINITY: to the end), then return
+ * with what there is; *done: all of it. Some tiles are drawn in any case. The next call goes on
+ * where this one stopped, whatever was drawn in between: the picture is the same bits. stats, of
+ * all calls so far, may be NULL. After a failure the frame may only be ended. */
+LEAFCAST_API leafcast_status leafcast_frame_advance(leafcast_frame *frame, double seconds,
+                                                    bool *done, leafcast_stats *stats);
+
+/* leafcast_frame_cancel() - by any thread: leafcast_frame_advance() soon returns LEAFCAST_STOPPED,
+ * if it runs, and ever after. */
+LEAFCAST_API void leafcast_frame_cancel(leafcast_frame *frame);
+LEAFCAST_API void leafcast_frame_end(leafcast_frame *frame); /* NULL is fine */
 
 /* ---- Single rays and points ---- */
 
@@ -402,6 +477,33 @@ LEAFCAST_API leafcast_status leafcast_probe_segments(leafcast *volume, const lea
                                                      leafcast_segment *segments, int max,
                                                      int *count);
 
+/* Rays of the caller's own, in world space. t counts in lengths of direction. */
+typedef struct leafcast_ray {
+    double origin[3], direction[3]; /* finite; direction not 0,0,0 */
+    double t0, t1;                  /* t0 <= t1; t1 may be INFINITY */
+} leafcast_ray;
+
+typedef struct leafcast_ray_hit {
+    double t;           /* +inf: none */
+    double error_bound; /* of t; INFINITY where the ray only grazes */
+    double isovalue;
+    uint64_t cell;   /* of its grid: i + cells_x (j + cells_y k); of a mesh: the tet */
+    int32_t volume;  /* by its place in the scene; -1: none */
+    int32_t surface; /* surfaces of the scene's volumes are numbered through; -1: none */
+    float normal[3]; /* unit, towards lower values */
+    bool entering;   /* from below the isovalue to above */
+} leafcast_ray_hit;
+
+/* leafcast_trace_rays() - the first hit of each of count rays with what the scene shows; its
+ * preview, lights and colours do not matter. By all threads of the device, within its budget.
+ * leafcast_occluded_rays() - whether there is any: 1 or 0 a ray, for less. */
+LEAFCAST_API leafcast_status leafcast_trace_rays(leafcast *volume, const leafcast_scene *scene,
+                                                 const leafcast_ray *rays, size_t count,
+                                                 leafcast_ray_hit *hits);
+LEAFCAST_API leafcast_status leafcast_occluded_rays(leafcast *volume, const leafcast_scene *scene,
+                                                    const leafcast_ray *rays, size_t count,
+                                                    uint8_t *occluded);
+
 /* leafcast_pixel_ray() - the primary ray of a pixel: origin = eye, unit direction; direction 0,0,0
  * of a camera that cannot be. */
 LEAFCAST_API void leafcast_pixel_ray(const leafcast_camera *camera, double x, double y,
@@ -423,6 +525,10 @@ typedef struct leafcast_sample {
 
 LEAFCAST_API leafcast_status leafcast_probe_point(leafcast *volume, const double point[3],
                                                   leafcast_sample *sample);
+
+/* leafcast_sample_points() - the same of count points. */
+LEAFCAST_API leafcast_status leafcast_sample_points(leafcast *volume, const double (*points)[3],
+                                                    size_t count, leafcast_sample *samples);
 
 #ifdef __cplusplus
 }

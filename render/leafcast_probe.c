@@ -1,6 +1,9 @@
 #include <math.h>
 
+#include "render/arguments.h"
 #include "render/kind.h"
+#include "render/leafcast_device.h"
+#include "render/leafcast_scene.h"
 
 /* Bring in the one treelet that a probe needs. */
 static status need(leafcast *v, uint32_t t) {
@@ -17,6 +20,23 @@ status volume_treelet(leafcast *v, uint32_t t, const treelet **out) {
 }
 
 /* ---- Rays ---- */
+
+/* The volume shows what it does in the scene. */
+static status show(leafcast *v, const leafcast_scene *scene) {
+    leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
+    int count = 0, i = 0;
+    const status st = scene_volumes(v, scene, shown, &count);
+    while (i < count && shown[i].volume != v)
+        i++;
+    if (st == ST_OK && i == count)
+        return status_describe(ST_USAGE, "the scene does not show the volume that is probed");
+    if (st != ST_OK)
+        return st;
+    device_make_room(v);
+    loader_forget_failures(v->treelets);
+    volume_show(v, shown[i].field, shown[i].step, shown[i].surfaces, shown[i].count);
+    return ST_OK;
+}
 
 static status describe_hit(leafcast *v, const tracer *tr, const ray *r, const double origin[3],
                            const double direction[3], const trace_state *state, leafcast_hit *out) {
@@ -53,11 +73,12 @@ static status probe_ray(leafcast *v, const leafcast_scene *scene, const double o
     *count = 0;
     status st = check_ray(origin, direction);
     if (st == ST_OK)
+        st = show(v, scene);
+    if (st == ST_OK)
         st = volume_tracer(v, scene, NULL, &tr);
     if (st != ST_OK)
         return st;
     tr.preview = false;
-    loader_forget_failures(v->treelets);
     if (!tracer_ray(&tr, origin, direction, 0.0, INFINITY, &r))
         return ST_OK;
     const hit before = hit_before_all();
@@ -85,8 +106,11 @@ static status probe_ray(leafcast *v, const leafcast_scene *scene, const double o
 leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, const double origin[3],
                                    const double direction[3], leafcast_hit *hits, int max,
                                    int *count) {
-    const status st = probe_ray(v, scene, origin, direction, hits, max, count);
-    return volume_public_status(volume_check_file(v, st));
+    device_lock(v->device);
+    const status st =
+        volume_check_file(v, probe_ray(v, scene, origin, direction, hits, max, count));
+    device_unlock(v->device);
+    return volume_public_status(st);
 }
 
 /* ---- Segments ---- */
@@ -134,14 +158,15 @@ static status probe_segments(leafcast *v, const leafcast_scene *scene, const dou
     *count = 0;
     status st = check_ray(origin, direction);
     if (st == ST_OK)
+        st = show(v, scene);
+    if (st == ST_OK)
         st = volume_tracer_of_all(v, scene, NULL, &tr);
     if (st != ST_OK)
         return st;
     tr.preview = false;
-    loader_forget_failures(v->treelets);
     /* All of the volume, and then what frames show again. */
     const interest all = interest_of_all();
-    const interest shown = interest_of_isovalues(v->isovalues, v->surface_count);
+    const interest shown = interest_of_isovalues(v->isovalues, v->isovalue_count);
     loader_select(v->treelets, &all);
     if (tracer_ray(&tr, origin, direction, 0.0, INFINITY, &r))
         st = follow(v, &tr, &r, segments, max, count);
@@ -152,15 +177,22 @@ static status probe_segments(leafcast *v, const leafcast_scene *scene, const dou
 leafcast_status leafcast_probe_segments(leafcast *v, const leafcast_scene *scene,
                                         const double origin[3], const double direction[3],
                                         leafcast_segment *segments, int max, int *count) {
-    const status st = probe_segments(v, scene, origin, direction, segments, max, count);
-    return volume_public_status(volume_check_file(v, st));
+    device_lock(v->device);
+    const status st =
+        volume_check_file(v, probe_segments(v, scene, origin, direction, segments, max, count));
+    device_unlock(v->device);
+    return volume_public_status(st);
 }
 
 /* ---- Points ---- */
 
 leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcast_sample *sample) {
     *sample = (leafcast_sample){.value = NAN};
+    device_lock(v->device);
+    device_make_room(v);
     loader_forget_failures(v->treelets);
-    const status st = v->kind->cell_at(v, point, sample);
-    return volume_public_status(volume_check_file(v, st));
+    loader_select_set(v->treelets, v->set = leaf_layout_set(&v->file->layout, v->field, v->step));
+    const status st = volume_check_file(v, v->kind->cell_at(v, point, sample));
+    device_unlock(v->device);
+    return volume_public_status(st);
 }

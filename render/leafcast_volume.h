@@ -7,28 +7,29 @@
 #include "render/kernels.h"
 
 struct leafcast {
-    mem budget;
+    leafcast_device *device;
+    leafcast *next; /* on it */
+    mem *m;         /* its budget */
     leafcast_options options;
     leaf_file *file;
-    pool *threads;
-    readers *readers; /* whose threads read for it; NULL: it has some of its own */
     loader *treelets;
     const struct kind *kind;
     void *own; /* the kind's part */
     affine space;
     kernels kernels;
-    projection projection; /* of the frame that is being drawn */
-    leafcast_surface surfaces[LEAFCAST_SURFACES_MAX];
+    /* What rays look for now: */
     double isovalues[LEAFCAST_SURFACES_MAX];
+    int isovalue_count;
+    uint32_t set;
+    /* What leafcast_select() and leafcast_select_set() said: */
+    leafcast_surface surfaces[LEAFCAST_SURFACES_MAX];
     int surface_count;
     uint32_t field, step;
     leafcast *coarse;    /* a mesh's coarse grid, once a preview wants it; else NULL */
     uint32_t coarse_set; /* of which set */
     atomic_uchar *touched;
     uint8_t *stop;          /* per treelet, for --lod pixel */
-    void *scratch;          /* of all threads, for frames */
     size_t base_bytes;      /* of the budget, before any treelet */
-    size_t beside;          /* of the budget, the caller's: leafcast_check_room() */
     intersect_fn intersect; /* instead of the scene's, see experiment.h */
     double opened_at, open_s, first_image_s;
 };
@@ -44,11 +45,20 @@ CHECKED status volume_check_set(const leafcast *v, uint32_t field, uint32_t step
  * bytes were found wrong. */
 CHECKED status volume_check_file(const leafcast *v, status st);
 
-/* volume_open_file() - all else of v, whose budget, options, kernels and file are there. */
+/* What follows is for whoever holds the device's lock.
+ *
+ * volume_on() - a volume without a file; NULL: no memory. volume_open_file() - all else of one that
+ * has its file. volume_release() - what there is of it; it is none of the device's list. */
+leafcast *volume_on(leafcast_device *d, const leafcast_options *options);
 CHECKED status volume_open_file(leafcast *v);
+void volume_release(leafcast *v);
 
-/* volume_tracer() - for rays through what is selected. c: the camera, for levels of detail by
- * pixels; may be NULL. */
+/* volume_show() - from now on, rays look for these surfaces; loading starts. */
+void volume_show(leafcast *v, uint32_t field, uint32_t step, const leafcast_surface *surfaces,
+                 int count);
+
+/* volume_tracer() - for rays through what volume_show() said. c: the camera, for levels of detail
+ * by pixels; may be NULL. */
 CHECKED status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr);
 
 /* volume_tracer_of_all() - likewise, whether a surface is selected or not. */

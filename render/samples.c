@@ -1,7 +1,5 @@
 #include "render/samples.h"
 
-enum { CHUNK = 65536 };
-
 bool samples_valid(int count) {
     return count == 0 || count == 1 || count == 4 || count == 16;
 }
@@ -13,30 +11,25 @@ void samples_shift(int count, int s, double shift[2]) {
 }
 
 typedef struct sums {
-    float *to[4];
-    const float *from[4];
-    size_t pixels;
+    const leafcast_image *to, *from;
     float scale;
 } sums;
 
-static status add_chunk(void *ctx, size_t index, int worker) {
+static status add_row(void *ctx, size_t row, int worker) {
     (void)worker;
     const sums *s = ctx;
-    const size_t first = index * CHUNK, left = s->pixels - first;
-    const size_t count = left < CHUNK ? left : CHUNK;
-    for (int c = 0; c < 4; c++) {
-        if (!s->to[c])
-            continue;
-        float *to = s->to[c] + first;
-        const float *from = s->from[c] + first;
-        for (size_t i = 0; i < count; i++)
-            to[i] = (to[i] + from[i]) * s->scale;
-    }
+    float *const to[4] = {s->to->r, s->to->g, s->to->b, s->to->a};
+    float *const from[4] = {s->from->r, s->from->g, s->from->b, s->from->a};
+    for (int c = 0; c < 4; c++)
+        for (size_t i = 0; to[c] && i < s->to->width; i++) {
+            float *sum = &to[c][row * s->to->stride + i];
+            *sum = (*sum + from[c][row * s->from->stride + i]) * s->scale;
+        }
     return ST_OK;
 }
 
 status samples_add(pool *threads, const leafcast_image *to, const leafcast_image *from,
-                   size_t pixels, float scale) {
-    sums s = {{to->r, to->g, to->b, to->a}, {from->r, from->g, from->b, from->a}, pixels, scale};
-    return pool_run(threads, (pixels + CHUNK - 1) / CHUNK, add_chunk, &s);
+                   float scale) {
+    sums s = {to, from, scale};
+    return pool_run(threads, to->height, add_row, &s);
 }

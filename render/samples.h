@@ -24,9 +24,9 @@ bool samples_valid(int count);
 /* samples_shift() - sample s of count, from the pixel's centre, in pixels, y down. */
 void samples_shift(int count, int s, double shift[2]);
 
-/* samples_add() - each r, g, b, a of `from` to that of `to`, then times `scale`. Planes that are
- * NULL in `to` are left out. */
+/* samples_add() - each r, g, b, a of `from` to that of `to`, then times `scale`, for the pixels
+ * that the images say they hold. Planes that are NULL in `to` are left out. */
 CHECKED status samples_add(pool *threads, const leafcast_image *to, const leafcast_image *from,
-                           size_t pixels, float scale);
+                           float scale);
 
 #endif

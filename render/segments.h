@@ -53,7 +53,7 @@ typedef struct segment_key {
  * they stay with it. */
 typedef struct segments_state {
     segment *ahead;       /* room for `room` pieces: found, but not yet given out, in order */
-    uint32_t room;        /* at least 1; more saves time, see mesh_segments.h */
+    uint32_t room;        /* at least 1; more saves time */
     uint32_t first;       /* of them, the next to be given out */
     uint32_t sure, count; /* from there on: certain to be the next ones; all */
     double t_from;        /* where to resume; */

@@ -4,6 +4,7 @@
 
 #include "render/kind.h"
 #include "render/shade.h"
+#include "render/surface_search.h"
 
 /* What is left of the light behind surfaces that hide this much no longer counts: a twelfth bit. */
 static const float opaque_enough = 1.0f - 1.0f / 4096.0f;
@@ -12,20 +13,14 @@ static const float opaque_enough = 1.0f - 1.0f / 4096.0f;
 enum { PRIMARY = 0 };
 
 typedef struct surface_ray {
-    ray_record head;         /* volume: the one that is being searched */
-    int32_t layers;          /* surfaces composited so far */
-    bool found;              /* the search has been done: current is the first surface */
-    bool searching;          /* in this volume already */
-    bool provisional;        /* something on the way was drawn coarser than asked for */
-    uint16_t behind_volume;  /* whose surface is `behind` */
-    uint16_t current_volume; /* ... `current` */
-    float visibility;        /* of the leg's light */
-    float rgb[3];            /* shading of the current surface so far */
-    float rgba[4];           /* composited so far, premultiplied */
-    hit behind;              /* the surface behind which the next one is looked for */
-    hit current;             /* the surface being shaded; or the nearest of the volumes searched */
-    surface_point point;     /* there */
-    trace_state search;      /* for the next surface, or for what shadows the light */
+    ray_record head;       /* volume: the one that is being searched */
+    int32_t layers;        /* surfaces composited so far */
+    bool found;            /* the first surface is known */
+    bool provisional;      /* something on the way was drawn coarser than asked for */
+    float visibility;      /* of the leg's light */
+    float rgb[3];          /* shading of the current surface so far */
+    float rgba[4];         /* composited so far, premultiplied */
+    surface_search search; /* for the current surface, and for what hides it from a light */
 } surface_ray;
 
 static surface_ray *surface_ray_of(ray_record *r) {
@@ -34,8 +29,7 @@ static surface_ray *surface_ray_of(ray_record *r) {
 
 static void surface_begin(const frame *f, uint32_t pixel, ray_record *r) {
     (void)f;
-    *surface_ray_of(r) =
-        (surface_ray){.head = {.pixel = pixel}, .behind = hit_before_all(), .current = hit_none()};
+    *surface_ray_of(r) = (surface_ray){.head = {.pixel = pixel}, .search = surface_search_first()};
 }
 
 /* ---- Rays from states ---- */
@@ -44,20 +38,16 @@ static void eye_ray(const frame *f, uint32_t pixel, double origin[3], double dir
     camera_ray(&f->camera, pixel % f->width + 0.5, pixel / f->width + 0.5, origin, direction);
 }
 
-static bool primary_ray(const frame *f, const tracer *tr, uint32_t pixel, ray *r) {
-    double origin[3], direction[3];
-    eye_ray(f, pixel, origin, direction);
-    return tracer_ray(tr, origin, direction, 0.0, INFINITY, r);
-}
-
 static void surface_found(const frame *f, uint32_t pixel, const hit *h, const treelet *at,
                           ray_record *record) {
+    double origin[3], direction[3];
     ray r;
     surface_begin(f, pixel, record);
     surface_ray *p = surface_ray_of(record);
-    p->found = primary_ray(f, f->tracer, pixel, &r);
-    p->current = *h;
-    p->point = tracer_surface(f->tracer, at, &r, h);
+    eye_ray(f, pixel, origin, direction);
+    p->found = tracer_ray(f->tracer, origin, direction, 0.0, INFINITY, &r);
+    p->search.found = *h;
+    p->search.point = tracer_surface(f->tracer, at, &r, h);
 }
 
 static void point_at(const frame *f, uint32_t pixel, double t, double at[3]) {
@@ -90,80 +80,30 @@ void surface_towards(const frame *f, uint32_t pixel, double t, const leafcast_li
 /* The same from the current surface, and where that is. */
 static double towards_light(const frame *f, const surface_ray *p, const leafcast_light *light,
                             double at[3], double to[3]) {
-    point_at(f, p->head.pixel, p->current.t, at);
+    point_at(f, p->head.pixel, p->search.found.t, at);
     return direction_to(light, at, to);
 }
 
 static const leafcast_surface *surface_met(const frame *f, uint16_t volume, const hit *h) {
-    return &surface_look_of(f)->volume[volume].surfaces[h->iso];
+    return &surface_look_of(f)->surfaces[volume][h->iso];
 }
 
 static shade_point shading_of(const frame *f, const surface_ray *p) {
     double origin[3], direction[3];
     eye_ray(f, p->head.pixel, origin, direction);
     const float eye[3] = {(float)-direction[0], (float)-direction[1], (float)-direction[2]};
-    const leafcast_surface *s = surface_met(f, p->current_volume, &p->current);
-    return shade_point_of(surface_look_of(f)->scene, s->rgb, p->point.normal, eye);
+    const leafcast_surface *s = surface_met(f, p->search.found_volume, &p->search.found);
+    return shade_point_of(surface_look_of(f)->scene, s->rgb, p->search.point.normal, eye);
 }
 
-/* ---- The next surface ---- */
-
-/* Where the search begins in volume v: of two surfaces at the same t, that of the lower volume
- * comes first. */
-static hit search_from(const surface_ray *p, uint16_t v) {
-    const hit *last = &p->behind;
-    if (v == p->behind_volume || last->t == -INFINITY)
-        return *last;
-    return v < p->behind_volume ? hit_behind(last->t) : hit_from(last->t);
-}
-
-/* What has been found in other volumes bounds the search. */
-static void begin_search(surface_ray *p) {
-    const hit after = search_from(p, p->head.volume);
-    p->search = trace_begin(&after);
-    if (hit_exists(&p->current))
-        p->search.best = hit_from(p->current.t);
-    p->searching = true;
-}
-
-static trace_result search(const frame *f, const tracer *tr, surface_ray *p,
-                           ray_counters *counters) {
-    ray r;
-    /* Clip planes may leave nothing of it. */
-    return primary_ray(f, tr, p->head.pixel, &r) ? tracer_next(tr, &r, &p->search, counters)
-                                                 : TRACE_MISS;
-}
-
-/* In one volume. */
-static trace_result search_volume(const frame *f, surface_ray *p, ray_counters *counters) {
-    const tracer *coarse = surface_look_of(f)->volume[p->head.volume].coarse;
-    if (!p->searching)
-        begin_search(p);
-    trace_result result = search(f, &f->tracer[p->head.volume], p, counters);
-    if (coarse && p->search.provisional) {
-        /* A preview met a treelet that is not there: what stands in for the volume instead. */
-        begin_search(p);
-        result = search(f, coarse, p, counters);
-        p->search.provisional = true;
-    }
-    return result;
-}
-
-/* In all volumes. False: blocked. */
+/* The next surface. False: blocked. */
 static bool find_next(const frame *f, surface_ray *p, ray_counters *counters) {
-    for (; p->head.volume < f->volumes; p->head.volume++) {
-        const trace_result result = search_volume(f, p, counters);
-        if (result == TRACE_BLOCKED)
-            return false;
-        p->searching = false;
-        p->provisional |= p->search.provisional;
-        if (result == TRACE_MISS || hit_is_bound(&p->search.best))
-            continue;
-        p->current = p->search.best;
-        p->point = p->search.point;
-        p->current_volume = p->head.volume;
-    }
-    p->head.volume = 0;
+    world_ray w = {.t1 = INFINITY};
+    eye_ray(f, p->head.pixel, w.origin, w.direction);
+    if (!surface_search_next(f, &w, surface_look_of(f)->coarse, &p->head.volume, &p->search,
+                             counters))
+        return false;
+    p->provisional |= p->search.provisional;
     return true;
 }
 
@@ -172,18 +112,18 @@ static bool find_next(const frame *f, surface_ray *p, ray_counters *counters) {
 bool surface_opaque(const frame *f) {
     for (int v = 0; v < f->volumes; v++)
         for (int i = 0; i < f->tracer[v].isos.count; i++)
-            if (surface_look_of(f)->volume[v].surfaces[i].opacity < 1.0f)
+            if (surface_look_of(f)->surfaces[v][i].opacity < 1.0f)
                 return false;
     return true;
 }
 
 /* Along how much of a shadow ray roots are the surface itself, for all that the solver knows. */
 static double own_error(const surface_ray *p, double slope) {
-    return p->point.error / fabs(slope);
+    return p->search.point.error / fabs(slope);
 }
 
 static double slope_towards(const surface_ray *p, const double to[3]) {
-    const double *g = p->point.gradient;
+    const double *g = p->search.point.gradient;
     return g[0] * to[0] + g[1] * to[1] + g[2] * to[2];
 }
 
@@ -201,24 +141,24 @@ static bool begin_shadow(const frame *f, surface_ray *p, const leafcast_light *l
     /* The shadow ray starts on the side the primary ray came from: a light on the other one is
      * behind the surface itself. */
     const double slope = slope_towards(p, to);
-    if (p->current.entering ? slope > 0.0 : slope < 0.0) {
+    if (p->search.found.entering ? slope > 0.0 : slope < 0.0) {
         p->visibility = 0.0f;
         return false;
     }
-    counters->ill_conditioned += !(own_error(p, slope) <= p->point.span);
+    counters->ill_conditioned += !(own_error(p, slope) <= p->search.point.span);
     counters->shadow_rays++;
     return true;
 }
 
 static void begin_shadow_search(const frame *f, surface_ray *p, const double to[3]) {
     hit start = hit_before_all();
-    if (p->head.volume == p->current_volume) {
-        const double error = own_error(p, slope_towards(p, to)), span = p->point.span;
+    if (p->head.volume == p->search.found_volume) {
+        const double error = own_error(p, slope_towards(p, to)), span = p->search.point.span;
         start = hit_behind(error <= span ? error : span);
     }
-    p->search = trace_begin(&start);
-    p->search.any = surface_opaque(f);
-    p->searching = true;
+    p->search.state = trace_begin(&start);
+    p->search.state.any = surface_opaque(f);
+    p->search.searching = true;
 }
 
 /* What one volume lets through. False: blocked. */
@@ -228,24 +168,24 @@ static bool shadow_volume(const frame *f, surface_ray *p, const double at[3], co
     ray r;
     if (!tracer_ray(&f->tracer[v], at, to, 0.0, distance, &r))
         return true;
-    if (!p->searching)
+    if (!p->search.searching)
         begin_shadow_search(f, p, to);
     for (;;) {
-        const trace_result result = tracer_next(&f->tracer[v], &r, &p->search, counters);
+        const trace_result result = tracer_next(&f->tracer[v], &r, &p->search.state, counters);
         if (result == TRACE_BLOCKED)
             return false;
-        p->provisional |= p->search.provisional;
+        p->provisional |= p->search.state.provisional;
         if (result == TRACE_MISS)
             break;
-        p->visibility *= 1.0f - surface_met(f, v, &p->search.best)->opacity;
+        p->visibility *= 1.0f - surface_met(f, v, &p->search.state.best)->opacity;
         if (!(p->visibility > 1.0f - opaque_enough)) {
             p->visibility = 0.0f;
             break;
         }
-        const hit behind = p->search.best;
-        p->search = trace_begin(&behind);
+        const hit behind = p->search.state.best;
+        p->search.state = trace_begin(&behind);
     }
-    p->searching = false;
+    p->search.searching = false;
     return true;
 }
 
@@ -294,16 +234,16 @@ static void begin_lighting(const frame *f, surface_ray *p) {
 static void write_first(const frame *f, const surface_ray *p, ray_counters *counters) {
     const leafcast_image *image = &f->image;
     const size_t at = frame_plane(f, p->head.pixel);
-    const hit *h = &p->current;
+    const hit *h = &p->search.found;
     const bool any = hit_exists(h);
     counters->covered_pixels += any;
     if (image->z)
         image->z[at] = any ? h->t : INFINITY;
     if (image->id)
-        image->id[at] = any ? surface_look_of(f)->volume[p->current_volume].first_id + h->iso : -1;
+        image->id[at] = any ? surface_look_of(f)->first_id[p->search.found_volume] + h->iso : -1;
     for (int a = 0; a < 3; a++)
         if (image->normal[a])
-            image->normal[a][at] = any ? p->point.normal[a] : 0.0f;
+            image->normal[a][at] = any ? p->search.point.normal[a] : 0.0f;
 }
 
 static void write_colour(const frame *f, surface_ray *p, ray_counters *counters) {
@@ -323,18 +263,16 @@ static void write_colour(const frame *f, surface_ray *p, ray_counters *counters)
 
 /* The current surface is done with. False: nothing behind it counts. */
 static bool composite(const frame *f, surface_ray *p) {
-    const float opacity = surface_met(f, p->current_volume, &p->current)->opacity;
+    const float opacity = surface_met(f, p->search.found_volume, &p->search.found)->opacity;
     shade_composite(p->rgba, p->rgb, opacity);
     p->layers++;
-    p->behind = p->current;
-    p->behind_volume = p->current_volume;
-    p->current = hit_none();
+    surface_search_behind(&p->search);
     return p->rgba[3] < opaque_enough && opacity < 1.0f &&
            p->layers != surface_look_of(f)->scene->layers_max;
 }
 
 static bool blocked(surface_ray *p) {
-    p->head.blocked = p->search.blocked;
+    p->head.blocked = p->search.state.blocked;
     return false;
 }
 
@@ -348,7 +286,7 @@ static bool surface_advance(const frame *f, ray_record *record, ray_counters *co
             p->found = false;
             if (p->layers == 0)
                 write_first(f, p, counters);
-            if (!hit_exists(&p->current))
+            if (!hit_exists(&p->search.found))
                 break;
             begin_lighting(f, p);
         }

@@ -11,14 +11,12 @@
 
 extern const integrator surface_integrator;
 
-/* How surfaces look: frame.look. */
+/* How surfaces look: frame.look. Arrays have an element a volume. */
 typedef struct surface_look {
-    const leafcast_scene *scene; /* its lights, shading, background */
-    struct {
-        const leafcast_surface *surfaces; /* one an isovalue of the volume's tracer */
-        int32_t first_id;                 /* in the plane of ids: of the first of them */
-        const tracer *coarse; /* what a preview draws where treelets are absent; or NULL */
-    } volume[FRAME_VOLUMES_MAX];
+    const leafcast_scene *scene;                               /* its lights, shading, background */
+    const leafcast_surface (*surfaces)[LEAFCAST_SURFACES_MAX]; /* one an isovalue of the tracer */
+    const int32_t *first_id;     /* in the plane of ids: of the first of them */
+    const tracer *const *coarse; /* what a preview draws where treelets are absent, or NULL */
 } surface_look;
 
 static inline const surface_look *surface_look_of(const frame *f) {

@@ -10,6 +10,7 @@
 
 #include <string.h>
 
+#include "render/ray_box_template.h"
 #include "render/tile.h"
 
 /* Vectors of rays are windows: rows of four pixels under each other, anywhere in the tile. */
@@ -56,16 +57,10 @@ SIMD void clip_rays(const double plane[4], const double eye[3], const vd d[3], v
         *t1 = d_select(d_eq(slope, zero), d_set(-INFINITY), *t1);
 }
 
-/* The part inside the volume's box, as box_interval() of the tracer. */
+/* The part inside the volume's box, as tracer_box(). */
 SIMD void box_rays(const tracer *tr, const double eye[3], const vd d[3], vd *t0, vd *t1) {
-    for (int a = 0; a < 3; a++) {
-        const vd lo = d_set(tr->box[0][a] - eye[a]) / d[a],
-                 hi = d_set(tr->box[1][a] - eye[a]) / d[a];
-        const md up = d_gt(d[a], d_set(0.0));
-        const vd near = d_select(up, lo, hi), far = d_select(up, hi, lo);
-        *t0 = d_select(d_gt(near, *t0), near, *t0);
-        *t1 = d_select(d_lt(far, *t1), far, *t1);
-    }
+    for (int a = 0; a < 3; a++)
+        ray_slabs(d_set(tr->box[0][a] - eye[a]), d_set(tr->box[1][a] - eye[a]), d[a], t0, t1);
 }
 
 /* VD_N rays of a row, through the picture at (u, v); camera_ray() and tracer_ray() in the same

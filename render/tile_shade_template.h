@@ -39,7 +39,7 @@ typedef struct lit_pixels {
 } lit_pixels;
 
 static const leafcast_surface *tile_surfaces(const tile_state *s) {
-    return surface_look_of(s->f)->volume[0].surfaces;
+    return surface_look_of(s->f)->surfaces[0];
 }
 
 /* shade_point_of() and shade_ambient(), VF_N pixels at a time. */

@@ -1,6 +1,7 @@
 #include "render/tracer.h"
 
 #include "render/kind.h"
+#include "render/ray_box.h"
 
 /* Cut [t0, t1] by n . (o + t d) + w >= 0. */
 static bool cut(const double plane[4], const double o[3], const double d[3], double *t0,
@@ -24,10 +25,7 @@ bool tracer_box(const tracer *tr, const ray *r, double *t0, double *t1) {
                 return false;
             continue;
         }
-        const double near = (tr->box[r->d[a] < 0.0][a] - r->o[a]) / r->d[a];
-        const double far = (tr->box[r->d[a] > 0.0][a] - r->o[a]) / r->d[a];
-        *t0 = near > *t0 ? near : *t0;
-        *t1 = far < *t1 ? far : *t1;
+        ray_box_slab(tr->box[0][a], tr->box[1][a], r->o[a], r->d[a], t0, t1);
     }
     return *t0 <= *t1;
 }

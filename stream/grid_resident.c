@@ -1,7 +1,7 @@
 #include "stream/grid_resident.h"
 
 /* A treelet and its masks share one block; these begin there. */
-enum { HEAD = (sizeof(treelet) + 63) / 64 * 64 };
+enum { HEAD = (sizeof(resident_grid) + 63) / 64 * 64 };
 
 static const treelet_bounds *boxes(const leaf_file *f, uint32_t set) {
     (void)f;
@@ -39,25 +39,25 @@ static status load(const resident_store *s, uint32_t t, uint32_t set, const void
     const leaf_payload shape = leaf_layout_payload(layout, t);
     const size_t block = HEAD + active_bytes(shape.node_levels);
     (void)shared;
-    treelet *tr = mem_zalloc(s->m, block);
+    resident_grid *tr = mem_zalloc(s->m, block);
     if (!tr)
         return ST_NOMEM;
-    tr->id = t;
-    tr->set = set;
+    tr->head.id = t;
+    tr->head.set = set;
     tr->level = layout->level_of[t];
     for (int a = 0; a < 3; a++)
         tr->first_cell[a] = layout->place[t][a] << layout->cells_log2;
     tr->shape = shape;
     tr->masks = active_init((char *)tr + HEAD, shape.node_levels);
-    tr->bytes = block + shape.bytes + source_overhead_bytes(s->source) + 128;
-    status st = source_load(s->source, t, &scratch->source, &tr->payload);
+    tr->head.bytes = block + shape.bytes + source_overhead_bytes(s->source) + 128;
+    status st = source_load(s->source, t, &scratch->source, &tr->head.payload);
     if (st != ST_OK) {
         mem_free(s->m, tr);
         return st;
     }
     *read += s->file->sizes[t];
-    tr->samples = (const char *)tr->payload + shape.samples_at;
-    *out = tr;
+    tr->samples = (const char *)tr->head.payload + shape.samples_at;
+    *out = &tr->head;
     return ST_OK;
 }
 
@@ -73,7 +73,7 @@ static void destroy(const resident_store *s, treelet *tr) {
 }
 
 static void mask(const resident_store *s, treelet *tr, const interest *in) {
-    s->compute(tr->masks, s->file, tr->id, tr->payload, in);
+    s->compute(resident_grid_of(tr)->masks, s->file, tr->id, tr->payload, in);
 }
 
 const resident_kind grid_resident = {.shares = false,

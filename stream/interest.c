@@ -1,7 +1,6 @@
 #include "stream/interest.h"
 
 #include <assert.h>
-#include <float.h>
 #include <math.h>
 
 float interest_threshold(double v) {
@@ -16,8 +15,7 @@ static float above(double v) {
 }
 
 static interest_limits limits_of(const interest_interval *a) {
-    const float reach = a->lo_open ? above(a->lo) : interest_threshold(a->lo);
-    return (interest_limits){.reach = reach > -FLT_MAX ? reach : -FLT_MAX,
+    return (interest_limits){.reach = a->lo_open ? above(a->lo) : interest_threshold(a->lo),
                              .beyond = a->hi_open ? interest_threshold(a->hi) : above(a->hi)};
 }
 
@@ -36,15 +34,10 @@ static bool sorts_before(const interest_interval *a, const interest_interval *b)
     return begins_before(a, b) || (!begins_before(b, a) && ends_before(b, a));
 }
 
-/* Whether it is a set of values, no isovalue. */
-static bool has_values(const interest_interval *a) {
-    return a->lo < a->hi || !a->hi_open;
-}
-
-/* Of two in order: whether their values make one interval. */
+/* Of two in order, the first of which does not imply the second: whether their values make one
+ * interval. Never with an isovalue: what could take it up implies it, and is sorted before it. */
 static bool joined(const interest_interval *a, const interest_interval *b) {
-    return has_values(a) && has_values(b) &&
-           (b->lo < a->hi || (b->lo == a->hi && !(a->hi_open && b->lo_open)));
+    return b->lo < a->hi || (b->lo == a->hi && !(a->hi_open && b->lo_open));
 }
 
 static void sort(interest_interval *of, int count) {
@@ -67,7 +60,7 @@ interest interest_of_intervals(const interest_interval of[], int count) {
     }
     sort(sorted, count);
     for (int i = 0; i < count; i++) {
-        /* The last one suffices: what joins or implies an interval has no isovalue between. */
+        /* The last one suffices: nothing lies between it and what it implies or joins. */
         interest_interval *last = in.count ? &in.of[in.count - 1] : NULL;
         if (last && !ends_before(last, &sorted[i]))
             continue;

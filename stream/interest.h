@@ -31,7 +31,7 @@ typedef struct interest_interval {
 /* The same test where all values are floats: met iff min < beyond && reach <= max. They are equal
  * for an isovalue. */
 typedef struct interest_limits {
-    float reach;  /* the least float that is at or past the lower end; at least -FLT_MAX */
+    float reach;  /* the least float that is at or past the lower end */
     float beyond; /* the least float past the upper end; inf: there is none */
 } interest_limits;
 

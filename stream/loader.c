@@ -31,20 +31,23 @@ struct loader_private {
     pthread_mutex_t lock;
     pthread_cond_t done;
     /* Guarded by lock: */
-    uint8_t *state;        /* residence, a treelet */
+    atomic_uchar *state;   /* residence, a treelet; ABSENT or not can be seen without the lock */
     loader_request *queue; /* binary heap, smallest priority first */
     size_t queued;
     treelet **places;    /* READY ones, oldest first */
     treelet_cache cache; /* ABSENT ones, as long as nothing else needs their memory */
     shared *shared;      /* a treelet; NULL: nothing is shared */
     uint32_t filled, loading, capacity;
-    size_t bytes, room; /* of all treelets; that they may have */
-    uint64_t published; /* treelets that became READY */
+    _Atomic uint32_t claimed; /* filled, loading and queued; can be seen without the lock */
+    size_t bytes, room;       /* of all treelets; that they may have */
+    uint64_t published;       /* treelets that became READY */
     bool sweeping;
     bool stepped; /* another set was selected, and loader_follow() not yet called */
     status_note failure;
     loader_stats stats;
     seat *free_seats;
+    void (*heard)(void *ctx, uint32_t t); /* loader_listen() */
+    void *heard_ctx;
     interest selected;   /* read-only while anything is traced or loaded */
     atomic_size_t masks; /* made */
     uint8_t *existing;   /* a treelet's octants that are there */
@@ -109,12 +112,33 @@ static void offer(struct loader_private *h, const treelet *tr) {
     h->bytes += h->kind->shared_bytes(&h->store, tr->id);
 }
 
+static residence state_of(const struct loader_private *h, uint32_t t) {
+    return (residence)atomic_load_explicit(&h->state[t], memory_order_relaxed);
+}
+
+static bool claims_place(residence r) {
+    return r == QUEUED || r == LOADING || r == READY;
+}
+
+static void set_state(struct loader_private *h, uint32_t t, residence to) {
+    const uint32_t claimed = atomic_load_explicit(&h->claimed, memory_order_relaxed);
+    const int more = claims_place(to) - claims_place(state_of(h, t));
+    atomic_store_explicit(&h->state[t], (unsigned char)to, memory_order_relaxed);
+    atomic_store_explicit(&h->claimed, claimed + (uint32_t)more, memory_order_relaxed);
+}
+
+static void tell_listener(const struct loader_private *h, uint32_t t) {
+    if (h->heard)
+        h->heard(h->heard_ctx, t);
+}
+
 static void publish(loader *l, treelet *tr) {
     struct loader_private *h = l->hidden;
-    h->state[tr->id] = READY;
+    set_state(h, tr->id, READY);
     h->places[h->filled++] = tr;
     h->published++;
     atomic_store_explicit(&l->resident[tr->id], tr, memory_order_release);
+    tell_listener(h, tr->id);
 }
 
 /* Give a treelet back that is neither READY nor in the cache. */
@@ -130,7 +154,7 @@ static void discard(loader *l, treelet *tr) {
 /* Take a treelet out of the rays' sight; its place is the caller's to close. */
 static void withdraw(loader *l, treelet *tr) {
     atomic_store_explicit(&l->resident[tr->id], NULL, memory_order_relaxed);
-    l->hidden->state[tr->id] = ABSENT;
+    set_state(l->hidden, tr->id, ABSENT);
 }
 
 /* Empty the cache until so many more treelets have room. */
@@ -188,7 +212,7 @@ static void bring_in(loader *l, uint32_t t, resident_scratch *scratch) {
         h->bytes -= tr->bytes;
     }
     make_room(l, 1);
-    h->state[t] = LOADING;
+    set_state(h, t, LOADING);
     h->loading++;
     tell_readers(h);
     pthread_mutex_unlock(&h->lock);
@@ -212,13 +236,14 @@ static void bring_in(loader *l, uint32_t t, resident_scratch *scratch) {
         publish(l, tr);
         return;
     }
-    h->state[t] = FAILED;
+    set_state(h, t, FAILED);
     if (h->failure.st == ST_OK)
         status_note_take(&h->failure, st);
     if (tr)
         discard(l, tr);
     else if (h->shared)
         release_payload(h, t);
+    tell_listener(h, t);
 }
 
 /* One read for the readers. */
@@ -367,7 +392,7 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, readers *giv
     l->own = mem_array(m, n, 1);
     l->children = mem_array(m, n, 1);
     l->resident = mem_array(m, n, sizeof *l->resident);
-    h->state = mem_array(m, n, 1);
+    h->state = mem_array(m, n, sizeof *h->state);
     h->queue = mem_array(m, n, sizeof *h->queue);
     h->places = mem_array(m, n, sizeof *h->places);
     treelet_cache_init(&h->cache, m, (uint32_t)n);
@@ -440,7 +465,7 @@ void loader_destroy(loader *l) {
 /* Forget everything queued, and wait for the reads under way. With the lock held. */
 static void quiesce(struct loader_private *h) {
     while (h->queued > 0)
-        h->state[h->queue[--h->queued].t] = ABSENT;
+        set_state(h, h->queue[--h->queued].t, ABSENT);
     tell_readers(h);
     while (h->loading > 0)
         pthread_cond_wait(&h->done, &h->lock);
@@ -592,6 +617,17 @@ void loader_set_capacity(loader *l, uint32_t places, size_t beside) {
     pthread_mutex_unlock(&h->lock);
 }
 
+void loader_clear(loader *l) {
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    rest(h);
+    evict_oldest(l, h->filled);
+    h->room = 0;
+    make_room(l, 0);
+    h->room = h->capacity * h->place_bytes;
+    pthread_mutex_unlock(&h->lock);
+}
+
 uint32_t loader_capacity(const loader *l) {
     return l->hidden->capacity;
 }
@@ -600,14 +636,16 @@ uint32_t loader_capacity(const loader *l) {
 
 static void want_locked(loader *l, uint32_t t, uint64_t priority) {
     struct loader_private *h = l->hidden;
-    if (h->state[t] != ABSENT)
+    if (state_of(h, t) != ABSENT)
         return;
-    h->state[t] = QUEUED;
+    set_state(h, t, QUEUED);
     queue_push(h, (loader_request){t, priority});
 }
 
 void loader_want(loader *l, uint32_t t, uint64_t priority) {
     struct loader_private *h = l->hidden;
+    if (state_of(h, t) != ABSENT)
+        return;
     pthread_mutex_lock(&h->lock);
     want_locked(l, t, priority);
     tell_readers(h);
@@ -629,9 +667,13 @@ void loader_sweep(loader *l) {
     pthread_mutex_unlock(&h->lock);
 }
 
-/* Nothing under way, and nothing queued that could begin. With the lock held. */
+/* Something under way, or queued and able to begin. With the lock held. */
+static bool is_reading(const struct loader_private *h) {
+    return h->loading > 0 || (h->queued > 0 && h->filled < h->capacity);
+}
+
 static void wait_idle(struct loader_private *h) {
-    while (h->failure.st == ST_OK && (h->loading > 0 || (h->queued > 0 && h->filled < h->capacity)))
+    while (h->failure.st == ST_OK && is_reading(h))
         pthread_cond_wait(&h->done, &h->lock);
 }
 
@@ -660,9 +702,9 @@ status loader_admit(loader *l, loader_request *requests, size_t count) {
     quiesce(h);
     bool ready = false;
     for (size_t i = 0; i < count; i++) {
-        if (h->state[requests[i].t] == ABSENT && h->filled < h->capacity)
+        if (state_of(h, requests[i].t) == ABSENT && h->filled < h->capacity)
             (void)take_back(l, requests[i].t);
-        ready = ready || h->state[requests[i].t] == READY;
+        ready = ready || state_of(h, requests[i].t) == READY;
     }
     if (!ready) {
         /* Oldest first: front to back, those are the ones that rays have left behind. */
@@ -684,12 +726,25 @@ status loader_admit(loader *l, loader_request *requests, size_t count) {
     return st;
 }
 
-bool loader_has_room(loader *l) {
+bool loader_has_room(const loader *l) {
+    const struct loader_private *h = l->hidden;
+    return atomic_load_explicit(&h->claimed, memory_order_relaxed) < h->capacity;
+}
+
+void loader_listen(loader *l, void (*heard)(void *ctx, uint32_t t), void *ctx) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
-    const bool room = h->filled + h->loading + h->queued < h->capacity;
+    h->heard = heard;
+    h->heard_ctx = ctx;
     pthread_mutex_unlock(&h->lock);
-    return room;
+}
+
+bool loader_is_reading(loader *l) {
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    const bool reading = is_reading(h);
+    pthread_mutex_unlock(&h->lock);
+    return reading;
 }
 
 status loader_settle(loader *l) {
@@ -715,8 +770,8 @@ void loader_forget_failures(loader *l) {
     rest(h);
     if (h->failure.st != ST_OK)
         for (uint32_t t = 0; t < l->file->layout.treelets; t++)
-            if (h->state[t] == FAILED)
-                h->state[t] = ABSENT;
+            if (state_of(h, t) == FAILED)
+                set_state(h, t, ABSENT);
     h->failure.st = ST_OK;
     pthread_mutex_unlock(&h->lock);
 }

@@ -102,6 +102,9 @@ uint64_t loader_stored_bytes(const loader *l, uint32_t t);
 void loader_set_capacity(loader *l, uint32_t places, size_t beside);
 uint32_t loader_capacity(const loader *l);
 
+/* loader_clear() - give all treelets back. Only while nothing is traced. */
+void loader_clear(loader *l);
+
 /* loader_mask() - what loader_lookup() calls for a treelet whose masks are of another selection:
  * makes them, or waits for the thread that does (2 to 5 us a treelet of 32^3 cells, no lock, no
  * reading). */
@@ -125,8 +128,13 @@ static inline void loader_prefetch(const loader *l, uint32_t t) {
     }
 }
 
-/* loader_want() - bring it in when a place is free; smaller priority first. Cheap when it was asked
- * for before. Any thread. */
+/* loader_is_ready() - whether it can be looked up. Any thread. */
+static inline bool loader_is_ready(const loader *l, uint32_t t) {
+    return atomic_load_explicit(&l->resident[t], memory_order_acquire) != NULL;
+}
+
+/* loader_want() - bring it in when a place is free; smaller priority first. One load when it was
+ * asked for before. Any thread. */
 void loader_want(loader *l, uint32_t t, uint64_t priority);
 
 /* loader_sweep() - want every treelet of interest, coarse levels first, behind everything
@@ -145,8 +153,18 @@ typedef struct loader_request {
 CHECKED status loader_admit(loader *l, loader_request *requests, size_t count);
 
 /* loader_has_room() - whether there would be a place for one more treelet when all that is wanted
- * has come. Any thread. */
-bool loader_has_room(loader *l);
+ * has come. Any thread, no lock. */
+bool loader_has_room(const loader *l);
+
+/* loader_listen() - heard(ctx, t) from now on whenever treelet t has become READY or has failed, by
+ * the thread that reads, which holds the loader's lock meanwhile: heard() may call
+ * loader_is_ready(), and nothing else of the loader that is not lock-free. NULL: no longer; nobody
+ * is in heard() any more when it returns. */
+void loader_listen(loader *l, void (*heard)(void *ctx, uint32_t t), void *ctx);
+
+/* loader_is_reading() - whether something is being read, or will be without anything being evicted
+ * before: what is said to be listened for. Any thread. */
+bool loader_is_reading(loader *l);
 
 /* loader_settle() - wait until nothing that has a place is still being read. */
 CHECKED status loader_settle(loader *l);

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/leaf/leaf.h"
+
 static size_t words_of(const mesh_shape *shape) {
     return (shape->tets + 63) / 64;
 }
@@ -55,36 +57,29 @@ static void find_sides(uint8_t *sides, const float *values, uint32_t count, cons
     }
 }
 
-/* Those of a leaf's tets of which a vertex reaches an interval, and not all are beyond it; whether
- * there are any. */
-static inline bool mark_tets(mesh_active *active, const uint16_t (*tets)[4], uint32_t first,
-                             uint32_t end, unsigned shift) {
-    const uint8_t *s = active->sides;
+/* A bit a tet: some vertex reaches an interval, and not all are beyond it. */
+static inline uint64_t met_tets(const uint8_t *s, const uint16_t (*tets)[4], uint32_t count,
+                                unsigned shift) {
     const unsigned reaches = (1u << (shift ? shift : SIDE_BITS)) - 1u;
-    unsigned any = 0;
-    for (uint32_t i = first; i < end; i++) {
+    uint64_t bits = 0;
+    for (uint32_t i = 0; i < count; i++) {
         const uint16_t *v = tets[i];
         const uint8_t a = s[v[0]], b = s[v[1]], c = s[v[2]], d = s[v[3]];
         const unsigned met = (unsigned)((a | b | c | d) & ~((a & b & c & d) >> shift)) & reaches;
-        active->tets[i / 64] |= (uint64_t)(met != 0) << i % 64;
-        any |= met;
+        bits |= (uint64_t)(met != 0) << i;
     }
-    return any;
+    return bits;
 }
 
-/* Take those of a leaf's tets out that have a value that is not finite; whether any are left. */
-static bool drop_missing(mesh_active *active, const uint16_t (*tets)[4], uint32_t first,
-                         uint32_t end, const float *values) {
-    bool any = false;
-    for (uint32_t i = first; i < end; i++) {
+static uint64_t finite_tets(const float *values, const uint16_t (*tets)[4], uint32_t count) {
+    uint64_t bits = 0;
+    for (uint32_t i = 0; i < count; i++) {
         bool finite = true;
         for (int k = 0; k < 4; k++)
             finite = finite && isfinite(values[tets[i][k]]);
-        if (!finite)
-            active->tets[i / 64] &= ~(UINT64_C(1) << i % 64);
-        any |= active->tets[i / 64] >> i % 64 & 1u;
+        bits |= (uint64_t)finite << i;
     }
-    return any;
+    return bits;
 }
 
 /* Children whose values can meet one of the intervals, by their codes. */
@@ -120,14 +115,20 @@ typedef struct marking {
     bool non_finite;
 } marking;
 
+_Static_assert(LEAF_LEAF_TETS_MAX <= 64, "a leaf's tets are bits of a word");
+
 static void mark_leaf(const marking *m, const batch *b, waiting_leaves *w) {
     const unsigned k = w->next++ % LEAVES_WAITING;
-    const uint32_t first = w->of[k].first, end = w->of[k].end;
-    bool any = b->shift ? mark_tets(m->active, m->tets, first, end, SIDE_BITS / 2)
-                        : mark_tets(m->active, m->tets, first, end, 0);
+    const uint32_t first = w->of[k].first, count = w->of[k].end - first;
+    const uint16_t(*tets)[4] = m->tets + first;
+    uint64_t bits = b->shift ? met_tets(m->active->sides, tets, count, SIDE_BITS / 2)
+                             : met_tets(m->active->sides, tets, count, 0);
     if (m->non_finite)
-        any = drop_missing(m->active, m->tets, first, end, m->values);
-    m->active->children[w->of[k].node] |= (uint8_t)(any << w->of[k].child);
+        bits &= finite_tets(m->values, tets, count);
+    m->active->tets[first / 64] |= bits << first % 64;
+    if (first % 64 + count > 64)
+        m->active->tets[first / 64 + 1] |= bits >> (64 - first % 64);
+    m->active->children[w->of[k].node] |= (uint8_t)((bits != 0) << w->of[k].child);
 }
 
 /* Down the tree as far as codes say; reached: the nodes that this comes to. */

@@ -3,7 +3,10 @@
 #ifndef STREAM_MESH_DERIVED_H
 #define STREAM_MESH_DERIVED_H
 
-#include "stream/treelet.h"
+#include "formats/mesh/mesh_leaf.h"
+#include "stream/interest.h"
+
+struct resident_mesh;
 
 typedef struct mesh_derived {
     /* Room in the block of a treelet of this shape; NULL: nothing is derived. */
@@ -11,7 +14,7 @@ typedef struct mesh_derived {
     /* Masks have been made for this interest: make what belongs to them, in tr->derived, zero to
      * begin with. The interest stays until the masks are made anew. Nobody else looks at it
      * meanwhile. */
-    void (*make)(treelet *tr, const interest *in);
+    void (*make)(struct resident_mesh *tr, const interest *in);
 } mesh_derived;
 
 #endif

@@ -16,7 +16,7 @@ static bool moves(const resident_store *s) {
 }
 
 /* A treelet, its masks, where vertices move its nodes, and what is derived share a block. */
-enum { HEAD = (sizeof(treelet) + 63) / 64 * 64 };
+enum { HEAD = (sizeof(resident_mesh) + 63) / 64 * 64 };
 
 static size_t nodes_at(const mesh_shape *shape) {
     return HEAD + (mesh_active_bytes(shape) + 63) / 64 * 64;
@@ -77,46 +77,52 @@ static size_t scratch_bytes(const resident_store *s) {
 
 /* ---- one treelet ---- */
 
-static status create(const resident_store *s, uint32_t t, treelet **out) {
+static status create(const resident_store *s, uint32_t t, resident_mesh **out) {
     const leaf_file *f = s->file;
     const mesh_shape shape = mesh_leaf_shape(f->mesh->counts[t]);
-    treelet *tr = mem_zalloc(s->m, block_bytes(s, &shape));
+    resident_mesh *tr = mem_zalloc(s->m, block_bytes(s, &shape));
     if (!tr)
         return ST_NOMEM;
-    tr->id = t;
-    tr->set = TREELET_NO_SET;
+    tr->head.id = t;
+    tr->head.set = TREELET_NO_SET;
     tr->mesh = shape;
     tr->active = mesh_active_init((char *)tr + HEAD, &shape);
     if (s->derived.bytes)
         tr->derived = (char *)tr + derived_at(s, &shape);
     tr->first_tet = f->mesh->first_tet[t];
-    tr->bytes = block_bytes(s, &shape) + 128;
+    tr->head.bytes = block_bytes(s, &shape) + 128;
     *out = tr;
     return ST_OK;
 }
 
 /* Give a payload back: to the source, or where it is our own. */
-static void give_back(const resident_store *s, const treelet *tr, uint32_t p, const void *payload) {
+static void give_back(const resident_store *s, const resident_mesh *tr, uint32_t p,
+                      const void *payload) {
     if (payload && tr->refit)
         mem_free(s->m, (void *)(uintptr_t)payload);
     else if (payload)
         source_evict(s->source, p, payload);
 }
 
-static void strip(const resident_store *s, treelet *tr) {
+static void strip_mesh(const resident_store *s, resident_mesh *tr) {
     const leaf_layout *l = &s->file->layout;
-    if (tr->set == TREELET_NO_SET)
+    if (tr->head.set == TREELET_NO_SET)
         return;
-    give_back(s, tr, leaf_layout_values(l, tr->set, tr->id), tr->values);
+    give_back(s, tr, leaf_layout_values(l, tr->head.set, tr->head.id), tr->values);
     if (tr->moved)
-        give_back(s, tr, leaf_layout_positions(l, step_of(s, tr->set), tr->id), tr->moved);
+        give_back(s, tr, leaf_layout_positions(l, step_of(s, tr->head.set), tr->head.id),
+                  tr->moved);
     if (tr->gradients)
-        source_evict(s->source, leaf_layout_gradients(l, tr->set, tr->id), tr->gradients);
+        source_evict(s->source, leaf_layout_gradients(l, tr->head.set, tr->head.id), tr->gradients);
     tr->values = tr->moved = NULL;
     tr->gradients = NULL;
-    tr->set = TREELET_NO_SET;
-    tr->bytes = block_bytes(s, &tr->mesh) + 128;
-    atomic_store_explicit(&tr->masked, 0, memory_order_relaxed);
+    tr->head.set = TREELET_NO_SET;
+    tr->head.bytes = block_bytes(s, &tr->mesh) + 128;
+    atomic_store_explicit(&tr->head.masked, 0, memory_order_relaxed);
+}
+
+static void strip(const resident_store *s, treelet *tr) {
+    strip_mesh(s, (resident_mesh *)tr);
 }
 
 static void destroy(const resident_store *s, treelet *tr) {
@@ -128,20 +134,20 @@ static void destroy(const resident_store *s, treelet *tr) {
 
 /* ---- reading ---- */
 
-static status load_topology(const resident_store *s, treelet *tr, resident_scratch *scratch,
+static status load_topology(const resident_store *s, resident_mesh *tr, resident_scratch *scratch,
                             uint64_t *read) {
-    if (tr->payload)
+    if (tr->head.payload)
         return ST_OK;
     const void *topology;
-    status st = source_load(s->source, tr->id, &scratch->source, &topology);
+    status st = source_load(s->source, tr->head.id, &scratch->source, &topology);
     if (st != ST_OK)
         return st;
-    *read += s->file->sizes[tr->id];
-    st = mesh_leaf_check_loaded(s->file, tr->id, topology);
+    *read += s->file->sizes[tr->head.id];
+    st = mesh_leaf_check_loaded(s->file, tr->head.id, topology);
     if (st == ST_OK)
-        tr->payload = topology;
+        tr->head.payload = topology;
     else
-        source_evict(s->source, tr->id, topology);
+        source_evict(s->source, tr->head.id, topology);
     return st;
 }
 
@@ -167,49 +173,49 @@ static status check_own(const resident_store *s, uint32_t p, const void *payload
     return leaf_file_decode(s->file, p, payload, NULL, &view);
 }
 
-static status refit_values(const resident_store *s, treelet *tr, uint32_t set,
+static status refit_values(const resident_store *s, resident_mesh *tr, uint32_t set,
                            resident_scratch *scratch, uint64_t *read) {
     const leaf_file *f = s->file;
-    const size_t element = (size_t)set * f->layout.treelets + tr->id;
-    const uint32_t p = leaf_layout_values(&f->layout, set, tr->id);
+    const size_t element = (size_t)set * f->layout.treelets + tr->head.id;
+    const uint32_t p = leaf_layout_values(&f->layout, set, tr->head.id);
     char *payload = NULL;
     bool whole;
     status st = read_own(s, p, tr->mesh.values_at, scratch, &payload, &whole, read);
     tr->values = payload;
     if (st != ST_OK || whole)
         return st;
-    mesh_refit_values(&tr->mesh, tr->payload, f->own[element],
+    mesh_refit_values(&tr->mesh, tr->head.payload, f->own[element],
                       !(f->flags[element] & LEAF_FLAG_NON_FINITE), payload, scratch->room);
     return check_own(s, p, payload);
 }
 
-static status refit_moved(const resident_store *s, treelet *tr, uint32_t step,
+static status refit_moved(const resident_store *s, resident_mesh *tr, uint32_t step,
                           resident_scratch *scratch, uint64_t *read) {
     const leaf_layout *l = &s->file->layout;
-    const uint32_t p = leaf_layout_positions(l, step, tr->id);
+    const uint32_t p = leaf_layout_positions(l, step, tr->head.id);
     char *payload = NULL;
     bool whole;
     status st = read_own(s, p, tr->mesh.moved_at, scratch, &payload, &whole, read);
     tr->moved = payload;
     if (st == ST_OK)
-        st = mesh_leaf_check_moved(s->file, step, tr->id, payload);
+        st = mesh_leaf_check_moved(s->file, step, tr->head.id, payload);
     if (st != ST_OK || whole)
         return st;
-    mesh_refit_boxes(&tr->mesh, tr->payload, tr->bounds, payload, scratch->room);
+    mesh_refit_boxes(&tr->mesh, tr->head.payload, tr->bounds, payload, scratch->room);
     return check_own(s, p, payload);
 }
 
-static status load_values(const resident_store *s, treelet *tr, uint32_t set,
+static status load_values(const resident_store *s, resident_mesh *tr, uint32_t set,
                           resident_scratch *scratch, uint64_t *read) {
-    const uint32_t p = leaf_layout_values(&s->file->layout, set, tr->id);
+    const uint32_t p = leaf_layout_values(&s->file->layout, set, tr->head.id);
     status st = source_load(s->source, p, &scratch->source, &tr->values);
     *read += st == ST_OK ? s->file->sizes[p] : 0;
     return st;
 }
 
-static status load_gradients(const resident_store *s, treelet *tr, uint32_t set,
+static status load_gradients(const resident_store *s, resident_mesh *tr, uint32_t set,
                              resident_scratch *scratch, uint64_t *read) {
-    const uint32_t p = leaf_layout_gradients(&s->file->layout, set, tr->id);
+    const uint32_t p = leaf_layout_gradients(&s->file->layout, set, tr->head.id);
     const void *payload;
     status st = source_load(s->source, p, &scratch->source, &payload);
     if (st != ST_OK)
@@ -219,20 +225,20 @@ static status load_gradients(const resident_store *s, treelet *tr, uint32_t set,
     return ST_OK;
 }
 
-static status load_moved(const resident_store *s, treelet *tr, uint32_t step,
+static status load_moved(const resident_store *s, resident_mesh *tr, uint32_t step,
                          resident_scratch *scratch, uint64_t *read) {
-    const uint32_t p = leaf_layout_positions(&s->file->layout, step, tr->id);
+    const uint32_t p = leaf_layout_positions(&s->file->layout, step, tr->head.id);
     status st = source_load(s->source, p, &scratch->source, &tr->moved);
     if (st != ST_OK)
         return st;
     *read += s->file->sizes[p];
-    return mesh_leaf_check_moved(s->file, step, tr->id, tr->moved);
+    return mesh_leaf_check_moved(s->file, step, tr->head.id, tr->moved);
 }
 
 /* Which vertices and boxes it has now: those of its topology, or of its own. */
-static void place(treelet *tr) {
-    tr->nodes = mesh_leaf_nodes(tr->payload);
-    tr->positions = mesh_leaf_positions(&tr->mesh, tr->payload);
+static void place(resident_mesh *tr) {
+    tr->nodes = mesh_leaf_nodes(tr->head.payload);
+    tr->positions = mesh_leaf_positions(&tr->mesh, tr->head.payload);
     if (!tr->moved)
         return;
     const mesh_boxes *boxes = mesh_leaf_moved_boxes(tr->moved);
@@ -246,12 +252,12 @@ static void place(treelet *tr) {
     tr->positions = mesh_leaf_moved(&tr->mesh, tr->moved);
 }
 
-static status load_set(const resident_store *s, treelet *tr, uint32_t set,
+static status load_set(const resident_store *s, resident_mesh *tr, uint32_t set,
                        resident_scratch *scratch, uint64_t *read) {
     const uint32_t step = step_of(s, set);
-    tr->set = set;
+    tr->head.set = set;
     tr->refit = s->schema == MESH_REFIT;
-    tr->bounds = s->file->mesh->bounds[leaf_layout_bounds(&s->file->layout, step, tr->id)];
+    tr->bounds = s->file->mesh->bounds[leaf_layout_bounds(&s->file->layout, step, tr->head.id)];
     tr->planes = mesh_leaf_frame(tr->bounds);
     status st = (tr->refit ? refit_values : load_values)(s, tr, set, scratch, read);
     if (st == ST_OK && moves(s) && step > 0)
@@ -259,24 +265,26 @@ static status load_set(const resident_store *s, treelet *tr, uint32_t set,
     if (st == ST_OK && s->gradients)
         st = load_gradients(s, tr, set, scratch, read);
     if (st != ST_OK) {
-        strip(s, tr);
+        strip_mesh(s, tr);
         return st;
     }
-    tr->bytes += values_bytes(s, &tr->mesh) + (tr->moved ? moved_bytes(s, &tr->mesh) : 0) +
-                 gradients_bytes(s, &tr->mesh);
+    tr->head.bytes += values_bytes(s, &tr->mesh) + (tr->moved ? moved_bytes(s, &tr->mesh) : 0) +
+                      gradients_bytes(s, &tr->mesh);
     place(tr);
     return ST_OK;
 }
 
 static status load(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
-                   resident_scratch *scratch, treelet **tr, uint64_t *read) {
-    status st = *tr ? ST_OK : create(s, t, tr);
+                   resident_scratch *scratch, treelet **out, uint64_t *read) {
+    resident_mesh *tr = (resident_mesh *)*out;
+    status st = tr ? ST_OK : create(s, t, &tr);
     if (st != ST_OK)
         return st;
-    if (!(*tr)->payload)
-        (*tr)->payload = shared;
-    st = load_topology(s, *tr, scratch, read);
-    return st == ST_OK ? load_set(s, *tr, set, scratch, read) : st;
+    *out = &tr->head;
+    if (!tr->head.payload)
+        tr->head.payload = shared;
+    st = load_topology(s, tr, scratch, read);
+    return st == ST_OK ? load_set(s, tr, set, scratch, read) : st;
 }
 
 /* ---- the row ---- */
@@ -286,11 +294,12 @@ static const treelet_bounds *boxes(const leaf_file *f, uint32_t set) {
            leaf_layout_bounds(&f->layout, set % f->layout.steps, 0);
 }
 
-static void mask(const resident_store *s, treelet *tr, const interest *in) {
-    const size_t element = (size_t)tr->set * s->file->layout.treelets + tr->id;
+static void mask(const resident_store *s, treelet *head, const interest *in) {
+    resident_mesh *tr = (resident_mesh *)head;
+    const size_t element = (size_t)tr->head.set * s->file->layout.treelets + tr->head.id;
     const float *own = s->file->own[element];
     const bool non_finite = s->file->flags[element] & LEAF_FLAG_NON_FINITE;
-    mesh_active_compute(tr->active, &tr->mesh, own, non_finite, tr->payload, tr->values, in);
+    mesh_active_compute(tr->active, &tr->mesh, own, non_finite, tr->head.payload, tr->values, in);
     if (tr->derived)
         s->derived.make(tr, in);
 }

@@ -12,7 +12,30 @@
 #ifndef STREAM_MESH_RESIDENT_H
 #define STREAM_MESH_RESIDENT_H
 
+#include "formats/mesh/mesh_leaf.h"
+#include "stream/mesh_active.h"
 #include "stream/resident.h"
+
+typedef struct resident_mesh {
+    treelet head;  /* its payload: the topology */
+    void *derived; /* see mesh_derived.h; NULL: nothing */
+    const void *values;
+    const float (*gradients)[3]; /* at its vertices; NULL: not asked for */
+    const void *moved;           /* payload of positions, where they are not the topology's */
+    mesh_shape mesh;
+    const mesh_node *nodes;      /* with the boxes of its step */
+    const float (*positions)[3]; /* of its step */
+    uint64_t first_tet;          /* index of its first tet in the whole mesh */
+    const float *bounds;         /* lo x y z, hi x y z */
+    mesh_frame planes;           /* what its nodes' codes mean */
+    mesh_active *active;
+    bool refit; /* values and moved are memory of its own */
+} resident_mesh;
+
+/* resident_mesh_of() - the whole of a treelet of a mesh; NULL of NULL. */
+static inline const resident_mesh *resident_mesh_of(const treelet *tr) {
+    return (const resident_mesh *)tr;
+}
 
 extern const resident_kind mesh_resident;
 

@@ -7,6 +7,7 @@
 #ifndef STREAM_RESIDENT_H
 #define STREAM_RESIDENT_H
 
+#include "stream/active.h"
 #include "stream/mesh_derived.h"
 #include "stream/source.h"
 #include "stream/treelet.h"

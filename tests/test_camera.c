@@ -43,15 +43,20 @@ static void test_conventions(void **state) {
     camera_ray(&c, 3.5, 1.5, o, d); /* the last pixel's centre */
     const double length = sqrt(1 + 1.5 * 1.5 + 0.5 * 0.5);
     check_vector(d, 1 / length, -1.5 / length, -0.5 / length, 1e-15);
-    assert_true(fabs(camera_pixel(&c) - 1) < 1e-15);
+    assert_true(fabs(camera_pixel(&c, 1) - 1) < 1e-15);
 }
 
 static void test_agrees_with_reference(void **state) {
     (void)state;
     const double fov[] = {0.001, 1, 45, 60, 90, 120, 170, 179.9};
     for (size_t i = 0; i < sizeof fov / sizeof *fov; i++) {
-        const leafcast_camera view = {sizeof view, {3, -4, 5}, {1, 2, -7}, {0.1, 0.2, 1},
-                                      fov[i],      640,        360};
+        const leafcast_camera view = {.size = sizeof view,
+                                      .eye = {3, -4, 5},
+                                      .look_at = {1, 2, -7},
+                                      .up = {0.1, 0.2, 1},
+                                      .fov = fov[i],
+                                      .width = 640,
+                                      .height = 360};
         ref_camera other = {{3, -4, 5}, {1, 2, -7}, {0.1, 0.2, 1}, fov[i], 640, 360};
         camera c;
         assert_int_equal(camera_init(&c, &view), ST_OK);

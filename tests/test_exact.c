@@ -53,15 +53,15 @@ static hash_id draw(const char *path, const leafcast_options *options, const lea
     leafcast *volume = fixture_open(path, options);
     select_three(volume, iso);
     const leafcast_camera camera = leafcast_standard_view(volume, 1.1, SIDE, SIDE);
-    const leafcast_image image = {sizeof image,
-                                  p.rgba[0],
-                                  p.rgba[1],
-                                  p.rgba[2],
-                                  p.rgba[3],
-                                  p.z,
-                                  {p.normal[0], p.normal[1], p.normal[2]},
-                                  p.id,
-                                  NULL};
+    const leafcast_image image = {.size = sizeof image,
+                                  .r = p.rgba[0],
+                                  .g = p.rgba[1],
+                                  .b = p.rgba[2],
+                                  .a = p.rgba[3],
+                                  .z = p.z,
+                                  .normal = {p.normal[0], p.normal[1], p.normal[2]},
+                                  .id = p.id,
+                                  .provisional = NULL};
     assert_int_equal(leafcast_trace(volume, scene, &camera, &image, stats, NULL, NULL),
                      LEAFCAST_OK);
     leafcast_close(volume);
@@ -198,15 +198,15 @@ static void test_preview_becomes_exact(void **state) {
     select_three(volume, f.iso);
     const leafcast_camera camera = leafcast_standard_view(volume, 1.1, SIDE, SIDE);
     static uint8_t provisional[PIXELS];
-    const leafcast_image image = {sizeof image,
-                                  p.rgba[0],
-                                  p.rgba[1],
-                                  p.rgba[2],
-                                  p.rgba[3],
-                                  p.z,
-                                  {p.normal[0], p.normal[1], p.normal[2]},
-                                  p.id,
-                                  provisional};
+    const leafcast_image image = {.size = sizeof image,
+                                  .r = p.rgba[0],
+                                  .g = p.rgba[1],
+                                  .b = p.rgba[2],
+                                  .a = p.rgba[3],
+                                  .z = p.z,
+                                  .normal = {p.normal[0], p.normal[1], p.normal[2]},
+                                  .id = p.id,
+                                  .provisional = provisional};
     leafcast_scene scene = leafcast_scene_default();
     scene.preview = true;
     /* The loader goes on between frames: sooner or later nothing is provisional. */

@@ -13,6 +13,7 @@
 
 #include "formats/base/hash.h"
 #include "formats/base/pool.h"
+#include "stream/grid_resident.h"
 #include "stream/loader.h"
 #include "tests/support/fields.h"
 #include "tests/support/fixture.h"
@@ -70,7 +71,7 @@ static bool same_masks(const active_masks *a, const active_masks *b, uint32_t le
 static void assert_true_masks(stage *s, const treelet *tr, const interest *in) {
     assert_int_equal(leaf_file_load(s->f, tr->id, s->stored, s->payload), ST_OK);
     active_compute(s->truth, s->f, tr->id, s->payload, in);
-    assert_true(same_masks(tr->masks, s->truth, s->levels));
+    assert_true(same_masks(resident_grid_of(tr)->masks, s->truth, s->levels));
 }
 
 /* ---- The sweep ---- */
@@ -234,7 +235,7 @@ static status look_at_all(void *ctx, size_t index, int worker) {
         const treelet *tr = loader_lookup(c->s->l, t);
         if (!tr)
             continue;
-        const hash_id got = hash_masks(tr->masks, c->s->levels);
+        const hash_id got = hash_masks(resident_grid_of(tr)->masks, c->s->levels);
         if (got.lo != c->want[t].lo || got.hi != c->want[t].hi)
             atomic_fetch_add(&c->wrong, 1);
     }

@@ -130,12 +130,14 @@ static void compare_treelet(const subject *x, uint32_t p, field_random *r, tally
     }
 }
 
-static void compare_mesh(int non_finite) {
+static void compare_mesh(int non_finite, uint32_t treelet_tets, uint32_t leaf_tets) {
     field_random r = {3};
     tally t = {0};
     mem m;
     leaf_file *f;
     mesh_case c = mesh_leaves_cube(6, 1, 1, 5, non_finite);
+    c.mesh.treelet_tets = treelet_tets;
+    c.mesh.leaf_tets = leaf_tets;
     mem_init(&m, 0);
     assert_int_equal(leaf_file_open(&m, mesh_leaves_make(&c, "active.leaf"), &f), ST_OK);
     for (uint32_t p = 0; p < f->layout.treelets; p++) {
@@ -152,14 +154,16 @@ static void compare_mesh(int non_finite) {
 
 static void test_active(void **state) {
     (void)state;
-    compare_mesh(0);
+    compare_mesh(0, 50, 3);
+    compare_mesh(0, 400, 5);
+    compare_mesh(0, 400, LEAF_LEAF_TETS_MAX);
 }
 
 /* One value in 60, and in 4, is NaN or inf. */
 static void test_missing(void **state) {
     (void)state;
-    compare_mesh(60);
-    compare_mesh(4);
+    compare_mesh(60, 200, 7);
+    compare_mesh(4, 50, 3);
 }
 
 /* ---- The tree ---- */

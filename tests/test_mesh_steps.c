@@ -18,6 +18,7 @@
 #include "formats/mesh/mesh_leaf_check.h"
 #include "stream/loader.h"
 #include "stream/mesh_refit.h"
+#include "stream/mesh_resident.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_leaves.h"
 #include "tests/support/pictures.h"
@@ -287,24 +288,24 @@ static uint32_t assert_sound(mem *m, const loader *l, uint32_t set) {
     const leaf_layout *layout = &l->file->layout;
     uint32_t count = 0;
     for (uint32_t t = 0; t < layout->treelets; t++) {
-        const treelet *tr = loader_lookup(l, t);
+        const resident_mesh *tr = resident_mesh_of(loader_lookup(l, t));
         assert_int_equal(tr != NULL, l->own[t]);
         if (!tr)
             continue;
         const uint32_t step = set % layout->steps;
         void *scratch = mem_alloc(m, mesh_leaf_check_scratch(&tr->mesh));
         count++;
-        assert_int_equal(tr->set, set);
-        assert_int_equal(mesh_leaf_check_topology(l->file, t, tr->payload, scratch), ST_OK);
-        assert_int_equal(mesh_leaf_check_values(l->file, set, t, tr->payload, tr->values, scratch),
-                         ST_OK);
+        assert_int_equal(tr->head.set, set);
+        assert_int_equal(mesh_leaf_check_topology(l->file, t, tr->head.payload, scratch), ST_OK);
+        assert_int_equal(
+            mesh_leaf_check_values(l->file, set, t, tr->head.payload, tr->values, scratch), ST_OK);
         assert_int_equal(tr->moved != NULL, layout->moved_steps && step > 0);
         if (tr->moved)
             assert_int_equal(
-                mesh_leaf_check_positions(l->file, step, t, tr->payload, tr->moved, scratch),
+                mesh_leaf_check_positions(l->file, step, t, tr->head.payload, tr->moved, scratch),
                 ST_OK);
         for (uint32_t n = 0; n < tr->mesh.nodes; n++) {
-            const mesh_node *stored = &mesh_leaf_nodes(tr->payload)[n];
+            const mesh_node *stored = &mesh_leaf_nodes(tr->head.payload)[n];
             const mesh_boxes *boxes = tr->moved ? &mesh_leaf_moved_boxes(tr->moved)[n]
                                                 : (const mesh_boxes *)(const void *)stored;
             assert_memory_equal(tr->nodes[n].lo, boxes->lo, sizeof boxes->lo);

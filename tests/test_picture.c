@@ -13,9 +13,9 @@
 #include <string.h>
 
 #include "formats/base/fault.h"
-#include "render/app/picture_bytes.h"
 #include "render/app/picture_png.h"
 #include "render/app/picture_pnm.h"
+#include "render/picture_bytes.h"
 
 static mem budget;
 

@@ -454,8 +454,8 @@ static leafcast_status convert_a_path(const leafcast_convert_options *o) {
     return leafcast_convert_path(at("in.nrrd"), at("stop.leaf"), o);
 }
 
-/* Stopped at every call of watch() in turn: nothing is left. */
-static void check_stops(conversion convert, leafcast_convert_options o, const char *phases) {
+/* Stopped at every call of watch() in turn: nothing is left. Returns how many there are. */
+static long check_stops(conversion convert, leafcast_convert_options o, const char *phases) {
     watcher all = {0};
     o.watch = watch;
     o.watch_ctx = &all;
@@ -474,6 +474,7 @@ static void check_stops(conversion convert, leafcast_convert_options o, const ch
         assert_true(*leafcast_error_text());
         assert_int_equal(scratch_count(), files);
     }
+    return all.calls;
 }
 
 static void test_stop(void **state) {
@@ -481,10 +482,12 @@ static void test_stop(void **state) {
     leafcast_convert_options o = DEFAULTS;
     o.threads = 2;
     o.treelet_cells = 16;
-    check_stops(convert_a_grid, o, "convert ");
-    o.gradients = o.coarse = true;
+    (void)check_stops(convert_a_grid, o, "convert ");
+    o.gradients = true;
     o.treelet_tets = 100;
-    check_stops(convert_a_mesh, o, "read sort gradients build ");
+    const long plain = check_stops(convert_a_mesh, o, "read sort gradients build ");
+    o.coarse = true; /* watched, too, though it is no phase of its own */
+    assert_true(check_stops(convert_a_mesh, o, "read sort gradients build ") > plain + 1);
 }
 
 /* Each allocation, read, write and thread fails in turn: nothing is left, in the folder or in

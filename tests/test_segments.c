@@ -11,6 +11,7 @@
 
 #include "render/kind.h"
 #include "render/mesh/mesh_walk.h"
+#include "stream/grid_resident.h"
 #include "tests/support/fixture.h"
 #include "tests/support/interests.h"
 #include "tests/support/lab_leaf.h"
@@ -173,6 +174,43 @@ static void test_other_types(void **state) {
     }
 }
 
+/* Coarse levels, which reach past the box: as long a way, without a gap. */
+static void test_levels(void **state) {
+    (void)state;
+    static segment got[PIECES_MAX], fine[PIECES_MAX];
+    field f;
+    stage s;
+    field_random random = {FIELD_SEED};
+    assert_true(field_make(&f, "waves", 40, FIELD_SEED));
+    const ref_volume world = field_volume(&f);
+    stage_open(&s, fixture_leaf(&f, 4, 1, false));
+    leafcast_scene scene = leafcast_scene_default();
+    scene.lod = LEAFCAST_LOD_LEVEL;
+    scene.lod_level = 1;
+    for (int i = 0; i < RAYS; i++) {
+        const ref_ray aimed = field_random_ray(&world, &random, 20);
+        double length[2] = {0.0, 0.0};
+        ray r;
+        assert_true(tracer_ray(&s.tr, aimed.o, aimed.d, 0.0, INFINITY, &r));
+        const size_t all = follow(&s, &r, AHEAD, fine);
+        const tracer exact = s.tr;
+        assert_int_equal(volume_tracer(s.v, &scene, NULL, &s.tr), ST_OK);
+        assert_true(tracer_ray(&s.tr, aimed.o, aimed.d, 0.0, INFINITY, &r));
+        const size_t count = follow(&s, &r, AHEAD, got);
+        s.tr = exact;
+        for (size_t k = 0; k < all; k++)
+            length[0] += fine[k].t1 - fine[k].t0;
+        for (size_t k = 0; k < count; k++) {
+            length[1] += got[k].t1 - got[k].t0;
+            assert_true(k == 0 || got[k].t0 == got[k - 1].t1);
+        }
+        assert_true(count < all && 2 * count + 3 >= all);
+        assert_true(fabs(length[1] - length[0]) < 1e-12);
+    }
+    stage_close(&s);
+    field_release(&f);
+}
+
 /* ---- Meshes ---- */
 
 /* The tets of a file, in its order, each with vertices of its own. */
@@ -192,9 +230,10 @@ static soup soup_of(const stage *s) {
     for (uint32_t t = 0; t < f->layout.treelets; t++) {
         const treelet *at;
         assert_int_equal(volume_treelet(s->v, t, &at), ST_OK);
-        for (uint32_t i = 0; i < at->mesh.tets; i++) {
-            const tet y = mesh_walk_tet(at, i);
-            const size_t n = at->first_tet + i;
+        const resident_mesh *own = resident_mesh_of(at);
+        for (uint32_t i = 0; i < own->mesh.tets; i++) {
+            const tet y = mesh_walk_tet(own, i);
+            const size_t n = own->first_tet + i;
             memcpy(x.points[4 * n], y.p, sizeof y.p);
             memcpy(&x.values[4 * n], y.f, sizeof y.f);
             for (uint32_t k = 0; k < 4; k++)
@@ -229,6 +268,10 @@ static void check_mesh(const char *name, int cubes, uint32_t treelet_tets) {
                   "sum %.2g of the bounds; %zu faults\n",
                   name, lab.sound ? "" : ", unsound", s.v->file->layout.treelets, sum.rays,
                   sum.pieces, sum.faces, sum.worst_t, sum.worst_value, sum.worst_sum, sum.faults);
+    assert_int_equal(sum.faults, 0);
+    /* The bounds are for the worst: what there is stays far below. */
+    assert_true(sum.worst_t < 0.2 && sum.worst_value < 0.1);
+    assert_true(sum.pieces > sum.rays && sum.faces >= sum.rays * lab.sound);
     soup_release(&x);
     stage_close(&s);
     lab_mesh_release(&lab);
@@ -339,8 +382,9 @@ static void test_range(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_field), cmocka_unit_test(test_other_sizes),
-        cmocka_unit_test(test_other_types), cmocka_unit_test(test_every_mesh),
-        cmocka_unit_test(test_public),      cmocka_unit_test(test_range),
+        cmocka_unit_test(test_other_types), cmocka_unit_test(test_levels),
+        cmocka_unit_test(test_every_mesh),  cmocka_unit_test(test_public),
+        cmocka_unit_test(test_range),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -12,6 +12,7 @@
 
 #include "render/app/colour.h"
 #include "render/app/picture_png.h"
+#include "render/picture_bytes.h"
 
 static size_t written;
 
@@ -84,16 +85,12 @@ static void make_planes(job *j, leafcast_image *image) {
     if (!planes)
         exit(1);
     for (int k = 0; k < 256; k++)
-        linear[k] = (float)colour_linear(k / 255.0);
-    *image = (leafcast_image){sizeof *image,
-                              planes,
-                              planes + pixels,
-                              planes + 2 * pixels,
-                              planes + 3 * pixels,
-                              NULL,
-                              {NULL},
-                              NULL,
-                              NULL};
+        linear[k] = (float)picture_linear(k / 255.0);
+    *image = (leafcast_image){.size = sizeof *image,
+                              .r = planes,
+                              .g = planes + pixels,
+                              .b = planes + 2 * pixels,
+                              .a = planes + 3 * pixels};
     for (size_t i = 0; i < pixels; i++) {
         const unsigned char *at = j->bytes + 4 * i;
         image->a[i] = (float)at[3] / 255.0f;

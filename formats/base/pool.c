@@ -21,6 +21,8 @@ struct pool {
     int threads; /* the caller included */
     int started;
     worker *workers;
+    pool_run_host run; /* on the caller's threads; NULL: on workers */
+    void *host;
     pthread_mutex_t lock;
     pthread_cond_t wake, idle;
     /* The loop that is running; guarded by lock but for `next`. */
@@ -78,15 +80,33 @@ static void *work(void *arg) {
     return NULL;
 }
 
-status pool_create(mem *m, int threads, pool **out) {
+/* Nobody works yet. */
+static pool *pool_make(mem *m, int threads) {
     pool *p = mem_zalloc(m, sizeof *p);
     if (!p)
-        return ST_NOMEM;
+        return NULL;
     p->m = m;
     p->threads = threads < 1 ? 1 : threads;
     pthread_mutex_init(&p->lock, NULL);
     pthread_cond_init(&p->wake, NULL);
     pthread_cond_init(&p->idle, NULL);
+    return p;
+}
+
+status pool_create_host(mem *m, int threads, pool_run_host run, void *host, pool **out) {
+    pool *p = pool_make(m, threads);
+    if (!p)
+        return ST_NOMEM;
+    p->run = run;
+    p->host = host;
+    *out = p;
+    return ST_OK;
+}
+
+status pool_create(mem *m, int threads, pool **out) {
+    pool *p = pool_make(m, threads);
+    if (!p)
+        return ST_NOMEM;
     status st = ST_NOMEM;
     p->workers = mem_array(m, (size_t)p->threads, sizeof *p->workers);
     if (!p->workers)
@@ -128,6 +148,23 @@ int pool_threads(const pool *p) {
     return p->threads;
 }
 
+static void work_for_host(void *arg, int index) {
+    take_indices(arg, index);
+}
+
+/* All of a loop's indices, by all threads. */
+static void share_out(pool *p) {
+    if (p->run) {
+        p->run(p->host, p->threads, work_for_host, p);
+        return;
+    }
+    take_indices(p, 0);
+    pthread_mutex_lock(&p->lock);
+    while (p->busy > 0)
+        pthread_cond_wait(&p->idle, &p->lock);
+    pthread_mutex_unlock(&p->lock);
+}
+
 status pool_run(pool *p, size_t count, pool_body body, void *ctx) {
     pthread_mutex_lock(&p->lock);
     p->body = body;
@@ -141,14 +178,8 @@ status pool_run(pool *p, size_t count, pool_body body, void *ctx) {
     pthread_cond_broadcast(&p->wake);
     pthread_mutex_unlock(&p->lock);
 
-    take_indices(p, 0);
-
-    pthread_mutex_lock(&p->lock);
-    while (p->busy > 0)
-        pthread_cond_wait(&p->idle, &p->lock);
-    bool failed = atomic_load(&p->failed);
-    pthread_mutex_unlock(&p->lock);
-    return failed ? status_note_raise(&p->note) : ST_OK;
+    share_out(p);
+    return atomic_load(&p->failed) ? status_note_raise(&p->note) : ST_OK;
 }
 
 int pool_default_threads(void) {

@@ -1,8 +1,8 @@
 /* pool.h - a fixed set of threads that share out the indices of a loop.
  *
  * Results must not depend on which worker gets which index; the error that is returned does not
- * either (that of the lowest failing index among those that ran). One loop at a time; only the
- * creating thread calls pool_run().
+ * either (that of the lowest failing index among those that ran). One loop at a time. No body may
+ * wait for another one: they may run one after the other.
  */
 #ifndef FORMATS_BASE_POOL_H
 #define FORMATS_BASE_POOL_H
@@ -20,6 +20,11 @@ typedef status (*pool_body)(void *ctx, size_t index, int worker);
 /* pool_create() - threads >= 1 workers, the caller being one of them; ST_NOMEM if a thread cannot
  * be created. */
 CHECKED status pool_create(mem *m, int threads, pool **out);
+
+/* pool_create_host() - threads that are the caller's: run() calls work(arg, i) once for every i
+ * below count, on whatever threads, and returns when all of these calls have. */
+typedef void (*pool_run_host)(void *host, int count, void (*work)(void *arg, int index), void *arg);
+CHECKED status pool_create_host(mem *m, int threads, pool_run_host run, void *host, pool **out);
 
 /* pool_destroy() - waits for the workers to end. NULL is fine. */
 void pool_destroy(pool *p);

@@ -7,26 +7,7 @@
 
 #include "formats/base/num.h"
 #include "render/app/colour_names.h"
-
-/* x^(1/5) for x in (0, 1], by Newton from above, where every step but the last goes down. */
-static double fifth_root(double x) {
-    double root = 1.0;
-    for (;;) {
-        const double fourth = root * root * root * root;
-        const double next = root - (root - x / fourth) / 5.0;
-        if (!(next < root))
-            return root;
-        root = next;
-    }
-}
-
-/* x^2.4 = x^2 (x^2)^(1/5). */
-double colour_linear(double x) {
-    if (x <= 0.04045)
-        return x / 12.92;
-    const double base = (x + 0.055) / 1.055;
-    return base * base * fifth_root(base * base);
-}
+#include "render/picture_bytes.h"
 
 /* The value of two hexadecimal digits, or -1. */
 static int hex_byte(const char *text) {
@@ -46,7 +27,7 @@ static bool parse_hex(const char *text, int count, double out[4]) {
         const int byte = hex_byte(text + 1 + 2 * i);
         if (byte < 0)
             return false;
-        out[i] = i < 3 ? colour_linear(byte / 255.0) : byte / 255.0;
+        out[i] = i < 3 ? picture_linear(byte / 255.0) : byte / 255.0;
     }
     return true;
 }
@@ -65,7 +46,7 @@ status colour_parse(const char *text, const char *what, float rgb[3], float *alp
     uint32_t named = 0;
     if (colour_names_find(text, &named)) {
         for (int i = 0; i < 3; i++)
-            value[i] = colour_linear((double)(named >> (16 - 8 * i) & 0xff) / 255.0);
+            value[i] = picture_linear((double)(named >> (16 - 8 * i) & 0xff) / 255.0);
         good = true;
     } else if (text[0] == '#') {
         good = (length == 7 || (length == 9 && alpha)) && parse_hex(text, (int)length / 2, value);

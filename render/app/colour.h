@@ -11,8 +11,4 @@
  * libm. */
 CHECKED status colour_parse(const char *text, const char *what, float rgb[3], float *alpha);
 
-/* colour_linear() - what an sRGB component in [0, 1] is in linear light (IEC 61966-2-1). No libm.
- */
-double colour_linear(double encoded);
-
 #endif

@@ -8,10 +8,14 @@
 #include "formats/base/cli.h"
 #include "formats/base/cli_json.h"
 #include "formats/base/cli_value.h"
+#include "formats/base/file.h"
+#include "formats/base/file_guard.h"
 #include "formats/base/mem.h"
 #include "formats/base/num.h"
+#include "formats/base/printed_file.h"
 #include "formats/base/shell_line.h"
 #include "formats/base/text.h"
+#include "render/app/ray_profile.h"
 #include "render/app/render_job.h"
 
 enum { HITS_MAX = 1000 };
@@ -23,11 +27,14 @@ typedef struct probe_options {
     bool at, point, ray;
     double pixel[2], where[3], line[6];
     int hits;
+    bool segments;
+    const char *csv, *svg; /* files; csv "-": standard output */
+    mem m;
 } probe_options;
 
 /* ---- flags ---- */
 
-enum { AT = 0x3000, POINT, RAY, HITS };
+enum { AT = 0x3000, POINT, RAY, HITS, SEGMENTS, CSV, SVG };
 
 static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Where (one of these):", 1},
@@ -36,6 +43,10 @@ static const struct argp_option OPTIONS[] = {
     {"point", POINT, "X,Y,Z", CLI_BASIC, "a point", 0},
     {NULL, 0, NULL, 0, "How much:", 2},
     {"hits", HITS, "N", CLI_BASIC, "at most N hits (20)", 0},
+    {"segments", SEGMENTS, NULL, CLI_BASIC,
+     "the ray's profile: every cell that it passes, and the values there; needs no --iso", 0},
+    {"csv", CSV, "FILE", CLI_BASIC, "the profile as a table; - for standard output", 0},
+    {"svg", SVG, "FILE", CLI_BASIC, "the profile as a plot: the value along the ray", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status set_option(void *own, int key, const char *text) {
@@ -45,8 +56,28 @@ static status set_option(void *own, int key, const char *text) {
     case POINT: o->point = true; return cli_vector(text, "--point", 3, o->where);
     case RAY: o->ray = true; return cli_vector(text, "--ray", 6, o->line);
     case HITS: return cli_int(text, "--hits", 1, HITS_MAX, &o->hits);
+    case SEGMENTS: o->segments = true; return ST_OK;
+    case CSV:
+        o->segments = true;
+        o->csv = text;
+        return ST_OK;
+    case SVG:
+        o->segments = true;
+        o->svg = text;
+        return ST_OK;
     default: return view_options_set(&o->view, key, text);
     }
+}
+
+static bool to_stdout(const probe_options *o) {
+    return o->csv && strcmp(o->csv, "-") == 0;
+}
+
+/* A ray's profile needs no isosurface, nor does a point. */
+static status check_view(probe_options *o) {
+    if (o->view.isos > 0 || !(o->point || o->segments))
+        return view_options_check(&o->view);
+    return o->point ? ST_OK : view_options_check_camera(&o->view);
 }
 
 static status check_options(void *own) {
@@ -65,7 +96,11 @@ static status check_options(void *own) {
         return status_describe(ST_USAGE, "--ray: the direction is zero");
     if (o->view.scene.samples > 1)
         return status_describe(ST_USAGE, "--samples: a probe follows one ray");
-    return o->point && o->view.isos == 0 ? ST_OK : view_options_check(&o->view);
+    if (o->segments && o->point)
+        return status_describe(ST_USAGE, "--segments: a point has none; --at or --ray");
+    if (to_stdout(o) && o->common.json)
+        return status_describe(ST_USAGE, "--csv - and --json: standard output holds one of them");
+    return check_view(o);
 }
 
 /* ---- the answer: JSON first, from which the text is printed ---- */
@@ -119,6 +154,22 @@ static json_t *hit_json(const probe_options *o, leafcast_hit *h) {
         set_cell(out, h->cell, h->at, h->samples);
     json_object_set_new(out, "gradient", reals(h->gradient, 3));
     json_object_set_new(out, "normal", reals(h->normal, 3));
+    return out;
+}
+
+static json_t *segment_json(const probe_options *o, const leafcast_segment *s) {
+    json_t *out = json_object();
+    json_object_set_new(out, "t0", cli_json_real(s->t0));
+    json_object_set_new(out, "t1", cli_json_real(s->t1));
+    if (o->is_mesh)
+        json_object_set_new(out, "tet", json_integer((json_int_t)s->tet));
+    else
+        json_object_set_new(out, "cell", cell_of(s->cell));
+    json_object_set_new(out, "control", reals(s->control, s->degree + 1));
+    json_object_set_new(out, "least", cli_json_real(s->least));
+    json_object_set_new(out, "least_t", cli_json_real(s->least_t));
+    json_object_set_new(out, "most", cli_json_real(s->most));
+    json_object_set_new(out, "most_t", cli_json_real(s->most_t));
     return out;
 }
 
@@ -179,19 +230,26 @@ static void print_text(json_t *object, int indent) {
 
 /* ---- the question ---- */
 
-static status probe_ray(probe_options *o, leafcast *volume, json_t *answer) {
-    static leafcast_hit hits[HITS_MAX];
+/* An answer about a ray, and where it is printed from once the volume is closed. */
+static leafcast_hit hits[HITS_MAX];
+static ray_profile profile = {.hits = hits};
+
+static void ray_of(const probe_options *o, const leafcast *volume, json_t *answer, double origin[3],
+                   double direction[3]) {
     const leafcast_camera camera = view_options_camera(&o->view, volume);
-    double origin[3], direction[3];
     if (o->at) {
         leafcast_pixel_ray(&camera, o->pixel[0] + 0.5, o->pixel[1] + 0.5, origin, direction);
         json_object_set_new(answer, "pixel", reals(o->pixel, 2));
     } else {
-        memcpy(origin, o->line, sizeof origin);
-        memcpy(direction, o->line + 3, sizeof direction);
+        memcpy(origin, o->line, 3 * sizeof *origin);
+        memcpy(direction, o->line + 3, 3 * sizeof *direction);
     }
     json_object_set_new(answer, "origin", reals(origin, 3));
     json_object_set_new(answer, "direction", reals(direction, 3));
+}
+
+static status probe_hits(const probe_options *o, leafcast *volume, const double origin[3],
+                         const double direction[3], json_t *answer) {
     int count = 0;
     status st = render_status(leafcast_select(volume, o->view.surfaces, o->view.isos));
     if (st == ST_OK)
@@ -204,7 +262,86 @@ static status probe_ray(probe_options *o, leafcast *volume, json_t *answer) {
     for (int i = 0; i < count; i++)
         json_array_append_new(list, hit_json(o, &hits[i]));
     json_object_set_new(answer, "hits", list);
+    profile.hit_count = count;
     return ST_OK;
+}
+
+enum { SEGMENTS_AT_FIRST = 4096 };
+
+/* However many there are. */
+static status find_segments(probe_options *o, leafcast *volume, const double origin[3],
+                            const double direction[3]) {
+    status st = ST_OK;
+    int room = SEGMENTS_AT_FIRST / 2;
+    do {
+        room *= 2;
+        mem_free(&o->m, (void *)profile.segments);
+        leafcast_segment *more = mem_alloc(&o->m, (size_t)room * sizeof *more);
+        profile.segments = more;
+        if (!more)
+            return ST_NOMEM;
+        st = render_status(leafcast_probe_segments(volume, &o->view.scene, origin, direction, more,
+                                                   room, &profile.count));
+    } while (st == ST_OK && profile.count == room);
+    return st;
+}
+
+static void set_segments(const probe_options *o, json_t *answer) {
+    const ray_profile_total total = ray_profile_sum(&profile);
+    json_object_set_new(answer, "cells", json_integer(profile.count));
+    json_object_set_new(answer, "length", cli_json_real(total.length));
+    json_object_set_new(answer, "least", cli_json_real(total.least));
+    json_object_set_new(answer, "least_t", cli_json_real(total.least_t));
+    json_object_set_new(answer, "most", cli_json_real(total.most));
+    json_object_set_new(answer, "most_t", cli_json_real(total.most_t));
+    json_object_set_new(answer, "mean", cli_json_real(total.mean));
+    json_t *list = json_array();
+    for (int i = 0; i < profile.count && o->common.json; i++)
+        json_array_append_new(list, segment_json(o, &profile.segments[i]));
+    json_object_set_new(answer, "segments", list);
+}
+
+static void set_title(const probe_options *o) {
+    static char title[600];
+    char name[300];
+    text_file_name(name, sizeof name, o->common.input);
+    const int n = snprintf(title, sizeof title, "%s, ", name);
+    char *rest = title + n;
+    if (o->at)
+        snprintf(rest, sizeof title - (size_t)n, "pixel %g,%g", o->pixel[0], o->pixel[1]);
+    else
+        snprintf(rest, sizeof title - (size_t)n, "ray %g,%g,%g,%g,%g,%g", o->line[0], o->line[1],
+                 o->line[2], o->line[3], o->line[4], o->line[5]);
+    profile.title = title;
+}
+
+static status write_profile(probe_options *o) {
+    static double isovalues[LEAFCAST_SURFACES_MAX];
+    for (int i = 0; i < o->view.isos; i++)
+        isovalues[i] = o->view.surfaces[i].isovalue;
+    profile.isovalues = isovalues;
+    profile.isos = o->view.isos;
+    profile.is_mesh = o->is_mesh;
+    set_title(o);
+    status st = ST_OK;
+    if (o->csv && !to_stdout(o))
+        st = printed_file_write(&o->m, o->csv, o->common.force, ray_profile_csv, &profile);
+    if (st == ST_OK && o->svg)
+        st = printed_file_write(&o->m, o->svg, o->common.force, ray_profile_svg, &profile);
+    return st;
+}
+
+static status probe_ray(probe_options *o, leafcast *volume, json_t *answer) {
+    double origin[3], direction[3];
+    ray_of(o, volume, answer, origin, direction);
+    status st = o->view.isos > 0 ? probe_hits(o, volume, origin, direction, answer) : ST_OK;
+    if (st != ST_OK || !o->segments)
+        return st;
+    st = find_segments(o, volume, origin, direction);
+    if (st != ST_OK)
+        return st;
+    set_segments(o, answer);
+    return write_profile(o);
 }
 
 static status probe_point(const probe_options *o, leafcast *volume, json_t *answer) {
@@ -263,11 +400,26 @@ static status select_set(const probe_options *o, leafcast *volume, json_t *answe
     return ST_OK;
 }
 
+/* What could not be written is told before work begins. */
+static status check_outputs(probe_options *o) {
+    const char *const outputs[] = {to_stdout(o) ? NULL : o->csv, o->svg};
+    file_guard_watch();
+    status st = file_guard_input(o->common.input);
+    for (int i = 0; i < 2 && st == ST_OK; i++) {
+        st = file_guard_output(outputs[i]);
+        if (st == ST_OK && outputs[i])
+            st = out_file_check(&o->m, outputs[i], o->common.force);
+    }
+    return st;
+}
+
 static status run(probe_options *o, json_t *answer) {
     const leafcast_options open = {
         .size = sizeof(leafcast_options), .memory = o->common.memory, .threads = 1};
     leafcast *volume = NULL;
-    status st = render_status(leafcast_open(o->common.input, &open, &volume));
+    status st = check_outputs(o);
+    if (st == ST_OK)
+        st = render_status(leafcast_open(o->common.input, &open, &volume));
     if (st == ST_OK)
         o->is_mesh = leafcast_describe(volume).tets > 0;
     if (st == ST_OK)
@@ -280,9 +432,21 @@ static status run(probe_options *o, json_t *answer) {
     return st;
 }
 
+static void print_answer(const probe_options *o, json_t *answer) {
+    cli_results(&o->common, false);
+    if (to_stdout(o)) {
+        ray_profile_csv(&profile, stdout);
+        return;
+    }
+    print_text(answer, 0);
+    if (o->segments && !o->csv) {
+        putchar('\n');
+        ray_profile_text(&profile, stdout);
+    }
+}
+
 int main(int argc, char **argv) {
-    static probe_options o = {.common = {.verb = "probe", .without = "output force threads"},
-                              .hits = 20};
+    static probe_options o = {.common = {.verb = "probe", .without = "output threads"}, .hits = 20};
     struct argp_option options[VIEW_OPTIONS_ROOM];
     view_options_join(options, OPTIONS, "iso size eye look-at");
     const cli_verb verb = {
@@ -292,10 +456,13 @@ int main(int argc, char **argv) {
         .input = "treelet file",
         .args_doc = "F.leaf",
         .doc = "Tell what a pixel's ray or a point sees: hits, cells, values, gradients, the error "
-               "bound.\vExample:\n  leafcast probe bonsai.leaf --iso 37 --at 512,400\v"
+               "bound; with --segments the value all along the ray.\v"
+               "Examples:\n  leafcast probe bonsai.leaf --iso 37 --at 512,400\n"
+               "  leafcast probe bonsai.leaf --iso 37 --at 512,400 --svg profile.svg\v"
                "The flags are those of render, so that a picture's pixel is found again. "
                "With --json the answer is a JSON object."};
     view_options_init(&o.view);
+    mem_init(&o.m, 0);
     cli_parse(&verb, &o.common, argc, argv);
 
     json_t *answer = json_object();
@@ -305,9 +472,9 @@ int main(int argc, char **argv) {
     if (st == ST_OK && o.common.json) {
         st = cli_print_json(&o.common, json_incref(answer));
     } else if (st == ST_OK) {
-        cli_results(&o.common, false);
-        print_text(answer, 0);
+        print_answer(&o, answer);
     }
     json_decref(answer);
+    mem_free(&o.m, (void *)profile.segments);
     return cli_finish(&o.common, st);
 }

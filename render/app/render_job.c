@@ -12,10 +12,25 @@ status render_status(leafcast_status st) {
     return (status)st;
 }
 
+/* All volumes, on one device that ends with them. */
+static status open_volumes(render_job *job, const char *path, const leafcast_options *options) {
+    leafcast_options on = *options;
+    status st = render_status(leafcast_device_create(options, &on.device));
+    on.memory = 0;
+    on.threads = 0;
+    on.isa = NULL;
+    if (st == ST_OK)
+        st = render_status(leafcast_open(path, &on, &job->volume));
+    for (int i = 0; i < job->also_count && st == ST_OK; i++)
+        st = render_status(leafcast_open(job->also[i].path, &on, &job->also[i].volume));
+    leafcast_device_destroy(on.device);
+    return st;
+}
+
 status render_job_open(render_job *job, const char *path, const leafcast_options *options) {
     mem_init(&job->m, 0);
     job->source = path;
-    status st = render_status(leafcast_open(path, options, &job->volume));
+    status st = open_volumes(job, path, options);
     if (st == ST_OK)
         job->info = leafcast_describe(job->volume);
     if (st == ST_OK)
@@ -36,6 +51,10 @@ void render_job_close(render_job *job) {
     release_planes(job);
     image_out_close(job->files);
     job->files = NULL;
+    for (int i = 0; i < job->also_count; i++) {
+        leafcast_close(job->also[i].volume);
+        job->also[i].volume = NULL;
+    }
     leafcast_close(job->volume);
     job->volume = NULL;
 }
@@ -44,33 +63,50 @@ void render_job_close(render_job *job) {
 
 /* Where no isovalue is given, one that is worth a look. Before the volume is open any will do, as
  * nothing is drawn then. */
-static status choose_isovalue(const render_job *job, script_frame *frame) {
-    view_options *v = &frame->view;
+static status choose_isovalue(const leafcast *volume, view_options *v, double *suggested,
+                              int *count) {
     uint32_t field;
-    frame->suggestions = 0;
+    *count = 0;
     if (v->isos > 0)
         return ST_OK;
     v->isos = 1;
     v->surfaces[0].isovalue = 0.0;
-    if (!job->volume)
+    if (!volume)
         return ST_OK;
-    status st = view_options_field(v, job->volume, &field);
+    status st = view_options_field(v, volume, &field);
     if (st == ST_OK)
-        st = render_status(leafcast_suggested_isovalues(job->volume, field, v->step,
-                                                        frame->suggested, LEAFCAST_SUGGESTIONS_MAX,
-                                                        &frame->suggestions));
-    if (st == ST_OK && frame->suggestions == 0)
+        st = render_status(leafcast_suggested_isovalues(volume, field, v->step, suggested,
+                                                        LEAFCAST_SUGGESTIONS_MAX, count));
+    if (st == ST_OK && *count == 0)
         st = status_describe(ST_USAGE, "which isosurface? None can be suggested, as no two values "
                                        "differ: --iso V");
     if (st == ST_OK)
-        v->surfaces[0].isovalue = frame->suggested[0];
+        v->surfaces[0].isovalue = suggested[0];
+    return st;
+}
+
+/* The other volumes; colours go on behind those of the first. */
+static status check_also(const render_job *job, const view_options *first) {
+    double suggested[LEAFCAST_SUGGESTIONS_MAX];
+    int painted = first->isos, count;
+    status st = ST_OK;
+    for (int i = 0; i < job->also_count && job->volume && st == ST_OK; i++) {
+        view_options *v = &job->also[i].view;
+        st = choose_isovalue(job->also[i].volume, v, suggested, &count);
+        v->painted = painted;
+        if (st == ST_OK)
+            st = view_options_check(v);
+        painted += v->isos;
+    }
     return st;
 }
 
 status render_job_check(const render_job *job, script_frame *frame) {
-    status st = choose_isovalue(job, frame);
+    status st = choose_isovalue(job->volume, &frame->view, frame->suggested, &frame->suggestions);
     if (st == ST_OK)
         st = view_options_check(&frame->view);
+    if (st == ST_OK)
+        st = check_also(job, &frame->view);
     if (st == ST_OK && job->volume)
         st = view_options_check_volume(&frame->view, job->volume);
     if (st == ST_OK && frame->output[0])
@@ -115,15 +151,14 @@ static void *plane(render_job *job, void *there, const void *wanted, size_t size
 
 /* They come out of the same budget as the treelets; whether they fit is asked before memory is
  * taken. */
-static status make_planes(render_job *job, const script_frame *frame,
+static status make_planes(render_job *job, const script_frame *frame, const leafcast_scene *scene,
                           const leafcast_camera *camera) {
     const leafcast_image w = planes_wanted(job, frame);
     leafcast_image *i = &job->image;
     if (job->width != camera->width || job->height != camera->height)
         release_planes(job);
-    status st = render_status(
-        leafcast_check_room(job->volume, &frame->view.scene, camera, &w,
-                            image_out_bytes(&job->out, frame->output, camera->width)));
+    status st = render_status(leafcast_check_room(
+        job->volume, scene, camera, &w, image_out_bytes(&job->out, frame->output, camera->width)));
     if (st != ST_OK)
         return st;
     job->width = camera->width;
@@ -192,7 +227,26 @@ static bool report(void *ctx, double done) {
     return !p->watch->stop || !p->watch->stop(p->watch->ctx);
 }
 
-static status trace(render_job *job, const view_options *view, const leafcast_camera *camera,
+/* The scene, with all volumes where there are several. */
+static status describe_scene(render_job *job, const view_options *view, leafcast_scene *scene) {
+    uint32_t field;
+    *scene = view->scene;
+    if (job->also_count == 0)
+        return ST_OK;
+    status st = view_options_field(view, job->volume, &field);
+    job->shown[0] = (leafcast_shown){job->volume, field, view->step, view->surfaces, view->isos};
+    for (int i = 0; i < job->also_count && st == ST_OK; i++) {
+        const render_also *also = &job->also[i];
+        st = view_options_field(&also->view, also->volume, &field);
+        job->shown[i + 1] = (leafcast_shown){also->volume, field, also->view.step,
+                                             also->view.surfaces, also->view.isos};
+    }
+    scene->volumes = job->shown;
+    scene->volume_count = job->also_count + 1;
+    return st;
+}
+
+static status trace(render_job *job, const leafcast_scene *scene, const leafcast_camera *camera,
                     leafcast_stats *median) {
     leafcast_stats *all = mem_array(&job->m, (size_t)job->repeat, sizeof *all);
     if (!all)
@@ -201,7 +255,7 @@ static status trace(render_job *job, const view_options *view, const leafcast_ca
     for (int i = 0; i < job->repeat && st == ST_OK; i++) {
         all[i].size = sizeof all[i];
         part p = {job->watch, job->done + job->share * i / job->repeat, job->share / job->repeat};
-        st = render_status(leafcast_trace(job->volume, &view->scene, camera, &job->image, &all[i],
+        st = render_status(leafcast_trace(job->volume, scene, camera, &job->image, &all[i],
                                           job->watch ? report : NULL, &p));
     }
     if (st == ST_OK)
@@ -322,15 +376,18 @@ void render_job_turn(render_job *job, view_options *view, double share) {
 static status draw_picture(render_job *job, const script_frame *frame, targets *to,
                            render_stats *stats) {
     const leafcast_camera camera = camera_of(job, &frame->view);
-    status st = open_targets(job, frame, to);
+    leafcast_scene scene;
+    status st = describe_scene(job, &frame->view, &scene);
     if (st == ST_OK)
-        st = make_planes(job, frame, &camera);
+        st = open_targets(job, frame, to);
+    if (st == ST_OK)
+        st = make_planes(job, frame, &scene, &camera);
     if (st == ST_OK)
         st = select_surfaces(job, &frame->view);
     if (st == ST_OK)
         st = select_set(job, &frame->view);
     if (st == ST_OK)
-        st = trace(job, &frame->view, &camera, &stats->trace);
+        st = trace(job, &scene, &camera, &stats->trace);
     const double traced = clock_seconds();
     if (st == ST_OK)
         st = write_targets(job, frame, &camera, to);

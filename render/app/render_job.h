@@ -10,9 +10,20 @@
 #include "render/app/render_script.h"
 #include "render/app/render_stats.h"
 
+/* A volume that is drawn together with the first one. */
+enum { RENDER_ALSO_MAX = LEAFCAST_VOLUMES_MAX - 1 };
+typedef struct render_also {
+    const char *path;
+    view_options view; /* its isosurfaces, field and step */
+    leafcast *volume;
+} render_also;
+
 typedef struct render_job {
     mem m; /* of the planes; counted against the volume's budget by leafcast_trace() */
     leafcast *volume;
+    render_also *also; /* also_count more, on the same device */
+    int also_count;
+    leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
     leafcast_info info;
     leafcast_camera fitted; /* to the first picture; width 0: to none yet */
     const char *source;     /* the treelet file's path, for the pictures' metadata */
@@ -33,7 +44,7 @@ typedef struct render_job {
 /* render_status() - a public status as an internal one; the description is the same. */
 status render_status(leafcast_status st);
 
-/* render_job_open() - *job is zeroed but for out, repeat and watch, which the caller has set.
+/* render_job_open() - *job is zeroed but for out, repeat, also and watch, which the caller has set.
  * render_job_close() in any case. */
 CHECKED status render_job_open(render_job *job, const char *path, const leafcast_options *options);
 void render_job_close(render_job *job);

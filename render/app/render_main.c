@@ -20,6 +20,8 @@ typedef struct render_options {
     const char *depth, *stats, *script, *iso_list, *camera_path, *format;
     bool series; /* --steps: */
     uint32_t first_step, last_step;
+    render_also also[RENDER_ALSO_MAX]; /* --and: what follows is about the last of these */
+    int also_count;
     int repeat;
     int turns; /* --turntable; 0: none */
     bool fail_empty;
@@ -41,6 +43,7 @@ enum {
     ISO_LIST,
     CAMERA_PATH,
     SCRIPT,
+    AND,
     STEPS,
     FORMAT,
     BACKEND,
@@ -63,6 +66,10 @@ static const struct argp_option OPTIONS[] = {
     {"fail-empty", FAIL_EMPTY, NULL, 0, "exit 1 where a picture shows no surface", 0},
     {"repeat", REPEAT, "N", CLI_EXPERIMENT, "draw N times; the statistics are the median picture's",
      0},
+    {"and", AND, "FILE", 0,
+     "a volume more, in the same picture; --iso, --color, --opacity, --field and --step behind it "
+     "are about that one. Repeatable",
+     10},
     {NULL, 0, NULL, 0, "Many pictures (-o out.png becomes out_0000.png ...):", 50},
     {"iso-list", ISO_LIST, "V1,V2,...", 0, "a picture for each isovalue; V:V is a picture with two",
      0},
@@ -141,10 +148,27 @@ static status set_machine(leafcast_options *open, int key, const char *text) {
     }
 }
 
+static status add_volume(render_options *o, const char *path) {
+    if (o->also_count == RENDER_ALSO_MAX)
+        return status_describe(ST_USAGE, "--and: at most %d volumes in one picture",
+                               LEAFCAST_VOLUMES_MAX);
+    render_also *also = &o->also[o->also_count++];
+    also->path = path;
+    view_options_init(&also->view);
+    return ST_OK;
+}
+
+/* What a flag is about: the last volume that was named, or the picture. */
+static view_options *view_of(render_options *o, int key) {
+    return o->also_count > 0 && view_options_of_one(key) ? &o->also[o->also_count - 1].view
+                                                         : &o->view;
+}
+
 static status set_option(void *own, int key, const char *text) {
     render_options *o = own;
     status st = ST_OK;
     switch (key) {
+    case AND: return add_volume(o, text);
     case DEPTH: o->depth = text; return ST_OK;
     case FORMAT: o->format = text; return ST_OK;
     case STATS: o->stats = text; return ST_OK;
@@ -157,7 +181,7 @@ static status set_option(void *own, int key, const char *text) {
     case REPEAT: return cli_int(text, "--repeat", 1, 10000, &o->repeat);
     default:
         st = set_machine(&o->open, key, text);
-        return st == ST_AGAIN ? view_options_set(&o->view, key, text) : st;
+        return st == ST_AGAIN ? view_options_set(view_of(o, key), key, text) : st;
     }
 }
 
@@ -590,7 +614,10 @@ int main(int argc, char **argv) {
 
     o.open.memory = o.common.memory;
     o.open.threads = o.common.threads;
-    render_job job = {.repeat = o.repeat, .watch = cli_progress(&o.common)};
+    render_job job = {.repeat = o.repeat,
+                      .also = o.also,
+                      .also_count = o.also_count,
+                      .watch = cli_progress(&o.common)};
     job.out = (image_out_options){.force = o.common.force,
                                   .threads = o.common.threads,
                                   .format = o.format,

@@ -39,7 +39,8 @@ enum {
     SWEEP,
     INTERSECTOR,
     FIELD,
-    STEP
+    STEP,
+    ORTHO
 };
 
 static const char SHADINGS[] = "diffuse|phong|flat",
@@ -61,6 +62,7 @@ const struct argp_option view_options_table[] = {
     {"look-at", LOOK_AT, "X,Y,Z", 0, "what is in the middle (the volume's centre)", 0},
     {"up", UP, "X,Y,Z", 0, "what is up (0,0,1)", 0},
     {"fov", FOV, "DEG", 0, "vertical field of view (fit: 35, else 45)", 0},
+    {"ortho", ORTHO, "HEIGHT", 0, "parallel rays: a picture so many world units high", 0},
     {"size", SIZE, "WxH", 0, "pixels (1024x1024)", 0},
     {"samples", SAMPLES, "N", 0, "rays a pixel, against jagged edges: 1, 4 or 16 (1)", 0},
 
@@ -317,6 +319,7 @@ static status set_camera(view_options *v, int key, const char *text) {
     case LOOK_AT: v->look_at = true; return cli_vector(text, "--look-at", 3, c->look_at);
     case UP: v->up = true; return cli_vector(text, "--up", 3, c->up);
     case FOV: v->fov = true; return cli_finite(text, "--fov", 1e-6, 179.999, &c->fov);
+    case ORTHO: return cli_finite(text, "--ortho", 1e-300, 1e300, &c->ortho_height);
     case SIZE: return parse_size(text, c);
     case SAMPLES: return set_samples(text, &v->scene.samples);
     case VIEW:
@@ -381,6 +384,10 @@ static status set_any(view_options *v, int key, const char *text) {
     return st;
 }
 
+bool view_options_of_one(int key) {
+    return key == ISO || key == COLOUR || key == OPACITY || key == FIELD || key == STEP;
+}
+
 static uint64_t bit_of(int key) {
     return (uint64_t)1 << (key - ISO);
 }
@@ -418,6 +425,7 @@ void view_options_clear(view_options *v, int key) {
     case FOV: v->fov = false; break;
     case FIELD: v->field[0] = 0; break;
     case STEP: v->step = 0; break;
+    case ORTHO: v->camera.ortho_height = 0.0; break;
     default: break; /* the others have one value, which is replaced */
     }
 }
@@ -540,7 +548,7 @@ status view_options_check(view_options *v) {
                                v->colours > v->isos ? "color" : "opacity", v->isos);
     enum { PALETTE_SIZE = sizeof PALETTE / sizeof *PALETTE };
     for (int i = v->colours; i < v->isos; i++)
-        memcpy(v->surfaces[i].rgb, PALETTE[i % PALETTE_SIZE], sizeof PALETTE[0]);
+        memcpy(v->surfaces[i].rgb, PALETTE[(v->painted + i) % PALETTE_SIZE], sizeof PALETTE[0]);
     for (int i = v->opacities; i < v->isos; i++)
         v->surfaces[i].opacity = 1.0f;
     status st = view_options_check_camera(v);
@@ -573,6 +581,19 @@ static leafcast_camera first_view(const view_options *v, const leafcast *volume)
     return leafcast_standard_view(volume, v->distance, given->width, given->height);
 }
 
+/* Parallel rays begin in the plane through the eye: in front of all of the volume. */
+static void step_back(leafcast_camera *c, const leafcast *volume) {
+    const leafcast_info info = leafcast_describe(volume);
+    double diagonal = 0.0, away = 0.0;
+    for (int a = 0; a < 3; a++) {
+        const double edge = info.bounds[1][a] - info.bounds[0][a], from = c->eye[a] - c->look_at[a];
+        diagonal += edge * edge;
+        away += from * from;
+    }
+    for (int a = 0; a < 3; a++)
+        c->eye[a] = c->look_at[a] + (c->eye[a] - c->look_at[a]) * sqrt(diagonal / away);
+}
+
 leafcast_camera view_options_camera(const view_options *v, const leafcast *volume) {
     const leafcast_camera *given = &v->camera;
     leafcast_camera c = first_view(v, volume);
@@ -584,6 +605,9 @@ leafcast_camera view_options_camera(const view_options *v, const leafcast *volum
         memcpy(c.up, given->up, sizeof c.up);
     if (v->fov)
         c.fov = given->fov;
+    c.ortho_height = given->ortho_height;
+    if (c.ortho_height > 0.0 && !v->eye)
+        step_back(&c, volume);
     /* Straight down or up: +z cannot be up. */
     if (!v->up && c.eye[0] == c.look_at[0] && c.eye[1] == c.look_at[1]) {
         c.up[1] = 1.0;

@@ -29,6 +29,7 @@ typedef struct view_options {
     const leafcast_camera *hold; /* instead of one that is fitted anew; NULL */
     char field[VIEW_FIELD_MAX];  /* "": the first */
     uint32_t step;
+    int painted; /* surfaces of other volumes in the picture: colours begin behind theirs */
 } view_options;
 
 /* The table, for argp. */
@@ -46,6 +47,11 @@ void view_options_init(view_options *v);
 /* view_options_set() - one flag, text NULL where it takes none. ST_USAGE with a description;
  * ST_AGAIN when the key is not in the table. */
 CHECKED status view_options_set(view_options *v, int key, const char *text);
+
+/* view_options_of_one() - whether a flag is about one volume of several: its isosurfaces, field,
+ * step.
+ */
+bool view_options_of_one(int key);
 
 /* view_options_clear() - forget what was given for a flag, as if it had not been on the command
  * line. */

@@ -12,9 +12,9 @@
 #include "formats/base/file.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
+#include "formats/base/printed_file.h"
 #include "formats/base/sibling.h"
 #include "formats/base/text.h"
-#include "render/bench/bench_product.h"
 #include "render/bench/bench_suite.h"
 
 typedef struct bench_options {
@@ -101,7 +101,7 @@ static void print_product(const void *ctx, FILE *out) {
 static status write_product(bench_options *o, const bench_suite *suite, const char *path,
                             product what) {
     const product_of p = {&o->job.table, suite, what};
-    return bench_product_write(&o->job.m, path, o->common.force, print_product, &p);
+    return printed_file_write(&o->job.m, path, o->common.force, print_product, &p);
 }
 
 /* Told before the suite runs. */

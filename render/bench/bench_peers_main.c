@@ -11,9 +11,9 @@
 #include "formats/base/file.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
+#include "formats/base/printed_file.h"
 #include "render/app/image_out.h"
 #include "render/bench/bench_plot.h"
-#include "render/bench/bench_product.h"
 #include "render/bench/peer_race.h"
 
 typedef struct peers_options {
@@ -76,7 +76,7 @@ static void print_bars(const void *table, FILE *out) {
 
 static status write_table(peers_options *o, const char *path,
                           void (*print)(const void *table, FILE *out)) {
-    return path ? bench_product_write(&o->m, path, o->common.force, print, &o->table) : ST_OK;
+    return path ? printed_file_write(&o->m, path, o->common.force, print, &o->table) : ST_OK;
 }
 
 /* Those that peer_race_check() looks at are among them. */

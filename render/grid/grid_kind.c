@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/active_box.h"
+#include "formats/base/box3.h"
 #include "render/grid/grid_projection.h"
 #include "render/grid/grid_segments.h"
 #include "render/grid/grid_tile.h"
@@ -25,14 +25,14 @@ static grid_volume *grid_of(const leafcast *v) {
 static status grid_open(leafcast *v) {
     if (v->options.packets != 0)
         return status_describe(ST_USAGE, "packets are for meshes: in a grid, tiles of rays walk");
-    v->own = mem_zalloc(&v->budget, sizeof(grid_volume));
-    return v->own ? level_planes_init(&grid_of(v)->planes, &v->budget, v->file) : ST_NOMEM;
+    v->own = mem_zalloc(v->m, sizeof(grid_volume));
+    return v->own ? level_planes_init(&grid_of(v)->planes, v->m, v->file) : ST_NOMEM;
 }
 
 static void grid_close(leafcast *v) {
     if (v->own)
         level_planes_release(&grid_of(v)->planes);
-    mem_free(&v->budget, v->own);
+    mem_free(v->m, v->own);
 }
 
 /* Where a grid is, and how large its cells are. */
@@ -75,23 +75,24 @@ static void widen_by_histogram(const leafcast *v, double isovalue, double box[2]
             lo[a] = h->box[k][a] * last / 255.0;
             hi[a] = fmin(last, (h->box[k][3 + a] + 1) * last / 255.0 + 1.0);
         }
-        box_widen(box, lo, hi);
+        box3_widen(box, lo, hi);
     }
 }
 
 /* Of the treelets of level 0: nodes. */
 static void widen_by_treelets(const leafcast *v, const double *isovalues, int count,
                               double box[2][3]) {
+    const interest in = interest_of_isovalues(isovalues, count);
     const leaf_layout *l = &v->file->layout;
     for (uint32_t t = l->level[0].first; t < l->treelets; t++) {
         double lo[3], hi[3];
-        if (!range_is_active(v->file->own[t], isovalues, count))
+        if (!interest_meets(&in, v->file->own[t][0], v->file->own[t][1]))
             continue;
         for (int a = 0; a < 3; a++) {
             lo[a] = (double)l->place[t][a] * (1u << l->cells_log2);
             hi[a] = fmin(lo[a] + (1u << l->cells_log2), v->file->header.dims[a] - 1.0);
         }
-        box_widen(box, lo, hi);
+        box3_widen(box, lo, hi);
     }
 }
 
@@ -105,7 +106,7 @@ static void grid_active_box(const leafcast *v, uint32_t set, const double *isova
                             double corners[8][3]) {
     double box[2][3];
     (void)set;
-    box_begin(box);
+    box3_begin(box);
     if (v->file->histograms)
         for (int i = 0; i < count; i++)
             widen_by_histogram(v, isovalues[i], box);
@@ -118,7 +119,7 @@ static void grid_active_box(const leafcast *v, uint32_t set, const double *isova
     }
     for (int i = 0; i < 8; i++) {
         double corner[3];
-        box_corner(box, i, corner);
+        box3_corner(box, i, corner);
         affine_point_to_world(&v->space, corner, corners[i]);
     }
 }
@@ -137,7 +138,6 @@ static status grid_check(const leafcast *v, const leafcast_scene *scene) {
  * nearest to the eye. */
 static void stop_levels(leafcast *v, const camera *c) {
     const leaf_layout *layout = &v->file->layout;
-    const double pixel = camera_pixel(c);
     for (uint32_t t = 0; t < layout->treelets; t++) {
         const level_planes *planes = &grid_of(v)->planes.levels[layout->level_of[t]];
         double centre[3], radius = 0.0, edge = 0.0, distance = 0.0, world[3];
@@ -153,7 +153,7 @@ static void stop_levels(leafcast *v, const camera *c) {
         affine_point_to_world(&v->space, centre, world);
         for (int a = 0; a < 3; a++)
             distance += (world[a] - c->eye[a]) * (world[a] - c->eye[a]);
-        v->stop[t] = edge <= pixel * fmax(sqrt(distance) - radius, 0.0);
+        v->stop[t] = edge <= camera_pixel(c, fmax(sqrt(distance) - radius, 0.0));
     }
 }
 
@@ -185,9 +185,9 @@ static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
     tr->boxed = tr->preview || tr->stop || tr->target_level > 0;
 }
 
-static status grid_project(leafcast *v, const camera *c) {
-    return grid_projection_init(&v->projection, &v->budget, &v->file->layout,
-                                grid_of(v)->planes.levels, &v->space, c);
+static status grid_project(leafcast *v, const camera *c, projection *out) {
+    return grid_projection_init(out, v->m, &v->file->layout, grid_of(v)->planes.levels, &v->space,
+                                c);
 }
 
 static tile_fn grid_tile(const kernels *k) {
@@ -257,7 +257,7 @@ static status grid_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, cons
     }
     status st = volume_treelet(v, leaf_layout_find(&v->file->layout, tr->target_level, place), &at);
     if (st == ST_OK)
-        walk_cell_samples(scene, at, out->cell, out->samples);
+        walk_cell_samples(scene, resident_grid_of(at), out->cell, out->samples);
     return st;
 }
 
@@ -305,7 +305,7 @@ static status grid_cell_at(leafcast *v, const double point[3], leafcast_sample *
     double gradient[3], inverse[3];
     for (int a = 0; a < 3; a++)
         inverse[a] = planes->inverse[a][sample->cell[a]];
-    walk_cell_samples(&scene, at, sample->cell, sample->samples);
+    walk_cell_samples(&scene, resident_grid_of(at), sample->cell, sample->samples);
     sample->value = surface_trilinear(sample->samples, sample->at, inverse, gradient);
     affine_gradient_to_world(&v->space, gradient, sample->gradient);
     return ST_OK;

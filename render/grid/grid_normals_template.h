@@ -33,7 +33,7 @@ SIMD four mix_four(four a, four b, double s) {
 enum { KNOWN_CELLS = 32 };
 
 typedef struct known_cell {
-    const treelet *at;
+    const resident_grid *at;
     uint32_t cell[3];
     double gradients[8][4];
 } known_cell;
@@ -41,12 +41,12 @@ typedef struct known_cell {
 /* The gradients at the corners of the cell that ray i hit. */
 static const known_cell *corners_of(const tile_walk *w, unsigned i, known_cell *known) {
     const uint32_t *cell = w->cell[i];
+    const resident_grid *at = found_in(w, i);
     known_cell *k = &known[(cell[0] + 5 * cell[1] + 11 * cell[2]) % KNOWN_CELLS];
-    if (k->at == w->s.at[i] && k->cell[0] == cell[0] && k->cell[1] == cell[1] &&
-        k->cell[2] == cell[2])
+    if (k->at == at && k->cell[0] == cell[0] && k->cell[1] == cell[1] && k->cell[2] == cell[2])
         return k;
-    surface_gradients(scene_of(w), w->s.at[i], cell, k->gradients);
-    k->at = w->s.at[i];
+    surface_gradients(scene_of(w), at, cell, k->gradients);
+    k->at = at;
     for (int a = 0; a < 3; a++)
         k->cell[a] = cell[a];
     return k;
@@ -60,7 +60,7 @@ SIMD void gradients_at(const tile_walk *w, unsigned i, unsigned hits, bool centr
     for (unsigned k = 0; k < VD_N; k++) {
         for (int a = 0; a < 3; a++) {
             const bool has = hits >> k & 1u;
-            const level_planes *planes = &scene->levels[has ? w->s.at[i + k]->level : 0];
+            const level_planes *planes = &scene->levels[has ? found_in(w, i + k)->level : 0];
             const uint32_t c = has ? w->cell[i + k][a] : 0;
             lo[a][k] = planes->at[a][c] - w->place.p->eye[a];
             inverse[a][k] = planes->inverse[a][c];
@@ -87,7 +87,7 @@ SIMD void gradients_at(const tile_walk *w, unsigned i, unsigned hits, bool centr
             const double place[3] = {x, y, z};
             const double widths[3] = {inverse[0][k], inverse[1][k], inverse[2][k]};
             float samples[8];
-            walk_cell_samples(scene, w->s.at[i + k], w->cell[i + k], samples);
+            walk_cell_samples(scene, found_in(w, i + k), w->cell[i + k], samples);
             surface_trilinear(samples, place, widths, g);
         }
         for (int a = 0; a < 3; a++)
@@ -123,9 +123,10 @@ static void normal_of_its_own(const tile_walk *w, unsigned i, tile_pixels *p) {
         r.o[a] = r.held[a] = w->place.p->eye[a];
         r.d[a] = w->s.rays.d[a][i];
     }
-    const hit h = {w->s.t[i], index_of(w, w->s.at[i], w->cell[i]), w->s.iso[i], w->s.entering[i]};
+    const hit h = {w->s.t[i], index_of(w, found_in(w, i), w->cell[i]), w->s.iso[i],
+                   w->s.entering[i]};
     const surface_point point =
-        surface_at(scene_of(w), &tr->space, w->s.at[i], &r, &h, scene_of(w)->analytic_normals);
+        surface_at(scene_of(w), &tr->space, found_in(w, i), &r, &h, scene_of(w)->analytic_normals);
     for (int a = 0; a < 3; a++)
         p->normal[a][i] = point.normal[a];
 }

@@ -13,9 +13,8 @@ typedef struct pending {
 /* What a walk through a treelet does not change. */
 typedef struct collector {
     const walk_scene *scene;
-    const treelet *at;
+    const resident_grid *at;
     const ray *r;
-    double from; /* pieces that begin before were found earlier */
     segments_state *state;
     ray_counters *counters;
 } collector;
@@ -28,7 +27,7 @@ static bool take_cell(const collector *c, const uint32_t cell[3]) {
     cell_visit visit;
     float samples[8];
     c->counters->cells++;
-    if (!cell_visit_of(c->r, &box, &visit) || !(visit.t_in < visit.t_out) || visit.t_in < c->from)
+    if (!cell_visit_of(c->r, &box, &visit))
         return true;
     if (s->count == s->room)
         return false;
@@ -37,7 +36,7 @@ static bool take_cell(const collector *c, const uint32_t cell[3]) {
     *piece = (segment){.t0 = visit.t_in,
                        .t1 = visit.t_out,
                        .cell = walk_cell_index(planes, cell),
-                       .treelet = c->at->id,
+                       .treelet = c->at->head.id,
                        .degree = 3};
     cell_values(&visit, samples, piece->b);
     s->t_from = visit.t_out;
@@ -107,7 +106,8 @@ segments_result grid_segments(const tracer *tr, const ray *r, segments_state *st
     stack[top++] = (grid_passage){t_in, t_out, 0, 0};
     while (top > 0) {
         const grid_passage node = stack[--top];
-        /* Crossings are the cells' own: where the node has no length, none of its cells has. */
+        /* Crossings are the cells' own: where a node has no length, none of its cells has. So what
+         * lies before t_from, to the bit the end of a piece, does not come again. */
         if (!(node.t_in < node.t_out))
             continue;
         if (!grid_passage_drawn(tr, &node)) {
@@ -117,13 +117,13 @@ segments_result grid_segments(const tracer *tr, const ray *r, segments_state *st
         }
         if (!tr->treelets->own[node.t] || (resuming && node.t != state->blocked))
             continue;
-        const treelet *at = tracer_enter(tr, node.t, node.t_in, &state->t_from, &state->blocked,
-                                         &state->provisional);
+        const resident_grid *at = resident_grid_of(tracer_enter(
+            tr, node.t, node.t_in, &state->t_from, &state->blocked, &state->provisional));
         if (!at && !tr->preview)
             return stop(state, SEGMENTS_BLOCKED);
         resuming = false;
         state->blocked = LEAF_NO_TREELET;
-        const collector c = {tr->own, at, r, t_in, state, counters};
+        const collector c = {tr->own, at, r, state, counters};
         if (at && !walk_pieces(&c, &node))
             return stop(state, SEGMENTS_SOME);
     }

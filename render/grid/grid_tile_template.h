@@ -37,7 +37,7 @@ void SIMD_NAME(grid_tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const 
     write_tile(&w->s, together, &work->pixels);
     for (unsigned i = 0; i < TILE_RAYS && !together; i++)
         if (out->found[i / TILE] >> i % TILE & 1u)
-            out->hits[i].cell = index_of(w, w->s.at[i], w->cell[i]);
+            out->hits[i].cell = index_of(w, found_in(w, i), w->cell[i]);
 }
 
 #endif

@@ -5,15 +5,15 @@
 
 surface_point grid_tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h) {
     const walk_scene *scene = tr->own;
-    return surface_at(scene, &tr->space, at, r, h, scene->analytic_normals);
+    return surface_at(scene, &tr->space, resident_grid_of(at), r, h, scene->analytic_normals);
 }
 
 static void walk_resident(const tracer *tr, const ray *r, const treelet *at,
                           const grid_passage *node, trace_state *state, ray_counters *counters) {
     const walk_scene *scene = tr->own;
     const unsigned octants = node->octants ? node->octants : 255u;
-    if (scene->walk(scene, at, r, node->t_in, node->t_out, octants, &state->after, &state->best,
-                    counters))
+    if (scene->walk(scene, resident_grid_of(at), r, node->t_in, node->t_out, octants, &state->after,
+                    &state->best, counters))
         state->point = grid_tracer_surface(tr, at, r, &state->best);
 }
 

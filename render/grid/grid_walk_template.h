@@ -8,6 +8,7 @@
 #ifdef SIMD_NAME
 
 #include "render/kernels.h"
+#include "render/ray_box.h"
 #include "render/tile_rects_template.h"
 #include "render/tile_state_template.h"
 
@@ -15,7 +16,7 @@
 typedef struct near_queue {
     float t_in[VF_N], t_out[VF_N], d[3][VF_N], lo[3][VF_N], hi[3][VF_N], inv[3][VF_N];
     float samples[8][VF_N];
-    const treelet *at[VF_N];
+    const resident_grid *at[VF_N];
     uint32_t cell[VF_N][3];
     uint8_t ray[VF_N];
     unsigned count;
@@ -32,9 +33,14 @@ typedef struct tile_walk {
     unsigned waiting;
     uint8_t ray_of[CELL_BATCH];
     uint32_t cell_of[CELL_BATCH][3];
-    const treelet *treelet_of[CELL_BATCH];
+    const resident_grid *treelet_of[CELL_BATCH];
     uint32_t cell[TILE_RAYS][3]; /* of what has been found */
 } tile_walk;
+
+/* Where ray i has found something. */
+SIMD const resident_grid *found_in(const tile_walk *w, unsigned i) {
+    return resident_grid_of(w->s.at[i]);
+}
 
 SIMD const walk_scene *scene_of(const tile_walk *w) {
     return w->s.f->tracer->own;
@@ -49,7 +55,7 @@ static bool any_of(const tile_row rows[], tile_rect r) {
 
 /* ---- The batch ---- */
 
-static uint64_t index_of(const tile_walk *w, const treelet *at, const uint32_t cell[3]) {
+static uint64_t index_of(const tile_walk *w, const resident_grid *at, const uint32_t cell[3]) {
     return walk_cell_index(&scene_of(w)->levels[at->level], cell);
 }
 
@@ -57,7 +63,7 @@ static uint64_t index_of(const tile_walk *w, const treelet *at, const uint32_t c
 static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool entering) {
     const unsigned i = w->ray_of[k];
     if (w->s.t[i] <= t) {
-        const hit known = {w->s.t[i], index_of(w, w->s.at[i], w->cell[i]), w->s.iso[i], false};
+        const hit known = {w->s.t[i], index_of(w, found_in(w, i), w->cell[i]), w->s.iso[i], false};
         const hit found = {t, index_of(w, w->treelet_of[k], w->cell_of[k]), iso, false};
         if (!hit_less(&found, &known))
             return;
@@ -65,7 +71,7 @@ static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool enter
     w->s.t[i] = t;
     w->s.iso[i] = iso;
     w->s.entering[i] = entering;
-    w->s.at[i] = w->treelet_of[k];
+    w->s.at[i] = &w->treelet_of[k]->head;
     for (int a = 0; a < 3; a++)
         w->cell[i][a] = w->cell_of[k][a];
 }
@@ -99,7 +105,7 @@ static bool is_open(const tile_walk *w, unsigned i) {
 }
 
 /* Let ray i wait for the cell kernel's answer. */
-static void add_to_batch(tile_walk *w, const treelet *at, const uint32_t cell[3],
+static void add_to_batch(tile_walk *w, const resident_grid *at, const uint32_t cell[3],
                          const float samples[8], unsigned i) {
     const level_planes *planes = &scene_of(w)->levels[at->level];
     cell_batch *b = &w->batch;
@@ -138,7 +144,7 @@ typedef struct near_form {
 
 /* What the filter needs is made when it is first needed. */
 typedef struct active_cell {
-    const treelet *at;
+    const resident_grid *at;
     uint32_t cell[3];
     near_cell near;
     bool has_samples, has_forms;
@@ -152,21 +158,32 @@ typedef struct near_visit {
 
 static const float UNIT = 0x1p-24f; /* of float rounding */
 
-/* Which rays of a window may visit the cell. Planes, reciprocals and products err by 4 units of t
- * at most, and so do t0 and t1; the test gives 16. */
+/* Cut t_in .. t_out to where rays with these reciprocals are between two planes, both seen from the
+ * eye. */
+SIMD void near_slab(vf lo, vf hi, vf reciprocal, vf *t_in, vf *t_out) {
+    const vf to_lo = lo * reciprocal, to_hi = hi * reciprocal;
+    *t_in = f_max(*t_in, f_min(to_lo, to_hi));
+    *t_out = f_min(*t_out, f_max(to_lo, to_hi));
+}
+
+/* What is left of them after all axes. Planes, reciprocals and products err by 4 units of t at
+ * most, and so do t0 and t1; the test gives 16. */
+SIMD unsigned near_passes(vf t_in, vf t_out) {
+    const vf slack = f_set(16.0f * UNIT) * (f_abs(t_in) + f_abs(t_out));
+    /* Inf - inf is no reason to drop a ray. */
+    return ~mf_bits(f_gt(t_in - t_out, slack));
+}
+
+/* Which rays of a window may visit the cell. */
 SIMD unsigned visits(const tile_rays *rays, unsigned at, const near_cell *c, near_visit *v) {
     vf t_in = window_load(rays->near_t0 + at), t_out = window_load(rays->near_t1 + at);
     for (int a = 0; a < 3; a++) {
         const vf r = window_load(rays->reciprocal[a] + at);
-        const vf lo = f_set(c->lo[a]) * r, hi = f_set(c->hi[a]) * r;
-        t_in = f_max(t_in, f_min(lo, hi));
-        t_out = f_min(t_out, f_max(lo, hi));
+        near_slab(f_set(c->lo[a]), f_set(c->hi[a]), r, &t_in, &t_out);
     }
     v->t_in = t_in;
     v->t_out = t_out;
-    const vf slack = f_set(16.0f * UNIT) * (f_abs(t_in) + f_abs(t_out));
-    /* Inf - inf is no reason to drop a ray. */
-    return ~mf_bits(f_gt(t_in - t_out, slack));
+    return near_passes(t_in, t_out);
 }
 
 static inline float larger(float a, float b) {
@@ -286,8 +303,8 @@ SIMD void add_visitors(tile_walk *w, active_cell *c, const near_visit *v, unsign
         flush(w);
 }
 
-static void cell_begin(active_cell *c, const treelet *at, const plane_projection *const planes[3],
-                       const uint32_t cell[3]) {
+static void cell_begin(active_cell *c, const resident_grid *at,
+                       const plane_projection *const planes[3], const uint32_t cell[3]) {
     c->at = at;
     c->has_samples = c->has_forms = false;
     for (int a = 0; a < 3; a++) {
@@ -359,7 +376,7 @@ static void queue_flush(tile_walk *w) {
 
 /* One active cell and the rays of its rectangle. Inlined, its loops are short of registers: frames
  * of large cells take x 1.2. */
-static __attribute__((noinline)) void walk_cell(tile_walk *w, const treelet *at,
+static __attribute__((noinline)) void walk_cell(tile_walk *w, const resident_grid *at,
                                                 const uint32_t cell[3], tile_rect r) {
     active_cell c;
     cell_begin(&c, at, w->place.p->at[at->level], cell);
@@ -399,18 +416,14 @@ SIMD group_planes group_planes_of(const plane_projection *const planes[3], const
 SIMD unsigned group_visits(const tile_rays *rays, unsigned at, const group_planes *g, float t_in[],
                            float t_out[]) {
     vf in = f_set(rays->near_t0[at]), out = f_set(rays->near_t1[at]);
-    for (int a = 0; a < 3; a++) {
-        const vf r = f_set(rays->reciprocal[a][at]), lo = g->lo[a] * r, hi = g->hi[a] * r;
-        in = f_max(in, f_min(lo, hi));
-        out = f_min(out, f_max(lo, hi));
-    }
+    for (int a = 0; a < 3; a++)
+        near_slab(g->lo[a], g->hi[a], f_set(rays->reciprocal[a][at]), &in, &out);
     f_store(t_in, in);
     f_store(t_out, out);
-    const vf slack = f_set(16.0f * UNIT) * (f_abs(in) + f_abs(out));
-    return ~mf_bits(f_gt(in - out, slack)) & ((1u << VF_N) - 1u);
+    return near_passes(in, out) & ((1u << VF_N) - 1u);
 }
 
-SIMD void queue_add(tile_walk *w, const treelet *at, const plane_projection *const planes[3],
+SIMD void queue_add(tile_walk *w, const resident_grid *at, const plane_projection *const planes[3],
                     const uint32_t cell[3], unsigned i, float t_in, float t_out) {
     near_queue *q = &w->queue;
     const unsigned k = q->count++, padded = i / TILE * STRIDE + i % TILE;
@@ -444,7 +457,7 @@ static unsigned in_order(unsigned octants, unsigned first) {
 
 /* The active cells of a group (octants), for the open rays of its rectangle one by one: few rays
  * visit the same cell there, and the lanes are better filled by its cells. */
-static void walk_group(tile_walk *w, const treelet *at, const uint32_t first_cell[3],
+static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t first_cell[3],
                        unsigned active, unsigned first, tile_rect r) {
     enum { VECTORS_OF_8 = VF_N < 8 ? 8 / VF_N : 1 };
     const plane_projection *const *projected = w->place.p->at[at->level];
@@ -520,7 +533,7 @@ static unsigned open_rays(const tile_walk *w, tile_rect r) {
     return count;
 }
 
-static void walk_tree(tile_walk *w, const treelet *at, tile_rect rect) {
+static void walk_tree(tile_walk *w, const resident_grid *at, tile_rect rect) {
     const level_planes *planes = &scene_of(w)->levels[at->level];
     const plane_projection *const *projected = w->place.p->at[at->level];
     tree_node stack[TREE_STACK_MAX];
@@ -587,11 +600,7 @@ static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect 
             const uint32_t first = layout->place[t][a] << layout->cells_log2;
             const uint32_t end = first + (1u << layout->cells_log2);
             const uint32_t last = end < planes->cells[a] ? end : planes->cells[a];
-            const double lo = (planes->at[a][first] - eye) / d;
-            const double hi = (planes->at[a][last] - eye) / d;
-            const double near = d > 0.0 ? lo : hi, far = d > 0.0 ? hi : lo;
-            t_in = near > t_in ? near : t_in;
-            t_out = far < t_out ? far : t_out;
+            ray_box_slab(planes->at[a][first], planes->at[a][last], eye, d, &t_in, &t_out);
         }
         passing |= (unsigned)(t_in <= t_out) << x;
     }
@@ -633,7 +642,7 @@ static void walk_drawn(tile_walk *w, uint32_t t, tile_rect r) {
     const loader *treelets = w->s.f->tracer->treelets;
     if (!treelets->own[t])
         return;
-    const treelet *at = loader_lookup(treelets, t);
+    const resident_grid *at = resident_grid_of(loader_lookup(treelets, t));
     if (!at) {
         miss_treelet(w, t, r);
         return;

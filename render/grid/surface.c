@@ -56,7 +56,7 @@ GRADIENTS_OF(gradients_u16, uint16_t)
 GRADIENTS_OF(gradients_i16, int16_t)
 GRADIENTS_OF(gradients_f32, float)
 
-void surface_gradients(const walk_scene *scene, const treelet *tr, const uint32_t cell[3],
+void surface_gradients(const walk_scene *scene, const resident_grid *tr, const uint32_t cell[3],
                        double gradients[8][4]) {
     const level_planes *planes = &scene->levels[tr->level];
     const ptrdiff_t row = tr->shape.samples[0], stride[3] = {1, row, row * tr->shape.samples[1]};
@@ -91,8 +91,8 @@ void surface_gradients(const walk_scene *scene, const treelet *tr, const uint32_
 
 /* Trilinear interpolation of the nodes' central differences: in a regular grid the same as M08's
  * six evaluations of f. */
-static void central_gradient(const walk_scene *scene, const treelet *tr, const uint32_t cell[3],
-                             const double at[3], double gradient[3]) {
+static void central_gradient(const walk_scene *scene, const resident_grid *tr,
+                             const uint32_t cell[3], const double at[3], double gradient[3]) {
     double g[8][4];
     surface_gradients(scene, tr, cell, g);
     for (int a = 0; a < 3; a++)
@@ -120,7 +120,7 @@ static void position_errors(const affine *space, const ray *r, double t, double 
     }
 }
 
-surface_point surface_at(const walk_scene *scene, const affine *space, const treelet *tr,
+surface_point surface_at(const walk_scene *scene, const affine *space, const resident_grid *tr,
                          const ray *r, const hit *h, bool analytic) {
     const level_planes *planes = &scene->levels[tr->level];
     uint32_t cell[3];

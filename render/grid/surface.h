@@ -10,12 +10,12 @@
 
 /* surface_at() - the point of hit h on ray r, whose cell lies in tr. analytic: take the normal from
  * the cell's own gradient (always so without a halo, or where a neighbour is not finite). */
-surface_point surface_at(const walk_scene *scene, const affine *space, const treelet *tr,
+surface_point surface_at(const walk_scene *scene, const affine *space, const resident_grid *tr,
                          const ray *r, const hit *h, bool analytic);
 
 /* surface_gradients() - central differences at the corners of a cell, in grid space, one-sided at
  * the volume's ends: [corner x + 2y + 4z][axis], and a 0. Needs a halo. */
-void surface_gradients(const walk_scene *scene, const treelet *tr, const uint32_t cell[3],
+void surface_gradients(const walk_scene *scene, const resident_grid *tr, const uint32_t cell[3],
                        double gradients[8][4]);
 
 /* surface_cell_of() - a cell's place from its global index. */

@@ -43,7 +43,7 @@ static void samples_at(sample_type type, const void *base, size_t at, size_t row
     }
 }
 
-void walk_cell_samples(const walk_scene *scene, const treelet *tr, const uint32_t cell[3],
+void walk_cell_samples(const walk_scene *scene, const resident_grid *tr, const uint32_t cell[3],
                        float samples[8]) {
     size_t at[3];
     for (int a = 0; a < 3; a++)
@@ -53,7 +53,7 @@ void walk_cell_samples(const walk_scene *scene, const treelet *tr, const uint32_
 }
 
 /* All selected isosurfaces in one active cell. */
-static bool intersect_cell(const walk_scene *scene, const treelet *tr, const ray *r,
+static bool intersect_cell(const walk_scene *scene, const resident_grid *tr, const ray *r,
                            const uint32_t cell[3], const hit *after, hit *best,
                            ray_counters *counters) {
     const level_planes *planes = &scene->levels[tr->level];
@@ -94,7 +94,8 @@ typedef struct pending {
 typedef enum finest { FINEST_CELL, FINEST_GROUP, FINEST_BLOCK } finest;
 
 /* Whether a cell exists and is active, from its samples. */
-static bool cell_is_active(const walk_scene *scene, const treelet *tr, const uint32_t cell[3]) {
+static bool cell_is_active(const walk_scene *scene, const resident_grid *tr,
+                           const uint32_t cell[3]) {
     for (int a = 0; a < 3; a++)
         if (cell[a] - tr->first_cell[a] >= tr->shape.cells[a])
             return false;
@@ -112,9 +113,9 @@ static bool cell_is_active(const walk_scene *scene, const treelet *tr, const uin
 
 enum { STACK_MAX = 4 * (LEAF_CELLS_LOG2_MAX + 1) };
 
-static inline bool walk_to(finest known, const walk_scene *scene, const treelet *tr, const ray *r,
-                           double t_in, double t_out, unsigned octants, const hit *after, hit *best,
-                           ray_counters *counters) {
+static inline bool walk_to(finest known, const walk_scene *scene, const resident_grid *tr,
+                           const ray *r, double t_in, double t_out, unsigned octants,
+                           const hit *after, hit *best, ray_counters *counters) {
     const level_planes *planes = &scene->levels[tr->level];
     pending stack[STACK_MAX];
     int top = 0;
@@ -163,20 +164,20 @@ static inline bool walk_to(finest known, const walk_scene *scene, const treelet 
     return changed;
 }
 
-bool walk_treelet(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
+bool walk_treelet(const walk_scene *scene, const resident_grid *tr, const ray *r, double t_in,
                   double t_out, unsigned octants, const hit *after, hit *best,
                   ray_counters *counters) {
     return walk_to(FINEST_CELL, scene, tr, r, t_in, t_out, octants, after, best, counters);
 }
 
-bool walk_treelet_groups(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
-                         double t_out, unsigned octants, const hit *after, hit *best,
+bool walk_treelet_groups(const walk_scene *scene, const resident_grid *tr, const ray *r,
+                         double t_in, double t_out, unsigned octants, const hit *after, hit *best,
                          ray_counters *counters) {
     return walk_to(FINEST_GROUP, scene, tr, r, t_in, t_out, octants, after, best, counters);
 }
 
-bool walk_treelet_corners(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
-                          double t_out, unsigned octants, const hit *after, hit *best,
+bool walk_treelet_corners(const walk_scene *scene, const resident_grid *tr, const ray *r,
+                          double t_in, double t_out, unsigned octants, const hit *after, hit *best,
                           ray_counters *counters) {
     return walk_to(FINEST_BLOCK, scene, tr, r, t_in, t_out, octants, after, best, counters);
 }

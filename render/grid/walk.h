@@ -14,6 +14,7 @@
 #include "render/grid/level_planes.h"
 #include "render/leafcast.h"
 #include "render/ray.h"
+#include "stream/grid_resident.h"
 #include "stream/loader.h"
 
 typedef struct walk_scene walk_scene;
@@ -21,7 +22,7 @@ typedef struct walk_scene walk_scene;
 /* walk_treelet() - lower *best to the first hit in this treelet that is strictly after `after`, if
  * there is a lesser one. [t_in, t_out] holds the ray's interval in the treelet; octants: which
  * eighths of it to look at (255: all). Returns whether *best changed. */
-typedef bool (*walk_fn)(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
+typedef bool (*walk_fn)(const walk_scene *scene, const resident_grid *tr, const ray *r, double t_in,
                         double t_out, unsigned octants, const hit *after, hit *best,
                         ray_counters *counters);
 
@@ -38,28 +39,28 @@ struct walk_scene {
     bool analytic_normals; /* of the cells, instead of central differences */
 };
 
-bool walk_treelet(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
+bool walk_treelet(const walk_scene *scene, const resident_grid *tr, const ray *r, double t_in,
                   double t_out, unsigned octants, const hit *after, hit *best,
                   ray_counters *counters);
 
 /* The same result without the cells' masks, for experiment E1: down to 2^3 groups by masks (as if
  * the tree went on to 2^3), or to blocks, then cell by cell by the samples. */
-bool walk_treelet_groups(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
-                         double t_out, unsigned octants, const hit *after, hit *best,
+bool walk_treelet_groups(const walk_scene *scene, const resident_grid *tr, const ray *r,
+                         double t_in, double t_out, unsigned octants, const hit *after, hit *best,
                          ray_counters *counters);
-bool walk_treelet_corners(const walk_scene *scene, const treelet *tr, const ray *r, double t_in,
-                          double t_out, unsigned octants, const hit *after, hit *best,
+bool walk_treelet_corners(const walk_scene *scene, const resident_grid *tr, const ray *r,
+                          double t_in, double t_out, unsigned octants, const hit *after, hit *best,
                           ray_counters *counters);
 
 /* walk_cell_box() - the planes of a cell of a level. */
 cell_box walk_cell_box(const level_planes *planes, const uint32_t cell[3]);
 
 /* walk_cell_samples() - its eight samples from its treelet. */
-void walk_cell_samples(const walk_scene *scene, const treelet *tr, const uint32_t cell[3],
+void walk_cell_samples(const walk_scene *scene, const resident_grid *tr, const uint32_t cell[3],
                        float samples[8]);
 
 /* walk_cell_prefetch() - towards the cache: they will be asked for soon. */
-static inline void walk_cell_prefetch(const walk_scene *scene, const treelet *tr,
+static inline void walk_cell_prefetch(const walk_scene *scene, const resident_grid *tr,
                                       const uint32_t cell[3]) {
     size_t at[3];
     for (int a = 0; a < 3; a++)
@@ -76,7 +77,7 @@ static inline void walk_cell_prefetch(const walk_scene *scene, const treelet *tr
 /* walk_children() - the child mask of a node of 2^size cells on a side: of the root, of an inner
  * node, of a block (its 2^3 groups with active cells), of such a group (its cells). morton: its
  * place among the nodes of its size. */
-static inline unsigned walk_children(const treelet *tr, uint32_t size, uint32_t morton) {
+static inline unsigned walk_children(const resident_grid *tr, uint32_t size, uint32_t morton) {
     const active_masks *masks = tr->masks;
     if (size > LEAF_BLOCK_LOG2) {
         const uint32_t k = tr->shape.node_levels + LEAF_BLOCK_LOG2 - size;

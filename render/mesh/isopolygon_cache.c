@@ -37,7 +37,7 @@ static void lay_out(isopolygon_cache *k, const mesh_shape *shape) {
     k->state = (atomic_uchar *)(k->before + words_of(shape));
 }
 
-static void count_active(isopolygon_cache *k, const treelet *tr) {
+static void count_active(isopolygon_cache *k, const resident_mesh *tr) {
     uint32_t sum = 0;
     for (size_t w = 0; w < words_of(&tr->mesh); w++) {
         k->before[w] = sum;
@@ -45,14 +45,14 @@ static void count_active(isopolygon_cache *k, const treelet *tr) {
     }
 }
 
-static void make_polygon(const treelet *tr, uint32_t place, double isovalue, isopolygon *g) {
+static void make_polygon(const resident_mesh *tr, uint32_t place, double isovalue, isopolygon *g) {
     const tet x = mesh_walk_tet(tr, place);
     if (!isopolygon_of(&x, isovalue, g))
         g->count = 0;
 }
 
 /* All that there is room for. */
-static void precompute(isopolygon_cache *k, const treelet *tr) {
+static void precompute(isopolygon_cache *k, const resident_mesh *tr) {
     uint32_t n = 0;
     for (uint32_t w = 0; w < words_of(&tr->mesh); w++)
         for (uint64_t left = tr->active->tets[w]; left; left &= left - 1)
@@ -61,7 +61,7 @@ static void precompute(isopolygon_cache *k, const treelet *tr) {
                              &k->polygons[n++]);
 }
 
-static void keep(treelet *tr, const interest *in, bool precomputed) {
+static void keep(resident_mesh *tr, const interest *in, bool precomputed) {
     isopolygon_cache *k = tr->derived;
     lay_out(k, &tr->mesh);
     k->in = in;
@@ -74,11 +74,11 @@ static void keep(treelet *tr, const interest *in, bool precomputed) {
             atomic_store_explicit(&k->state[n], EMPTY, memory_order_relaxed);
 }
 
-static void keep_all(treelet *tr, const interest *in) {
+static void keep_all(resident_mesh *tr, const interest *in) {
     keep(tr, in, true);
 }
 
-static void keep_seen(treelet *tr, const interest *in) {
+static void keep_seen(resident_mesh *tr, const interest *in) {
     keep(tr, in, false);
 }
 
@@ -87,7 +87,7 @@ mesh_derived isopolygon_cache_kind(bool precomputed) {
 }
 
 /* Its number among the kept ones; room: none. */
-static uint32_t number_of(const isopolygon_cache *k, const treelet *tr, uint32_t place,
+static uint32_t number_of(const isopolygon_cache *k, const resident_mesh *tr, uint32_t place,
                           double isovalue) {
     int i = 0;
     while (i < k->in->count && k->in->of[i].lo != isovalue)
@@ -111,7 +111,7 @@ static void offer_polygon(isopolygon_cache *k, uint32_t n, const isopolygon *own
     atomic_store_explicit(&k->state[n], THERE, memory_order_release);
 }
 
-const isopolygon *isopolygon_cache_find(const treelet *tr, uint32_t place, double isovalue,
+const isopolygon *isopolygon_cache_find(const resident_mesh *tr, uint32_t place, double isovalue,
                                         isopolygon *own) {
     isopolygon_cache *k = tr->derived;
     const uint32_t n = k ? number_of(k, tr, place, isovalue) : 0;

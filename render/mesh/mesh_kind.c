@@ -4,8 +4,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "formats/base/box3.h"
 #include "formats/base/exact.h"
-#include "render/active_box.h"
+#include "render/leafcast_device.h"
 #include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_projection.h"
 #include "render/mesh/mesh_segments.h"
@@ -18,7 +19,7 @@
 /* Packets instead of tiles, if asked for. */
 static status mesh_open(leafcast *v) {
     const int side = v->options.packets;
-    v->own = mem_zalloc(&v->budget, sizeof(mesh_rays));
+    v->own = mem_zalloc(v->m, sizeof(mesh_rays));
     if (!v->own || side == 0)
         return v->own ? ST_OK : ST_NOMEM;
     if (side != 2 && side != 4 && side != 8 && side != 16)
@@ -38,8 +39,8 @@ static mesh_derived derived_of(const leafcast_options *o) {
 /* Trees of all steps beside each other cost no refitting; where not all of them fit, one tree. */
 static mesh_schema schema_of(const leafcast *v) {
     const uint64_t room =
-        v->budget.limit ? v->budget.limit
-                        : (uint64_t)sysconf(_SC_PHYS_PAGES) / 4 * (uint64_t)sysconf(_SC_PAGESIZE);
+        v->m->limit ? v->m->limit
+                    : (uint64_t)sysconf(_SC_PHYS_PAGES) / 4 * (uint64_t)sysconf(_SC_PAGESIZE);
     if (v->options.schema != LEAFCAST_SCHEMA_AUTO)
         return v->options.schema == LEAFCAST_SCHEMA_TREES ? MESH_TREES : MESH_REFIT;
     return v->file->header.payload_bytes <= room / 2 ? MESH_TREES : MESH_REFIT;
@@ -47,7 +48,7 @@ static mesh_schema schema_of(const leafcast *v) {
 
 /* Readers refit trees, too: then as many as there are threads. */
 static void mesh_loading(const leafcast *v, loader_options *o) {
-    const int threads = pool_threads(v->threads);
+    const int threads = pool_threads(v->device->threads);
     o->schema = schema_of(v);
     o->derived = derived_of(&v->options);
     if (v->file->header.steps > 1 && o->schema == MESH_REFIT && threads > o->workers)
@@ -55,7 +56,7 @@ static void mesh_loading(const leafcast *v, loader_options *o) {
 }
 
 static void mesh_close(leafcast *v) {
-    mem_free(&v->budget, v->own);
+    mem_free(v->m, v->own);
 }
 
 /* A mesh's; an edge as if six tets in its box made a cube. */
@@ -75,25 +76,18 @@ static void mesh_active_box(const leafcast *v, uint32_t set, const double *isova
                             double corners[8][3]) {
     const leaf_layout *l = &v->file->layout;
     const float(*own)[2] = (const float(*)[2])v->file->own + (size_t)set * l->treelets;
-    double box[2][3], lo[3], hi[3];
-    box_begin(box);
+    const interest in = interest_of_isovalues(isovalues, count);
+    double box[2][3], some[2][3];
+    box3_begin(box);
     for (uint32_t t = 0; t < l->treelets; t++) {
-        const float *bounds = v->file->mesh->bounds[leaf_layout_bounds(l, set % l->steps, t)];
-        for (int a = 0; a < 3; a++) {
-            lo[a] = (double)bounds[a];
-            hi[a] = (double)bounds[3 + a];
-        }
-        if (range_is_active(own[t], isovalues, count))
-            box_widen(box, lo, hi);
+        box3_of_floats(v->file->mesh->bounds[leaf_layout_bounds(l, set % l->steps, t)], some);
+        if (interest_meets(&in, own[t][0], own[t][1]))
+            box3_widen(box, some[0], some[1]);
     }
-    for (int a = 0; a < 3; a++) {
-        lo[a] = (double)v->file->header.bounds[a];
-        hi[a] = (double)v->file->header.bounds[3 + a];
-    }
-    if (!box_any(box))
-        box_widen(box, lo, hi);
+    if (!box3_any(box))
+        box3_of_floats(v->file->header.bounds, box);
     for (int i = 0; i < 8; i++)
-        box_corner(box, i, corners[i]);
+        box3_corner(box, i, corners[i]);
 }
 
 /* ---- A frame ---- */
@@ -116,14 +110,11 @@ static void mesh_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
     *own = (mesh_rays){v->treelets->tree, scene->smooth_normals};
     tr->own = own;
     tr->boxed = tr->preview;
-    for (int a = 0; a < 3; a++) {
-        tr->box[0][a] = (double)v->file->header.bounds[a];
-        tr->box[1][a] = (double)v->file->header.bounds[a + 3];
-    }
+    box3_of_floats(v->file->header.bounds, tr->box);
 }
 
-static status mesh_project(leafcast *v, const camera *c) {
-    mesh_projection_init(&v->projection, v->file->header.bounds, c);
+static status mesh_project(leafcast *v, const camera *c, projection *out) {
+    mesh_projection_init(out, v->file->header.bounds, c);
     return ST_OK;
 }
 
@@ -188,7 +179,8 @@ static uint32_t treelet_of_tet(const leaf_file *f, uint64_t number) {
     return lo;
 }
 
-static void copy_tet(const treelet *at, uint32_t place, float vertices[4][3], float values[4]) {
+static void copy_tet(const resident_mesh *at, uint32_t place, float vertices[4][3],
+                     float values[4]) {
     const tet x = mesh_walk_tet(at, place);
     memcpy(vertices, x.p, sizeof x.p);
     memcpy(values, x.f, sizeof x.f);
@@ -203,7 +195,8 @@ static status mesh_cell_of_hit(leafcast *v, const tracer *tr, const ray *r, cons
     status st = volume_treelet(v, treelet_of_tet(v->file, h->cell), &at);
     if (st != ST_OK)
         return st;
-    copy_tet(at, (uint32_t)(h->cell - at->first_tet), out->vertices, out->values);
+    const resident_mesh *own = resident_mesh_of(at);
+    copy_tet(own, (uint32_t)(h->cell - own->first_tet), out->vertices, out->values);
     double p[4][3];
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 3; k++)
@@ -220,12 +213,15 @@ static void mesh_cell_of_segment(const tracer *tr, const segment *s, leafcast_se
 /* Looks for it in a treelet. */
 static status find_in_treelet(leafcast *v, uint32_t t, const double point[3],
                               leafcast_sample *sample) {
-    const treelet *at;
+    const treelet *found;
     uint32_t place;
     double weights[4];
-    status st = volume_treelet(v, t, &at);
-    if (st != ST_OK || !mesh_walk_find(at, point, &place, weights))
+    status st = volume_treelet(v, t, &found);
+    if (st != ST_OK)
         return st;
+    const resident_mesh *at = resident_mesh_of(found);
+    if (!mesh_walk_find(at, point, &place, weights))
+        return ST_OK;
     const tet x = mesh_walk_tet(at, place);
     *sample = (leafcast_sample){.inside = true, .treelet = t, .tet = at->first_tet + place};
     copy_tet(at, place, sample->vertices, sample->values);

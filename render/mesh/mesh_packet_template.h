@@ -9,6 +9,7 @@
 
 #include "render/kernels.h"
 #include "render/mesh/isopolygon_cache.h"
+#include "render/mesh/mesh_box_template.h"
 #include "render/mesh/mesh_packet.h"
 #include "render/mesh/mesh_shade_template.h"
 #include "render/mesh/mesh_tracer.h"
@@ -57,22 +58,11 @@ enum { PACKET_SMALLEST = 2 };
 
 /* ---- Rays and boxes ---- */
 
-/* VD_N rays from `at` on: those that meet the box before what they have found; the numbers are
- * those of mesh_interval_of(). */
+/* VD_N rays from `at` on: those that meet the box before what they have found. */
 SIMD unsigned rays_meet(const packet *w, const packet_box *b, int at) {
     const tet_rays *r = &w->rays;
-    vd t_in = d_set(-INFINITY), t_out = d_set(INFINITY);
-    for (int a = 0; a < 3; a++) {
-        const vd d = d_load(r->d[a] + at);
-        const vd lo = d_set(b->lo[a]) / d, hi = d_set(b->hi[a]) / d;
-        const md down = d_lt(d, d_set(0.0));
-        t_in = d_max(d_select(down, hi, lo), t_in);
-        t_out = d_min(d_select(down, lo, hi), t_out);
-    }
-    const vd slack = d_set(PACKET_GENEROSITY) * (d_abs(t_in) + d_abs(t_out));
-    const vd from = d_max(t_in - slack, d_load(r->from + at));
-    const vd to = d_min(t_out + slack, d_load(r->to + at));
-    return md_bits(d_le(from, to));
+    const vd d[3] = {d_load(r->d[0] + at), d_load(r->d[1] + at), d_load(r->d[2] + at)};
+    return mesh_box_meets(d, b->lo, b->hi, d_load(r->from + at), d_load(r->to + at));
 }
 
 /* How far any ray still looks. */
@@ -201,7 +191,7 @@ SIMD tet_known known_by(packet_view view) {
                                         : TET_UNKNOWN;
 }
 
-static void packet_tet(packet *w, const treelet *at, uint32_t place, int first, int end) {
+static void packet_tet(packet *w, const resident_mesh *at, uint32_t place, int first, int end) {
     const frame *f = w->s.f;
     const isovalue_list *isos = &f->tracer->isos;
     for (int i = 0; i < isos->count; i++) {
@@ -222,9 +212,9 @@ static void packet_tet(packet *w, const treelet *at, uint32_t place, int first, 
     }
 }
 
-static void packet_leaf(packet *w, const treelet *at, const packet_pending *p) {
+static void packet_leaf(packet *w, const resident_mesh *at, const packet_pending *p) {
     const uint32_t leaf = p->i & ~(uint32_t)MESH_LEAF;
-    const uint16_t *leaves = mesh_leaf_first(&at->mesh, at->payload);
+    const uint16_t *leaves = mesh_leaf_first(&at->mesh, at->head.payload);
     const uint32_t first = leaves[leaf], end = leaves[leaf + 1];
     int first_ray, end_ray;
     if (!packet_visits(w, p, &first_ray, &end_ray))
@@ -263,8 +253,8 @@ static float packet_near2(const packet_box *b) {
 }
 
 /* A node's active children, and how many there are of any kind: isoranges that are looked at. */
-SIMD int open_node(packet *w, const treelet *at, const packet_pending *p, packet_pending *stack,
-                   int top) {
+SIMD int open_node(packet *w, const resident_mesh *at, const packet_pending *p,
+                   packet_pending *stack, int top) {
     const mesh_node *n = &at->nodes[p->i];
     const unsigned active = at->active->children[p->i];
     const int bottom = top;
@@ -285,7 +275,7 @@ SIMD int open_node(packet *w, const treelet *at, const packet_pending *p, packet
     return top;
 }
 
-static void packet_treelet(packet *w, const treelet *at, int first_ray) {
+static void packet_treelet(packet *w, const resident_mesh *at, int first_ray) {
     packet_pending *stack = w->in_treelet;
     int top = 0;
     stack[top++] = (packet_pending){.first = first_ray, .only = true};
@@ -318,7 +308,7 @@ static void packet_waits(packet *w, const packet_pending *p) {
 
 static void packet_resident(packet *w, const packet_pending *p) {
     const tracer *tr = w->s.f->tracer;
-    const treelet *at = loader_lookup(tr->treelets, p->i);
+    const resident_mesh *at = resident_mesh_of(loader_lookup(tr->treelets, p->i));
     if (!at) {
         packet_waits(w, p);
         return;
@@ -412,20 +402,20 @@ static int packet_begin(packet *w) {
 }
 
 /* The treelet, which is resident, of a tet by its number in the whole mesh. */
-static const treelet *treelet_of_tet(const loader *l, uint64_t number) {
+static const resident_mesh *treelet_of_tet(const loader *l, uint64_t number) {
     const uint64_t *first = l->file->mesh->first_tet;
     uint32_t lo = 0, hi = l->file->layout.treelets;
     while (hi - lo > 1) {
         const uint32_t middle = lo + (hi - lo) / 2;
         *(first[middle] <= number ? &lo : &hi) = middle;
     }
-    return loader_lookup(l, lo);
+    return resident_mesh_of(loader_lookup(l, lo));
 }
 
 /* What the packet's rays have found, for the tile. */
 static void packet_end(packet *w) {
     const loader *treelets = w->s.f->tracer->treelets;
-    const treelet *at = NULL;
+    const resident_mesh *at = NULL;
     for (int i = 0; i < w->count; i++) {
         const hit *h = &w->rays.best[i];
         const unsigned y = w->y + (unsigned)i / w->side, x = w->x + (unsigned)i % w->side;
@@ -437,7 +427,7 @@ static void packet_end(packet *w) {
         w->s.t[to] = h->t;
         w->s.iso[to] = h->iso;
         w->s.entering[to] = h->entering;
-        w->s.at[to] = at;
+        w->s.at[to] = &at->head;
         w->tet[to] = (uint32_t)(h->cell - at->first_tet);
         w->s.counters->roots++;
     }

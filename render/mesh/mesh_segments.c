@@ -63,9 +63,9 @@ static void cut(const tet_piece *p, const ray *r, segment *s) {
     }
 }
 
-static void visit_tet(void *ctx, const treelet *at, uint32_t place, const tet *x) {
+static void visit_tet(void *ctx, const resident_mesh *at, uint32_t place, const tet *x) {
     const collector *c = ctx;
-    segment s = {.cell = at->first_tet + place, .treelet = at->id, .degree = 1};
+    segment s = {.cell = at->first_tet + place, .treelet = at->head.id, .degree = 1};
     tet_piece p;
     if (!tet_segment(x, c->r, &p) || !(p.t[0] < p.t[1]))
         return;
@@ -95,8 +95,8 @@ static segments_result go_on(const tracer *tr, const ray *r, segments_state *sta
                 return state->sure > 0 ? SEGMENTS_SOME : SEGMENTS_END;
             at = next;
         }
-        const treelet *here =
-            tracer_enter(tr, at.t, at.t_in, &state->t_from, &state->blocked, &state->provisional);
+        const resident_mesh *here = resident_mesh_of(
+            tracer_enter(tr, at.t, at.t_in, &state->t_from, &state->blocked, &state->provisional));
         if (!here && !tr->preview)
             return SEGMENTS_BLOCKED;
         state->blocked = LEAF_NO_TREELET;

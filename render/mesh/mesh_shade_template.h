@@ -60,7 +60,7 @@ SIMD void faceted_normals(const tile_state *s, const uint32_t tet_of[TILE_RAYS],
     tet tets[VD_N];
     for (unsigned k = 0; k < VD_N; k++) {
         const unsigned i = l->ray[from + k];
-        tets[k] = mesh_walk_tet(s->at[i], tet_of[i]);
+        tets[k] = mesh_walk_tet(resident_mesh_of(s->at[i]), tet_of[i]);
         tet_columns_put(&columns, k, &tets[k]);
     }
     for (unsigned left = ~tet_normals_of(&columns, normal) & ((1u << VD_N) - 1u); left;
@@ -86,11 +86,11 @@ static void smooth_normals(const tile_state *s, const uint32_t tet_of[TILE_RAYS]
             continue;
         const unsigned k = l->of[i] % KNOWN_TETS;
         if (place[k] != l->of[i]) {
-            const tet x = mesh_walk_tet(s->at[i], tet_of[i]);
+            const tet x = mesh_walk_tet(resident_mesh_of(s->at[i]), tet_of[i]);
             const double iso = s->f->tracer->isos.isovalues[s->iso[i]];
             isopolygon g;
             float gradients[4][3];
-            mesh_walk_gradients(s->at[i], tet_of[i], gradients);
+            mesh_walk_gradients(resident_mesh_of(s->at[i]), tet_of[i], gradients);
             place[k] = l->of[i];
             has[k] = isopolygon_of(&x, iso, &g);
             if (has[k])
@@ -134,7 +134,7 @@ static void mesh_shade(const tile_state *s, const uint32_t tet_of[TILE_RAYS], me
     write_tile(s, together, &m->pixels);
     for (unsigned i = 0; i < TILE_RAYS && !together; i++)
         if (s->out->found[i / TILE] >> i % TILE & 1u)
-            s->out->hits[i].cell = s->at[i]->first_tet + tet_of[i];
+            s->out->hits[i].cell = resident_mesh_of(s->at[i])->first_tet + tet_of[i];
 }
 
 #endif

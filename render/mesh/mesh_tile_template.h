@@ -10,6 +10,7 @@
 #include <float.h>
 
 #include "render/mesh/isopolygon_cache.h"
+#include "render/mesh/mesh_box_template.h"
 #include "render/mesh/mesh_shade_template.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/mesh_tracer.h"
@@ -148,7 +149,7 @@ typedef struct seen_polygon {
     isopolygon g;
     /* Its near_polygon, for vectors of rays. */
     vd a[4][3], normal[EDGES][3], error[EDGES];
-    const treelet *at;
+    const resident_mesh *at;
     uint32_t tet;
     int32_t iso;
 } seen_polygon;
@@ -159,8 +160,8 @@ typedef struct seen_polygon {
 static void take_surface(mesh_tile *w, const seen_polygon *s, unsigned i, double t, bool entering) {
     tile_state *f = &w->s;
     if (f->t[i] <= t) {
-        const hit known = {f->t[i], f->at[i] ? f->at[i]->first_tet + w->tet[i] : 0, f->iso[i],
-                           f->entering[i]};
+        const resident_mesh *at = resident_mesh_of(f->at[i]);
+        const hit known = {f->t[i], at ? at->first_tet + w->tet[i] : 0, f->iso[i], f->entering[i]};
         const hit found = {t, s->at->first_tet + s->tet, s->iso, entering};
         if (!tet_less(&found, &known))
             return;
@@ -168,7 +169,7 @@ static void take_surface(mesh_tile *w, const seen_polygon *s, unsigned i, double
     f->t[i] = t;
     f->iso[i] = s->iso;
     f->entering[i] = entering;
-    f->at[i] = s->at;
+    f->at[i] = &s->at->head;
     w->tet[i] = s->tet;
     look_as_far(w, i);
     f->counters->roots++;
@@ -245,7 +246,7 @@ static void walk_polygon(mesh_tile *w, seen_polygon *s, tile_rect r) {
 /* ---- Leaves ---- */
 
 /* The tet of a lane. */
-SIMD near_tet lane_tet(const tet_lanes *l, const treelet *at, unsigned lane) {
+SIMD near_tet lane_tet(const tet_lanes *l, const resident_mesh *at, unsigned lane) {
     const float *values = mesh_leaf_values(&at->mesh, at->values);
     near_tet x;
     for (int k = 0; k < 4; k++) {
@@ -257,7 +258,7 @@ SIMD near_tet lane_tet(const tet_lanes *l, const treelet *at, unsigned lane) {
 }
 
 /* Made, or kept with the treelet; false: none. */
-SIMD bool polygon_of(const mesh_tile *w, const treelet *at, unsigned lane, int32_t iso,
+SIMD bool polygon_of(const mesh_tile *w, const resident_mesh *at, unsigned lane, int32_t iso,
                      isopolygon *out) {
     const double isovalue = w->s.f->tracer->isos.isovalues[iso];
     const uint32_t place = w->lanes.place[lane];
@@ -286,7 +287,8 @@ static void see_polygon(const mesh_tile *w, seen_polygon *s) {
     }
 }
 
-static void walk_tet(mesh_tile *w, const treelet *at, unsigned lane, int32_t iso, tile_rect r) {
+static void walk_tet(mesh_tile *w, const resident_mesh *at, unsigned lane, int32_t iso,
+                     tile_rect r) {
     seen_polygon s; /* large */
     s.at = at;
     s.tet = w->lanes.place[lane];
@@ -307,7 +309,7 @@ typedef struct tets_in_view {
 
 /* Positions are taken from the treelet's lower corner, and so is the eye's, in double: what errs is
  * a few units of 2^-24 of the distance and of the treelet's size. */
-SIMD void view_tets(const mesh_tile *w, const treelet *at, tets_in_view *v) {
+SIMD void view_tets(const mesh_tile *w, const resident_mesh *at, tets_in_view *v) {
     const tet_lanes *l = &w->lanes;
     const projection *p = w->place.p;
     const float *positions = at->positions[0];
@@ -389,7 +391,7 @@ SIMD unsigned covers_of(const mesh_tile *w, const tets_in_view *v, double iso, t
     return mf_bits(alive) & ((1u << l->count) - 1u);
 }
 
-static void walk_lanes(mesh_tile *w, const treelet *at) {
+static void walk_lanes(mesh_tile *w, const resident_mesh *at) {
     const isovalue_list *isos = &w->s.f->tracer->isos;
     tet_lanes *l = &w->lanes;
     tets_in_view view;
@@ -410,8 +412,8 @@ static void walk_lanes(mesh_tile *w, const treelet *at) {
     l->count = 0;
 }
 
-static void add_lane(mesh_tile *w, const treelet *at, uint32_t place, const tile_rect *r) {
-    const uint16_t *v = mesh_leaf_tets(&at->mesh, at->payload)[place];
+static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t place, const tile_rect *r) {
+    const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[place];
     const float *values = mesh_leaf_values(&at->mesh, at->values);
     tet_lanes *l = &w->lanes;
     for (int k = 0; k < 4; k++) {
@@ -425,7 +427,7 @@ static void add_lane(mesh_tile *w, const treelet *at, uint32_t place, const tile
         walk_lanes(w, at);
 }
 
-static void walk_leaf(mesh_tile *w, const treelet *at, uint32_t first, uint32_t end,
+static void walk_leaf(mesh_tile *w, const resident_mesh *at, uint32_t first, uint32_t end,
                       const tile_rect *r) {
     for (uint32_t word = first / 64; word * 64 < end; word++) {
         uint64_t bits = at->active->tets[word];
@@ -469,7 +471,7 @@ typedef struct eye_frame {
 
 /* A plane of mesh_leaf_plane() errs by a unit u = 2^-24 of itself, the treelet's corner as seen
  * from the eye by one of that, and the sum by one of itself. Boxes are larger by twice as much. */
-SIMD eye_frame eye_frame_of(const mesh_tile *w, const treelet *at) {
+SIMD eye_frame eye_frame_of(const mesh_tile *w, const resident_mesh *at) {
     eye_frame f;
     for (int a = 0; a < 3; a++) {
         const float lo = at->planes.lo[a], size = 256.0f * at->planes.step[a];
@@ -494,11 +496,12 @@ SIMD void boxes_of_node(const eye_frame *f, const mesh_node *node, near_boxes *b
 
 /* A frame touches more memory than there is cache, so all that is put off is asked for in advance:
  * nodes, tets, vertices, treelets (about a tenth of the time at 11 million tets). */
-static void walk_treelet_of_mesh(mesh_tile *w, const treelet *at, tile_rect rect, float near2) {
+static void walk_treelet_of_mesh(mesh_tile *w, const resident_mesh *at, tile_rect rect,
+                                 float near2) {
     const eye_frame planes = eye_frame_of(w, at);
     const mesh_node *nodes = at->nodes;
-    const uint16_t *first = mesh_leaf_first(&at->mesh, at->payload);
-    const uint16_t(*tets)[4] = mesh_leaf_tets(&at->mesh, at->payload);
+    const uint16_t *first = mesh_leaf_first(&at->mesh, at->head.payload);
+    const uint16_t(*tets)[4] = mesh_leaf_tets(&at->mesh, at->head.payload);
     mesh_pending stack[TREELET_STACK_MAX];
     int top = 0;
     stack[top++] = (mesh_pending){0, 0, rect, near2};
@@ -533,25 +536,17 @@ static void walk_treelet_of_mesh(mesh_tile *w, const treelet *at, tile_rect rect
 
 /* ---- Treelets ---- */
 
-/* Which of VD_N rays pass a box before what they have found: mesh_interval_of(), for directions
- * without a 0. */
+/* Which of VD_N rays pass a box before what they have found. */
 SIMD unsigned rays_through(const mesh_tile *w, const double lo[3], const double hi[3], unsigned i) {
     const tile_rays *rays = &w->s.rays;
-    vd t_in = d_set(-INFINITY), t_out = d_set(INFINITY);
+    const vd d[3] = {d_load(rays->d[0] + i), d_load(rays->d[1] + i), d_load(rays->d[2] + i)};
+    double from_eye[2][3];
     for (int a = 0; a < 3; a++) {
-        const vd inverse = d_set(1.0) / d_load(rays->d[a] + i);
-        const vd to_lo = d_set(lo[a] - w->eye[a]) * inverse;
-        const vd to_hi = d_set(hi[a] - w->eye[a]) * inverse;
-        t_in = d_max(t_in, d_min(to_lo, to_hi));
-        t_out = d_min(t_out, d_max(to_lo, to_hi));
+        from_eye[0][a] = lo[a] - w->eye[a];
+        from_eye[1][a] = hi[a] - w->eye[a];
     }
-    const vd slack = d_set(MESH_GENEROSITY) * (d_abs(t_in) + d_abs(t_out));
-    const vd first = d_max(t_in - slack, d_load(rays->t0 + i));
-    const vd last = d_min(t_out + slack, d_load(rays->t1 + i));
-    const vd found = d_load(w->s.t + i);
-    /* With a slack that is not finite, everything may be. */
-    return ~md_bits(
-        md_or(d_gt(t_in - slack, t_out + slack), md_or(d_gt(first, last), d_gt(first, found))));
+    return mesh_box_meets(d, from_eye[0], from_eye[1], d_load(rays->t0 + i),
+                          d_min(d_load(rays->t1 + i), d_load(w->s.t + i)));
 }
 
 /* Rays that pass a treelet which is not there go no further. */
@@ -581,7 +576,7 @@ static void walk_resident_treelet(mesh_tile *w, const mesh_pending *p) {
         tile_state_rays(&w->s);
         look_with_open(w);
     }
-    const treelet *at = loader_lookup(w->s.f->tracer->treelets, p->i);
+    const resident_mesh *at = resident_mesh_of(loader_lookup(w->s.f->tracer->treelets, p->i));
     if (!at) {
         wait_for_treelet(w, p->i, p->rect);
         return;

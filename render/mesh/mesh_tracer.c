@@ -6,7 +6,8 @@
 /* Look for hits in a treelet. True: nothing else needs to be looked at. */
 static bool walk_passage(const tracer *tr, const treelet *here, const ray *r, trace_state *state,
                          ray_counters *counters) {
-    if (!mesh_walk(&tr->isos, here, r, &state->after, state->any, &state->best, counters))
+    if (!mesh_walk(&tr->isos, resident_mesh_of(here), r, &state->after, state->any, &state->best,
+                   counters))
         return false;
     if (!state->any)
         state->point = mesh_tracer_surface(tr, here, r, &state->best);
@@ -34,7 +35,9 @@ trace_result mesh_tracer_next(const tracer *tr, const ray *r, trace_state *state
     }
 }
 
-surface_point mesh_tracer_surface(const tracer *tr, const treelet *at, const ray *r, const hit *h) {
+surface_point mesh_tracer_surface(const tracer *tr, const treelet *found, const ray *r,
+                                  const hit *h) {
+    const resident_mesh *at = resident_mesh_of(found);
     const uint32_t place = (uint32_t)(h->cell - at->first_tet);
     const double iso = tr->isos.isovalues[h->iso];
     const tet x = mesh_walk_tet(at, place);

@@ -56,8 +56,8 @@ double mesh_walk_behind(const float bounds[6], const ray *r, const hit *after) {
     return after->t > 0.0 ? after->t - 0x1p-30 * (after->t + t_across(bounds, r)) : -INFINITY;
 }
 
-tet mesh_walk_tet(const treelet *tr, uint32_t place) {
-    const uint16_t *v = mesh_leaf_tets(&tr->mesh, tr->payload)[place];
+tet mesh_walk_tet(const resident_mesh *tr, uint32_t place) {
+    const uint16_t *v = mesh_leaf_tets(&tr->mesh, tr->head.payload)[place];
     const float(*at)[3] = tr->positions;
     const float *values = mesh_leaf_values(&tr->mesh, tr->values);
     tet x;
@@ -69,8 +69,8 @@ tet mesh_walk_tet(const treelet *tr, uint32_t place) {
     return x;
 }
 
-void mesh_walk_gradients(const treelet *tr, uint32_t place, float gradients[4][3]) {
-    const uint16_t *v = mesh_leaf_tets(&tr->mesh, tr->payload)[place];
+void mesh_walk_gradients(const resident_mesh *tr, uint32_t place, float gradients[4][3]) {
+    const uint16_t *v = mesh_leaf_tets(&tr->mesh, tr->head.payload)[place];
     for (int k = 0; k < 4; k++)
         memcpy(gradients[k], tr->gradients[v[k]], sizeof gradients[k]);
 }
@@ -107,8 +107,9 @@ static bool passes_box(const mesh_slabs *line, const tet *x) {
     return mesh_interval_in(line, lo, hi, &in);
 }
 
-static bool test_tet(const isovalue_list *isos, const treelet *tr, uint32_t place, const ray *r,
-                     const mesh_slabs *line, const hit *after, hit *best, ray_counters *counters) {
+static bool test_tet(const isovalue_list *isos, const resident_mesh *tr, uint32_t place,
+                     const ray *r, const mesh_slabs *line, const hit *after, hit *best,
+                     ray_counters *counters) {
     const tet x = mesh_walk_tet(tr, place);
     bool changed = false, active = false;
     if (!passes_box(line, &x))
@@ -154,7 +155,7 @@ typedef struct code_slabs {
 static const double never = 0x1p600;
 
 /* A plane errs by 2^-24 of the treelet's size and place, the kernel by less than slack. */
-static code_slabs code_slabs_of(const treelet *tr, const ray *r, const hit *after) {
+static code_slabs code_slabs_of(const resident_mesh *tr, const ray *r, const hit *after) {
     code_slabs s = {.slack = 0x1p-30 * t_across(tr->bounds, r),
                     .t0 = r->t0,
                     .t1 = r->t1,
@@ -202,8 +203,8 @@ static unsigned meet_children(const code_slabs *s, const mesh_node *n, double ne
 }
 
 /* Push a node's children that the ray meets before `nearest`, the first of them last. */
-static int push_children(const code_slabs *s, const treelet *tr, uint32_t node, double nearest,
-                         pending stack[], int top) {
+static int push_children(const code_slabs *s, const resident_mesh *tr, uint32_t node,
+                         double nearest, pending stack[], int top) {
     const mesh_node *n = &tr->nodes[node];
     const int bottom = top;
     double t_in[MESH_CHILDREN];
@@ -219,9 +220,9 @@ static int push_children(const code_slabs *s, const treelet *tr, uint32_t node, 
 }
 
 /* The active tets from place `first` on. */
-static bool walk_leaf(const isovalue_list *isos, const treelet *tr, uint32_t first, uint32_t end,
-                      const ray *r, const mesh_slabs *line, const hit *after, hit *best,
-                      ray_counters *counters) {
+static bool walk_leaf(const isovalue_list *isos, const resident_mesh *tr, uint32_t first,
+                      uint32_t end, const ray *r, const mesh_slabs *line, const hit *after,
+                      hit *best, ray_counters *counters) {
     bool changed = false;
     for (uint32_t i = first; i < end; i++)
         if (tr->active->tets[i / 64] >> i % 64 & 1u)
@@ -229,13 +230,13 @@ static bool walk_leaf(const isovalue_list *isos, const treelet *tr, uint32_t fir
     return changed;
 }
 
-bool mesh_walk(const isovalue_list *isos, const treelet *tr, const ray *r, const hit *after,
+bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r, const hit *after,
                bool any, hit *best, ray_counters *counters) {
     const code_slabs slabs = code_slabs_of(tr, r, after);
     mesh_slabs line = mesh_slabs_of(r);
     line.t0 = -INFINITY;
     line.t1 = INFINITY;
-    const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->payload);
+    const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->head.payload);
     pending stack[STACK_MAX];
     bool changed = false;
     int top = 0;
@@ -258,11 +259,11 @@ bool mesh_walk(const isovalue_list *isos, const treelet *tr, const ray *r, const
 
 /* ---- All tets ---- */
 
-void mesh_walk_each(const treelet *tr, const ray *r, const hit *after, double nearest,
+void mesh_walk_each(const resident_mesh *tr, const ray *r, const hit *after, double nearest,
                     mesh_walk_visit *visit, void *ctx, ray_counters *counters) {
     const code_slabs slabs = code_slabs_of(tr, r, after);
     const mesh_slabs line = mesh_slabs_of(r);
-    const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->payload);
+    const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->head.payload);
     pending stack[STACK_MAX];
     int top = 0;
     stack[top++] = (pending){-INFINITY, 0};
@@ -302,7 +303,7 @@ static bool holds_point(const tet *x, const double point[3], double weights[4]) 
 }
 
 /* The children of a node whose boxes hold a point. */
-static unsigned children_at(const treelet *tr, const mesh_node *n, const double point[3]) {
+static unsigned children_at(const resident_mesh *tr, const mesh_node *n, const double point[3]) {
     unsigned at = 0;
     for (int c = 0; c < MESH_CHILDREN; c++) {
         bool holds = true;
@@ -316,8 +317,8 @@ static unsigned children_at(const treelet *tr, const mesh_node *n, const double 
 }
 
 /* The first tet from `from` to `end` that holds the point; `end`: none does. */
-static uint32_t find_in_leaf(const treelet *tr, uint32_t from, uint32_t end, const double point[3],
-                             double weights[4]) {
+static uint32_t find_in_leaf(const resident_mesh *tr, uint32_t from, uint32_t end,
+                             const double point[3], double weights[4]) {
     for (; from < end; from++) {
         const tet x = mesh_walk_tet(tr, from);
         if (holds_point(&x, point, weights))
@@ -326,8 +327,9 @@ static uint32_t find_in_leaf(const treelet *tr, uint32_t from, uint32_t end, con
     return from;
 }
 
-bool mesh_walk_find(const treelet *tr, const double point[3], uint32_t *place, double weights[4]) {
-    const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->payload);
+bool mesh_walk_find(const resident_mesh *tr, const double point[3], uint32_t *place,
+                    double weights[4]) {
+    const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->head.payload);
     uint16_t stack[STACK_MAX];
     int top = 0;
     *place = tr->mesh.tets;

@@ -91,7 +91,7 @@ bool packet_frustum_box(const packet_frustum *s, const packet_box *b, packet_rea
     for (int a = 0; a < 3; a++)
         packet_slab(s->least[a], s->most[a], b->lo[a], b->hi[a], &t_in, &t_out);
     /* Twice as generous: what one ray is given, in terms of its own, narrower interval. */
-    const double slack = 2.0 * PACKET_GENEROSITY * (fabs(t_in) + fabs(t_out));
+    const double slack = 2.0 * MESH_GENEROSITY * (fabs(t_in) + fabs(t_out));
     out->near = t_in - slack;
     /* With a slack that is not finite, everything may be. */
     return !(out->near > t_out + slack) && !(out->near > s->far) && !(t_out + slack < 0.0) &&

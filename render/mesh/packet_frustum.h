@@ -5,11 +5,8 @@
 
 #include <stdbool.h>
 
-#include "render/mesh/tet_kernel.h"
+#include "render/mesh/mesh_walk.h"
 #include "render/projection.h"
-
-/* Kernel and boxes round differently; as much is given away as mesh_interval_of() does. */
-#define PACKET_GENEROSITY 0x1p-20
 
 /* Planes as seen from the eye. */
 typedef struct packet_box {

@@ -75,6 +75,7 @@ json document info b.leaf --iso 0.3
 json document info g.nrrd
 json document info b_0000.mesh
 json document probe g.leaf --iso 120 --at 500,500
+json document probe g.leaf --ray -1,9,9,1,0,0 --segments
 json document probe g.leaf --iso 120 --point 3,3,3
 json document probe b.leaf --iso 0.3 --point 3,3,3 --step 1
 json document render g.leaf --iso 120 --size 16x16 -o g.png

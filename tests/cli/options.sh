@@ -266,6 +266,10 @@ probe|--at|says|@grid --size 16x16 --at 8,8|--at 9,8
 probe|--ray|shown probe|
 probe|--point|shown probe|
 probe|--hits|shown probe|
+probe|--segments|shown probe|
+probe|--csv|shown probe|
+probe|--svg|shown probe|
+probe|--force|shown probe|
 probe|--iso|says|@grid --size 16x16 --at 8,8|--iso 150
 probe|--view|says|@grid --size 16x16 --at 8,8|--view close
 probe|--eye|says|@grid --size 16x16 --at 8,8|--eye 90,80,70

@@ -82,9 +82,47 @@ ok "has numbers that are null" json 'j["value"] is None and j["samples"] == [Non
 exits "in words" 0 "$leafcast" probe "$tmp/hole.leaf" --point 0.5,0.5,0.5
 ok "a line each" says '^samples: - - 1 1 1 1 1 1$' out
 
+# Along a ray: f = t / 2 + 3.5 from t = 1 to 9, in cells of length 2.
+along="--ray -1,1.5,-0.25,1,0,0"
+exits "a ray's profile" 0 "$leafcast" probe "$leaf" $along --segments --json
+ok "has every cell" json '[s["cell"] for s in j["segments"]] == [[i, 1, 0] for i in range(4)] and j["cells"] == 4'
+ok "each from where the one before ends" json '[(s["t0"], s["t1"]) for s in j["segments"]] == [(1, 3), (3, 5), (5, 7), (7, 9)]'
+ok "with its values" json 'all(abs(b - (4 + i + k / 3)) < 1e-14 for i, s in enumerate(j["segments"]) for k, b in enumerate(s["control"]))'
+ok "that go on in the next" json 'all(a["control"][3] == b["control"][0] for a, b in zip(j["segments"], j["segments"][1:]))'
+ok "and what they are in all" json '(j["length"], j["mean"], j["least"], j["least_t"], j["most"], j["most_t"]) == (8, 6, 4, 1, 8, 9)'
+ok "needs no isosurface" json '"hits" not in j'
+exits "in words, with an isosurface" 0 "$leafcast" probe "$leaf" $along --segments --iso 6.5
+ok "a line a cell" [ "$(grep -c '^ *[1357] *[3579] *[4567] *[5678] .* [0-3] 1 0$' "$tmp/out")" = 4 ]
+ok "and the hits" says '^count: 1$' out
+exits "as CSV" 0 "$leafcast" probe "$leaf" $along --csv -
+ok "nothing but that" [ "$(sed -n '1p;4p' "$tmp/out")" = "t0,t1,i,j,k,value_t0,value_t1,least,least_t,most,most_t
+5,7,2,1,0,6,7,6,5,7,7" -a "$(wc -l <"$tmp/out")" = 5 ]
+cp "$tmp/out" "$tmp/same.csv"
+exits "to files" 0 "$leafcast" probe "$leaf" $along --iso 6.5 --csv "$tmp/p.csv" --svg "$tmp/p.svg"
+ok "the same bytes" cmp "$tmp/same.csv" "$tmp/p.csv"
+ok "a plot with the curve, the isovalue and where it is met" python3 -c '
+import re, sys, xml.etree.ElementTree as x
+t = x.parse(sys.argv[1]).getroot()
+n = {k: [e for e in t.iter() if e.tag.endswith("}" + k)] for k in ("path", "circle", "text")}
+curve = [e for e in n["path"] if e.get("d").count("C") == 4]
+sys.exit(not (len(curve) == 1 and len(n["circle"]) == 1 and "6.5" in [e.text for e in n["text"]]))' "$tmp/p.svg"
+exits "files that are there stay" 1 "$leafcast" probe "$leaf" $along --svg "$tmp/p.svg"
+exits "but with --force" 0 "$leafcast" probe "$leaf" $along --svg "$tmp/p.svg" --force
+exits "the input is no output" 2 "$leafcast" probe "$leaf" $along --csv "$leaf" --force
+exits "a profile across a hole" 0 "$leafcast" probe "$tmp/hole.leaf" --ray 1.5,-1,0.5,0,1,0 --segments --json
+ok "leaves it out" json '[s["cell"] for s in j["segments"]] == [[1, 1, 0]] and j["length"] == 1'
+exits "beside the volume" 0 "$leafcast" probe "$leaf" --ray 0,9,0,1,0,0 --json --svg "$tmp/none.svg"
+ok "is none" json 'j["cells"] == 0 and j["segments"] == [] and j["mean"] is None'
+ok "and is told" says 'passes no cell' none.svg
+exits "a mesh" 0 "$leafcast" generate sphere --tets --dims 9 -o "$tmp/m.mesh" -q
+exits "converted" 0 "$leafcast" convert "$tmp/m.mesh" -o "$tmp/m.leaf" -q
+exits "a pixel's profile through it" 0 "$leafcast" probe "$tmp/m.leaf" --at 500,500 --segments --json
+ok "tet by tet" json 'j["cells"] > 8 and all("tet" in s and len(s["control"]) == 2 for s in j["segments"])'
+ok "without a gap" json 'abs(sum(s["t1"] - s["t0"] for s in j["segments"]) - (j["segments"][-1]["t1"] - j["segments"][0]["t0"])) < 1e-9'
+
 for wrong in "" "$leaf" "$leaf --at 1,1" "$leaf --iso 1" "$leaf --iso 1 --at 1,1 --point 1,1,1" "$leaf --iso 1 --at 1024,0" \
     "$leaf --iso 1 --at 1.5,0" "$leaf --iso 1 --ray 0,0,0,0,0,0" "$leaf --point 1,2" "$leaf --iso nan --at 1,1" \
-    "$leaf --point 1,2,3 -o x"; do
+    "$leaf --point 1,2,3 -o x" "$leaf --point 1,2,3 --segments" "$leaf $along --csv - --json"; do
     exits "usage: $wrong" 2 "$leafcast" probe $wrong
 done
 exits "no such file" 1 "$leafcast" probe "$tmp/none" --point 1,2,3

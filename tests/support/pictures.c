@@ -15,16 +15,19 @@
 void pictures_draw(leafcast *volume, const leafcast_scene *scene, const leafcast_camera *view,
                    picture *p, leafcast_stats *stats) {
     memset(p, 0, sizeof *p);
-    const leafcast_image image = {sizeof image,
-                                  p->rgba[0],
-                                  p->rgba[1],
-                                  p->rgba[2],
-                                  p->rgba[3],
-                                  p->z,
-                                  {p->normal[0], p->normal[1], p->normal[2]},
-                                  p->id,
-                                  p->provisional};
-    assert_int_equal(leafcast_trace(volume, scene, view, &image, stats, NULL, NULL), LEAFCAST_OK);
+    const leafcast_image image = {.size = sizeof image,
+                                  .r = p->rgba[0],
+                                  .g = p->rgba[1],
+                                  .b = p->rgba[2],
+                                  .a = p->rgba[3],
+                                  .z = p->z,
+                                  .normal = {p->normal[0], p->normal[1], p->normal[2]},
+                                  .id = p->id,
+                                  .provisional = p->provisional};
+    const leafcast_status st = leafcast_trace(volume, scene, view, &image, stats, NULL, NULL);
+    if (st != LEAFCAST_OK)
+        print_message("# %s\n", leafcast_error_text());
+    assert_int_equal(st, LEAFCAST_OK);
 }
 
 void pictures_open_one(picture_volumes *v, const char *path, const char *isa, int threads) {

@@ -1,4 +1,4 @@
-/* test_bench_product.c - a benchmark's file is whole, or not there. */
+/* test_printed_file.c - a file of what is printed is whole, or not there. */
 /* marks: plain */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "render/bench/bench_product.h"
+#include "formats/base/printed_file.h"
 #include "tests/support/scratch.h"
 
 enum { LINES = 4000000, LINE_BYTES = 8 };
@@ -41,7 +41,7 @@ static void print_lines(const void *ctx, FILE *out) {
 
 static status write_lines(int lines) {
     unlink(path);
-    return bench_product_write(&budget, path, false, print_lines, &lines);
+    return printed_file_write(&budget, path, false, print_lines, &lines);
 }
 
 /* All lines, in order. */
@@ -63,7 +63,7 @@ static void test_whole(void **state) {
         assert_int_equal(write_lines(lines), ST_OK);
         check_lines(lines);
     }
-    assert_int_equal(bench_product_write(&budget, path, false, print_lines, &(int){1}), ST_EXISTS);
+    assert_int_equal(printed_file_write(&budget, path, false, print_lines, &(int){1}), ST_EXISTS);
 }
 
 /* Address space for less than half of it. */

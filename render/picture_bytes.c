@@ -1,9 +1,27 @@
-#include "render/app/picture_bytes.h"
+#include "render/picture_bytes.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "render/app/colour.h"
+/* x^(1/5) for x in (0, 1], by Newton from above, where every step but the last goes down. */
+static double fifth_root(double x) {
+    double root = 1.0;
+    for (;;) {
+        const double fourth = root * root * root * root;
+        const double next = root - (root - x / fourth) / 5.0;
+        if (!(next < root))
+            return root;
+        root = next;
+    }
+}
+
+/* x^2.4 = x^2 (x^2)^(1/5). */
+double picture_linear(double x) {
+    if (x <= 0.04045)
+        return x / 12.92;
+    const double base = (x + 0.055) / 1.055;
+    return base * base * fifth_root(base * base);
+}
 
 /* The high half of a float's bits: sign, exponent and 7 bits of the fraction. */
 static uint32_t high_bits(float x) {
@@ -16,7 +34,7 @@ static const float SMALLEST = 1.0f / (1 << BYTES_OCTAVES);
 
 /* The smallest float whose byte is at least k. */
 static float border_below(int k) {
-    const double exact = colour_linear((k - 0.5) / 255.0);
+    const double exact = picture_linear((k - 0.5) / 255.0);
     const float near = (float)exact;
     return (double)near < exact ? nextafterf(near, INFINITY) : near;
 }

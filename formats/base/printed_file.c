@@ -1,4 +1,4 @@
-#include "render/bench/bench_product.h"
+#include "formats/base/printed_file.h"
 
 #include "formats/base/file.h"
 
@@ -26,8 +26,8 @@ static status print_to(sink *s, void (*print)(const void *ctx, FILE *out), const
     return s->st != ST_OK ? s->st : status_describe(ST_NOMEM, "no memory for the table");
 }
 
-status bench_product_write(mem *m, const char *path, bool force,
-                           void (*print)(const void *ctx, FILE *out), const void *ctx) {
+status printed_file_write(mem *m, const char *path, bool force,
+                          void (*print)(const void *ctx, FILE *out), const void *ctx) {
     sink s = {NULL, ST_OK};
     status st = out_file_create(m, path, force, &s.f);
     if (st != ST_OK)

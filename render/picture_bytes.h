@@ -3,13 +3,16 @@
  * A byte is the nearest one, by IEC 61966-2-1 (sRGB); what is below 0 or NaN becomes 0, what is
  * above 1 becomes 255. Alpha is not encoded. No libm: the same bytes on every CPU.
  */
-#ifndef RENDER_APP_PICTURE_BYTES_H
-#define RENDER_APP_PICTURE_BYTES_H
+#ifndef RENDER_PICTURE_BYTES_H
+#define RENDER_PICTURE_BYTES_H
 
 #include <stddef.h>
 #include <stdint.h>
 
 #include "render/leafcast.h"
+
+/* picture_linear() - what an sRGB component in [0, 1] is in linear light. */
+double picture_linear(double encoded);
 
 /* From 2^-13, below which the byte is 0, to 1: 128 buckets an octave, each with at most one border
  * between two bytes. */

@@ -1,0 +1,39 @@
+/* box3.h - boxes along the axes in three doubles: box[0] the lower corner, box[1] the upper one. */
+#ifndef FORMATS_BASE_BOX3_H
+#define FORMATS_BASE_BOX3_H
+
+#include <math.h>
+#include <stdbool.h>
+
+/* box3_begin() - nothing; box3_widen() - by another one; box3_any() - whether there is anything. */
+static inline void box3_begin(double box[2][3]) {
+    for (int a = 0; a < 3; a++) {
+        box[0][a] = INFINITY;
+        box[1][a] = -INFINITY;
+    }
+}
+
+static inline void box3_widen(double box[2][3], const double lo[3], const double hi[3]) {
+    for (int a = 0; a < 3; a++) {
+        box[0][a] = fmin(box[0][a], lo[a]);
+        box[1][a] = fmax(box[1][a], hi[a]);
+    }
+}
+
+static inline bool box3_any(double box[2][3]) {
+    return box[0][0] <= box[1][0];
+}
+
+/* box3_corner() - corner i: x + 2y + 4z. */
+static inline void box3_corner(double box[2][3], int i, double corner[3]) {
+    for (int a = 0; a < 3; a++)
+        corner[a] = box[i >> a & 1][a];
+}
+
+/* box3_of_floats() - of lo x y z, hi x y z. */
+static inline void box3_of_floats(const float bounds[6], double box[2][3]) {
+    for (int i = 0; i < 6; i++)
+        box[i / 3][i % 3] = (double)bounds[i];
+}
+
+#endif

@@ -1,0 +1,372 @@
+#include "render/leafcast.h"
+
+#include <math.h>
+
+#include "formats/base/clock.h"
+#include "render/arguments.h"
+#include "render/kind.h"
+#include "render/leafcast_turn.h"
+#include "render/picture_bytes.h"
+#include "render/samples.h"
+#include "render/surface_integrator.h"
+
+struct leafcast_frame {
+    turn t; /* t.f.image: all planes, those made here among them */
+    surface_look look;
+    leafcast_image own; /* planes that are made here */
+    byte_table bytes;   /* for rgba8 */
+    /* A picture is made of parts: the planes that are not colours, then each sample. */
+    int parts, part, first_sample;
+    leafcast_image sample; /* that is not summed up yet */
+    frame drawn;           /* the part as a frame of its own */
+    projection projection; /* ... */
+    drawing *drawing;      /* ... ; NULL: not begun */
+    ray_counters counters;
+    double render_s;
+    atomic_bool cancelled;
+    bool (*watch)(void *ctx, double done); /* see leafcast_trace() */
+    void *watch_ctx;
+};
+
+/* The planes of an image that samples are summed up in. */
+static leafcast_image colours_of(const leafcast_image *image) {
+    return (leafcast_image){.size = sizeof *image,
+                            .width = image->width,
+                            .height = image->height,
+                            .stride = image->stride,
+                            .r = image->r,
+                            .g = image->g,
+                            .b = image->b,
+                            .a = image->a};
+}
+
+static bool any_plane(const leafcast_image *image) {
+    return budget_image(image, 1) > 0;
+}
+
+/* ---- Describing ---- */
+
+/* All that needs no treelets. */
+static status describe(leafcast_frame *fr, leafcast *v, const leafcast_scene *scene,
+                       const leafcast_camera *from, const leafcast_image *image) {
+    frame *f = &fr->t.f;
+    status st = turn_describe(&fr->t, v, scene);
+    if (st == ST_OK)
+        st = camera_init(&f->camera, from);
+    if (st != ST_OK)
+        return st;
+    fr->look = (surface_look){&fr->t.scene,
+                              (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])fr->t.surfaces,
+                              fr->t.first_id, fr->t.coarse};
+    f->integrator = &surface_integrator;
+    f->look = &fr->look;
+    f->cancel = &fr->cancelled;
+    camera_window(&f->camera, image->x, image->y);
+    f->image = *image;
+    if (image->width == 0) {
+        f->image.width = from->width;
+        f->image.height = from->height;
+    }
+    f->width = f->image.width;
+    f->height = f->image.height;
+    f->image.stride = f->stride = image->stride ? image->stride : f->width;
+    return ST_OK;
+}
+
+/* Planes that bytes are made of, where the caller has none. */
+static status make_planes(leafcast_frame *fr) {
+    leafcast_image *i = &fr->t.f.image;
+    float **const planes[4] = {&i->r, &i->g, &i->b, &i->a};
+    float **const own[4] = {&fr->own.r, &fr->own.g, &fr->own.b, &fr->own.a};
+    for (int c = 0; c < 4 && i->rgba8; c++) {
+        if (*planes[c])
+            continue;
+        *own[c] = *planes[c] = mem_array(fr->t.f.m, i->stride * i->height, sizeof(float));
+        if (!*planes[c])
+            return ST_NOMEM;
+    }
+    return ST_OK;
+}
+
+static void free_colours(mem *m, leafcast_image *image) {
+    float *const planes[4] = {image->r, image->g, image->b, image->a};
+    for (int c = 0; c < 4; c++)
+        mem_free(m, planes[c]);
+}
+
+/* ---- Parts ---- */
+
+/* Several samples: first the planes that are not colours, if there are any. */
+static bool other_planes(const leafcast_frame *fr) {
+    leafcast_image planes = fr->t.f.image;
+    planes.r = planes.g = planes.b = planes.a = NULL;
+    planes.rgba8 = NULL;
+    return any_plane(&planes);
+}
+
+/* Where the colours of samples but the first are drawn. */
+static status make_sample_planes(leafcast_frame *fr) {
+    const leafcast_image *like = &fr->t.f.image;
+    float *const there[4] = {like->r, like->g, like->b, like->a};
+    float **const made[4] = {&fr->sample.r, &fr->sample.g, &fr->sample.b, &fr->sample.a};
+    fr->sample.stride = fr->sample.width = like->width;
+    fr->sample.height = like->height;
+    for (int c = 0; c < 4; c++) {
+        *made[c] = there[c] ? mem_array(fr->t.f.m, frame_pixels(&fr->t.f), sizeof(float)) : NULL;
+        if (there[c] && !*made[c])
+            return ST_NOMEM;
+    }
+    return ST_OK;
+}
+
+static status count_parts(leafcast_frame *fr) {
+    const leafcast_image colours = colours_of(&fr->t.f.image);
+    fr->parts = 1;
+    if (fr->t.scene.samples <= 1 || !any_plane(&colours))
+        return ST_OK;
+    fr->first_sample = other_planes(fr);
+    fr->parts = fr->first_sample + fr->t.scene.samples;
+    return make_sample_planes(fr);
+}
+
+/* What the part is drawn into. */
+static leafcast_image part_image(const leafcast_frame *fr) {
+    leafcast_image image = fr->t.f.image;
+    if (fr->parts == 1)
+        return image;
+    if (fr->part > fr->first_sample)
+        return fr->sample;
+    if (fr->part == fr->first_sample)
+        return colours_of(&image);
+    image.r = image.g = image.b = image.a = NULL;
+    return image;
+}
+
+static bool watch_part(void *ctx, double done) {
+    const leafcast_frame *fr = ctx;
+    return fr->watch(fr->watch_ctx, (fr->part + done) / fr->parts);
+}
+
+/* Tiles of rays, where there are kernels for them. An experiment's intersector wants single rays.
+ */
+static status project(leafcast_frame *fr, frame *f) {
+    leafcast *v = fr->t.shown[0].volume;
+    if (!f->integrator->tile(f) || v->intersect || f->camera.ortho)
+        return ST_OK;
+    const status st = v->kind->project(v, &f->camera, &fr->projection);
+    if (st == ST_OK && fr->projection.usable)
+        f->projection = &fr->projection;
+    return st;
+}
+
+static status begin_part(leafcast_frame *fr) {
+    frame *f = &fr->drawn;
+    *f = fr->t.f;
+    f->image = part_image(fr);
+    f->stride = f->image.stride;
+    f->watch = fr->watch ? watch_part : NULL;
+    f->watch_ctx = fr;
+    if (fr->parts > 1 && fr->part >= fr->first_sample) {
+        double shift[2];
+        samples_shift(fr->t.scene.samples, fr->part - fr->first_sample, shift);
+        camera_shift(&f->camera, shift[0], shift[1]);
+    }
+    const status st = project(fr, f);
+    return st == ST_OK ? frame_begin(f, &fr->drawing) : st;
+}
+
+/* A pixel counts once: the largest count of any sample's picture. */
+static void add_counters(leafcast_frame *fr) {
+    ray_counters *all = &fr->counters;
+    const uint64_t provisional = all->provisional_pixels, covered = all->covered_pixels;
+    all->covered_pixels = all->provisional_pixels = 0;
+    frame_end(fr->drawing, all);
+    fr->drawing = NULL;
+    if (all->provisional_pixels < provisional)
+        all->provisional_pixels = provisional;
+    if (all->covered_pixels < covered)
+        all->covered_pixels = covered;
+}
+
+static status end_part(leafcast_frame *fr) {
+    const int sample = fr->part++ - fr->first_sample;
+    add_counters(fr);
+    projection_release(&fr->projection);
+    if (fr->parts == 1 || sample <= 0)
+        return ST_OK;
+    const bool last = fr->part == fr->parts;
+    return samples_add(fr->t.f.threads, &fr->t.f.image, &fr->sample,
+                       last ? 1.0f / (float)fr->t.scene.samples : 1.0f);
+}
+
+static status draw_parts(leafcast_frame *fr, double until) {
+    status st = fr->parts == 0 ? count_parts(fr) : ST_OK;
+    bool done = true;
+    while (fr->part < fr->parts && done && st == ST_OK) {
+        if (!fr->drawing)
+            st = begin_part(fr);
+        fr->drawn.scratch = fr->t.f.scratch;
+        if (st == ST_OK)
+            st = frame_advance(fr->drawing, until, &done);
+        if (st == ST_OK && done)
+            st = end_part(fr);
+    }
+    return st;
+}
+
+/* ---- Bytes ---- */
+
+static status encode_row(void *ctx, size_t row, int worker) {
+    (void)worker;
+    const leafcast_frame *fr = ctx;
+    const leafcast_image *i = &fr->t.f.image;
+    const size_t from = row * i->stride;
+    picture_bytes_rgba(&fr->bytes, i, from, i->width, i->rgba8 + 4 * from);
+    return ST_OK;
+}
+
+static status encode(leafcast_frame *fr) {
+    if (!fr->t.f.image.rgba8)
+        return ST_OK;
+    picture_bytes_init(&fr->bytes);
+    return pool_run(fr->t.f.threads, fr->t.f.height, encode_row, fr);
+}
+
+/* ---- Turns ---- */
+
+static void fill_stats(const leafcast_frame *fr, leafcast_stats *stats) {
+    const ray_counters *c = &fr->counters;
+    *stats = (leafcast_stats){
+        .size = sizeof *stats, .render_s = fr->render_s, .rays = c->primary_rays + c->shadow_rays};
+#define COUNTER(name) stats->name = c->name;
+    RAY_COUNTERS(COUNTER)
+    PACKET_COUNTERS(COUNTER)
+#undef COUNTER
+    turn_stats(&fr->t, stats);
+}
+
+static void note_first_image(const leafcast_frame *fr, double now) {
+    for (int i = 0; i < fr->t.volumes; i++)
+        if (fr->t.shown[i].volume->first_image_s == 0.0)
+            fr->t.shown[i].volume->first_image_s = now - fr->t.shown[i].volume->opened_at;
+}
+
+static status advance(leafcast_frame *fr, double seconds, bool *done) {
+    const double start = clock_seconds();
+    status st = turn_prepare(&fr->t);
+    if (st == ST_OK && fr->parts == 0)
+        st = make_planes(fr);
+    if (st == ST_OK)
+        st = draw_parts(fr, start + seconds);
+    *done = st == ST_OK && fr->part == fr->parts;
+    if (st == ST_OK)
+        st = encode(fr);
+    st = turn_check(&fr->t, *done, st);
+    const double end = clock_seconds();
+    fr->render_s += end - start;
+    if (*done && st == ST_OK)
+        note_first_image(fr, end);
+    return st;
+}
+
+/* All that it holds; its drawing's counters are lost. */
+static void release(leafcast_frame *fr) {
+    mem *m = &fr->t.device->budget;
+    ray_counters lost = {0};
+    frame_end(fr->drawing, &lost);
+    projection_release(&fr->projection);
+    free_colours(m, &fr->sample);
+    free_colours(m, &fr->own);
+    turn_end(&fr->t);
+}
+
+/* ---- The public functions ---- */
+
+leafcast_status leafcast_check_room(leafcast *v, const leafcast_scene *scene,
+                                    const leafcast_camera *camera_of, const leafcast_image *planes,
+                                    uint64_t beside) {
+    status st = arguments_check_picture(scene, camera_of, planes, NULL);
+    if (st != ST_OK)
+        return volume_public_status(st);
+    mem outside;
+    mem_init(&outside, 0);
+    leafcast_frame *fr = mem_zalloc(&outside, sizeof *fr);
+    if (!fr)
+        return LEAFCAST_NOMEM;
+    device_lock(v->device);
+    v->device->beside = (size_t)beside;
+    st = describe(fr, v, scene, camera_of, planes);
+    if (st == ST_OK)
+        st = budget_check(&fr->t);
+    device_unlock(v->device);
+    mem_free(&outside, fr);
+    return volume_public_status(st);
+}
+
+leafcast_status leafcast_frame_begin(leafcast *v, const leafcast_scene *scene,
+                                     const leafcast_camera *from, const leafcast_image *image,
+                                     leafcast_frame **out) {
+    status st = arguments_check_picture(scene, from, image, NULL);
+    if (st != ST_OK)
+        return volume_public_status(st);
+    mem outside;
+    mem_init(&outside, 0);
+    leafcast_frame *fr = mem_zalloc(&outside, sizeof *fr);
+    if (!fr)
+        return LEAFCAST_NOMEM;
+    device_lock(v->device);
+    st = describe(fr, v, scene, from, image);
+    device_unlock(v->device);
+    if (st == ST_OK)
+        *out = fr;
+    else
+        mem_free(&outside, fr);
+    return volume_public_status(st);
+}
+
+leafcast_status leafcast_frame_advance(leafcast_frame *fr, double seconds, bool *done,
+                                       leafcast_stats *stats) {
+    status st = stats ? arguments_size("leafcast_stats", stats->size, sizeof *stats) : ST_OK;
+    *done = false;
+    if (st != ST_OK)
+        return volume_public_status(st);
+    device_lock(fr->t.device);
+    st = advance(fr, seconds, done);
+    if (stats)
+        fill_stats(fr, stats);
+    device_unlock(fr->t.device);
+    return volume_public_status(st);
+}
+
+void leafcast_frame_cancel(leafcast_frame *fr) {
+    atomic_store(&fr->cancelled, true);
+}
+
+void leafcast_frame_end(leafcast_frame *fr) {
+    mem outside;
+    if (!fr)
+        return;
+    device_lock(fr->t.device);
+    release(fr);
+    device_unlock(fr->t.device);
+    mem_init(&outside, 0);
+    mem_free(&outside, fr);
+}
+
+leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
+                               const leafcast_camera *from, const leafcast_image *image,
+                               leafcast_stats *stats, bool (*watch)(void *, double),
+                               void *watch_ctx) {
+    leafcast_frame *fr = NULL;
+    bool done;
+    leafcast_status st = volume_public_status(arguments_check_picture(scene, from, image, stats));
+    if (st == LEAFCAST_OK)
+        st = leafcast_frame_begin(v, scene, from, image, &fr);
+    if (st != LEAFCAST_OK)
+        return st;
+    fr->watch = watch;
+    fr->watch_ctx = watch_ctx;
+    st = leafcast_frame_advance(fr, INFINITY, &done, stats);
+    leafcast_frame_end(fr);
+    return st;
+}

@@ -1,0 +1,103 @@
+#include "render/leafcast_scene.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "render/arguments.h"
+#include "render/kind.h"
+
+/* ---- Which volumes ---- */
+
+/* The i-th of a scene's list. */
+static status check_shown(const leafcast *v, const leafcast_scene *scene, int i) {
+    const leafcast_shown *s = &scene->volumes[i];
+    if (s->volume->device != v->device)
+        return status_describe(ST_USAGE, "volume %d of the scene is on another device", i + 1);
+    for (int k = 0; k < i; k++)
+        if (scene->volumes[k].volume == s->volume)
+            return status_describe(ST_USAGE, "volumes %d and %d of the scene are the same", k + 1,
+                                   i + 1);
+    const status st = volume_check_set(s->volume, s->field, s->step);
+    return st == ST_OK ? arguments_check_surfaces(s->surfaces, s->count) : st;
+}
+
+status scene_volumes(leafcast *v, const leafcast_scene *scene,
+                     leafcast_shown shown[LEAFCAST_VOLUMES_MAX], int *count) {
+    status st = arguments_check_scene(scene);
+    *count = scene->volume_count;
+    for (int i = 0; i < scene->volume_count && st == ST_OK; i++) {
+        st = check_shown(v, scene, i);
+        shown[i] = scene->volumes[i];
+    }
+    if (st != ST_OK || *count > 0)
+        return st;
+    shown[0] = (leafcast_shown){v, v->field, v->step, v->surfaces, v->surface_count};
+    *count = 1;
+    return ST_OK;
+}
+
+/* ---- What rays look for ---- */
+
+void volume_show(leafcast *v, uint32_t field, uint32_t step, const leafcast_surface *surfaces,
+                 int count) {
+    const uint32_t set = leaf_layout_set(&v->file->layout, field, step);
+    bool changed = count != v->isovalue_count || set != v->set;
+    for (int i = 0; i < count; i++) {
+        changed |= v->isovalues[i] != surfaces[i].isovalue;
+        v->isovalues[i] = surfaces[i].isovalue;
+    }
+    v->isovalue_count = count;
+    v->set = set;
+    if (!changed)
+        return;
+    loader_select_set(v->treelets, set);
+    const interest wanted = interest_of_isovalues(v->isovalues, count);
+    loader_select(v->treelets, &wanted);
+    loader_reset_statistics(v->treelets);
+}
+
+static status add_clip(tracer *tr, const double plane[4]) {
+    for (int i = 0; i < 4; i++)
+        if (!isfinite(plane[i]))
+            return status_describe(ST_USAGE, "a clip plane has a number that is not finite");
+    memcpy(tr->clip[tr->clip_count++], plane, sizeof tr->clip[0]);
+    return ST_OK;
+}
+
+static status clip_of(const leafcast_scene *scene, tracer *tr) {
+    status st = ST_OK;
+    for (int a = 0; scene->clip_box && a < 3 && st == ST_OK; a++) {
+        double below[4] = {0.0, 0.0, 0.0, -scene->clip_min[a]},
+               above[4] = {0.0, 0.0, 0.0, scene->clip_max[a]};
+        below[a] = 1.0;
+        above[a] = -1.0;
+        st = add_clip(tr, below);
+        if (st == ST_OK)
+            st = add_clip(tr, above);
+    }
+    for (int i = 0; i < scene->clip_plane_count && st == ST_OK; i++)
+        st = add_clip(tr, scene->clip_planes[i]);
+    return st;
+}
+
+status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
+    const status st = v->kind->check(v, scene);
+    if (st != ST_OK)
+        return st;
+    loader_select_gradients(v->treelets, scene->smooth_normals);
+    *tr = (tracer){.kind = v->kind,
+                   .treelets = v->treelets,
+                   .layout = &v->file->layout,
+                   .isos = {v->isovalue_count, v->isovalues},
+                   .space = v->space,
+                   .preview = scene->preview,
+                   .touched = v->touched};
+    v->kind->aim(v, scene, c, tr);
+    return clip_of(scene, tr);
+}
+
+status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
+    if (v->isovalue_count == 0)
+        return status_describe(ST_USAGE, "no isosurface is selected");
+    return volume_tracer_of_all(v, scene, c, tr);
+}

@@ -1,0 +1,26 @@
+/* mesh_box_template.h - many rays against a box of tets; included by the units of an ISA (see
+ * formats/base/simd.h). What it is widened by, and why: render/ray_box.h. */
+#ifndef RENDER_MESH_MESH_BOX_TEMPLATE_H
+#define RENDER_MESH_MESH_BOX_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/mesh/mesh_walk.h"
+#include "render/ray_box_template.h"
+
+/* Which of VD_N rays of directions d meet a box, whose corners are seen from where they start,
+ * within [from, to]: what mesh_interval_of() says, for directions without a 0. */
+SIMD unsigned mesh_box_meets(const vd d[3], const double lo[3], const double hi[3], vd from,
+                             vd to) {
+    vd t_in = d_set(-INFINITY), t_out = d_set(INFINITY);
+    for (int a = 0; a < 3; a++)
+        ray_slabs(d_set(lo[a]), d_set(hi[a]), d[a], &t_in, &t_out);
+    /* With a slack that is not finite, everything may be: the other operand is taken. */
+    const vd slack = d_set(MESH_GENEROSITY) * (d_abs(t_in) + d_abs(t_out));
+    return md_bits(d_le(d_max(t_in - slack, from), d_min(t_out + slack, to)));
+}
+
+#endif
+#endif

@@ -1,0 +1,31 @@
+/* ray_box.h - where a ray is inside a box, and which of the tests there are is to be taken.
+ *
+ * A ray passes the planes of an axis at (lo - o) / d and (hi - o) / d. Tests differ in what they
+ * owe to whom, and so in what they are widened by:
+ *
+ *   exact     the planes as the cell kernel divides, nothing added. The kernel's own crossings are
+ *             these very numbers, so that nothing it accepts lies outside.
+ *             ray_box_slab(): tracer_box() (the volume), rays_into() (a treelet of a grid); the
+ * same for vectors: ray_slabs(), in box_rays() the cell  cell_visit_of(), and visit() for a batch:
+ * they decide what a ray visits, ties and all. Nobody else may. floats    visits(), group_visits():
+ * near_slab() of cells as seen from the eye; 16 units of 2^-24 of t for reciprocals, products and
+ * t0, t1, which err by 4 at most tets      what a ray meets in a tet is computed otherwise than by
+ * planes, so t of a box and t of a hit in it differ by rounding: MESH_GENEROSITY, 2^-20 of t.
+ *             mesh_interval_in() for one ray (monotone: what lies in a box is not entered before
+ * it); mesh_box_meets(), for vectors: rays_through(), rays_meet(); packet_slab() for all rays of a
+ *             packet at once, by intervals, twice that
+ *   codes     meet_children(): planes of 8 bits, as a ray's own multiples of the code; beside
+ *             MESH_GENEROSITY the rounding of a plane (2^-22 of the treelet's place and size), and
+ *             2^-30 of the way across the treelet
+ */
+#ifndef RENDER_RAY_BOX_H
+#define RENDER_RAY_BOX_H
+
+/* ray_box_slab() - cut [t0, t1] to where o + t d lies in [lo, hi] of one axis; d is not 0. */
+static inline void ray_box_slab(double lo, double hi, double o, double d, double *t0, double *t1) {
+    const double near = ((d < 0.0 ? hi : lo) - o) / d, far = ((d < 0.0 ? lo : hi) - o) / d;
+    *t0 = near > *t0 ? near : *t0;
+    *t1 = far < *t1 ? far : *t1;
+}
+
+#endif

@@ -1,0 +1,38 @@
+/* surface_search.h - the next surface on a ray through all volumes of a frame, resumable.
+ *
+ * Volumes are searched one after the other; what has been found in those before bounds the search.
+ * Surfaces are ordered by (t, volume), then as their kind orders hits.
+ */
+#ifndef RENDER_SURFACE_SEARCH_H
+#define RENDER_SURFACE_SEARCH_H
+
+#include "render/frame.h"
+
+/* A ray in world space, for t0 <= t <= t1. */
+typedef struct world_ray {
+    double origin[3], direction[3], t0, t1;
+} world_ray;
+
+typedef struct surface_search {
+    hit behind;          /* the surface behind which the next one is looked for */
+    hit found;           /* the nearest of the volumes searched so far */
+    surface_point point; /* there */
+    uint16_t behind_volume, found_volume;
+    bool searching;    /* in the volume whose turn it is already */
+    bool any;          /* any surface will do, and its point does not matter */
+    bool provisional;  /* something on the way was drawn coarser than asked for */
+    trace_state state; /* in that volume */
+} surface_search;
+
+/* surface_search_first() - before all surfaces. surface_search_behind() - then: behind the one that
+ * was found. */
+surface_search surface_search_first(void);
+void surface_search_behind(surface_search *s);
+
+/* surface_search_next() - s->found is certain (true), hit_none() if there is none; or the treelet
+ * s->state.blocked of volume *volume is needed (false). *volume: 0 to begin with, and again at the
+ * end. coarse: a volume, what stands in for it where a preview's treelets are absent, or NULL. */
+bool surface_search_next(const frame *f, const world_ray *ray, const tracer *const coarse[],
+                         uint16_t *volume, surface_search *s, ray_counters *counters);
+
+#endif
