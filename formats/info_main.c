@@ -25,7 +25,6 @@ typedef struct arguments {
     double isos[ISOS_MAX];
     int iso_count;
     input_question question; /* of an input that is no treelet file */
-    unsigned given;          /* bit KEY_X - KEY_ISO: that option */
 } arguments;
 
 enum { KEY_ISO = 0x2000, KEY_QUICK, KEY_FIELD, KEY_DIMS, KEY_TYPE, KEY_BIG_ENDIAN, KEY_SKIP };
@@ -51,7 +50,6 @@ static status add_iso(arguments *a, const char *text) {
 static status set(void *own, int key, const char *text) {
     arguments *a = own;
     input_question *q = &a->question;
-    a->given |= 1u << (key - KEY_ISO);
     switch (key) {
     case KEY_ISO: return add_iso(a, text);
     case KEY_QUICK: q->header_only = true; return ST_OK;
@@ -88,7 +86,7 @@ typedef struct facts {
     uint64_t level_bytes[LEAF_LEVELS_MAX];
     uint64_t histogram[HISTOGRAM_MAX]; /* payloads by log2 of their stored size */
     leaf_activity (*activity)[LEAF_LEVELS_MAX];
-    char id[33];
+    char id[LEAF_ID_TEXT];
     leaf_mesh_parts parts; /* of a mesh */
     histogram values;      /* of the first set */
 } facts;
@@ -111,8 +109,7 @@ static void collect(facts *x, const leaf_file *f) {
     const leaf_header *h = &f->header;
     x->f = f;
     x->raw_bytes = raw_bytes(f);
-    snprintf(x->id, sizeof x->id, "%016llx%016llx", (unsigned long long)h->id[1],
-             (unsigned long long)h->id[0]);
+    leaf_id_text(h, x->id);
     for (uint32_t p = 0; p < f->layout.payloads; p++) {
         x->level_bytes[f->mesh ? 0 : f->layout.level_of[p]] += f->sizes[p];
         x->histogram[log2_of(f->sizes[p]) % HISTOGRAM_MAX]++;
@@ -205,24 +202,12 @@ static void print_mesh_tets(const leaf_header *h) {
                (unsigned long long)h->repeated, (unsigned long long)h->bad);
 }
 
-/* Range of a field's values at a step: of its treelets. */
-static void set_range(const leaf_file *f, uint32_t set, double range[2]) {
-    const uint32_t n = f->layout.treelets;
-    range[0] = (double)INFINITY;
-    range[1] = -(double)INFINITY;
-    for (uint32_t t = 0; t < n; t++) {
-        const float *own = f->own[(size_t)set * n + t];
-        range[0] = fmin(range[0], (double)own[0]);
-        range[1] = fmax(range[1], (double)own[1]);
-    }
-}
-
 static void field_range(const leaf_file *f, uint32_t field, double range[2]) {
     range[0] = (double)INFINITY;
     range[1] = -(double)INFINITY;
     for (uint32_t step = 0; step < f->mesh->steps; step++) {
         double own[2];
-        set_range(f, leaf_layout_set(&f->layout, field, step), own);
+        leaf_histogram_range(f, leaf_layout_set(&f->layout, field, step), own);
         range[0] = fmin(range[0], own[0]);
         range[1] = fmax(range[1], own[1]);
     }
@@ -423,7 +408,7 @@ static json_t *fields_json(const leaf_file *f) {
         json_t *ranges = json_array();
         for (uint32_t step = 0; step < f->mesh->steps; step++) {
             double range[2];
-            set_range(f, leaf_layout_set(&f->layout, i, step), range);
+            leaf_histogram_range(f, leaf_layout_set(&f->layout, i, step), range);
             json_array_append_new(
                 ranges, json_pack("[o, o]", cli_json_real(range[0]), cli_json_real(range[1])));
         }
@@ -471,15 +456,6 @@ static json_t *mesh_json(const facts *x) {
     return json;
 }
 
-static json_t *mesh_activity_json(const facts *x, double iso, const leaf_activity *level) {
-    const leaf_header *h = &x->f->header;
-    return json_pack("{s:o, s:I, s:I, s:I, s:f, s:f}", "iso", cli_json_real(iso), "active_tets",
-                     (json_int_t)level->cells, "active_treelets", (json_int_t)level->treelets,
-                     "active_bytes", (json_int_t)level->bytes, "active_share",
-                     (double)level->bytes / (double)h->payload_bytes, "active_share_of_file",
-                     (double)level->bytes / (double)h->file_bytes);
-}
-
 static json_t *levels_json(const facts *x) {
     const leaf_layout *l = &x->f->layout;
     json_t *levels = json_array();
@@ -504,18 +480,22 @@ static json_t *sizes_json(const facts *x) {
 
 static json_t *activity_json(const facts *x, double iso,
                              const leaf_activity levels[LEAF_LEVELS_MAX]) {
-    leaf_activity all = total_of(levels);
-    json_t *rows = json_array();
-    for (uint32_t i = 0; i < x->f->layout.levels; i++)
+    const leaf_header *h = &x->f->header;
+    const leaf_activity all = total_of(levels);
+    json_t *json = json_pack("{s:o, s:I, s:I, s:I, s:f, s:f}", "iso", cli_json_real(iso),
+                             x->f->mesh ? "active_tets" : "active_cells", (json_int_t)all.cells,
+                             "active_treelets", (json_int_t)all.treelets, "active_bytes",
+                             (json_int_t)all.bytes, "active_share",
+                             (double)all.bytes / (double)h->payload_bytes, "active_share_of_file",
+                             (double)all.bytes / (double)h->file_bytes);
+    json_t *rows = x->f->mesh ? NULL : json_array();
+    for (uint32_t i = 0; rows && i < x->f->layout.levels; i++)
         json_array_append_new(
             rows, json_pack("{s:I, s:I, s:I}", "treelets", (json_int_t)levels[i].treelets, "bytes",
                             (json_int_t)levels[i].bytes, "cells", (json_int_t)levels[i].cells));
-    return json_pack("{s:o, s:I, s:I, s:I, s:f, s:f, s:o}", "iso", cli_json_real(iso),
-                     "active_cells", (json_int_t)all.cells, "active_treelets",
-                     (json_int_t)all.treelets, "active_bytes", (json_int_t)all.bytes,
-                     "active_share", (double)all.bytes / (double)x->f->header.payload_bytes,
-                     "active_share_of_file", (double)all.bytes / (double)x->f->header.file_bytes,
-                     "levels", rows);
+    if (rows)
+        json_object_set_new(json, "levels", rows);
+    return json;
 }
 
 /* The command that comes next, and the same as it is printed: there a byte may take four. */
@@ -562,8 +542,7 @@ static status print_json(const arguments *a, const facts *x) {
     if (a->iso_count) {
         json_t *isos = json_array();
         for (int i = 0; i < a->iso_count; i++)
-            json_array_append_new(isos, is_mesh ? mesh_activity_json(x, a->isos[i], x->activity[i])
-                                                : activity_json(x, a->isos[i], x->activity[i]));
+            json_array_append_new(isos, activity_json(x, a->isos[i], x->activity[i]));
         json_object_set_new(json, "isovalues", isos);
     }
     return cli_print_json(&a->common, json);
@@ -625,22 +604,14 @@ static const char *const input_names[] = {[LEAF] = "treelet files",
                                           [RAW] = "raw samples",
                                           [MESH] = "meshes",
                                           [RAW | HEADED | MESH] = "inputs of convert"};
-static const struct {
-    int key, inputs;
-    const char *name;
-} uses[] = {{KEY_ISO, LEAF, "iso"},     {KEY_QUICK, RAW | HEADED | MESH, "quick"},
-            {KEY_FIELD, MESH, "field"}, {KEY_DIMS, RAW, "dims"},
-            {KEY_TYPE, RAW, "type"},    {KEY_BIG_ENDIAN, RAW, "big-endian"},
-            {KEY_SKIP, RAW, "skip"}};
+static const cli_use uses[] = {{KEY_ISO, LEAF},   {KEY_QUICK, RAW | HEADED | MESH},
+                               {KEY_FIELD, MESH}, {KEY_DIMS, RAW},
+                               {KEY_TYPE, RAW},   {KEY_BIG_ENDIAN, RAW},
+                               {KEY_SKIP, RAW}};
 
-/* Options that the input cannot use are refused: they would change nothing. */
-static status check_uses(const arguments *a, int input, const char *format) {
-    for (size_t i = 0; i < sizeof uses / sizeof *uses; i++)
-        if ((a->given >> (uses[i].key - KEY_ISO) & 1) && !(uses[i].inputs & input))
-            return status_describe(
-                ST_USAGE, "--%s is for %s, and %s is %s: it would change nothing", uses[i].name,
-                input_names[uses[i].inputs], a->common.input, format);
-    return ST_OK;
+/* Options that the input cannot use are refused. */
+static status check_uses(const arguments *a, unsigned input, const char *format) {
+    return cli_check_uses(&a->common, uses, sizeof uses / sizeof *uses, input, input_names, format);
 }
 
 static status report_input(arguments *a, const input_facts *x) {

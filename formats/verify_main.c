@@ -28,9 +28,8 @@ static const cli_verb verb = {
 
 static status report(const arguments *a, const leaf_file *f) {
     const leaf_header *h = &f->header;
-    char id[33], path[4096];
-    snprintf(id, sizeof id, "%016llx%016llx", (unsigned long long)h->id[1],
-             (unsigned long long)h->id[0]);
+    char id[LEAF_ID_TEXT], path[4096];
+    leaf_id_text(h, id);
     if (!a->common.json) {
         if (!cli_results(&a->common, true))
             return ST_OK;

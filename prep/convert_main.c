@@ -33,7 +33,6 @@ typedef struct arguments {
     bool coarse, sah;
     leaf_parameters file;
     bool gradients, dry_run, allow_empty;
-    uint64_t given; /* bit KEY_X - KEY_COMPRESS: that option */
 } arguments;
 
 enum {
@@ -118,48 +117,28 @@ static const struct argp_option options[] = {
 enum { RAW = 1, HEADED = 2, GRID = RAW | HEADED, MESH = 4 };
 static const char *const input_names[] = {
     [RAW] = "raw samples", [GRID] = "grids", [MESH] = "meshes"};
-static const struct {
-    int key, inputs;
-} uses[] = {{KEY_TREELET, GRID},
-            {KEY_HALO, GRID},
-            {KEY_DIMS, RAW},
-            {KEY_TYPE, RAW},
-            {KEY_BIG_ENDIAN, RAW},
-            {KEY_SKIP, RAW},
-            {KEY_SPACING, GRID},
-            {KEY_MISSING, GRID},
-            {KEY_ORIGIN, GRID},
-            {KEY_AXIS_X, GRID},
-            {KEY_AXIS_Y, GRID},
-            {KEY_AXIS_Z, GRID},
-            {KEY_FIELD, MESH},
-            {KEY_FIELDS, MESH},
-            {KEY_TIMES, MESH},
-            {KEY_COMPONENT, MESH},
-            {KEY_CELLS_TO_POINTS, MESH},
-            {KEY_COARSE, MESH},
-            {KEY_TREELET_TETS, MESH},
-            {KEY_LEAF_TETS, MESH},
-            {KEY_BUILD, MESH},
-            {KEY_GRADIENTS, MESH}};
-
-static const char *option_name(int key) {
-    int i = 0;
-    while (options[i].key != key)
-        i++;
-    return options[i].name;
-}
-
-/* Options that the input cannot use are refused: they would change nothing. */
-static status check_uses(const arguments *a, int input, const char *format) {
-    for (size_t i = 0; i < sizeof uses / sizeof *uses; i++)
-        if ((a->given >> (uses[i].key - KEY_COMPRESS) & 1) && !(uses[i].inputs & input))
-            return status_describe(
-                ST_USAGE, "--%s is for %s, and %s is %s: it would change nothing",
-                option_name(uses[i].key), input_names[uses[i].inputs],
-                strcmp(a->common.input, "-") ? a->common.input : "standard input", format);
-    return ST_OK;
-}
+static const cli_use uses[] = {{KEY_TREELET, GRID},
+                               {KEY_HALO, GRID},
+                               {KEY_DIMS, RAW},
+                               {KEY_TYPE, RAW},
+                               {KEY_BIG_ENDIAN, RAW},
+                               {KEY_SKIP, RAW},
+                               {KEY_SPACING, GRID},
+                               {KEY_MISSING, GRID},
+                               {KEY_ORIGIN, GRID},
+                               {KEY_AXIS_X, GRID},
+                               {KEY_AXIS_Y, GRID},
+                               {KEY_AXIS_Z, GRID},
+                               {KEY_FIELD, MESH},
+                               {KEY_FIELDS, MESH},
+                               {KEY_TIMES, MESH},
+                               {KEY_COMPONENT, MESH},
+                               {KEY_CELLS_TO_POINTS, MESH},
+                               {KEY_COARSE, MESH},
+                               {KEY_TREELET_TETS, MESH},
+                               {KEY_LEAF_TETS, MESH},
+                               {KEY_BUILD, MESH},
+                               {KEY_GRADIENTS, MESH}};
 
 static status set_spacing(arguments *a, const char *text) {
     status st = num_doubles(text, "--spacing", ", ", 3, a->hints.spacing);
@@ -257,7 +236,6 @@ static status set_mesh(arguments *a, int key, const char *text) {
 
 static status set(void *own, int key, const char *text) {
     arguments *a = own;
-    a->given |= (uint64_t)1 << (key - KEY_COMPRESS);
     switch (key) {
     case KEY_COMPRESS: return set_compress(a, text);
     case KEY_TREELET: return set_treelet(a, text);
@@ -346,7 +324,7 @@ typedef struct outcome {
 static void print_outcome(const outcome *o, const convert_plan *plan, const grid *g) {
     const leaf_header *h = &o->result.header;
     double raw = (double)(grid_samples(g) * sample_size(plan->layout.type));
-    char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX], error[NUM_TEXT_MAX];
+    char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX], error[NUM_TEXT_MAX], id[LEAF_ID_TEXT];
     printf("file        %.1f MiB, %.3f of raw\n", (double)h->file_bytes / 0x1p20,
            (double)h->file_bytes / raw);
     printf("grid        %u x %u x %u %s, %u levels, %llu treelets\n", h->dims[0], h->dims[1],
@@ -359,8 +337,7 @@ static void print_outcome(const outcome *o, const convert_plan *plan, const grid
         printf("rounding    %s to %s, off by at most %s\n",
                sample_name((sample_type)h->source_type), sample_name((sample_type)h->sample_type),
                num_print(h->rounding_error, error));
-    printf("id          %016llx%016llx\n", (unsigned long long)h->id[1],
-           (unsigned long long)h->id[0]);
+    printf("id          %s\n", leaf_id_text(h, id));
     printf("time        %.2f s, %.0f MB/s\n", o->seconds, raw / 1e6 / o->seconds);
     printf("memory      %.1f MiB at most, %u levels spilled\n", (double)o->peak_rss / 0x1p20,
            plan->spilled_levels);
@@ -370,17 +347,15 @@ static void add_outcome(json_t *json, const outcome *o) {
     const leaf_header *h = &o->result.header;
     double raw = (double)h->dims[0] * h->dims[1] * h->dims[2] *
                  (double)sample_size((sample_type)h->sample_type);
-    char id[33];
-    snprintf(id, sizeof id, "%016llx%016llx", (unsigned long long)h->id[1],
-             (unsigned long long)h->id[0]);
-    json_t *more =
-        json_pack("{s:I, s:I, s:f, s:o, s:o, s:I, s:o, s:I, s:s, s:f, s:f, s:I}", "file_bytes",
-                  (json_int_t)h->file_bytes, "payload_bytes", (json_int_t)h->payload_bytes, "ratio",
-                  (double)h->file_bytes / raw, "value_min", cli_json_real(h->value_min),
-                  "value_max", cli_json_real(h->value_max), "non_finite", (json_int_t)h->non_finite,
-                  "rounding_error", cli_json_real(h->rounding_error), "trailing_bytes",
-                  (json_int_t)o->result.trailing_bytes, "id", id, "seconds", o->seconds, "mb_per_s",
-                  raw / 1e6 / o->seconds, "peak_rss_bytes", (json_int_t)o->peak_rss);
+    char id[LEAF_ID_TEXT];
+    json_t *more = json_pack(
+        "{s:I, s:I, s:f, s:o, s:o, s:I, s:o, s:I, s:s, s:f, s:f, s:I}", "file_bytes",
+        (json_int_t)h->file_bytes, "payload_bytes", (json_int_t)h->payload_bytes, "ratio",
+        (double)h->file_bytes / raw, "value_min", cli_json_real(h->value_min), "value_max",
+        cli_json_real(h->value_max), "non_finite", (json_int_t)h->non_finite, "rounding_error",
+        cli_json_real(h->rounding_error), "trailing_bytes", (json_int_t)o->result.trailing_bytes,
+        "id", leaf_id_text(h, id), "seconds", o->seconds, "mb_per_s", raw / 1e6 / o->seconds,
+        "peak_rss_bytes", (json_int_t)o->peak_rss);
     json_object_update(json, more);
     json_decref(more);
 }
@@ -473,7 +448,7 @@ static void print_mesh_plan(const mesh_plan *plan) {
 
 static void print_mesh(const mesh_result *r, double seconds) {
     const leaf_header *h = &r->header;
-    char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX];
+    char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX], id[LEAF_ID_TEXT];
     printf("file        %.1f MiB, %.2f bytes a tet\n", (double)h->file_bytes / 0x1p20,
            (double)h->file_bytes / (double)h->tets);
     printf("mesh        %llu tets, %llu vertices, %llu treelets\n", whole(h->tets),
@@ -490,7 +465,7 @@ static void print_mesh(const mesh_result *r, double seconds) {
         printf(
             "left out    %llu tets with a vertex twice, %llu cells with an id that is no point\n",
             whole(h->repeated), whole(h->bad));
-    printf("id          %016llx%016llx\n", whole(h->id[1]), whole(h->id[0]));
+    printf("id          %s\n", leaf_id_text(h, id));
     printf("time        %.2f s (read %.2f, sort %.2f, build %.2f), %.2f million tets a second\n",
            seconds, r->read_s, r->sort_s, r->build_s, (double)h->tets / 1e6 / seconds);
     printf("memory      %.1f MiB at most, %.1f MiB spilled\n", (double)peak_rss() / 0x1p20,
@@ -509,16 +484,15 @@ static json_t *mesh_plan_json(const mesh_result *r) {
 
 static void add_mesh(json_t *json, const mesh_result *r, double seconds) {
     const leaf_header *h = &r->header;
-    char id[33];
-    snprintf(id, sizeof id, "%016llx%016llx", whole(h->id[1]), whole(h->id[0]));
-    json_t *more =
-        json_pack("{s:I, s:I, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:s}", "file_bytes",
-                  (json_int_t)h->file_bytes, "tets", (json_int_t)h->tets, "vertices",
-                  (json_int_t)h->vertices, "treelets", (json_int_t)h->treelets, "bytes_per_tet",
-                  (double)h->file_bytes / (double)h->tets, "flat", (json_int_t)h->flat, "inverted",
-                  (json_int_t)h->inverted, "repeated", (json_int_t)h->repeated, "bad",
-                  (json_int_t)h->bad, "non_finite", (json_int_t)h->non_finite, "value_min",
-                  cli_json_real(h->value_min), "value_max", cli_json_real(h->value_max), "id", id);
+    char id[LEAF_ID_TEXT];
+    json_t *more = json_pack(
+        "{s:I, s:I, s:I, s:I, s:f, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:s}", "file_bytes",
+        (json_int_t)h->file_bytes, "tets", (json_int_t)h->tets, "vertices", (json_int_t)h->vertices,
+        "treelets", (json_int_t)h->treelets, "bytes_per_tet",
+        (double)h->file_bytes / (double)h->tets, "flat", (json_int_t)h->flat, "inverted",
+        (json_int_t)h->inverted, "repeated", (json_int_t)h->repeated, "bad", (json_int_t)h->bad,
+        "non_finite", (json_int_t)h->non_finite, "value_min", cli_json_real(h->value_min),
+        "value_max", cli_json_real(h->value_max), "id", leaf_id_text(h, id));
     json_t *times = json_pack("{s:f, s:f, s:f, s:f, s:f, s:I}", "seconds", seconds, "read_s",
                               r->read_s, "sort_s", r->sort_s, "build_s", r->build_s, "tets_per_s",
                               (double)h->tets / seconds, "peak_rss_bytes", (json_int_t)peak_rss());
@@ -644,7 +618,8 @@ static status convert_meshes(arguments *a, mem *m, mesh *x, double start) {
 static status convert_opened(arguments *a, mem *m, const convert_input *in, double start) {
     const char *format = in->x ? mesh_format(in->x) : volume_format(in->v);
     const int input = in->x ? MESH : strcmp(format, VOLUME_RAW_SAMPLES) == 0 ? RAW : HEADED;
-    status st = check_uses(a, input, format);
+    status st =
+        cli_check_uses(&a->common, uses, sizeof uses / sizeof *uses, input, input_names, format);
     if (st == ST_OK && !in->x && a->common.input_count > 1)
         st = status_describe(ST_USAGE, "%s: only meshes have several steps yet", a->common.input);
     if (st != ST_OK)

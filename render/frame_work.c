@@ -26,8 +26,15 @@ static uint64_t priority_of(const frame *f, wish w) {
     return (uint64_t)w.leg << 32 | tr->kind->rank(tr, w.t, &rays);
 }
 
-static void ask_for(const frame *f, wish w) {
-    loader_want(f->tracer[w.volume].treelets, w.t, priority_of(f, w));
+/* At most WORK_BATCH. */
+static void ask_for(const frame *f, const wish wishes[], uint32_t count) {
+    loader_request requests[WORK_BATCH];
+    for (uint32_t i = 0, run = 0; i < count; i += run) {
+        loader *from = f->tracer[wishes[i].volume].treelets;
+        for (run = 0; i + run < count && wishes[i + run].volume == wishes[i].volume; run++)
+            requests[run] = (loader_request){wishes[i + run].t, priority_of(f, wishes[i + run])};
+        loader_want(from, requests, run);
+    }
 }
 
 /* ---- Buckets; with the lock held ---- */
@@ -270,16 +277,17 @@ void frame_work_suspend(frame_work *w, ray_reserve *own, const uint32_t rays[], 
             wishes[wished++] = wish_of(ray_records_at(w->records, rays[i]));
     changed(w);
     pthread_mutex_unlock(&w->lock);
-    for (uint32_t i = 0; i < wished; i++)
-        ask_for(w->f, wishes[i]);
+    ask_for(w->f, wishes, wished);
 }
 
 bool frame_work_wait(frame_work *w, uint32_t tile, const uint32_t absent[], int count) {
     work_tile *x = &w->tiles[tile];
     if (!loader_has_room(w->f->tracer->treelets))
         return false;
+    wish wishes[TILE_ABSENT_MAX] = {{0}};
     for (int i = 0; i < count; i++)
-        ask_for(w->f, (wish){0, absent[i], 0});
+        wishes[i] = (wish){0, absent[i], 0};
+    ask_for(w->f, wishes, (uint32_t)count);
     x->absent_count = count < WORK_ABSENT_MAX ? (uint32_t)count : WORK_ABSENT_MAX;
     for (uint32_t i = 0; i < x->absent_count; i++)
         x->absent[i] = absent[i];
@@ -417,8 +425,10 @@ void frame_work_begin(frame_work *w, double until) {
     changed(w);
     pthread_mutex_unlock(&w->lock);
     /* Nobody else is in a round yet. */
-    for (uint32_t i = 0; i < w->waiting_count; i++)
-        ask_for(f, wish_for(w, w->waiting[i]));
+    for (uint32_t i = 0; i < w->waiting_count; i++) {
+        const wish x = wish_for(w, w->waiting[i]);
+        ask_for(f, &x, 1);
+    }
 }
 
 void frame_work_end(frame_work *w) {

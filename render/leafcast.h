@@ -381,7 +381,7 @@ typedef struct leafcast_stats {
     uint64_t nodes, cells, roots;
     uint64_t covered_pixels; /* that show a surface */
     uint64_t provisional_pixels, ill_conditioned;
-    uint64_t passes; /* how often suspended rays were resumed */
+    uint64_t passes; /* 1, and 1 more whenever all rays waited for treelets to give way to others */
     /* Of packets through a mesh (W07 table 4): rays individually tested against boxes and against
      * isopolygons; packets against boxes by intervals, and against isoranges; isopolygons taken up.
      */

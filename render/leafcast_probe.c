@@ -130,7 +130,7 @@ static leafcast_segment segment_told(const tracer *tr, const segment *s) {
     return out;
 }
 
-enum { AHEAD = 64 };
+enum { AHEAD = 256 };
 
 static status follow(leafcast *v, const tracer *tr, const ray *r, leafcast_segment *segments,
                      int max, int *count) {

@@ -642,12 +642,16 @@ static void want_locked(loader *l, uint32_t t, uint64_t priority) {
     queue_push(h, (loader_request){t, priority});
 }
 
-void loader_want(loader *l, uint32_t t, uint64_t priority) {
+void loader_want(loader *l, const loader_request *requests, size_t count) {
     struct loader_private *h = l->hidden;
-    if (state_of(h, t) != ABSENT)
+    size_t i = 0;
+    while (i < count && state_of(h, requests[i].t) != ABSENT)
+        i++;
+    if (i == count)
         return;
     pthread_mutex_lock(&h->lock);
-    want_locked(l, t, priority);
+    for (; i < count; i++)
+        want_locked(l, requests[i].t, requests[i].priority);
     tell_readers(h);
     pthread_mutex_unlock(&h->lock);
 }

@@ -133,10 +133,6 @@ static inline bool loader_is_ready(const loader *l, uint32_t t) {
     return atomic_load_explicit(&l->resident[t], memory_order_acquire) != NULL;
 }
 
-/* loader_want() - bring it in when a place is free; smaller priority first. One load when it was
- * asked for before. Any thread. */
-void loader_want(loader *l, uint32_t t, uint64_t priority);
-
 /* loader_sweep() - want every treelet of interest, coarse levels first, behind everything
  * that rays want. */
 void loader_sweep(loader *l);
@@ -145,6 +141,10 @@ typedef struct loader_request {
     uint32_t t;
     uint64_t priority;
 } loader_request;
+
+/* loader_want() - bring them in when places are free; smaller priority first. A load for each, and
+ * no lock, when all were asked for before. Any thread. */
+void loader_want(loader *l, const loader_request *requests, size_t count);
 
 /* loader_admit() - rays wait for these treelets alone, none of which is resident: forget what else
  * rays had queued, make room among the resident ones if need be, and wait until at least one of

@@ -181,29 +181,31 @@ static void test_failing_reads(void **state) {
 typedef struct stage {
     leafcast *v;
     leafcast_scene scene;
-    leafcast_surface surface;
     tracer tr;
-    leafcast_surface surfaces[1][LEAFCAST_SURFACES_MAX];
-    projection projection;
+    const tracer *coarse; /* none */
+    int32_t first_id;
     surface_look look;
+    projection projection;
     frame f;
 } stage;
 
 static void stage_select(stage *s, double iso) {
-    choose(s->v, iso);
+    const leafcast_surface surface = leafcast_surface_default(iso);
+    volume_show(s->v, 0, 0, &surface, 1);
     loader_forget_failures(s->v->treelets);
 }
 
 /* Records as few, or twice as many, as can be. */
 static void stage_open(stage *s, const subject *of, int threads, uint32_t places, shot *into) {
     *s = (stage){.v = open_volume(of, threads, 0), .scene = lit_scene()};
+    choose(s->v, of->iso);
     stage_select(s, of->iso);
     const leafcast_camera view = leafcast_standard_view(s->v, 1.1, SIDE, SIDE);
-    static const int32_t first_id[1] = {0};
-    static const tracer *const coarse[1] = {NULL};
-    s->surfaces[0][0] = leafcast_surface_default(of->iso);
-    s->look = (surface_look){
-        &s->scene, (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])s->surfaces, first_id, coarse};
+    s->look =
+        (surface_look){.scene = &s->scene,
+                       .surfaces = (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])s->v->surfaces,
+                       .first_id = &s->first_id,
+                       .coarse = &s->coarse};
     s->f = (frame){.m = s->v->m,
                    .threads = s->v->device->threads,
                    .tracer = &s->tr,

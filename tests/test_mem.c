@@ -52,6 +52,29 @@ static void test_budget(void **state) {
     assert_int_equal(mem_used(&m), 0);
 }
 
+static void test_grow(void **state) {
+    (void)state;
+    mem m;
+    mem_init(&m, 0);
+    uint32_t *list = NULL;
+    size_t room = 0;
+    for (uint32_t i = 0; i < 100; i++) {
+        assert_int_equal(mem_grow(&m, &list, sizeof *list, i, 3, &room), ST_OK);
+        assert_true(room > i);
+        list[i] = 7 * i;
+    }
+    assert_int_equal(room, 192);
+    for (uint32_t i = 0; i < 100; i++)
+        assert_int_equal(list[i], 7 * i);
+    const uint32_t *kept = list;
+    m.limit = mem_used(&m);
+    assert_int_equal(mem_grow(&m, &list, sizeof *list, 192, 3, &room), ST_NOMEM);
+    assert_ptr_equal(list, kept);
+    assert_int_equal(room, 192);
+    mem_free(&m, list);
+    assert_int_equal(mem_used(&m), 0);
+}
+
 static void test_overflow(void **state) {
     (void)state;
     mem m;
@@ -106,9 +129,9 @@ static void test_status(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_counts),   cmocka_unit_test(test_budget),
-        cmocka_unit_test(test_overflow), cmocka_unit_test(test_fault),
-        cmocka_unit_test(test_status),
+        cmocka_unit_test(test_counts), cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_grow),   cmocka_unit_test(test_overflow),
+        cmocka_unit_test(test_fault),  cmocka_unit_test(test_status),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -103,9 +103,26 @@ static void test_file_name(void **state) {
     }
 }
 
+static void test_ends_in(void **state) {
+    (void)state;
+    assert_true(text_ends_in("a/b.VTU", ".vtu"));
+    assert_true(text_ends_in(".vtu", ".vtu"));
+    assert_false(text_ends_in("vtu", ".vtu"));
+    assert_false(text_ends_in("a.vtu.gz", ".vtu"));
+}
+
+static void test_add(void **state) {
+    (void)state;
+    char text[12] = "one";
+    text_add(text, sizeof text, ", %s", "two");
+    text_add(text, sizeof text, " %d", 3);
+    assert_string_equal(text, "one, two 3");
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_name), cmocka_unit_test(test_cut),
-                                       cmocka_unit_test(test_printable),
-                                       cmocka_unit_test(test_file_name)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_name),      cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_printable), cmocka_unit_test(test_file_name),
+        cmocka_unit_test(test_ends_in),   cmocka_unit_test(test_add)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

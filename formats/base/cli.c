@@ -172,6 +172,29 @@ static const struct argp common_argp = {.options = common_options, .parser = par
 
 static const cli_verb *parsed_verb;
 
+/* Of the verb's table: the row of an option. */
+static int row_of(int key) {
+    int row = 0;
+    while (parsed_verb->options[row].key != key)
+        row++;
+    return row;
+}
+
+bool cli_given(const cli_common *common, int key) {
+    return common->given >> row_of(key) & 1;
+}
+
+status cli_check_uses(const cli_common *common, const cli_use *uses, size_t count, unsigned input,
+                      const char *const *names, const char *format) {
+    for (size_t i = 0; i < count; i++)
+        if (cli_given(common, uses[i].key) && !(uses[i].inputs & input))
+            return status_describe(
+                ST_USAGE, "--%s is for %s, and %s is %s: it would change nothing",
+                parsed_verb->options[row_of(uses[i].key)].name, names[uses[i].inputs],
+                strcmp(common->input, "-") ? common->input : "standard input", format);
+    return ST_OK;
+}
+
 static error_t parse_verb(int key, char *arg, struct argp_state *state) {
     const cli_verb *verb = parsed_verb;
     cli_common *c = state->input;
@@ -195,6 +218,7 @@ static error_t parse_verb(int key, char *arg, struct argp_state *state) {
         if (st == ST_AGAIN)
             return ARGP_ERR_UNKNOWN;
         usage_unless(state, st);
+        c->given |= (uint64_t)1 << row_of(key);
         return 0;
     }
 }
@@ -205,13 +229,13 @@ static error_t parse_verb(int key, char *arg, struct argp_state *state) {
  * the program ends: with a suggestion, and as JSON where that was asked for. */
 static struct {
     FILE *stream, *real; /* stream: NULL when it is over */
-    char *text;
-    size_t size;
-    bool json;
+    char text[8192];
+    bool json, cut; /* cut: there was more, or no memory */
 } said;
 
 static void stop_listening(void) {
-    fclose(said.stream);
+    said.cut = ferror(said.stream) != 0;
+    said.cut |= fclose(said.stream) != 0;
     stderr = said.real;
     said.stream = NULL;
 }
@@ -229,15 +253,17 @@ static void at_exit(void) {
     if (!said.stream)
         return;
     stop_listening();
-    if (said.size == 0)
+    if (!said.text[0] && !said.cut)
         return;
-    snprintf(message, sizeof message, "%s", said.text);
+    snprintf(message, sizeof message, "%.*s", (int)sizeof message - 1, said.text);
     const bool slip = strstr(message, "unrecognized option '--") != NULL;
     if (slip && cli_options_nearest(parsed, strstr(message, "'--") + 3, near, sizeof near))
         fprintf(stderr, "%.*s; did you mean '--%s'?%s", (int)strcspn(said.text, "\n"), said.text,
                 near, said.text + strcspn(said.text, "\n"));
     else
         fputs(said.text, stderr);
+    if (said.cut)
+        fprintf(stderr, "...\n%s: that message is longer, and was cut\n", command);
     cut_message(message);
     const int code = status_exit_code(ST_USAGE);
     if (said.json && cli_json_write(stdout, cli_json_error(ST_USAGE, code, message), false))
@@ -249,7 +275,7 @@ static void listen_in(int argc, char **argv) {
     for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++)
         said.json |= strlen(argv[i]) > 2 && strncmp("--json", argv[i], strlen(argv[i])) == 0;
     said.real = stderr;
-    said.stream = open_memstream(&said.text, &said.size);
+    said.stream = fmemopen(said.text, sizeof said.text - 1, "w");
     if (said.stream && atexit(at_exit) == 0)
         stderr = said.stream;
 }

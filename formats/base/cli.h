@@ -29,6 +29,7 @@ typedef struct cli_common {
     bool json;          /* --json */
     bool json_lines;    /* --json gives a line each time: set by the verb, before it prints any */
     bool force;         /* --force: overwrite outputs */
+    uint64_t given;     /* of the verb's own options: cli_given() */
 } cli_common;
 
 typedef struct cli_verb {
@@ -50,6 +51,20 @@ typedef struct cli_verb {
  * second signal kills. Ignores SIGPIPE and SIGXFSZ, so that they come back as errors of the write.
  */
 void cli_parse(const cli_verb *verb, cli_common *common, int argc, char **argv);
+
+/* cli_given() - whether an option of the verb's own was given. */
+bool cli_given(const cli_common *common, int key);
+
+/* An option that only some inputs can use: bits of the verb's own. */
+typedef struct cli_use {
+    int key;
+    unsigned inputs;
+} cli_use;
+
+/* cli_check_uses() - ST_USAGE for an option that was given, and which this input, of a format so
+ * called, cannot use: it would change nothing. names: what the inputs of a cli_use are called. */
+CHECKED status cli_check_uses(const cli_common *common, const cli_use *uses, size_t count,
+                              unsigned input, const char *const *names, const char *format);
 
 /* cli_progress() - bar on a terminal, otherwise a line every few seconds, nothing with -q. Valid
  * for the process's life. */

@@ -388,10 +388,6 @@ const char *out_file_temporary(const out_file *f) {
     return f->temporary;
 }
 
-const char *out_file_path(const out_file *f) {
-    return f->path;
-}
-
 /* For file systems with neither RENAME_NOREPLACE nor hard links: take the name first, by an empty
  * file, then replace that. */
 static int claim_and_rename(const out_file *f) {

@@ -1,7 +1,9 @@
 #include "formats/base/text.h"
 
 #include <assert.h>
+#include <stdarg.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -73,6 +75,16 @@ void text_file_name(char *to, size_t room, const char *path) {
     memcpy(front, name, length);
     front[length] = 0;
     text_name(to, room, front);
+}
+
+void text_add(char *to, size_t room, const char *fmt, ...) {
+    const size_t length = strlen(to);
+    va_list args;
+    va_start(args, fmt);
+    const int more = vsnprintf(to + length, room - length, fmt, args);
+    va_end(args);
+    assert(more >= 0 && (size_t)more < room - length);
+    (void)more;
 }
 
 bool text_ends_in(const char *path, const char *suffix) {

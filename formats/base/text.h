@@ -30,6 +30,10 @@ bool text_ends_in(const char *path, const char *suffix);
 /* text_same_name() - whether two texts are the same name, cut to less than room bytes. */
 bool text_same_name(const char *a, const char *b, size_t room);
 
+/* text_add() - append to a text, as printf() has it; room: of all of it, which must be enough. Not
+ * for texts from outside. */
+void text_add(char *to, size_t room, const char *fmt, ...) __attribute__((format(printf, 3, 4)));
+
 /* text_printable() - for people, in one line: control characters and bytes that are no UTF-8 become
  * \n, \t or \xNN; all else stays. Cut to less than room bytes between two characters. Returns to,
  * which must not be `from`. A signal's handler may call it. */

@@ -23,6 +23,7 @@
 #define FORMATS_LEAF_LEAF_H
 
 #include <stdint.h>
+#include <stdio.h>
 
 enum {
     LEAF_VERSION = 1,
@@ -122,6 +123,14 @@ typedef struct leaf_part {     /* offset size */
 _Static_assert(sizeof(leaf_part) == 32, "leaf_part is 32 bytes");
 _Static_assert(sizeof(leaf_header) == LEAF_HEADER_BYTES, "leaf_header is a page");
 _Static_assert(sizeof(leaf_section) == 32, "leaf_section is 32 bytes");
+
+/* leaf_id_text() - the id for people. Returns text. */
+enum { LEAF_ID_TEXT = 33 };
+static inline const char *leaf_id_text(const leaf_header *h, char text[LEAF_ID_TEXT]) {
+    snprintf(text, LEAF_ID_TEXT, "%016llx%016llx", (unsigned long long)h->id[1],
+             (unsigned long long)h->id[0]);
+    return text;
+}
 
 /* leaf_aligned() - the first multiple of LEAF_ALIGN at or behind a byte of a payload. */
 static inline uint32_t leaf_aligned(uint32_t at) {

@@ -1,7 +1,6 @@
 /* leafcast generate - analytic test volumes as NRRD, or as meshes of tets. */
 #include <jansson.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -9,6 +8,7 @@
 #include "formats/base/cli_value.h"
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
+#include "formats/base/text.h"
 #include "prep/generate/generate.h"
 #include "prep/generate/tet_generate.h"
 
@@ -138,22 +138,16 @@ static status check(void *own) {
     return ST_OK;
 }
 
-/* The help's text, from the table of fields; to be freed. */
-static char *describe(void) {
-    char *text = NULL;
-    size_t size = 0;
+/* The help's text, with the table of fields. */
+static const char *describe(void) {
+    static char text[4096] =
+        "Write an analytic test volume as NRRD, or with --tets as a mesh (-o -: to standard "
+        "output). It is streamed, never held whole; the same arguments give the same bytes on "
+        "any machine.\vExample:\n  leafcast generate gyroid --dims 256 -o gyroid.nrrd\n\n"
+        "Fields (their values; u8 and u16 map the given range to all of theirs):\n";
     const field_info *info;
-    FILE *out = open_memstream(&text, &size);
-    if (!out)
-        return NULL;
-    fputs("Write an analytic test volume as NRRD, or with --tets as a mesh (-o -: to standard "
-          "output). It is streamed, never held whole; the same arguments give the same bytes on "
-          "any machine.\vExample:\n  leafcast generate gyroid --dims 256 -o gyroid.nrrd\n\n"
-          "Fields (their values; u8 and u16 map the given range to all of theirs):\n",
-          out);
     for (size_t i = 0; (info = field_at(i)) != NULL; i++)
-        fprintf(out, "  %-15s %s\n", info->name, info->about);
-    fclose(out);
+        text_add(text, sizeof text, "  %-15s %s\n", info->name, info->about);
     return text;
 }
 
@@ -224,10 +218,7 @@ static status run(arguments *a) {
 int main(int argc, char **argv) {
     arguments a = {
         .common = {.verb = "generate"}, .type = SAMPLE_U8, .seed = 1, .spacing = {1, 1, 1}};
-    char *doc = describe();
-    verb.doc = doc;
+    verb.doc = describe();
     cli_parse(&verb, &a.common, argc, argv);
-    const int code = cli_finish(&a.common, run(&a));
-    free(doc);
-    return code;
+    return cli_finish(&a.common, run(&a));
 }

@@ -14,13 +14,13 @@
 #include "formats/base/num.h"
 #include "formats/base/printed_file.h"
 #include "formats/base/sibling.h"
+#include "formats/base/text.h"
 #include "render/bench/bench_suite.h"
 
 typedef struct bench_options {
     cli_common common;
     const char *suite, *plot, *folder, *scratch, *data, *against, *baselines;
-    int form;       /* 0: as the suite says */
-    unsigned given; /* which of the options below: a bit each */
+    int form; /* 0: as the suite says */
     bench_job job;
 } bench_options;
 
@@ -48,14 +48,8 @@ static status set_form(bench_options *o, const char *text) {
     return o->form ? ST_OK : status_describe(ST_USAGE, "--form: %s: brief or full", text);
 }
 
-static unsigned bit_of(int key) {
-    return 1u << (key - RUNS);
-}
-
 static status set_option(void *own, int key, const char *text) {
     bench_options *o = own;
-    if (key >= RUNS && key <= BASELINES)
-        o->given |= bit_of(key);
     switch (key) {
     case RUNS: return cli_int(text, "--runs", 1, 1000, &o->job.runs);
     case COUNT: return cli_int(text, "--ray-cells", 1, 1 << 24, &o->job.count);
@@ -284,7 +278,7 @@ static status check_needs(const bench_options *o, const bench_suite *suite) {
                  {DATA, has_store, "--data: there is a file already"},
                  {SCRATCH, has_store, "--scratch: there is a file already"}};
     for (size_t i = 0; i < sizeof needs / sizeof *needs; i++)
-        if ((o->given & bit_of(needs[i].key)) && !needs[i].met(o, suite))
+        if (cli_given(&o->common, needs[i].key) && !needs[i].met(o, suite))
             return status_describe(ST_USAGE, "%s", needs[i].why);
     return ST_OK;
 }
@@ -342,36 +336,32 @@ static status run(bench_options *o) {
     return st;
 }
 
-/* --help's text, from the table of suites. */
-static char *describe(void) {
-    char *text = NULL;
-    size_t size = 0;
+/* --help's text, with the table of suites. */
+static const char *describe(void) {
+    static char text[32768] =
+        "Measure: the papers' tables and ours, each number with its error.\v"
+        "Example:\n  leafcast bench frames bonsai.leaf --iso 37\n\nSuites (--help-all): ";
     const bench_suite *suite;
-    FILE *out = open_memstream(&text, &size);
-    if (!out)
-        return NULL;
-    fputs("Measure: the papers' tables and ours, each number with its error.\v"
-          "Example:\n  leafcast bench frames bonsai.leaf --iso 37\n\nSuites (--help-all): ",
-          out);
     for (int i = 0; (suite = bench_suite_at(i)); i++)
-        fprintf(out, "%s, ", suite->name);
-    fputs("peers and all.\vSuites:\n", out);
+        text_add(text, sizeof text, "%s, ", suite->name);
+    text_add(text, sizeof text, "peers and all.\vSuites:\n");
     for (int i = 0; (suite = bench_suite_at(i)); i++) {
-        fprintf(out, "  %s%s%s\n      ", suite->name, *suite->takes ? " " : "", suite->takes);
+        text_add(text, sizeof text, "  %s%s%s\n      ", suite->name, *suite->takes ? " " : "",
+                 suite->takes);
         for (const char *at = suite->about; *at; at++)
-            fputs(*at == '\n' ? "\n      " : (const char[]){*at, 0}, out);
-        fputc('\n', out);
+            text_add(text, sizeof text, "%c%s", *at, *at == '\n' ? "      " : "");
+        text_add(text, sizeof text, "\n");
     }
-    fputs("  peers F.leaf --iso V\n      Embree and VTK on the same picture; bench peers --help\n"
-          "  all\n      all of them, in brief\n"
-          "The table goes to standard output, with -o FILE.csv also there as CSV. Suites that are "
-          "given no file measure the papers' volumes, from the data folder where they are there, "
-          "and generated ones.\n\n"
-          "M08: Gerd Marmitt, Interactive Volume Ray Tracing, 2008. W07: Ingo Wald, Heiko "
-          "Friedrich, Aaron Knoll, Charles Hansen, Interactive Isosurface Ray Tracing of "
-          "Time-Varying Tetrahedral Volumes, 2007.",
-          out);
-    fclose(out);
+    text_add(
+        text, sizeof text, "%s",
+        "  peers F.leaf --iso V\n      Embree and VTK on the same picture; bench peers --help\n"
+        "  all\n      all of them, in brief\n"
+        "The table goes to standard output, with -o FILE.csv also there as CSV. Suites that are "
+        "given no file measure the papers' volumes, from the data folder where they are there, "
+        "and generated ones.\n\n"
+        "M08: Gerd Marmitt, Interactive Volume Ray Tracing, 2008. W07: Ingo Wald, Heiko "
+        "Friedrich, Aaron Knoll, Charles Hansen, Interactive Isosurface Ray Tracing of "
+        "Time-Varying Tetrahedral Volumes, 2007.");
     return text;
 }
 
@@ -391,20 +381,17 @@ int main(int argc, char **argv) {
                               .job = {.count = 500000, .largest = 1024}};
     struct argp_option options[VIEW_OPTIONS_ROOM];
     view_options_join(options, OPTIONS, "iso size");
-    char *doc = describe();
     const cli_verb verb = {.options = options,
                            .set = set_option,
                            .check = take_arguments,
                            .inputs_max = 2,
                            .args_doc = "[SUITE [F.leaf]]",
-                           .doc = doc};
+                           .doc = describe()};
     view_options_init(&o.job.view);
     o.job.view.fit = false;      /* what is measured stays what it was */
     o.job.view.camera.width = 0; /* not given */
     mem_init(&o.job.m, 0);
     cli_parse(&verb, &o.common, argc, argv);
     o.job.progress = cli_progress(&o.common);
-    const int code = cli_finish(&o.common, run(&o));
-    free(doc);
-    return code;
+    return cli_finish(&o.common, run(&o));
 }
