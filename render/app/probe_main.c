@@ -457,8 +457,7 @@ int main(int argc, char **argv) {
         .args_doc = "F.leaf",
         .doc = "Tell what a pixel's ray or a point sees: hits, cells, values, gradients, the error "
                "bound; with --segments the value all along the ray.\v"
-               "Examples:\n  leafcast probe bonsai.leaf --iso 37 --at 512,400\n"
-               "  leafcast probe bonsai.leaf --iso 37 --at 512,400 --svg profile.svg\v"
+               "Example:\n  leafcast probe bonsai.leaf --iso 37 --at 512,400\v"
                "The flags are those of render, so that a picture's pixel is found again. "
                "With --json the answer is a JSON object."};
     view_options_init(&o.view);
