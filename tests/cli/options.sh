@@ -121,6 +121,8 @@ render|--eye|picture|@grid|--eye 90,80,70
 render|--look-at|picture|@grid|--look-at 5,5,5
 render|--up|picture|@grid|--up 0,1,0
 render|--fov|picture|@grid|--fov 30
+render|--ortho|picture|@grid|--ortho 60
+render|--and|picture|@grid|--and @mesh
 render|--size|says|@grid --json|--size 8x9
 render|--samples|picture|@grid|--samples 4
 render|--shading|picture|@grid|--shading flat
@@ -190,6 +192,7 @@ bench|--eye|counts|walk @grid --size 16x16 --runs 1|--eye 90,80,70
 bench|--look-at|counts|walk @grid --size 16x16 --runs 1|--look-at 5,5,5
 bench|--up|counts|walk @grid --size 16x16 --runs 1|--up 0,1,0
 bench|--fov|counts|walk @grid --size 16x16 --runs 1|--fov 20
+bench|--ortho|counts|walk @grid --size 16x16 --runs 1|--ortho 30
 bench|--size|counts|frames @grid --size 8x8 --runs 1|--size 9x9
 bench|--samples|refused --samples: bench walk|walk @grid --size 16x16 --runs 1|--samples 4
 bench|--shading|refused --shading: bench walk|walk @grid --size 16x16 --runs 1|--shading flat
@@ -233,6 +236,7 @@ bench peers|--size|shown peers|
 bench peers|--view|refused either --view or --eye|@grid --size 8x8 --runs 1 --eye 90,80,70|--view close
 bench peers|--up|refused number|@grid --size 8x8 --runs 1|--up x
 bench peers|--fov|refused --fov|@grid --size 8x8 --runs 1|--fov 0
+bench peers|--ortho|refused --ortho|@grid --size 8x8 --runs 1|--ortho 40
 bench peers|--ambient|refused --ambient|@grid --size 8x8 --runs 1|--ambient 2
 bench peers|--samples|refused one ray a pixel|@grid --size 8x8 --runs 1|--samples 4
 bench peers|--layers|refused --layers: bench peers would not change|@grid --size 8x8 --runs 1|--layers 1
@@ -276,6 +280,7 @@ probe|--eye|says|@grid --size 16x16 --at 8,8|--eye 90,80,70
 probe|--look-at|says|@grid --size 16x16 --at 8,8|--look-at 19,17,20
 probe|--up|says|@grid --size 16x16 --at 8,8|--up 0,1,0.2
 probe|--fov|says|@grid --size 16x16 --at 8,8|--fov 20
+probe|--ortho|says|@grid --size 16x16 --at 8,8|--ortho 60
 probe|--size|says|@grid --size 16x16 --at 8,8|--size 17x17
 probe|--clip-plane|says|@grid --size 16x16 --at 8,8|--clip-plane 1,0,0,-25
 probe|--clip-box|says|@grid --size 16x16 --at 8,8|--clip-box 0,0,0,20,36,44
