@@ -13,7 +13,7 @@
 #include "tests/support/lab_leaf.h"
 #include "tests/support/pictures.h"
 
-enum { CUBES = 8, ISOS = 4, MODES = 3, CASES = 3 };
+enum { CUBES = 8, ISOS = 4, MODES = 3 };
 
 static lab_mesh lab;
 static const char *path;
@@ -32,26 +32,23 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* Twice: polygons are made, and then are there. step < 0: the greatest isovalue first. */
-static void draw_all(leafcast *v, int isos, double first, double step, picture out[2],
-                     leafcast_stats *stats) {
+/* One isovalue, several, and the same ones in the other order, which is the same selection. */
+enum { ONE, UP, DOWN, CASES };
+
+/* Twice: polygons are made, and then are there. */
+static void draw_all(leafcast *v, int which, picture out[2], leafcast_stats *stats) {
+    const int isos = which == ONE ? 1 : ISOS;
     leafcast_surface s[ISOS];
     leafcast_scene scene = leafcast_scene_default();
     scene.shadows = true;
     scene.light_count = 1;
     scene.lights[0] = (leafcast_light){.vector = {0.3, -0.5, 0.9}, .rgb = {1.0f, 1.0f, 1.0f}};
     for (int k = 0; k < isos; k++)
-        s[k] = leafcast_surface_default(lab.iso + first + step * k);
+        s[k] = leafcast_surface_default(lab.iso + 0.05 * (which == DOWN ? isos - 1 - k : k));
     assert_int_equal(leafcast_select(v, s, isos), LEAFCAST_OK);
     const leafcast_camera c = leafcast_standard_view(v, 1.3, PICTURE_WIDTH, PICTURE_HEIGHT);
     for (int again = 0; again < 2; again++)
         pictures_draw(v, &scene, &c, &out[again], stats);
-}
-
-/* One isovalue, several, and the same ones in the other order, which is the same selection. */
-static void draw_case(leafcast *v, int which, picture out[2], leafcast_stats *stats) {
-    draw_all(v, which ? ISOS : 1, which == 2 ? 0.05 * (ISOS - 1) : 0.0, which == 2 ? -0.05 : 0.05,
-             out, stats);
 }
 
 static void compare(leafcast_options o, const picture want[CASES][2]) {
@@ -60,7 +57,7 @@ static void compare(leafcast_options o, const picture want[CASES][2]) {
     leafcast *v = fixture_open(path, &o);
     for (int round = 0; round < 4; round++) {
         const int which = round % CASES;
-        draw_case(v, which, got, &stats);
+        draw_all(v, which, got, &stats);
         for (int again = 0; again < 2; again++)
             assert_memory_equal(&got[again], &want[which][again], sizeof got[0]);
     }
@@ -74,10 +71,10 @@ static void test_same_bits(void **state) {
     const leafcast_options plain = {
         .size = sizeof(leafcast_options), .isa = "scalar", .threads = 1};
     leafcast *v = fixture_open(path, &plain);
-    draw_case(v, 0, want[0], &stats);
+    draw_all(v, ONE, want[ONE], &stats);
     assert_true(stats.roots > 500);
-    draw_case(v, 1, want[1], &stats);
-    draw_case(v, 2, want[2], &stats);
+    draw_all(v, UP, want[UP], &stats);
+    draw_all(v, DOWN, want[DOWN], &stats);
     leafcast_close(v);
     for (int mode = 0; mode < MODES; mode++) {
         const leafcast_isopolygons how = (leafcast_isopolygons)mode;
@@ -112,14 +109,14 @@ static void test_budget(void **state) {
                               .threads = 1,
                               .isopolygons = (leafcast_isopolygons)mode};
         leafcast *v = fixture_open(path, &o);
-        draw_case(v, 0, mode ? got : want, &stats);
+        draw_all(v, ONE, mode ? got : want, &stats);
         held[mode] = stats.bytes_resident;
         leafcast_close(v);
         if (mode)
             assert_memory_equal(&got[1], &want[1], sizeof got[1]);
         o.memory = 16 << 20;
         v = fixture_open(path, &o);
-        draw_case(v, 0, got, &stats);
+        draw_all(v, ONE, got, &stats);
         assert_true(stats.bytes_peak <= o.memory);
         assert_memory_equal(&got[1], &want[1], sizeof got[1]);
         leafcast_close(v);
