@@ -192,7 +192,7 @@ bench|--eye|counts|walk @grid --size 16x16 --runs 1|--eye 90,80,70
 bench|--look-at|counts|walk @grid --size 16x16 --runs 1|--look-at 5,5,5
 bench|--up|counts|walk @grid --size 16x16 --runs 1|--up 0,1,0
 bench|--fov|counts|walk @grid --size 16x16 --runs 1|--fov 20
-bench|--ortho|counts|walk @grid --size 16x16 --runs 1|--ortho 30
+bench|--ortho|refused --ortho: bench walk|walk @grid --size 16x16 --runs 1|--ortho 30
 bench|--size|counts|frames @grid --size 8x8 --runs 1|--size 9x9
 bench|--samples|refused --samples: bench walk|walk @grid --size 16x16 --runs 1|--samples 4
 bench|--shading|refused --shading: bench walk|walk @grid --size 16x16 --runs 1|--shading flat
