@@ -16,6 +16,7 @@
 #include "formats/base/clock.h"
 #include "formats/base/fault.h"
 #include "render/kind.h"
+#include "render/leafcast_device.h"
 #include "render/leafcast_volume.h"
 #include "render/ray_records.h"
 #include "render/surface_integrator.h"
@@ -183,6 +184,8 @@ typedef struct stage {
     leafcast_scene scene;
     leafcast_surface surface;
     tracer tr;
+    leafcast_surface surfaces[1][LEAFCAST_SURFACES_MAX];
+    projection projection;
     surface_look look;
     frame f;
 } stage;
@@ -197,9 +200,13 @@ static void stage_open(stage *s, const subject *of, int threads, uint32_t places
     *s = (stage){.v = open_volume(of, threads, 0), .scene = lit_scene()};
     stage_select(s, of->iso);
     const leafcast_camera view = leafcast_standard_view(s->v, 1.1, SIDE, SIDE);
-    s->look = (surface_look){.scene = &s->scene, .volume = {{.surfaces = s->v->surfaces}}};
-    s->f = (frame){.m = &s->v->budget,
-                   .threads = s->v->threads,
+    static const int32_t first_id[1] = {0};
+    static const tracer *const coarse[1] = {NULL};
+    s->surfaces[0][0] = leafcast_surface_default(of->iso);
+    s->look = (surface_look){
+        &s->scene, (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])s->surfaces, first_id, coarse};
+    s->f = (frame){.m = s->v->m,
+                   .threads = s->v->device->threads,
                    .tracer = &s->tr,
                    .volumes = 1,
                    .integrator = &surface_integrator,
@@ -212,18 +219,18 @@ static void stage_open(stage *s, const subject *of, int threads, uint32_t places
     assert_int_equal(camera_init(&s->f.camera, &view), ST_OK);
     assert_int_equal(volume_tracer(s->v, &s->scene, &s->f.camera, &s->tr), ST_OK);
     s->f.records_max = frame_records_min(&s->f) * (1 + places % 2);
-    s->f.scratch = mem_alloc(&s->v->budget, (size_t)threads * frame_scratch_bytes(&s->f));
+    s->f.scratch = mem_alloc(s->v->m, (size_t)threads * frame_scratch_bytes(&s->f));
     assert_non_null(s->f.scratch);
     loader_set_capacity(s->v->treelets, places, 0);
     if (s->f.integrator->tile(&s->f)) {
-        assert_int_equal(s->v->kind->project(s->v, &s->f.camera), ST_OK);
-        s->f.projection = s->v->projection.usable ? &s->v->projection : NULL;
+        assert_int_equal(s->v->kind->project(s->v, &s->f.camera, &s->projection), ST_OK);
+        s->f.projection = s->projection.usable ? &s->projection : NULL;
     }
 }
 
 static void stage_close(stage *s) {
-    projection_release(&s->v->projection);
-    mem_free(&s->v->budget, s->f.scratch);
+    projection_release(&s->projection);
+    mem_free(s->v->m, s->f.scratch);
     leafcast_close(s->v);
 }
 
@@ -269,12 +276,10 @@ static void check_slices(const subject *of, int threads, uint32_t places, bool b
         assert_true(calls < 100000);
         assert_int_equal(frame_advance(d, 0.0, &done), ST_OK);
         if (!done && between && calls % 16 == 3) {
-            projection_release(&s.v->projection);
             choose(s.v, of->other);
             assert_int_equal(draw(s.v, 1.6, other, NULL), LEAFCAST_OK);
             stage_select(&s, of->iso);
             loader_set_capacity(s.v->treelets, places, 0);
-            assert_int_equal(s.v->kind->project(s.v, &s.f.camera), ST_OK);
         }
     }
     frame_end(d, NULL);
