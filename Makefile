@@ -55,7 +55,7 @@ MACHINE := $(shell $(CC) -dumpmachine 2>/dev/null)
 X86     := $(filter x86_64% i%86%,$(MACHINE))
 # gcc 12.2 dies of loops of fmin() and fmax() there (in vect_transform_reduction).
 NO_LOOPS := $(if $(CLANG),,$(if $(filter aarch64%,$(MACHINE)),-fno-tree-loop-vectorize))
-COMMON := $(FLAGS_$(CONFIG)) $(NO_LOOPS) -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-errno -pthread -I. -Iformats \
+COMMON := $(FLAGS_$(CONFIG)) $(NO_LOOPS) -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-errno -pthread -I. -Iformats -Irender \
           -DLEAFCAST_VERSION='"$(VERSION)"'
 WARN   := -Wall -Wextra -Wshadow -Wvla -Wpointer-arith -Wwrite-strings -Wundef \
           $(if $(filter 1,$(WERROR)),-Werror)

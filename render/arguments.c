@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "formats/public_status.h"
+#include "render/leafcast_experimental.h"
 #include "render/samples.h"
 
 status arguments_size(const char *name, size_t given, size_t here) {
@@ -16,6 +17,16 @@ static status one_of(const char *name, long long value, int last) {
     return status_describe(ST_USAGE, "%s is %lld: 0 to %d are possible", name, value, last);
 }
 
+static status check_experiments(const leafcast_experiments *e) {
+    status st = arguments_size("leafcast_experiments", e->size, sizeof *e);
+    if (st == ST_OK)
+        st = one_of("leafcast_experiments.schema", (long long)e->schema, LEAFCAST_SCHEMA_REFIT);
+    if (st == ST_OK)
+        st = one_of("leafcast_experiments.isopolygons", (long long)e->isopolygons,
+                    LEAFCAST_ISOPOLYGONS_CACHE);
+    return st;
+}
+
 status arguments_check_options(const leafcast_options *o) {
     status st = arguments_size("leafcast_options", o->size, sizeof *o);
     if (st == ST_OK && o->device && (o->memory || o->threads || o->isa || o->run))
@@ -23,11 +34,8 @@ status arguments_check_options(const leafcast_options *o) {
                                        "and run: these are for a new device");
     if (st == ST_OK)
         st = one_of("leafcast_options.backend", (long long)o->backend, LEAFCAST_BACKEND_ARENA);
-    if (st == ST_OK)
-        st = one_of("leafcast_options.schema", (long long)o->schema, LEAFCAST_SCHEMA_REFIT);
-    if (st == ST_OK)
-        st = one_of("leafcast_options.isopolygons", (long long)o->isopolygons,
-                    LEAFCAST_ISOPOLYGONS_CACHE);
+    if (st == ST_OK && o->experiments)
+        st = check_experiments(o->experiments);
     return st;
 }
 
@@ -44,6 +52,13 @@ status arguments_check_surfaces(const leafcast_surface *surfaces, int count) {
     return ST_OK;
 }
 
+static status check_scene_experiments(const leafcast_scene_experiments *e) {
+    const status st = arguments_size("leafcast_scene_experiments", e->size, sizeof *e);
+    return st != ST_OK ? st
+                       : one_of("leafcast_scene_experiments.intersector", (long long)e->intersector,
+                                LEAFCAST_SCHWARZE);
+}
+
 status arguments_check_scene(const leafcast_scene *s) {
     status st = arguments_size("leafcast_scene", s->size, sizeof *s);
     if (st == ST_OK)
@@ -56,11 +71,11 @@ status arguments_check_scene(const leafcast_scene *s) {
     if (st == ST_OK)
         st = one_of("leafcast_scene.shading", (long long)s->shading, LEAFCAST_SHADING_FLAT);
     if (st == ST_OK)
-        st = one_of("leafcast_scene.intersector", (long long)s->intersector, LEAFCAST_SCHWARZE);
-    if (st == ST_OK)
         st = one_of("leafcast_scene.lod", (long long)s->lod, LEAFCAST_LOD_PIXEL);
     if (st == ST_OK && !samples_valid(s->samples))
         st = status_describe(ST_USAGE, "%d samples a pixel: 1, 4 and 16 are possible", s->samples);
+    if (st == ST_OK && s->experiments)
+        st = check_scene_experiments(s->experiments);
     return st;
 }
 

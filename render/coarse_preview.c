@@ -21,7 +21,9 @@ void coarse_preview_end(leafcast *v) {
 
 static status open_coarse(leafcast *v, uint32_t set) {
     leafcast_options options = v->options;
-    options.packets = 0;
+    leafcast_experiments experiments = v->experiments;
+    experiments.packets = 0;
+    options.experiments = &experiments;
     options.backend = LEAFCAST_BACKEND_ARENA;
     leafcast *coarse = volume_on(v->device, &options);
     if (!coarse)

@@ -82,6 +82,9 @@ leafcast *volume_on(leafcast_device *d, const leafcast_options *options) {
     v->m = &d->budget;
     v->kernels = d->kernels;
     v->options = *options;
+    if (options->experiments)
+        v->experiments = *options->experiments;
+    v->options.experiments = NULL; /* the caller's */
     return v;
 }
 

@@ -67,25 +67,6 @@ typedef enum leafcast_backend {
     LEAFCAST_BACKEND_ARENA /* treelets are read (and decompressed) into memory of our own */
 } leafcast_backend;
 
-/* How another time step of a mesh comes in; the pictures are the same. */
-typedef enum leafcast_schema {
-    LEAFCAST_SCHEMA_AUTO = 0, /* trees, if all steps fit into half the budget or an eighth of the
-                                 machine's memory; else refit */
-    /* W07 6.1: every step's trees are read with its vertices, and stay, as far as memory goes. */
-    LEAFCAST_SCHEMA_TREES = 1,
-    /* W07 6.2: one tree; vertices alone are read, and the tree is refit. */
-    LEAFCAST_SCHEMA_REFIT = 2
-} leafcast_schema;
-
-/* What of a mesh's isosurfaces stays in memory, inside the budget: nothing; or polygons of up to a
- * third of each treelet's tets, all made at once, or each when rays first come to it. The same
- * pictures. */
-typedef enum leafcast_isopolygons {
-    LEAFCAST_ISOPOLYGONS_ONTHEFLY = 0,
-    LEAFCAST_ISOPOLYGONS_PRECOMPUTE,
-    LEAFCAST_ISOPOLYGONS_CACHE
-} leafcast_isopolygons;
-
 typedef struct leafcast_options {
     size_t size;
 
@@ -105,12 +86,7 @@ typedef struct leafcast_options {
 
     leafcast_device *device; /* that it is on; what is above is then left 0. NULL: one of its own */
     leafcast_backend backend;
-    leafcast_schema schema;
-    leafcast_isopolygons isopolygons;
-    /* At most so many treelets at a time, 0: what memory allows; for tests and experiments. */
-    uint32_t treelet_limit;
-    int packets; /* of a mesh: 0: tiles of rays; 2, 4, 8, 16: packets of so many on a side as W07
-                    has them, the same pictures */
+    const struct leafcast_experiments *experiments; /* leafcast_experimental.h; NULL: none */
 } leafcast_options;
 
 /* leafcast_device_create() - options may be NULL for the defaults; those of volumes do not matter.
@@ -210,15 +186,6 @@ typedef enum leafcast_shading {
     LEAFCAST_SHADING_FLAT         /* the surface's colour alone */
 } leafcast_shading;
 
-typedef enum leafcast_intersector {
-    LEAFCAST_MARMITT = 0, /* iterative root finding, converged: exact */
-    LEAFCAST_MARMITT_3,   /* M08's fixed three steps */
-    LEAFCAST_MIDPOINT,
-    LEAFCAST_LINEAR,
-    LEAFCAST_NEUBAUER,
-    LEAFCAST_SCHWARZE
-} leafcast_intersector;
-
 typedef enum leafcast_lod {
     LEAFCAST_LOD_EXACT = 0, /* full resolution */
     LEAFCAST_LOD_LEVEL,     /* `level` throughout */
@@ -253,9 +220,8 @@ typedef struct leafcast_scene {
                               differences; of a mesh that of the tet, in any case but the next */
     bool smooth_normals;   /* of a mesh: interpolated gradients at the vertices, which its file must
                               have; for shading and image.normal alone */
-    leafcast_intersector intersector;
-    float background[4]; /* RGBA */
-    bool clip_box;       /* draw only what is inside clip_min .. clip_max */
+    float background[4];   /* RGBA */
+    bool clip_box;         /* draw only what is inside clip_min .. clip_max */
     double clip_min[3], clip_max[3];
     double clip_planes[LEAFCAST_CLIP_PLANES_MAX][4]; /* (n, d): draw only where n . p + d >= 0 */
     int clip_plane_count;
@@ -269,6 +235,7 @@ typedef struct leafcast_scene {
                      pattern, whose mean is taken; each takes the time of a picture. z, normal and
                      id stay those of the pixel's centre */
     int layers_max; /* stop after so many transparent surfaces on a ray; 0: no limit */
+    const struct leafcast_scene_experiments *experiments; /* leafcast_experimental.h; NULL: none */
 } leafcast_scene;
 
 /* leafcast_init_scene(), leafcast_scene_default() - a headlight, diffuse, nothing clipped, exact,

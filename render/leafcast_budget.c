@@ -105,7 +105,7 @@ static size_t others_bytes(turn *t, size_t rest) {
 
 /* So many bytes for a volume's treelets. */
 static void give_places(leafcast *v, size_t bytes) {
-    const uint32_t treelets = v->file->layout.treelets, limit = v->options.treelet_limit;
+    const uint32_t treelets = v->file->layout.treelets, limit = v->experiments.treelet_limit;
     const size_t place = loader_place_bytes(v->treelets);
     size_t places = bytes / place < treelets ? bytes / place : treelets;
     size_t cached = bytes == SIZE_MAX ? SIZE_MAX : bytes - places * place;

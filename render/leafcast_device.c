@@ -45,6 +45,7 @@ leafcast_status leafcast_device_create(const leafcast_options *options, leafcast
         return LEAFCAST_NOMEM;
     if (options)
         d->options = *options;
+    d->options.experiments = NULL; /* volumes have some */
     st = device_init(d);
     if (st == ST_OK)
         *device = d;

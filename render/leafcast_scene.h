@@ -12,4 +12,9 @@ _Static_assert((int)LEAFCAST_VOLUMES_MAX == (int)FRAME_VOLUMES_MAX,
 CHECKED status scene_volumes(leafcast *v, const leafcast_scene *scene,
                              leafcast_shown shown[LEAFCAST_VOLUMES_MAX], int *count);
 
+/* scene_intersector() - the exact one, but for experiments. */
+static inline leafcast_intersector scene_intersector(const leafcast_scene *scene) {
+    return scene->experiments ? scene->experiments->intersector : LEAFCAST_MARMITT;
+}
+
 #endif

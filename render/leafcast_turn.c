@@ -8,6 +8,10 @@
 status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
     *t = (turn){.device = v->device, .scene = *scene};
     status st = scene_volumes(v, scene, t->shown, &t->volumes);
+    if (st == ST_OK && scene->experiments) {
+        t->experiments = *scene->experiments;
+        t->scene.experiments = &t->experiments;
+    }
     int32_t id = 0;
     for (int i = 0; i < t->volumes && st == ST_OK; i++) {
         leafcast_shown *s = &t->shown[i];

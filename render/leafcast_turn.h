@@ -14,7 +14,8 @@
 
 typedef struct turn {
     leafcast_device *device;
-    leafcast_scene scene; /* its volumes are: */
+    leafcast_scene scene; /* its experiments, and its volumes, are: */
+    leafcast_scene_experiments experiments;
     int volumes;
     leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
     leafcast_surface surfaces[LEAFCAST_VOLUMES_MAX][LEAFCAST_SURFACES_MAX];

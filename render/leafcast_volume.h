@@ -5,12 +5,14 @@
 #include "render/frame.h"
 #include "render/grid/intersect.h"
 #include "render/kernels.h"
+#include "render/leafcast_experimental.h"
 
 struct leafcast {
     leafcast_device *device;
-    leafcast *next; /* on it */
-    mem *m;         /* its budget */
-    leafcast_options options;
+    leafcast *next;           /* on it */
+    mem *m;                   /* its budget */
+    leafcast_options options; /* its experiments: */
+    leafcast_experiments experiments;
     leaf_file *file;
     loader *treelets;
     const struct kind *kind;

@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 #include <cmocka.h>
+#include <math.h>
 #include <string.h>
 
 #include "tests/support/fixture.h"
@@ -92,14 +93,16 @@ static void test_pictures(void **state) {
         refused(l, "leafcast_image.size", false);
         l->stats.size = wrong[i];
         refused(l, "leafcast_stats.size", false);
+        l->scene.experiments = &(leafcast_scene_experiments){.size = wrong[i]};
+        refused(l, "leafcast_scene_experiments.size", true);
     }
     for (int i = 0; i < 2; i++) {
         l->scene.shading = (leafcast_shading)(i ? -1 : LEAFCAST_SHADING_FLAT + 1);
         refused(l, "leafcast_scene.shading", true);
         l->scene.lod = (leafcast_lod)(i ? -1 : LEAFCAST_LOD_PIXEL + 1);
         refused(l, "leafcast_scene.lod", true);
-        l->scene.intersector = (leafcast_intersector)(i ? -1 : LEAFCAST_SCHWARZE + 1);
-        refused(l, "leafcast_scene.intersector", true);
+        l->scene.experiments = INTERSECTOR((leafcast_intersector)(i ? -1 : LEAFCAST_SCHWARZE + 1));
+        refused(l, "leafcast_scene_experiments.intersector", true);
         l->scene.light_count = i ? -1 : LEAFCAST_LIGHTS_MAX + 1;
         refused(l, "leafcast_scene.light_count", true);
         l->scene.clip_plane_count = i ? -1 : LEAFCAST_CLIP_PLANES_MAX + 1;
@@ -146,12 +149,64 @@ static void test_options(void **state) {
         o.backend = (leafcast_backend)(i ? -1 : LEAFCAST_BACKEND_ARENA + 1);
         bad_options(o, "leafcast_options.backend");
         o = good;
-        o.schema = (leafcast_schema)(i ? -1 : LEAFCAST_SCHEMA_REFIT + 1);
-        bad_options(o, "leafcast_options.schema");
-        o = good;
-        o.isopolygons = (leafcast_isopolygons)(i ? -1 : LEAFCAST_ISOPOLYGONS_CACHE + 1);
-        bad_options(o, "leafcast_options.isopolygons");
+        leafcast_experiments e = {.size = i ? 0 : sizeof e + 1};
+        o.experiments = &e;
+        bad_options(o, "leafcast_experiments.size");
+        e = (leafcast_experiments){.size = sizeof e};
+        e.schema = (leafcast_schema)(i ? -1 : LEAFCAST_SCHEMA_REFIT + 1);
+        bad_options(o, "leafcast_experiments.schema");
+        e = (leafcast_experiments){.size = sizeof e};
+        e.isopolygons = (leafcast_isopolygons)(i ? -1 : LEAFCAST_ISOPOLYGONS_CACHE + 1);
+        bad_options(o, "leafcast_experiments.isopolygons");
     }
+}
+
+/* ---- Experiments are the caller's, and may be gone after the call ---- */
+
+static uint64_t resident(const char *leaf, leafcast_experiments e) {
+    const leafcast_options o = {.size = sizeof o, .threads = 1, .experiments = &e};
+    const leafcast_surface surface = leafcast_surface_default(sphere.iso);
+    lab l = {.volume = fixture_open(leaf, &o)};
+    memset(&e, 0xff, sizeof e);
+    assert_int_equal(leafcast_select(l.volume, &surface, 1), LEAFCAST_OK);
+    reset(&l);
+    l.scene.sweep = true;
+    assert_int_equal(trace(&l), LEAFCAST_OK);
+    leafcast_close(l.volume);
+    return l.stats.bytes_resident;
+}
+
+static void test_of_a_volume(void **state) {
+    (void)state;
+    field f;
+    assert_true(field_make(&f, "sphere", 49, FIELD_SEED));
+    const char *leaf = fixture_leaf(&f, 4, 1, false);
+    field_release(&f);
+    const leafcast_experiments none = {.size = sizeof none};
+    const uint64_t one = resident(leaf, *EXPERIMENTS(.treelet_limit = 1)),
+                   two = resident(leaf, *EXPERIMENTS(.treelet_limit = 2));
+    assert_true(0 < one && one < two && two < resident(leaf, none));
+}
+
+static void test_of_a_scene(void **state) {
+    lab *l = *state;
+    double middle[SIDE * SIDE];
+    leafcast_scene_experiments e = *INTERSECTOR(LEAFCAST_MIDPOINT);
+    leafcast_frame *frame = NULL;
+    bool done = false;
+    l->scene.experiments = &e;
+    assert_int_equal(trace(l), LEAFCAST_OK);
+    memcpy(middle, l->z, sizeof middle);
+    assert_int_equal(leafcast_frame_begin(l->volume, &l->scene, &l->camera, &l->image, &frame),
+                     LEAFCAST_OK);
+    memset(&e, 0xff, sizeof e);
+    reset(l);
+    assert_int_equal(trace(l), LEAFCAST_OK);
+    assert_memory_not_equal(middle, l->z, sizeof middle);
+    assert_int_equal(leafcast_frame_advance(frame, INFINITY, &done, NULL), LEAFCAST_OK);
+    leafcast_frame_end(frame);
+    assert_true(done);
+    assert_memory_equal(middle, l->z, sizeof middle);
 }
 
 static void test_version(void **state) {
@@ -161,10 +216,9 @@ static void test_version(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pictures),
-        cmocka_unit_test(test_filled_by_the_library),
-        cmocka_unit_test(test_options),
-        cmocka_unit_test(test_version),
+        cmocka_unit_test(test_pictures),   cmocka_unit_test(test_filled_by_the_library),
+        cmocka_unit_test(test_options),    cmocka_unit_test(test_of_a_volume),
+        cmocka_unit_test(test_of_a_scene), cmocka_unit_test(test_version),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -92,7 +92,7 @@ static void test_any_budget(void **state) {
         for (leafcast_backend b = LEAFCAST_BACKEND_MAPPED; b <= LEAFCAST_BACKEND_ARENA; b++)
             for (int threads = 1; threads <= 3; threads += 2) {
                 const leafcast_options o = {.size = sizeof(leafcast_options),
-                                            .treelet_limit = limits[i],
+                                            .experiments = EXPERIMENTS(.treelet_limit = limits[i]),
                                             .threads = threads,
                                             .backend = b};
                 assert_same(draw(path, &o, &scene, f.iso, &some), want);

@@ -88,9 +88,10 @@ static leafcast_scene lit_scene(void) {
 }
 
 static leafcast *open_volume(const subject *s, int threads, uint32_t places) {
-    return fixture_open(s->path, &(leafcast_options){.size = sizeof(leafcast_options),
-                                                     .threads = threads,
-                                                     .treelet_limit = places});
+    return fixture_open(s->path,
+                        &(leafcast_options){.size = sizeof(leafcast_options),
+                                            .threads = threads,
+                                            .experiments = EXPERIMENTS(.treelet_limit = places)});
 }
 
 static void choose(leafcast *v, double iso) {

@@ -81,20 +81,21 @@ static void test_same_bits(void **state) {
         compare((leafcast_options){.size = sizeof(leafcast_options),
                                    .isa = "scalar",
                                    .threads = 3,
-                                   .isopolygons = how},
+                                   .experiments = EXPERIMENTS(.isopolygons = how)},
                 want);
-        compare(
-            (leafcast_options){.size = sizeof(leafcast_options), .threads = 4, .isopolygons = how},
-            want);
-        compare(
-            (leafcast_options){
-                .size = sizeof(leafcast_options), .threads = 4, .packets = 8, .isopolygons = how},
-            want);
         compare((leafcast_options){.size = sizeof(leafcast_options),
-                                   .threads = 2,
-                                   .treelet_limit = 2,
-                                   .isopolygons = how},
+                                   .threads = 4,
+                                   .experiments = EXPERIMENTS(.isopolygons = how)},
                 want);
+        compare((leafcast_options){.size = sizeof(leafcast_options),
+                                   .threads = 4,
+                                   .experiments = EXPERIMENTS(.packets = 8, .isopolygons = how)},
+                want);
+        compare(
+            (leafcast_options){.size = sizeof(leafcast_options),
+                               .threads = 2,
+                               .experiments = EXPERIMENTS(.treelet_limit = 2, .isopolygons = how)},
+            want);
     }
 }
 
@@ -107,7 +108,8 @@ static void test_budget(void **state) {
     for (int mode = 0; mode < MODES; mode++) {
         leafcast_options o = {.size = sizeof(leafcast_options),
                               .threads = 1,
-                              .isopolygons = (leafcast_isopolygons)mode};
+                              .experiments =
+                                  EXPERIMENTS(.isopolygons = (leafcast_isopolygons)mode)};
         leafcast *v = fixture_open(path, &o);
         draw_all(v, ONE, mode ? got : want, &stats);
         held[mode] = stats.bytes_resident;

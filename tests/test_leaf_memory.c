@@ -100,7 +100,8 @@ static int hits(const picture *p) {
 static void check_pictures(const char *path) {
     static picture want, got;
     image i = image_of(path);
-    leafcast_options o = {.size = sizeof o, .threads = 2, .treelet_limit = 3};
+    leafcast_options o = {
+        .size = sizeof o, .threads = 2, .experiments = EXPERIMENTS(.treelet_limit = 3)};
     leafcast *from_file = fixture_open(path, &o);
     draw(from_file, &want);
     assert_in_range(hits(&want), 200, PICTURE_PIXELS);

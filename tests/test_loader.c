@@ -385,10 +385,11 @@ static void test_pictures(void **state) {
     for (int isa = CPU_SCALAR; isa <= (int)cpu_best(); isa++)
         for (size_t k = 0; k < sizeof limits / sizeof *limits; k++) {
             field_random r = {FIELD_SEED};
-            leafcast *v = fixture_open(path, &(leafcast_options){.size = sizeof(leafcast_options),
-                                                                 .threads = 3,
-                                                                 .isa = cpu_isa_name((cpu_isa)isa),
-                                                                 .treelet_limit = limits[k]});
+            leafcast *v = fixture_open(
+                path, &(leafcast_options){.size = sizeof(leafcast_options),
+                                          .threads = 3,
+                                          .isa = cpu_isa_name((cpu_isa)isa),
+                                          .experiments = EXPERIMENTS(.treelet_limit = limits[k])});
             for (int step = 0; step < 3 * ISOS; step++) {
                 const int i = (int)field_random_below(&r, ISOS);
                 const hash_id got = draw(v, 20.0 + 35.5 * i);

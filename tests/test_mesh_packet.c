@@ -28,8 +28,10 @@ enum { SIDE_COUNT = sizeof SIDES / sizeof *SIDES };
 
 static void open_packets(picture_volumes *v, const char *path, const char *isa, int side,
                          int threads) {
-    const leafcast_options o = {
-        .size = sizeof(leafcast_options), .isa = isa, .threads = threads, .packets = side};
+    const leafcast_options o = {.size = sizeof(leafcast_options),
+                                .isa = isa,
+                                .threads = threads,
+                                .experiments = EXPERIMENTS(.packets = side)};
     v->name[v->count] = isa;
     v->of[v->count++] = fixture_open(path, &o);
 }
@@ -78,10 +80,10 @@ static void test_treelets(void **state) {
             mesh_pictures_draw(path, lab.iso, &single, &want);
         for (int k = 0; k < 4; k++) {
             for (int s = 0; s < SIDE_COUNT; s++) {
-                const leafcast_options o = {.size = sizeof(leafcast_options),
-                                            .threads = 2,
-                                            .treelet_limit = limits[k],
-                                            .packets = SIDES[s]};
+                const leafcast_options o = {
+                    .size = sizeof(leafcast_options),
+                    .threads = 2,
+                    .experiments = EXPERIMENTS(.treelet_limit = limits[k], .packets = SIDES[s])};
                 mesh_pictures_draw(path, lab.iso, &o, &got);
                 assert_memory_equal(&want, &got, sizeof want);
             }
@@ -95,7 +97,9 @@ static void test_treelets(void **state) {
 enum { BALL_SIDE = 512 };
 
 static leafcast_stats count_ball(const char *path, int side, double *z) {
-    const leafcast_options o = {.size = sizeof(leafcast_options), .threads = 1, .packets = side};
+    const leafcast_options o = {.size = sizeof(leafcast_options),
+                                .threads = 1,
+                                .experiments = EXPERIMENTS(.packets = side)};
     leafcast *v = fixture_open(path, &o);
     const leafcast_surface surface = leafcast_surface_default(0.3);
     const leafcast_scene scene = leafcast_scene_default();
@@ -147,7 +151,8 @@ static void test_refused(void **state) {
     lab_mesh lab;
     leafcast *v = NULL;
     assert_true(lab_mesh_make(&lab, "sphere", 3, 7));
-    const leafcast_options o = {.size = sizeof(leafcast_options), .packets = 3};
+    const leafcast_options o = {.size = sizeof(leafcast_options),
+                                .experiments = EXPERIMENTS(.packets = 3)};
     assert_int_equal(leafcast_open(lab_leaf_make(&lab, 300, false), &o, &v), LEAFCAST_USAGE);
     assert_non_null(strstr(leafcast_error_text(), "3 x 3"));
     lab_mesh_release(&lab);

@@ -52,8 +52,10 @@ static void make(const char *name, const char *part_name, bool coarse) {
 }
 
 static leafcast *open_with(const char *name, const char *isa, uint32_t treelet_limit) {
-    const leafcast_options o = {
-        .size = sizeof(leafcast_options), .isa = isa, .threads = 2, .treelet_limit = treelet_limit};
+    const leafcast_options o = {.size = sizeof(leafcast_options),
+                                .isa = isa,
+                                .threads = 2,
+                                .experiments = EXPERIMENTS(.treelet_limit = treelet_limit)};
     return fixture_open(scratch_path(name), &o);
 }
 
@@ -182,7 +184,7 @@ static void test_scenes(void **state) {
         leafcast *v = open_with("mesh.leaf", ISAS[kind % 2], kind % 3 ? 8 : 0), *w;
         const leafcast_info info = leafcast_describe(v);
         leafcast_scene scene = pictures_scene(kind, &info);
-        scene.intersector = LEAFCAST_MARMITT;
+        scene.experiments = NULL;
         scene.lod = LEAFCAST_LOD_EXACT;
         const leafcast_camera view = pictures_view(v, kind % PICTURE_VIEWS, &r);
         leafcast_surface s[2] = {leafcast_surface_default(ISO), leafcast_surface_default(ISO + 1)};

@@ -284,8 +284,9 @@ static void test_shading_alone(void **state) {
     assert_true(lab_mesh_make(&lab, "noise", CUBES, 7));
     const char *path = lab_leaf_make(&lab, 100, true);
     for (uint32_t limit = 0; limit < 2; limit++) {
-        const leafcast_options o = {
-            .size = sizeof(leafcast_options), .threads = 2, .treelet_limit = limit};
+        const leafcast_options o = {.size = sizeof(leafcast_options),
+                                    .threads = 2,
+                                    .experiments = EXPERIMENTS(.treelet_limit = limit)};
         leafcast *v = fixture_open(path, &o);
         const leafcast_surface s = leafcast_surface_default(lab.iso);
         const leafcast_scene scene = leafcast_scene_default(), other = smooth_scene();

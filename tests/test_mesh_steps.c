@@ -216,12 +216,13 @@ static void test_pictures(void **state) {
             for (int isa = ALL_ISAS ? CPU_SCALAR : (int)cpu_best(); isa <= (int)cpu_best(); isa++)
                 for (size_t i = 0; i < sizeof limits / sizeof *limits; i++)
                     for (int backend = 1; backend < 3; backend++) {
-                        const leafcast_options o = {.size = sizeof(leafcast_options),
-                                                    .schema = (leafcast_schema)schema,
-                                                    .isa = cpu_isa_name((cpu_isa)isa),
-                                                    .threads = 1 + (int)i,
-                                                    .backend = (leafcast_backend)backend,
-                                                    .treelet_limit = limits[i]};
+                        const leafcast_options o = {
+                            .size = sizeof(leafcast_options),
+                            .isa = cpu_isa_name((cpu_isa)isa),
+                            .threads = 1 + (int)i,
+                            .backend = (leafcast_backend)backend,
+                            .experiments = EXPERIMENTS(.schema = (leafcast_schema)schema,
+                                                       .treelet_limit = limits[i])};
                         if (backend == LEAFCAST_BACKEND_MAPPED && kind / 2)
                             continue;
                         leaf_through(s.path, &o, &a, PAGES);
@@ -231,7 +232,8 @@ static void test_pictures(void **state) {
             for (uint64_t memory = least; memory <= 8 * least; memory *= 2)
                 leaf_through(s.path,
                              &(leafcast_options){.size = sizeof(leafcast_options),
-                                                 .schema = (leafcast_schema)schema,
+                                                 .experiments =
+                                                     EXPERIMENTS(.schema = (leafcast_schema)schema),
                                                  .memory = memory,
                                                  .threads = 1},
                              &a, 2 * PAGES);
@@ -247,9 +249,10 @@ static void test_pictures(void **state) {
 static void assert_reading(const series *s, const album *a, leafcast_schema schema, uint64_t *first,
                            uint64_t *again) {
     leafcast_stats stats = {.size = sizeof stats};
-    leafcast *v = fixture_open(
-        s->path,
-        &(leafcast_options){.size = sizeof(leafcast_options), .schema = schema, .threads = 2});
+    leafcast *v =
+        fixture_open(s->path, &(leafcast_options){.size = sizeof(leafcast_options),
+                                                  .threads = 2,
+                                                  .experiments = EXPERIMENTS(.schema = schema)});
     assert_int_equal(leafcast_select(v, surfaces, 2), LEAFCAST_OK);
     assert_page(v, a, 1, &stats); /* topologies */
     *first = *again = 0;
@@ -431,9 +434,10 @@ static void flip(const char *path, uint64_t at) {
 static leafcast_status draw_set(const char *path, leafcast_schema schema, const album *a,
                                 uint32_t set, double *z) {
     leafcast_scene scene = leafcast_scene_default();
-    leafcast *v = fixture_open(
-        path,
-        &(leafcast_options){.size = sizeof(leafcast_options), .schema = schema, .threads = 1});
+    leafcast *v =
+        fixture_open(path, &(leafcast_options){.size = sizeof(leafcast_options),
+                                               .threads = 1,
+                                               .experiments = EXPERIMENTS(.schema = schema)});
     scene.sweep = true;
     assert_int_equal(leafcast_select(v, surfaces, 2), LEAFCAST_OK);
     assert_int_equal(leafcast_select_set(v, set / STEPS, set % STEPS), LEAFCAST_OK);

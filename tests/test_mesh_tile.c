@@ -66,7 +66,7 @@ static void test_treelets(void **state) {
                 const leafcast_options o = {.size = sizeof(leafcast_options),
                                             .isa = cpu_isa_name((cpu_isa)isa),
                                             .threads = 2,
-                                            .treelet_limit = limit};
+                                            .experiments = EXPERIMENTS(.treelet_limit = limit)};
                 mesh_pictures_draw(path, lab.iso, &o, first ? &want : &got);
                 if (!first)
                     assert_memory_equal(&want, &got, sizeof want);

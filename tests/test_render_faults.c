@@ -248,7 +248,7 @@ static void sweep_faults(const kind *how, fault_kind what, uint32_t treelet_limi
     static answers a;
     job j = {.out = &a,
              .options = {.size = sizeof(leafcast_options),
-                         .treelet_limit = treelet_limit,
+                         .experiments = EXPERIMENTS(.treelet_limit = treelet_limit),
                          .threads = 3,
                          .backend = how->backend}};
     j.path = leaf_of("waves", 30, how->compressed, &j.iso);
@@ -427,7 +427,7 @@ static void test_stopping(void **state) {
         job j = {.out = &a,
                  .sweep = i % 2,
                  .options = {.size = sizeof(leafcast_options),
-                             .treelet_limit = 4,
+                             .experiments = EXPERIMENTS(.treelet_limit = 4),
                              .threads = 3,
                              .backend = how->backend}};
         j.path = leaf_of("waves", 30, how->compressed, &j.iso);
@@ -600,11 +600,12 @@ static void *live(void *arg) {
 static void test_two_volumes_at_once(void **state) {
     (void)state;
     static neighbour n[2];
+    const leafcast_experiments few = {.size = sizeof few, .treelet_limit = 5};
     for (int i = 0; i < KINDS; i++) {
         for (int k = 0; k < 2; k++) {
             n[k] = (neighbour){.j = {.out = &n[k].a,
                                      .options = {.size = sizeof(leafcast_options),
-                                                 .treelet_limit = 5,
+                                                 .experiments = &few,
                                                  .threads = 1 + k,
                                                  .backend = kinds[i].backend}}};
             /* The second time round they share a file. */

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/support/fixture.h"
 #include "tests/support/lab_leaf.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/pictures.h"
@@ -82,7 +83,9 @@ typedef struct pair {
 
 static void open_pair(pair *p, const stage *s, const leafcast_options *device, uint32_t treelets) {
     assert_int_equal(leafcast_device_create(device, &p->device), LEAFCAST_OK);
-    const leafcast_options o = {.size = sizeof o, .device = p->device, .treelet_limit = treelets};
+    const leafcast_options o = {.size = sizeof o,
+                                .device = p->device,
+                                .experiments = EXPERIMENTS(.treelet_limit = treelets)};
     assert_int_equal(leafcast_open(s->grid_path, &o, &p->volume[0]), LEAFCAST_OK);
     assert_int_equal(leafcast_open(s->mesh_path, &o, &p->volume[1]), LEAFCAST_OK);
     p->shown[0] = (leafcast_shown){p->volume[0], 0, 0, GRID_SURFACES, 2};

@@ -28,9 +28,7 @@ typedef struct task {
     const char *path, *isa;
     double iso;
     bool mesh;
-    int packets;
-    leafcast_isopolygons isopolygons;
-    uint32_t treelet_limit;
+    leafcast_experiments experiments;
     /* Out: */
     int pictures;
     char error[256];
@@ -81,9 +79,7 @@ static void *work(void *arg) {
     const leafcast_options o = {.size = sizeof(leafcast_options),
                                 .threads = 1,
                                 .isa = t->isa,
-                                .packets = t->packets,
-                                .isopolygons = t->isopolygons,
-                                .treelet_limit = t->treelet_limit};
+                                .experiments = &t->experiments};
     leafcast_status st = leafcast_open(t->path, &o, &v);
     for (unsigned how = 0; how < LAST && st == LEAFCAST_OK; how++)
         st = picture(t, v, how);
@@ -140,7 +136,9 @@ static void check_task(task t, const char *name) {
 static void check_grid(const char *field_of, bool compressed) {
     field f;
     assert_true(field_make(&f, field_of, 50, FIELD_SEED));
-    const task t = {.path = fixture_leaf(&f, 4, 1, compressed), .iso = f.iso, .treelet_limit = 5};
+    const task t = {.path = fixture_leaf(&f, 4, 1, compressed),
+                    .iso = f.iso,
+                    .experiments = {.size = sizeof(leafcast_experiments), .treelet_limit = 5}};
     check_task(t, field_of);
     field_release(&f);
 }
@@ -157,19 +155,22 @@ static void test_mesh(void **state) {
     mesh_case c = mesh_leaves_cube(10, 1, 1, SEED, 0);
     mesh_leaves_extend(&c, SEED);
     c.mesh.treelet_tets = 400;
-    task t = {.path = mesh_leaves_make(&c, "stack.leaf"), .iso = 0.25, .mesh = true};
+    task t = {.path = mesh_leaves_make(&c, "stack.leaf"),
+              .iso = 0.25,
+              .mesh = true,
+              .experiments = {.size = sizeof(leafcast_experiments)}};
     mesh_leaves_release(&c);
     for (int i = 0; i < 3; i++) {
         char name[64];
-        t.packets = packets[i];
+        t.experiments.packets = packets[i];
         snprintf(name, sizeof name, "mesh, packets %d", packets[i]);
-        t.isopolygons = LEAFCAST_ISOPOLYGONS_ONTHEFLY;
-        t.treelet_limit = 3;
+        t.experiments.isopolygons = LEAFCAST_ISOPOLYGONS_ONTHEFLY;
+        t.experiments.treelet_limit = 3;
         check_task(t, name);
     }
-    t.packets = 0;
-    t.isopolygons = LEAFCAST_ISOPOLYGONS_CACHE;
-    t.treelet_limit = 0;
+    t.experiments.packets = 0;
+    t.experiments.isopolygons = LEAFCAST_ISOPOLYGONS_CACHE;
+    t.experiments.treelet_limit = 0;
     check_task(t, "mesh, kept polygons");
 }
 

@@ -374,8 +374,9 @@ static void test_same_bits(void **state) {
             assert_same(l, &want, &o, &stats);
         }
         for (uint32_t limit = 1; limit <= 5; limit += 2) {
-            o = (leafcast_options){
-                .size = sizeof(leafcast_options), .threads = threads, .treelet_limit = limit};
+            o = (leafcast_options){.size = sizeof(leafcast_options),
+                                   .threads = threads,
+                                   .experiments = EXPERIMENTS(.treelet_limit = limit)};
             assert_same(l, &want, &o, &stats);
             if (limit == 1) /* they take turns */
                 assert_true(stats.treelets_loaded > 2 * TREELETS && stats.passes > TREELETS);

@@ -110,7 +110,7 @@ static void test_few_treelets(void **state) {
             const leafcast_options o = {.size = sizeof(leafcast_options),
                                         .isa = cpu_isa_name((cpu_isa)isa),
                                         .threads = 2,
-                                        .treelet_limit = limit};
+                                        .experiments = EXPERIMENTS(.treelet_limit = limit)};
             leafcast *v = fixture_open(path, &o);
             assert_int_equal(leafcast_select(v, &s, 1), LEAFCAST_OK);
             const leafcast_camera c = leafcast_standard_view(v, 1.1, PICTURE_WIDTH, PICTURE_HEIGHT);

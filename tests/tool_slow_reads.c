@@ -27,7 +27,7 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/fault.h"
-#include "render/leafcast.h"
+#include "render/leafcast_experimental.h"
 
 enum { ROWS_MAX = 8, RUNS_MAX = 99 };
 
@@ -77,8 +77,9 @@ static void must(leafcast_status st) {
 /* A frame of a volume that nobody has looked at. */
 static void draw(slow *s, uint32_t places, int threads, row *r, int run) {
     leafcast *v = NULL;
+    const leafcast_experiments e = {.size = sizeof e, .treelet_limit = places};
     const leafcast_options options = {
-        .size = sizeof options, .threads = threads, .treelet_limit = places};
+        .size = sizeof options, .threads = threads, .experiments = &e};
     const size_t bytes = (size_t)s->size * (size_t)s->size * sizeof *s->depth;
     must(leafcast_open(s->path, &options, &v));
     const leafcast_surface surface = leafcast_surface_default(s->iso);

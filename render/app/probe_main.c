@@ -251,10 +251,12 @@ static void ray_of(const probe_options *o, const leafcast *volume, json_t *answe
 static status probe_hits(const probe_options *o, leafcast *volume, const double origin[3],
                          const double direction[3], json_t *answer) {
     int count = 0;
+    leafcast_scene_experiments e;
+    const leafcast_scene scene = view_options_scene(&o->view, &e);
     status st = render_status(leafcast_select(volume, o->view.surfaces, o->view.isos));
     if (st == ST_OK)
         st = render_status(
-            leafcast_probe_ray(volume, &o->view.scene, origin, direction, hits, o->hits, &count));
+            leafcast_probe_ray(volume, &scene, origin, direction, hits, o->hits, &count));
     if (st)
         return st;
     json_object_set_new(answer, "count", json_integer(count));
@@ -271,6 +273,8 @@ enum { SEGMENTS_AT_FIRST = 4096 };
 /* However many there are. */
 static status find_segments(probe_options *o, leafcast *volume, const double origin[3],
                             const double direction[3]) {
+    leafcast_scene_experiments e;
+    const leafcast_scene scene = view_options_scene(&o->view, &e);
     status st = ST_OK;
     int room = SEGMENTS_AT_FIRST / 2;
     do {
@@ -280,8 +284,8 @@ static status find_segments(probe_options *o, leafcast *volume, const double ori
         profile.segments = more;
         if (!more)
             return ST_NOMEM;
-        st = render_status(leafcast_probe_segments(volume, &o->view.scene, origin, direction, more,
-                                                   room, &profile.count));
+        st = render_status(
+            leafcast_probe_segments(volume, &scene, origin, direction, more, room, &profile.count));
     } while (st == ST_OK && profile.count == room);
     return st;
 }

@@ -230,7 +230,7 @@ static bool report(void *ctx, double done) {
 /* The scene, with all volumes where there are several. */
 static status describe_scene(render_job *job, const view_options *view, leafcast_scene *scene) {
     uint32_t field;
-    *scene = view->scene;
+    *scene = view_options_scene(view, &job->experiments);
     if (job->also_count == 0)
         return ST_OK;
     status st = view_options_field(view, job->volume, &field);

@@ -24,6 +24,7 @@ typedef struct render_job {
     render_also *also; /* also_count more, on the same device */
     int also_count;
     leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
+    leafcast_scene_experiments experiments;
     leafcast_info info;
     leafcast_camera fitted; /* to the first picture; width 0: to none yet */
     const char *source;     /* the treelet file's path, for the pictures' metadata */

@@ -17,6 +17,7 @@ typedef struct render_options {
     cli_common common;
     view_options view;
     leafcast_options open;
+    leafcast_experiments experiments; /* of these */
     const char *depth, *stats, *script, *iso_list, *camera_path, *format;
     bool series; /* --steps: */
     uint32_t first_step, last_step;
@@ -120,30 +121,30 @@ static status set_steps(render_options *o, const char *text) {
     return ST_OK;
 }
 
-static status set_machine(leafcast_options *open, int key, const char *text) {
+static status set_machine(render_options *o, int key, const char *text) {
     static const int sides[] = {0, 2, 4, 8, 16};
     int which = 0;
     status st = ST_OK;
     switch (key) {
     case BACKEND:
         st = cli_word(text, "--backend", BACKENDS, &which);
-        open->backend = (leafcast_backend)which;
+        o->open.backend = (leafcast_backend)which;
         return st;
     case SCHEMA:
         st = cli_int(text, "--schema", 1, 2, &which);
-        open->schema = (leafcast_schema)which;
+        o->experiments.schema = (leafcast_schema)which;
         return st;
     case ISOPOLYGONS:
         st = cli_word(text, "--isopolygons", POLYGONS, &which);
-        open->isopolygons = (leafcast_isopolygons)which;
+        o->experiments.isopolygons = (leafcast_isopolygons)which;
         return st;
     case PACKETS:
         st = cli_word(text, "--packets", SIDES, &which);
-        open->packets = sides[which];
+        o->experiments.packets = sides[which];
         return st;
-    case ISA: open->isa = text; return ST_OK;
+    case ISA: o->open.isa = text; return ST_OK;
     case TREELET_LIMIT:
-        return cli_uint(text, "--treelet-limit", 0, UINT32_MAX, &open->treelet_limit);
+        return cli_uint(text, "--treelet-limit", 0, UINT32_MAX, &o->experiments.treelet_limit);
     default: return ST_AGAIN;
     }
 }
@@ -180,7 +181,7 @@ static status set_option(void *own, int key, const char *text) {
     case FAIL_EMPTY: o->fail_empty = true; return ST_OK;
     case REPEAT: return cli_int(text, "--repeat", 1, 10000, &o->repeat);
     default:
-        st = set_machine(&o->open, key, text);
+        st = set_machine(o, key, text);
         return st == ST_AGAIN ? view_options_set(view_of(o, key), key, text) : st;
     }
 }
@@ -480,14 +481,14 @@ static status check_file(const render_options *o, const render_job *job) {
     const struct {
         bool given;
         const char *name;
-    } of_meshes[] = {{o->open.packets != 0, "--packets"},
-                     {o->open.isopolygons != 0, "--isopolygons"},
-                     {o->open.schema != 0, "--schema"}};
+    } of_meshes[] = {{o->experiments.packets != 0, "--packets"},
+                     {o->experiments.isopolygons != 0, "--isopolygons"},
+                     {o->experiments.schema != 0, "--schema"}};
     for (size_t i = 0; i < sizeof of_meshes / sizeof *of_meshes; i++)
         if (of_meshes[i].given && !mesh)
             return status_describe(ST_USAGE, "%s is for meshes, and %s is a %s", of_meshes[i].name,
                                    o->common.input, job->info.kind);
-    if (o->open.schema != 0 && job->info.steps == 1)
+    if (o->experiments.schema != 0 && job->info.steps == 1)
         return status_describe(ST_USAGE, "--schema: %s has one step", o->common.input);
     if (!o->series || o->last_step < job->info.steps)
         return ST_OK;
@@ -589,7 +590,10 @@ static status check_empty(const render_options *o) {
 
 int main(int argc, char **argv) {
     static render_options o = {
-        .common = {.verb = "render"}, .open = {.size = sizeof(leafcast_options)}, .repeat = 1};
+        .common = {.verb = "render"},
+        .open = {.size = sizeof(leafcast_options), .experiments = &o.experiments},
+        .experiments = {.size = sizeof(leafcast_experiments)},
+        .repeat = 1};
     struct argp_option options[VIEW_OPTIONS_ROOM];
     view_options_join(options, OPTIONS,
                       "iso color opacity size eye look-at light shadows clip-box");

@@ -198,14 +198,14 @@ static status parse_lod(const char *text, leafcast_scene *scene) {
     return ST_OK;
 }
 
-static status parse_intersector(const char *text, leafcast_scene *scene) {
+static status parse_intersector(const char *text, leafcast_intersector *how) {
     char names[256] = "";
     int which = 0;
     for (int i = 0; i < INTERSECTOR_COUNT; i++)
         strcat(strcat(names, i ? "|" : ""), intersector_at(i)->name);
     status st = cli_word(text, "--intersector", names, &which);
     if (st == ST_OK)
-        scene->intersector = intersector_at(which)->id;
+        *how = intersector_at(which)->id;
     return st;
 }
 
@@ -379,7 +379,7 @@ static status set_extent(view_options *v, int key, const char *text) {
     case LOD: return parse_lod(text, &v->scene);
     case PREVIEW: v->scene.preview = true; return ST_OK;
     case SWEEP: v->scene.sweep = true; return ST_OK;
-    case INTERSECTOR: return parse_intersector(text, &v->scene);
+    case INTERSECTOR: return parse_intersector(text, &v->intersector);
     default: return ST_AGAIN;
     }
 }
@@ -519,7 +519,7 @@ static bool lod_is_exact(const view_options *v) {
 }
 
 static bool intersector_is_exact(const view_options *v) {
-    return v->scene.intersector == leafcast_scene_default().intersector;
+    return v->intersector == LEAFCAST_MARMITT;
 }
 
 static bool normals_of_grids(const view_options *v) {
@@ -614,6 +614,13 @@ static void step_back(leafcast_camera *c, const leafcast *volume) {
     }
     for (int a = 0; a < 3; a++)
         c->eye[a] = c->look_at[a] + (c->eye[a] - c->look_at[a]) * sqrt(diagonal / away);
+}
+
+leafcast_scene view_options_scene(const view_options *v, leafcast_scene_experiments *e) {
+    leafcast_scene scene = v->scene;
+    *e = (leafcast_scene_experiments){.size = sizeof *e, .intersector = v->intersector};
+    scene.experiments = e;
+    return scene;
 }
 
 leafcast_camera view_options_camera(const view_options *v, const leafcast *volume) {

@@ -11,7 +11,7 @@
 #include <stdbool.h>
 
 #include "formats/base/status.h"
-#include "render/leafcast.h"
+#include "render/leafcast_experimental.h"
 
 enum { VIEW_FIELD_MAX = 64 };
 
@@ -19,7 +19,8 @@ typedef struct view_options {
     leafcast_surface
         surfaces[LEAFCAST_SURFACES_MAX]; /* view_options_check() has filled in what was not given */
     int isos, colours, opacities;        /* how often each flag was given */
-    leafcast_scene scene;
+    leafcast_scene scene;                /* without experiments: view_options_scene() */
+    leafcast_intersector intersector;
     leafcast_camera camera; /* width and height, and what the flags below say was given */
     bool eye, look_at, up, fov;
     uint64_t given;              /* which flags: a bit each, of view_options.c */
@@ -79,6 +80,9 @@ CHECKED status view_options_only(const view_options *v, const char *names, const
 /* view_options_check_volume() - likewise, of this volume: ST_USAGE for a flag that is of no meaning
  * for its kind. */
 CHECKED status view_options_check_volume(const view_options *v, const leafcast *volume);
+
+/* view_options_scene() - the scene, with experiments that are *e. */
+leafcast_scene view_options_scene(const view_options *v, leafcast_scene_experiments *e);
 
 /* view_options_camera() - the camera for this volume: the view that fits the isovalues, field and
  * step (without an eye), or the standard or close view, with whatever was given put in its place.

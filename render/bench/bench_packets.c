@@ -40,8 +40,8 @@ static void add_row(bench_table *t, const bench_subject *s, const bench_racer r[
 }
 
 static status enter(const bench_subject *s, int side, leafcast_isopolygons how, bench_racer *r) {
-    const leafcast_options options = {
-        .size = sizeof(leafcast_options), .threads = 1, .packets = side, .isopolygons = how};
+    const leafcast_experiments e = {.size = sizeof e, .packets = side, .isopolygons = how};
+    const leafcast_options options = {.size = sizeof options, .threads = 1, .experiments = &e};
     const uint32_t size = s->view.camera.width;
     *r = (bench_racer){.scene = leafcast_scene_default()};
     status st = (status)leafcast_open(s->path, &options, &r->volume);

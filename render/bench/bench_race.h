@@ -9,12 +9,13 @@
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
 #include "render/bench/bench_table.h"
-#include "render/leafcast.h"
+#include "render/leafcast_experimental.h"
 
 /* One contestant: an open volume with what to draw of it. */
 typedef struct bench_racer {
     leafcast *volume;
     leafcast_scene scene;
+    leafcast_scene_experiments experiments; /* that the scene may point at */
     leafcast_camera camera;
     bool wall; /* time by the wall clock; else CPU time where there is one thread */
     /* Results: */

@@ -80,9 +80,10 @@ static status run(bench_job *job, heat *h) {
 static status enter(bench_job *job, const bench_subject *s, heat *h) {
     status st = ST_OK;
     for (int i = 0; i < SCHEMAS && st == ST_OK; i++) {
-        const leafcast_options options = {.size = sizeof(leafcast_options),
-                                          .threads = job->threads,
-                                          .schema = (leafcast_schema)(LEAFCAST_SCHEMA_TREES + i)};
+        const leafcast_experiments e = {.size = sizeof e,
+                                        .schema = (leafcast_schema)(LEAFCAST_SCHEMA_TREES + i)};
+        const leafcast_options options = {
+            .size = sizeof options, .threads = job->threads, .experiments = &e};
         const uint32_t size = job->view.camera.width;
         bench_racer *r = &h->racers[i];
         r->scene = s->view.scene;

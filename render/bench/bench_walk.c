@@ -39,9 +39,10 @@ static status draw(contestant *c, const view_options *view, double *seconds) {
     const leafcast_camera camera = view_options_camera(view, c->volume);
     const leafcast_image image = {.size = sizeof(leafcast_image), .z = c->depth};
     c->stats.size = sizeof c->stats;
+    leafcast_scene_experiments e;
+    const leafcast_scene scene = view_options_scene(view, &e);
     const double start = clock_cpu_seconds();
-    status st =
-        (status)leafcast_trace(c->volume, &view->scene, &camera, &image, &c->stats, NULL, NULL);
+    status st = (status)leafcast_trace(c->volume, &scene, &camera, &image, &c->stats, NULL, NULL);
     *seconds = clock_cpu_seconds() - start;
     return st;
 }

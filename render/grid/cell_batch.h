@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 #include "formats/base/cpu.h"
-#include "render/leafcast.h"
+#include "render/leafcast_experimental.h"
 
 enum { CELL_BATCH = 16 };
 

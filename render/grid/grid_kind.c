@@ -9,6 +9,7 @@
 #include "render/grid/grid_tile.h"
 #include "render/grid/grid_tracer.h"
 #include "render/grid/surface.h"
+#include "render/leafcast_scene.h"
 
 /* What an open grid has beside its treelets: leafcast.own. */
 typedef struct grid_volume {
@@ -23,7 +24,7 @@ static grid_volume *grid_of(const leafcast *v) {
 /* ---- An open volume ---- */
 
 static status grid_open(leafcast *v) {
-    if (v->options.packets != 0)
+    if (v->experiments.packets != 0)
         return status_describe(ST_USAGE, "packets are for meshes: in a grid, tiles of rays walk");
     v->own = mem_zalloc(v->m, sizeof(grid_volume));
     return v->own ? level_planes_init(&grid_of(v)->planes, v->m, v->file) : ST_NOMEM;
@@ -159,17 +160,18 @@ static void stop_levels(leafcast *v, const camera *c) {
 
 static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
     const leaf_layout *layout = &v->file->layout;
+    const leafcast_intersector how = scene_intersector(scene);
     grid_volume *g = grid_of(v);
-    g->scene = (walk_scene){
-        .levels = g->planes.levels,
-        .isovalues = tr->isos.isovalues,
-        .count = tr->isos.count,
-        .type = layout->type,
-        .halo = layout->halo,
-        .intersector = scene->intersector,
-        .intersect = v->intersect ? v->intersect : intersector_find(scene->intersector)->next_hit,
-        .walk = v->kernels.walk,
-        .analytic_normals = scene->analytic_normals};
+    g->scene =
+        (walk_scene){.levels = g->planes.levels,
+                     .isovalues = tr->isos.isovalues,
+                     .count = tr->isos.count,
+                     .type = layout->type,
+                     .halo = layout->halo,
+                     .intersector = how,
+                     .intersect = v->intersect ? v->intersect : intersector_find(how)->next_hit,
+                     .walk = v->kernels.walk,
+                     .analytic_normals = scene->analytic_normals};
     tr->own = &g->scene;
     for (int a = 0; a < 3; a++) {
         tr->box[0][a] = v->file->axis[a][0];

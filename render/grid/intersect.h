@@ -16,7 +16,7 @@
 #define RENDER_GRID_INTERSECT_H
 
 #include "render/grid/cell_kernel.h"
-#include "render/leafcast.h"
+#include "render/leafcast_experimental.h"
 #include "render/ray.h"
 
 typedef struct intersector {

@@ -12,7 +12,7 @@
 #include "render/counters.h"
 #include "render/grid/cell_kernel.h"
 #include "render/grid/level_planes.h"
-#include "render/leafcast.h"
+#include "render/leafcast_experimental.h"
 #include "render/ray.h"
 #include "stream/grid_resident.h"
 #include "stream/loader.h"

@@ -7,6 +7,7 @@
 #include "formats/base/box3.h"
 #include "formats/base/exact.h"
 #include "render/leafcast_device.h"
+#include "render/leafcast_scene.h"
 #include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_projection.h"
 #include "render/mesh/mesh_segments.h"
@@ -18,7 +19,7 @@
 
 /* Packets instead of tiles, if asked for. */
 static status mesh_open(leafcast *v) {
-    const int side = v->options.packets;
+    const int side = v->experiments.packets;
     v->own = mem_zalloc(v->m, sizeof(mesh_rays));
     if (!v->own || side == 0)
         return v->own ? ST_OK : ST_NOMEM;
@@ -30,10 +31,10 @@ static status mesh_open(leafcast *v) {
     return ST_OK;
 }
 
-static mesh_derived derived_of(const leafcast_options *o) {
-    if (o->isopolygons == LEAFCAST_ISOPOLYGONS_ONTHEFLY)
+static mesh_derived derived_of(const leafcast_experiments *e) {
+    if (e->isopolygons == LEAFCAST_ISOPOLYGONS_ONTHEFLY)
         return (mesh_derived){NULL, NULL};
-    return isopolygon_cache_kind(o->isopolygons == LEAFCAST_ISOPOLYGONS_PRECOMPUTE);
+    return isopolygon_cache_kind(e->isopolygons == LEAFCAST_ISOPOLYGONS_PRECOMPUTE);
 }
 
 /* Trees of all steps beside each other cost no refitting; where not all of them fit, one tree. */
@@ -41,8 +42,8 @@ static mesh_schema schema_of(const leafcast *v) {
     const uint64_t room =
         v->m->limit ? v->m->limit
                     : (uint64_t)sysconf(_SC_PHYS_PAGES) / 4 * (uint64_t)sysconf(_SC_PAGESIZE);
-    if (v->options.schema != LEAFCAST_SCHEMA_AUTO)
-        return v->options.schema == LEAFCAST_SCHEMA_TREES ? MESH_TREES : MESH_REFIT;
+    if (v->experiments.schema != LEAFCAST_SCHEMA_AUTO)
+        return v->experiments.schema == LEAFCAST_SCHEMA_TREES ? MESH_TREES : MESH_REFIT;
     return v->file->header.payload_bytes <= room / 2 ? MESH_TREES : MESH_REFIT;
 }
 
@@ -50,7 +51,7 @@ static mesh_schema schema_of(const leafcast *v) {
 static void mesh_loading(const leafcast *v, loader_options *o) {
     const int threads = pool_threads(v->device->threads);
     o->schema = schema_of(v);
-    o->derived = derived_of(&v->options);
+    o->derived = derived_of(&v->experiments);
     if (v->file->header.steps > 1 && o->schema == MESH_REFIT && threads > o->workers)
         o->workers = threads;
 }
@@ -93,7 +94,7 @@ static void mesh_active_box(const leafcast *v, uint32_t set, const double *isova
 /* ---- A frame ---- */
 
 static status mesh_check(const leafcast *v, const leafcast_scene *scene) {
-    if (scene->intersector != LEAFCAST_MARMITT)
+    if (scene_intersector(scene) != LEAFCAST_MARMITT)
         return status_describe(ST_USAGE, "intersectors are for grids: in a mesh, surfaces are flat "
                                          "within a tetrahedron, and met exactly");
     if (scene->smooth_normals && v->file->layout.gradient_sets == 0)

@@ -4,13 +4,14 @@
 #include <string.h>
 
 #include "formats/base/vec3.h"
+#include "render/leafcast_scene.h"
 #include "tests/spheres/spheres_resident.h"
 
 /* ---- An open volume ---- */
 
 /* What rays need beside treelets: the tree over them, tracer.own. */
 static status spheres_open(leafcast *v) {
-    if (v->options.packets != 0)
+    if (v->experiments.packets != 0)
         return status_describe(ST_USAGE, "packets are for meshes");
     return ST_OK;
 }
@@ -42,7 +43,7 @@ static void spheres_active_box(const leafcast *v, uint32_t set, const double *is
 
 static status spheres_check(const leafcast *v, const leafcast_scene *scene) {
     (void)v;
-    if (scene->intersector != LEAFCAST_MARMITT || scene->smooth_normals ||
+    if (scene_intersector(scene) != LEAFCAST_MARMITT || scene->smooth_normals ||
         (scene->lod == LEAFCAST_LOD_LEVEL && scene->lod_level > 0))
         return status_describe(ST_USAGE, "spheres have no intersectors, normals or levels");
     return ST_OK;

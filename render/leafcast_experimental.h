@@ -1,0 +1,71 @@
+/* leafcast_experimental.h - what leafcast.h can do for experiments and tests alone. It may change
+ * in any version, structs without growing.
+ *
+ *     leafcast_experiments by_packets = {.size = sizeof by_packets, .packets = 8};
+ *     leafcast_options options = {.size = sizeof options, .experiments = &by_packets};
+ *
+ * What is 0 is as if nothing had been said. Sizes and values are checked as those of leafcast.h.
+ */
+#ifndef RENDER_LEAFCAST_EXPERIMENTAL_H
+#define RENDER_LEAFCAST_EXPERIMENTAL_H
+
+#include <leafcast.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Of a volume ---- */
+
+/* How another time step of a mesh comes in; the pictures are the same. */
+typedef enum leafcast_schema {
+    LEAFCAST_SCHEMA_AUTO = 0, /* trees, if all steps fit into half the budget or an eighth of the
+                                 machine's memory; else refit */
+    /* W07 6.1: every step's trees are read with its vertices, and stay, as far as memory goes. */
+    LEAFCAST_SCHEMA_TREES = 1,
+    /* W07 6.2: one tree; vertices alone are read, and the tree is refit. */
+    LEAFCAST_SCHEMA_REFIT = 2
+} leafcast_schema;
+
+/* What of a mesh's isosurfaces stays in memory, inside the budget: nothing; or polygons of up to a
+ * third of each treelet's tets, all made at once, or each when rays first come to it. The same
+ * pictures. */
+typedef enum leafcast_isopolygons {
+    LEAFCAST_ISOPOLYGONS_ONTHEFLY = 0,
+    LEAFCAST_ISOPOLYGONS_PRECOMPUTE,
+    LEAFCAST_ISOPOLYGONS_CACHE
+} leafcast_isopolygons;
+
+/* leafcast_options.experiments: read while the call runs; devices do without. */
+typedef struct leafcast_experiments {
+    size_t size;
+    uint32_t treelet_limit; /* at most so many treelets at a time; 0: what memory allows */
+    int packets; /* of a mesh: 0: tiles of rays; 2, 4, 8, 16: packets of so many on a side as W07
+                    has them, the same pictures */
+    leafcast_schema schema;
+    leafcast_isopolygons isopolygons;
+} leafcast_experiments;
+
+/* ---- Of a scene ---- */
+
+/* Where a ray meets the surface in a cell of a grid. */
+typedef enum leafcast_intersector {
+    LEAFCAST_MARMITT = 0, /* iterative root finding, converged: exact */
+    LEAFCAST_MARMITT_3,   /* M08's fixed three steps */
+    LEAFCAST_MIDPOINT,
+    LEAFCAST_LINEAR,
+    LEAFCAST_NEUBAUER,
+    LEAFCAST_SCHWARZE
+} leafcast_intersector;
+
+/* leafcast_scene.experiments: read while the call runs; frames copy it. */
+typedef struct leafcast_scene_experiments {
+    size_t size;
+    leafcast_intersector intersector;
+} leafcast_scene_experiments;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
