@@ -34,7 +34,8 @@ static size_t frame_fixed_bytes(const turn *t) {
     const frame *f = &t->f;
     const leafcast_image *planes = &f->image;
     const leafcast_image colours = {.r = planes->r, .g = planes->g, .b = planes->b, .a = planes->a};
-    size_t bytes = budget_scratch(f) + budget_image(&f->image, frame_pixels(f)) +
+    const size_t kept = t->device->scratch_bytes, scratch = budget_scratch(f);
+    size_t bytes = (kept > scratch ? kept : scratch) + budget_image(&f->image, frame_pixels(f)) +
                    frame_bytes(f, records_wanted(f));
     if (t->scene.samples > 1)
         bytes += budget_image(&colours, frame_pixels(f));
@@ -63,8 +64,8 @@ static size_t least_places(const turn *t) {
 /* With the fewest records, and one treelet of each volume at a time. */
 static status check_budget(const turn *t, size_t fixed) {
     const size_t limit = t->device->budget.limit;
-    const size_t needed =
-        fixed + frame_records_min(&t->f) * frame_record_bytes(&t->f) + least_places(t);
+    const size_t records = t->begun ? t->f.records_max : frame_records_min(&t->f);
+    const size_t needed = fixed + records * frame_record_bytes(&t->f) + least_places(t);
     if (limit == 0 || needed <= limit)
         return ST_OK;
     return status_describe(

@@ -25,7 +25,8 @@ status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
     t->f.threads = v->device->threads;
     t->f.tracer = t->tracers;
     t->f.volumes = t->volumes;
-    t->f.kernels = &t->shown[0].volume->kernels;
+    if (st == ST_OK)
+        t->f.kernels = &t->shown[0].volume->kernels;
     return st;
 }
 

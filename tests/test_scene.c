@@ -369,16 +369,15 @@ static void parts_make_the_whole(void **state) {
 }
 
 /* Two frames of one device, slice by slice in turn. */
-static void slices_make_the_whole(void **state) {
-    const stage *s = *state;
+static void slice(const stage *s, uint64_t memory) {
     static picture whole[2], sliced[2];
     const leafcast_camera c[2] = {view_of(68), view_of(-40)};
     pair v;
     leafcast_frame *frame[2];
     bool done[2] = {false, false};
     int calls = 0;
-    const leafcast_options o = {.size = sizeof o, .threads = 2};
-    open_pair(&v, s, &o, 2);
+    const leafcast_options o = {.size = sizeof o, .threads = 2, .memory = memory};
+    open_pair(&v, s, &o, memory ? 0 : 2);
     leafcast_scene scene[2] = {lit(&v), v.scene};
     leafcast_surface later = GRID_SURFACES[1];
     leafcast_shown shown[1] = {{v.volume[0], 0, 0, &later, 1}};
@@ -402,8 +401,11 @@ static void slices_make_the_whole(void **state) {
     }
     later.isovalue = -5; /* what it was given is the frame's own */
     while (!done[0] || !done[1]) {
-        for (int k = 0; k < 2; k++)
-            assert_int_equal(leafcast_frame_advance(frame[k], 0, &done[k], NULL), LEAFCAST_OK);
+        for (int k = 0; k < 2; k++) {
+            leafcast_stats stats = {.size = sizeof stats};
+            assert_int_equal(leafcast_frame_advance(frame[k], 0, &done[k], &stats), LEAFCAST_OK);
+            assert_true(memory == 0 || stats.bytes_peak <= memory);
+        }
         calls++;
         assert_true(calls < 100000);
     }
@@ -413,6 +415,11 @@ static void slices_make_the_whole(void **state) {
         same_picture(&whole[k], &sliced[k]);
     }
     close_pair(&v);
+}
+
+static void slices_make_the_whole(void **state) {
+    slice(*state, 0);
+    slice(*state, 6 << 20);
 }
 
 static void a_cancelled_frame_stops(void **state) {
