@@ -1,8 +1,10 @@
 /* integrator.h - what makes a pixel of a ray: a row of functions for each way of looking.
  *
- * A frame (frame.h) begins a record for each pixel's ray, advances it until it is done or needs a
- * treelet that is absent, keeps it meanwhile, and knows no more of it than its head. Integrators
- * ask kinds of geometry (kind.h) for what is on a ray's way, and write pixels.
+ * A frame (frame.h) begins a record for each ray that tiles leave over, advances it until it is
+ * done or needs a treelet that is absent, keeps it meanwhile, and knows no more of it than its
+ * head. Integrators ask kinds of geometry (kind.h) for what is on a ray's way, and write what comes
+ * of it. Whoever makes a frame says which one, and gives it its description: frame.integrator,
+ * frame.look.
  */
 #ifndef RENDER_INTEGRATOR_H
 #define RENDER_INTEGRATOR_H
@@ -30,9 +32,10 @@ typedef struct integrator {
     /* The bundle of all rays on a leg of their way. */
     ray_bundle (*bundle)(const frame *f, uint32_t leg);
 
-    /* The kernel that begins whole tiles of pixels; NULL: ray by ray. What it has found but not
-     * written is gone on with: h, in the treelet `at`. */
+    /* Returns the kernel that begins whole tiles of pixels, or NULL: ray by ray. */
     tile_fn (*tile)(const frame *f);
+    /* Where there are tiles: go on with what one has found but not written, h in the treelet `at`.
+     */
     void (*found)(const frame *f, uint32_t pixel, const hit *h, const treelet *at, ray_record *r);
 } integrator;
 

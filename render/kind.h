@@ -1,8 +1,8 @@
 /* kind.h - the kinds of geometry: a row of a table each, with all that is asked of a kind.
  *
  * A kind knows where its cells are and what the value does along a ray inside one. Only its own
- * folder (render/grid, render/mesh) knows more of it: adding one adds a folder and a row
- * (kinds.c).
+ * files (render/grid, render/mesh; likewise in stream/ and formats/) know more of it. Adding one
+ * adds such files, a number in formats/leaf/leaf.h and a row to three tables: CONTRIBUTING.md.
  */
 #ifndef RENDER_KIND_H
 #define RENDER_KIND_H

@@ -19,8 +19,8 @@
  * Sizes. A struct that has a member `size` may grow at its end in later versions: set it to the
  * size of the struct before the struct is passed, whether you fill it or the library does
  * (`leafcast_image image = {sizeof image};`). The functions that return such a struct have set it.
- * Any other size is LEAFCAST_USAGE. Structs without it stay as they are. A value that is none of
- * an enumeration's is LEAFCAST_USAGE, too.
+ * A size that no version knows is LEAFCAST_USAGE; so is a value that is none of an enumeration's.
+ * Structs without `size` stay as they are.
  *
  * Devices. Volumes on one device share its threads and its memory budget; a volume that is opened
  * without one has a device of its own, which ends with it. A scene shows one volume or several.
@@ -60,7 +60,7 @@ typedef struct leafcast_device leafcast_device;
 typedef struct leafcast leafcast; /* a volume */
 
 typedef enum leafcast_backend {
-    LEAFCAST_BACKEND_AUTO = 0,
+    LEAFCAST_BACKEND_AUTO = 0, /* the arena */
     /* Treelets of a grid are checked and used where the file is mapped: if somebody cuts it short
      * meanwhile, SIGBUS is raised. Those of a mesh hold indices, and are read as by the arena. */
     LEAFCAST_BACKEND_MAPPED,
@@ -325,9 +325,10 @@ typedef struct leafcast_image {
     float *normal[3]; /* unit, towards lower values; 0 on a miss */
     int32_t *id;      /* index of the nearest surface, -1 on a miss; surfaces of the volumes of a
                          scene are numbered through */
-    uint8_t *provisional; /* 1: preview drew a coarser level than was asked for */
-    uint8_t *rgba8; /* 4 bytes a pixel for a screen: sRGB, not premultiplied. Needs room for the
-                       planes r, g, b, a where these are NULL */
+    uint8_t
+        *provisional; /* 1: a preview drew something coarser than was asked for, or not yet all */
+    uint8_t *rgba8;   /* 4 bytes a pixel for a screen: sRGB, not premultiplied. Needs room for the
+                         planes r, g, b, a where these are NULL */
     /* The part of the camera's picture that is drawn, and that planes hold: its left upper pixel
      * and its size. Width 0: the whole picture. */
     uint32_t x, y, width, height;
@@ -402,8 +403,8 @@ LEAFCAST_API void leafcast_frame_end(leafcast_frame *frame); /* NULL is fine */
 typedef struct leafcast_hit {
     double t, point[3];
     int surface;
-    /* entering: from below the isovalue to above. A tet without volume has no two sides: `flat` is
-     * then set, and `entering` and the gradient below say no more than each other. */
+    /* entering: from below the isovalue to above. flat: of a tet without volume, which has no two
+     * sides; then neither `entering` nor the gradient below means anything. */
     bool entering, flat;
     /* In a grid: */
     uint32_t cell[3];
