@@ -6,10 +6,6 @@
 #include "render/leafcast_experimental.h"
 #include "render/samples.h"
 
-status arguments_size(const char *name, size_t given, size_t here) {
-    return public_size(name, given, here);
-}
-
 /* One of an enumeration's values, which are 0 .. last. An enum may be signed or not. */
 static status one_of(const char *name, long long value, int last) {
     if (value >= 0 && value <= last)
@@ -18,7 +14,7 @@ static status one_of(const char *name, long long value, int last) {
 }
 
 static status check_experiments(const leafcast_experiments *e) {
-    status st = arguments_size("leafcast_experiments", e->size, sizeof *e);
+    status st = public_size("leafcast_experiments", e->size, sizeof *e);
     if (st == ST_OK)
         st = one_of("leafcast_experiments.schema", (long long)e->schema, LEAFCAST_SCHEMA_REFIT);
     if (st == ST_OK)
@@ -28,7 +24,7 @@ static status check_experiments(const leafcast_experiments *e) {
 }
 
 status arguments_check_options(const leafcast_options *o) {
-    status st = arguments_size("leafcast_options", o->size, sizeof *o);
+    status st = public_size("leafcast_options", o->size, sizeof *o);
     if (st == ST_OK && o->device && (o->memory || o->threads || o->isa || o->run))
         st = status_describe(ST_USAGE, "leafcast_options.device has its own memory, threads, isa "
                                        "and run: these are for a new device");
@@ -53,14 +49,14 @@ status arguments_check_surfaces(const leafcast_surface *surfaces, int count) {
 }
 
 static status check_scene_experiments(const leafcast_scene_experiments *e) {
-    const status st = arguments_size("leafcast_scene_experiments", e->size, sizeof *e);
+    const status st = public_size("leafcast_scene_experiments", e->size, sizeof *e);
     return st != ST_OK ? st
                        : one_of("leafcast_scene_experiments.intersector", (long long)e->intersector,
                                 LEAFCAST_SCHWARZE);
 }
 
 status arguments_check_scene(const leafcast_scene *s) {
-    status st = arguments_size("leafcast_scene", s->size, sizeof *s);
+    status st = public_size("leafcast_scene", s->size, sizeof *s);
     if (st == ST_OK)
         st = one_of("leafcast_scene.volume_count", s->volume_count, LEAFCAST_VOLUMES_MAX);
     if (st == ST_OK)
@@ -81,7 +77,7 @@ status arguments_check_scene(const leafcast_scene *s) {
 
 /* The part of the picture, and its rows. */
 static status check_image(const leafcast_image *image, const leafcast_camera *camera) {
-    const status st = arguments_size("leafcast_image", image->size, sizeof *image);
+    const status st = public_size("leafcast_image", image->size, sizeof *image);
     if (st != ST_OK)
         return st;
     if (image->width == 0 ? image->x || image->y || image->height : image->height == 0)
@@ -102,10 +98,10 @@ status arguments_check_picture(const leafcast_scene *scene, const leafcast_camer
                                const leafcast_image *image, const leafcast_stats *stats) {
     status st = arguments_check_scene(scene);
     if (st == ST_OK)
-        st = arguments_size("leafcast_camera", camera->size, sizeof *camera);
+        st = public_size("leafcast_camera", camera->size, sizeof *camera);
     if (st == ST_OK)
         st = check_image(image, camera);
     if (st == ST_OK && stats)
-        st = arguments_size("leafcast_stats", stats->size, sizeof *stats);
+        st = public_size("leafcast_stats", stats->size, sizeof *stats);
     return st;
 }

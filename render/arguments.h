@@ -10,9 +10,6 @@
 #include "formats/base/status.h"
 #include "render/leafcast.h"
 
-/* arguments_size() - of the struct called `name`, as the caller has it and as it is here. */
-CHECKED status arguments_size(const char *name, size_t given, size_t here);
-
 CHECKED status arguments_check_options(const leafcast_options *options);
 CHECKED status arguments_check_scene(const leafcast_scene *scene);
 CHECKED status arguments_check_surfaces(const leafcast_surface *surfaces, int count);

@@ -14,10 +14,6 @@
 
 _Static_assert((int)LEAFCAST_SURFACES_MAX <= (int)ISOVALUES_MAX, "as many isovalues as surfaces");
 
-leafcast_status volume_public_status(status st) {
-    return public_status(st);
-}
-
 status volume_check_file(const leafcast *v, status st) {
     if (st != ST_OK && st != ST_CORRUPT && st != ST_IO)
         return st;
@@ -134,7 +130,7 @@ static leafcast_status open_volume(const location *from, const leafcast_options 
     if (st == ST_OK && !d)
         st = (status)leafcast_device_create(&options, &d);
     if (st != ST_OK)
-        return volume_public_status(st);
+        return public_status(st);
     device_lock(d);
     st = open_on(d, &options, from, volume);
     device_unlock(d);
@@ -144,7 +140,7 @@ static leafcast_status open_volume(const location *from, const leafcast_options 
     }
     if (!options.device)
         device_release(d); /* it is its volume's alone */
-    return volume_public_status(st);
+    return public_status(st);
 }
 
 leafcast_status leafcast_open(const char *path, const leafcast_options *options,
@@ -176,9 +172,9 @@ void leafcast_close(leafcast *v) {
 
 leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
     const leaf_header *h = &v->file->header;
-    const status st = arguments_size("leafcast_info", info->size, sizeof *info);
+    const status st = public_size("leafcast_info", info->size, sizeof *info);
     if (st != ST_OK)
-        return volume_public_status(st);
+        return public_status(st);
     *info = (leafcast_info){.size = sizeof *info,
                             .kind = v->kind->name,
                             .levels = h->levels,
@@ -206,7 +202,7 @@ leafcast_surface leafcast_surface_default(double isovalue) {
 leafcast_status leafcast_select(leafcast *v, const leafcast_surface *surfaces, int count) {
     const status st = arguments_check_surfaces(surfaces, count);
     if (st != ST_OK)
-        return volume_public_status(st);
+        return public_status(st);
     device_lock(v->device);
     memcpy(v->surfaces, surfaces, (size_t)count * sizeof *surfaces);
     v->surface_count = count;
@@ -227,7 +223,7 @@ status volume_check_set(const leafcast *v, uint32_t field, uint32_t step) {
 leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) {
     const status st = volume_check_set(v, field, step);
     if (st != ST_OK)
-        return volume_public_status(st);
+        return public_status(st);
     device_lock(v->device);
     v->field = field;
     v->step = step;
@@ -241,7 +237,7 @@ leafcast_status leafcast_range(const leafcast *v, uint32_t field, uint32_t step,
     const leaf_layout *layout = &v->file->layout;
     const status st = volume_check_set(v, field, step);
     if (st != ST_OK)
-        return volume_public_status(st);
+        return public_status(st);
     const uint32_t set = leaf_layout_set(layout, field, step);
     const float(*own)[2] = (const float(*)[2])v->file->own + (size_t)set * layout->treelets;
     range[0] = INFINITY;
@@ -276,26 +272,26 @@ leafcast_status leafcast_find_field(const leafcast *v, const char *name, uint32_
     for (uint32_t i = 0; i < fields && strlen(list) + 80 < sizeof list; i++)
         snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "",
                  leafcast_field_name(v, i));
-    return volume_public_status(status_describe(
+    return public_status(status_describe(
         ST_USAGE, "no field is called \"%s\", nor has that number; there are %u: %s", name, fields,
         list));
 }
 
 leafcast_status leafcast_init_scene(leafcast_scene *scene) {
-    const status st = arguments_size("leafcast_scene", scene->size, sizeof *scene);
+    const status st = public_size("leafcast_scene", scene->size, sizeof *scene);
     if (st == ST_OK)
         *scene = (leafcast_scene){
             .size = sizeof *scene, .ambient = 0.15f, .specular = 0.3f, .shininess = 32};
-    return volume_public_status(st);
+    return public_status(st);
 }
 
 leafcast_status leafcast_get_standard_view(const leafcast *v, double distance, uint32_t width,
                                            uint32_t height, leafcast_camera *view) {
     const leafcast_info info = leafcast_describe(v);
-    const status st = arguments_size("leafcast_camera", view->size, sizeof *view);
+    const status st = public_size("leafcast_camera", view->size, sizeof *view);
     if (st == ST_OK)
         *view = camera_standard((const double(*)[3])info.bounds, distance, width, height);
-    return volume_public_status(st);
+    return public_status(st);
 }
 
 void leafcast_pixel_ray(const leafcast_camera *camera_of, double x, double y, double origin[3],
@@ -305,7 +301,7 @@ void leafcast_pixel_ray(const leafcast_camera *camera_of, double x, double y, do
         origin[a] = camera_of->eye[a];
         direction[a] = 0.0;
     }
-    if (arguments_size("leafcast_camera", camera_of->size, sizeof *camera_of) == ST_OK &&
+    if (public_size("leafcast_camera", camera_of->size, sizeof *camera_of) == ST_OK &&
         camera_init(&c, camera_of) == ST_OK)
         camera_ray(&c, x, y, origin, direction);
 }

@@ -38,7 +38,7 @@ leafcast_status leafcast_device_create(const leafcast_options *options, leafcast
     if (st == ST_OK && options && options->device)
         st = status_describe(ST_USAGE, "leafcast_options.device: a device is not on another one");
     if (st != ST_OK)
-        return volume_public_status(st);
+        return public_status(st);
     mem_init(&outside, 0);
     leafcast_device *d = mem_zalloc(&outside, sizeof *d);
     if (!d)
@@ -51,7 +51,7 @@ leafcast_status leafcast_device_create(const leafcast_options *options, leafcast
         *device = d;
     else
         device_release(d);
-    return volume_public_status(st);
+    return public_status(st);
 }
 
 void device_release(leafcast_device *d) {

@@ -25,7 +25,7 @@ leafcast_status leafcast_get_histogram(const leafcast *v, uint32_t field, uint32
     histogram h;
     const status st = find_histogram(v, field, step, &h);
     if (st != ST_OK)
-        return volume_public_status(st);
+        return public_status(st);
     *to =
         (leafcast_histogram){.bins = h.bins, .drawn = h.drawn, .cells = h.cells, .total = h.total};
     memcpy(to->edges, h.edges, sizeof to->edges);
@@ -41,18 +41,18 @@ leafcast_status leafcast_suggested_isovalues(const leafcast *v, uint32_t field, 
     histogram h;
     const status st = find_histogram(v, field, step, &h);
     *count = st == ST_OK ? histogram_suggest(&h, isovalues, max) : 0;
-    return volume_public_status(st);
+    return public_status(st);
 }
 
 leafcast_status leafcast_fit_view(const leafcast *v, uint32_t field, uint32_t step,
                                   const double *isovalues, int count, double fov, uint32_t width,
                                   uint32_t height, leafcast_camera *view) {
     double corners[8][3];
-    status st = arguments_size("leafcast_camera", view->size, sizeof *view);
+    status st = public_size("leafcast_camera", view->size, sizeof *view);
     if (st == ST_OK)
         st = volume_check_set(v, field, step);
     if (st != ST_OK)
-        return volume_public_status(st);
+        return public_status(st);
     v->kind->active_box(v, leaf_layout_set(&v->file->layout, field, step), isovalues, count,
                         corners);
     *view =

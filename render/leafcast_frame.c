@@ -287,7 +287,7 @@ leafcast_status leafcast_check_room(leafcast *v, const leafcast_scene *scene,
                                     uint64_t beside) {
     status st = arguments_check_picture(scene, camera_of, planes, NULL);
     if (st != ST_OK)
-        return volume_public_status(st);
+        return public_status(st);
     mem outside;
     mem_init(&outside, 0);
     leafcast_frame *fr = mem_zalloc(&outside, sizeof *fr);
@@ -300,7 +300,7 @@ leafcast_status leafcast_check_room(leafcast *v, const leafcast_scene *scene,
         st = budget_check(&fr->t);
     device_unlock(v->device);
     mem_free(&outside, fr);
-    return volume_public_status(st);
+    return public_status(st);
 }
 
 leafcast_status leafcast_frame_begin(leafcast *v, const leafcast_scene *scene,
@@ -308,7 +308,7 @@ leafcast_status leafcast_frame_begin(leafcast *v, const leafcast_scene *scene,
                                      leafcast_frame **out) {
     status st = arguments_check_picture(scene, from, image, NULL);
     if (st != ST_OK)
-        return volume_public_status(st);
+        return public_status(st);
     mem outside;
     mem_init(&outside, 0);
     leafcast_frame *fr = mem_zalloc(&outside, sizeof *fr);
@@ -321,21 +321,21 @@ leafcast_status leafcast_frame_begin(leafcast *v, const leafcast_scene *scene,
         *out = fr;
     else
         mem_free(&outside, fr);
-    return volume_public_status(st);
+    return public_status(st);
 }
 
 leafcast_status leafcast_frame_advance(leafcast_frame *fr, double seconds, bool *done,
                                        leafcast_stats *stats) {
-    status st = stats ? arguments_size("leafcast_stats", stats->size, sizeof *stats) : ST_OK;
+    status st = stats ? public_size("leafcast_stats", stats->size, sizeof *stats) : ST_OK;
     *done = false;
     if (st != ST_OK)
-        return volume_public_status(st);
+        return public_status(st);
     device_lock(fr->t.device);
     st = advance(fr, seconds, done);
     if (stats)
         fill_stats(fr, stats);
     device_unlock(fr->t.device);
-    return volume_public_status(st);
+    return public_status(st);
 }
 
 void leafcast_frame_cancel(leafcast_frame *fr) {
@@ -359,7 +359,7 @@ leafcast_status leafcast_trace(leafcast *v, const leafcast_scene *scene,
                                void *watch_ctx) {
     leafcast_frame *fr = NULL;
     bool done;
-    leafcast_status st = volume_public_status(arguments_check_picture(scene, from, image, stats));
+    leafcast_status st = public_status(arguments_check_picture(scene, from, image, stats));
     if (st == LEAFCAST_OK)
         st = leafcast_frame_begin(v, scene, from, image, &fr);
     if (st != LEAFCAST_OK)

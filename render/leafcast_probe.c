@@ -110,7 +110,7 @@ leafcast_status leafcast_probe_ray(leafcast *v, const leafcast_scene *scene, con
     const status st =
         volume_check_file(v, probe_ray(v, scene, origin, direction, hits, max, count));
     device_unlock(v->device);
-    return volume_public_status(st);
+    return public_status(st);
 }
 
 /* ---- Segments ---- */
@@ -183,7 +183,7 @@ leafcast_status leafcast_probe_segments(leafcast *v, const leafcast_scene *scene
     const status st =
         volume_check_file(v, probe_segments(v, scene, origin, direction, segments, max, count));
     device_unlock(v->device);
-    return volume_public_status(st);
+    return public_status(st);
 }
 
 /* ---- Points ---- */
@@ -196,5 +196,5 @@ leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcas
     loader_select_set(v->treelets, v->set = leaf_layout_set(&v->file->layout, v->field, v->step));
     const status st = volume_check_file(v, v->kind->cell_at(v, point, sample));
     device_unlock(v->device);
-    return volume_public_status(st);
+    return public_status(st);
 }

@@ -53,7 +53,7 @@ static leafcast_status trace(leafcast *v, const leafcast_scene *scene, ray_look 
     if (st == ST_OK)
         st = check_rays(look->rays, look->count);
     if (st != ST_OK || look->count == 0)
-        return volume_public_status(st);
+        return public_status(st);
     mem_init(&outside, 0);
     turn *t = mem_zalloc(&outside, sizeof *t);
     if (!t)
@@ -65,7 +65,7 @@ static leafcast_status trace(leafcast *v, const leafcast_scene *scene, ray_look 
         st = trace_rays(t, look);
     device_unlock(v->device);
     mem_free(&outside, t);
-    return volume_public_status(st);
+    return public_status(st);
 }
 
 leafcast_status leafcast_trace_rays(leafcast *v, const leafcast_scene *scene,

@@ -2,6 +2,7 @@
 #ifndef RENDER_LEAFCAST_VOLUME_H
 #define RENDER_LEAFCAST_VOLUME_H
 
+#include "formats/public_status.h"
 #include "render/frame.h"
 #include "render/grid/intersect.h"
 #include "render/kernels.h"
@@ -35,9 +36,6 @@ struct leafcast {
     intersect_fn intersect; /* instead of the scene's, see experiment.h */
     double opened_at, open_s, first_image_s;
 };
-
-/* volume_public_status() - an internal status as the interface has it. */
-leafcast_status volume_public_status(status st);
 
 /* volume_check_set() - ST_USAGE where the file has no such field or step. */
 CHECKED status volume_check_set(const leafcast *v, uint32_t field, uint32_t step);
