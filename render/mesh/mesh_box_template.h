@@ -11,7 +11,7 @@
 #include "render/ray_box_template.h"
 
 /* Which of VD_N rays of directions d meet a box, whose corners are seen from where they start,
- * within [from, to]: what mesh_interval_of() says, for directions without a 0. */
+ * within [from, to]: what mesh_interval_in() says, for directions without a 0. */
 SIMD unsigned mesh_box_meets(const vd d[3], const double lo[3], const double hi[3], vd from,
                              vd to) {
     vd t_in = d_set(-INFINITY), t_out = d_set(INFINITY);

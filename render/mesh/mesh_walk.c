@@ -36,11 +36,6 @@ bool mesh_interval_in(const mesh_slabs *s, const double lo[3], const double hi[3
     return !(t_in - slack > t_out + slack) && !(out->t_in > out->t_out);
 }
 
-bool mesh_interval_of(const ray *r, const double lo[3], const double hi[3], mesh_interval *out) {
-    const mesh_slabs s = mesh_slabs_of(r);
-    return mesh_interval_in(&s, lo, hi, out);
-}
-
 /* How far t is along these bounds' diagonal, or farther. */
 static double t_across(const float bounds[6], const ray *r) {
     double size = 0.0, fastest = 0.0;

@@ -57,10 +57,9 @@ typedef struct mesh_slabs {
 mesh_slabs mesh_slabs_of(const ray *r);
 
 /* mesh_interval_in() - false when the ray passes the box by. Monotone: what lies within another box
- * begins no earlier. mesh_interval_of() - the same for one box. */
+ * begins no earlier. */
 bool mesh_interval_in(const mesh_slabs *s, const double lo[3], const double hi[3],
                       mesh_interval *out);
-bool mesh_interval_of(const ray *r, const double lo[3], const double hi[3], mesh_interval *out);
 
 /* mesh_walk_behind() - what a ray leaves before this t holds no hit behind `after`, if it is among
  * the tets in these bounds. */

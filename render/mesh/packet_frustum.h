@@ -37,7 +37,7 @@ void packet_frustum_add(packet_frustum *s, const double d[3]);
 /* What is known of the rays that may meet a box. */
 typedef struct packet_reach {
     packet_rect pixels; /* only these, */
-    double near;        /* at no lesser t, by the numbers of mesh_interval_of() */
+    double near;        /* at no lesser t, by the numbers of mesh_interval_in() */
 } packet_reach;
 
 /* packet_frustum_box() - false: no ray meets the box at a t from 0 to far. */
