@@ -119,7 +119,7 @@ ok "no memory: exit 4" [ "$status" = 4 ]
 json error generate gyroid --dims 9 -o -
 run "$leafcast" render g.leaf --siez 3x3
 ok "a slip gets advice" grep -q "did you mean '--size'" err
-run "$leafcast" render g.leaf "--$(printf '%9000s' | tr ' ' z)"
+run "$leafcast" render g.leaf "--$(printf '%9000s' '' | tr ' ' z)"
 ok "what is too long is cut, and that is said" grep -q 'that message is longer, and was cut' err
 run "$leafcast" render g.leaf --zzzzzz
 ok "but no silly one" [ "$(grep -c 'did you mean' err)" = 0 ]
