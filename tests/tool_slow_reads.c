@@ -105,7 +105,7 @@ static void draw(slow *s, uint32_t places, int threads, row *r, int run) {
     r->reads[run] = (double)stats.treelets_loaded;
     r->rounds[run] = (double)stats.passes;
     leafcast_close(v);
-    if (!s->first[0])
+    if (s->first[0] == 0.0)
         memcpy(s->first, s->depth, bytes);
     if (memcmp(s->first, s->depth, bytes) != 0)
         give_up("the picture differs from the first");
