@@ -96,9 +96,8 @@ static void draw(slow *s, uint32_t places, int threads, row *r, int run) {
     fault_delay(FAULT_READ, s->us);
     atomic_store(&lock_waits, 0);
     const double start = clock_seconds();
-    must(leafcast_trace(v, &scene, &camera,
-                        &(leafcast_image){.size = sizeof(leafcast_image), .z = s->depth}, &stats,
-                        NULL, NULL));
+    const leafcast_image image = {.size = sizeof image, .z = s->depth};
+    must(leafcast_trace(v, &scene, &camera, &image, &stats, NULL, NULL));
     r->ms[run] = 1e3 * (clock_seconds() - start);
     r->waits[run] = (double)atomic_load(&lock_waits);
     fault_delay(FAULT_READ, 0);
