@@ -389,7 +389,8 @@ LEAFCAST_API leafcast_status leafcast_frame_begin(leafcast *volume, const leafca
 /* leafcast_frame_advance() - draw for about so many seconds (INFINITY: to the end), then return
  * with what there is; *done: all of it. Some tiles are drawn in any case. The next call goes on
  * where this one stopped, whatever was drawn in between: the picture is the same bits. stats, of
- * all calls so far, may be NULL. After a failure the frame may only be ended. */
+ * all calls so far, may be NULL; rays and cells are in it only when all is done. After a failure
+ * the frame may only be ended. */
 LEAFCAST_API leafcast_status leafcast_frame_advance(leafcast_frame *frame, double seconds,
                                                     bool *done, leafcast_stats *stats);
 

@@ -282,38 +282,17 @@ static void release(leafcast_frame *fr) {
 
 /* ---- The public functions ---- */
 
-leafcast_status leafcast_check_room(leafcast *v, const leafcast_scene *scene,
-                                    const leafcast_camera *camera_of, const leafcast_image *planes,
-                                    uint64_t beside) {
-    status st = arguments_check_picture(scene, camera_of, planes, NULL);
-    if (st != ST_OK)
-        return public_status(st);
+/* A frame of what is passed, checked; outside of the budget. */
+static status make_frame(leafcast *v, const leafcast_scene *scene, const leafcast_camera *from,
+                         const leafcast_image *image, leafcast_frame **out) {
     mem outside;
-    mem_init(&outside, 0);
-    leafcast_frame *fr = mem_zalloc(&outside, sizeof *fr);
-    if (!fr)
-        return LEAFCAST_NOMEM;
-    device_lock(v->device);
-    v->device->beside = (size_t)beside;
-    st = describe(fr, v, scene, camera_of, planes);
-    if (st == ST_OK)
-        st = budget_check(&fr->t);
-    device_unlock(v->device);
-    mem_free(&outside, fr);
-    return public_status(st);
-}
-
-leafcast_status leafcast_frame_begin(leafcast *v, const leafcast_scene *scene,
-                                     const leafcast_camera *from, const leafcast_image *image,
-                                     leafcast_frame **out) {
     status st = arguments_check_picture(scene, from, image, NULL);
     if (st != ST_OK)
-        return public_status(st);
-    mem outside;
+        return st;
     mem_init(&outside, 0);
     leafcast_frame *fr = mem_zalloc(&outside, sizeof *fr);
     if (!fr)
-        return LEAFCAST_NOMEM;
+        return ST_NOMEM;
     device_lock(v->device);
     st = describe(fr, v, scene, from, image);
     device_unlock(v->device);
@@ -321,7 +300,28 @@ leafcast_status leafcast_frame_begin(leafcast *v, const leafcast_scene *scene,
         *out = fr;
     else
         mem_free(&outside, fr);
+    return st;
+}
+
+leafcast_status leafcast_check_room(leafcast *v, const leafcast_scene *scene,
+                                    const leafcast_camera *from, const leafcast_image *planes,
+                                    uint64_t beside) {
+    leafcast_frame *fr = NULL;
+    status st = make_frame(v, scene, from, planes, &fr);
+    if (st != ST_OK)
+        return public_status(st);
+    device_lock(v->device);
+    v->device->beside = (size_t)beside;
+    st = budget_check(&fr->t);
+    device_unlock(v->device);
+    leafcast_frame_end(fr);
     return public_status(st);
+}
+
+leafcast_status leafcast_frame_begin(leafcast *v, const leafcast_scene *scene,
+                                     const leafcast_camera *from, const leafcast_image *image,
+                                     leafcast_frame **out) {
+    return public_status(make_frame(v, scene, from, image, out));
 }
 
 leafcast_status leafcast_frame_advance(leafcast_frame *fr, double seconds, bool *done,
