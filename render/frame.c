@@ -15,7 +15,7 @@ typedef struct tally {
 } tally;
 
 /* What a thread draws a tile in; then come records of rays that have suspended, on their way to
- * their place, and the tile's kernel has the rest of the scratch. */
+ * their place, room for a batch of rays, and the tile's kernel has the rest of the scratch. */
 typedef struct easel {
     _Alignas(64) tile_outcome todo;
     char *records; /* WORK_BATCH */
@@ -37,8 +37,12 @@ static uint32_t tile_side(const frame *f) {
     return f->tracer->kind->tile_side;
 }
 
+static size_t up_to_64(size_t bytes) {
+    return (bytes + 63) / 64 * 64;
+}
+
 static size_t records_bytes(const frame *f) {
-    return (WORK_BATCH * f->integrator->record_bytes + 63) / 64 * 64;
+    return up_to_64(WORK_BATCH * f->integrator->record_bytes);
 }
 
 uint32_t frame_records_min(const frame *f) {
@@ -49,15 +53,31 @@ size_t frame_record_bytes(const frame *f) {
     return f->integrator->record_bytes;
 }
 
+static size_t tile_scratch(const frame *f) {
+    return up_to_64(f->tracer->kind->tile_scratch);
+}
+
+static size_t batch_scratch(const frame *f) {
+    size_t most = 0;
+    for (int v = 0; v < f->volumes; v++)
+        most = most > f->tracer[v].kind->batch_scratch ? most : f->tracer[v].kind->batch_scratch;
+    return up_to_64(most);
+}
+
 size_t frame_scratch_bytes(const frame *f) {
-    return sizeof(easel) + records_bytes(f) + f->tracer->kind->tile_scratch;
+    return sizeof(easel) + records_bytes(f) + up_to_64(sizeof(ray_batch)) + batch_scratch(f) +
+           tile_scratch(f);
 }
 
 static easel *easel_of(const frame *f, int worker) {
     char *own = (char *)f->scratch + (size_t)worker * frame_scratch_bytes(f);
     easel *e = (easel *)own;
     e->records = own + sizeof *e;
-    e->todo.scratch = e->records + records_bytes(f);
+    char *batch = e->records + records_bytes(f);
+    char *batch_scratch_at = batch + up_to_64(sizeof(ray_batch));
+    e->todo.batch = (ray_batch *)batch;
+    e->todo.batch_scratch = batch_scratch_at;
+    e->todo.scratch = batch_scratch_at + batch_scratch(f);
     e->suspended = 0;
     return e;
 }
@@ -102,13 +122,14 @@ static bool wait_for_treelets(drawing *d, uint32_t tile, const tile_outcome *tod
 static void begin_tile(drawing *d, uint32_t tile, uint32_t x0, uint32_t y0, tile_outcome *todo,
                        ray_counters *counters) {
     const frame *f = d->f;
-    if (!f->projection) {
+    const tile_fn together = f->integrator->tile(f);
+    if (!together) {
         memcpy(todo->open, rows_to_do(d, tile), d->side * sizeof *todo->open);
         memset(todo->found, 0, sizeof todo->found);
         memset(todo->waits, 0, sizeof todo->waits);
         return;
     }
-    f->integrator->tile(f)(f, x0, y0, rows_to_do(d, tile), todo, counters);
+    together(f, x0, y0, rows_to_do(d, tile), todo, counters);
     if (wait_for_treelets(d, tile, todo))
         return;
     for (uint32_t y = 0; y < d->side; y++)

@@ -33,7 +33,7 @@ typedef struct frame {
     const void *look; /* the integrator's part: what it makes of rays */
     camera camera;
     const struct kernels *kernels;
-    const projection *projection; /* NULL: every ray by itself, else tiles of them; see tile.h */
+    const projection *projection; /* of the first volume, or NULL: where tiles of a kind need it */
     uint32_t width, height;
     leafcast_image image;
     size_t stride;        /* of its planes: from row to row */

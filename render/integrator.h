@@ -32,7 +32,7 @@ typedef struct integrator {
     /* The bundle of all rays on a leg of their way. */
     ray_bundle (*bundle)(const frame *f, uint32_t leg);
 
-    /* Returns the kernel that begins whole tiles of pixels, or NULL: ray by ray. */
+    /* Returns what begins whole tiles of pixels, or NULL: ray by ray. */
     tile_fn (*tile)(const frame *f);
     /* Where there are tiles: go on with what one has found but not written, h in the treelet `at`.
      */

@@ -10,6 +10,7 @@
 #include "render/frame.h"
 #include "render/kernels.h"
 #include "render/leafcast_volume.h"
+#include "render/ray_batch.h"
 #include "render/ray_bundle.h"
 #include "render/segments.h"
 #include "render/tile.h"
@@ -58,6 +59,10 @@ typedef struct kind {
     trace_result (*next)(const tracer *tr, const ray *r, trace_state *state,
                          ray_counters *counters);
     surface_point (*surface)(const tracer *tr, const treelet *at, const ray *r, const hit *h);
+    /* Many rays together: bytes that this needs; the kernel, NULL: one by one. Where there is none,
+     * the row may leave both out. */
+    size_t batch_scratch;
+    batch_fn (*batch)(const kernels *k);
 
     /* The pieces of a ray: what segments_next() is made of. state->first = state->sure = 0, so that
      * ahead[0 .. count) were found before. Result SEGMENTS_SOME: state->sure of them come next.

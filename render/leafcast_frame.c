@@ -151,7 +151,8 @@ static bool watch_part(void *ctx, double done) {
  */
 static status project(leafcast_frame *fr, frame *f) {
     leafcast *v = fr->t.shown[0].volume;
-    if (!f->integrator->tile(f) || v->intersect || f->camera.ortho)
+    const bool tiles = v->kind->tile && v->kind->tile(f->kernels);
+    if (!tiles || f->volumes > 1 || v->intersect || f->camera.ortho)
         return ST_OK;
     const status st = v->kind->project(v, &f->camera, &fr->projection);
     if (st == ST_OK && fr->projection.usable)

@@ -309,7 +309,7 @@ static ray_bundle surface_bundle(const frame *f, uint32_t leg) {
 /* A tile's kernel walks one volume. */
 static tile_fn surface_tile(const frame *f) {
     const kind *k = f->tracer->kind;
-    return f->volumes == 1 && k->tile ? k->tile(f->kernels) : NULL;
+    return f->projection && k->tile ? k->tile(f->kernels) : NULL;
 }
 
 const integrator surface_integrator = {.record_bytes = sizeof(surface_ray),

@@ -14,6 +14,7 @@
 
 #include "formats/base/cpu.h"
 #include "render/frame.h"
+#include "render/ray_batch.h"
 
 /* Pixels on a side of a kind's tiles, at most. */
 enum { TILE_MAX = 32 };
@@ -27,10 +28,12 @@ enum { TILE_ABSENT_MAX = 32 };
 /* What is left to do. Rows and rays of the tile that there is, rays row by row. All other pixels
  * that were asked for have been written. */
 typedef struct tile_outcome {
-    void *
-        scratch; /* kind.tile_scratch bytes of the caller's, 64-byte aligned: stacks may be small */
-    tile_row open[TILE_MAX];          /* to be traced one by one, from their start */
-    tile_row waits[TILE_MAX];         /* met an absent treelet: again with it, or one by one */
+    /* Room of the caller's, since stacks may be small: kind.tile_scratch bytes, 64-byte aligned; */
+    void *scratch;
+    ray_batch *batch;         /* for rays behind the first surfaces, */
+    void *batch_scratch;      /* and kind.batch_scratch bytes of whichever volume needs most */
+    tile_row open[TILE_MAX];  /* to be traced one by one, from their start */
+    tile_row waits[TILE_MAX]; /* met an absent treelet: again with it, or one by one */
     uint32_t absent[TILE_ABSENT_MAX]; /* those treelets, as many as there is room for */
     int absent_count;
     tile_row found[TILE_MAX]; /* their first surface is known, and no more: */
