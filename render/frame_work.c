@@ -280,17 +280,17 @@ void frame_work_suspend(frame_work *w, ray_reserve *own, const uint32_t rays[], 
     ask_for(w->f, wishes, wished);
 }
 
-bool frame_work_wait(frame_work *w, uint32_t tile, const uint32_t absent[], int count) {
+bool frame_work_wait(frame_work *w, uint32_t tile, const tile_treelet absent[], int count) {
     work_tile *x = &w->tiles[tile];
     if (!loader_has_room(w->f->tracer->treelets))
         return false;
     wish wishes[TILE_ABSENT_MAX] = {{0}};
     for (int i = 0; i < count; i++)
-        wishes[i] = (wish){0, absent[i], 0};
+        wishes[i] = (wish){0, absent[i].t, absent[i].leg};
     ask_for(w->f, wishes, (uint32_t)count);
     x->absent_count = count < WORK_ABSENT_MAX ? (uint32_t)count : WORK_ABSENT_MAX;
     for (uint32_t i = 0; i < x->absent_count; i++)
-        x->absent[i] = absent[i];
+        x->absent[i] = absent[i].t;
     pthread_mutex_lock(&w->lock);
     hang_up_tile(w, tile);
     changed(w);

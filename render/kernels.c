@@ -21,6 +21,7 @@ static kernels kernels_of(cpu_isa isa) {
                      .isa = isa,
                      .walk = walk_treelet,
                      .cells = cell_batch_for(isa),
+                     .roots = cell_roots_for(isa),
                      .tile = grid_tile_for(isa),
                      .mesh_tile = mesh_tile_for(isa),
                      .mesh_packet = mesh_packet_for(isa),

@@ -18,29 +18,25 @@ typedef struct near_queue {
     float samples[8][VF_N];
     const resident_grid *at[VF_N];
     uint32_t cell[VF_N][3];
-    uint8_t ray[VF_N];
+    uint16_t ray[VF_N];
     unsigned count;
 } near_queue;
 
 typedef struct tile_walk {
     tile_state s;
     tile_place place;
-    tile_row pending[ROWS]; /* rays of s.open of which a cell waits in the batch */
+    tile_row pending[ROWS]; /* rays of s.open that look for one surface and of which a cell waits
+                               in the batch */
     bool filter;            /* the intersector is the one that the filter knows */
+    bool several;           /* more than the first surface counts */
     near_queue queue;
     /* Ray-cells on their way to the cell kernel. */
     cell_batch batch;
     unsigned waiting;
-    uint8_t ray_of[CELL_BATCH];
+    uint16_t ray_of[CELL_BATCH];
     uint32_t cell_of[CELL_BATCH][3];
     const resident_grid *treelet_of[CELL_BATCH];
-    uint32_t cell[TILE_RAYS][3]; /* of what has been found */
 } tile_walk;
-
-/* Where ray i has found something. */
-SIMD const resident_grid *found_in(const tile_walk *w, unsigned i) {
-    return resident_grid_of(w->s.at[i]);
-}
 
 SIMD const walk_scene *scene_of(const tile_walk *w) {
     return w->s.f->tracer->own;
@@ -55,46 +51,83 @@ static bool any_of(const tile_row rows[], tile_rect r) {
 
 /* ---- The batch ---- */
 
-static uint64_t index_of(const tile_walk *w, const resident_grid *at, const uint32_t cell[3]) {
-    return walk_cell_index(&scene_of(w)->levels[at->level], cell);
+/* A cell's place in its treelet: ten bits an axis. */
+static uint32_t place_of(const resident_grid *at, const uint32_t cell[3]) {
+    return (cell[0] - at->first_cell[0]) | (cell[1] - at->first_cell[1]) << 10 |
+           (cell[2] - at->first_cell[2]) << 20;
 }
 
-/* A hit of ray-cell k: nearer than what the ray has? */
-static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool entering) {
-    const unsigned i = w->ray_of[k];
-    if (w->s.t[i] <= t) {
-        const hit known = {w->s.t[i], index_of(w, found_in(w, i), w->cell[i]), w->s.iso[i], false};
-        const hit found = {t, index_of(w, w->treelet_of[k], w->cell_of[k]), iso, false};
-        if (!hit_less(&found, &known))
-            return;
-    }
-    w->s.t[i] = t;
-    w->s.iso[i] = iso;
-    w->s.entering[i] = entering;
-    w->s.at[i] = &w->treelet_of[k]->head;
+static void cell_at_place(const resident_grid *at, uint32_t place, uint32_t cell[3]) {
     for (int a = 0; a < 3; a++)
-        w->cell[i][a] = w->cell_of[k][a];
+        cell[a] = at->first_cell[a] + (place >> 10 * a & 1023u);
 }
 
-/* Let the cell kernel answer what waits. A ray with a hit is done: all cells to come lie behind.
- * But one that has it where it leaves the cell: the next cell may claim the same t. */
-static void flush(tile_walk *w) {
-    if (w->waiting == 0)
+static hit grid_hit_of(const frame *f, const tile_surface *s) {
+    const walk_scene *scene = f->tracer->own;
+    const resident_grid *at = resident_grid_of(s->at);
+    uint32_t cell[3];
+    cell_at_place(at, s->place, cell);
+    return (hit){s->t, walk_cell_index(&scene->levels[at->level], cell), s->iso, s->entering};
+}
+
+/* An extremum that touches the surface counts as one hit. */
+static bool grid_same(const hit *a, const hit *b) {
+    return a->cell == b->cell && a->iso == b->iso;
+}
+
+static const tile_order grid_order = {grid_hit_of, hit_less, grid_same};
+
+/* A hit of ray-cell k. A ray that is full is done: all cells to come lie behind. But one that has
+ * its last surface where it leaves a cell: the next cell may claim the same t. */
+static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool entering, bool at_exit) {
+    const unsigned i = w->ray_of[k];
+    const resident_grid *at = w->treelet_of[k];
+    const tile_surface found = {t, &at->head, place_of(at, w->cell_of[k]), iso, entering};
+    if (!tile_state_take(&w->s, i, &found) || !(w->s.reach[i] < (double)INFINITY))
         return;
+    if (!at_exit && w->s.reach[i] <= t)
+        w->s.open[i / TILE] &= ~((tile_row)1 << i % TILE);
+    else
+        w->s.rays.near_t1[i / TILE * STRIDE + i % TILE] =
+            (float)(w->s.reach[i] * w->s.f->projection->unscale);
+}
+
+static void flush_first(tile_walk *w) {
     const walk_scene *scene = scene_of(w);
     cell_batch_hits hits;
     w->s.f->kernels->cells(&w->batch, (int)w->waiting, scene->isovalues, scene->count,
                            scene->intersector, &hits);
     for (uint32_t left = hits.found; left; left &= left - 1) {
-        const unsigned k = (unsigned)__builtin_ctz(left), i = w->ray_of[k];
-        take_hit(w, k, hits.t[k], hits.iso[k], hits.entering >> k & 1u);
-        if (!(hits.at_exit >> k & 1u))
-            w->s.open[i / TILE] &= ~((tile_row)1 << i % TILE);
-        else
-            w->s.rays.near_t1[i / TILE * STRIDE + i % TILE] =
-                (float)(w->s.t[i] * w->s.f->projection->unscale);
+        const unsigned k = (unsigned)__builtin_ctz(left);
+        take_hit(w, k, hits.t[k], hits.iso[k], hits.entering >> k & 1u, hits.at_exit >> k & 1u);
     }
     w->s.counters->roots += (unsigned)__builtin_popcount(hits.found);
+}
+
+static void flush_all(tile_walk *w) {
+    const walk_scene *scene = scene_of(w);
+    cell_batch_roots roots;
+    for (int32_t iso = 0; iso < scene->count; iso++) {
+        w->s.f->kernels->roots(&w->batch, (int)w->waiting, scene->isovalues[iso], &roots);
+        for (int n = 0; n < CELL_ROOTS_MAX; n++) {
+            for (uint32_t left = roots.found[n]; left; left &= left - 1) {
+                const unsigned k = (unsigned)__builtin_ctz(left);
+                take_hit(w, k, roots.t[n][k], iso, roots.entering[n] >> k & 1u,
+                         roots.at_exit[n] >> k & 1u);
+            }
+            w->s.counters->roots += (unsigned)__builtin_popcount(roots.found[n]);
+        }
+    }
+}
+
+/* Let the cell kernel answer what waits. */
+static void flush(tile_walk *w) {
+    if (w->waiting == 0)
+        return;
+    if (w->several)
+        flush_all(w);
+    else
+        flush_first(w);
     w->waiting = 0;
     for (unsigned y = 0; y < TILE; y++)
         w->pending[y] = 0;
@@ -121,9 +154,10 @@ static void add_to_batch(tile_walk *w, const resident_grid *at, const uint32_t c
     b->t1[k] = w->s.rays.t1[i];
     for (int s = 0; s < 8; s++)
         b->samples[s][k] = samples[s];
-    w->ray_of[k] = (uint8_t)i;
+    w->ray_of[k] = (uint16_t)i;
     w->treelet_of[k] = at;
-    w->pending[i / TILE] |= (tile_row)1 << i % TILE;
+    if (!w->several)
+        w->pending[i / TILE] |= (tile_row)1 << i % TILE;
     if (w->waiting == CELL_BATCH)
         flush(w);
 }
@@ -438,7 +472,7 @@ SIMD void queue_add(tile_walk *w, const resident_grid *at, const plane_projectio
     q->t_in[k] = t_in;
     q->t_out[k] = t_out;
     q->at[k] = at;
-    q->ray[k] = (uint8_t)i;
+    q->ray[k] = (uint16_t)i;
     w->s.counters->cells++;
     if (q->count == VF_N)
         queue_flush(w);
@@ -592,8 +626,9 @@ static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect 
     for (unsigned left = w->s.open[y] & row_mask(r); left; left &= left - 1) {
         const unsigned x = (unsigned)__builtin_ctz(left), i = TILE * y + x;
         /* Behind what a ray has already, nothing is of use to it. */
-        double t_in = w->s.rays.t0[i],
-               t_out = w->s.t[i] < w->s.rays.t1[i] ? w->s.t[i] : w->s.rays.t1[i];
+        double t_in = w->s.before > 0 && w->s.after[i].t > w->s.rays.t0[i] ? w->s.after[i].t
+                                                                           : w->s.rays.t0[i],
+               t_out = w->s.reach[i] < w->s.rays.t1[i] ? w->s.reach[i] : w->s.rays.t1[i];
         for (int a = 0; a < 3; a++) {
             const double d = w->s.rays.d[a][i], eye = w->place.p->eye[a];
             /* The last treelet's cells end before it does. */
@@ -635,7 +670,7 @@ static void miss_treelet(tile_walk *w, uint32_t t, tile_rect r) {
         any |= passing;
     }
     if (any)
-        tile_absent(w->s.out, t);
+        tile_absent(w->s.out, t, 0);
 }
 
 static void walk_drawn(tile_walk *w, uint32_t t, tile_rect r) {
@@ -692,21 +727,41 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
     flush(w);
 }
 
-/* All of a tile's rays up to their first surfaces. */
-static void tile_walk_run(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0,
-                          const tile_row asked[], tile_outcome *out, ray_counters *counters) {
-    tile_state_begin(&w->s, f, x0, y0, asked, out, counters);
+/* All of a tile's rays. */
+static void tile_walk_begin(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0,
+                            const tile_row asked[], tile_outcome *out, ray_counters *counters) {
+    tile_state_begin(&w->s, f, &grid_order, TILE_LAYERS, x0, y0, asked, out, counters);
     w->place = tile_place_of(f, x0, y0);
     w->filter = scene_of(w)->intersector == LEAFCAST_MARMITT;
+    w->several = w->s.layers != 1;
     w->waiting = 0;
     w->queue = (near_queue){.count = 0};
     for (unsigned y = 0; y < ROWS; y++)
         w->pending[y] = 0;
-    const uint8_t packet = f->kernels->packet;
+}
+
+/* Up to where rays are full. */
+static void tile_walk_run(tile_walk *w) {
+    const uint8_t packet = w->s.f->kernels->packet;
     for (uint8_t y = 0; y < TILE; y += packet)
         for (uint8_t x = 0; x < TILE; x += packet)
             walk_directory(w,
                            (tile_rect){x, (uint8_t)(x + packet - 1), y, (uint8_t)(y + packet - 1)});
+}
+
+/* Behind what rays have. False: none of them wants more. */
+static bool tile_walk_again(tile_walk *w, const float alpha[]) {
+    if (!tile_state_again(&w->s, TILE_LAYERS, alpha))
+        return false;
+    const double unscale = w->s.f->projection->unscale;
+    for (unsigned i = 0; i < TILE_RAYS; i++) {
+        const unsigned padded = i / TILE * STRIDE + i % TILE;
+        if (!is_open(w, i))
+            continue;
+        w->s.rays.near_t0[padded] = (float)(w->s.after[i].t * unscale);
+        w->s.rays.near_t1[padded] = (float)(w->s.rays.t1[i] * unscale);
+    }
+    return true;
 }
 
 #endif
