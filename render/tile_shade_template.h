@@ -63,7 +63,7 @@ SIMD lit_pixels lit_begin(const tile_state *s, const tile_layer *l, unsigned i, 
     float rgb[3][VF_N];
     for (unsigned k = 0; k < VF_N; k++)
         for (int c = 0; c < 3; c++)
-            rgb[c][k] = tile_look(s, hits >> k & 1u ? l->iso[i + k] : 0)->rgb[c];
+            rgb[c][k] = tile_look(s, hits >> k & 1u ? surface_of(l, i + k)->iso : 0)->rgb[c];
     for (int a = 0; a < 3; a++) {
         p.normal[a] = f_load(normal[a] + i);
         p.eye[a] = f_load(s->rays.towards_eye[a] + i);
@@ -112,7 +112,7 @@ SIMD void towards_light(const tile_state *s, const tile_layer *l, unsigned i, un
         light_towards(s->f, 0, 0.0, light, at, direction);
     for (unsigned k = 0; k < VF_N; k++) {
         if (light->point && (hits >> k & 1u))
-            light_towards(s->f, pixel_of(s, i + k), l->t[i + k], light, at, direction);
+            light_towards(s->f, pixel_of(s, i + k), surface_of(l, i + k)->t, light, at, direction);
         for (int a = 0; a < 3 && (!light->point || (hits >> k & 1u)); a++)
             towards[a][k] = (float)direction[a];
     }
@@ -128,7 +128,7 @@ SIMD void shade_surfaces(const tile_state *s, const tile_layer *l, unsigned i, u
     const vf one = f_set(1.0f);
     float opacity[VF_N];
     for (unsigned k = 0; k < VF_N; k++)
-        opacity[k] = hits >> k & 1u ? tile_look(s, l->iso[i + k])->opacity : 0.0f;
+        opacity[k] = hits >> k & 1u ? tile_look(s, surface_of(l, i + k)->iso)->opacity : 0.0f;
     lit_pixels lit = lit_begin(s, l, i, hits, normal);
     if (scene->light_count == 0)
         lit_add(scene, lit.eye, white, one, &lit);
@@ -159,12 +159,11 @@ static void list_square(const tile_state *s, const tile_kind *kind, const tile_l
     b->count = 0;
     for (unsigned y = 0; y < SQUARE; y++) {
         for (unsigned i = first + TILE * y; i < first + TILE * y + SQUARE; i++) {
-            const tile_surface x = surface_of(l, i);
-            if (!(x.t < (double)INFINITY) || (s->out->waits[i / TILE] >> i % TILE & 1u))
+            if (!in_layer(l, i) || (s->out->waits[i / TILE] >> i % TILE & 1u))
                 continue;
             p->ray[b->count] = (uint16_t)i;
             b->pixel[b->count] = pixel_of(s, i);
-            b->found[b->count] = s->order->hit_of(s->f, &x);
+            b->found[b->count] = s->order->hit_of(s->f, surface_of(l, i));
             b->point[b->count++] = kind->point(s, l, i);
         }
     }
@@ -205,7 +204,7 @@ static void shadow_layer(const tile_state *s, const tile_kind *kind, const tile_
 static void shade_layer(const tile_state *s, const tile_kind *kind, void *work, int k,
                         tile_pixels *p) {
     const leafcast_scene *scene = surface_look_of(s->f)->scene;
-    const tile_layer *l = &s->layer[k];
+    const tile_layer layer = {s, (unsigned)k}, *l = &layer;
     float(*normal)[TILE_RAYS] = s->before + k == 0 ? p->normal : p->behind;
     kind->normals(work, l, normal);
     if (scene->shadows && scene->light_count > 0)
@@ -218,10 +217,12 @@ static void shade_layer(const tile_state *s, const tile_kind *kind, void *work, 
 }
 
 static void keep_first(const tile_state *s, tile_pixels *p) {
-    const tile_layer *l = &s->layer[0];
-    memcpy(p->t, l->t, sizeof p->t);
-    for (unsigned i = 0; i < TILE_RAYS; i++)
-        p->id[i] = l->t[i] < (double)INFINITY ? l->iso[i] : -1;
+    const tile_layer l = {s, 0};
+    for (unsigned i = 0; i < TILE_RAYS; i++) {
+        const bool any = in_layer(&l, i);
+        p->t[i] = any ? surface_of(&l, i)->t : (double)INFINITY;
+        p->id[i] = any ? surface_of(&l, i)->iso : -1;
+    }
 }
 
 /* All that a walk has found. */

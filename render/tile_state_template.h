@@ -28,15 +28,6 @@ typedef struct tile_surface {
     bool entering;
 } tile_surface;
 
-/* The rays' surfaces of one number. */
-typedef struct tile_layer {
-    double t[TILE_RAYS]; /* INFINITY: there is none */
-    const treelet *at[TILE_RAYS];
-    uint32_t place[TILE_RAYS];
-    int32_t iso[TILE_RAYS];
-    bool entering[TILE_RAYS];
-} tile_layer;
-
 /* How a kind orders what has the same t. */
 typedef struct tile_order {
     hit (*hit_of)(const frame *f, const tile_surface *s);
@@ -55,16 +46,22 @@ typedef struct tile_state {
     tile_row asked[TILE]; /* a bit a pixel, as in tile.h */
     tile_row open[ROWS];  /* rays that still look for a surface */
     /* What this walk has found. */
-    int layers;              /* it keeps so many of a ray; */
-    int deepest;             /* any ray has so many */
-    double reach[TILE_RAYS]; /* how far a ray looks */
-    uint8_t count[TILE_RAYS];
-    tile_layer layer[TILE_LAYERS]; /* `deepest` of them are set, the first one always */
+    int layers;               /* it keeps so many of a ray; */
+    int deepest;              /* any ray has so many */
+    double reach[TILE_RAYS];  /* how far a ray looks */
+    uint8_t count[TILE_RAYS]; /* surfaces of a ray: `layers` a ray, those that it has first */
+    tile_surface surfaces[TILE_RAYS * TILE_LAYERS];
     /* What walks before it have. */
     int before;                    /* layers */
     float alpha[TILE_RAYS];        /* composited so far */
     tile_surface after[TILE_RAYS]; /* the last: only what lies behind counts; before > 0 */
 } tile_state;
+
+/* The surfaces of one number. */
+typedef struct tile_layer {
+    const tile_state *s;
+    unsigned number;
+} tile_layer;
 
 static const leafcast_surface *tile_look(const tile_state *s, int32_t iso) {
     return &surface_look_of(s->f)->surfaces[0][iso];
@@ -72,17 +69,11 @@ static const leafcast_surface *tile_look(const tile_state *s, int32_t iso) {
 
 /* ---- Walks ---- */
 
-static void begin_layer(tile_state *s, int k) {
-    for (unsigned i = 0; i < TILE_RAYS; i += VD_N)
-        d_store(s->layer[k].t + i, d_set(INFINITY));
-}
-
 /* At most `most` layers a walk. */
 static void begin_walk(tile_state *s, int most) {
     const int wanted = surface_layers(s->f);
     s->layers = wanted == 0 || wanted - s->before > most ? most : wanted - s->before;
-    s->deepest = 1;
-    begin_layer(s, 0);
+    s->deepest = 0;
     memset(s->count, 0, sizeof s->count);
     for (unsigned i = 0; i < TILE_RAYS; i += VD_N)
         d_store(s->reach + i, d_set(INFINITY));
@@ -124,16 +115,17 @@ static void tile_state_rays(tile_state *s) {
 
 /* ---- Surfaces ---- */
 
-static tile_surface surface_of(const tile_layer *l, unsigned i) {
-    return (tile_surface){l->t[i], l->at[i], l->place[i], l->iso[i], l->entering[i]};
+static tile_surface *surfaces_of(tile_state *s, unsigned i) {
+    return &s->surfaces[i * (unsigned)s->layers];
 }
 
-static void set_surface(tile_layer *l, unsigned i, const tile_surface *x) {
-    l->t[i] = x->t;
-    l->at[i] = x->at;
-    l->place[i] = x->place;
-    l->iso[i] = x->iso;
-    l->entering[i] = x->entering;
+/* Whether ray i has a surface in a layer; that one. */
+static bool in_layer(const tile_layer *l, unsigned i) {
+    return l->number < l->s->count[i];
+}
+
+static const tile_surface *surface_of(const tile_layer *l, unsigned i) {
+    return &l->s->surfaces[i * (unsigned)l->s->layers + l->number];
 }
 
 /* -1, 0, 1: a comes before b, is the same crossing, comes behind it. */
@@ -148,13 +140,12 @@ static int compare(const tile_state *s, const tile_surface *a, const tile_surfac
 
 /* Surfaces of ray i behind which nothing counts are cut off. Whether it is full. */
 static bool is_full(tile_state *s, unsigned i) {
+    const tile_surface *x = surfaces_of(s, i);
     float alpha = s->alpha[i];
     for (unsigned k = 0; k < s->count[i]; k++) {
-        const float opacity = tile_look(s, s->layer[k].iso[i])->opacity;
+        const float opacity = tile_look(s, x[k].iso)->opacity;
         alpha += (1.0f - alpha) * opacity;
         if (!surface_shows_through(alpha, opacity)) {
-            for (unsigned gone = k + 1; gone < s->count[i]; gone++)
-                s->layer[gone].t[i] = INFINITY;
             s->count[i] = (uint8_t)(k + 1);
             return true;
         }
@@ -162,56 +153,62 @@ static bool is_full(tile_state *s, unsigned i) {
     return s->count[i] == s->layers;
 }
 
-/* Put a surface into its place among those of ray i. False: it does not count. A ray that is full
- * has a reach. */
+/* The same crossing, seen from another cell: the lesser cell's counts. */
+static void take_double(const tile_state *s, tile_surface *known, const tile_surface *found) {
+    const hit x = s->order->hit_of(s->f, found), y = s->order->hit_of(s->f, known);
+    if (s->order->less(&x, &y))
+        *known = *found;
+}
+
+/* Put a surface into its place among those of ray i. False: it does not count, or is there already.
+ * A ray that is full has a reach. */
 static bool tile_state_take(tile_state *s, unsigned i, const tile_surface *found) {
+    tile_surface *x = surfaces_of(s, i);
     unsigned k = s->count[i];
     if (s->before > 0 && compare(s, found, &s->after[i]) <= 0)
         return false;
     for (; k > 0; k--) {
-        const tile_surface known = surface_of(&s->layer[k - 1], i);
-        const int order = compare(s, found, &known);
+        const int order = compare(s, found, &x[k - 1]);
+        if (order == 0)
+            take_double(s, &x[k - 1], found);
+        if (order == 0)
+            return false;
         if (order > 0)
             break;
-        if (order < 0)
-            continue;
-        /* The same crossing: of the lesser cell. */
-        const hit x = s->order->hit_of(s->f, found), y = s->order->hit_of(s->f, &known);
-        if (s->order->less(&x, &y))
-            set_surface(&s->layer[k - 1], i, found);
-        return false;
     }
     if ((int)k == s->layers)
         return false;
     const unsigned last = s->count[i] < s->layers ? s->count[i]++ : (unsigned)s->layers - 1;
-    if ((int)s->count[i] > s->deepest)
-        begin_layer(s, s->deepest++);
-    for (unsigned to = last; to > k; to--) {
-        const tile_surface moved = surface_of(&s->layer[to - 1], i);
-        set_surface(&s->layer[to], i, &moved);
-    }
-    set_surface(&s->layer[k], i, found);
+    for (unsigned to = last; to > k; to--)
+        x[to] = x[to - 1];
+    x[k] = *found;
     if (is_full(s, i))
-        s->reach[i] = s->layer[s->count[i] - 1].t[i];
+        s->reach[i] = x[s->count[i] - 1].t;
+    if (s->count[i] > s->deepest)
+        s->deepest = s->count[i];
     return k < s->count[i];
 }
 
 /* Which of `count` rays from i on have a surface in a layer. */
 SIMD unsigned hits_from(const tile_layer *l, unsigned i, unsigned count) {
     unsigned hits = 0;
-    for (unsigned k = 0; k < count; k += VD_N)
-        hits |= md_bits(d_lt(d_load(l->t + i + k), d_set(INFINITY))) << k;
+    for (unsigned k = 0; k < count; k++)
+        hits |= (unsigned)in_layer(l, i + k) << k;
     return hits;
 }
 
 /* ---- Again ---- */
 
+/* Of a ray that has `layers` of them. */
+static const tile_surface *last_of(const tile_state *s, unsigned i) {
+    return &s->surfaces[(i + 1) * (unsigned)s->layers - 1];
+}
+
 /* Whether a ray that has `layers` surfaces looks for those behind; alpha: composited by then. */
 static bool wants_more(const tile_state *s, unsigned i, const float alpha[]) {
     const bool done = (s->rays.single[i / TILE] | s->out->waits[i / TILE]) >> i % TILE & 1u;
-    const int32_t last = s->layer[s->layers - 1].iso[i];
     return !done && s->count[i] == s->layers &&
-           surface_shows_through(alpha[i], tile_look(s, last)->opacity);
+           surface_shows_through(alpha[i], tile_look(s, last_of(s, i)->iso)->opacity);
 }
 
 /* When what has been found is composited: take the rays that were full for want of room behind it,
@@ -227,7 +224,7 @@ static bool tile_state_again(tile_state *s, int most, const float alpha[]) {
             continue;
         s->open[i / TILE] |= (tile_row)1 << i % TILE;
         any |= s->open[i / TILE];
-        s->after[i] = surface_of(&s->layer[s->layers - 1], i);
+        s->after[i] = *last_of(s, i);
     }
     memcpy(s->alpha, alpha, sizeof s->alpha);
     s->before += s->layers;

@@ -41,9 +41,9 @@ typedef struct known_cell {
 /* The gradients at the corners of the cell of a surface. */
 static const known_cell *corners_of(const tile_walk *w, const tile_layer *l, unsigned i,
                                     known_cell *known) {
-    const resident_grid *at = resident_grid_of(l->at[i]);
+    const resident_grid *at = resident_grid_of(surface_of(l, i)->at);
     uint32_t cell[3];
-    cell_at_place(at, l->place[i], cell);
+    cell_at_place(at, surface_of(l, i)->place, cell);
     known_cell *k = &known[(cell[0] + 5 * cell[1] + 11 * cell[2]) % KNOWN_CELLS];
     if (k->at == at && k->cell[0] == cell[0] && k->cell[1] == cell[1] && k->cell[2] == cell[2])
         return k;
@@ -58,22 +58,22 @@ static const known_cell *corners_of(const tile_walk *w, const tile_layer *l, uns
 SIMD void gradients_at(const tile_walk *w, const tile_layer *l, unsigned i, unsigned hits,
                        bool central, known_cell *known, double gradient[3][VD_N]) {
     const walk_scene *scene = scene_of(w);
-    double lo[3][VD_N], inverse[3][VD_N], at[3][VD_N];
+    double t[VD_N], lo[3][VD_N], inverse[3][VD_N], at[3][VD_N];
     uint32_t cell[VD_N][3] = {{0}};
     for (unsigned k = 0; k < VD_N; k++) {
         const bool has = hits >> k & 1u;
-        const resident_grid *in = has ? resident_grid_of(l->at[i + k]) : NULL;
+        const resident_grid *in = has ? resident_grid_of(surface_of(l, i + k)->at) : NULL;
         const level_planes *planes = &scene->levels[in ? in->level : 0];
         if (in)
-            cell_at_place(in, l->place[i + k], cell[k]);
+            cell_at_place(in, surface_of(l, i + k)->place, cell[k]);
+        t[k] = has ? surface_of(l, i + k)->t : 0.0;
         for (int a = 0; a < 3; a++) {
             lo[a][k] = planes->at[a][cell[k][a]] - w->place.p->eye[a];
             inverse[a][k] = planes->inverse[a][cell[k][a]];
         }
     }
     for (int a = 0; a < 3; a++) {
-        const vd u =
-            (d_load(l->t + i) * d_load(w->s.rays.d[a] + i) - d_load(lo[a])) * d_load(inverse[a]);
+        const vd u = (d_load(t) * d_load(w->s.rays.d[a] + i) - d_load(lo[a])) * d_load(inverse[a]);
         d_store(at[a], d_min(d_max(u, d_set(0.0)), d_set(1.0)));
     }
     for (unsigned k = 0; k < VD_N; k++) {
@@ -92,7 +92,7 @@ SIMD void gradients_at(const tile_walk *w, const tile_layer *l, unsigned i, unsi
             const double place[3] = {x, y, z};
             const double widths[3] = {inverse[0][k], inverse[1][k], inverse[2][k]};
             float samples[8];
-            walk_cell_samples(scene, resident_grid_of(l->at[i + k]), cell[k], samples);
+            walk_cell_samples(scene, resident_grid_of(surface_of(l, i + k)->at), cell[k], samples);
             surface_trilinear(samples, place, widths, g);
         }
         for (int a = 0; a < 3; a++)
@@ -124,14 +124,14 @@ SIMD unsigned normals_of(const affine *space, double gradient[3][VD_N], unsigned
 static surface_point grid_point(const tile_state *s, const tile_layer *l, unsigned i) {
     const tracer *tr = s->f->tracer;
     const walk_scene *scene = tr->own;
-    const tile_surface x = surface_of(l, i);
-    const hit h = grid_hit_of(s->f, &x);
+    const tile_surface *x = surface_of(l, i);
+    const hit h = grid_hit_of(s->f, x);
     ray r = {.t0 = s->rays.t0[i], .t1 = s->rays.t1[i]};
     for (int a = 0; a < 3; a++) {
         r.o[a] = r.held[a] = s->f->projection->eye[a];
         r.d[a] = s->rays.d[a][i];
     }
-    return surface_at(scene, &tr->space, resident_grid_of(x.at), &r, &h, scene->analytic_normals);
+    return surface_at(scene, &tr->space, resident_grid_of(x->at), &r, &h, scene->analytic_normals);
 }
 
 /* Where neighbours do not give a normal. */

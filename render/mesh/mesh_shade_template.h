@@ -56,12 +56,12 @@ static void list_tets(const tile_layer *s, hit_tets *l) {
     uint16_t known[KNOWN_TETS] = {0};
     l->count = 0;
     for (unsigned i = 0; i < TILE_RAYS; i++) {
-        if (!(s->t[i] < (double)INFINITY))
+        if (!in_layer(s, i))
             continue;
-        uint16_t *k = &known[(s->place[i] + (unsigned)s->iso[i]) % KNOWN_TETS];
-        const unsigned first = *k < l->count ? l->ray[*k] : i;
-        if (*k >= l->count || s->place[first] != s->place[i] || s->at[first] != s->at[i] ||
-            s->iso[first] != s->iso[i]) {
+        const tile_surface *x = surface_of(s, i);
+        uint16_t *k = &known[(x->place + (unsigned)x->iso) % KNOWN_TETS];
+        const tile_surface *first = *k < l->count ? surface_of(s, l->ray[*k]) : NULL;
+        if (!first || first->place != x->place || first->at != x->at || first->iso != x->iso) {
             *k = (uint16_t)l->count;
             l->ray[l->count++] = (uint16_t)i;
         }
@@ -70,7 +70,7 @@ static void list_tets(const tile_layer *s, hit_tets *l) {
 }
 
 static tet tet_of(const tile_layer *s, unsigned i) {
-    return mesh_walk_tet(resident_mesh_of(s->at[i]), s->place[i]);
+    return mesh_walk_tet(resident_mesh_of(surface_of(s, i)->at), surface_of(s, i)->place);
 }
 
 /* Of VD_N tets of the list, from the one at `from` on. */
@@ -86,7 +86,7 @@ SIMD void faceted_normals(const tracer *tr, const tile_layer *s, const hit_tets 
          left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left);
         float of[3];
-        tet_normal(&tets[k], tr->isos.isovalues[s->iso[l->ray[from + k]]], of);
+        tet_normal(&tets[k], tr->isos.isovalues[surface_of(s, l->ray[from + k])->iso], of);
         for (int a = 0; a < 3; a++)
             normal[a][k] = of[a];
     }
@@ -99,15 +99,16 @@ static void smooth_normals(mesh_shading *m, const tile_layer *l, tile_normals no
     bool has[KNOWN_TETS];
     memset(place, 0xff, sizeof place);
     for (unsigned i = 0; i < TILE_RAYS; i++) {
-        if (!(l->t[i] < (double)INFINITY))
+        if (!in_layer(l, i))
             continue;
         const unsigned k = m->tets.of[i] % KNOWN_TETS;
         if (place[k] != m->tets.of[i]) {
             const tet x = tet_of(l, i);
-            const double iso = s->f->tracer->isos.isovalues[l->iso[i]];
+            const double iso = s->f->tracer->isos.isovalues[surface_of(l, i)->iso];
             isopolygon g;
             float gradients[4][3];
-            mesh_walk_gradients(resident_mesh_of(l->at[i]), l->place[i], gradients);
+            const tile_surface *y = surface_of(l, i);
+            mesh_walk_gradients(resident_mesh_of(y->at), y->place, gradients);
             place[k] = m->tets.of[i];
             has[k] = isopolygon_of(&x, iso, &g);
             if (has[k])
@@ -115,7 +116,8 @@ static void smooth_normals(mesh_shading *m, const tile_layer *l, tile_normals no
         }
         const double d[3] = {s->rays.d[0][i], s->rays.d[1][i], s->rays.d[2][i]};
         float smooth[3];
-        if (has[k] && tet_smooth_normal(&m->known[k], s->f->projection->eye, d, l->t[i], smooth))
+        if (has[k] &&
+            tet_smooth_normal(&m->known[k], s->f->projection->eye, d, surface_of(l, i)->t, smooth))
             for (int a = 0; a < 3; a++)
                 normal[a][i] = smooth[a];
     }
@@ -131,7 +133,7 @@ static void mesh_normals(void *work, const tile_layer *s, tile_normals normal) {
     for (unsigned n = 0; n < l->count; n += VD_N)
         faceted_normals(tr, s, l, n, m->normal[n / VD_N]);
     for (unsigned i = 0; i < TILE_RAYS; i++) {
-        if (!(s->t[i] < (double)INFINITY))
+        if (!in_layer(s, i))
             continue;
         for (int a = 0; a < 3; a++)
             normal[a][i] = m->normal[l->of[i] / VD_N][a][l->of[i] % VD_N];
@@ -141,14 +143,14 @@ static void mesh_normals(void *work, const tile_layer *s, tile_normals normal) {
 }
 
 static surface_point mesh_point(const tile_state *s, const tile_layer *l, unsigned i) {
-    const tile_surface x = surface_of(l, i);
-    const hit h = mesh_hit_of(s->f, &x);
+    const tile_surface *x = surface_of(l, i);
+    const hit h = mesh_hit_of(s->f, x);
     ray r = {.t0 = s->rays.t0[i], .t1 = s->rays.t1[i]};
     for (int a = 0; a < 3; a++) {
         r.o[a] = r.held[a] = s->f->projection->eye[a];
         r.d[a] = s->rays.d[a][i];
     }
-    return tracer_surface(s->f->tracer, x.at, &r, &h);
+    return tracer_surface(s->f->tracer, x->at, &r, &h);
 }
 
 static const tile_kind mesh_kind_of_tile = {mesh_normals, mesh_point};
