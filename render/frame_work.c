@@ -176,15 +176,15 @@ static bool next_tile(frame_work *w, uint32_t *tile) {
     return true;
 }
 
-static void wake_one(frame_work *w) {
-    if (sleepers_claim(&w->sleepers))
-        sleepers_wake(&w->sleepers);
+/* Whether no more is to be begun, as far as is known without the lock. */
+static bool is_over(const frame_work *w) {
+    return atomic_load_explicit(&w->over, memory_order_relaxed);
 }
 
 /* Whether there is work for one more thread. */
 static bool has_work(frame_work *w) {
     const bool rays = w->come_first != none, tiles = w->resumable != none;
-    atomic_store_explicit(&w->look, rays || tiles || w->over, memory_order_relaxed);
+    atomic_store_explicit(&w->look, rays || tiles || is_over(w), memory_order_relaxed);
     return rays || ((tiles || tile_left(w)) && ray_records_unpromised(w->records) >= w->tile_rays);
 }
 
@@ -229,7 +229,7 @@ static bool take_tile(frame_work *w, ray_reserve *own, work_item *item) {
 }
 
 static void end_round(frame_work *w) {
-    w->over = true;
+    atomic_store_explicit(&w->over, true, memory_order_relaxed);
     (void)has_work(w);
     sleepers_wake_all(&w->sleepers);
 }
@@ -257,45 +257,50 @@ static double alarm_time(const frame_work *w) {
     return timed ? w->until : (double)INFINITY;
 }
 
-/* Sleep until something has changed. The last one awake finds out whether anything will. */
-static void sleep_or_end(frame_work *w) {
-    const bool last = sleepers_lie_down(&w->sleepers) == w->inside;
-    const bool ends = last && !(w->hung_up > 0 && more_comes(w->f));
-    if (ends || has_arrivals(w->f)) {
-        sleepers_get_up(&w->sleepers);
-        if (ends)
-            end_round(w);
-        return;
-    }
-    pthread_mutex_unlock(&w->lock);
-    sleepers_sleep(&w->sleepers, alarm_time(w));
-    pthread_mutex_lock(&w->lock);
-}
-
 static bool is_cancelled(const frame *f) {
     return f->cancel && atomic_load_explicit(f->cancel, memory_order_relaxed);
 }
 
-/* Whether no more is to be begun. */
-static bool is_over(frame_work *w) {
+/* The same, known with the lock held, after a look at all that may end a round. */
+static bool look_over(frame_work *w) {
     const bool failed = !hear(w);
-    if (!w->over && (failed || is_cancelled(w->f) || frame_work_late(w)))
+    if (!is_over(w) && (failed || is_cancelled(w->f) || frame_work_late(w)))
         end_round(w);
-    return w->over;
+    return is_over(w);
+}
+
+/* Whether to sleep until something has changed. The last one awake finds out whether anything will.
+ */
+static bool lie_down_or_end(frame_work *w, work_hand *own) {
+    /* Others may have waited for these; and they count before anybody says that there are none. */
+    (void)ray_records_keep(w->records, &own->reserve, 0);
+    const bool last = sleepers_lie_down(&w->sleepers) == atomic_load(&w->inside);
+    const bool ends = last && !(w->hung_up > 0 && more_comes(w->f));
+    if (!ends && !has_arrivals(w->f))
+        return true;
+    sleepers_get_up(&w->sleepers);
+    if (ends)
+        end_round(w);
+    return false;
+}
+
+/* What is in the hand is hung up, without anything to be taken. */
+static void put_down_hand(frame_work *w, work_hand *own) {
+    if (own->tile_count == 0)
+        return;
+    pthread_mutex_lock(&w->lock);
+    hang_up_hand(w, own);
+    unlock_and_wake(w);
 }
 
 void frame_work_enter(frame_work *w) {
-    pthread_mutex_lock(&w->lock);
-    w->inside++;
-    pthread_mutex_unlock(&w->lock);
+    atomic_fetch_add(&w->inside, 1);
 }
 
 void frame_work_leave(frame_work *w, work_hand *own) {
     (void)ray_records_keep(w->records, &own->reserve, 0);
-    pthread_mutex_lock(&w->lock);
-    hang_up_hand(w, own);
-    w->inside--;
-    pthread_mutex_unlock(&w->lock);
+    put_down_hand(w, own);
+    atomic_fetch_sub(&w->inside, 1);
 }
 
 /* A tile to begin, while nothing else can be done. No lock. */
@@ -310,16 +315,16 @@ bool frame_work_take(frame_work *w, work_hand *own, work_item *item) {
     if (take_quickly(w, own, item))
         return true;
     bool got = false;
-    pthread_mutex_lock(&w->lock);
-    hang_up_hand(w, own);
-    while (!is_over(w) && !(got = take_rays(w, item) || take_tile(w, &own->reserve, item))) {
-        /* Others may have waited for these; and they count before anybody says that there are none.
-         */
-        if (ray_records_keep(w->records, &own->reserve, 0) && has_work(w))
-            wake_one(w);
-        sleep_or_end(w);
+    while (!got && !is_over(w)) {
+        pthread_mutex_lock(&w->lock);
+        hang_up_hand(w, own);
+        const bool over = look_over(w);
+        got = !over && (take_rays(w, item) || take_tile(w, &own->reserve, item));
+        const bool lies = !over && !got && lie_down_or_end(w, own);
+        unlock_and_wake(w);
+        if (lies)
+            sleepers_sleep(&w->sleepers, alarm_time(w));
     }
-    unlock_and_wake(w);
     return got;
 }
 
@@ -342,11 +347,8 @@ void frame_work_suspend(frame_work *w, work_hand *own, const uint32_t rays[], ui
 /* What it waits for is asked for, so nobody but this thread needs to know of it yet. */
 static void take_in_hand(frame_work *w, work_hand *own, uint32_t tile) {
     own->tiles[own->tile_count++] = tile;
-    if (own->tile_count < WORK_HAND)
-        return;
-    pthread_mutex_lock(&w->lock);
-    hang_up_hand(w, own);
-    unlock_and_wake(w);
+    if (own->tile_count == WORK_HAND)
+        put_down_hand(w, own);
 }
 
 bool frame_work_wait(frame_work *w, work_hand *own, uint32_t tile, const uint32_t absent[],
@@ -420,7 +422,7 @@ status frame_work_admit(frame_work *w) {
     const frame *f = w->f;
     status st = ST_OK;
     pthread_mutex_lock(&w->lock);
-    w->over = false;
+    atomic_store_explicit(&w->over, false, memory_order_relaxed);
     const bool tiles = look_over_waiting(w);
     (void)has_work(w);
     pthread_mutex_unlock(&w->lock);
@@ -466,7 +468,7 @@ void frame_work_begin(frame_work *w, double until) {
     pthread_mutex_lock(&w->lock);
     w->until = until;
     atomic_store_explicit(&w->progress, false, memory_order_relaxed);
-    w->over = false;
+    atomic_store_explicit(&w->over, false, memory_order_relaxed);
     (void)hear(w); /* before the buckets are looked at */
     sort_buckets(w);
     (void)has_work(w);

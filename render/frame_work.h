@@ -82,6 +82,8 @@ typedef struct frame_work {
     uint32_t *order; /* of tiles: as they are begun; the caller's to fill */
     uint32_t tile_count;
     _Atomic uint32_t tiles_begun; /* in order; threads that find no more count on */
+    _Atomic uint32_t inside;      /* threads in the round */
+    atomic_bool over;             /* the round is; set with the lock held */
     atomic_bool look;             /* there is more to look at than tiles to begin */
     sleepers sleepers;            /* threads of the round that find nothing to do */
     pthread_mutex_t lock;
@@ -89,8 +91,6 @@ typedef struct frame_work {
     uint32_t come_first, come_last; /* buckets whose treelets have come */
     uint32_t resumable;             /* tiles to go on with */
     size_t hung_up;                 /* rays and tiles in buckets */
-    uint32_t inside;                /* threads in the round */
-    bool over;                      /* the round is */
     uint32_t *waiting; /* treelets whose buckets were not empty at some time in this round */
     uint32_t waiting_count;
     loader_request *requests;
