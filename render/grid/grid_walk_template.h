@@ -18,7 +18,7 @@ typedef struct near_queue {
     float samples[8][VF_N];
     const resident_grid *at[VF_N];
     uint32_t cell[VF_N][3];
-    uint8_t ray[VF_N];
+    uint16_t ray[VF_N];
     unsigned count;
 } near_queue;
 
@@ -31,7 +31,7 @@ typedef struct tile_walk {
     /* Ray-cells on their way to the cell kernel. */
     cell_batch batch;
     unsigned waiting;
-    uint8_t ray_of[CELL_BATCH];
+    uint16_t ray_of[CELL_BATCH];
     uint32_t cell_of[CELL_BATCH][3];
     const resident_grid *treelet_of[CELL_BATCH];
     uint32_t cell[TILE_RAYS][3]; /* of what has been found */
@@ -121,7 +121,7 @@ static void add_to_batch(tile_walk *w, const resident_grid *at, const uint32_t c
     b->t1[k] = w->s.rays.t1[i];
     for (int s = 0; s < 8; s++)
         b->samples[s][k] = samples[s];
-    w->ray_of[k] = (uint8_t)i;
+    w->ray_of[k] = (uint16_t)i;
     w->treelet_of[k] = at;
     w->pending[i / TILE] |= (tile_row)1 << i % TILE;
     if (w->waiting == CELL_BATCH)
@@ -438,7 +438,7 @@ SIMD void queue_add(tile_walk *w, const resident_grid *at, const plane_projectio
     q->t_in[k] = t_in;
     q->t_out[k] = t_out;
     q->at[k] = at;
-    q->ray[k] = (uint8_t)i;
+    q->ray[k] = (uint16_t)i;
     w->s.counters->cells++;
     if (q->count == VF_N)
         queue_flush(w);
