@@ -13,6 +13,7 @@ static const struct {
                     {"scalar-corners", walk_treelet_corners, 0, false},
                     {"packets-4x4", NULL, 4, false},
                     {"packets-8x8", NULL, 8, false},
+                    {"packets-16x16", NULL, 16, false},
                     {"packets-4x4-by-cell", NULL, 4, true},
                     {"tiles-by-cell", NULL, GRID_TILE, true}};
 

@@ -1,4 +1,4 @@
-/* grid_tile.h - the primary rays of 16 x 16 pixels through a grid together, up to their first
+/* grid_tile.h - the primary rays of 32 x 32 pixels through a grid together, up to their first
  * surface.
  *
  * The implicit octree is walked once for all rays of a tile (tile.h). At an active cell the rays of
