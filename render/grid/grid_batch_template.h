@@ -367,9 +367,12 @@ static void walk_tree(batch_walk *w, const resident_grid *at, const ray_set *ray
 
 /* ---- Treelets ---- */
 
-/* Whether ray i passes treelet t, by its own interval, since nodes are generous. A cell that the
- * kernel lets it visit lies within. */
-static bool passes(const batch_walk *w, uint32_t t, unsigned i) {
+/* So few rays go through a treelet one by one. */
+enum { ALONE_MAX = 4 };
+
+/* Whether ray i passes treelet t, by its own interval, since nodes are generous, and where. A cell
+ * that the kernel lets it visit lies within. */
+static bool passes(const batch_walk *w, uint32_t t, unsigned i, double *from, double *to) {
     const leaf_layout *layout = w->tr->layout;
     const level_planes *planes = &w->scene->levels[layout->level_of[t]];
     const ray *r = ray_at(w, i);
@@ -383,16 +386,19 @@ static bool passes(const batch_walk *w, uint32_t t, unsigned i) {
         const uint32_t last = end < planes->cells[a] ? end : planes->cells[a];
         ray_box_slab(planes->at[a][first], planes->at[a][last], r->o[a], r->d[a], &t_in, &t_out);
     }
+    *from = t_in;
+    *to = t_out;
     return t_in <= t_out;
 }
 
 static ray_set passing(batch_walk *w, uint32_t t, const ray_set *rays) {
     ray_set some = {{0}};
+    double from, to;
     queue_flush(w);
     flush(w);
     for (unsigned k = 0; k < w->rays.words; k++)
         for (uint64_t left = rays->of[k] & w->open.of[k]; left; left &= left - 1)
-            if (passes(w, t, 64 * k + (unsigned)__builtin_ctzll(left)))
+            if (passes(w, t, 64 * k + (unsigned)__builtin_ctzll(left), &from, &to))
                 some.of[k] |= left & (~left + 1);
     return some;
 }
@@ -415,6 +421,21 @@ static void miss_treelet(batch_walk *w, uint32_t t, const ray_set *rays) {
     }
 }
 
+/* Few rays fill no vectors, and by themselves they stop at their first hit. */
+static void walk_alone(batch_walk *w, uint32_t t, const resident_grid *at, const ray_set *rays) {
+    for (unsigned k = 0; k < w->rays.words; k++) {
+        for (uint64_t left = rays->of[k] & w->open.of[k]; left; left &= left - 1) {
+            const unsigned i = 64 * k + (unsigned)__builtin_ctzll(left);
+            double t_in, t_out;
+            hit h = w->best[i];
+            if (passes(w, t, i, &t_in, &t_out) &&
+                w->scene->walk(w->scene, at, ray_at(w, i), t_in, t_out, 255u,
+                               &state_at(w, i)->after, &h, w->counters))
+                take_hit(w, i, at, &h, h.t >= t_out);
+        }
+    }
+}
+
 static void walk_drawn(batch_walk *w, uint32_t t, const ray_set *rays) {
     const loader *treelets = w->tr->treelets;
     if (!treelets->own[t])
@@ -425,7 +446,10 @@ static void walk_drawn(batch_walk *w, uint32_t t, const ray_set *rays) {
         return;
     }
     touch(w, t, rays);
-    walk_tree(w, at, rays);
+    if (set_count(rays, w->rays.words) <= ALONE_MAX)
+        walk_alone(w, t, at, rays);
+    else
+        walk_tree(w, at, rays);
 }
 
 static void walk_directory(batch_walk *w) {

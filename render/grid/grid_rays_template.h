@@ -69,6 +69,13 @@ static bool set_is_empty(const ray_set *s, unsigned words) {
     return any == 0;
 }
 
+SIMD unsigned set_count(const ray_set *s, unsigned words) {
+    unsigned count = 0;
+    for (unsigned w = 0; w < words; w++)
+        count += (unsigned)__builtin_popcountll(s->of[w]);
+    return count;
+}
+
 SIMD bool set_has(const ray_set *s, unsigned i) {
     return s->of[i / 64] >> i % 64 & 1u;
 }
