@@ -52,7 +52,8 @@ typedef struct batch_walk {
     grid_legs legs;
     grid_rays rays;
     ray_set open;    /* still look for a surface */
-    ray_set pending; /* of these: a cell waits in the batch */
+    ray_set pending; /* of these: a cell waits in the batch, */
+    ray_set queued;  /* or in the queue before it */
     ray_set single;  /* met an absent treelet */
     hit best[RAY_BATCH];
     const resident_grid *at[RAY_BATCH]; /* in which; NULL: what it was given */
@@ -86,7 +87,7 @@ static void take_hit(batch_walk *w, unsigned i, const resident_grid *at, const h
         w->best[i] = *h;
         w->at[i] = at;
     }
-    if (!at_exit || state_at(w, i)->any)
+    if (!at_exit)
         set_drop(&w->open, i);
     else
         w->rays.t1[i] = (float)(w->best[i].t - w->rays.t_in[i]) * (1.0f + 4.0f * UNIT);
@@ -254,6 +255,7 @@ static void queue_flush(batch_walk *w) {
     if (w->filter)
         left &= queue_may_cross(q, w->rays.astray, w->scene->isovalues, w->scene->count);
     q->count = 0;
+    w->queued = (ray_set){{0}};
     for (; left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left), i = q->ray[k];
         if (set_has(&w->pending, i))
@@ -281,6 +283,7 @@ SIMD void queue_add(batch_walk *w, const resident_grid *at, const uint32_t cell[
     q->t1[k] = g->t1[i];
     q->at[k] = at;
     q->ray[k] = (uint8_t)i;
+    set_add(&w->queued, i);
     if (q->count == VF_N)
         queue_flush(w);
 }
@@ -421,8 +424,20 @@ static void miss_treelet(batch_walk *w, uint32_t t, const ray_set *rays) {
     }
 }
 
+/* Cells of theirs that wait come first. */
+static void answer(batch_walk *w, const ray_set *rays) {
+    uint64_t waiting = 0;
+    for (unsigned k = 0; k < w->rays.words; k++)
+        waiting |= rays->of[k] & (w->queued.of[k] | w->pending.of[k]);
+    if (waiting) {
+        queue_flush(w);
+        flush(w);
+    }
+}
+
 /* Few rays fill no vectors, and by themselves they stop at their first hit. */
 static void walk_alone(batch_walk *w, uint32_t t, const resident_grid *at, const ray_set *rays) {
+    answer(w, rays);
     for (unsigned k = 0; k < w->rays.words; k++) {
         for (uint64_t left = rays->of[k] & w->open.of[k]; left; left &= left - 1) {
             const unsigned i = 64 * k + (unsigned)__builtin_ctzll(left);
@@ -510,7 +525,7 @@ static void deliver(batch_walk *w) {
 /* All rays of w->legs, which go to one octant. */
 static void walk_octant(batch_walk *w) {
     grid_rays_make(&w->rays, &w->legs, w->middle, w->size);
-    w->open = w->pending = w->single = (ray_set){{0}};
+    w->open = w->pending = w->queued = w->single = (ray_set){{0}};
     w->waiting = 0;
     w->queue.count = 0;
     for (unsigned i = 0; i < w->rays.count; i++) {
