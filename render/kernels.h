@@ -6,6 +6,7 @@
 #define RENDER_KERNELS_H
 
 #include "render/grid/cell_batch.h"
+#include "render/grid/grid_batch.h"
 #include "render/grid/grid_tile.h"
 #include "render/grid/walk.h"
 #include "render/mesh/mesh_packet.h"
@@ -19,6 +20,7 @@ typedef struct kernels {
     cell_batch_fn cells; /* many ray-cells: the first surface of each, */
     cell_roots_fn roots; /* or all of them */
     tile_fn tile;        /* a tile of primary rays through a grid; NULL: one by one */
+    batch_fn batch;      /* rays of any kind through a grid; NULL: one by one */
     tile_fn mesh_tile;   /* ... through a mesh */
     tile_fn mesh_packet; /* ... the way of W07 */
     tet_batch_fn tets;   /* many rays and an isopolygon */
