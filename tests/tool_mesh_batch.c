@@ -1,7 +1,7 @@
 /* tool_mesh_batch.c - what a ray costs, alone and in batches, in microseconds of this thread: for
  * each kernel that this CPU has, rays of several sorts through an open volume.
  *
- *   mesh_batch F.leaf ISOVALUE [SIDE [ROUNDS]]
+ *   mesh_batch F.leaf ISOVALUE [SIDE [ROUNDS [ISA [SORT]]]]
  *
  * Sorts: from what pixels of tiles show (SIDE x SIDE of them, the standard view) along a direction,
  * towards a point, whatever they meet first, mirrored; and rays at random. Batches and single rays
@@ -213,14 +213,17 @@ static double median(double *t, int n) {
     return t[n / 2];
 }
 
-static size_t race(lab *l, sort *s, int rounds) {
+/* only: of this ISA; NULL: of all. */
+static size_t race(lab *l, sort *s, int rounds, const char *only) {
     static double spent[CPU_ISAS + 1][ROUNDS_MAX];
     const int best = (int)cpu_best();
     size_t wrong = 0;
     for (int round = 0; round < rounds; round++) {
-        spent[0][round] = time_single(l, s);
+        spent[0][round] = round == 0 || !only ? time_single(l, s) : spent[0][0];
         for (int isa = 1; isa <= best; isa++) {
             kernels k;
+            if (only && strcmp(only, cpu_isa_name((cpu_isa)isa)) != 0)
+                continue;
             if (!kernels_for(cpu_isa_name((cpu_isa)isa), &k))
                 continue;
             spent[isa][round] = time_batches(l, &k, s, &wrong);
@@ -243,8 +246,8 @@ int main(int argc, char **argv) {
     static lab l;
     l.side = argc > 3 ? (uint32_t)atoi(argv[3]) / TILE_SIDE * TILE_SIDE : 512;
     const int rounds = argc > 4 ? atoi(argv[4]) : 5;
-    if (argc < 3 || argc > 5 || l.side == 0 || rounds < 1 || rounds > ROUNDS_MAX) {
-        fprintf(stderr, "mesh_batch F.leaf ISOVALUE [SIDE [ROUNDS]]\n");
+    if (argc < 3 || argc > 7 || l.side == 0 || rounds < 1 || rounds > ROUNDS_MAX) {
+        fprintf(stderr, "mesh_batch F.leaf ISOVALUE [SIDE [ROUNDS [ISA [SORT]]]]\n");
         return 2;
     }
     if (!open_lab(&l, argv[1], strtod(argv[2], NULL))) {
@@ -254,6 +257,7 @@ int main(int argc, char **argv) {
     size_t wrong = 0;
     make_sorts(&l);
     for (int i = 0; i < l.count; i++)
-        wrong += race(&l, &l.sorts[i], rounds);
+        if (argc < 7 || strcmp(argv[6], l.sorts[i].name) == 0)
+            wrong += race(&l, &l.sorts[i], rounds, argc > 5 ? argv[5] : NULL);
     return wrong > 0;
 }

@@ -55,7 +55,8 @@ typedef struct mesh_batch {
     const resident_mesh *at[TET_RAYS]; /* where its best hit is */
     /* Those of them that make beams: `share` each, from `first` on. */
     unsigned first, share;
-    uint32_t alive; /* beams with rays that look */
+    uint32_t alive;            /* beams with rays that look */
+    uint64_t looks[RAY_WORDS]; /* rays that do */
     mesh_beams beams;
     batch_tets tets;
 } mesh_batch;
@@ -72,6 +73,8 @@ static void beam_sees(mesh_batch *w, unsigned i) {
     for (unsigned k = from; k < end; k++)
         far = w->in_frame.far[k] > far ? w->in_frame.far[k] : far;
     w->beams.far[beam] = far;
+    if (w->in_frame.far[i] < 0.0f)
+        w->looks[i / 64] &= ~(UINT64_C(1) << i % 64);
     if (far < 0.0f)
         w->alive &= ~(1u << beam);
 }
@@ -90,42 +93,59 @@ static void take_hit(mesh_batch *w, const resident_mesh *at, unsigned i) {
 
 /* ---- Isopolygons ---- */
 
+/* Tets a lane each: their vertices in the frame, and their values; for an isovalue then which
+ * vertices are inside, and the points on their edges. */
+typedef struct framed_tets {
+    vf p[4][3], f[4];
+    unsigned odd; /* lanes with values that sums and quotients of floats cannot be trusted with */
+    _Alignas(64) float cut[TET_EDGES][3][VF_N];
+    uint8_t inside[VF_N];
+} framed_tets;
+
 /* The edges around a polygon as lines of the frame: the edge function of a ray (o, d) is d . moment
  * + edge . (o x d). */
 typedef struct polygon_lines {
-    float edge[4][3], moment[4][3], error[4];
+    float edge[4][3], moment[4][3];
+    float error; /* of its edge functions */
     int count;
 } polygon_lines;
 
-/* What its edge functions may err by. The moduli of a direction's components are at most 1, of a
- * point's 1, of an origin's less than 2, so those of o x d less than 4 (a sum of both less than ...
- * of |e| = |ex| + |ey| + |ez|): d . moment adds up to 2 |e| at most, edge . (o x d) to 4 |e|. On
- * its way from the exact arguments into the sum a term collects 8 roundings at most: 48 u |e|, less
- * than 2^-18 |e|. Twice that is given away. */
-static const float LINE_ERROR = 0x1p-17f;
+/* What edge functions of polygons err by, in units of S, the sum of the moduli of all their edges'
+ * components. A ray that hits a polygon at X passes its edges on one side (a quadrilateral is flat
+ * and convex), but for these errors, where u = 2^-24:
+ *   points   They err by e = 2^-19 a component. Seen from X, the edge function of points P and Q that
+ *            are off by a and b is off by d . (a x (Q - P)) + d . ((P - X) x (b - a)) + d . (a x b).
+ *            No component of d is over 1, and neither Q - P nor P - X is longer than S / 2: that is
+ *            less than 3 e S and, for the products of errors, 2^-32. What rounding bends the exact
+ *            polygon by is nothing beside that.
+ *   rays     The components of a point are little more than 1, those of an origin less than 2, those
+ *            of o x d less than 4, so moduli add up to 2 |Q - P| for d . moment, to 4 |Q - P| for
+ *            edge . (o x d). On its way from the arguments into the sum a term collects 9 roundings
+ *            at most: 54 u |Q - P|, less than 2 e S.
+ * Together less than 2^-16 S + 2^-32. */
+static const float LINE_ERROR = 0x1p-16f, LINE_ERROR_LEAST = 0x1p-32f;
 
-static void lines_of(const beam_frame *f, const isopolygon *g, polygon_lines *l) {
-    double p[4][3];
-    l->count = g->count;
-    for (int i = 0; i < g->count; i++)
+SIMD void lines_of(const framed_tets *x, unsigned lane, polygon_lines *l) {
+    const tet_cut *cut = &tet_cuts[x->inside[lane]];
+    float p[4][3], sum = 0.0f;
+    l->count = cut->count;
+    for (int i = 0; i < 4; i++)
         for (int a = 0; a < 3; a++)
-            p[i][a] = (g->p[i][a] - f->centre[a]) * (f->scale * f->sign[a]);
-    for (int i = 0; i < g->count; i++) {
-        const double *from = p[i], *to = p[i + 1 < g->count ? i + 1 : 0];
-        double e[3], m[3];
-        vec3_sub(to, from, e);
-        vec3_cross(from, e, m);
+            p[i][a] = x->cut[cut->edge[i]][a][lane];
+    for (int i = 0; i < cut->count; i++) {
+        const float *from = p[i], *to = p[i + 1 < cut->count ? i + 1 : 0];
+        float *e = l->edge[i], *m = l->moment[i];
         for (int a = 0; a < 3; a++) {
-            l->edge[i][a] = (float)e[a];
-            l->moment[i][a] = (float)m[a];
+            e[a] = to[a] - from[a];
+            sum += fabsf(e[a]);
         }
-        l->error[i] = LINE_ERROR * (float)vec3_size(e);
+        for (int a = 0; a < 3; a++)
+            m[a] = from[(a + 1) % 3] * e[(a + 2) % 3] - from[(a + 2) % 3] * e[(a + 1) % 3];
     }
+    l->error = LINE_ERROR * sum + LINE_ERROR_LEAST;
 }
 
-/* Those of VF_N rays from `at` on that may hit the polygon: a quadrilateral is flat and convex but
- * for the rounding of its points, so that a ray which hits one of its triangles passes its four
- * edges on one side, but for much less than their error. */
+/* Those of VF_N rays from `at` on that may hit the polygon. */
 SIMD unsigned rays_near(const frame_rays *r, const polygon_lines *l, unsigned at) {
     mf above = mf_of_bits(0), below = mf_of_bits(0);
     for (int i = 0; i < l->count; i++) {
@@ -135,25 +155,25 @@ SIMD unsigned rays_near(const frame_rays *r, const polygon_lines *l, unsigned at
         sum = sum + f_load(r->moment[0] + at) * f_set(l->edge[i][0]);
         sum = sum + f_load(r->moment[1] + at) * f_set(l->edge[i][1]);
         sum = sum + f_load(r->moment[2] + at) * f_set(l->edge[i][2]);
-        above = mf_or(above, f_gt(sum, f_set(l->error[i])));
-        below = mf_or(below, f_lt(sum, f_set(-l->error[i])));
+        above = mf_or(above, f_gt(sum, f_set(l->error)));
+        below = mf_or(below, f_lt(sum, f_set(-l->error)));
     }
     return ~mf_bits(mf_and(above, below));
 }
 
-/* The rays of beams that still look. */
-SIMD unsigned rays_of_beams(const mesh_batch *w, uint32_t beams, uint64_t rays[RAY_WORDS]) {
-    unsigned count = 0;
+/* The rays of beams that still look; false: none. A beam's lie in one word: shares are powers of two.
+ */
+SIMD bool rays_of_beams(const mesh_batch *w, uint32_t beams, uint64_t rays[RAY_WORDS]) {
+    const uint64_t one = (UINT64_C(1) << w->share) - 1;
+    uint64_t any = 0;
     memset(rays, 0, RAY_WORDS * sizeof *rays);
     for (uint32_t left = beams & w->alive; left; left &= left - 1) {
-        unsigned i = w->first + (unsigned)__builtin_ctz(left) * w->share;
-        for (const unsigned end = i + w->share < w->count ? i + w->share : w->count; i < end; i++) {
-            const unsigned looks = w->in_frame.far[i] >= 0.0f;
-            rays[i / 64] |= (uint64_t)looks << i % 64;
-            count += looks;
-        }
+        const unsigned i = w->first + (unsigned)__builtin_ctz(left) * w->share;
+        rays[i / 64] |= one << i % 64;
     }
-    return count;
+    for (int word = 0; word < RAY_WORDS; word++)
+        any |= rays[word] &= w->looks[word];
+    return any;
 }
 
 /* Made, or kept with the treelet; false: none. */
@@ -189,25 +209,31 @@ SIMD void meet_polygon(mesh_batch *w, const resident_mesh *at, const isopolygon 
         take_hit(w, at, i + (unsigned)__builtin_ctz(taken));
 }
 
-static void walk_tet(mesh_batch *w, const resident_mesh *at, unsigned lane, int32_t iso,
-                     uint32_t beams) {
-    enum { FEW = 2, FLOATS = (1u << VF_N) - 1, DOUBLES = (1u << VD_N) - 1 };
-    uint64_t rays[RAY_WORDS];
-    isopolygon g;
-    const unsigned count = rays_of_beams(w, beams, rays);
-    if (count == 0 || !batch_polygon(w, at, lane, w->tr->isos.isovalues[iso], &g))
-        return;
+static void walk_tet(mesh_batch *w, const resident_mesh *at, const framed_tets *x, unsigned lane,
+                     int32_t iso, uint32_t beams) {
+    enum { FLOATS = (1u << VF_N) - 1, DOUBLES = (1u << VD_N) - 1 };
     const hit_of of = {at->first_tet + w->tets.place[lane], iso};
+    const bool even = !(x->odd >> lane & 1u);
+    uint64_t rays[RAY_WORDS];
     polygon_lines lines;
-    if (count > FEW)
-        lines_of(&w->frame, &g, &lines);
+    isopolygon g;
+    bool made = false;
+    if (!rays_of_beams(w, beams, rays))
+        return;
+    if (even)
+        lines_of(x, lane, &lines);
     for (unsigned word = 0; word < RAY_WORDS; word++) {
         for (uint64_t left = rays[word]; left;) {
             const unsigned from = (unsigned)__builtin_ctzll(left) & -(unsigned)VF_N;
             unsigned bits = (unsigned)(left >> from) & FLOATS;
             left &= ~((uint64_t)FLOATS << from);
-            if (count > FEW)
+            if (even)
                 bits &= rays_near(&w->in_frame, &lines, 64 * word + from);
+            if (!bits)
+                continue;
+            if (!made && !batch_polygon(w, at, lane, w->tr->isos.isovalues[iso], &g))
+                return;
+            made = true;
             for (unsigned k = 0; bits >> k; k += VD_N)
                 if (bits >> k & DOUBLES)
                     meet_polygon(w, at, &g, of, 64 * word + from + k, bits >> k & DOUBLES);
@@ -217,17 +243,11 @@ static void walk_tet(mesh_batch *w, const resident_mesh *at, unsigned lane, int3
 
 /* ---- Tets ---- */
 
-/* Their vertices in the frame, and their values. */
-typedef struct framed_tets {
-    vf p[4][3], f[4];
-    mf odd; /* values that sums and quotients of floats cannot be trusted with */
-} framed_tets;
-
 SIMD void frame_tets(const mesh_batch *w, const resident_mesh *at, framed_tets *x) {
     const batch_tets *l = &w->tets;
     const beam_frame *f = &w->frame;
     const float *values = mesh_leaf_values(&at->mesh, at->values);
-    x->odd = mf_of_bits(0);
+    mf odd = mf_of_bits(0);
     for (int k = 0; k < 4; k++) {
         _Alignas(64) float of[VF_N];
         f_load_triples(at->positions[0], l->vertex[k], x->p[k]);
@@ -240,40 +260,48 @@ SIMD void frame_tets(const mesh_batch *w, const resident_mesh *at, framed_tets *
         for (unsigned i = 0; i < VF_N; i++)
             of[i] = values[l->vertex[k][i]];
         x->f[k] = f_load(of);
-        x->odd = mf_or(x->odd, f_gt(f_abs(x->f[k]), f_set(0x1p125f)));
+        odd = mf_or(odd, f_gt(f_abs(x->f[k]), f_set(0x1p125f)));
     }
+    x->odd = mf_bits(odd);
 }
 
 /* Boxes around the isopolygons of tets: the points on their edges between vertices on either side.
  * An edge's share s errs by six units of 2^-24 of itself: numerator, denominator and quotient; so
  * its point by less than half of what boxes are larger by. */
-SIMD void boxes_of_polygons(const mesh_batch *w, const framed_tets *x, double iso, beam_boxes *b) {
+SIMD void boxes_of_polygons(const mesh_batch *w, framed_tets *x, double iso, beam_boxes *b) {
     const vf most = f_set(INFINITY), least = f_set(-INFINITY), zero = f_set(0.0f);
     const vf threshold = f_set(interest_threshold(iso));
     const vf near = f_set((float)iso), rest = f_set((float)(iso - (double)(float)iso));
     vf up[4], lo[3] = {most, most, most}, hi[3] = {least, least, least};
     mf in[4];
+    unsigned inside[4], edge = 0;
     for (int k = 0; k < 4; k++) {
         in[k] = f_ge(x->f[k], threshold);
         up[k] = (near - x->f[k]) + rest;
+        inside[k] = mf_bits(in[k]);
     }
+    for (unsigned k = 0; k < VF_N; k++)
+        x->inside[k] = (uint8_t)((inside[0] >> k & 1u) | (inside[1] >> k & 1u) << 1 |
+                                 (inside[2] >> k & 1u) << 2 | (inside[3] >> k & 1u) << 3);
     for (int i = 0; i < 3; i++) {
-        for (int j = i + 1; j < 4; j++) {
+        for (int j = i + 1; j < 4; j++, edge++) {
             const mf cut = mf_and_not(mf_or(in[i], in[j]), mf_and(in[i], in[j]));
             const vf s = f_max(zero, f_min(up[i] / (x->f[j] - x->f[i]), f_set(1.0f)));
             for (int a = 0; a < 3; a++) {
                 const vf p = x->p[i][a] + s * (x->p[j][a] - x->p[i][a]);
+                f_store(x->cut[edge][a], p);
                 lo[a] = f_min(lo[a], f_select(cut, p, most));
                 hi[a] = f_max(hi[a], f_select(cut, p, least));
             }
         }
     }
+    const mf odd = mf_of_bits(x->odd);
     for (int a = 0; a < 3; a++) {
         const vf lower = f_min(f_min(x->p[0][a], x->p[1][a]), f_min(x->p[2][a], x->p[3][a]));
         const vf upper = f_max(f_max(x->p[0][a], x->p[1][a]), f_max(x->p[2][a], x->p[3][a]));
         const vf slack = f_set(w->frame.slack[a]);
-        f_store(b->lo[a], f_select(x->odd, lower, lo[a]) - slack);
-        f_store(b->hi[a], f_select(x->odd, upper, hi[a]) + slack);
+        f_store(b->lo[a], f_select(odd, lower, lo[a]) - slack);
+        f_store(b->hi[a], f_select(odd, upper, hi[a]) + slack);
     }
 }
 
@@ -294,7 +322,7 @@ static void walk_tets(mesh_batch *w, const resident_mesh *at) {
         meet_boxes(&w->beams, &boxes, VF_N, beams);
         for (unsigned k = 0; k < l->count; k++)
             if (beams[k])
-                walk_tet(w, at, k, i, beams[k]);
+                walk_tet(w, at, &x, k, i, beams[k]);
     }
     w->counters->cells += l->count;
     l->count = 0;
@@ -528,6 +556,9 @@ static void make_beams(mesh_batch *w, unsigned first, unsigned share) {
     w->first = first;
     w->share = share;
     w->alive = 0;
+    memset(w->looks, 0, sizeof w->looks);
+    for (unsigned i = 0; i < w->count; i++)
+        w->looks[i / 64] |= (uint64_t)(w->in_frame.far[i] >= 0.0f) << i % 64;
     for (unsigned beam = 0; beam < MESH_BEAMS; beam++) {
         const unsigned from = first + beam * share;
         const unsigned end = from + share < w->count ? from + share : w->count;
@@ -612,7 +643,9 @@ static const double NARROW = 4.0;
 
 static void walk_group(mesh_batch *w) {
     const double edge = 2.0 / cbrt((double)w->tr->treelets->file->header.tets);
-    const unsigned share = (w->count + MESH_BEAMS - 1) / MESH_BEAMS;
+    unsigned share = 1;
+    while (share * MESH_BEAMS < w->count)
+        share *= 2;
     make_beams(w, 0, share);
     if (share == 1 || (double)width_of_beams(w) <= NARROW * edge) {
         walk_beams(w);
