@@ -47,6 +47,7 @@ typedef struct mesh_batch {
     /* A group: rays of an octant. */
     unsigned count;
     float along[3]; /* the sum of their directions */
+    int axis;       /* where that is largest */
     tet_rays rays;
     frame_rays in_frame;
     uint8_t of[TET_RAYS];              /* the batch's number of a ray; */
@@ -69,13 +70,10 @@ static void beam_sees(mesh_batch *w, unsigned i) {
     const unsigned beam = (i - w->first) / w->share;
     const unsigned from = w->first + beam * w->share;
     const unsigned end = from + w->share < w->count ? from + w->share : w->count;
-    float far = -1.0f;
-    for (unsigned k = from; k < end; k++)
-        far = w->in_frame.far[k] > far ? w->in_frame.far[k] : far;
-    w->beams.far[beam] = far;
+    w->beams.far[beam] = farthest(&w->in_frame, (int)from, (int)end);
     if (w->in_frame.far[i] < 0.0f)
         w->looks[i / 64] &= ~(UINT64_C(1) << i % 64);
-    if (far < 0.0f)
+    if (w->beams.far[beam] < 0.0f)
         w->alive &= ~(1u << beam);
 }
 
@@ -113,16 +111,14 @@ typedef struct polygon_lines {
 /* What edge functions of polygons err by, in units of S, the sum of the moduli of all their edges'
  * components. A ray that hits a polygon at X passes its edges on one side (a quadrilateral is flat
  * and convex), but for these errors, where u = 2^-24:
- *   points   They err by e = 2^-19 a component. Seen from X, the edge function of points P and Q that
- *            are off by a and b is off by d . (a x (Q - P)) + d . ((P - X) x (b - a)) + d . (a x b).
- *            No component of d is over 1, and neither Q - P nor P - X is longer than S / 2: that is
- *            less than 3 e S and, for the products of errors, 2^-32. What rounding bends the exact
- *            polygon by is nothing beside that.
- *   rays     The components of a point are little more than 1, those of an origin less than 2, those
- *            of o x d less than 4, so moduli add up to 2 |Q - P| for d . moment, to 4 |Q - P| for
- *            edge . (o x d). On its way from the arguments into the sum a term collects 9 roundings
- *            at most: 54 u |Q - P|, less than 2 e S.
- * Together less than 2^-16 S + 2^-32. */
+ *   points   They err by e = 2^-19 a component. Seen from X, the edge function of points P and Q
+ * that are off by a and b is off by d . (a x (Q - P)) + d . ((P - X) x (b - a)) + d . (a x b). No
+ * component of d is over 1, and neither Q - P nor P - X is longer than S / 2: that is less than 3 e
+ * S and, for the products of errors, 2^-32. What rounding bends the exact polygon by is nothing
+ * beside that. rays     The components of a point are little more than 1, those of an origin less
+ * than 2, those of o x d less than 4, so moduli add up to 2 |Q - P| for d . moment, to 4 |Q - P|
+ * for edge . (o x d). On its way from the arguments into the sum a term collects 9 roundings at
+ * most: 54 u |Q - P|, less than 2 e S. Together less than 2^-16 S + 2^-32. */
 static const float LINE_ERROR = 0x1p-16f, LINE_ERROR_LEAST = 0x1p-32f;
 
 SIMD void lines_of(const framed_tets *x, unsigned lane, polygon_lines *l) {
@@ -161,7 +157,8 @@ SIMD unsigned rays_near(const frame_rays *r, const polygon_lines *l, unsigned at
     return ~mf_bits(mf_and(above, below));
 }
 
-/* The rays of beams that still look; false: none. A beam's lie in one word: shares are powers of two.
+/* The rays of beams that still look; false: none. A beam's lie in one word: shares are powers of
+ * two.
  */
 SIMD bool rays_of_beams(const mesh_batch *w, uint32_t beams, uint64_t rays[RAY_WORDS]) {
     const uint64_t one = (UINT64_C(1) << w->share) - 1;
@@ -564,7 +561,7 @@ static void make_beams(mesh_batch *w, unsigned first, unsigned share) {
         const unsigned end = from + share < w->count ? from + share : w->count;
         if (from >= w->count)
             empty_beam(&w->beams, beam);
-        else if (make_beam(&w->beams, beam, &w->in_frame, (int)from, (int)end))
+        else if (make_beam(&w->beams, beam, &w->in_frame, (int)from, (int)end, w->axis))
             w->alive |= 1u << beam;
     }
 }
@@ -618,6 +615,8 @@ static void gather_octant(mesh_batch *w, unsigned octant) {
         for (unsigned i = 0; i < w->count; i++)
             w->along[a] += w->in_frame.d[a][i];
     }
+    w->axis = w->along[1] > w->along[0];
+    w->axis = w->along[2] > w->along[w->axis] ? 2 : w->axis;
 }
 
 /* What ray i of the group has found. */

@@ -53,7 +53,7 @@ static bool frame_of_bounds(const float bounds[6], beam_frame *f) {
     f->half = 1.0;
     for (int a = 0; a < 3; a++) {
         const double lo = fabs((double)bounds[a]), hi = fabs((double)bounds[a + 3]);
-        const double slack = 0x1p-19 + 0x1p-22 * (lo > hi ? lo : hi) * f->scale;
+        const double slack = 0x1p-18 + 0x1p-22 * (lo > hi ? lo : hi) * f->scale;
         f->slack[a] = (float)slack;
         f->half = 1.0 + 2.0 * slack > f->half ? 1.0 + 2.0 * slack : f->half;
     }
@@ -67,6 +67,7 @@ typedef struct frame_rays {
     _Alignas(64) float o[3][TET_RAYS], d[3][TET_RAYS], inverse[3][TET_RAYS];
     float moment[3][TET_RAYS]; /* o x d */
     float far[TET_RAYS];       /* how far they look; below 0: they do not */
+    float back[TET_RAYS];      /* how far before them their beam begins */
     double begin[TET_RAYS];    /* t of the frame: per_t of it less what it begins at */
     double per_t[TET_RAYS];
 } frame_rays;
@@ -130,15 +131,56 @@ static void empty_beam(mesh_beams *m, unsigned beam) {
     m->far[beam] = -1.0f;
 }
 
-/* Of the rays from `first` on that look at all; false: none. */
-static bool make_beam(mesh_beams *m, unsigned beam, const frame_rays *r, int first, int end) {
+/* Rays begin where their beam does along an axis: those that begin later go back to there, where
+ * that is not far. So origins are spread over a plane, and not in a box. */
+typedef struct beam_start {
+    int axis;
+    float at; /* -INFINITY: they begin where they do */
+} beam_start;
+
+SIMD beam_start start_of(const frame_rays *r, int first, int end, int axis) {
+    float least = INFINITY, most = -INFINITY, slowest = 1.0f;
+    for (int i = first; i < end; i++) {
+        if (r->far[i] < 0.0f)
+            continue;
+        const float o = r->o[axis][i], d = r->d[axis][i];
+        least = o < least ? o : least;
+        most = o > most ? o : most;
+        slowest = d < slowest ? d : slowest;
+    }
+    return (beam_start){axis, most - least <= 0.25f && slowest >= 0.25f ? least : -INFINITY};
+}
+
+/* How far a beam of these rays looks; below 0: it does not. */
+SIMD float farthest(const frame_rays *r, int first, int end) {
+    float most = -1.0f;
+    for (int i = first; i < end; i++) {
+        const float far = r->far[i] < 0.0f ? -1.0f : r->far[i] + r->back[i];
+        most = far > most ? far : most;
+    }
+    return most;
+}
+
+/* How far ray i goes back, in its t. */
+SIMD float way_back(const frame_rays *r, int i, const beam_start *s) {
+    return s->at > -INFINITY ? (r->o[s->axis][i] - s->at) * r->inverse[s->axis][i] : 0.0f;
+}
+
+/* Of the rays from `first` on that look at all; false: none. axis: the one they go along most. */
+static bool make_beam(mesh_beams *m, unsigned beam, frame_rays *r, int first, int end, int axis) {
+    const beam_start start = start_of(r, first, end, axis);
     empty_beam(m, beam);
+    for (int i = first; i < end; i++)
+        r->back[i] = way_back(r, i, &start);
+    m->far[beam] = farthest(r, first, end);
+    if (m->far[beam] < 0.0f)
+        return false;
     for (int a = 0; a < 3; a++) {
         float ahead = -INFINITY, behind = INFINITY, least = INFINITY, most = 0.0f;
         for (int i = first; i < end; i++) {
             if (r->far[i] < 0.0f)
                 continue;
-            const float o = r->o[a][i], inverse = r->inverse[a][i];
+            const float o = r->o[a][i] - r->back[i] * r->d[a][i], inverse = r->inverse[a][i];
             ahead = o > ahead ? o : ahead;
             behind = o < behind ? o : behind;
             least = inverse < least ? inverse : least;
@@ -149,12 +191,7 @@ static bool make_beam(mesh_beams *m, unsigned beam, const frame_rays *r, int fir
         m->least[a][beam] = least * (1.0f - 0x1p-20f);
         m->most[a][beam] = most * (1.0f + 0x1p-20f);
     }
-    for (int i = first; i < end; i++)
-        m->far[beam] = r->far[i] > m->far[beam] ? r->far[i] : m->far[beam];
-    if (m->far[beam] >= 0.0f)
-        return true;
-    empty_beam(m, beam);
-    return false;
+    return true;
 }
 
 /* ---- Boxes ---- */
