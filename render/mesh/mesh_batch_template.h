@@ -658,10 +658,11 @@ static void walk_group(mesh_batch *w) {
 
 /* ---- Batches ---- */
 
-/* Rays that the frame has no room for. */
-static bool too_far(const beam_frame *f, const ray *r) {
+/* Rays that the frame has no room for, and those that can have no hit. */
+static bool goes_alone(const beam_frame *f, const ray *r, const trace_state *s) {
     double largest = 0.0;
-    bool near = true;
+    bool near = s->blocked == LEAF_NO_TREELET && r->t0 <= r->t1 && r->t0 <= s->best.t &&
+                s->after.t <= r->t1 && s->after.t <= s->best.t;
     for (int a = 0; a < 3; a++) {
         near &= fabs(r->o[a] - f->centre[a]) * f->scale <= FARTHEST;
         near &= fabs(r->d[a]) <= 0x1p200;
@@ -684,7 +685,7 @@ void SIMD_NAME(mesh_batch)(const tracer *tr, const struct kernels *k, ray_batch 
         !tr->preview && frame_of_bounds(tree->bounds[tree->levels - 1][0], &w->frame);
     for (unsigned i = 0; i < b->count; i++) {
         const ray *r = &b->rays[i];
-        w->alone[i] = !together || b->states[i].blocked != LEAF_NO_TREELET || too_far(&w->frame, r);
+        w->alone[i] = !together || goes_alone(&w->frame, r, &b->states[i]);
         w->octant[i] = (uint8_t)((r->d[0] < 0.0) | (r->d[1] < 0.0) << 1 | (r->d[2] < 0.0) << 2);
         if (w->alone[i])
             ray_batch_single(tr, b, i, counters);

@@ -29,16 +29,17 @@
 
 #include "render/mesh/mesh_batch.h"
 #include "render/mesh/mesh_tracer.h"
+#include "render/mesh/mesh_walk.h"
 #include "render/mesh/tet_rays_template.h"
 
-static const double AHEAD = 0x1p-16, STEEPEST = 0x1p40, FARTHEST = 0x1p20;
+static const double AHEAD = 0x1p-16, STEEPEST = 0x1p40, FARTHEST = 0x1p12;
 
 /* A mesh's frame, and how a group of rays mirrors it. */
 typedef struct beam_frame {
     double centre[3], scale;
     double sign[3];
     float slack[3]; /* of boxes */
-    double half;    /* all of the mesh lies within -half .. half, slack included */
+    double half;    /* all of the mesh lies within -half .. half, with all that is given away */
 } beam_frame;
 
 /* False: numbers so large or small that floats will not do. */
@@ -50,12 +51,12 @@ static bool frame_of_bounds(const float bounds[6], beam_frame *f) {
         size = hi - lo > size ? hi - lo : size;
     }
     f->scale = 2.0 / size;
-    f->half = 1.0;
+    f->half = 1.0 + 0x1p-5;
     for (int a = 0; a < 3; a++) {
         const double lo = fabs((double)bounds[a]), hi = fabs((double)bounds[a + 3]);
         const double slack = 0x1p-18 + 0x1p-22 * (lo > hi ? lo : hi) * f->scale;
         f->slack[a] = (float)slack;
-        f->half = 1.0 + 2.0 * slack > f->half ? 1.0 + 2.0 * slack : f->half;
+        f->half = 1.0 + 0x1p-5 + slack > f->half ? 1.0 + 0x1p-5 + slack : f->half;
     }
     return f->scale > 0x1p-100 && f->scale < 0x1p100 && f->half < 2.0;
 }
@@ -161,6 +162,17 @@ SIMD float farthest(const frame_rays *r, int first, int end) {
     return most;
 }
 
+/* What mesh_interval_in() gives away for these rays, which wait for the treelets that it says they
+ * enter: 4 MESH_GENEROSITY of a box's t at most, which is less than where they begin in the frame
+ * and 8. */
+SIMD float generosity(const frame_rays *r, int first, int end) {
+    double most = 0.0;
+    for (int i = first; i < end; i++)
+        if (r->far[i] >= 0.0f)
+            most = fabs(r->begin[i]) > most ? fabs(r->begin[i]) : most;
+    return (float)(4.0 * MESH_GENEROSITY * (most + 8.0));
+}
+
 /* How far ray i goes back, in its t. */
 SIMD float way_back(const frame_rays *r, int i, const beam_start *s) {
     return s->at > -INFINITY ? (r->o[s->axis][i] - s->at) * r->inverse[s->axis][i] : 0.0f;
@@ -175,6 +187,7 @@ static bool make_beam(mesh_beams *m, unsigned beam, frame_rays *r, int first, in
     m->far[beam] = farthest(r, first, end);
     if (m->far[beam] < 0.0f)
         return false;
+    const float slack = generosity(r, first, end);
     for (int a = 0; a < 3; a++) {
         float ahead = -INFINITY, behind = INFINITY, least = INFINITY, most = 0.0f;
         for (int i = first; i < end; i++) {
@@ -186,8 +199,8 @@ static bool make_beam(mesh_beams *m, unsigned beam, frame_rays *r, int first, in
             least = inverse < least ? inverse : least;
             most = inverse > most ? inverse : most;
         }
-        m->ahead[a][beam] = ahead;
-        m->behind[a][beam] = behind;
+        m->ahead[a][beam] = ahead + slack;
+        m->behind[a][beam] = behind - slack;
         m->least[a][beam] = least * (1.0f - 0x1p-20f);
         m->most[a][beam] = most * (1.0f + 0x1p-20f);
     }
