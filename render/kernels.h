@@ -9,6 +9,7 @@
 #include "render/grid/grid_batch.h"
 #include "render/grid/grid_tile.h"
 #include "render/grid/walk.h"
+#include "render/mesh/mesh_batch.h"
 #include "render/mesh/mesh_packet.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/tet_batch.h"
@@ -24,6 +25,7 @@ typedef struct kernels {
     tile_fn mesh_tile;   /* ... through a mesh */
     tile_fn mesh_packet; /* ... the way of W07 */
     tet_batch_fn tets;   /* many rays and an isopolygon */
+    batch_fn mesh_batch; /* a batch of rays through a mesh; NULL: one by one */
     uint8_t packet;      /* pixels on a side that walk together: GRID_TILE, or less of it */
     bool by_cell;        /* a batch never holds ray-cells of more than one cell */
 } kernels;
