@@ -137,6 +137,17 @@ bool tet_gradient(const tet *x, double gradient[3]);
  * normal    unit, against gradient; zero where that is */
 surface_point tet_surface(const tet *x, const ray *r, double iso, const hit *h);
 
+/* What all rays have in common that hit a tet's isopolygon: tet_facts_of(), then tet_surface_at()
+ * for each ray is tet_surface(). */
+typedef struct tet_facts {
+    bool any; /* isopolygon */
+    isopolygon g;
+    double range;        /* of values beside the isovalue, where there is a gradient */
+    surface_point point; /* without its error */
+} tet_facts;
+tet_facts tet_facts_of(const tet *x, double iso);
+surface_point tet_surface_at(const tet_facts *f, const ray *r, const hit *h);
+
 /* tet_normal() - the normal alone, which is the same for all rays that hit the tet's isopolygon. */
 void tet_normal(const tet *x, double iso, float normal[3]);
 
