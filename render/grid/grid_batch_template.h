@@ -9,6 +9,7 @@
 
 #include "render/grid/grid_batch.h"
 #include "render/grid/grid_rays_template.h"
+#include "render/grid/grid_start_template.h"
 #include "render/grid/grid_tracer.h"
 #include "render/grid/intersect.h"
 #include "render/kernels.h"
@@ -17,11 +18,12 @@
 void SIMD_NAME(grid_batch_trace)(const tracer *tr, const kernels *k, ray_batch *b, void *scratch,
                                  ray_counters *counters);
 
-/* Ray-cells, one a lane, on their way to the filter: planes as seen from the ray's entry. */
+/* Ray-cells, one a lane, on their way to the filter. What is the cell's is stored a vector at a
+ * time from its first lane on, and so reaches over. */
 typedef struct cell_queue {
-    float lo[3][VF_N], hi[3][VF_N], inv[3][VF_N], d[3][VF_N], reciprocal[3][VF_N];
-    float t0[VF_N], t1[VF_N];
-    float samples[8][VF_N];
+    float lo[3][2 * VF_N], hi[3][2 * VF_N], inv[3][2 * VF_N]; /* planes, from the middle on */
+    float samples[8][2 * VF_N];
+    float o[3][VF_N], d[3][VF_N], reciprocal[3][VF_N], t0[VF_N], t1[VF_N];
     const resident_grid *at[VF_N];
     uint32_t cell[VF_N][3];
     uint8_t ray[VF_N]; /* its place */
@@ -61,6 +63,8 @@ typedef struct batch_walk {
     /* Ray-cells on their way to the cell kernel. */
     cell_batch batch;
     unsigned waiting;
+    unsigned starts;          /* lanes whose ray has something to be behind, */
+    double after[CELL_BATCH]; /* and its t; else -INFINITY */
     uint8_t ray_of[CELL_BATCH];
     uint32_t cell_of[CELL_BATCH][3];
     const resident_grid *treelet_of[CELL_BATCH];
@@ -116,12 +120,36 @@ static void take_later_hit(batch_walk *w, unsigned k, uint64_t index) {
 
 /* ---- The batch ---- */
 
+/* Leave out the lanes that have no hit behind the surface on which their ray starts. */
+SIMD void drop_starts(batch_walk *w) {
+    const walk_scene *scene = w->scene;
+    cell_batch *b = &w->batch;
+    for (int at = 0; w->starts >> at; at += VD_N) {
+        unsigned none = (1u << VD_N) - 1;
+        if (!(w->starts >> at & none))
+            continue;
+        const start_visit v = start_visit_of(b, at);
+        for (int i = 0; i < scene->count && none; i++) {
+            vd f[8];
+            for (int s = 0; s < 8; s++)
+                f[s] = d_of_floats(b->samples[s] + at) - d_set(scene->isovalues[i]);
+            none &= start_clears(&v, f, d_load(w->after + at));
+        }
+        /* A ray that ends before it begins visits nothing. */
+        for (none &= w->starts >> at; none; none &= none - 1)
+            b->t1[at + __builtin_ctz(none)] = -INFINITY;
+    }
+    w->starts = 0;
+}
+
 /* Let the cell kernel answer what waits. */
 static void flush(batch_walk *w) {
     const walk_scene *scene = w->scene;
     cell_batch_hits hits;
     if (w->waiting == 0)
         return;
+    if (w->filter)
+        drop_starts(w);
     w->kernels->cells(&w->batch, (int)w->waiting, scene->isovalues, scene->count,
                       scene->intersector, &hits);
     for (uint32_t left = hits.found; left; left &= left - 1) {
@@ -158,6 +186,8 @@ static void add_to_batch(batch_walk *w, const resident_grid *at, const uint32_t 
     for (int s = 0; s < 8; s++)
         b->samples[s][k] = samples[s];
     w->ray_of[k] = (uint8_t)i;
+    w->after[k] = state_at(w, i)->after.t;
+    w->starts |= (unsigned)(w->after[k] > -INFINITY) << k;
     w->treelet_of[k] = at;
     set_add(&w->pending, i);
     if (w->waiting == CELL_BATCH)
@@ -175,18 +205,20 @@ typedef struct queue_visits {
 SIMD queue_visits queue_visits_of(const cell_queue *q, const float astray[3]) {
     const vf zero = f_set(0.0f), one = f_set(1.0f);
     queue_visits v = {.e = f_set(0.0f)};
-    vf t_in = f_load(q->t0), t_out = f_load(q->t1);
+    vf t_in = f_load(q->t0), t_out = f_load(q->t1), lo[3];
     for (int a = 0; a < 3; a++) {
-        const vf r = f_load(q->reciprocal[a]);
-        const vf to_lo = f_load(q->lo[a]) * r, to_hi = f_load(q->hi[a]) * r;
+        const vf o = f_load(q->o[a]), r = f_load(q->reciprocal[a]);
+        const vf hi = f_load(q->hi[a]) - o;
+        lo[a] = f_load(q->lo[a]) - o;
+        const vf to_lo = lo[a] * r, to_hi = hi * r;
         t_in = f_max(t_in, f_min(to_lo, to_hi));
         t_out = f_min(t_out, f_max(to_lo, to_hi));
+        v.e = v.e + (f_max(f_abs(lo[a]), f_abs(hi)) + f_set(astray[a])) * f_load(q->inv[a]);
     }
     for (int a = 0; a < 3; a++) {
-        const vf d = f_load(q->d[a]), lo = f_load(q->lo[a]), inv = f_load(q->inv[a]);
-        v.in[a] = f_min(f_max((t_in * d - lo) * inv, zero), one);
-        v.way[a] = f_min(f_max((t_out * d - lo) * inv, zero), one) - v.in[a];
-        v.e = v.e + (f_max(f_abs(lo), f_abs(f_load(q->hi[a]))) + f_set(astray[a])) * inv;
+        const vf d = f_load(q->d[a]), inv = f_load(q->inv[a]);
+        v.in[a] = f_min(f_max((t_in * d - lo[a]) * inv, zero), one);
+        v.way[a] = f_min(f_max((t_out * d - lo[a]) * inv, zero), one) - v.in[a];
     }
     return v;
 }
@@ -240,6 +272,20 @@ SIMD unsigned queue_may_cross(const cell_queue *q, const float astray[3], const 
     return crossing;
 }
 
+/* The samples of what has been queued: to *q, and once more by lanes. */
+SIMD void queue_samples(const walk_scene *scene, cell_queue *q, float samples[VF_N][8]) {
+    for (unsigned k = 0; k < q->count; k++) {
+        if (k > 0 && q->at[k] == q->at[k - 1] &&
+            memcmp(q->cell[k], q->cell[k - 1], sizeof q->cell[k]) == 0) {
+            memcpy(samples[k], samples[k - 1], sizeof samples[k]);
+            continue;
+        }
+        walk_cell_samples(scene, q->at[k], q->cell[k], samples[k]);
+        for (int s = 0; s < 8; s++)
+            f_store(q->samples[s] + k, f_set(samples[k][s]));
+    }
+}
+
 /* Filter what has been queued, and add the rest to the batch. */
 static void queue_flush(batch_walk *w) {
     cell_queue *q = &w->queue;
@@ -247,11 +293,7 @@ static void queue_flush(batch_walk *w) {
     unsigned left = (1u << q->count) - 1u;
     if (q->count == 0)
         return;
-    for (unsigned k = 0; k < q->count; k++) {
-        walk_cell_samples(w->scene, q->at[k], q->cell[k], samples[k]);
-        for (int s = 0; s < 8; s++)
-            q->samples[s][k] = samples[k][s];
-    }
+    queue_samples(w->scene, q, samples);
     if (w->filter)
         left &= queue_may_cross(q, w->rays.astray, w->scene->isovalues, w->scene->count);
     q->count = 0;
@@ -265,37 +307,52 @@ static void queue_flush(batch_walk *w) {
     }
 }
 
+/* The planes of a cell for all lanes that follow. */
+SIMD void queue_cell(cell_queue *q, const float planes[3][3]) {
+    for (int a = 0; a < 3; a++) {
+        f_store(q->lo[a] + q->count, f_set(planes[a][0]));
+        f_store(q->hi[a] + q->count, f_set(planes[a][1]));
+        f_store(q->inv[a] + q->count, f_set(planes[a][2]));
+    }
+}
+
 SIMD void queue_add(batch_walk *w, const resident_grid *at, const uint32_t cell[3], unsigned i) {
-    const level_planes *planes = &w->scene->levels[at->level];
     const grid_rays *g = &w->rays;
     cell_queue *q = &w->queue;
     const unsigned k = q->count++;
     for (int a = 0; a < 3; a++) {
-        const uint32_t c = cell[a];
-        q->lo[a][k] = (float)(planes->at[a][c] - g->entry[a][i]);
-        q->hi[a][k] = (float)(planes->at[a][c + 1] - g->entry[a][i]);
-        q->inv[a][k] = (float)planes->inverse[a][c];
+        q->o[a][k] = g->o[a][i];
         q->d[a][k] = g->d[a][i];
         q->reciprocal[a][k] = g->reciprocal[a][i];
-        q->cell[k][a] = c;
+        q->cell[k][a] = cell[a];
     }
     q->t0[k] = g->t0[i];
     q->t1[k] = g->t1[i];
     q->at[k] = at;
     q->ray[k] = (uint8_t)i;
     set_add(&w->queued, i);
-    if (q->count == VF_N)
-        queue_flush(w);
 }
 
 /* The rays that may visit an active cell. */
 static void walk_cell(batch_walk *w, const resident_grid *at, const uint32_t cell[3],
                       const ray_set *rays) {
+    const level_planes *planes = &w->scene->levels[at->level];
+    float near[3][3];
     walk_cell_prefetch(w->scene, at, cell);
+    for (int a = 0; a < 3; a++) {
+        near[a][0] = (float)(planes->at[a][cell[a]] - w->middle[a]);
+        near[a][1] = (float)(planes->at[a][cell[a] + 1] - w->middle[a]);
+        near[a][2] = (float)planes->inverse[a][cell[a]];
+    }
+    queue_cell(&w->queue, near);
     for (unsigned word = 0; word < w->rays.words; word++) {
         for (uint64_t left = rays->of[word] & w->open.of[word]; left; left &= left - 1) {
             w->counters->cells++;
             queue_add(w, at, cell, 64 * word + (unsigned)__builtin_ctzll(left));
+            if (w->queue.count == VF_N) {
+                queue_flush(w);
+                queue_cell(&w->queue, near);
+            }
         }
     }
 }
@@ -526,7 +583,7 @@ static void deliver(batch_walk *w) {
 static void walk_octant(batch_walk *w) {
     grid_rays_make(&w->rays, &w->legs, w->middle, w->size);
     w->open = w->pending = w->queued = w->single = (ray_set){{0}};
-    w->waiting = 0;
+    w->waiting = w->starts = 0;
     w->queue.count = 0;
     for (unsigned i = 0; i < w->rays.count; i++) {
         set_add(&w->open, i);

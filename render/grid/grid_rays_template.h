@@ -43,9 +43,9 @@ typedef struct grid_rays {
     /* A ray meets near and far planes at (plane - near_o) reciprocal and (plane - far_o)
      * reciprocal: early and late enough, see widening(). */
     float near_o[3][RAY_BATCH], far_o[3][RAY_BATCH], reciprocal[3][RAY_BATCH];
-    float d[3][RAY_BATCH], t1[RAY_BATCH];
+    float o[3][RAY_BATCH], d[3][RAY_BATCH], t1[RAY_BATCH];
     float t0[RAY_BATCH]; /* where the cell kernel lets it begin: not above 0 */
-    float astray[3];     /* 2^26 times how far entries are off at most, by rounding */
+    float astray[3];     /* 2^23 times how far entries and planes are off at most, by rounding */
 } grid_rays;
 
 /* Planes of a node's halves as rays of an octant of directions meet them: [0] those of the half
@@ -272,8 +272,9 @@ static void grid_rays_make(grid_rays *g, const grid_legs *legs, const double mid
     for (int a = 0; a < 3; a++) {
         const double wide = widening(furthest[a], come[a] + fabs(middle[a]) + size[a]);
         const double w = g->back >> a & 1u ? -wide : wide;
-        g->astray[a] = (float)(0x1p-24 * (come[a] + fabs(middle[a]) + size[a]));
+        g->astray[a] = (float)(furthest[a] + 0x1p-24 * (come[a] + fabs(middle[a])));
         for (unsigned i = 0; i < g->count; i++) {
+            g->o[a][i] = (float)(g->entry[a][i] - middle[a]);
             g->near_o[a][i] = (float)(g->entry[a][i] - middle[a] + w);
             g->far_o[a][i] = (float)(g->entry[a][i] - middle[a] - w);
         }
