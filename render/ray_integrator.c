@@ -161,7 +161,6 @@ static void trace_tile(const frame *f, uint32_t x0, uint32_t y0, const tile_row 
                        tile_outcome *out, ray_counters *counters) {
     own_batch b = {.f = f, .out = out, .counters = counters};
     memset(out->open, 0, sizeof out->open);
-    memset(out->found, 0, sizeof out->found);
     memset(out->waits, 0, sizeof out->waits);
     out->absent_count = 0;
     for (uint32_t y = 0; y < f->tracer->kind->tile_side; y++) {
