@@ -23,7 +23,8 @@ enum { RAY_WORDS = TET_RAYS / 64 };
 typedef struct batch_tets {
     uint32_t vertex[4][VF_N]; /* in the treelet */
     uint32_t place[VF_N];
-    uint32_t beams[VF_N];
+    uint32_t beams[BEAM_BOXES];
+    uint32_t any; /* beams */
     unsigned count;
 } batch_tets;
 
@@ -97,7 +98,7 @@ typedef struct framed_tets {
     vf p[4][3], f[4];
     unsigned odd; /* lanes with values that sums and quotients of floats cannot be trusted with */
     _Alignas(64) float cut[TET_EDGES][3][VF_N];
-    uint8_t inside[VF_N];
+    int32_t inside[VF_N]; /* bits */
 } framed_tets;
 
 /* The edges around a polygon as lines of the frame: the edge function of a ray (o, d) is d . moment
@@ -271,15 +272,15 @@ SIMD void boxes_of_polygons(const mesh_batch *w, framed_tets *x, double iso, bea
     const vf near = f_set((float)iso), rest = f_set((float)(iso - (double)(float)iso));
     vf up[4], lo[3] = {most, most, most}, hi[3] = {least, least, least};
     mf in[4];
-    unsigned inside[4], edge = 0;
+    unsigned edge = 0;
+    vf sides = zero;
     for (int k = 0; k < 4; k++) {
         in[k] = f_ge(x->f[k], threshold);
         up[k] = (near - x->f[k]) + rest;
-        inside[k] = mf_bits(in[k]);
+        sides = sides + f_select(in[k], f_set((float)(1 << k)), zero);
     }
-    for (unsigned k = 0; k < VF_N; k++)
-        x->inside[k] = (uint8_t)((inside[0] >> k & 1u) | (inside[1] >> k & 1u) << 1 |
-                                 (inside[2] >> k & 1u) << 2 | (inside[3] >> k & 1u) << 3);
+    const vi inside = f_to_int(sides);
+    memcpy(x->inside, &inside, sizeof inside);
     for (int i = 0; i < 3; i++) {
         for (int j = i + 1; j < 4; j++, edge++) {
             const mf cut = mf_and_not(mf_or(in[i], in[j]), mf_and(in[i], in[j]));
@@ -311,29 +312,29 @@ static void walk_tets(mesh_batch *w, const resident_mesh *at) {
             l->vertex[v][k] = l->vertex[v][0];
     frame_tets(w, at, &x);
     for (int32_t i = 0; i < isos->count; i++) {
+        const unsigned all = (1u << l->count) - 1;
+        uint32_t met[BEAM_BOXES];
         beam_boxes boxes;
-        uint32_t beams[BEAM_BOXES];
         boxes_of_polygons(w, &x, isos->isovalues[i], &boxes);
-        for (unsigned k = 0; k < VF_N; k++)
-            beams[k] = k < l->count ? l->beams[k] & w->alive : 0;
-        meet_boxes(&w->beams, &boxes, VF_N, beams);
-        for (unsigned k = 0; k < l->count; k++)
-            if (beams[k])
-                walk_tet(w, at, &x, k, i, beams[k]);
+        unsigned left = meet_boxes(&w->beams, &boxes, all, l->any & w->alive, l->beams, met);
+        for (; left; left &= left - 1) {
+            const unsigned k = (unsigned)__builtin_ctz(left);
+            walk_tet(w, at, &x, k, i, met[k]);
+        }
     }
     w->counters->cells += l->count;
+    l->any = 0;
     l->count = 0;
 }
 
 static void add_tet(mesh_batch *w, const resident_mesh *at, uint32_t place, uint32_t beams) {
     const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[place];
-    const float *values = mesh_leaf_values(&at->mesh, at->values);
     batch_tets *l = &w->tets;
     for (int k = 0; k < 4; k++) {
         __builtin_prefetch(at->positions[v[k]]);
-        __builtin_prefetch(values + v[k]);
         l->vertex[k][l->count] = v[k];
     }
+    l->any |= beams;
     l->beams[l->count] = beams;
     l->place[l->count++] = place;
     if (l->count == VF_N)
@@ -355,14 +356,13 @@ static void walk_leaf(mesh_batch *w, const resident_mesh *at, uint32_t first, ui
 
 /* ---- Nodes ---- */
 
-/* Push children with beams, the nearest last. */
-SIMD int push_boxes(const mesh_batch *w, const beam_boxes *b, const uint32_t beams[],
-                    unsigned count, batch_pending *stack, int top) {
+/* Push children and their beams, the nearest last. */
+SIMD int push_boxes(const mesh_batch *w, const beam_boxes *b, unsigned left,
+                    const uint32_t beams[BEAM_BOXES], batch_pending *stack, int top) {
     const int bottom = top;
     float near[MESH_CHILDREN];
-    for (unsigned c = 0; c < count; c++) {
-        if (!beams[c])
-            continue;
+    for (; left; left &= left - 1) {
+        const unsigned c = (unsigned)__builtin_ctz(left);
         float key = 0.0f;
         for (int a = 0; a < 3; a++)
             key += w->along[a] * b->lo[a][c];
@@ -396,14 +396,40 @@ SIMD code_frame code_frame_of(const beam_frame *f, const resident_mesh *at) {
     return c;
 }
 
+typedef uint8_t codes16 __attribute__((vector_size(16)));
+typedef uint16_t words16 __attribute__((vector_size(32)));
+typedef int32_t ints16 __attribute__((vector_size(64)));
+typedef float floats16 __attribute__((vector_size(64)));
+typedef float floats8 __attribute__((vector_size(32)));
+
+/* A node's codes, 48 bytes in a row, as floats: of the lower planes of all axes, of the upper ones.
+ */
+typedef struct node_codes {
+    float of[2][3][MESH_CHILDREN];
+} node_codes;
+
+SIMD void codes_of_node(const mesh_node *node, node_codes *out) {
+    for (unsigned k = 0; k < 3; k++) {
+        codes16 c;
+        memcpy(&c, (const char *)node + sizeof c * k, sizeof c);
+        const words16 words = __builtin_convertvector(c, words16);
+        const ints16 ints = __builtin_convertvector(words, ints16);
+        const floats16 floats = __builtin_convertvector(ints, floats16);
+        memcpy((char *)out + sizeof floats * k, &floats, sizeof floats);
+    }
+}
+
 SIMD void boxes_of_node(const code_frame *f, const mesh_node *node, beam_boxes *b) {
+    node_codes codes;
+    codes_of_node(node, &codes);
     for (int a = 0; a < 3; a++) {
-        const uint8_t *lower = f->back[a] ? node->hi[a] : node->lo[a];
-        const uint8_t *upper = f->back[a] ? node->lo[a] : node->hi[a];
-        for (int c = 0; c < MESH_CHILDREN; c++) {
-            b->lo[a][c] = f->lo[a] + (float)lower[c] * f->step[a];
-            b->hi[a][c] = f->hi[a] + (float)upper[c] * f->step[a];
-        }
+        floats8 lower, upper;
+        memcpy(&lower, codes.of[f->back[a]][a], sizeof lower);
+        memcpy(&upper, codes.of[!f->back[a]][a], sizeof upper);
+        lower = f->lo[a] + lower * f->step[a];
+        upper = f->hi[a] + upper * f->step[a];
+        memcpy(b->lo[a], &lower, sizeof lower);
+        memcpy(b->hi[a], &upper, sizeof upper);
     }
 }
 
@@ -418,16 +444,16 @@ static int open_node(mesh_batch *w, const code_frame *planes, const resident_mes
                      const batch_pending *p, batch_pending *stack, int top) {
     const mesh_node *node = &at->nodes[p->i];
     const unsigned active = at->active->children[p->i];
-    uint32_t beams[BEAM_BOXES] = {0};
+    uint32_t wanted[BEAM_BOXES], met[BEAM_BOXES];
     beam_boxes b;
     w->counters->nodes++;
     boxes_of_node(planes, node, &b);
     leave_idle(&b, MESH_CHILDREN);
     for (unsigned c = 0; c < MESH_CHILDREN; c++)
-        beams[c] = active >> c & 1u ? p->beams : 0;
-    meet_boxes(&w->beams, &b, MESH_CHILDREN, beams);
+        wanted[c] = p->beams;
+    const unsigned left = meet_boxes(&w->beams, &b, active, p->beams, wanted, met);
     const int bottom = top;
-    top = push_boxes(w, &b, beams, MESH_CHILDREN, stack, top);
+    top = push_boxes(w, &b, left, met, stack, top);
     for (int k = bottom; k < top; k++) {
         stack[k].i = node->child[stack[k].i];
         if (!(stack[k].i & MESH_LEAF))
@@ -499,12 +525,14 @@ static int open_family(mesh_batch *w, const batch_pending *p, batch_pending *sta
     const treelet_tree *tree = mesh_rays_of(w->tr)->tree;
     const beam_frame *f = &w->frame;
     uint32_t count, first = treelet_tree_children(tree, p->level, p->i, &count);
-    uint32_t beams[BEAM_BOXES] = {0};
+    uint32_t wanted[BEAM_BOXES], met[BEAM_BOXES];
+    unsigned active = 0;
     beam_boxes b;
     w->counters->nodes++;
     for (uint32_t c = 0; c < count; c++) {
         const float *bounds = tree->bounds[p->level - 1][first + c];
-        beams[c] = tree->active[p->level - 1][first + c] ? p->beams : 0;
+        wanted[c] = p->beams;
+        active |= (unsigned)tree->active[p->level - 1][first + c] << c;
         for (int a = 0; a < 3; a++) {
             const bool back = f->sign[a] < 0.0;
             const double scale = f->scale * f->sign[a];
@@ -515,9 +543,9 @@ static int open_family(mesh_batch *w, const batch_pending *p, batch_pending *sta
         }
     }
     leave_idle(&b, count);
-    meet_boxes(&w->beams, &b, MESH_CHILDREN, beams);
+    const unsigned left = meet_boxes(&w->beams, &b, active, p->beams, wanted, met);
     const int bottom = top;
-    top = push_boxes(w, &b, beams, count, stack, top);
+    top = push_boxes(w, &b, left, met, stack, top);
     for (int k = bottom; k < top; k++) {
         stack[k].i += first;
         stack[k].level = p->level - 1;
@@ -680,6 +708,7 @@ void SIMD_NAME(mesh_batch)(const tracer *tr, const struct kernels *k, ray_batch 
     w->tr = tr;
     w->b = b;
     w->counters = counters;
+    w->tets.any = 0;
     w->tets.count = 0;
     const bool together =
         !tr->preview && frame_of_bounds(tree->bounds[tree->levels - 1][0], &w->frame);
