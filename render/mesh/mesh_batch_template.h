@@ -594,6 +594,8 @@ static void make_beams(mesh_batch *w, unsigned first, unsigned share) {
     }
 }
 
+static const double NARROW = 0.7;
+
 /* How far apart the rays of beams are on their way, on average. */
 static float width_of_beams(const mesh_batch *w) {
     float sum = 0.0f;
@@ -625,26 +627,92 @@ static void put_ray(mesh_batch *w, unsigned k) {
     w->at[i] = NULL;
 }
 
+/* The sum of the directions of a group's rays, and the axis that they go along most. */
+static void sum_directions(mesh_batch *w, const uint8_t rays[], unsigned count) {
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (unsigned i = 0; i < count; i++) {
+        const double *d = w->b->rays[rays[i]].d;
+        const double size = 1.0 / (fabs(d[0]) + fabs(d[1]) + fabs(d[2]));
+        for (int a = 0; a < 3; a++)
+            sum[a] += fabs(d[a]) * size;
+    }
+    w->axis = sum[1] > sum[0];
+    w->axis = sum[2] > sum[w->axis] ? 2 : w->axis;
+    for (int a = 0; a < 3; a++)
+        w->along[a] = (float)sum[a];
+}
+
+/* Where rays pass by each other: seen along the sum of the directions, in two of the axes; turned a
+ * little by their own directions, which tells rays of one origin apart. */
+static void places_of(const mesh_batch *w, const uint8_t rays[], unsigned count,
+                      float place[2][RAY_BATCH]) {
+    const beam_frame *f = &w->frame;
+    const int z = w->axis;
+    for (int k = 0; k < 2; k++) {
+        const int a = (z + 1 + k) % 3;
+        const double slope = (double)(w->along[a] / w->along[z]) * f->sign[a] * f->sign[z];
+        for (unsigned i = 0; i < count; i++) {
+            const ray *r = &w->b->rays[rays[i]];
+            const double size = 1.0 / (fabs(r->d[0]) + fabs(r->d[1]) + fabs(r->d[2]));
+            place[k][i] = (float)((r->o[a] - slope * r->o[z]) * f->scale + r->d[a] * size);
+        }
+    }
+}
+
+/* 0 .. 15 of a range, every other bit of it. */
+SIMD unsigned spread_place(float at, float lo, float per) {
+    const unsigned x = (unsigned)((at - lo) * per) & 15u;
+    return (x & 1u) | (x & 2u) << 1 | (x & 4u) << 2 | (x & 8u) << 3;
+}
+
+/* Sort a group's rays along a curve through their places (Morton's), so that beams are made of
+ * neighbours. */
+static void sort_rays(const mesh_batch *w, uint8_t rays[], unsigned count) {
+    float place[2][RAY_BATCH], lo[2], per[2];
+    uint8_t key[RAY_BATCH], from[RAY_BATCH];
+    uint16_t begins[257] = {0};
+    places_of(w, rays, count, place);
+    for (int k = 0; k < 2; k++) {
+        float hi = place[k][0];
+        lo[k] = hi;
+        for (unsigned i = 1; i < count; i++) {
+            lo[k] = place[k][i] < lo[k] ? place[k][i] : lo[k];
+            hi = place[k][i] > hi ? place[k][i] : hi;
+        }
+        per[k] = hi > lo[k] ? 15.99f / (hi - lo[k]) : 0.0f;
+    }
+    for (unsigned i = 0; i < count; i++) {
+        key[i] = (uint8_t)(spread_place(place[0][i], lo[0], per[0]) |
+                           spread_place(place[1][i], lo[1], per[1]) << 1);
+        begins[key[i] + 1]++;
+    }
+    for (unsigned k = 1; k < 257; k++)
+        begins[k] = (uint16_t)(begins[k] + begins[k - 1]);
+    memcpy(from, rays, count);
+    for (unsigned i = 0; i < count; i++)
+        rays[begins[key[i]]++] = from[i];
+}
+
 static void gather_octant(mesh_batch *w, unsigned octant) {
-    w->count = 0;
+    uint8_t rays[RAY_BATCH];
+    unsigned count = 0;
     for (unsigned k = 0; k < w->b->count; k++)
         if (!w->alone[k] && w->octant[k] == octant)
-            put_ray(w, k);
-    for (unsigned i = w->count; i % 16; i++)
-        tet_rays_clear(&w->rays, (int)i);
+            rays[count++] = (uint8_t)k;
     for (int a = 0; a < 3; a++)
         w->frame.sign[a] = octant >> a & 1u ? -1.0 : 1.0;
-    for (unsigned i = 0; i < w->count; i += VD_N)
+    sum_directions(w, rays, count);
+    if (count > MESH_BEAMS)
+        sort_rays(w, rays, count);
+    w->count = 0;
+    for (unsigned i = 0; i < count; i++)
+        put_ray(w, rays[i]);
+    for (unsigned i = count; i % 16; i++)
+        tet_rays_clear(&w->rays, (int)i);
+    for (unsigned i = 0; i < count; i += VD_N)
         put_in_frame(&w->frame, &w->rays, (int)i, &w->in_frame);
-    for (unsigned i = w->count; i % 16; i++)
+    for (unsigned i = count; i % 16; i++)
         w->in_frame.far[i] = -1.0f;
-    for (int a = 0; a < 3; a++) {
-        w->along[a] = 0.0f;
-        for (unsigned i = 0; i < w->count; i++)
-            w->along[a] += w->in_frame.d[a][i];
-    }
-    w->axis = w->along[1] > w->along[0];
-    w->axis = w->along[2] > w->along[w->axis] ? 2 : w->axis;
 }
 
 /* What ray i of the group has found. */
@@ -665,8 +733,11 @@ static void answer(mesh_batch *w, unsigned i) {
     w->b->results[k] = hit_exists(&s->best) ? TRACE_HIT : TRACE_MISS;
 }
 
-/* Beams of many rays pay where they are not much wider than a tet. */
-static const double NARROW = 4.0;
+/* Beams of many rays pay as long as they are not much wider than a tet: they meet what lies beside
+ * each of their rays, too. */
+static bool is_narrow(const mesh_batch *w, double edge) {
+    return (double)width_of_beams(w) <= NARROW * edge * (sqrt((double)w->share) - 1.0);
+}
 
 static void walk_group(mesh_batch *w) {
     const double edge = 2.0 / cbrt((double)w->tr->treelets->file->header.tets);
@@ -674,12 +745,11 @@ static void walk_group(mesh_batch *w) {
     while (share * MESH_BEAMS < w->count)
         share *= 2;
     make_beams(w, 0, share);
-    if (share == 1 || (double)width_of_beams(w) <= NARROW * edge) {
-        walk_beams(w);
-        return;
-    }
-    for (unsigned first = 0; first < w->count; first += MESH_BEAMS) {
-        make_beams(w, first, 1);
+    for (; share > 1 && !is_narrow(w, edge); make_beams(w, 0, share))
+        share /= 2;
+    walk_beams(w);
+    for (unsigned first = MESH_BEAMS * share; first < w->count; first += MESH_BEAMS * share) {
+        make_beams(w, first, share);
         walk_beams(w);
     }
 }
