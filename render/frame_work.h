@@ -62,8 +62,8 @@ typedef struct work_tile {
     uint32_t absent_count;
 } work_tile;
 
-/* What a thread has in its hand; zeroed to begin with. Tiles that wait are hung up when it takes the
- * lock next, several for one lock. */
+/* What a thread has in its hand; zeroed to begin with. Tiles that wait are hung up when it takes
+ * the lock next, several for one lock. */
 typedef struct work_hand {
     ray_reserve reserve;
     uint32_t tiles[WORK_HAND], tile_count;

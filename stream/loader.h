@@ -159,8 +159,8 @@ CHECKED status loader_admit(loader *l, loader_request *requests, size_t count);
  * has come. Any thread, no lock. */
 bool loader_has_room(const loader *l);
 
-/* loader_listen() - after each read that ended, well or not, one of these sleepers is woken from now
- * on. Before, the treelet is among the arrivals and loader_is_reading() says what is so without
+/* loader_listen() - after each read that ended, well or not, one of these sleepers is woken from
+ * now on. Before, the treelet is among the arrivals and loader_is_reading() says what is so without
  * this read. The loader's lock is not held meanwhile. NULL: no longer; only while nobody sleeps. */
 void loader_listen(loader *l, sleepers *listeners);
 
