@@ -103,7 +103,6 @@ uint64_t loader_stored_bytes(const loader *l, uint32_t t);
 /* loader_set_capacity() - at most so many treelets that are drawn, at least 1, and the cache in
  * what they leave of their memory and `beside` bytes; evicts what is too many. */
 void loader_set_capacity(loader *l, uint32_t places, size_t beside);
-uint32_t loader_capacity(const loader *l);
 
 /* loader_clear() - give all treelets back. Only while nothing is traced. */
 void loader_clear(loader *l);
