@@ -125,7 +125,6 @@ static void begin_tile(drawing *d, uint32_t tile, uint32_t x0, uint32_t y0, tile
     const tile_fn together = f->integrator->tile(f);
     if (!together) {
         memcpy(todo->open, rows_to_do(d, tile), d->side * sizeof *todo->open);
-        memset(todo->found, 0, sizeof todo->found);
         memset(todo->waits, 0, sizeof todo->waits);
         return;
     }
@@ -172,14 +171,11 @@ static status draw_row(drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t 
     const integrator *in = f->integrator;
     const tile_outcome *todo = &e->todo;
     status st = ST_OK;
-    for (tile_row left = todo->open[y] | todo->found[y]; left && st == ST_OK; left &= left - 1) {
-        const uint32_t x = (uint32_t)__builtin_ctz(left), i = d->side * y + x;
+    for (tile_row left = todo->open[y]; left && st == ST_OK; left &= left - 1) {
+        const uint32_t x = (uint32_t)__builtin_ctz(left);
         const uint32_t pixel = (y0 + y) * f->width + x0 + x;
         ray_record *r = (ray_record *)(e->records + e->suspended * in->record_bytes);
-        if (todo->open[y] >> x & 1u)
-            in->begin(f, pixel, r);
-        else
-            in->found(f, pixel, &todo->hits[i], todo->at[i], r);
+        in->begin(f, pixel, r);
         if (in->advance(f, r, &mine->counters))
             continue;
         ++*kept;

@@ -351,18 +351,18 @@ static void take_in_hand(frame_work *w, work_hand *own, uint32_t tile) {
         put_down_hand(w, own);
 }
 
-bool frame_work_wait(frame_work *w, work_hand *own, uint32_t tile, const uint32_t absent[],
+bool frame_work_wait(frame_work *w, work_hand *own, uint32_t tile, const tile_treelet absent[],
                      int count) {
     work_tile *x = &w->tiles[tile];
     if (!loader_has_room(w->f->tracer->treelets))
         return false;
     wish wishes[TILE_ABSENT_MAX] = {{0}};
     for (int i = 0; i < count; i++)
-        wishes[i] = (wish){0, absent[i], 0};
+        wishes[i] = (wish){0, absent[i].t, absent[i].leg};
     ask_for(w->f, wishes, (uint32_t)count);
     x->absent_count = count < WORK_ABSENT_MAX ? (uint32_t)count : WORK_ABSENT_MAX;
     for (uint32_t i = 0; i < x->absent_count; i++)
-        x->absent[i] = absent[i];
+        x->absent[i] = absent[i].t;
     take_in_hand(w, own, tile);
     return true;
 }

@@ -131,7 +131,7 @@ void frame_work_suspend(frame_work *w, work_hand *own, const uint32_t rays[], ui
 /* frame_work_wait() - a tile goes on when these treelets of the first volume have come, and asks
  * for them; at most TILE_ABSENT_MAX. False: it had better not wait, since there may be no places
  * for them. */
-bool frame_work_wait(frame_work *w, work_hand *own, uint32_t tile, const uint32_t absent[],
+bool frame_work_wait(frame_work *w, work_hand *own, uint32_t tile, const tile_treelet absent[],
                      int count);
 
 /* frame_work_progress() - a tile or a ray got further than it was. */

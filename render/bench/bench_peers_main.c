@@ -80,8 +80,8 @@ static status write_table(peers_options *o, const char *path,
 }
 
 /* Those that peer_race_check() looks at are among them. */
-#define PEER_FLAGS                                                                          \
-    "iso color opacity size samples view eye look-at up fov ambient shading normals light " \
+#define PEER_FLAGS                                                                                 \
+    "iso color opacity layers size samples view eye look-at up fov ambient shading normals light " \
     "point-light shadows clip-box clip-plane lod preview"
 
 /* What would fail only after minutes. */
@@ -160,7 +160,7 @@ static status run(peers_options *o) {
 int main(int argc, char **argv) {
     static peers_options o = {.common = {.verb = "bench peers"}, .runs = 9};
     struct argp_option options[VIEW_OPTIONS_ROOM];
-    view_options_join(options, OPTIONS, "iso size");
+    view_options_join(options, OPTIONS, "iso size opacity layers light shadows");
     const cli_verb verb = {
         .options = options,
         .set = set_option,
@@ -168,11 +168,12 @@ int main(int argc, char **argv) {
         .input = "file",
         .args_doc = "F.leaf --iso V",
         .doc = "Measure beside others: Embree on the extracted triangles, VTK's flying edges.\v"
-               "Example:\n  leafcast bench peers bonsai.leaf --iso 37\v"
+               "Example:\n  leafcast bench peers bonsai.leaf --iso 37 --light 0,1,2 --shadows\v"
                "The same volume, isovalue, camera, picture and threads, in turn. A new isovalue: "
                "another one for each picture; `ms` then holds what it takes to get at it. "
-               "Embree's rows are its rtcIntersectN; `x Embree` is against its faster "
-               "rtcIntersect16. What is not installed is left out, and said."};
+               "Embree's rows are its rtcIntersectN, with rtcOccludedN to lights; `x Embree` is "
+               "against "
+               "the fastest of them. What is not installed is left out, and said."};
     view_options_init(&o.view);
     o.view.fit = false; /* what is measured stays what it was */
     mem_init(&o.m, 0);

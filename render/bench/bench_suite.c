@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "render/bench/bench_behind.h"
 #include "render/bench/bench_figure.h"
 #include "render/bench/bench_frames.h"
 #include "render/bench/bench_intersect.h"
@@ -166,6 +167,10 @@ static const bench_count PACKET_COUNTS[] = {{"box tests", 0.03},
 static const bench_count INTERSECTOR_COUNTS[] = {
     {"ray-cells", 0.0}, {"surfaces", 0.0}, {"missed", 0.05}, {"false", 0.05}, {NULL, 0.0}};
 
+static const bench_count BEHIND_COUNTS[] = {{"rays/px", 0.0},        {"hit px", 0.0},
+                                            {"surfaces/hit", 0.0},   {"differ", 0.0},
+                                            {"colours differ", 0.0}, {NULL, 0.0}};
+
 /* Of suites that draw depths by the flags of the command line. */
 #define LOOK_FLAGS "size view eye look-at up fov clip-box clip-plane lod light point-light shadows"
 
@@ -208,6 +213,17 @@ static const bench_suite SUITES[] = {
      .surfaces = "iso",
      .labels = 5,
      .charts = {{"Mray/s", NULL, false}, {"cells/ray", NULL, false}, {"read MB", NULL, false}}},
+    {.name = "behind",
+     .takes = "[F.leaf --iso V]",
+     .about = "shadows and transparency beside the opaque frame, and beside\n"
+              "rays that go one by one",
+     .counts = BEHIND_COUNTS,
+     .run = bench_behind,
+     .view = "size view eye look-at up fov clip-box clip-plane light point-light",
+     .surfaces = "iso",
+     .several = true,
+     .labels = 2,
+     .charts = {{"x opaque", NULL, false}, {"ms", "+-", false}, {"one by one ms", NULL, true}}},
     {.name = "figure414",
      .takes = "",
      .about = "one field on 32^3 to 1024^3 samples (M08 figure 4.14)",

@@ -20,13 +20,14 @@ bool peer_embree_present(void);
 
 /* peer_embree_create() - build the BVH over a mesh, which must outlive it.
  *
- * threads  of the build
- * high     RTC_BUILD_QUALITY_HIGH (spatial splits) instead of MEDIUM (binned SAH)
+ * threads   of the build
+ * high      RTC_BUILD_QUALITY_HIGH (spatial splits) instead of MEDIUM (binned SAH)
+ * one_pass  for frames that go that way
  *
  * ST_UNSUPPORTED without Embree.
  */
 CHECKED status peer_embree_create(mem *m, const peer_mesh *mesh, int threads, bool high,
-                                  peer_embree **out);
+                                  bool one_pass, peer_embree **out);
 void peer_embree_destroy(peer_embree *e); /* NULL is fine */
 
 /* peer_embree_version() - "3.13.5"; valid as long as e. */
@@ -38,15 +39,42 @@ size_t peer_embree_bytes(const peer_embree *e);
 /* How the rays are handed over: 16, 8 or 1 at a time. */
 typedef enum peer_packet { PEER_PACKET_16, PEER_PACKET_8, PEER_PACKET_1, PEER_PACKETS } peer_packet;
 
+typedef struct peer_way {
+    peer_packet packet;
+    bool incoherent; /* what Embree is told of rays behind the first surface, and to lights */
+    bool one_pass; /* all surfaces on a ray in one traversal, by a filter that collects them, of 16
+                      rays; else each surface by another ray behind the one before */
+} peer_way;
+
+/* peer_embree_layers() - after how many surfaces of this opacity (below 1) a ray ends at the
+ * latest. One pass does for up to PEER_COLLECTED_MAX. */
+enum { PEER_COLLECTED_MAX = 32 };
+int peer_embree_layers(int layers_max, float opacity);
+
+/* What is drawn: one surface through a camera, with the scene's lights, shadows and layers. */
+typedef struct peer_view {
+    const leafcast_camera *camera;
+    const leafcast_surface *surface;
+    const leafcast_scene *scene;
+    double cell; /* world length of one: rays behind a surface begin a thousandth of it behind */
+} peer_view;
+
+typedef struct peer_counts {
+    uint64_t hits;        /* pixels that show the mesh */
+    uint64_t surfaces;    /* that made the picture */
+    uint64_t shadow_rays; /* towards lights */
+} peer_counts;
+
 /* peer_embree_frame() - one picture: camera rays in 16x16 tiles, nearest hits, normals interpolated
- * between the vertices, diffuse shading with a headlight (M08 eq. 4.6, as shade.h).
+ * between the vertices, diffuse shading (M08 eq. 4.6, as shade.h) by a headlight or by the scene's
+ * lights, to which rays of rtcOccludedN go where it has shadows; a transparent surface, and then
+ * what is behind it. A light is hidden, too, where the triangle is seen from its other side.
  *
- * image  r, g, b and z where they are not NULL; with r NULL nothing is shaded: rays alone
- * hits   out: pixels that show the mesh
+ * way.one_pass  e was made for it
+ * image         r, g, b and z where they are not NULL; with r NULL nothing is shaded: rays alone
  */
-CHECKED status peer_embree_frame(const peer_embree *e, pool *threads, peer_packet packet,
-                                 const leafcast_camera *from, const leafcast_surface *surface,
-                                 const leafcast_scene *scene, const leafcast_image *image,
-                                 uint64_t *hits);
+CHECKED status peer_embree_frame(const peer_embree *e, pool *threads, const peer_way *way,
+                                 const peer_view *view, const leafcast_image *image,
+                                 peer_counts *counts);
 
 #endif

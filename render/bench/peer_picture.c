@@ -17,6 +17,11 @@ static double squares_of_colour(const leafcast_image *a, const leafcast_image *b
     return r * r + g * g + blue * blue;
 }
 
+static bool far_apart(const leafcast_image *a, const leafcast_image *b, size_t i) {
+    return fabsf(a->r[i] - b->r[i]) > 0.1f || fabsf(a->g[i] - b->g[i]) > 0.1f ||
+           fabsf(a->b[i] - b->b[i]) > 0.1f;
+}
+
 status peer_picture_compare(mem *m, const leafcast_image *ours, const leafcast_image *peer,
                             size_t count, double cell, peer_difference *out) {
     double *apart = mem_array(m, count + 1, sizeof *apart), squares = 0.0;
@@ -31,6 +36,7 @@ status peer_picture_compare(mem *m, const leafcast_image *ours, const leafcast_i
             continue;
         apart[out->both++] = fabs(ours->z[i] - peer->z[i]) / cell;
         squares += squares_of_colour(ours, peer, i);
+        out->far += far_apart(ours, peer, i);
     }
     if (out->both > 0) {
         qsort(apart, out->both, sizeof *apart, by_value);

@@ -10,6 +10,7 @@ typedef struct peer_difference {
     uint64_t both, only_ours, only_peer; /* pixels where a surface was hit */
     double median, p99, worst;           /* of |distance - distance| where both did, in cells */
     double colour;                       /* root mean square there, over r, g and b */
+    uint64_t far;                        /* pixels there with a channel more than 0.1 apart */
 } peer_difference;
 
 /* peer_picture_compare() - pictures of count pixels with r, g, b and z; cell: world length of a

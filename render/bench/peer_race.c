@@ -5,15 +5,16 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "render/bench/bench_layers.h"
 #include "render/bench/peer_embree.h"
 #include "render/bench/peer_tets.h"
 #include "render/bench/peer_vtk.h"
 
 const char peer_race_headings[] =
     "contestant|BVH|extract ms|build ms|ms|+-|CPU ms|Mray/s|x Embree|x by CPU|triangles|MB|hits|"
-    "median cells|p99 cells|worst cells|only peer|only ours|colour rms";
+    "surfaces|rays|median cells|p99 cells|worst cells|only peer|only ours|colour rms|far px";
 
-enum { CONTESTANTS = 12, MEDIUM = 0, HIGH = 1 };
+enum { CONTESTANTS = 12, MEDIUM = 0, HIGH, ONE_PASS, BVHS };
 
 typedef struct race race;
 typedef struct contestant contestant;
@@ -23,14 +24,15 @@ struct contestant {
     /* One turn; what it adds to lap is not in the time that is taken around it. */
     status (*turn)(race *r, contestant *c);
     bool embree, fresh, rays_alone; /* fresh: a new isovalue each time */
-    int quality;
-    peer_packet packet;
+    int bvh;
+    peer_way way;
     int turns; /* so far */
     /* Seconds: of every run, then their medians. */
     double *wall, *cpu, *extract, *build;
     double extract_now, build_now;
     double median, spread, cpu_median;
     uint64_t triangles;
+    peer_counts counts; /* of the last picture */
 };
 
 struct race {
@@ -42,11 +44,14 @@ struct race {
     leafcast_camera camera;
     leafcast_image ours, peer; /* with z: to be compared */
     leafcast_image colours;    /* without: what is timed */
-    peer_field field;          /* of a grid */
-    peer_tets tets;            /* of a mesh of tetrahedra; else without a file */
+    float *alpha;
+    peer_field field; /* of a grid */
+    peer_tets tets;   /* of a mesh of tetrahedra; else without a file */
     peer_mesh mesh;
-    peer_embree *bvh[2];
-    double extract_s, build_s[2];
+    peer_embree *bvh[BVHS];
+    double extract_s, build_s[BVHS];
+    double cell;       /* world length of one */
+    uint64_t surfaces; /* that made our picture */
     peer_vtk *vtk;
     contestant all[CONTESTANTS];
     int count;
@@ -58,12 +63,12 @@ status peer_race_check(view_options *view) {
     status st = view_options_check(view);
     if (st)
         return st;
-    if (view->isos != 1 || view->surfaces[0].opacity < 1.0f)
-        return status_describe(ST_USAGE, "peers draw one opaque isosurface");
-    if (s->light_count > 0 || s->shadows || s->shading != LEAFCAST_SHADING_DIFFUSE ||
-        s->analytic_normals)
-        return status_describe(ST_USAGE, "peers shade diffuse, with smooth normals and the light "
-                                         "at the eye");
+    if (view->isos != 1)
+        return status_describe(ST_USAGE, "peers draw one isosurface");
+    if (s->shadows && view->surfaces[0].opacity < 1.0f)
+        return status_describe(ST_USAGE, "peers draw shadows of an opaque isosurface");
+    if (s->shading != LEAFCAST_SHADING_DIFFUSE || s->analytic_normals)
+        return status_describe(ST_USAGE, "peers shade diffuse, with smooth normals");
     if (s->clip_box || s->clip_plane_count > 0 || s->lod != LEAFCAST_LOD_EXACT || s->preview)
         return status_describe(ST_USAGE, "peers draw all of the surface, at full resolution");
     if (s->samples > 1)
@@ -94,16 +99,15 @@ static status turn_ours(race *r, contestant *c) {
     return st;
 }
 
-static status draw_embree(race *r, const contestant *c, const peer_embree *bvh,
+static status draw_embree(race *r, contestant *c, const peer_embree *bvh,
                           const leafcast_image *image) {
-    uint64_t hits = 0;
-    return peer_embree_frame(bvh, r->threads, c->packet, &r->camera, &r->o->view->surfaces[0],
-                             &r->o->view->scene, image, &hits);
+    const peer_view view = {&r->camera, &r->o->view->surfaces[0], &r->o->view->scene, r->cell};
+    return peer_embree_frame(bvh, r->threads, &c->way, &view, image, &c->counts);
 }
 
 static status turn_embree(race *r, contestant *c) {
     const leafcast_image nothing = {.size = sizeof(leafcast_image)};
-    return draw_embree(r, c, r->bvh[c->quality], c->rays_alone ? &nothing : &r->colours);
+    return draw_embree(r, c, r->bvh[c->bvh], c->rays_alone ? &nothing : &r->colours);
 }
 
 static status extract(race *r, double isovalue, peer_mesh *mesh) {
@@ -119,7 +123,7 @@ static status turn_embree_fresh(race *r, contestant *c) {
     status st = extract(r, next_isovalue(r, c), &mesh);
     const double extracted = clock_seconds();
     if (st == ST_OK)
-        st = peer_embree_create(r->m, &mesh, r->o->threads, c->quality == HIGH, &bvh);
+        st = peer_embree_create(r->m, &mesh, r->o->threads, false, false, &bvh);
     c->extract_now = extracted - start;
     c->build_now = clock_seconds() - extracted;
     if (st == ST_OK)
@@ -147,14 +151,38 @@ static status enter(race *r, contestant c) {
     return c.wall && c.cpu && c.extract && c.build ? ST_OK : ST_NOMEM;
 }
 
+/* Rays that go on where others ended: to lights, or behind transparent surfaces. */
+static bool is_transparent(const race *r) {
+    return r->o->view->surfaces[0].opacity < 1.0f;
+}
+
+static bool goes_behind(const race *r) {
+    return is_transparent(r) || r->o->view->scene.shadows;
+}
+
+static bool takes_part(const race *r, const contestant *c) {
+    if (c->turn == turn_vtk)
+        return r->vtk;
+    return !c->embree || (r->bvh[c->bvh] && (!c->way.incoherent || goes_behind(r)));
+}
+
 static status enter_all(race *r) {
     static const contestant list[CONTESTANTS] = {
         {.name = "leafcast", .turn = turn_ours},
         {.name = "leafcast; new isovalue", .turn = turn_ours, .fresh = true},
         {.name = "rtcIntersect16", .turn = turn_embree, .embree = true},
-        {.name = "rtcIntersect16", .turn = turn_embree, .embree = true, .quality = HIGH},
-        {.name = "rtcIntersect8", .turn = turn_embree, .embree = true, .packet = PEER_PACKET_8},
-        {.name = "rtcIntersect1", .turn = turn_embree, .embree = true, .packet = PEER_PACKET_1},
+        {.name = "rtcIntersect16", .turn = turn_embree, .embree = true, .bvh = HIGH},
+        {.name = "rtcIntersect16; incoherent",
+         .turn = turn_embree,
+         .embree = true,
+         .way.incoherent = true},
+        {.name = "rtcIntersect16; one pass",
+         .turn = turn_embree,
+         .embree = true,
+         .bvh = ONE_PASS,
+         .way.one_pass = true},
+        {.name = "rtcIntersect8", .turn = turn_embree, .embree = true, .way.packet = PEER_PACKET_8},
+        {.name = "rtcIntersect1", .turn = turn_embree, .embree = true, .way.packet = PEER_PACKET_1},
         {.name = "rtcIntersect16; rays alone",
          .turn = turn_embree,
          .embree = true,
@@ -167,7 +195,7 @@ static status enter_all(race *r) {
     };
     status st = ST_OK;
     for (int i = 0; i < CONTESTANTS && list[i].name && st == ST_OK; i++)
-        if ((!list[i].embree || r->bvh[MEDIUM]) && (list[i].turn != turn_vtk || r->vtk))
+        if (takes_part(r, &list[i]))
             st = enter(r, list[i]);
     return st;
 }
@@ -194,14 +222,22 @@ static status make_planes(race *r) {
     }
     r->colours = r->ours;
     r->colours.z = NULL;
-    return ST_OK;
+    r->alpha = mem_array(r->m, pixels, sizeof *r->alpha);
+    return r->alpha ? ST_OK : ST_NOMEM;
 }
 
-/* The mesh and a BVH of each quality, timed. */
+/* Whether all surfaces on a ray fit into a list. */
+static bool passes_once(const race *r) {
+    const float opacity = r->o->view->surfaces[0].opacity;
+    return opacity < 1.0f &&
+           peer_embree_layers(r->o->view->scene.layers_max, opacity) <= PEER_COLLECTED_MAX;
+}
+
+/* The mesh and each BVH, timed. */
 static status set_up_embree(race *r, peer_race_missing *missing) {
     double start = clock_seconds();
     if (!peer_embree_present()) {
-        const status st = peer_embree_create(r->m, &r->mesh, 1, false, &r->bvh[MEDIUM]);
+        const status st = peer_embree_create(r->m, &r->mesh, 1, false, false, &r->bvh[MEDIUM]);
         snprintf(missing->embree, sizeof missing->embree, "%s", status_text());
         return st == ST_UNSUPPORTED ? ST_OK : st;
     }
@@ -209,9 +245,12 @@ static status set_up_embree(race *r, peer_race_missing *missing) {
     r->extract_s = clock_seconds() - start;
     if (st == ST_OK && r->mesh.triangles == 0)
         st = status_describe(ST_USAGE, "%s: the isovalue has no surface", r->o->path);
-    for (int i = MEDIUM; i <= HIGH && st == ST_OK; i++) {
+    for (int i = 0; i < BVHS && st == ST_OK; i++) {
+        if (i == ONE_PASS && !passes_once(r))
+            continue;
         start = clock_seconds();
-        st = peer_embree_create(r->m, &r->mesh, r->o->threads, i == HIGH, &r->bvh[i]);
+        st =
+            peer_embree_create(r->m, &r->mesh, r->o->threads, i == HIGH, i == ONE_PASS, &r->bvh[i]);
         r->build_s[i] = clock_seconds() - start;
     }
     return st;
@@ -237,6 +276,7 @@ static status set_up(race *r, peer_race_missing *missing) {
         st = open_ours(r, &r->changing);
     if (st == ST_OK) {
         r->camera = view_options_camera(r->o->view, r->steady);
+        r->cell = leafcast_describe(r->steady).cell_size;
         st = make_planes(r);
     }
     if (st == ST_OK)
@@ -260,11 +300,12 @@ static void tear_down(race *r) {
         mem_free(r->m, r->all[i].build);
     }
     peer_vtk_stop(r->vtk);
-    for (int i = MEDIUM; i <= HIGH; i++)
+    for (int i = 0; i < BVHS; i++)
         peer_embree_destroy(r->bvh[i]);
     peer_mesh_release(&r->mesh);
     peer_field_release(&r->field);
     peer_tets_release(&r->tets);
+    mem_free(r->m, r->alpha);
     mem_free(r->m, r->ours.r);
     mem_free(r->m, r->ours.z);
     mem_free(r->m, r->peer.r);
@@ -305,7 +346,7 @@ static status take_turns(race *r) {
         c->cpu_median = bench_median(c->cpu, r->o->runs, NULL);
         if (c->embree && !c->fresh) {
             c->extract_now = r->extract_s;
-            c->build_now = r->build_s[c->quality];
+            c->build_now = r->build_s[c->bvh];
             c->triangles = r->mesh.triangles;
         } else {
             c->extract_now = bench_median(c->extract, r->o->runs, NULL);
@@ -315,24 +356,39 @@ static status take_turns(race *r) {
     return st;
 }
 
+/* Ours once more, before nothing: its alpha tells how many surfaces made it. */
+static status count_surfaces(race *r) {
+    const size_t pixels = (size_t)r->camera.width * r->camera.height;
+    leafcast_scene scene = r->o->view->scene;
+    const leafcast_image image = {
+        .size = sizeof image, .r = r->peer.r, .g = r->peer.g, .b = r->peer.b, .a = r->alpha};
+    memset(scene.background, 0, sizeof scene.background);
+    status st =
+        (status)leafcast_trace(r->steady, &scene, &r->camera, &image, &r->stats, NULL, NULL);
+    for (size_t i = 0; i < pixels && st == ST_OK; i++)
+        r->surfaces += bench_layers(r->alpha[i], r->o->view->surfaces[0].opacity);
+    return st;
+}
+
 /* The same picture once more, with distances. */
 static status compare(race *r) {
-    const contestant with_16 = {.packet = PEER_PACKET_16};
-    const leafcast_info info = leafcast_describe(r->steady);
+    contestant with_16 = {.name = NULL};
     const size_t pixels = (size_t)r->camera.width * r->camera.height;
     leafcast_stats stats = {.size = sizeof stats};
-    status st = (status)leafcast_trace(r->steady, &r->o->view->scene, &r->camera, &r->ours, &stats,
-                                       NULL, NULL);
+    status st = count_surfaces(r);
+    if (st == ST_OK)
+        st = (status)leafcast_trace(r->steady, &r->o->view->scene, &r->camera, &r->ours, &stats,
+                                    NULL, NULL);
     for (size_t i = 0; i < pixels && !r->bvh[MEDIUM]; i++)
         r->difference.only_ours += r->ours.z[i] < INFINITY;
     if (st || !r->bvh[MEDIUM])
         return st;
     st = draw_embree(r, &with_16, r->bvh[MEDIUM], &r->peer);
     if (st == ST_OK)
-        st = peer_picture_compare(r->m, &r->ours, &r->peer, pixels, info.cell_size, &r->difference);
+        st = peer_picture_compare(r->m, &r->ours, &r->peer, pixels, r->cell, &r->difference);
     if (st == ST_OK && r->o->picture)
         st = peer_picture_write(r->m, r->o->picture, r->o->force, r->camera.width, r->camera.height,
-                                &r->ours, &r->peer, info.cell_size);
+                                &r->ours, &r->peer, r->cell);
     return st;
 }
 
@@ -345,13 +401,12 @@ static void add_number(bench_table *t, bool there, const char *fmt, double x) {
     bench_table_add(t, "%s", there ? text : "-");
 }
 
-/* Embree's better BVH, drawing the whole picture: what the others are measured by. */
+/* Embree's fastest way to draw the whole picture: what the others are measured by. */
 static const contestant *yardstick_of(const race *r) {
     const contestant *best = NULL;
     for (int i = 0; i < r->count; i++) {
         const contestant *c = &r->all[i];
-        if (c->embree && !c->fresh && !c->rays_alone && c->packet == PEER_PACKET_16 &&
-            (!best || c->median < best->median))
+        if (c->embree && !c->fresh && !c->rays_alone && (!best || c->median < best->median))
             best = c;
     }
     return best;
@@ -362,7 +417,7 @@ static double megabytes_of(const race *r, const contestant *c) {
     if (!c->embree)
         return (double)r->stats.bytes_peak * 1e-6;
     return (24.0 * (double)mesh->vertices + 12.0 * (double)mesh->triangles +
-            (double)peer_embree_bytes(r->bvh[c->quality])) *
+            (double)peer_embree_bytes(r->bvh[c->bvh])) *
            1e-6;
 }
 
@@ -371,10 +426,11 @@ static void add_row(bench_table *t, const race *r, const contestant *c) {
     const peer_difference *d = &r->difference;
     const double rays = (double)r->camera.width * r->camera.height;
     const bool ours = c->turn == turn_ours, picture = ours || c->embree;
-    const bool compared = c->embree && !c->fresh && !c->rays_alone && c->packet == PEER_PACKET_16 &&
-                          c->quality == MEDIUM;
+    const bool counted = c->embree && !c->fresh;
+    const bool compared = counted && !c->rays_alone && c->bvh == MEDIUM &&
+                          c->way.packet == PEER_PACKET_16 && !c->way.incoherent;
     bench_table_add(t, "%s", c->name);
-    bench_table_add(t, "%s", c->embree ? c->quality == HIGH ? "high" : "medium" : "-");
+    bench_table_add(t, "%s", c->embree ? c->bvh == HIGH ? "high" : "medium" : "-");
     add_number(t, !ours, "%.1f", c->extract_now * 1e3);
     add_number(t, c->embree, "%.1f", c->build_now * 1e3);
     add_number(t, true, "%.2f", c->median * 1e3);
@@ -388,12 +444,17 @@ static void add_row(bench_table *t, const race *r, const contestant *c) {
     add_number(t, picture && !(c->embree && c->fresh), "%.1f", picture ? megabytes_of(r, c) : 0.0);
     add_number(t, (ours && !c->fresh) || compared, "%.0f",
                (double)(d->both + (ours ? d->only_ours : d->only_peer)));
+    add_number(t, (ours && !c->fresh) || counted, "%.0f",
+               (double)(ours ? r->surfaces : c->counts.surfaces));
+    add_number(t, (ours && !c->fresh) || counted, "%.0f",
+               ours ? (double)r->stats.rays : rays + (double)c->counts.shadow_rays);
     add_number(t, compared, "%.2g", d->median);
     add_number(t, compared, "%.2g", d->p99);
     add_number(t, compared, "%.3g", d->worst);
     add_number(t, compared, "%.0f", (double)d->only_peer);
     add_number(t, compared, "%.0f", (double)d->only_ours);
     add_number(t, compared, "%.2g", d->colour);
+    add_number(t, compared, "%.0f", (double)d->far);
 }
 
 status peer_race_run(mem *m, const peer_race_options *o, bench_table *t,

@@ -26,8 +26,8 @@ typedef struct peer_race_missing {
 
 extern const char peer_race_headings[];
 
-/* peer_race_check() - ST_USAGE for what a mesh ray tracer would not be asked: more than one
- * surface, lights, shadows, clipping, levels of detail. */
+/* peer_race_check() - ST_USAGE for what a mesh ray tracer would not be asked: several surfaces,
+ * shadows of transparent ones, highlights, clipping, levels of detail. */
 CHECKED status peer_race_check(view_options *view);
 
 /* peer_race_run() - adds a row a contestant. A peer that is not there is left out, and *missing

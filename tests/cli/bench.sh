@@ -46,7 +46,7 @@ judge_frames() { # judge_frames FILE ROWS-AT-LEAST
         'all(float(r[c]) > 0 for r in t for c in ("ms", "Mray/s", "active MB", "read MB", "peak MB")) and all(float(r["read MB"]) <= float(r["active MB"]) for r in t)'
 }
 exits "all suites, in brief" 0 "$leafcast" bench all --out "$tmp/all" --runs 1 --ray-cells 2000 --size 48x48
-for suite in $("$leafcast" bench --help-all | sed| sed -nE '/^Suites/,$s/^  ([a-z][a-z0-9]*).*/\1/p' | grep -v -e all -e figure49 -e peers -e '^time$'); do
+for suite in $("$leafcast" bench --help-all | sed -nE '/^Suites/,$s/^  ([a-z][a-z0-9]*).*/\1/p' | grep -v -e all -e figure49 -e peers -e '^time$'); do
     ok "$suite: CSV and SVG" [ -s "$tmp/all/$suite.csv" -a -s "$tmp/all/$suite.svg" ]
     ok "$suite: sound SVG" python3 -c 'import sys, xml.dom.minidom as x; x.parse(sys.argv[1])' "$tmp/all/$suite.svg"
 done
@@ -60,6 +60,18 @@ ok "the exact picture has no error, and is on the front" csv "$tmp/all/pareto.cs
 ok "nobody on the front is beaten" csv "$tmp/all/pareto.csv" \
     'all(not (float(a["ms"]) < float(b["ms"]) and float(a["rms cells"]) < float(b["rms cells"]) and int(a["wrong px"]) < int(b["wrong px"])) for b in t if b["front"] == "front" for a in t)'
 ok "threads draw the same" csv "$tmp/all/threads.csv" 'all(r["differ"] == "0" for r in t) and t[0]["frame/loop"] == "1.000"'
+ok "behind: the same pixels as one by one" csv "$tmp/all/behind.csv" \
+    'len(t) == 8 and t[0]["x opaque"] == t[4]["x opaque"] == "1.000" and all(r["differ"] == r["colours differ"] == "0" for r in t)'
+run "$leafcast" generate sphere --dims 32 --type f32 -o "$tmp/s.nrrd"
+run "$leafcast" convert "$tmp/s.nrrd" -o "$tmp/s.leaf" -q
+exits "behind a sphere's front" 0 "$leafcast" bench behind "$tmp/s.leaf" --iso 0.6 --size 64x64 --runs 1 -o "$tmp/b.csv"
+ok "is its back" csv "$tmp/b.csv" '[r["surfaces/hit"] for r in t] == ["1.0000", "1.0000", "2.0000", "2.0000"]'
+ok "rays go to the light where it shines" csv "$tmp/b.csv" \
+    '[r["rays/px"] == "1.0000" for r in t] == [True, False, True, True] and 1 < float(t[1]["rays/px"]) < 1 + float(t[1]["hit px"]) / 64 ** 2'
+exits "with lights of one's own" 0 "$leafcast" bench behind "$tmp/s.leaf" --iso 0.6 --size 64x64 --runs 1 --light 0,1,2 --light 0,1,2 --force -o "$tmp/c.csv"
+ok "twice the rays" python3 -c 'import csv, sys
+one, two = (float(list(csv.DictReader(open(f)))[1]["rays/px"]) - 1 for f in sys.argv[1:])
+sys.exit(abs(two - 2 * one) > 2e-4)' "$tmp/b.csv" "$tmp/c.csv"
 exits "all, once more" 1 "$leafcast" bench all --out "$tmp/all"
 exits "all of a file" 2 "$leafcast" bench all "$leaf" --iso 128 --out "$tmp/all2"
 exits "a suite of a file" 0 "$leafcast" bench zoom "$leaf" --iso 128 --size 32x32 --runs 1

@@ -39,7 +39,7 @@ once() {
     picture) cp "$tmp/seen.ppm" "$tmp/$name" ;;
     stats | says) sed 's/"[a-z_]*\(_s\|time\|rss_bytes\)":[^,}]*//; /"passes"\|"nodes"\|"cells"\|"roots"\|"read"\|"resident"\|"peak_budget\|"seconds"\|"open"\|"first_image"\|"load"\|"render"\|"write"\|"total"/d' \
         "$tmp/out" >"$tmp/$name" ;;
-    counts) grep -E '"(file|volume|size|runs|ray-cells|surfaces|surfaces %|.*/ray|roots|hits|missed|case|error|suite)"' "$tmp/out" |
+    counts) grep -E '"(file|volume|size|rays|runs|ray-cells|surfaces|surfaces %|.*/ray|roots|hits|missed|case|error|suite)"' "$tmp/out" |
         grep -v '"ns/' >"$tmp/$name" ;;
     output) cp "$tmp/seen.out" "$tmp/$name" ;;
     *) cat "$tmp/out" "$tmp/err" | wc -l >"$tmp/$name" ;;
@@ -226,10 +226,10 @@ bench peers|--picture|shown peers|
 bench peers|--plot|shown peers|
 bench peers|--runs|shown peers|
 bench peers|--step|refused number|@grid --size 8x8 --runs 1|--step x
-bench peers|--iso|refused one opaque|@grid --size 8x8 --runs 1|--iso 150
+bench peers|--iso|refused one isosurface|@grid --size 8x8 --runs 1|--iso 150
 bench peers|--color|refused a name such as|@grid --size 8x8 --runs 1|--color redd
 bench peers|--colour|refused a name such as|@grid --size 8x8 --runs 1|--colour redd
-bench peers|--opacity|refused one opaque|@grid --size 8x8 --runs 1|--opacity 0.5
+bench peers|--opacity|counts|@grid --size 8x8 --runs 1|--opacity 0.5
 bench peers|--eye|shown peers|
 bench peers|--look-at|shown peers|
 bench peers|--size|shown peers|
@@ -239,7 +239,7 @@ bench peers|--fov|refused --fov|@grid --size 8x8 --runs 1|--fov 0
 bench peers|--ortho|refused --ortho|@grid --size 8x8 --runs 1|--ortho 40
 bench peers|--ambient|refused --ambient|@grid --size 8x8 --runs 1|--ambient 2
 bench peers|--samples|refused one ray a pixel|@grid --size 8x8 --runs 1|--samples 4
-bench peers|--layers|refused --layers: bench peers would not change|@grid --size 8x8 --runs 1|--layers 1
+bench peers|--layers|counts|@grid --size 8x8 --runs 1 --opacity 0.5|--layers 1
 bench peers|--specular|refused --specular: bench peers would not change|@grid --size 8x8 --runs 1|--specular 0.5
 bench peers|--shininess|refused --shininess: bench peers would not change|@grid --size 8x8 --runs 1|--shininess 4
 bench peers|--background|refused --background: bench peers would not change|@grid --size 8x8 --runs 1|--background red
@@ -247,9 +247,9 @@ bench peers|--sweep|refused --sweep: bench peers would not change|@grid --size 8
 bench peers|--intersector|refused --intersector: bench peers would not change|@grid --size 8x8 --runs 1|--intersector midpoint
 bench peers|--shading|refused shade diffuse|@grid --size 8x8 --runs 1|--shading flat
 bench peers|--normals|refused smooth normals|@grid --size 8x8 --runs 1|--normals analytic
-bench peers|--light|refused light at the eye|@grid --size 8x8 --runs 1|--light 1,0,0
-bench peers|--point-light|refused light at the eye|@grid --size 8x8 --runs 1|--point-light 1,0,0
-bench peers|--shadows|refused --light says|@grid --size 8x8 --runs 1|--shadows
+bench peers|--light|shown peers|
+bench peers|--point-light|shown peers|
+bench peers|--shadows|counts|@grid --size 8x8 --runs 1 --light 1,0,0|--shadows
 bench peers|--field|refused first field|@grid --size 8x8 --runs 1|--field 0
 bench peers|--clip-box|refused all of the surface|@grid --size 8x8 --runs 1|--clip-box 0,0,0,20,36,44
 bench peers|--clip-plane|refused all of the surface|@grid --size 8x8 --runs 1|--clip-plane 1,0,0,-15
