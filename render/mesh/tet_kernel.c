@@ -60,10 +60,6 @@ static unsigned inside_of(const float f[4], double iso) {
     return inside == 15 ? 0 : inside;
 }
 
-bool tet_is_active(const float f[4], double iso) {
-    return inside_of(f, iso) != 0;
-}
-
 /* Never beyond a or b. As long as s < 1, the product is at least an ulp short of the difference (b
  * - a) as rounded, which errs by half an ulp at most; so a plus the product, before it is rounded,
  * lies between a and b, and so it does after. */
@@ -231,21 +227,6 @@ bool isopolygon_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t is
             continue;
         const hit h = {x.t, cell, iso_index, x.entering};
         if (hit_less(after, &h) && (!any || hit_less(&h, found))) {
-            *found = h;
-            any = true;
-        }
-    }
-    return any;
-}
-
-bool tet_hit(const tet *x, const ray *r, const double *isovalues, int count, uint64_t cell,
-             const hit *after, hit *found) {
-    bool any = false;
-    for (int32_t i = 0; i < count; i++) {
-        isopolygon g;
-        hit h;
-        if (isopolygon_of(x, isovalues[i], &g) && isopolygon_hit(&g, r, cell, i, after, &h) &&
-            (!any || hit_less(&h, found))) {
             *found = h;
             any = true;
         }

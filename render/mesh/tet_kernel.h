@@ -67,10 +67,8 @@ typedef struct isopolygon {
     uint8_t count;
 } isopolygon;
 
-/* tet_is_active() - min < iso && iso <= max, all values finite: whether there is an isopolygon. */
-bool tet_is_active(const float f[4], double iso);
-
-/* isopolygon_of() - false, and *out untouched, when the tet is not active. iso is finite.
+/* isopolygon_of() - false, and *out untouched, when the tet is not active: min < iso && iso <= max,
+ * all values finite. iso is finite.
  *
  * The point between a and b, a of the lower id: a + s (b - a) with s = (iso - fa) / (fb - fa); b
  * itself where s = 1. It is a vertex that lies at the isovalue; it never leaves the box of a and b.
@@ -99,10 +97,6 @@ void tet_turn_over(uint8_t edge[4], int count);
  * case). r->held is not looked at. */
 bool isopolygon_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t iso_index,
                     const hit *after, hit *found);
-
-/* tet_hit() - isopolygon_of() and isopolygon_hit() for every isovalue: the least hit. */
-bool tet_hit(const tet *x, const ray *r, const double *isovalues, int count, uint64_t cell,
-             const hit *after, hit *found);
 
 /* tet_double() - whether two hits of one ray are the same crossing, seen from two tets. */
 static inline bool tet_double(const hit *a, const hit *b) {
