@@ -8,6 +8,7 @@
 #ifdef SIMD_NAME
 
 #include "render/kernels.h"
+#include "render/lane_counts.h"
 #include "render/ray_box.h"
 #include "render/tile_rects_template.h"
 #include "render/tile_state_template.h"
@@ -85,6 +86,8 @@ static void flush(tile_walk *w) {
     cell_batch_hits hits;
     w->s.f->kernels->cells(&w->batch, (int)w->waiting, scene->isovalues, scene->count,
                            scene->intersector, &hits);
+    LANE_COUNT(batches, (1u << w->waiting) - 1u);
+    LANE_COUNT(roots, hits.found);
     for (uint32_t left = hits.found; left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left), i = w->ray_of[k];
         take_hit(w, k, hits.t[k], hits.iso[k], hits.entering >> k & 1u);
@@ -281,6 +284,7 @@ SIMD void add_visitors(tile_walk *w, active_cell *c, const near_visit *v, unsign
                        tile_rect r, unsigned bits) {
     const walk_scene *scene = scene_of(w);
     w->s.counters->cells += (unsigned)__builtin_popcount(bits);
+    LANE_COUNT(visitors, bits);
     if (!c->has_samples)
         walk_cell_samples(scene, c->at, c->cell, c->samples);
     c->has_samples = true;
@@ -290,6 +294,7 @@ SIMD void add_visitors(tile_walk *w, active_cell *c, const near_visit *v, unsign
         c->has_forms = true;
         bits &= may_cross_any(&w->s.rays, STRIDE * y + x, &c->near, v, c->forms, scene->count);
     }
+    LANE_COUNT(survivors, bits);
     if (bits & window_pending(w, x, y)) {
         flush(w);
         bits &= window_open(w, x, y, r);
@@ -360,8 +365,10 @@ static void queue_flush(tile_walk *w) {
         for (int s = 0; s < 8; s++)
             q->samples[s][k] = samples[k][s];
     }
+    LANE_COUNT(queue, left);
     if (w->filter)
         left &= queue_may_cross(q, scene->isovalues, scene->count);
+    LANE_COUNT(queue_survivors, left);
     q->count = 0;
     for (; left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left), i = q->ray[k];
@@ -385,6 +392,7 @@ static __attribute__((noinline)) void walk_cell(tile_walk *w, const resident_gri
         for (unsigned x = r.x0; x <= r.x1; x += WINDOW_X) {
             near_visit v;
             unsigned bits = window_open(w, x, y, r);
+            LANE_COUNT(windows, bits);
             if (bits)
                 bits &= visits(&w->s.rays, STRIDE * y + x, &c.near, &v);
             if (bits)
@@ -473,6 +481,7 @@ static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t fir
                 visited |= group_visits(&w->s.rays, STRIDE * y + x, &planes[v], t_in + v * VF_N,
                                         t_out + v * VF_N)
                            << v * VF_N;
+            LANE_COUNT(groups, visited & active);
             for (unsigned places = in_order(visited & active, first); places;
                  places &= places - 1) {
                 const unsigned o = (unsigned)__builtin_ctz(places) ^ first;
