@@ -42,9 +42,9 @@ typedef struct lane_counts {
 #undef STAGE
 } lane_counts;
 
-#ifdef LANE_COUNTS
+extern lane_counts lane_counts_now; /* of bench_lanes.c, which links it; one thread's */
 
-extern lane_counts lane_counts_now; /* bench_lanes.c; for one thread */
+#ifdef LANE_COUNTS
 
 static inline void lane_count(lane_stage *s, uint64_t bits) {
     s->vectors += bits != 0;

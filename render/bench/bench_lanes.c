@@ -3,8 +3,7 @@
 #include "render/kernels.h"
 #include "render/lane_counts.h"
 
-extern lane_counts lane_counts_now; /* what the kernels below count */
-lane_counts lane_counts_now;
+lane_counts lane_counts_now; /* what the kernels below count */
 
 /* ---- kernels that count ---- */
 
