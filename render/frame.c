@@ -7,11 +7,11 @@
 #include "render/frame_work.h"
 #include "render/kind.h"
 
-/* What a thread counts and has in reserve, apart from the others' cache lines. */
+/* What a thread counts and has in its hand, apart from the others' cache lines. */
 typedef struct tally {
     _Alignas(64) ray_counters counters;
     atomic_size_t finished; /* pixels */
-    ray_reserve reserve;
+    work_hand hand;
 } tally;
 
 /* What a thread draws a tile in; then come records of rays that have suspended, on their way to
@@ -112,25 +112,24 @@ static tile_row *rows_to_do(const drawing *d, uint32_t tile) {
 /* A tile whose rays met absent treelets is taken up again when they have come; but rays wait one by
  * one where treelets have to take turns, and where a preview goes on without them. From here on it
  * may be another thread's. */
-static bool wait_for_treelets(drawing *d, uint32_t tile, const tile_outcome *todo) {
+static bool wait_for_treelets(drawing *d, uint32_t tile, const tile_outcome *todo, tally *mine) {
     if (todo->absent_count == 0 || d->f->tracer->preview)
         return false;
     memcpy(rows_to_do(d, tile), todo->waits, d->side * sizeof *todo->waits);
-    return frame_work_wait(&d->work, tile, todo->absent, todo->absent_count);
+    return frame_work_wait(&d->work, &mine->hand, tile, todo->absent, todo->absent_count);
 }
 
 static void begin_tile(drawing *d, uint32_t tile, uint32_t x0, uint32_t y0, tile_outcome *todo,
-                       ray_counters *counters) {
+                       tally *mine) {
     const frame *f = d->f;
     const tile_fn together = f->integrator->tile(f);
     if (!together) {
         memcpy(todo->open, rows_to_do(d, tile), d->side * sizeof *todo->open);
-        memset(todo->found, 0, sizeof todo->found);
         memset(todo->waits, 0, sizeof todo->waits);
         return;
     }
-    together(f, x0, y0, rows_to_do(d, tile), todo, counters);
-    if (wait_for_treelets(d, tile, todo))
+    together(f, x0, y0, rows_to_do(d, tile), todo, &mine->counters);
+    if (wait_for_treelets(d, tile, todo, mine))
         return;
     for (uint32_t y = 0; y < d->side; y++)
         todo->open[y] |= todo->waits[y];
@@ -145,12 +144,12 @@ static uint32_t pixels_of(const tile_row rows[], uint32_t side) {
 }
 
 /* A record was promised to each. */
-static status keep_suspended(drawing *d, easel *e, ray_reserve *own) {
+static status keep_suspended(drawing *d, easel *e, work_hand *own) {
     const size_t bytes = d->f->integrator->record_bytes;
     uint32_t kept[WORK_BATCH];
     status st = ST_OK;
     for (uint32_t i = 0; i < e->suspended && st == ST_OK; i++) {
-        st = ray_records_take(&d->records, own, &kept[i]);
+        st = ray_records_take(&d->records, &own->reserve, &kept[i]);
         if (st == ST_OK)
             memcpy(ray_records_at(&d->records, kept[i]), e->records + i * bytes, bytes);
     }
@@ -172,19 +171,16 @@ static status draw_row(drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t 
     const integrator *in = f->integrator;
     const tile_outcome *todo = &e->todo;
     status st = ST_OK;
-    for (tile_row left = todo->open[y] | todo->found[y]; left && st == ST_OK; left &= left - 1) {
-        const uint32_t x = (uint32_t)__builtin_ctz(left), i = d->side * y + x;
+    for (tile_row left = todo->open[y]; left && st == ST_OK; left &= left - 1) {
+        const uint32_t x = (uint32_t)__builtin_ctz(left);
         const uint32_t pixel = (y0 + y) * f->width + x0 + x;
         ray_record *r = (ray_record *)(e->records + e->suspended * in->record_bytes);
-        if (todo->open[y] >> x & 1u)
-            in->begin(f, pixel, r);
-        else
-            in->found(f, pixel, &todo->hits[i], todo->at[i], r);
+        in->begin(f, pixel, r);
         if (in->advance(f, r, &mine->counters))
             continue;
         ++*kept;
         if (++e->suspended == WORK_BATCH)
-            st = keep_suspended(d, e, &mine->reserve);
+            st = keep_suspended(d, e, &mine->hand);
     }
     return st;
 }
@@ -194,12 +190,12 @@ static status draw_tile(drawing *d, uint32_t tile, easel *e, tally *mine) {
     uint32_t kept = 0;
     const uint32_t x0 = tile % d->tiles_x * d->side, y0 = tile / d->tiles_x * d->side;
     const uint32_t asked = pixels_of(rows_to_do(d, tile), d->side);
-    begin_tile(d, tile, x0, y0, &e->todo, &mine->counters);
+    begin_tile(d, tile, x0, y0, &e->todo, mine);
     status st = ST_OK;
     for (uint32_t y = 0; y < d->side && st == ST_OK; y++)
         st = draw_row(d, e, x0, y0, y, &kept, mine);
     if (st == ST_OK)
-        st = keep_suspended(d, e, &mine->reserve);
+        st = keep_suspended(d, e, &mine->hand);
     const uint32_t begun = asked - pixels_of(e->todo.waits, d->side);
     mine->counters.primary_rays += begun;
     count_finished(mine, begun - kept);
@@ -213,13 +209,13 @@ static void resume_rays(drawing *d, const work_item *item, tally *mine) {
     for (uint32_t i = 0; i < item->count; i++) {
         const uint32_t r = item->rays[i];
         if (d->f->integrator->advance(d->f, ray_records_at(&d->records, r), &mine->counters))
-            ray_records_give(&d->records, &mine->reserve, r);
+            ray_records_give(&d->records, &mine->hand.reserve, r);
         else
             left[count++] = r;
     }
     count_finished(mine, item->count - count);
     frame_work_progress(&d->work);
-    frame_work_suspend(&d->work, &mine->reserve, left, count);
+    frame_work_suspend(&d->work, &mine->hand, left, count);
 }
 
 static double share_done(const drawing *d) {
@@ -247,11 +243,11 @@ static status draw_items(void *ctx, size_t index, int worker) {
     status st = ST_OK;
     (void)index;
     frame_work_enter(&d->work);
-    while (st == ST_OK && frame_work_take(&d->work, &d->tallies[worker].reserve, &item))
+    while (st == ST_OK && frame_work_take(&d->work, &d->tallies[worker].hand, &item))
         st = draw_item(d, &item, worker);
     if (st != ST_OK)
         frame_work_stop(&d->work);
-    frame_work_leave(&d->work, &d->tallies[worker].reserve);
+    frame_work_leave(&d->work, &d->tallies[worker].hand);
     return st;
 }
 

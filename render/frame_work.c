@@ -113,6 +113,53 @@ static void hang_up_tile(frame_work *w, uint32_t tile) {
     push_tile(w, &w->resumable, tile);
 }
 
+/* With the lock held: the tiles in a thread's hand, which wait. */
+static void hang_up_hand(frame_work *w, work_hand *own) {
+    while (own->tile_count > 0)
+        hang_up_tile(w, own->tiles[--own->tile_count]);
+}
+
+/* ---- Arrivals ---- */
+
+/* Volumes before this one may have the same loader. */
+static bool is_first_of_loader(const frame *f, int volume) {
+    int v = 0;
+    while (f->tracer[v].treelets != f->tracer[volume].treelets)
+        v++;
+    return v == volume;
+}
+
+/* No lock. */
+static bool has_arrivals(const frame *f) {
+    bool any = false;
+    for (int v = 0; v < f->volumes && !any; v++)
+        any = arrivals_any(&f->tracer[v].treelets->arrivals);
+    return any;
+}
+
+/* With the lock held: a treelet of a loader, perhaps of several volumes. */
+static void come_to_all(frame_work *w, const loader *from, uint32_t t) {
+    for (int v = 0; v < w->f->volumes; v++)
+        if (w->f->tracer[v].treelets == from)
+            come(w, w->first[v] + t);
+}
+
+/* With the lock held: what loaders have brought since. Whether all of it is READY. */
+static bool hear(frame_work *w) {
+    bool all = true;
+    for (int v = 0; v < w->f->volumes; v++) {
+        loader *from = w->f->tracer[v].treelets;
+        for (uint32_t t = arrivals_take(&from->arrivals), after; t != arrivals_end; t = after) {
+            after = arrivals_after(&from->arrivals, t);
+            if (loader_is_ready(from, t))
+                come_to_all(w, from, t);
+            else
+                all = false;
+        }
+    }
+    return all;
+}
+
 /* ---- Taking; with the lock held ---- */
 
 static bool tile_left(frame_work *w) {
@@ -129,17 +176,25 @@ static bool next_tile(frame_work *w, uint32_t *tile) {
     return true;
 }
 
-static void wake_one(frame_work *w) {
-    if (w->asleep > 0)
-        pthread_cond_signal(&w->changed);
+/* Whether no more is to be begun, as far as is known without the lock. */
+static bool is_over(const frame_work *w) {
+    return atomic_load_explicit(&w->over, memory_order_relaxed);
 }
 
-/* After any change of what can be done: wakes one thread if there is work for it. */
-static void changed(frame_work *w) {
+/* Whether there is work for one more thread. */
+static bool has_work(frame_work *w) {
     const bool rays = w->come_first != none, tiles = w->resumable != none;
-    atomic_store_explicit(&w->look, rays || tiles || w->over, memory_order_relaxed);
-    if (rays || ((tiles || tile_left(w)) && ray_records_unpromised(w->records) >= w->tile_rays))
-        wake_one(w);
+    atomic_store_explicit(&w->look, rays || tiles || is_over(w), memory_order_relaxed);
+    return rays || ((tiles || tile_left(w)) && ray_records_unpromised(w->records) >= w->tile_rays);
+}
+
+/* After any change of what can be done: wakes a thread if there is work for it. That one wakes the
+ * next. Nobody starts up while the lock is held, which it would soon wait for. */
+static void unlock_and_wake(frame_work *w) {
+    const bool claimed = has_work(w) && sleepers_claim(&w->sleepers);
+    pthread_mutex_unlock(&w->lock);
+    if (claimed)
+        sleepers_wake(&w->sleepers);
 }
 
 static bool take_rays(frame_work *w, work_item *item) {
@@ -174,9 +229,9 @@ static bool take_tile(frame_work *w, ray_reserve *own, work_item *item) {
 }
 
 static void end_round(frame_work *w) {
-    w->over = true;
-    changed(w);
-    pthread_cond_broadcast(&w->changed);
+    atomic_store_explicit(&w->over, true, memory_order_relaxed);
+    (void)has_work(w);
+    sleepers_wake_all(&w->sleepers);
 }
 
 static bool loaders_read(const frame *f) {
@@ -191,134 +246,130 @@ bool frame_work_late(const frame_work *w) {
            atomic_load_explicit(&w->progress, memory_order_relaxed) && clock_seconds() >= w->until;
 }
 
-/* Under the lock: until there is news, or the time is over. */
-static void wait_for_news(frame_work *w) {
-    const double until = w->until;
-    if (until == (double)INFINITY || !atomic_load_explicit(&w->progress, memory_order_relaxed)) {
-        pthread_cond_wait(&w->changed, &w->lock);
-        return;
-    }
-    const struct timespec at = {(time_t)until, (long)(1e9 * (until - floor(until)))};
-    (void)pthread_cond_timedwait(&w->changed, &w->lock, &at);
+/* Whether a treelet has come, or one will and be heard of. */
+static bool more_comes(const frame *f) {
+    return loaders_read(f) || has_arrivals(f);
 }
 
-/* Sleep until something has changed. The last one awake finds out whether anything will. */
-static void sleep_or_end(frame_work *w) {
-    const uint64_t heard = w->heard;
-    bool comes = true;
-    if (++w->asleep == w->inside) {
-        comes = w->hung_up > 0;
-        pthread_mutex_unlock(&w->lock);
-        comes = comes && loaders_read(w->f);
-        pthread_mutex_lock(&w->lock);
-    }
-    if (w->heard == heard && !comes)
-        end_round(w);
-    else if (w->heard == heard)
-        wait_for_news(w);
-    w->asleep--;
+/* Until when to sleep. */
+static double alarm_time(const frame_work *w) {
+    const bool timed = atomic_load_explicit(&w->progress, memory_order_relaxed);
+    return timed ? w->until : (double)INFINITY;
 }
 
 static bool is_cancelled(const frame *f) {
     return f->cancel && atomic_load_explicit(f->cancel, memory_order_relaxed);
 }
 
-/* Whether no more is to be begun. */
-static bool is_over(frame_work *w) {
-    if (!w->over && (is_cancelled(w->f) || frame_work_late(w)))
+/* The same, known with the lock held, after a look at all that may end a round. */
+static bool look_over(frame_work *w) {
+    const bool failed = !hear(w);
+    if (!is_over(w) && (failed || is_cancelled(w->f) || frame_work_late(w)))
         end_round(w);
-    return w->over;
+    return is_over(w);
+}
+
+/* Whether to sleep until something has changed. The last one awake finds out whether anything will.
+ */
+static bool lie_down_or_end(frame_work *w, work_hand *own) {
+    /* Others may have waited for these; and they count before anybody says that there are none. */
+    (void)ray_records_keep(w->records, &own->reserve, 0);
+    const bool last = sleepers_lie_down(&w->sleepers) == atomic_load(&w->inside);
+    const bool ends = last && !(w->hung_up > 0 && more_comes(w->f));
+    if (!ends && !has_arrivals(w->f))
+        return true;
+    sleepers_get_up(&w->sleepers);
+    if (ends)
+        end_round(w);
+    return false;
+}
+
+/* What is in the hand is hung up, without anything to be taken. */
+static void put_down_hand(frame_work *w, work_hand *own) {
+    if (own->tile_count == 0)
+        return;
+    pthread_mutex_lock(&w->lock);
+    hang_up_hand(w, own);
+    unlock_and_wake(w);
 }
 
 void frame_work_enter(frame_work *w) {
-    pthread_mutex_lock(&w->lock);
-    w->inside++;
-    pthread_mutex_unlock(&w->lock);
+    atomic_fetch_add(&w->inside, 1);
 }
 
-void frame_work_leave(frame_work *w, ray_reserve *own) {
-    (void)ray_records_keep(w->records, own, 0);
-    pthread_mutex_lock(&w->lock);
-    w->inside--;
-    pthread_mutex_unlock(&w->lock);
+void frame_work_leave(frame_work *w, work_hand *own) {
+    (void)ray_records_keep(w->records, &own->reserve, 0);
+    put_down_hand(w, own);
+    atomic_fetch_sub(&w->inside, 1);
 }
 
-bool frame_work_take(frame_work *w, ray_reserve *own, work_item *item) {
-    if (!atomic_load_explicit(&w->look, memory_order_relaxed) && own->promised >= w->tile_rays &&
-        !is_cancelled(w->f) && !frame_work_late(w) && next_tile(w, &item->tile)) {
-        item->is_tile = true;
+/* A tile to begin, while nothing else can be done. No lock. */
+static bool take_quickly(frame_work *w, const work_hand *own, work_item *item) {
+    item->is_tile = true;
+    return !atomic_load_explicit(&w->look, memory_order_relaxed) && !has_arrivals(w->f) &&
+           own->reserve.promised >= w->tile_rays && !is_cancelled(w->f) && !frame_work_late(w) &&
+           next_tile(w, &item->tile);
+}
+
+bool frame_work_take(frame_work *w, work_hand *own, work_item *item) {
+    if (take_quickly(w, own, item))
         return true;
-    }
     bool got = false;
-    pthread_mutex_lock(&w->lock);
-    while (!is_over(w) && !(got = take_rays(w, item) || take_tile(w, own, item))) {
-        /* Others may have waited for these; and they count before anybody says that there are none.
-         */
-        if (ray_records_keep(w->records, own, 0))
-            changed(w);
-        sleep_or_end(w);
+    while (!got && !is_over(w)) {
+        pthread_mutex_lock(&w->lock);
+        hang_up_hand(w, own);
+        const bool over = look_over(w);
+        got = !over && (take_rays(w, item) || take_tile(w, &own->reserve, item));
+        const bool lies = !over && !got && lie_down_or_end(w, own);
+        unlock_and_wake(w);
+        if (lies)
+            sleepers_sleep(&w->sleepers, alarm_time(w));
     }
-    changed(w);
-    pthread_mutex_unlock(&w->lock);
     return got;
 }
 
 /* ---- Waiting ---- */
 
-void frame_work_suspend(frame_work *w, ray_reserve *own, const uint32_t rays[], uint32_t count) {
+void frame_work_suspend(frame_work *w, work_hand *own, const uint32_t rays[], uint32_t count) {
     wish wishes[WORK_BATCH];
     uint32_t wished = 0;
-    const bool gave = ray_records_keep(w->records, own, w->tile_rays);
+    const bool gave = ray_records_keep(w->records, &own->reserve, w->tile_rays);
     if (count == 0 && !gave)
         return;
     pthread_mutex_lock(&w->lock);
     for (uint32_t i = 0; i < count; i++)
         if (hang_up_ray(w, rays[i]))
             wishes[wished++] = wish_of(ray_records_at(w->records, rays[i]));
-    changed(w);
-    pthread_mutex_unlock(&w->lock);
+    unlock_and_wake(w);
     ask_for(w->f, wishes, wished);
 }
 
-bool frame_work_wait(frame_work *w, uint32_t tile, const uint32_t absent[], int count) {
+/* What it waits for is asked for, so nobody but this thread needs to know of it yet. */
+static void take_in_hand(frame_work *w, work_hand *own, uint32_t tile) {
+    own->tiles[own->tile_count++] = tile;
+    if (own->tile_count == WORK_HAND)
+        put_down_hand(w, own);
+}
+
+bool frame_work_wait(frame_work *w, work_hand *own, uint32_t tile, const tile_treelet absent[],
+                     int count) {
     work_tile *x = &w->tiles[tile];
     if (!loader_has_room(w->f->tracer->treelets))
         return false;
     wish wishes[TILE_ABSENT_MAX] = {{0}};
     for (int i = 0; i < count; i++)
-        wishes[i] = (wish){0, absent[i], 0};
+        wishes[i] = (wish){0, absent[i].t, absent[i].leg};
     ask_for(w->f, wishes, (uint32_t)count);
     x->absent_count = count < WORK_ABSENT_MAX ? (uint32_t)count : WORK_ABSENT_MAX;
     for (uint32_t i = 0; i < x->absent_count; i++)
-        x->absent[i] = absent[i];
-    pthread_mutex_lock(&w->lock);
-    hang_up_tile(w, tile);
-    changed(w);
-    pthread_mutex_unlock(&w->lock);
+        x->absent[i] = absent[i].t;
+    take_in_hand(w, own, tile);
     return true;
 }
 
 void frame_work_stop(frame_work *w) {
     pthread_mutex_lock(&w->lock);
     end_round(w);
-    pthread_mutex_unlock(&w->lock);
-}
-
-/* A loader's thread, with the loader's lock: treelet t has come or has failed. */
-static void hear(void *ctx, uint32_t t) {
-    const work_ear *ear = ctx;
-    frame_work *w = ear->work;
-    pthread_mutex_lock(&w->lock);
-    w->heard++;
-    const bool ready = loader_is_ready(ear->treelets, t);
-    for (int v = 0; v < w->f->volumes && ready; v++)
-        if (w->f->tracer[v].treelets == ear->treelets)
-            come(w, w->first[v] + t);
-    changed(w);
-    if (w->asleep == w->inside)
-        wake_one(w); /* perhaps to find that nothing more comes */
-    if (!ready)
-        end_round(w);
     pthread_mutex_unlock(&w->lock);
 }
 
@@ -360,14 +411,6 @@ static size_t collect_requests(frame_work *w, const loader *from) {
     return count;
 }
 
-/* Volumes before this one may have the same loader. */
-static bool is_first_of_loader(const frame *f, int volume) {
-    int v = 0;
-    while (f->tracer[v].treelets != f->tracer[volume].treelets)
-        v++;
-    return v == volume;
-}
-
 bool frame_work_done(frame_work *w) {
     pthread_mutex_lock(&w->lock);
     const bool done = w->hung_up == 0 && w->resumable == none && !tile_left(w);
@@ -379,9 +422,9 @@ status frame_work_admit(frame_work *w) {
     const frame *f = w->f;
     status st = ST_OK;
     pthread_mutex_lock(&w->lock);
-    w->over = false;
+    atomic_store_explicit(&w->over, false, memory_order_relaxed);
     const bool tiles = look_over_waiting(w);
-    changed(w);
+    (void)has_work(w);
     pthread_mutex_unlock(&w->lock);
     /* Each loader that rays wait for brings at least one treelet. */
     for (int v = 0; v < f->volumes && !tiles && st == ST_OK; v++) {
@@ -390,6 +433,11 @@ status frame_work_admit(frame_work *w) {
         if (count > 0)
             st = loader_admit(from, w->requests, count);
     }
+    /* What has come meanwhile may have given way again: that is no failure. */
+    pthread_mutex_lock(&w->lock);
+    (void)hear(w);
+    (void)has_work(w);
+    pthread_mutex_unlock(&w->lock);
     return st;
 }
 
@@ -416,13 +464,14 @@ static void sort_buckets(frame_work *w) {
 void frame_work_begin(frame_work *w, double until) {
     const frame *f = w->f;
     for (int v = 0; v < f->volumes; v++)
-        loader_listen(f->tracer[v].treelets, hear, &w->ears[v]);
+        loader_listen(f->tracer[v].treelets, &w->sleepers);
     pthread_mutex_lock(&w->lock);
     w->until = until;
     atomic_store_explicit(&w->progress, false, memory_order_relaxed);
-    w->over = false;
+    atomic_store_explicit(&w->over, false, memory_order_relaxed);
+    (void)hear(w); /* before the buckets are looked at */
     sort_buckets(w);
-    changed(w);
+    (void)has_work(w);
     pthread_mutex_unlock(&w->lock);
     /* Nobody else is in a round yet. */
     for (uint32_t i = 0; i < w->waiting_count; i++) {
@@ -433,7 +482,7 @@ void frame_work_begin(frame_work *w, double until) {
 
 void frame_work_end(frame_work *w) {
     for (int v = 0; v < w->f->volumes; v++)
-        loader_listen(w->f->tracer[v].treelets, NULL, NULL);
+        loader_listen(w->f->tracer[v].treelets, NULL);
 }
 
 /* ---- Making and ending ---- */
@@ -441,15 +490,6 @@ void frame_work_end(frame_work *w) {
 size_t frame_work_bytes(uint32_t treelets, size_t tiles) {
     return treelets * (sizeof(work_bucket) + sizeof(uint32_t) + sizeof(loader_request)) +
            tiles * (sizeof(work_tile) + sizeof(uint32_t));
-}
-
-/* Threads wait for a time by this clock. */
-static void make_condition(pthread_cond_t *c) {
-    pthread_condattr_t how;
-    pthread_condattr_init(&how);
-    pthread_condattr_setclock(&how, CLOCK_MONOTONIC);
-    pthread_cond_init(c, &how);
-    pthread_condattr_destroy(&how);
 }
 
 status frame_work_init(frame_work *w, const frame *f, ray_records *records, uint32_t tiles) {
@@ -462,11 +502,9 @@ status frame_work_init(frame_work *w, const frame *f, ray_records *records, uint
                       .come_first = none,
                       .resumable = none};
     pthread_mutex_init(&w->lock, NULL);
-    make_condition(&w->changed);
-    for (int v = 0; v < f->volumes; v++) {
+    sleepers_init(&w->sleepers);
+    for (int v = 0; v < f->volumes; v++)
         w->first[v + 1] = w->first[v] + f->tracer[v].layout->treelets;
-        w->ears[v] = (work_ear){w, f->tracer[v].treelets};
-    }
     const uint32_t treelets = w->first[f->volumes];
     w->buckets = mem_array(f->m, treelets, sizeof *w->buckets);
     w->waiting = mem_array(f->m, treelets, sizeof *w->waiting);
@@ -486,6 +524,6 @@ void frame_work_release(frame_work *w) {
     mem_free(w->f->m, w->requests);
     mem_free(w->f->m, w->waiting);
     mem_free(w->f->m, w->buckets);
-    pthread_cond_destroy(&w->changed);
+    sleepers_release(&w->sleepers);
     pthread_mutex_destroy(&w->lock);
 }

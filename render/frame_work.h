@@ -10,10 +10,16 @@
  *
  * Why a frame ends, with any number of places and records from frame_records_min() on:
  *
- *   - A round ends. A thread gives its reserve of records back before it sleeps or leaves. The last
- *     one awake of those inside sees every record that is no ray's and finds nothing to do. If
- *     something waits for a treelet, it asks the loaders whether they are reading: the end of that
- *     read is heard then, and wakes a thread.
+ *   - A round ends. A thread gives its reserve of records back, and hangs up the tiles in its hand,
+ *     before it sleeps or leaves. The last one awake of those inside sees every record that is no
+ *     ray's and finds nothing to do. If something waits for a treelet, it lies down and then asks
+ *     the loaders whether they are reading. If so, the end of that read finds it lying, and wakes
+ *     it (sleepers.h says why). If not, all that has come is among the arrivals, at which it looks
+ *     last: a loader adds a treelet there before it says that it reads no more.
+ *   - Nothing that has come is overlooked. Who hangs something up for a treelet looks whether it is
+ *     there while holding the lock; who takes arrivals holds it, too, and looks through the bucket
+ *     then. A treelet is READY before it is an arrival: if the first did not see it, the second
+ *     comes later and finds what hangs there.
  *   - A tile waits only where its treelets had places at that time. If others were quicker and
  *     places ran out, the tile is taken up again at the end of the round; as the queue of the
  *     loader is not empty then, and places are not free, it does not wait again but suspends its
@@ -23,20 +29,25 @@
  *     treelets come that rays wait for, and no treelet goes before the next round's end. So at
  *     least one ray gets behind one treelet in each round, and its way is finite.
  *
- * Nobody who holds the lock calls a loader but for what is lock-free there, since a loader's thread
- * comes in with the loader's own lock held; the records' lock may be taken within.
+ * A loader's threads never take the lock. They leave treelets in a list without a lock
+ * (arrivals.h), from which the frame's threads take them, and wake one that sleeps, if any does.
+ * Nobody who holds the lock calls a loader but for what is lock-free there, so that nobody waits
+ * long for it; the records' lock may be taken within.
  */
 #ifndef RENDER_FRAME_WORK_H
 #define RENDER_FRAME_WORK_H
 
 #include <stdatomic.h>
 
+#include "formats/base/sleepers.h"
 #include "render/ray_records.h"
 
 enum { WORK_BATCH = 256 }; /* rays an item, at most */
 
 /* Treelets that a tile waits for at a time, at most. */
 enum { WORK_ABSENT_MAX = 8 };
+
+enum { WORK_HAND = 16 }; /* tiles that a thread has in hand, at most */
 
 /* What waits for one treelet. */
 typedef struct work_bucket {
@@ -51,13 +62,12 @@ typedef struct work_tile {
     uint32_t absent_count;
 } work_tile;
 
-struct frame_work;
-
-/* Who hears of a loader's treelets; several volumes may have one loader. */
-typedef struct work_ear {
-    struct frame_work *work;
-    const loader *treelets;
-} work_ear;
+/* What a thread has in its hand; zeroed to begin with. Tiles that wait are hung up when it takes
+ * the lock next, several for one lock. */
+typedef struct work_hand {
+    ray_reserve reserve;
+    uint32_t tiles[WORK_HAND], tile_count;
+} work_hand;
 
 typedef struct frame_work {
     const frame *f;
@@ -67,22 +77,20 @@ typedef struct frame_work {
     atomic_bool progress; /* since frame_work_begin(): a tile or a ray got further */
     /* Treelets of all volumes, numbered through. */
     uint32_t first[FRAME_VOLUMES_MAX + 1];
-    work_ear ears[FRAME_VOLUMES_MAX];
     work_bucket *buckets;
     work_tile *tiles;
     uint32_t *order; /* of tiles: as they are begun; the caller's to fill */
     uint32_t tile_count;
     _Atomic uint32_t tiles_begun; /* in order; threads that find no more count on */
+    _Atomic uint32_t inside;      /* threads in the round */
+    atomic_bool over;             /* the round is; set with the lock held */
     atomic_bool look;             /* there is more to look at than tiles to begin */
+    sleepers sleepers;            /* threads of the round that find nothing to do */
     pthread_mutex_t lock;
-    pthread_cond_t changed;
     /* Guarded by lock: */
     uint32_t come_first, come_last; /* buckets whose treelets have come */
     uint32_t resumable;             /* tiles to go on with */
     size_t hung_up;                 /* rays and tiles in buckets */
-    int inside, asleep;             /* threads in the round; of these, waiting */
-    uint64_t heard;                 /* treelets that came or failed */
-    bool over;                      /* the round is */
     uint32_t *waiting; /* treelets whose buckets were not empty at some time in this round */
     uint32_t waiting_count;
     loader_request *requests;
@@ -109,21 +117,22 @@ size_t frame_work_bytes(uint32_t treelets, size_t tiles);
 
 /* frame_work_enter(), frame_work_leave() - around a thread's part in a round. */
 void frame_work_enter(frame_work *w);
-void frame_work_leave(frame_work *w, ray_reserve *own);
+void frame_work_leave(frame_work *w, work_hand *own);
 
 /* frame_work_take() - what to do next; false when the round is over. Records for a tile's rays are
  * promised to the thread's reserve. No lock for a tile that is begun while nothing else can be
  * done. */
-bool frame_work_take(frame_work *w, ray_reserve *own, work_item *item);
+bool frame_work_take(frame_work *w, work_hand *own, work_item *item);
 
 /* frame_work_suspend() - these rays wait for the treelets that their records name; at most
  * WORK_BATCH. What the reserve has more than a tile needs is given back. */
-void frame_work_suspend(frame_work *w, ray_reserve *own, const uint32_t rays[], uint32_t count);
+void frame_work_suspend(frame_work *w, work_hand *own, const uint32_t rays[], uint32_t count);
 
 /* frame_work_wait() - a tile goes on when these treelets of the first volume have come, and asks
  * for them; at most TILE_ABSENT_MAX. False: it had better not wait, since there may be no places
  * for them. */
-bool frame_work_wait(frame_work *w, uint32_t tile, const uint32_t absent[], int count);
+bool frame_work_wait(frame_work *w, work_hand *own, uint32_t tile, const tile_treelet absent[],
+                     int count);
 
 /* frame_work_progress() - a tile or a ray got further than it was. */
 static inline void frame_work_progress(frame_work *w) {

@@ -34,9 +34,6 @@ typedef struct integrator {
 
     /* Returns what begins whole tiles of pixels, or NULL: ray by ray. */
     tile_fn (*tile)(const frame *f);
-    /* Where there are tiles: go on with what one has found but not written, h in the treelet `at`.
-     */
-    void (*found)(const frame *f, uint32_t pixel, const hit *h, const treelet *at, ray_record *r);
 } integrator;
 
 #endif

@@ -13,6 +13,7 @@ static const struct {
                     {"scalar-corners", walk_treelet_corners, 0, false},
                     {"packets-4x4", NULL, 4, false},
                     {"packets-8x8", NULL, 8, false},
+                    {"packets-16x16", NULL, 16, false},
                     {"packets-4x4-by-cell", NULL, 4, true},
                     {"tiles-by-cell", NULL, GRID_TILE, true}};
 
@@ -21,6 +22,7 @@ static kernels kernels_of(cpu_isa isa) {
                      .isa = isa,
                      .walk = walk_treelet,
                      .cells = cell_batch_for(isa),
+                     .roots = cell_roots_for(isa),
                      .tile = grid_tile_for(isa),
                      .mesh_tile = mesh_tile_for(isa),
                      .mesh_packet = mesh_packet_for(isa),

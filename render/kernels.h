@@ -16,7 +16,8 @@ typedef struct kernels {
     const char *name;
     cpu_isa isa;
     walk_fn walk;        /* one ray through one treelet */
-    cell_batch_fn cells; /* many ray-cells */
+    cell_batch_fn cells; /* many ray-cells: the first surface of each, */
+    cell_roots_fn roots; /* or all of them */
     tile_fn tile;        /* a tile of primary rays through a grid; NULL: one by one */
     tile_fn mesh_tile;   /* ... through a mesh */
     tile_fn mesh_packet; /* ... the way of W07 */

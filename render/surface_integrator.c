@@ -4,10 +4,8 @@
 
 #include "render/kind.h"
 #include "render/shade.h"
+#include "render/surface_light.h"
 #include "render/surface_search.h"
-
-/* What is left of the light behind surfaces that hide this much no longer counts: a twelfth bit. */
-static const float opaque_enough = 1.0f - 1.0f / 4096.0f;
 
 /* Legs of a ray's way: from the eye, then towards each light. */
 enum { PRIMARY = 0 };
@@ -15,7 +13,6 @@ enum { PRIMARY = 0 };
 typedef struct surface_ray {
     ray_record head;       /* volume: the one that is being searched */
     int32_t layers;        /* surfaces composited so far */
-    bool found;            /* the first surface is known */
     bool provisional;      /* something on the way was drawn coarser than asked for */
     float visibility;      /* of the leg's light */
     float rgb[3];          /* shading of the current surface so far */
@@ -32,82 +29,22 @@ static void surface_begin(const frame *f, uint32_t pixel, ray_record *r) {
     *surface_ray_of(r) = (surface_ray){.head = {.pixel = pixel}, .search = surface_search_first()};
 }
 
-/* ---- Rays from states ---- */
-
-static void eye_ray(const frame *f, uint32_t pixel, double origin[3], double direction[3]) {
-    camera_ray(&f->camera, pixel % f->width + 0.5, pixel / f->width + 0.5, origin, direction);
-}
-
-static void surface_found(const frame *f, uint32_t pixel, const hit *h, const treelet *at,
-                          ray_record *record) {
-    double origin[3], direction[3];
-    ray r;
-    surface_begin(f, pixel, record);
-    surface_ray *p = surface_ray_of(record);
-    eye_ray(f, pixel, origin, direction);
-    p->found = tracer_ray(f->tracer, origin, direction, 0.0, INFINITY, &r);
-    p->search.found = *h;
-    p->search.point = tracer_surface(f->tracer, at, &r, h);
-}
-
-static void point_at(const frame *f, uint32_t pixel, double t, double at[3]) {
-    double direction[3], origin[3];
-    eye_ray(f, pixel, origin, direction);
-    for (int a = 0; a < 3; a++)
-        at[a] = origin[a] + t * direction[a];
-}
-
-/* The unit direction from a point to a light; returns its distance. */
-static double direction_to(const leafcast_light *light, const double at[3], double to[3]) {
-    double length = 0.0;
-    for (int a = 0; a < 3; a++) {
-        to[a] = light->point ? light->vector[a] - at[a] : light->vector[a];
-        length += to[a] * to[a];
-    }
-    length = sqrt(length);
-    for (int a = 0; a < 3; a++)
-        to[a] = length > 0.0 ? to[a] / length : 0.0;
-    return light->point ? length : INFINITY;
-}
-
-void surface_towards(const frame *f, uint32_t pixel, double t, const leafcast_light *light,
-                     double to[3]) {
-    double at[3];
-    point_at(f, pixel, t, at);
-    (void)direction_to(light, at, to);
-}
-
-/* The same from the current surface, and where that is. */
-static double towards_light(const frame *f, const surface_ray *p, const leafcast_light *light,
-                            double at[3], double to[3]) {
-    point_at(f, p->head.pixel, p->search.found.t, at);
-    return direction_to(light, at, to);
-}
-
-static const leafcast_surface *surface_met(const frame *f, uint16_t volume, const hit *h) {
-    return &surface_look_of(f)->surfaces[volume][h->iso];
-}
-
-static shade_point shading_of(const frame *f, const surface_ray *p) {
-    double origin[3], direction[3];
-    eye_ray(f, p->head.pixel, origin, direction);
-    const float eye[3] = {(float)-direction[0], (float)-direction[1], (float)-direction[2]};
-    const leafcast_surface *s = surface_met(f, p->search.found_volume, &p->search.found);
-    return shade_point_of(surface_look_of(f)->scene, s->rgb, p->search.point.normal, eye);
+/* The current surface, for lights. */
+static lit_surface current(const surface_ray *p) {
+    return (lit_surface){p->head.pixel, p->search.found_volume, &p->search.found, &p->search.point};
 }
 
 /* The next surface. False: blocked. */
 static bool find_next(const frame *f, surface_ray *p, ray_counters *counters) {
     world_ray w = {.t1 = INFINITY};
-    eye_ray(f, p->head.pixel, w.origin, w.direction);
+    const uint32_t pixel = p->head.pixel;
+    camera_ray(&f->camera, pixel % f->width + 0.5, pixel / f->width + 0.5, w.origin, w.direction);
     if (!surface_search_next(f, &w, surface_look_of(f)->coarse, &p->head.volume, &p->search,
                              counters))
         return false;
     p->provisional |= p->search.provisional;
     return true;
 }
-
-/* ---- Lights ---- */
 
 bool surface_opaque(const frame *f) {
     for (int v = 0; v < f->volumes; v++)
@@ -117,49 +54,7 @@ bool surface_opaque(const frame *f) {
     return true;
 }
 
-/* Along how much of a shadow ray roots are the surface itself, for all that the solver knows. */
-static double own_error(const surface_ray *p, double slope) {
-    return p->search.point.error / fabs(slope);
-}
-
-static double slope_towards(const surface_ray *p, const double to[3]) {
-    const double *g = p->search.point.gradient;
-    return g[0] * to[0] + g[1] * to[1] + g[2] * to[2];
-}
-
-/* Look for what hides the light from the current surface. False: visibility is known without a
- * ray. */
-static bool begin_shadow(const frame *f, surface_ray *p, const leafcast_light *light,
-                         ray_counters *counters) {
-    double at[3], to[3];
-    towards_light(f, p, light, at, to);
-    const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};
-    const shade_point shading = shading_of(f, p);
-    p->visibility = shade_reaches(&shading, to_light) ? 1.0f : 0.0f;
-    if (p->visibility == 0.0f || !surface_look_of(f)->scene->shadows)
-        return false;
-    /* The shadow ray starts on the side the primary ray came from: a light on the other one is
-     * behind the surface itself. */
-    const double slope = slope_towards(p, to);
-    if (p->search.found.entering ? slope > 0.0 : slope < 0.0) {
-        p->visibility = 0.0f;
-        return false;
-    }
-    counters->ill_conditioned += !(own_error(p, slope) <= p->search.point.span);
-    counters->shadow_rays++;
-    return true;
-}
-
-static void begin_shadow_search(const frame *f, surface_ray *p, const double to[3]) {
-    hit start = hit_before_all();
-    if (p->head.volume == p->search.found_volume) {
-        const double error = own_error(p, slope_towards(p, to)), span = p->search.point.span;
-        start = hit_behind(error <= span ? error : span);
-    }
-    p->search.state = trace_begin(&start);
-    p->search.state.any = surface_opaque(f);
-    p->search.searching = true;
-}
+/* ---- Lights ---- */
 
 /* What one volume lets through. False: blocked. */
 static bool shadow_volume(const frame *f, surface_ray *p, const double at[3], const double to[3],
@@ -168,8 +63,11 @@ static bool shadow_volume(const frame *f, surface_ray *p, const double at[3], co
     ray r;
     if (!tracer_ray(&f->tracer[v], at, to, 0.0, distance, &r))
         return true;
-    if (!p->search.searching)
-        begin_shadow_search(f, p, to);
+    if (!p->search.searching) {
+        const lit_surface s = current(p);
+        p->search.state = lit_search(f, &s, v, to);
+        p->search.searching = true;
+    }
     for (;;) {
         const trace_result result = tracer_next(&f->tracer[v], &r, &p->search.state, counters);
         if (result == TRACE_BLOCKED)
@@ -177,11 +75,8 @@ static bool shadow_volume(const frame *f, surface_ray *p, const double at[3], co
         p->provisional |= p->search.state.provisional;
         if (result == TRACE_MISS)
             break;
-        p->visibility *= 1.0f - surface_met(f, v, &p->search.state.best)->opacity;
-        if (!(p->visibility > 1.0f - opaque_enough)) {
-            p->visibility = 0.0f;
+        if (!lit_dim(f, v, &p->search.state.best, &p->visibility))
             break;
-        }
         const hit behind = p->search.state.best;
         p->search.state = trace_begin(&behind);
     }
@@ -190,10 +85,8 @@ static bool shadow_volume(const frame *f, surface_ray *p, const double at[3], co
 }
 
 /* Returns false when blocked; true when the light's visibility is known. */
-static bool trace_shadow(const frame *f, surface_ray *p, const leafcast_light *light,
-                         ray_counters *counters) {
-    double at[3], to[3];
-    const double distance = towards_light(f, p, light, at, to);
+static bool trace_shadow(const frame *f, surface_ray *p, const double at[3], const double to[3],
+                         double distance, ray_counters *counters) {
     for (; p->head.volume < f->volumes && p->visibility > 0.0f; p->head.volume++)
         if (!shadow_volume(f, p, at, to, distance, counters))
             return false;
@@ -201,18 +94,29 @@ static bool trace_shadow(const frame *f, surface_ray *p, const leafcast_light *l
     return true;
 }
 
+/* Whether a light needs a shadow ray, which counts then. */
+static bool begin_shadow(const frame *f, const lit_surface *s, const double to[3],
+                         float *visibility, ray_counters *counters) {
+    if (!lit_needs_ray(f, s, to, visibility))
+        return false;
+    counters->ill_conditioned += lit_ill_conditioned(s, to);
+    counters->shadow_rays++;
+    return true;
+}
+
 /* All lights from that of the leg on. Returns false when blocked. */
 static bool light_surface(const frame *f, surface_ray *p, bool resumed, ray_counters *counters) {
     const leafcast_scene *scene = surface_look_of(f)->scene;
+    const lit_surface s = current(p);
     for (; p->head.leg <= scene->light_count; p->head.leg++, resumed = false) {
         const leafcast_light *light = &scene->lights[p->head.leg - 1];
-        if ((resumed || begin_shadow(f, p, light, counters)) &&
-            !trace_shadow(f, p, light, counters))
-            return false;
         double at[3], to[3];
-        towards_light(f, p, light, at, to);
+        const double distance = light_towards(f, s.pixel, s.found->t, light, at, to);
+        if ((resumed || begin_shadow(f, &s, to, &p->visibility, counters)) &&
+            !trace_shadow(f, p, at, to, distance, counters))
+            return false;
         const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};
-        const shade_point shading = shading_of(f, p);
+        const shade_point shading = lit_shading(f, &s);
         shade_light(&shading, to_light, light->rgb, p->visibility, p->rgb);
     }
     p->head.leg = PRIMARY;
@@ -220,7 +124,8 @@ static bool light_surface(const frame *f, surface_ray *p, bool resumed, ray_coun
 }
 
 static void begin_lighting(const frame *f, surface_ray *p) {
-    const shade_point shading = shading_of(f, p);
+    const lit_surface s = current(p);
+    const shade_point shading = lit_shading(f, &s);
     shade_ambient(&shading, p->rgb);
     if (surface_look_of(f)->scene->light_count == 0) {
         static const float white[3] = {1.0f, 1.0f, 1.0f};
@@ -263,11 +168,12 @@ static void write_colour(const frame *f, surface_ray *p, ray_counters *counters)
 
 /* The current surface is done with. False: nothing behind it counts. */
 static bool composite(const frame *f, surface_ray *p) {
-    const float opacity = surface_met(f, p->search.found_volume, &p->search.found)->opacity;
+    const uint16_t volume = p->search.found_volume;
+    const float opacity = surface_look_of(f)->surfaces[volume][p->search.found.iso].opacity;
     shade_composite(p->rgba, p->rgb, opacity);
     p->layers++;
     surface_search_behind(&p->search);
-    return p->rgba[3] < opaque_enough && opacity < 1.0f &&
+    return surface_shows_through(p->rgba[3], opacity) &&
            p->layers != surface_look_of(f)->scene->layers_max;
 }
 
@@ -281,9 +187,8 @@ static bool surface_advance(const frame *f, ray_record *record, ray_counters *co
     bool resumed = p->head.leg != PRIMARY, more = true;
     for (; more; resumed = false) {
         if (!resumed) {
-            if (!p->found && !find_next(f, p, counters))
+            if (!find_next(f, p, counters))
                 return blocked(p);
-            p->found = false;
             if (p->layers == 0)
                 write_first(f, p, counters);
             if (!hit_exists(&p->search.found))
@@ -316,5 +221,4 @@ const integrator surface_integrator = {.record_bytes = sizeof(surface_ray),
                                        .begin = surface_begin,
                                        .advance = surface_advance,
                                        .bundle = surface_bundle,
-                                       .tile = surface_tile,
-                                       .found = surface_found};
+                                       .tile = surface_tile};

@@ -23,12 +23,21 @@ static inline const surface_look *surface_look_of(const frame *f) {
     return f->look;
 }
 
-/* surface_towards() - the unit direction to a light from a pixel's hit at t, world space; for a
- * directional light pixel and t do not matter. */
-void surface_towards(const frame *f, uint32_t pixel, double t, const leafcast_light *light,
-                     double to[3]);
-
 /* surface_opaque() - whether no light comes through any surface. */
 bool surface_opaque(const frame *f);
+
+/* surface_layers() - how many surfaces of a ray count, at most; 0: any number. */
+static inline int surface_layers(const frame *f) {
+    return surface_opaque(f) ? 1 : surface_look_of(f)->scene->layers_max;
+}
+
+/* What is left of the light behind surfaces that hide this much no longer counts: a twelfth bit. */
+static const float surface_opaque_enough = 1.0f - 1.0f / 4096.0f;
+
+/* surface_shows_through() - whether what is behind a surface may still count; alpha: of all that
+ * has been composited, the surface included. */
+static inline bool surface_shows_through(float alpha, float opacity) {
+    return alpha < surface_opaque_enough && opacity < 1.0f;
+}
 
 #endif

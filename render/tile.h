@@ -25,6 +25,12 @@ typedef uint32_t tile_row;
 /* Treelets that a tile is told to wait for at a time. */
 enum { TILE_ABSENT_MAX = 32 };
 
+/* A treelet of the first volume that rays need on a leg of their way (see integrator.h). */
+typedef struct tile_treelet {
+    uint32_t t;
+    uint16_t leg;
+} tile_treelet;
+
 /* What is left to do. Rows and rays of the tile that there is, rays row by row. All other pixels
  * that were asked for have been written. */
 typedef struct tile_outcome {
@@ -34,11 +40,8 @@ typedef struct tile_outcome {
     void *batch_scratch;      /* and kind.batch_scratch bytes of whichever volume needs most */
     tile_row open[TILE_MAX];  /* to be traced one by one, from their start */
     tile_row waits[TILE_MAX]; /* met an absent treelet: again with it, or one by one */
-    uint32_t absent[TILE_ABSENT_MAX]; /* those treelets, as many as there is room for */
+    tile_treelet absent[TILE_ABSENT_MAX]; /* those treelets, as many as there is room for */
     int absent_count;
-    tile_row found[TILE_MAX]; /* their first surface is known, and no more: */
-    hit hits[TILE_MAX * TILE_MAX];
-    const treelet *at[TILE_MAX * TILE_MAX];
 } tile_outcome;
 
 /* tile_fn - rays of the tile whose first pixel is (x0, y0); pixels: which. f->projection
@@ -47,9 +50,12 @@ typedef void (*tile_fn)(const frame *f, uint32_t x0, uint32_t y0, const tile_row
                         tile_outcome *out, ray_counters *counters);
 
 /* tile_absent() - rays met treelet t, which is absent. */
-static inline void tile_absent(tile_outcome *out, uint32_t t) {
+static inline void tile_absent(tile_outcome *out, uint32_t t, uint16_t leg) {
+    for (int i = 0; i < out->absent_count; i++)
+        if (out->absent[i].t == t && out->absent[i].leg == leg)
+            return;
     if (out->absent_count < TILE_ABSENT_MAX)
-        out->absent[out->absent_count++] = t;
+        out->absent[out->absent_count++] = (tile_treelet){t, leg};
 }
 
 #endif

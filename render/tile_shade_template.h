@@ -1,8 +1,8 @@
 /* tile_shade_template.h - what a tile's rays have found, as pixels; included by the units of an ISA
  * (see formats/base/simd.h).
  *
- * surface_at() and shade.h in the same order of operations, many pixels at a time. Here a frame has
- * one opaque surface a pixel and no shadows; others go pixel by pixel (surface_integrator.h).
+ * surface_at(), shade.h and surface_light.h in the same order of operations, many pixels at a time:
+ * layer by layer, each composited behind those in front of it.
  */
 #ifndef RENDER_TILE_SHADE_TEMPLATE_H
 #define RENDER_TILE_SHADE_TEMPLATE_H
@@ -12,14 +12,33 @@
 #ifdef SIMD_NAME
 
 #include "render/shade.h"
-#include "render/surface_integrator.h"
+#include "render/surface_light.h"
 #include "render/tile_state_template.h"
 
+typedef float tile_normals[3][TILE_RAYS];
+
 typedef struct tile_pixels {
-    float normal[3][TILE_RAYS];
+    /* Of the first layer; */
+    double t[TILE_RAYS];
+    int32_t id[TILE_RAYS]; /* -1: there is none */
+    tile_normals normal;
+    /* of the one that is being shaded: */
+    tile_normals behind;                              /* not used for the first */
+    float visibility[LEAFCAST_LIGHTS_MAX][TILE_RAYS]; /* set where a scene has shadows */
+    lit_batch lit;
+    uint16_t ray[RAY_BATCH]; /* of its surfaces */
+    /* Shadow rays so far: they count when the pixel is done. */
+    uint16_t shadow_rays[TILE_RAYS], ill_conditioned[TILE_RAYS];
+    /* Composited so far. */
     float rgba[4][TILE_RAYS];
-    int32_t id[TILE_RAYS];
 } tile_pixels;
+
+/* A kind's part: the unit normals of a layer, where it has surfaces, any length where there is
+ * none; what else shadows need of one. */
+typedef struct tile_kind {
+    void (*normals)(void *work, const tile_layer *l, tile_normals normal);
+    surface_point (*point)(const tile_state *s, const tile_layer *l, unsigned i);
+} tile_kind;
 
 SIMD vf dot_f(const vf a[3], const vf b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -38,39 +57,36 @@ typedef struct lit_pixels {
     vf normal[3], eye[3], rgb[3], out[3];
 } lit_pixels;
 
-static const leafcast_surface *tile_surfaces(const tile_state *s) {
-    return surface_look_of(s->f)->surfaces[0];
-}
-
 /* shade_point_of() and shade_ambient(), VF_N pixels at a time. */
-SIMD lit_pixels lit_begin(const tile_state *s, unsigned i, const tile_pixels *p) {
+SIMD lit_pixels lit_begin(const tile_state *s, const tile_layer *l, unsigned i, unsigned hits,
+                          tile_normals normal) {
     const leafcast_scene *scene = surface_look_of(s->f)->scene;
-    lit_pixels l;
+    lit_pixels p;
     float rgb[3][VF_N];
     for (unsigned k = 0; k < VF_N; k++)
         for (int c = 0; c < 3; c++)
-            rgb[c][k] = tile_surfaces(s)[p->id[i + k] < 0 ? 0 : p->id[i + k]].rgb[c];
+            rgb[c][k] = tile_look(s, hits >> k & 1u ? surface_of(l, i + k)->iso : 0)->rgb[c];
     for (int a = 0; a < 3; a++) {
-        l.normal[a] = f_load(p->normal[a] + i);
-        l.eye[a] = f_load(s->rays.towards_eye[a] + i);
-        l.rgb[a] = f_load(rgb[a]);
+        p.normal[a] = f_load(normal[a] + i);
+        p.eye[a] = f_load(s->rays.towards_eye[a] + i);
+        p.rgb[a] = f_load(rgb[a]);
     }
-    const vf zero = f_set(0.0f), length = f_sqrt(dot_f(l.normal, l.normal));
-    const vf turn = f_select(f_lt(dot_f(l.normal, l.eye), zero), f_set(-0.0f) - length, length);
+    const vf zero = f_set(0.0f), length = f_sqrt(dot_f(p.normal, p.normal));
+    const vf turn = f_select(f_lt(dot_f(p.normal, p.eye), zero), f_set(-0.0f) - length, length);
     for (int a = 0; a < 3; a++)
-        l.normal[a] = f_select(f_gt(length, zero), l.normal[a] / turn, l.eye[a]);
+        p.normal[a] = f_select(f_gt(length, zero), p.normal[a] / turn, p.eye[a]);
     const bool flat = scene->shading == LEAFCAST_SHADING_FLAT;
     for (int c = 0; c < 3; c++)
-        l.out[c] = f_set(flat ? 1.0f : scene->ambient) * l.rgb[c];
-    return l;
+        p.out[c] = f_set(flat ? 1.0f : scene->ambient) * p.rgb[c];
+    return p;
 }
 
-/* shade_light() of a light that is seen. */
-SIMD void lit_add(const leafcast_scene *scene, const vf to[3], const float light[3],
+/* shade_light(). */
+SIMD void lit_add(const leafcast_scene *scene, const vf to[3], const float light[3], vf visibility,
                   lit_pixels *l) {
     const vf zero = f_set(0.0f), n_l = dot_f(l->normal, to);
     const mf reaches = f_gt(n_l, zero);
-    const vf diffuse = f_set(1.0f - scene->ambient) * n_l;
+    const vf diffuse = visibility * (f_set(1.0f - scene->ambient) * n_l);
     if (scene->shading == LEAFCAST_SHADING_FLAT)
         return;
     for (int c = 0; c < 3; c++)
@@ -78,24 +94,27 @@ SIMD void lit_add(const leafcast_scene *scene, const vf to[3], const float light
     if (scene->shading != LEAFCAST_SHADING_PHONG)
         return;
     const vf r_v = f_set(2.0f) * n_l * dot_f(l->normal, l->eye) - dot_f(to, l->eye);
-    const vf shine = f_set(scene->specular) * power_f(f_min(r_v, f_set(1.0f)), scene->shininess);
+    const vf shine =
+        visibility * f_set(scene->specular) * power_f(f_min(r_v, f_set(1.0f)), scene->shininess);
     for (int c = 0; c < 3; c++)
         l->out[c] = f_select(mf_and(reaches, f_gt(r_v, zero)), l->out[c] + shine * f_set(light[c]),
                              l->out[c]);
 }
 
+static uint32_t pixel_of(const tile_state *s, unsigned i) {
+    return (s->y0 + i / TILE) * s->f->width + s->x0 + i % TILE;
+}
+
 /* The unit directions from surfaces to a light. */
-SIMD void lit_towards(const tile_state *s, unsigned i, unsigned hits, const leafcast_light *light,
-                      vf to[3]) {
+SIMD void towards_light(const tile_state *s, const tile_layer *l, unsigned i, unsigned hits,
+                        const leafcast_light *light, vf to[3]) {
     float towards[3][VF_N] = {{0.0f}};
-    double direction[3];
+    double at[3], direction[3];
     if (!light->point)
-        surface_towards(s->f, 0, 0.0, light, direction);
+        light_towards(s->f, 0, 0.0, light, at, direction);
     for (unsigned k = 0; k < VF_N; k++) {
-        const unsigned at = i + k;
         if (light->point && (hits >> k & 1u))
-            surface_towards(s->f, (s->y0 + at / TILE) * s->f->width + s->x0 + at % TILE, s->t[at],
-                            light, direction);
+            light_towards(s->f, pixel_of(s, i + k), surface_of(l, i + k)->t, light, at, direction);
         for (int a = 0; a < 3 && (!light->point || (hits >> k & 1u)); a++)
             towards[a][k] = (float)direction[a];
     }
@@ -103,33 +122,141 @@ SIMD void lit_towards(const tile_state *s, unsigned i, unsigned hits, const leaf
         to[a] = f_load(towards[a]);
 }
 
-/* Colours of the pixels with surfaces: shade_composite() in front of shade_background(). */
-SIMD void shade_pixels(const tile_state *s, unsigned i, unsigned hits, tile_pixels *p) {
+/* Colours of a layer's surfaces, behind what there is: shade_composite(). */
+SIMD void shade_surfaces(const tile_state *s, const tile_layer *l, unsigned i, unsigned hits,
+                         tile_normals normal, tile_pixels *p) {
     static const float white[3] = {1.0f, 1.0f, 1.0f};
     const leafcast_scene *scene = surface_look_of(s->f)->scene;
-    const mf has = mf_of_bits(hits);
+    const vf one = f_set(1.0f);
     float opacity[VF_N];
-    for (unsigned k = 0; k < VF_N; k++) {
-        p->id[i + k] = hits >> k & 1u ? s->iso[i + k] : -1;
-        opacity[k] = tile_surfaces(s)[p->id[i + k] < 0 ? 0 : p->id[i + k]].opacity;
-    }
-    lit_pixels l = lit_begin(s, i, p);
+    for (unsigned k = 0; k < VF_N; k++)
+        opacity[k] = hits >> k & 1u ? tile_look(s, surface_of(l, i + k)->iso)->opacity : 0.0f;
+    lit_pixels lit = lit_begin(s, l, i, hits, normal);
     if (scene->light_count == 0)
-        lit_add(scene, l.eye, white, &l);
+        lit_add(scene, lit.eye, white, one, &lit);
     for (int k = 0; k < scene->light_count; k++) {
         vf to[3];
-        lit_towards(s, i, hits, &scene->lights[k], to);
-        lit_add(scene, to, scene->lights[k].rgb, &l);
+        towards_light(s, l, i, hits, &scene->lights[k], to);
+        lit_add(scene, to, scene->lights[k].rgb,
+                scene->shadows ? f_load(p->visibility[k] + i) : one, &lit);
     }
-    const vf weight = f_load(opacity);
-    const vf behind = (f_set(1.0f) - weight) * f_set(scene->background[3]);
+    const mf has = mf_of_bits(hits);
+    const vf alpha = f_load(p->rgba[3] + i), weight = (one - alpha) * f_load(opacity);
     for (int c = 0; c < 3; c++) {
-        const vf out = weight * l.out[c] + behind * f_set(scene->background[c]);
-        f_store(p->rgba[c] + i, f_select(has, out, f_load(p->rgba[c] + i)));
-        const vf normal = f_load(p->normal[c] + i);
-        f_store(p->normal[c] + i, f_select(has, normal, f_set(0.0f)));
+        const vf known = f_load(p->rgba[c] + i);
+        f_store(p->rgba[c] + i, f_select(has, known + weight * lit.out[c], known));
     }
-    f_store(p->rgba[3] + i, f_select(has, weight + behind, f_load(p->rgba[3] + i)));
+    f_store(p->rgba[3] + i, f_select(has, alpha + weight, alpha));
+    for (int a = 0; a < 3; a++)
+        f_store(normal[a] + i, f_select(has, f_load(normal[a] + i), f_set(0.0f)));
+}
+
+/* ---- Shadows ---- */
+
+/* Surfaces of a square of the tile, as many as go into a batch. */
+enum { SQUARE = 16 };
+_Static_assert(SQUARE *SQUARE <= RAY_BATCH && TILE % SQUARE == 0, "tiles are made of squares");
+
+static void list_square(const tile_state *s, const tile_kind *kind, const tile_layer *l,
+                        unsigned first, tile_pixels *p) {
+    lit_batch *b = &p->lit;
+    b->count = 0;
+    for (unsigned y = 0; y < SQUARE; y++) {
+        for (unsigned i = first + TILE * y; i < first + TILE * y + SQUARE; i++) {
+            if (!in_layer(l, i) || (s->out->waits[i / TILE] >> i % TILE & 1u))
+                continue;
+            p->ray[b->count] = (uint16_t)i;
+            b->pixel[b->count] = pixel_of(s, i);
+            b->found[b->count] = s->order->hit_of(s->f, surface_of(l, i));
+            b->point[b->count++] = kind->point(s, l, i);
+        }
+    }
+}
+
+/* Pixels whose shadow rays need what is absent wait for that. */
+static void take_visibility(const tile_state *s, int light, tile_pixels *p) {
+    const lit_batch *b = &p->lit;
+    for (unsigned k = 0; k < b->count; k++) {
+        const unsigned i = p->ray[k];
+        p->visibility[light][i] = b->visibility[k];
+        p->shadow_rays[i] += b->needed[k];
+        p->ill_conditioned[i] += b->ill_conditioned[k];
+        if (!b->undone[k])
+            continue;
+        s->out->waits[i / TILE] |= (tile_row)1 << i % TILE;
+        if (b->absent[k] != LEAF_NO_TREELET)
+            tile_absent(s->out, b->absent[k], (uint16_t)(light + 1));
+    }
+}
+
+/* What arrives of all lights at a layer's surfaces. */
+static void shadow_layer(const tile_state *s, const tile_kind *kind, const tile_layer *l,
+                         tile_pixels *p) {
+    const leafcast_scene *scene = surface_look_of(s->f)->scene;
+    for (unsigned y = 0; y < TILE; y += SQUARE) {
+        for (unsigned x = 0; x < TILE; x += SQUARE) {
+            list_square(s, kind, l, TILE * y + x, p);
+            for (int k = 0; k < scene->light_count; k++) {
+                lit_batch_trace(s->f, &p->lit, &scene->lights[k], s->out->batch,
+                                s->out->batch_scratch, s->counters);
+                take_visibility(s, k, p);
+            }
+        }
+    }
+}
+
+/* ---- Layers ---- */
+
+static void shade_layer(const tile_state *s, const tile_kind *kind, void *work, int k,
+                        tile_pixels *p) {
+    const leafcast_scene *scene = surface_look_of(s->f)->scene;
+    const tile_layer layer = {s, (unsigned)k}, *l = &layer;
+    float(*normal)[TILE_RAYS] = s->before + k == 0 ? p->normal : p->behind;
+    kind->normals(work, l, normal);
+    if (scene->shadows && scene->light_count > 0)
+        shadow_layer(s, kind, l, p);
+    for (unsigned i = 0; i < TILE_RAYS; i += VF_N) {
+        const unsigned hits = hits_from(l, i, VF_N);
+        if (hits)
+            shade_surfaces(s, l, i, hits, normal, p);
+    }
+}
+
+static void keep_first(const tile_state *s, tile_pixels *p) {
+    const tile_layer l = {s, 0};
+    for (unsigned i = 0; i < TILE_RAYS; i++) {
+        const bool any = in_layer(&l, i);
+        p->t[i] = any ? surface_of(&l, i)->t : (double)INFINITY;
+        p->id[i] = any ? surface_of(&l, i)->iso : -1;
+    }
+}
+
+/* All that a walk has found. */
+static void shade_walk(const tile_state *s, const tile_kind *kind, void *work, tile_pixels *p) {
+    if (s->before == 0)
+        keep_first(s, p);
+    for (int k = 0; k < s->deepest; k++)
+        shade_layer(s, kind, work, k, p);
+}
+
+/* Before the first walk. */
+static void pixels_begin(tile_pixels *p) {
+    memset(p->rgba, 0, sizeof p->rgba);
+    memset(p->normal, 0, sizeof p->normal);
+    memset(p->shadow_rays, 0, sizeof p->shadow_rays);
+    memset(p->ill_conditioned, 0, sizeof p->ill_conditioned);
+}
+
+/* shade_background(). */
+static void shade_behind_all(const frame *f, tile_pixels *p) {
+    const float *background = surface_look_of(f)->scene->background;
+    for (unsigned i = 0; i < TILE_RAYS; i += VF_N) {
+        const vf alpha = f_load(p->rgba[3] + i);
+        const vf weight = (f_set(1.0f) - alpha) * f_set(background[3]);
+        for (int c = 0; c < 3; c++)
+            f_store(p->rgba[c] + i, f_load(p->rgba[c] + i) + weight * f_set(background[c]));
+        f_store(p->rgba[3] + i, alpha + weight);
+    }
 }
 
 /* ---- Writing ---- */
@@ -160,7 +287,7 @@ static void write_row(const tile_state *s, unsigned y, unsigned pixels, const ti
     for (unsigned left = pixels; left; left &= left - 1) {
         const unsigned x = (unsigned)__builtin_ctz(left);
         if (image->z)
-            image->z[row + x] = s->t[from + x];
+            image->z[row + x] = p->t[from + x];
         if (image->id)
             image->id[row + x] = p->id[from + x];
         if (image->provisional)
@@ -174,63 +301,22 @@ static void write_row(const tile_state *s, unsigned y, unsigned pixels, const ti
             write_floats(colours[c] + row, p->rgba[c] + from, pixels);
 }
 
-/* What a pixel is without a surface. */
-static void clear_pixels(const frame *f, tile_pixels *p) {
-    float rgba[4] = {0.0f, 0.0f, 0.0f, 0.0f};
-    shade_background(rgba, surface_look_of(f)->scene->background);
-    for (unsigned i = 0; i < TILE_RAYS; i++) {
-        p->id[i] = -1;
-        for (int a = 0; a < 3; a++)
-            p->normal[a][i] = 0.0f;
-        for (int c = 0; c < 4; c++)
-            p->rgba[c][i] = rgba[c];
+static void count_done(ray_counters *counters, const tile_pixels *p, unsigned from, unsigned done) {
+    for (; done; done &= done - 1) {
+        const unsigned i = from + (unsigned)__builtin_ctz(done);
+        counters->covered_pixels += p->id[i] >= 0;
+        counters->shadow_rays += p->shadow_rays[i];
+        counters->ill_conditioned += p->ill_conditioned[i];
     }
 }
 
-/* Which of `count` pixels from i on have a surface. */
-SIMD unsigned hits_from(const tile_state *s, unsigned i, unsigned count) {
-    unsigned hits = 0;
-    for (unsigned k = 0; k < count; k += VD_N)
-        hits |= md_bits(d_lt(d_load(s->t + i + k), d_set(INFINITY))) << k;
-    return hits;
-}
-
-/* Colours of the pixels that have a surface; their normals are there. */
-static void shade_tile(const tile_state *s, tile_pixels *p) {
-    for (unsigned i = 0; i < TILE_RAYS; i += VF_N) {
-        const unsigned hits = hits_from(s, i, VF_N);
-        if (hits)
-            shade_pixels(s, i, hits, p);
-    }
-}
-
-/* Whether a pixel is done with its first surface, and no light may be hidden from it. */
-static bool shaded_together(const frame *f) {
-    const leafcast_scene *scene = surface_look_of(f)->scene;
-    return (scene->layers_max == 1 || surface_opaque(f)) &&
-           (scene->light_count == 0 || !scene->shadows);
-}
-
-/* Write what is done; the rest is said in the outcome, but for the hits' cells. together: pixels
- * with a surface are done, too. */
-static void write_tile(const tile_state *s, bool together, const tile_pixels *p) {
+/* Write what is done; the rest is said in the outcome. */
+static void write_tile(const tile_state *s, const tile_pixels *p) {
     tile_outcome *out = s->out;
     for (unsigned y = 0; y < TILE; y++) {
-        unsigned found = 0;
-        const unsigned left = s->rays.single[y] | out->waits[y];
+        const unsigned done = s->asked[y] & ~(s->rays.single[y] | out->waits[y]);
         out->open[y] = s->rays.single[y];
-        for (unsigned x = 0; x < TILE && !together; x++) {
-            const unsigned i = TILE * y + x;
-            if (!(s->t[i] < INFINITY) || left >> x & 1u)
-                continue;
-            found |= 1u << x;
-            out->hits[i] = (hit){s->t[i], 0, s->iso[i], s->entering[i]};
-            out->at[i] = s->at[i];
-        }
-        out->found[y] = found;
-        const unsigned done = s->asked[y] & ~(left | found);
-        s->counters->covered_pixels +=
-            (unsigned)__builtin_popcount(done & hits_from(s, TILE * y, TILE));
+        count_done(s->counters, p, TILE * y, done);
         write_row(s, y, done, p);
     }
     f_stream_end();

@@ -46,8 +46,8 @@ struct loader_private {
     status_note failure;
     loader_stats stats;
     seat *free_seats;
-    void (*heard)(void *ctx, uint32_t t); /* loader_listen() */
-    void *heard_ctx;
+    atomic_bool reading; /* loader_is_reading() */
+    sleepers *listeners; /* loader_listen() */
     interest selected;   /* read-only while anything is traced or loaded */
     atomic_size_t masks; /* made */
     uint8_t *existing;   /* a treelet's octants that are there */
@@ -127,18 +127,13 @@ static void set_state(struct loader_private *h, uint32_t t, residence to) {
     atomic_store_explicit(&h->claimed, claimed + (uint32_t)more, memory_order_relaxed);
 }
 
-static void tell_listener(const struct loader_private *h, uint32_t t) {
-    if (h->heard)
-        h->heard(h->heard_ctx, t);
-}
-
 static void publish(loader *l, treelet *tr) {
     struct loader_private *h = l->hidden;
     set_state(h, tr->id, READY);
     h->places[h->filled++] = tr;
     h->published++;
     atomic_store_explicit(&l->resident[tr->id], tr, memory_order_release);
-    tell_listener(h, tr->id);
+    arrivals_add(&l->arrivals, tr->id);
 }
 
 /* Give a treelet back that is neither READY nor in the cache. */
@@ -194,8 +189,14 @@ static bool can_begin(const struct loader_private *h) {
     return h->queued > 0 && h->filled + h->loading < h->capacity && h->free_seats;
 }
 
-/* Under the lock, after what can_begin() asks for has changed. */
+/* Under the lock: something under way, or queued and able to begin. */
+static bool is_reading(const struct loader_private *h) {
+    return h->loading > 0 || (h->queued > 0 && h->filled < h->capacity);
+}
+
+/* Under the lock, after what is asked here has changed. */
 static void tell_readers(struct loader_private *h) {
+    atomic_store(&h->reading, is_reading(h));
     const bool waiting = can_begin(h);
     if (waiting || h->customer.waiting)
         readers_tell(h->readers, &h->customer, waiting, waiting ? h->queue[0].priority : 0);
@@ -243,15 +244,16 @@ static void bring_in(loader *l, uint32_t t, resident_scratch *scratch) {
         discard(l, tr);
     else if (h->shared)
         release_payload(h, t);
-    tell_listener(h, t);
+    arrivals_add(&l->arrivals, t);
 }
 
-/* One read for the readers. */
+/* One read for the readers. Listeners hear of it when all is as it stays, without the lock. */
 static void read_most_urgent(void *ctx) {
     loader *l = ctx;
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
-    if (can_begin(h)) {
+    const bool can = can_begin(h);
+    if (can) {
         const uint32_t t = queue_pop(h).t;
         seat *mine = h->free_seats;
         h->free_seats = mine->next;
@@ -262,7 +264,11 @@ static void read_most_urgent(void *ctx) {
         pthread_cond_broadcast(&h->done);
     }
     tell_readers(h);
+    sleepers *listeners = h->listeners;
+    const bool claimed = can && listeners && sleepers_claim(listeners);
     pthread_mutex_unlock(&h->lock);
+    if (claimed)
+        sleepers_wake(listeners);
 }
 
 /* ---- Masks ---- */
@@ -398,10 +404,12 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, readers *giv
     treelet_cache_init(&h->cache, m, (uint32_t)n);
     h->existing = existing_octants(m, &f->layout);
     h->held = mem_array(m, n, 1);
+    st = arrivals_init(&l->arrivals, m, (uint32_t)n);
     if (!l->own || !l->children || !l->resident || !h->state || !h->queue || !h->places ||
         !h->cache.of || !h->existing || !h->held)
-        goto fail;
-    st = grow_tree(l);
+        st = ST_NOMEM;
+    if (st == ST_OK)
+        st = grow_tree(l);
     if (st == ST_OK)
         st = source_open(m, f, o->source, &h->source);
     if (st != ST_OK)
@@ -454,6 +462,7 @@ void loader_destroy(loader *l) {
         mem_free(l->m, h->state);
         mem_free(l->m, h);
     }
+    arrivals_release(&l->arrivals, l->m);
     mem_free(l->m, l->resident);
     mem_free(l->m, l->children);
     mem_free(l->m, l->own);
@@ -671,11 +680,6 @@ void loader_sweep(loader *l) {
     pthread_mutex_unlock(&h->lock);
 }
 
-/* Something under way, or queued and able to begin. With the lock held. */
-static bool is_reading(const struct loader_private *h) {
-    return h->loading > 0 || (h->queued > 0 && h->filled < h->capacity);
-}
-
 static void wait_idle(struct loader_private *h) {
     while (h->failure.st == ST_OK && is_reading(h))
         pthread_cond_wait(&h->done, &h->lock);
@@ -735,20 +739,15 @@ bool loader_has_room(const loader *l) {
     return atomic_load_explicit(&h->claimed, memory_order_relaxed) < h->capacity;
 }
 
-void loader_listen(loader *l, void (*heard)(void *ctx, uint32_t t), void *ctx) {
+void loader_listen(loader *l, sleepers *listeners) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
-    h->heard = heard;
-    h->heard_ctx = ctx;
+    h->listeners = listeners;
     pthread_mutex_unlock(&h->lock);
 }
 
-bool loader_is_reading(loader *l) {
-    struct loader_private *h = l->hidden;
-    pthread_mutex_lock(&h->lock);
-    const bool reading = is_reading(h);
-    pthread_mutex_unlock(&h->lock);
-    return reading;
+bool loader_is_reading(const loader *l) {
+    return atomic_load(&l->hidden->reading);
 }
 
 status loader_settle(loader *l) {

@@ -24,7 +24,9 @@
 #include <stdbool.h>
 
 #include "formats/base/cpu.h"
+#include "formats/base/sleepers.h"
 #include "formats/leaf/leaf_file.h"
+#include "stream/arrivals.h"
 #include "stream/readers.h"
 #include "stream/resident.h"
 #include "stream/source.h"
@@ -47,6 +49,7 @@ typedef struct loader {
     uint8_t *own;      /* 1: the range of its own level meets it */
     uint8_t *children; /* octants whose subtree does, by the merged ranges */
     _Atomic(treelet *) *resident;
+    arrivals arrivals;        /* that became READY or FAILED; the listeners' to take */
     const treelet_tree *tree; /* where treelets overlap; else NULL */
     size_t selection;         /* how many different ones there were */
     uint64_t bytes_active;
@@ -156,15 +159,14 @@ CHECKED status loader_admit(loader *l, loader_request *requests, size_t count);
  * has come. Any thread, no lock. */
 bool loader_has_room(const loader *l);
 
-/* loader_listen() - heard(ctx, t) from now on whenever treelet t has become READY or has failed, by
- * the thread that reads, which holds the loader's lock meanwhile: heard() may call
- * loader_is_ready(), and nothing else of the loader that is not lock-free. NULL: no longer; nobody
- * is in heard() any more when it returns. */
-void loader_listen(loader *l, void (*heard)(void *ctx, uint32_t t), void *ctx);
+/* loader_listen() - after each read that ended, well or not, one of these sleepers is woken from now
+ * on. Before, the treelet is among the arrivals and loader_is_reading() says what is so without
+ * this read. The loader's lock is not held meanwhile. NULL: no longer; only while nobody sleeps. */
+void loader_listen(loader *l, sleepers *listeners);
 
 /* loader_is_reading() - whether something is being read, or will be without anything being evicted
- * before: what is said to be listened for. Any thread. */
-bool loader_is_reading(loader *l);
+ * before: what is said to be listened for. Any thread, no lock. */
+bool loader_is_reading(const loader *l);
 
 /* loader_settle() - wait until nothing that has a place is still being read. */
 CHECKED status loader_settle(loader *l);

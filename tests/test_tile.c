@@ -22,7 +22,8 @@ static void open_wide(picture_volumes *v, const char *path, int threads) {
 }
 
 static void open_alternatives(picture_volumes *v, const char *path, int threads) {
-    static const char *const names[] = {"packets-8x8", "packets-4x4-by-cell", "tiles-by-cell"};
+    static const char *const names[] = {"packets-16x16", "packets-8x8", "packets-4x4-by-cell",
+                                        "tiles-by-cell"};
     for (size_t i = 0; i < sizeof names / sizeof *names && cpu_best() > CPU_SCALAR; i++)
         pictures_open_one(v, path, names[i], threads);
     open_wide(v, path, threads);

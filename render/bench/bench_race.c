@@ -9,15 +9,11 @@ int bench_race_isas(const char *path, bool experiments, const char *names[BENCH_
     static const struct {
         const char *name;
         bool experiment;
-    } known[] = {{"scalar", false},
-                 {"sse42", false},
-                 {"avx2", false},
-                 {"avx512", false},
-                 {"packets-4x4", true},
-                 {"packets-8x8", true},
-                 {"packets-4x4-by-cell", true},
-                 {"tiles-by-cell", true},
-                 {"auto", false}};
+    } known[] = {{"scalar", false},       {"sse42", false},
+                 {"avx2", false},         {"avx512", false},
+                 {"packets-4x4", true},   {"packets-8x8", true},
+                 {"packets-16x16", true}, {"packets-4x4-by-cell", true},
+                 {"tiles-by-cell", true}, {"auto", false}};
     int count = 0;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         const leafcast_options options = {

@@ -3,14 +3,12 @@
 #include "render/grid/cell_kernel.h"
 #include "render/grid/intersect.h"
 
-/* The first hit of one lane, as one of cell 0, or hit_none(); its visit ends at *t_out. */
-static hit first_hit(const cell_batch *b, int lane, const double *isovalues, int count,
-                     intersect_fn next_hit, double *t_out) {
-    ray r = {.t0 = b->t0[lane], .t1 = b->t1[lane]};
+/* Where one lane's ray visits its cell. False: nowhere. */
+static bool visit_of(const cell_batch *b, int lane, ray *r, float samples[8], cell_visit *visit) {
     cell_box box;
-    float samples[8];
+    *r = (ray){.t0 = b->t0[lane], .t1 = b->t1[lane]};
     for (int a = 0; a < 3; a++) {
-        r.d[a] = b->d[a][lane];
+        r->d[a] = b->d[a][lane];
         box.lo[a] = b->lo[a][lane];
         box.hi[a] = b->hi[a][lane];
         box.inv[a] = b->inv[a][lane];
@@ -18,10 +16,18 @@ static hit first_hit(const cell_batch *b, int lane, const double *isovalues, int
     }
     for (int i = 0; i < 8; i++)
         samples[i] = b->samples[i][lane];
+    return cell_visit_of(r, &box, visit);
+}
+
+/* The first hit of one lane, as one of cell 0, or hit_none(); its visit ends at *t_out. */
+static hit first_hit(const cell_batch *b, int lane, const double *isovalues, int count,
+                     intersect_fn next_hit, double *t_out) {
     const hit start = hit_before_all();
     hit best = hit_none();
+    ray r;
+    float samples[8];
     cell_visit visit;
-    if (!cell_visit_of(&r, &box, &visit))
+    if (!visit_of(b, lane, &r, samples, &visit))
         return best;
     *t_out = visit.t_out;
     for (int i = 0; i < count; i++) {
@@ -49,7 +55,31 @@ static void cell_batch_scalar(const cell_batch *b, int lanes, const double *isov
     }
 }
 
+static void cell_roots_scalar(const cell_batch *b, int lanes, double isovalue,
+                              cell_batch_roots *out) {
+    *out = (cell_batch_roots){.found = {0}};
+    for (int k = 0; k < lanes; k++) {
+        ray r;
+        float samples[8];
+        cell_visit visit;
+        double control[4], roots[CELL_ROOTS_MAX];
+        if (!visit_of(b, k, &r, samples, &visit) || !cell_cubic(&visit, samples, isovalue, control))
+            continue;
+        const int count = cell_roots(control, roots);
+        const bool outside = !(control[0] >= 0.0);
+        for (int n = 0; n < count; n++) {
+            out->t[n][k] = cell_root_t(&visit, roots[n]);
+            out->found[n] |= 1u << k;
+            out->entering[n] |= (uint32_t)(outside == (n % 2 == 0)) << k;
+            out->at_exit[n] |= (uint32_t)(out->t[n][k] == visit.t_out) << k;
+        }
+    }
+}
+
 #if defined __x86_64__ || defined __i386__
+void cell_roots_sse42(const cell_batch *b, int lanes, double isovalue, cell_batch_roots *out);
+void cell_roots_avx2(const cell_batch *b, int lanes, double isovalue, cell_batch_roots *out);
+void cell_roots_avx512(const cell_batch *b, int lanes, double isovalue, cell_batch_roots *out);
 void cell_batch_sse42(const cell_batch *b, int lanes, const double *isovalues, int count,
                       leafcast_intersector how, cell_batch_hits *out);
 void cell_batch_avx2(const cell_batch *b, int lanes, const double *isovalues, int count,
@@ -66,5 +96,16 @@ cell_batch_fn cell_batch_for(cpu_isa isa) {
     case CPU_SSE42: return cell_batch_sse42;
 #endif
     default: return cell_batch_scalar;
+    }
+}
+
+cell_roots_fn cell_roots_for(cpu_isa isa) {
+    switch (isa) {
+#if defined __x86_64__ || defined __i386__
+    case CPU_AVX512: return cell_roots_avx512;
+    case CPU_AVX2: return cell_roots_avx2;
+    case CPU_SSE42: return cell_roots_sse42;
+#endif
+    default: return cell_roots_scalar;
     }
 }

@@ -38,7 +38,20 @@ typedef struct cell_batch_hits {
 typedef void (*cell_batch_fn)(const cell_batch *b, int lanes, const double *isovalues, int count,
                               leafcast_intersector how, cell_batch_hits *out);
 
-/* cell_batch_for() - the version for an ISA that this CPU has (see cpu.h). */
+/* All changes of side: those of a lane in the order of t, t[0] first. Bit k of a mask is lane k. */
+enum { CELL_ROOTS_MAX = 3 };
+
+typedef struct cell_batch_roots {
+    _Alignas(64) double t[CELL_ROOTS_MAX][CELL_BATCH];
+    uint32_t found[CELL_ROOTS_MAX], entering[CELL_ROOTS_MAX], at_exit[CELL_ROOTS_MAX];
+} cell_batch_roots;
+
+/* The same lanes and one isovalue, by `marmitt`: what cell_next_hit() finds one after the other. */
+typedef void (*cell_roots_fn)(const cell_batch *b, int lanes, double isovalue,
+                              cell_batch_roots *out);
+
+/* cell_batch_for(), cell_roots_for() - the version for an ISA that this CPU has (see cpu.h). */
 cell_batch_fn cell_batch_for(cpu_isa isa);
+cell_roots_fn cell_roots_for(cpu_isa isa);
 
 #endif

@@ -24,6 +24,7 @@
 
 void SIMD_NAME(cell_batch)(const cell_batch *b, int lanes, const double *isovalues, int count,
                            leafcast_intersector how, cell_batch_hits *out);
+void SIMD_NAME(cell_roots)(const cell_batch *b, int lanes, double isovalue, cell_batch_roots *out);
 
 enum { VECTORS = CELL_BATCH / VD_N, VECTOR_LANES = (1 << VD_N) - 1, PACK_MAX = CELL_BATCH - 4 };
 
@@ -225,11 +226,16 @@ static unsigned scalar_roots(const double b[4][CELL_BATCH], unsigned hard, doubl
     return has;
 }
 
-/* First roots of the lanes `visited`: parameters go to s; returns those that have one. */
-SIMD unsigned marmitt_roots(const cell_batch *b, const visits v[VECTORS], unsigned visited,
-                            double iso, double s[CELL_BATCH], unsigned *entering) {
+/* The cubics of the lanes that visit active cells: which have one clear change of side, which need
+ * the scalar code, and which begin outside. */
+typedef struct cubics {
     _Alignas(64) double control[4][CELL_BATCH];
-    unsigned plain = 0, hard = 0, outside = 0;
+    unsigned plain, hard, outside;
+} cubics;
+
+SIMD void cubics_of(const cell_batch *b, const visits v[VECTORS], unsigned visited, double iso,
+                    cubics *q) {
+    q->plain = q->hard = q->outside = 0;
     for (int k = 0, at = 0; k < VECTORS; k++, at += VD_N) {
         vd f[8], c[4];
         md one, several;
@@ -240,17 +246,29 @@ SIMD unsigned marmitt_roots(const cell_batch *b, const visits v[VECTORS], unsign
         cubic(&v[k], f, c);
         classify(c, active, &one, &several);
         for (int i = 0; i < 4; i++)
-            d_store(control[i] + at, c[i]);
-        plain |= md_bits(one) << at;
-        hard |= md_bits(several) << at;
-        outside |= md_bits(d_lt(c[0], d_set(0.0))) << at;
+            d_store(q->control[i] + at, c[i]);
+        q->plain |= md_bits(one) << at;
+        q->hard |= md_bits(several) << at;
+        q->outside |= md_bits(d_lt(c[0], d_set(0.0))) << at;
     }
-    *entering = outside;
-    if (__builtin_popcount(plain) > PACK_MAX)
-        search_all(control, plain, s);
-    else if (plain)
-        search_packed(control, plain, s);
-    return plain | scalar_roots(control, hard, s);
+}
+
+/* The roots of the lanes `plain`. */
+SIMD void plain_roots(const cubics *q, double s[CELL_BATCH]) {
+    if (__builtin_popcount(q->plain) > PACK_MAX)
+        search_all(q->control, q->plain, s);
+    else if (q->plain)
+        search_packed(q->control, q->plain, s);
+}
+
+/* First roots of the lanes `visited`: parameters go to s; returns those that have one. */
+SIMD unsigned marmitt_roots(const cell_batch *b, const visits v[VECTORS], unsigned visited,
+                            double iso, double s[CELL_BATCH], unsigned *entering) {
+    cubics q;
+    cubics_of(b, v, visited, iso, &q);
+    *entering = q.outside;
+    plain_roots(&q, s);
+    return q.plain | scalar_roots(q.control, q.hard, s);
 }
 
 /* ---- the approximate ones: intersect.c ---- */
@@ -442,6 +460,56 @@ SIMD void batch_with(const cell_batch *b, int lanes, const double *isovalues, in
                 report(&v[k], at, s, has, entering, i, &best[k], out);
     }
 }
+
+/* ---- all roots ---- */
+
+/* Those of the lanes that need the scalar code; s: by number, then by lane. */
+static void all_scalar_roots(const cubics *q, double s[CELL_ROOTS_MAX][CELL_BATCH],
+                             cell_batch_roots *out) {
+    for (unsigned rest = q->hard; rest; rest &= rest - 1) {
+        const int lane = __builtin_ctz(rest);
+        const double control[4] = {q->control[0][lane], q->control[1][lane], q->control[2][lane],
+                                   q->control[3][lane]};
+        double roots[CELL_ROOTS_MAX];
+        const int count = cell_roots(control, roots);
+        for (int n = 0; n < count; n++) {
+            s[n][lane] = roots[n];
+            out->found[n] |= 1u << lane;
+        }
+    }
+}
+
+/* Parameters of the n-th roots become t. */
+SIMD void place_roots(const visits *v, int at, int n, const double *s, cell_batch_roots *out) {
+    const vd at_s = d_load(s + at), line = v->t_in + at_s * (v->t_out - v->t_in);
+    const md before = md_and(d_lt(at_s, d_set(1.0)), d_lt(line, v->t_out));
+    const vd t = d_select(before, line, v->t_out);
+    d_store(out->t[n] + at, t);
+    out->at_exit[n] |= (md_bits(d_eq(t, v->t_out)) & VECTOR_LANES) << at;
+}
+
+void SIMD_NAME(cell_roots)(const cell_batch *b, int lanes, double isovalue, cell_batch_roots *out) {
+    visits v[VECTORS];
+    cubics q;
+    _Alignas(64) double s[CELL_ROOTS_MAX][CELL_BATCH];
+    unsigned visited = 0;
+    for (int k = 0, at = 0; at < lanes; k++, at += VD_N)
+        visited |= md_bits(visit(b, at, &v[k])) << at;
+    cubics_of(b, v, visited & ((1u << lanes) - 1), isovalue, &q);
+    plain_roots(&q, s[0]);
+    memset(out->found, 0, sizeof out->found);
+    memset(out->at_exit, 0, sizeof out->at_exit);
+    out->found[0] = q.plain;
+    all_scalar_roots(&q, s, out);
+    for (int n = 0; n < CELL_ROOTS_MAX; n++) {
+        out->entering[n] = n % 2 == 0 ? q.outside : ~q.outside;
+        for (int k = 0, at = 0; out->found[n] >> at; k++, at += VD_N)
+            if (out->found[n] >> at & VECTOR_LANES)
+                place_roots(&v[k], at, n, s[n], out);
+    }
+}
+
+/* ---- by name ---- */
 
 void SIMD_NAME(cell_batch)(const cell_batch *b, int lanes, const double *isovalues, int count,
                            leafcast_intersector how, cell_batch_hits *out) {

@@ -38,10 +38,12 @@ typedef struct known_cell {
     double gradients[8][4];
 } known_cell;
 
-/* The gradients at the corners of the cell that ray i hit. */
-static const known_cell *corners_of(const tile_walk *w, unsigned i, known_cell *known) {
-    const uint32_t *cell = w->cell[i];
-    const resident_grid *at = found_in(w, i);
+/* The gradients at the corners of the cell of a surface. */
+static const known_cell *corners_of(const tile_walk *w, const tile_layer *l, unsigned i,
+                                    known_cell *known) {
+    const resident_grid *at = resident_grid_of(surface_of(l, i)->at);
+    uint32_t cell[3];
+    cell_at_place(at, surface_of(l, i)->place, cell);
     known_cell *k = &known[(cell[0] + 5 * cell[1] + 11 * cell[2]) % KNOWN_CELLS];
     if (k->at == at && k->cell[0] == cell[0] && k->cell[1] == cell[1] && k->cell[2] == cell[2])
         return k;
@@ -53,29 +55,32 @@ static const known_cell *corners_of(const tile_walk *w, unsigned i, known_cell *
 }
 
 /* The gradients that the normals of VD_N pixels are taken from; lanes without a hit: any. */
-SIMD void gradients_at(const tile_walk *w, unsigned i, unsigned hits, bool central,
-                       known_cell *known, double gradient[3][VD_N]) {
+SIMD void gradients_at(const tile_walk *w, const tile_layer *l, unsigned i, unsigned hits,
+                       bool central, known_cell *known, double gradient[3][VD_N]) {
     const walk_scene *scene = scene_of(w);
-    double lo[3][VD_N], inverse[3][VD_N], at[3][VD_N];
+    double t[VD_N], lo[3][VD_N], inverse[3][VD_N], at[3][VD_N];
+    uint32_t cell[VD_N][3] = {{0}};
     for (unsigned k = 0; k < VD_N; k++) {
+        const bool has = hits >> k & 1u;
+        const resident_grid *in = has ? resident_grid_of(surface_of(l, i + k)->at) : NULL;
+        const level_planes *planes = &scene->levels[in ? in->level : 0];
+        if (in)
+            cell_at_place(in, surface_of(l, i + k)->place, cell[k]);
+        t[k] = has ? surface_of(l, i + k)->t : 0.0;
         for (int a = 0; a < 3; a++) {
-            const bool has = hits >> k & 1u;
-            const level_planes *planes = &scene->levels[has ? found_in(w, i + k)->level : 0];
-            const uint32_t c = has ? w->cell[i + k][a] : 0;
-            lo[a][k] = planes->at[a][c] - w->place.p->eye[a];
-            inverse[a][k] = planes->inverse[a][c];
+            lo[a][k] = planes->at[a][cell[k][a]] - w->place.p->eye[a];
+            inverse[a][k] = planes->inverse[a][cell[k][a]];
         }
     }
     for (int a = 0; a < 3; a++) {
-        const vd u =
-            (d_load(w->s.t + i) * d_load(w->s.rays.d[a] + i) - d_load(lo[a])) * d_load(inverse[a]);
+        const vd u = (d_load(t) * d_load(w->s.rays.d[a] + i) - d_load(lo[a])) * d_load(inverse[a]);
         d_store(at[a], d_min(d_max(u, d_set(0.0)), d_set(1.0)));
     }
     for (unsigned k = 0; k < VD_N; k++) {
         double g[4] = {1.0, 1.0, 1.0, 0.0};
         const double x = at[0][k], y = at[1][k], z = at[2][k];
         if ((hits >> k & 1u) && central) {
-            const known_cell *corners = corners_of(w, i + k, known);
+            const known_cell *corners = corners_of(w, l, i + k, known);
             four c[8];
             for (int corner = 0; corner < 8; corner++)
                 c[corner] = four_load(corners->gradients[corner]);
@@ -87,7 +92,7 @@ SIMD void gradients_at(const tile_walk *w, unsigned i, unsigned hits, bool centr
             const double place[3] = {x, y, z};
             const double widths[3] = {inverse[0][k], inverse[1][k], inverse[2][k]};
             float samples[8];
-            walk_cell_samples(scene, found_in(w, i + k), w->cell[i + k], samples);
+            walk_cell_samples(scene, resident_grid_of(surface_of(l, i + k)->at), cell[k], samples);
             surface_trilinear(samples, place, widths, g);
         }
         for (int a = 0; a < 3; a++)
@@ -98,7 +103,7 @@ SIMD void gradients_at(const tile_walk *w, unsigned i, unsigned hits, bool centr
 /* Unit normals against the gradients, VD_N at a time. Returns the lanes that have no such: gradient
  * zero or not finite. */
 SIMD unsigned normals_of(const affine *space, double gradient[3][VD_N], unsigned i,
-                         tile_pixels *p) {
+                         tile_normals normal) {
     vd grid[3], g[3], v[3];
     for (int a = 0; a < 3; a++)
         grid[a] = d_load(gradient[a]);
@@ -110,29 +115,36 @@ SIMD unsigned normals_of(const affine *space, double gradient[3][VD_N], unsigned
         v[a] = g[a] / largest;
     const vd length = d_sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     for (int a = 0; a < 3; a++)
-        d_store_floats(p->normal[a] + i, (d_set(-0.0) - v[a]) / length);
+        d_store_floats(normal[a] + i, (d_set(-0.0) - v[a]) / length);
     const vd sum = g[0] + g[1] + g[2], infinite = d_set(INFINITY);
     return ~md_bits(md_and(d_gt(largest, d_set(0.0)), d_lt(d_abs(sum), infinite)));
 }
 
-/* surface_at() by itself, where neighbours do not give a normal. */
-static void normal_of_its_own(const tile_walk *w, unsigned i, tile_pixels *p) {
-    const tracer *tr = w->s.f->tracer;
-    ray r = {.t0 = w->s.rays.t0[i], .t1 = w->s.rays.t1[i]};
+/* surface_at() by itself. */
+static surface_point grid_point(const tile_state *s, const tile_layer *l, unsigned i) {
+    const tracer *tr = s->f->tracer;
+    const walk_scene *scene = tr->own;
+    const tile_surface *x = surface_of(l, i);
+    const hit h = grid_hit_of(s->f, x);
+    ray r = {.t0 = s->rays.t0[i], .t1 = s->rays.t1[i]};
     for (int a = 0; a < 3; a++) {
-        r.o[a] = r.held[a] = w->place.p->eye[a];
-        r.d[a] = w->s.rays.d[a][i];
+        r.o[a] = r.held[a] = s->f->projection->eye[a];
+        r.d[a] = s->rays.d[a][i];
     }
-    const hit h = {w->s.t[i], index_of(w, found_in(w, i), w->cell[i]), w->s.iso[i],
-                   w->s.entering[i]};
-    const surface_point point =
-        surface_at(scene_of(w), &tr->space, found_in(w, i), &r, &h, scene_of(w)->analytic_normals);
-    for (int a = 0; a < 3; a++)
-        p->normal[a][i] = point.normal[a];
+    return surface_at(scene, &tr->space, resident_grid_of(x->at), &r, &h, scene->analytic_normals);
 }
 
-/* Of all pixels with a surface. */
-static void tile_normals(const tile_walk *w, tile_pixels *p) {
+/* Where neighbours do not give a normal. */
+static void normal_of_its_own(const tile_walk *w, const tile_layer *l, unsigned i,
+                              tile_normals normal) {
+    const surface_point point = grid_point(&w->s, l, i);
+    for (int a = 0; a < 3; a++)
+        normal[a][i] = point.normal[a];
+}
+
+/* Of all surfaces of a layer. */
+static void grid_normals(void *work, const tile_layer *l, tile_normals normal) {
+    const tile_walk *w = work;
     const tracer *tr = w->s.f->tracer;
     const bool central = !scene_of(w)->analytic_normals && scene_of(w)->halo > 0;
     known_cell known[KNOWN_CELLS];
@@ -140,14 +152,16 @@ static void tile_normals(const tile_walk *w, tile_pixels *p) {
         known[k].at = NULL;
     for (unsigned i = 0; i < TILE_RAYS; i += VD_N) {
         double gradient[3][VD_N];
-        const unsigned hits = hits_from(&w->s, i, VD_N);
+        const unsigned hits = hits_from(l, i, VD_N);
         if (!hits)
             continue;
-        gradients_at(w, i, hits, central, known, gradient);
-        for (unsigned bad = normals_of(&tr->space, gradient, i, p) & hits; bad; bad &= bad - 1)
-            normal_of_its_own(w, i + (unsigned)__builtin_ctz(bad), p);
+        gradients_at(w, l, i, hits, central, known, gradient);
+        for (unsigned bad = normals_of(&tr->space, gradient, i, normal) & hits; bad; bad &= bad - 1)
+            normal_of_its_own(w, l, i + (unsigned)__builtin_ctz(bad), normal);
     }
 }
+
+static const tile_kind grid_kind_of_tile = {grid_normals, grid_point};
 
 #endif
 #endif

@@ -1,4 +1,4 @@
-/* grid_tile.h - the primary rays of 16 x 16 pixels through a grid together, up to their first
+/* grid_tile.h - the primary rays of 32 x 32 pixels through a grid together, up to their first
  * surface.
  *
  * The implicit octree is walked once for all rays of a tile (tile.h). At an active cell the rays of
@@ -12,7 +12,7 @@
 #include "render/tile.h"
 
 /* Pixels on a side: measured, see README.md. What a tile_fn needs beside its outcome. */
-enum { GRID_TILE = 16, GRID_TILE_SCRATCH = 64 << 10 };
+enum { GRID_TILE = 32, GRID_TILE_SCRATCH = 640 << 10 };
 
 /* grid_tile_for() - NULL where there is none: every ray by itself. */
 tile_fn grid_tile_for(cpu_isa isa);

@@ -27,17 +27,19 @@ void SIMD_NAME(grid_tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const 
                                 tile_outcome *out, ray_counters *counters) {
     tile_work *work = out->scratch;
     tile_walk *w = &work->walk;
-    tile_walk_run(w, f, x0, y0, asked, out, counters);
-    clear_pixels(f, &work->pixels);
-    const bool together = shaded_together(f);
-    if (together) {
-        tile_normals(w, &work->pixels);
-        shade_tile(&w->s, &work->pixels);
+    tile_pixels *p = &work->pixels;
+    tile_walk_begin(w, f, x0, y0, asked, out, counters);
+    if (w->several && !w->filter) { /* all of a cell's roots are those of `marmitt` */
+        memcpy(out->open, w->s.asked, sizeof w->s.asked);
+        return;
     }
-    write_tile(&w->s, together, &work->pixels);
-    for (unsigned i = 0; i < TILE_RAYS && !together; i++)
-        if (out->found[i / TILE] >> i % TILE & 1u)
-            out->hits[i].cell = index_of(w, found_in(w, i), w->cell[i]);
+    pixels_begin(p);
+    do {
+        tile_walk_run(w);
+        shade_walk(&w->s, &grid_kind_of_tile, w, p);
+    } while (tile_walk_again(w, p->rgba[3]));
+    shade_behind_all(f, p);
+    write_tile(&w->s, p);
 }
 
 #endif

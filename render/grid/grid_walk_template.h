@@ -19,29 +19,44 @@ typedef struct near_queue {
     float samples[8][VF_N];
     const resident_grid *at[VF_N];
     uint32_t cell[VF_N][3];
-    uint8_t ray[VF_N];
+    uint16_t ray[VF_N];
     unsigned count;
 } near_queue;
+
+/* Active cells, one a lane, and windows of rays that visit them, on their way to the filter: many at
+ * a time, so that none waits for what another's is decided by. */
+enum { STAGE_CELLS = 16, STAGE_WINDOWS = 32 };
+
+typedef struct cell_stage {
+    float lo[3][STAGE_CELLS], hi[3][STAGE_CELLS], inv[3][STAGE_CELLS]; /* as in near_queue */
+    float samples[STAGE_CELLS][8];
+    float form[8][STAGE_CELLS], bound[STAGE_CELLS];
+    const resident_grid *at[STAGE_CELLS];
+    uint32_t cell[STAGE_CELLS][3];
+    float t_in[STAGE_WINDOWS][VF_N], t_out[STAGE_WINDOWS][VF_N];
+    uint8_t of[STAGE_WINDOWS]; /* the cell */
+    uint8_t x[STAGE_WINDOWS], y[STAGE_WINDOWS];
+    uint16_t visitors[STAGE_WINDOWS]; /* rays of the window, a bit each */
+    uint16_t crossing[STAGE_WINDOWS];
+    unsigned cells, windows;
+} cell_stage;
 
 typedef struct tile_walk {
     tile_state s;
     tile_place place;
-    tile_row pending[ROWS]; /* rays of s.open of which a cell waits in the batch */
+    tile_row pending[ROWS]; /* rays of s.open that look for one surface and of which a cell waits
+                               in the batch */
     bool filter;            /* the intersector is the one that the filter knows */
+    bool several;           /* more than the first surface counts */
     near_queue queue;
+    cell_stage stage;
     /* Ray-cells on their way to the cell kernel. */
     cell_batch batch;
     unsigned waiting;
-    uint8_t ray_of[CELL_BATCH];
+    uint16_t ray_of[CELL_BATCH];
     uint32_t cell_of[CELL_BATCH][3];
     const resident_grid *treelet_of[CELL_BATCH];
-    uint32_t cell[TILE_RAYS][3]; /* of what has been found */
 } tile_walk;
-
-/* Where ray i has found something. */
-SIMD const resident_grid *found_in(const tile_walk *w, unsigned i) {
-    return resident_grid_of(w->s.at[i]);
-}
 
 SIMD const walk_scene *scene_of(const tile_walk *w) {
     return w->s.f->tracer->own;
@@ -56,48 +71,86 @@ static bool any_of(const tile_row rows[], tile_rect r) {
 
 /* ---- The batch ---- */
 
-static uint64_t index_of(const tile_walk *w, const resident_grid *at, const uint32_t cell[3]) {
-    return walk_cell_index(&scene_of(w)->levels[at->level], cell);
+/* A cell's place in its treelet: ten bits an axis. */
+static uint32_t place_of(const resident_grid *at, const uint32_t cell[3]) {
+    return (cell[0] - at->first_cell[0]) | (cell[1] - at->first_cell[1]) << 10 |
+           (cell[2] - at->first_cell[2]) << 20;
 }
 
-/* A hit of ray-cell k: nearer than what the ray has? */
-static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool entering) {
-    const unsigned i = w->ray_of[k];
-    if (w->s.t[i] <= t) {
-        const hit known = {w->s.t[i], index_of(w, found_in(w, i), w->cell[i]), w->s.iso[i], false};
-        const hit found = {t, index_of(w, w->treelet_of[k], w->cell_of[k]), iso, false};
-        if (!hit_less(&found, &known))
-            return;
-    }
-    w->s.t[i] = t;
-    w->s.iso[i] = iso;
-    w->s.entering[i] = entering;
-    w->s.at[i] = &w->treelet_of[k]->head;
+static void cell_at_place(const resident_grid *at, uint32_t place, uint32_t cell[3]) {
     for (int a = 0; a < 3; a++)
-        w->cell[i][a] = w->cell_of[k][a];
+        cell[a] = at->first_cell[a] + (place >> 10 * a & 1023u);
 }
 
-/* Let the cell kernel answer what waits. A ray with a hit is done: all cells to come lie behind.
- * But one that has it where it leaves the cell: the next cell may claim the same t. */
-static void flush(tile_walk *w) {
-    if (w->waiting == 0)
+static hit grid_hit_of(const frame *f, const tile_surface *s) {
+    const walk_scene *scene = f->tracer->own;
+    const resident_grid *at = resident_grid_of(s->at);
+    uint32_t cell[3];
+    cell_at_place(at, s->place, cell);
+    return (hit){s->t, walk_cell_index(&scene->levels[at->level], cell), s->iso, s->entering};
+}
+
+/* An extremum that touches the surface counts as one hit. */
+static bool grid_same(const hit *a, const hit *b) {
+    return a->cell == b->cell && a->iso == b->iso;
+}
+
+static const tile_order grid_order = {grid_hit_of, hit_less, grid_same};
+
+/* A hit of ray-cell k. A ray that is full is done: all cells to come lie behind. But one that has
+ * its last surface where it leaves a cell: the next cell may claim the same t. */
+static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool entering, bool at_exit) {
+    const unsigned i = w->ray_of[k];
+    const resident_grid *at = w->treelet_of[k];
+    const tile_surface found = {t, &at->head, place_of(at, w->cell_of[k]), iso, entering};
+    if (!tile_state_take(&w->s, i, &found) || !(w->s.reach[i] < (double)INFINITY))
         return;
+    if (!at_exit && w->s.reach[i] <= t)
+        w->s.open[i / TILE] &= ~((tile_row)1 << i % TILE);
+    else
+        w->s.rays.near_t1[i / TILE * STRIDE + i % TILE] =
+            (float)(w->s.reach[i] * w->s.f->projection->unscale);
+}
+
+static void flush_first(tile_walk *w) {
     const walk_scene *scene = scene_of(w);
     cell_batch_hits hits;
     w->s.f->kernels->cells(&w->batch, (int)w->waiting, scene->isovalues, scene->count,
                            scene->intersector, &hits);
-    LANE_COUNT(batches, (1u << w->waiting) - 1u);
-    LANE_COUNT(roots, hits.found);
     for (uint32_t left = hits.found; left; left &= left - 1) {
-        const unsigned k = (unsigned)__builtin_ctz(left), i = w->ray_of[k];
-        take_hit(w, k, hits.t[k], hits.iso[k], hits.entering >> k & 1u);
-        if (!(hits.at_exit >> k & 1u))
-            w->s.open[i / TILE] &= ~((tile_row)1 << i % TILE);
-        else
-            w->s.rays.near_t1[i / TILE * STRIDE + i % TILE] =
-                (float)(w->s.t[i] * w->s.f->projection->unscale);
+        const unsigned k = (unsigned)__builtin_ctz(left);
+        take_hit(w, k, hits.t[k], hits.iso[k], hits.entering >> k & 1u, hits.at_exit >> k & 1u);
     }
     w->s.counters->roots += (unsigned)__builtin_popcount(hits.found);
+    LANE_COUNT(roots, hits.found);
+}
+
+static void flush_all(tile_walk *w) {
+    const walk_scene *scene = scene_of(w);
+    cell_batch_roots roots;
+    for (int32_t iso = 0; iso < scene->count; iso++) {
+        w->s.f->kernels->roots(&w->batch, (int)w->waiting, scene->isovalues[iso], &roots);
+        for (int n = 0; n < CELL_ROOTS_MAX; n++) {
+            for (uint32_t left = roots.found[n]; left; left &= left - 1) {
+                const unsigned k = (unsigned)__builtin_ctz(left);
+                take_hit(w, k, roots.t[n][k], iso, roots.entering[n] >> k & 1u,
+                         roots.at_exit[n] >> k & 1u);
+            }
+            w->s.counters->roots += (unsigned)__builtin_popcount(roots.found[n]);
+            LANE_COUNT(roots, roots.found[n]);
+        }
+    }
+}
+
+/* Let the cell kernel answer what waits. */
+static void flush(tile_walk *w) {
+    if (w->waiting == 0)
+        return;
+    LANE_COUNT(batches, (1u << w->waiting) - 1u);
+    if (w->several)
+        flush_all(w);
+    else
+        flush_first(w);
     w->waiting = 0;
     for (unsigned y = 0; y < TILE; y++)
         w->pending[y] = 0;
@@ -124,40 +177,15 @@ static void add_to_batch(tile_walk *w, const resident_grid *at, const uint32_t c
     b->t1[k] = w->s.rays.t1[i];
     for (int s = 0; s < 8; s++)
         b->samples[s][k] = samples[s];
-    w->ray_of[k] = (uint8_t)i;
+    w->ray_of[k] = (uint16_t)i;
     w->treelet_of[k] = at;
-    w->pending[i / TILE] |= (tile_row)1 << i % TILE;
+    if (!w->several)
+        w->pending[i / TILE] |= (tile_row)1 << i % TILE;
     if (w->waiting == CELL_BATCH)
         flush(w);
 }
 
 /* ---- Cells ---- */
-
-/* A cell's box in single precision, t scaled as in tile_rays. */
-typedef struct near_cell {
-    float lo[3], hi[3], inv[3];
-} near_cell;
-
-/* f - iso over a cell, as a sum of products of coordinates, 1 x y z xy yz xz xyz, and the bound of
- * may_cross(). */
-typedef struct near_form {
-    float c[8];
-    float bound;
-} near_form;
-
-/* What the filter needs is made when it is first needed. */
-typedef struct active_cell {
-    const resident_grid *at;
-    uint32_t cell[3];
-    near_cell near;
-    bool has_samples, has_forms;
-    float samples[8];
-    near_form forms[ISOVALUES_MAX];
-} active_cell;
-
-typedef struct near_visit {
-    vf t_in, t_out;
-} near_visit;
 
 static const float UNIT = 0x1p-24f; /* of float rounding */
 
@@ -177,37 +205,62 @@ SIMD unsigned near_passes(vf t_in, vf t_out) {
     return ~mf_bits(f_gt(t_in - t_out, slack));
 }
 
-/* Which rays of a window may visit the cell. */
-SIMD unsigned visits(const tile_rays *rays, unsigned at, const near_cell *c, near_visit *v) {
-    vf t_in = window_load(rays->near_t0 + at), t_out = window_load(rays->near_t1 + at);
-    for (int a = 0; a < 3; a++) {
-        const vf r = window_load(rays->reciprocal[a] + at);
-        near_slab(f_set(c->lo[a]), f_set(c->hi[a]), r, &t_in, &t_out);
-    }
-    v->t_in = t_in;
-    v->t_out = t_out;
-    return near_passes(t_in, t_out);
+/* The open rays of a window that lie in the rectangle. */
+SIMD unsigned window_open(const tile_walk *w, unsigned x, unsigned y, tile_rect r) {
+    const unsigned mask = row_mask(r), below = r.y1 - y; /* rows that follow y */
+    unsigned bits = 0;
+    for (unsigned row = 0; row < WINDOW_Y; row++)
+        bits |= ((w->s.open[y + row] & mask) >> x & 15u) << (4 * row);
+    return below < WINDOW_Y ? bits & ((16u << (4 * below)) - 1u) : bits;
 }
 
-static inline float larger(float a, float b) {
-    return a > b ? a : b;
+SIMD unsigned window_pending(const tile_walk *w, unsigned x, unsigned y) {
+    unsigned bits = 0;
+    for (unsigned row = 0; row < WINDOW_Y; row++)
+        bits |= (w->pending[y + row] >> x & 15u) << (4 * row);
+    return bits;
 }
 
-static inline near_form near_form_of(const near_cell *c, const float samples[8], double iso) {
-    float f[8], size[8], e = 3.0f;
-    for (int i = 0; i < 8; i += VD_N)
-        d_store_floats(f + i, d_of_floats(samples + i) - d_set(iso));
-    for (int i = 0; i < 8; i++)
-        size[i] = fabsf(f[i]);
-    const float largest = larger(larger(larger(size[0], size[1]), larger(size[2], size[3])),
-                                 larger(larger(size[4], size[5]), larger(size[6], size[7])));
+/* ---- The filter ---- */
+
+/* f - iso over cells, one a lane, as a sum of products of coordinates, 1 x y z xy yz xz xyz, and
+ * the bound of may_cross(). */
+typedef struct near_forms {
+    vf c[8], bound;
+} near_forms;
+
+/* What the bound takes from where VF_N cells lie. */
+SIMD vf near_reach(const vf lo[3], const vf hi[3], const vf inv[3]) {
+    vf e = f_set(3.0f);
     for (int a = 0; a < 3; a++)
-        e += larger(fabsf(c->lo[a]), fabsf(c->hi[a])) * c->inv[a];
-    const float x0 = f[1] - f[0], x1 = f[3] - f[2], x2 = f[5] - f[4], x3 = f[7] - f[6];
-    const float y0 = f[2] - f[0], xy0 = x1 - x0;
-    return (near_form){
+        e = e + f_max(f_abs(lo[a]), f_abs(hi[a])) * inv[a];
+    return e;
+}
+
+SIMD near_forms near_forms_of(const float samples[8][VF_N], vf reach, double iso) {
+    vf f[8], largest = f_set(0.0f);
+    for (int s = 0; s < 8; s++) {
+        double difference[VF_N];
+        for (int k = 0; k < VF_N; k += VD_N)
+            d_store(difference + k, d_of_floats(samples[s] + k) - d_set(iso));
+        f[s] = f_of_doubles(difference);
+        largest = f_max(largest, f_abs(f[s]));
+    }
+    const vf x0 = f[1] - f[0], x1 = f[3] - f[2], x2 = f[5] - f[4], x3 = f[7] - f[6];
+    const vf y0 = f[2] - f[0], xy0 = x1 - x0;
+    const vf bound = largest * ((f_set(2048.0f) + f_set(32.0f) * reach) * f_set(UNIT));
+    return (near_forms){
         {f[0], x0, y0, f[4] - f[0], xy0, (f[6] - f[4]) - y0, x2 - x0, (x3 - x2) - xy0},
-        largest * ((2048.0f + 32.0f * e) * UNIT) + 0x1p-130f};
+        bound + f_set(0x1p-130f)};
+}
+
+/* Where visits enter their cells, in the cells' coordinates, and their way through them. */
+typedef struct near_way {
+    vf in[3], way[3];
+} near_way;
+
+SIMD vf near_coordinate(vf t, vf d, vf lo, vf inv) {
+    return f_min(f_max((t * d - lo) * inv, f_set(0.0f)), f_set(1.0f));
 }
 
 /* Which rays' control polygons (cell_cubic()) may change side: the others have no root, says the
@@ -223,7 +276,8 @@ static inline near_form near_form_of(const near_cell *c, const float samples[8],
  * add up to 27, 54, 36 and 8 F before signs cancel, with at most 14 roundings on the way: 1750 u F.
  * Where results are denormal, 2^-149 a step. Together with the kernel's own rounding, 2^-50 F, less
  * than F (2048 u + 2 (e_x + e_y + e_z)) + 2^-130. */
-SIMD unsigned may_cross(const vf in[3], const vf way[3], const vf c[8], vf bound) {
+SIMD unsigned may_cross(const near_way *v, const near_forms *forms) {
+    const vf *in = v->in, *way = v->way, *c = forms->c, bound = forms->bound;
     const vf x = in[0], y = in[1], z = in[2];
     /* Per power of x and y, as a linear function along the visit: e + s h. */
     const vf e0 = c[0] + c[3] * z, h0 = c[3] * way[2];
@@ -242,112 +296,25 @@ SIMD unsigned may_cross(const vf in[3], const vf way[3], const vf c[8], vf bound
     return ~mf_bits(mf_or(f_gt(least, bound), f_lt(greatest, f_set(-0.0f) - bound)));
 }
 
-/* The rays of a window that may cross any of the surfaces. */
-SIMD unsigned may_cross_any(const tile_rays *rays, unsigned at, const near_cell *c,
-                            const near_visit *v, const near_form forms[], int count) {
-    vf in[3], way[3];
-    const vf zero = f_set(0.0f), one = f_set(1.0f);
-    for (int a = 0; a < 3; a++) {
-        const vf d = window_load(rays->near_d[a] + at), lo = f_set(c->lo[a]),
-                 inv = f_set(c->inv[a]);
-        in[a] = f_min(f_max((v->t_in * d - lo) * inv, zero), one);
-        way[a] = f_min(f_max((v->t_out * d - lo) * inv, zero), one) - in[a];
-    }
-    unsigned crossing = 0;
-    for (int i = 0; i < count; i++) {
-        vf form[8];
-        for (int k = 0; k < 8; k++)
-            form[k] = f_set(forms[i].c[k]);
-        crossing |= may_cross(in, way, form, f_set(forms[i].bound));
-    }
-    return crossing;
-}
-
-/* The open rays of a window that lie in the rectangle. */
-SIMD unsigned window_open(const tile_walk *w, unsigned x, unsigned y, tile_rect r) {
-    unsigned bits = 0;
-    for (unsigned row = 0; row < WINDOW_Y; row++)
-        if (y + row <= r.y1)
-            bits |= (w->s.open[y + row] & row_mask(r)) >> x << (4 * row) & 15u << (4 * row);
-    return bits;
-}
-
-SIMD unsigned window_pending(const tile_walk *w, unsigned x, unsigned y) {
-    unsigned bits = 0;
-    for (unsigned row = 0; row < WINDOW_Y; row++)
-        bits |= (w->pending[y + row] >> x & 15u) << (4 * row);
-    return bits;
-}
-
-/* The rays of a window that visit a cell: filter those and add the rest to the batch. */
-SIMD void add_visitors(tile_walk *w, active_cell *c, const near_visit *v, unsigned x, unsigned y,
-                       tile_rect r, unsigned bits) {
-    const walk_scene *scene = scene_of(w);
-    w->s.counters->cells += (unsigned)__builtin_popcount(bits);
-    LANE_COUNT(visitors, bits);
-    if (!c->has_samples)
-        walk_cell_samples(scene, c->at, c->cell, c->samples);
-    c->has_samples = true;
-    if (w->filter) {
-        for (int i = 0; i < scene->count && !c->has_forms; i++)
-            c->forms[i] = near_form_of(&c->near, c->samples, scene->isovalues[i]);
-        c->has_forms = true;
-        bits &= may_cross_any(&w->s.rays, STRIDE * y + x, &c->near, v, c->forms, scene->count);
-    }
-    LANE_COUNT(survivors, bits);
-    if (bits & window_pending(w, x, y)) {
-        flush(w);
-        bits &= window_open(w, x, y, r);
-    }
-    for (; bits; bits &= bits - 1) {
-        const unsigned lane = (unsigned)__builtin_ctz(bits);
-        add_to_batch(w, c->at, c->cell, c->samples,
-                     TILE * (y + lane / WINDOW_X) + x + lane % WINDOW_X);
-    }
-    if (w->s.f->kernels->by_cell)
-        flush(w);
-}
-
-static void cell_begin(active_cell *c, const resident_grid *at,
-                       const plane_projection *const planes[3], const uint32_t cell[3]) {
-    c->at = at;
-    c->has_samples = c->has_forms = false;
-    for (int a = 0; a < 3; a++) {
-        c->cell[a] = cell[a];
-        c->near.lo[a] = planes[a][cell[a]].from_eye;
-        c->near.hi[a] = planes[a][cell[a] + 1].from_eye;
-        c->near.inv[a] = planes[a][cell[a]].inverse;
-    }
-}
-
 /* ---- Ray-cells, one a lane ---- */
 
-/* near_form_of(), and which of the lanes may cross any of the surfaces. */
+/* Which of the lanes may cross any of the surfaces. */
 SIMD unsigned queue_may_cross(const near_queue *q, const double isovalues[], int count) {
-    const vf zero = f_set(0.0f), one = f_set(1.0f);
-    vf in[3], way[3], e = f_set(3.0f);
+    vf lo[3], hi[3], inv[3];
+    near_way v;
     for (int a = 0; a < 3; a++) {
-        const vf d = f_load(q->d[a]), lo = f_load(q->lo[a]), inv = f_load(q->inv[a]);
-        in[a] = f_min(f_max((f_load(q->t_in) * d - lo) * inv, zero), one);
-        way[a] = f_min(f_max((f_load(q->t_out) * d - lo) * inv, zero), one) - in[a];
-        e = e + f_max(f_abs(lo), f_abs(f_load(q->hi[a]))) * inv;
+        const vf d = f_load(q->d[a]);
+        lo[a] = f_load(q->lo[a]);
+        hi[a] = f_load(q->hi[a]);
+        inv[a] = f_load(q->inv[a]);
+        v.in[a] = near_coordinate(f_load(q->t_in), d, lo[a], inv[a]);
+        v.way[a] = near_coordinate(f_load(q->t_out), d, lo[a], inv[a]) - v.in[a];
     }
+    const vf reach = near_reach(lo, hi, inv);
     unsigned crossing = 0;
     for (int i = 0; i < count; i++) {
-        vf f[8], largest = zero;
-        for (int s = 0; s < 8; s++) {
-            double difference[VF_N];
-            for (int k = 0; k < VF_N; k += VD_N)
-                d_store(difference + k, d_of_floats(q->samples[s] + k) - d_set(isovalues[i]));
-            f[s] = f_of_doubles(difference);
-            largest = f_max(largest, f_abs(f[s]));
-        }
-        const vf x0 = f[1] - f[0], x1 = f[3] - f[2], x2 = f[5] - f[4], x3 = f[7] - f[6];
-        const vf y0 = f[2] - f[0], xy0 = x1 - x0;
-        const vf form[8] = {f[0],           x0, y0, f[4] - f[0], xy0, (f[6] - f[4]) - y0, x2 - x0,
-                            (x3 - x2) - xy0};
-        const vf bound = largest * ((f_set(2048.0f) + f_set(32.0f) * e) * f_set(UNIT));
-        crossing |= may_cross(in, way, form, bound + f_set(0x1p-130f));
+        const near_forms forms = near_forms_of(q->samples, reach, isovalues[i]);
+        crossing |= may_cross(&v, &forms);
     }
     return crossing;
 }
@@ -381,24 +348,169 @@ static void queue_flush(tile_walk *w) {
     }
 }
 
+/* ---- Cells and windows ---- */
+
+/* Their samples, one after the other: they come from memory together. */
+static void stage_samples(tile_walk *w) {
+    cell_stage *s = &w->stage;
+    const walk_scene *scene = scene_of(w);
+    for (unsigned k = 0; k < s->cells; k++)
+        walk_cell_samples(scene, s->at[k], s->cell[k], s->samples[k]);
+}
+
+/* Forms of all cells. */
+SIMD void stage_forms(cell_stage *s, double iso) {
+    for (unsigned from = 0; from < s->cells; from += VF_N) {
+        float samples[8][VF_N];
+        vf lo[3], hi[3], inv[3];
+        for (unsigned k = 0; k < VF_N; k++)
+            for (int c = 0; c < 8; c++)
+                samples[c][k] = s->samples[from + k][c];
+        for (int a = 0; a < 3; a++) {
+            lo[a] = f_load(s->lo[a] + from);
+            hi[a] = f_load(s->hi[a] + from);
+            inv[a] = f_load(s->inv[a] + from);
+        }
+        const near_forms forms = near_forms_of(samples, near_reach(lo, hi, inv), iso);
+        for (int c = 0; c < 8; c++)
+            f_store(s->form[c] + from, forms.c[c]);
+        f_store(s->bound + from, forms.bound);
+    }
+}
+
+/* The rays of a window that may cross the surface that the forms are of. */
+SIMD unsigned window_crosses(const cell_stage *s, const tile_rays *rays, unsigned n) {
+    const unsigned k = s->of[n], at = STRIDE * s->y[n] + s->x[n];
+    const vf t_in = f_load(s->t_in[n]), t_out = f_load(s->t_out[n]);
+    near_way v;
+    near_forms forms;
+    for (int a = 0; a < 3; a++) {
+        const vf d = window_load(rays->near_d[a] + at);
+        const vf lo = f_set(s->lo[a][k]), inv = f_set(s->inv[a][k]);
+        v.in[a] = near_coordinate(t_in, d, lo, inv);
+        v.way[a] = near_coordinate(t_out, d, lo, inv) - v.in[a];
+    }
+    for (int c = 0; c < 8; c++)
+        forms.c[c] = f_set(s->form[c][k]);
+    forms.bound = f_set(s->bound[k]);
+    return may_cross(&v, &forms);
+}
+
+static void stage_filter(tile_walk *w) {
+    const walk_scene *scene = scene_of(w);
+    cell_stage *s = &w->stage;
+    for (unsigned n = 0; n < s->windows; n++)
+        s->crossing[n] = 0;
+    for (int i = 0; i < scene->count; i++) {
+        stage_forms(s, scene->isovalues[i]);
+        for (unsigned n = 0; n < s->windows; n++)
+            s->crossing[n] |= (uint16_t)window_crosses(s, &w->s.rays, n);
+    }
+    for (unsigned n = 0; n < s->windows; n++)
+        s->visitors[n] &= s->crossing[n];
+}
+
+/* Add the rays of a window that are left to the batch. */
+SIMD void window_to_batch(tile_walk *w, unsigned n) {
+    static const tile_rect all = {0, TILE - 1, 0, TILE - 1};
+    const cell_stage *s = &w->stage;
+    const unsigned x = s->x[n], y = s->y[n], k = s->of[n];
+    LANE_COUNT(survivors, s->visitors[n]);
+    if (s->visitors[n] & window_pending(w, x, y))
+        flush(w);
+    for (unsigned bits = s->visitors[n] & window_open(w, x, y, all); bits; bits &= bits - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(bits);
+        add_to_batch(w, s->at[k], s->cell[k], s->samples[k],
+                     TILE * (y + lane / WINDOW_X) + x + lane % WINDOW_X);
+    }
+    if (w->s.f->kernels->by_cell)
+        flush(w);
+}
+
+/* Filter what has been staged, and add the rest to the batch. */
+static void stage_flush(tile_walk *w) {
+    cell_stage *s = &w->stage;
+    if (s->windows > 0) {
+        stage_samples(w);
+        if (w->filter)
+            stage_filter(w);
+        for (unsigned n = 0; n < s->windows; n++)
+            if (s->visitors[n])
+                window_to_batch(w, n);
+    }
+    s->cells = s->windows = 0;
+}
+
+/* Answer all that waits for the filter. The queue's cells and those on the stage are never there
+ * together. */
+static void near_flush(tile_walk *w) {
+    stage_flush(w);
+    queue_flush(w);
+}
+
+/* Put a cell on the stage; it goes when it is not counted. */
+SIMD void stage_cell(cell_stage *s, const resident_grid *at, const plane_projection *const planes[3],
+                     const uint32_t cell[3]) {
+    const unsigned k = s->cells;
+    s->at[k] = at;
+    for (int a = 0; a < 3; a++) {
+        s->cell[k][a] = cell[a];
+        s->lo[a][k] = planes[a][cell[a]].from_eye;
+        s->hi[a][k] = planes[a][cell[a] + 1].from_eye;
+        s->inv[a][k] = planes[a][cell[a]].inverse;
+    }
+}
+
+/* The open rays of a window that visit the last cell of the stage. */
+SIMD unsigned stage_window(tile_walk *w, unsigned x, unsigned y, unsigned open) {
+    cell_stage *s = &w->stage;
+    const tile_rays *rays = &w->s.rays;
+    const unsigned k = s->cells, n = s->windows, at = STRIDE * y + x;
+    vf t_in = window_load(rays->near_t0 + at), t_out = window_load(rays->near_t1 + at);
+    for (int a = 0; a < 3; a++)
+        near_slab(f_set(s->lo[a][k]), f_set(s->hi[a][k]), window_load(rays->reciprocal[a] + at),
+                  &t_in, &t_out);
+    const unsigned visitors = open & near_passes(t_in, t_out);
+    f_store(s->t_in[n], t_in);
+    f_store(s->t_out[n], t_out);
+    s->of[n] = (uint8_t)k;
+    s->x[n] = (uint8_t)x;
+    s->y[n] = (uint8_t)y;
+    s->visitors[n] = (uint16_t)visitors;
+    s->windows += visitors != 0;
+    return visitors;
+}
+
 /* One active cell and the rays of its rectangle. Inlined, its loops are short of registers: frames
  * of large cells take x 1.2. */
 static __attribute__((noinline)) void walk_cell(tile_walk *w, const resident_grid *at,
                                                 const uint32_t cell[3], tile_rect r) {
-    active_cell c;
-    cell_begin(&c, at, w->place.p->at[at->level], cell);
+    cell_stage *s = &w->stage;
+    const plane_projection *const *planes = w->place.p->at[at->level];
+    unsigned visited = 0;
     queue_flush(w); /* its cells are nearer */
+    if (s->cells == STAGE_CELLS)
+        stage_flush(w);
+    stage_cell(s, at, planes, cell);
     for (unsigned y = r.y0; y <= r.y1; y += WINDOW_Y) {
         for (unsigned x = r.x0; x <= r.x1; x += WINDOW_X) {
-            near_visit v;
-            unsigned bits = window_open(w, x, y, r);
-            LANE_COUNT(windows, bits);
-            if (bits)
-                bits &= visits(&w->s.rays, STRIDE * y + x, &c.near, &v);
-            if (bits)
-                add_visitors(w, &c, &v, x, y, r, bits);
+            if (s->windows == STAGE_WINDOWS) {
+                s->cells += visited != 0;
+                stage_flush(w);
+                stage_cell(s, at, planes, cell);
+                visited = 0;
+            }
+            const unsigned open = window_open(w, x, y, r);
+            if (open) {
+                const unsigned visitors = stage_window(w, x, y, open);
+                LANE_COUNT(windows, open);
+                LANE_COUNT(visitors, visitors);
+                w->s.counters->cells += (unsigned)__builtin_popcount(visitors);
+                visited |= visitors;
+            }
         }
     }
+    s->cells += visited != 0;
 }
 
 /* The cells of a group of 2^3, a lane a cell: lane % 8 is the octant from `from` on. */
@@ -446,7 +558,7 @@ SIMD void queue_add(tile_walk *w, const resident_grid *at, const plane_projectio
     q->t_in[k] = t_in;
     q->t_out[k] = t_out;
     q->at[k] = at;
-    q->ray[k] = (uint8_t)i;
+    q->ray[k] = (uint16_t)i;
     w->s.counters->cells++;
     if (q->count == VF_N)
         queue_flush(w);
@@ -470,6 +582,7 @@ static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t fir
     enum { VECTORS_OF_8 = VF_N < 8 ? 8 / VF_N : 1 };
     const plane_projection *const *projected = w->place.p->at[at->level];
     group_planes planes[VECTORS_OF_8];
+    stage_flush(w); /* its cells are nearer */
     for (unsigned v = 0; v < VECTORS_OF_8; v++)
         planes[v] = group_planes_of(projected, first_cell, v * VF_N);
     for (unsigned y = r.y0; y <= r.y1; y++) {
@@ -601,8 +714,9 @@ static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect 
     for (unsigned left = w->s.open[y] & row_mask(r); left; left &= left - 1) {
         const unsigned x = (unsigned)__builtin_ctz(left), i = TILE * y + x;
         /* Behind what a ray has already, nothing is of use to it. */
-        double t_in = w->s.rays.t0[i],
-               t_out = w->s.t[i] < w->s.rays.t1[i] ? w->s.t[i] : w->s.rays.t1[i];
+        double t_in = w->s.before > 0 && w->s.after[i].t > w->s.rays.t0[i] ? w->s.after[i].t
+                                                                           : w->s.rays.t0[i],
+               t_out = w->s.reach[i] < w->s.rays.t1[i] ? w->s.reach[i] : w->s.rays.t1[i];
         for (int a = 0; a < 3; a++) {
             const double d = w->s.rays.d[a][i], eye = w->place.p->eye[a];
             /* The last treelet's cells end before it does. */
@@ -622,7 +736,7 @@ static void touch(tile_walk *w, uint32_t t, tile_rect r) {
     if (atomic_load_explicit(touched, memory_order_relaxed))
         return;
     tile_state_rays(&w->s);
-    queue_flush(w);
+    near_flush(w);
     flush(w);
     for (unsigned y = r.y0; y <= r.y1; y++)
         if (rays_into(w, t, y, r)) {
@@ -635,7 +749,7 @@ static void touch(tile_walk *w, uint32_t t, tile_rect r) {
 static void miss_treelet(tile_walk *w, uint32_t t, tile_rect r) {
     unsigned any = 0;
     tile_state_rays(&w->s);
-    queue_flush(w);
+    near_flush(w);
     flush(w);
     for (unsigned y = r.y0; y <= r.y1; y++) {
         const unsigned passing = rays_into(w, t, y, r);
@@ -644,7 +758,7 @@ static void miss_treelet(tile_walk *w, uint32_t t, tile_rect r) {
         any |= passing;
     }
     if (any)
-        tile_absent(w->s.out, t);
+        tile_absent(w->s.out, t, 0);
 }
 
 static void walk_drawn(tile_walk *w, uint32_t t, tile_rect r) {
@@ -697,25 +811,45 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
             stack[top++] = (directory_node){layout->first_child[node.t] + rank, rects.of[o]};
         }
     }
-    queue_flush(w);
+    near_flush(w);
     flush(w);
 }
 
-/* All of a tile's rays up to their first surfaces. */
-static void tile_walk_run(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0,
-                          const tile_row asked[], tile_outcome *out, ray_counters *counters) {
-    tile_state_begin(&w->s, f, x0, y0, asked, out, counters);
+/* All of a tile's rays. */
+static void tile_walk_begin(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0,
+                            const tile_row asked[], tile_outcome *out, ray_counters *counters) {
+    tile_state_begin(&w->s, f, &grid_order, TILE_LAYERS, x0, y0, asked, out, counters);
     w->place = tile_place_of(f, x0, y0);
     w->filter = scene_of(w)->intersector == LEAFCAST_MARMITT;
+    w->several = w->s.layers != 1;
     w->waiting = 0;
-    w->queue = (near_queue){.count = 0};
+    w->queue.count = w->stage.cells = w->stage.windows = 0;
     for (unsigned y = 0; y < ROWS; y++)
         w->pending[y] = 0;
-    const uint8_t packet = f->kernels->packet;
+}
+
+/* Up to where rays are full. */
+static void tile_walk_run(tile_walk *w) {
+    const uint8_t packet = w->s.f->kernels->packet;
     for (uint8_t y = 0; y < TILE; y += packet)
         for (uint8_t x = 0; x < TILE; x += packet)
             walk_directory(w,
                            (tile_rect){x, (uint8_t)(x + packet - 1), y, (uint8_t)(y + packet - 1)});
+}
+
+/* Behind what rays have. False: none of them wants more. */
+static bool tile_walk_again(tile_walk *w, const float alpha[]) {
+    if (!tile_state_again(&w->s, TILE_LAYERS, alpha))
+        return false;
+    const double unscale = w->s.f->projection->unscale;
+    for (unsigned i = 0; i < TILE_RAYS; i++) {
+        const unsigned padded = i / TILE * STRIDE + i % TILE;
+        if (!is_open(w, i))
+            continue;
+        w->s.rays.near_t0[padded] = (float)(w->s.after[i].t * unscale);
+        w->s.rays.near_t1[padded] = (float)(w->s.rays.t1[i] * unscale);
+    }
+    return true;
 }
 
 #endif

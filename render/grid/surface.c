@@ -2,6 +2,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include "render/shade.h"
 
@@ -33,22 +34,59 @@ double surface_trilinear(const float samples[8], const double at[3], const doubl
     return mix(xy[0], xy[1], at[2]);
 }
 
-/* The differences at the corners of a cell whose samples begin at s; the neighbours of node c of
- * axis a lie below[a][c] and above[a][c] from it. */
-#define GRADIENTS_OF(NAME, TYPE)                                                              \
-    static void NAME(const void *samples, size_t first, const ptrdiff_t stride[3],            \
-                     const ptrdiff_t below[3][2], const ptrdiff_t above[3][2],                \
-                     const double width[3][2], double gradients[8][4]) {                      \
-        for (unsigned i = 0; i < 8; i++) {                                                    \
-            const unsigned c[3] = {i & 1u, i >> 1 & 1u, i >> 2};                              \
-            const TYPE *s = (const TYPE *)samples + first + (ptrdiff_t)c[0] * stride[0] +     \
-                            (ptrdiff_t)c[1] * stride[1] + (ptrdiff_t)c[2] * stride[2];        \
-            for (int a = 0; a < 3; a++)                                                       \
-                gradients[i][a] =                                                             \
-                    ((double)s[above[a][c[a]]] - (double)s[below[a][c[a]]]) * width[a][c[a]]; \
-            gradients[i][3] = 0.0;                                                            \
-        }                                                                                     \
+/* Two neighbours along x. */
+typedef double pair __attribute__((vector_size(16)));
+
+/* The nodes around a cell, as seen from its first: one less, or one more than the cell's own on
+ * each axis, unless the volume ends there. */
+typedef struct cell_around {
+    ptrdiff_t stride[3], below[3], above[3];
+    double width[3][2]; /* 1 / the distance between a node's neighbours */
+} cell_around;
+
+/* Each sample that takes part is converted once, rows of x by rows. */
+#define GRADIENTS_OF(NAME, TYPE)                                                         \
+    static inline pair NAME##_pair(const TYPE *s) {                                      \
+        return (pair){(double)s[0], (double)s[1]};                                       \
+    }                                                                                    \
+    static void NAME(const void *samples, size_t first, const cell_around *n,            \
+                     double gradients[8][4]) {                                           \
+        const TYPE *s = (const TYPE *)samples + first;                                   \
+        pair inner[2][2], y_outer[2][2], z_outer[2][2];                                  \
+        for (int k = 0; k < 2; k++) {                                                    \
+            const TYPE *along_y = s + k * n->stride[2], *along_z = s + k * n->stride[1]; \
+            inner[k][0] = NAME##_pair(along_y);                                          \
+            inner[k][1] = NAME##_pair(along_y + n->stride[1]);                           \
+            y_outer[k][0] = NAME##_pair(along_y + n->below[1]);                          \
+            y_outer[k][1] = NAME##_pair(along_y + n->above[1]);                          \
+            z_outer[0][k] = NAME##_pair(along_z + n->below[2]);                          \
+            z_outer[1][k] = NAME##_pair(along_z + n->above[2]);                          \
+        }                                                                                \
+        for (int z = 0; z < 2; z++) {                                                    \
+            for (int y = 0; y < 2; y++) {                                                \
+                const TYPE *row = s + y * n->stride[1] + z * n->stride[2];               \
+                const pair own = inner[z][y];                                            \
+                const pair x_low = {(double)row[n->below[0]], own[0]};                   \
+                const pair x_high = {own[1], (double)row[n->above[0]]};                  \
+                const pair y_low = y == 0 ? y_outer[z][0] : inner[z][0];                 \
+                const pair y_high = y == 0 ? inner[z][1] : y_outer[z][1];                \
+                const pair z_low = z == 0 ? z_outer[0][y] : inner[0][y];                 \
+                const pair z_high = z == 0 ? inner[1][y] : z_outer[1][y];                \
+                put_gradients((x_high - x_low) * (pair){n->width[0][0], n->width[0][1]}, \
+                              (y_high - y_low) * (pair){n->width[1][y], n->width[1][y]}, \
+                              (z_high - z_low) * (pair){n->width[2][z], n->width[2][z]}, \
+                              gradients + 2 * y + 4 * z);                                \
+            }                                                                            \
+        }                                                                                \
     }
+
+static inline void put_gradients(pair x, pair y, pair z, double gradients[2][4]) {
+    for (int i = 0; i < 2; i++) {
+        const pair low = {x[i], y[i]}, high = {z[i], 0.0};
+        memcpy(gradients[i], &low, sizeof low);
+        memcpy(gradients[i] + 2, &high, sizeof high);
+    }
+}
 
 GRADIENTS_OF(gradients_u8, uint8_t)
 GRADIENTS_OF(gradients_i8, int8_t)
@@ -59,33 +97,22 @@ GRADIENTS_OF(gradients_f32, float)
 void surface_gradients(const walk_scene *scene, const resident_grid *tr, const uint32_t cell[3],
                        double gradients[8][4]) {
     const level_planes *planes = &scene->levels[tr->level];
-    const ptrdiff_t row = tr->shape.samples[0], stride[3] = {1, row, row * tr->shape.samples[1]};
-    ptrdiff_t below[3][2], above[3][2];
-    double width[3][2];
+    const ptrdiff_t row = tr->shape.samples[0];
+    cell_around n = {.stride = {1, row, row * tr->shape.samples[1]}};
     size_t first = 0;
     for (int a = 0; a < 3; a++) {
-        first += (cell[a] - tr->first_cell[a] + scene->halo) * (size_t)stride[a];
-        for (unsigned c = 0; c < 2; c++) {
-            const uint32_t node = cell[a] + c;
-            below[a][c] = node > 0 ? -stride[a] : 0;
-            above[a][c] = node < planes->cells[a] ? stride[a] : 0;
-            width[a][c] = planes->central[a][node];
-        }
+        first += (cell[a] - tr->first_cell[a] + scene->halo) * (size_t)n.stride[a];
+        n.below[a] = cell[a] > 0 ? -n.stride[a] : 0;
+        n.above[a] = (cell[a] + 1 < planes->cells[a] ? 2 : 1) * n.stride[a];
+        n.width[a][0] = planes->central[a][cell[a]];
+        n.width[a][1] = planes->central[a][cell[a] + 1];
     }
     switch (scene->type) {
-    case SAMPLE_U8:
-        gradients_u8(tr->samples, first, stride, below, above, width, gradients);
-        return;
-    case SAMPLE_I8:
-        gradients_i8(tr->samples, first, stride, below, above, width, gradients);
-        return;
-    case SAMPLE_U16:
-        gradients_u16(tr->samples, first, stride, below, above, width, gradients);
-        return;
-    case SAMPLE_I16:
-        gradients_i16(tr->samples, first, stride, below, above, width, gradients);
-        return;
-    default: gradients_f32(tr->samples, first, stride, below, above, width, gradients);
+    case SAMPLE_U8: gradients_u8(tr->samples, first, &n, gradients); return;
+    case SAMPLE_I8: gradients_i8(tr->samples, first, &n, gradients); return;
+    case SAMPLE_U16: gradients_u16(tr->samples, first, &n, gradients); return;
+    case SAMPLE_I16: gradients_i16(tr->samples, first, &n, gradients); return;
+    default: gradients_f32(tr->samples, first, &n, gradients);
     }
 }
 

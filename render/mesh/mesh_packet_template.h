@@ -42,7 +42,6 @@ typedef struct packet {
     packet_frustum sight;
     bool lowered; /* rays have found something since `sight.far` was taken */
     tet_rays rays;
-    uint32_t tet[TILE_RAYS]; /* of what the tile's rays have found: its place in its treelet */
     packet_pending in_treelet[PACKET_TREELET_STACK], in_tree[PACKET_TREE_STACK]; /* stacks */
 } packet;
 
@@ -55,6 +54,9 @@ _Static_assert(sizeof(packet_work) <= MESH_TILE_SCRATCH, "a tile has room in its
 
 /* Rays on a side of W07's smallest packets: all are tested at once. */
 enum { PACKET_SMALLEST = 2 };
+
+/* Surfaces of a ray that a walk finds. */
+enum { PACKET_LAYERS = 1 };
 
 /* ---- Rays and boxes ---- */
 
@@ -303,7 +305,7 @@ static void packet_waits(packet *w, const packet_pending *p) {
         any = true;
     }
     if (any)
-        tile_absent(out, p->i);
+        tile_absent(out, p->i, 0);
 }
 
 static void packet_resident(packet *w, const packet_pending *p) {
@@ -388,7 +390,8 @@ static int packet_begin(packet *w) {
             r.o[a] = w->eye[a];
             r.d[a] = rays->d[a][from];
         }
-        tet_rays_put(&w->rays, i, &r, &before);
+        const hit after = w->s.before > 0 ? mesh_hit_of(w->s.f, &w->s.after[from]) : before;
+        tet_rays_put(&w->rays, i, &r, &after);
         packet_frustum_add(&w->sight, r.d);
         first = i;
     }
@@ -424,27 +427,15 @@ static void packet_end(packet *w) {
             continue;
         if (!at || h->cell < at->first_tet || h->cell - at->first_tet >= at->mesh.tets)
             at = treelet_of_tet(treelets, h->cell);
-        w->s.t[to] = h->t;
-        w->s.iso[to] = h->iso;
-        w->s.entering[to] = h->entering;
-        w->s.at[to] = &at->head;
-        w->tet[to] = (uint32_t)(h->cell - at->first_tet);
+        const tile_surface found = {h->t, &at->head, (uint32_t)(h->cell - at->first_tet), h->iso,
+                                    h->entering};
+        (void)tile_state_take(&w->s, to, &found);
         w->s.counters->roots++;
     }
 }
 
-void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
-                            tile_outcome *out, ray_counters *counters) {
-    packet_work *work = out->scratch;
-    packet *w = &work->packet;
-    tile_state_begin(&w->s, f, x0, y0, asked, out, counters);
-    tile_state_rays(&w->s);
-    w->counters = counters;
-    w->side = f->kernels->packet;
-    w->count = (int)(w->side * w->side);
-    w->rays.one_origin = true;
-    for (int a = 0; a < 3; a++)
-        w->eye[a] = f->projection->eye[a];
+/* Those of a tile. */
+static void trace_packets(packet *w) {
     for (w->y = 0; w->y < TILE; w->y += w->side)
         for (w->x = 0; w->x < TILE; w->x += w->side) {
             const int first = packet_begin(w);
@@ -453,7 +444,26 @@ void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile
             packet_mesh(w, first);
             packet_end(w);
         }
-    mesh_shade(&w->s, w->tet, &work->shading);
+}
+
+void SIMD_NAME(mesh_packet)(const frame *f, uint32_t x0, uint32_t y0, const tile_row asked[],
+                            tile_outcome *out, ray_counters *counters) {
+    packet_work *work = out->scratch;
+    packet *w = &work->packet;
+    tile_state_begin(&w->s, f, &mesh_order, PACKET_LAYERS, x0, y0, asked, out, counters);
+    tile_state_rays(&w->s);
+    w->counters = counters;
+    w->side = f->kernels->packet;
+    w->count = (int)(w->side * w->side);
+    w->rays.one_origin = true;
+    for (int a = 0; a < 3; a++)
+        w->eye[a] = f->projection->eye[a];
+    mesh_shade_begin(&work->shading, &w->s);
+    do {
+        trace_packets(w);
+        mesh_shade(&work->shading);
+    } while (tile_state_again(&w->s, PACKET_LAYERS, work->shading.pixels.rgba[3]));
+    mesh_shade_end(&work->shading);
 }
 
 #endif

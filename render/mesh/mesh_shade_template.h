@@ -30,22 +30,38 @@ typedef struct hit_tets {
 
 /* Room for all that follows. */
 typedef struct mesh_shading {
+    const tile_state *s;
     tile_pixels pixels;
     hit_tets tets;
     float normal[TILE_RAYS / VD_N][3][VD_N]; /* of the tets */
     tet_smooth known[KNOWN_TETS]; /* what the rays have in common that hit a tet's isopolygon */
 } mesh_shading;
 
-static void list_tets(const tile_state *s, const uint32_t tet_of[TILE_RAYS], hit_tets *l) {
+static hit mesh_hit_of(const frame *f, const tile_surface *s) {
+    (void)f;
+    return (hit){s->t, resident_mesh_of(s->at)->first_tet + s->place, s->iso, s->entering};
+}
+
+static bool mesh_less(const hit *a, const hit *b) {
+    return tet_less(a, b);
+}
+
+static bool mesh_same(const hit *a, const hit *b) {
+    return tet_double(a, b);
+}
+
+static const tile_order mesh_order = {mesh_hit_of, mesh_less, mesh_same};
+
+static void list_tets(const tile_layer *s, hit_tets *l) {
     uint16_t known[KNOWN_TETS] = {0};
     l->count = 0;
     for (unsigned i = 0; i < TILE_RAYS; i++) {
-        if (!(s->t[i] < INFINITY))
+        if (!in_layer(s, i))
             continue;
-        uint16_t *k = &known[(tet_of[i] + (unsigned)s->iso[i]) % KNOWN_TETS];
-        const unsigned first = *k < l->count ? l->ray[*k] : i;
-        if (*k >= l->count || tet_of[first] != tet_of[i] || s->at[first] != s->at[i] ||
-            s->iso[first] != s->iso[i]) {
+        const tile_surface *x = surface_of(s, i);
+        uint16_t *k = &known[(x->place + (unsigned)x->iso) % KNOWN_TETS];
+        const tile_surface *first = *k < l->count ? surface_of(s, l->ray[*k]) : NULL;
+        if (!first || first->place != x->place || first->at != x->at || first->iso != x->iso) {
             *k = (uint16_t)l->count;
             l->ray[l->count++] = (uint16_t)i;
         }
@@ -53,88 +69,107 @@ static void list_tets(const tile_state *s, const uint32_t tet_of[TILE_RAYS], hit
     }
 }
 
+static tet tet_of(const tile_layer *s, unsigned i) {
+    return mesh_walk_tet(resident_mesh_of(surface_of(s, i)->at), surface_of(s, i)->place);
+}
+
 /* Of VD_N tets of the list, from the one at `from` on. */
-SIMD void faceted_normals(const tile_state *s, const uint32_t tet_of[TILE_RAYS], const hit_tets *l,
-                          unsigned from, float normal[3][VD_N]) {
+SIMD void faceted_normals(const tracer *tr, const tile_layer *s, const hit_tets *l, unsigned from,
+                          float normal[3][VD_N]) {
     tet_columns columns;
     tet tets[VD_N];
     for (unsigned k = 0; k < VD_N; k++) {
-        const unsigned i = l->ray[from + k];
-        tets[k] = mesh_walk_tet(resident_mesh_of(s->at[i]), tet_of[i]);
+        tets[k] = tet_of(s, l->ray[from + k]);
         tet_columns_put(&columns, k, &tets[k]);
     }
     for (unsigned left = ~tet_normals_of(&columns, normal) & ((1u << VD_N) - 1u); left;
          left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left);
         float of[3];
-        tet_normal(&tets[k], s->f->tracer->isos.isovalues[s->iso[l->ray[from + k]]], of);
+        tet_normal(&tets[k], tr->isos.isovalues[surface_of(s, l->ray[from + k])->iso], of);
         for (int a = 0; a < 3; a++)
             normal[a][k] = of[a];
     }
 }
 
 /* Where gradients at the vertices give normals, they take the place of faceted ones. */
-static void smooth_normals(const tile_state *s, const uint32_t tet_of[TILE_RAYS], mesh_shading *m) {
-    const hit_tets *l = &m->tets;
-    tile_pixels *p = &m->pixels;
-    tet_smooth *known = m->known;
+static void smooth_normals(mesh_shading *m, const tile_layer *l, tile_normals normal) {
+    const tile_state *s = m->s;
     uint16_t place[KNOWN_TETS];
     bool has[KNOWN_TETS];
     memset(place, 0xff, sizeof place);
     for (unsigned i = 0; i < TILE_RAYS; i++) {
-        if (!(s->t[i] < INFINITY))
+        if (!in_layer(l, i))
             continue;
-        const unsigned k = l->of[i] % KNOWN_TETS;
-        if (place[k] != l->of[i]) {
-            const tet x = mesh_walk_tet(resident_mesh_of(s->at[i]), tet_of[i]);
-            const double iso = s->f->tracer->isos.isovalues[s->iso[i]];
+        const unsigned k = m->tets.of[i] % KNOWN_TETS;
+        if (place[k] != m->tets.of[i]) {
+            const tet x = tet_of(l, i);
+            const double iso = s->f->tracer->isos.isovalues[surface_of(l, i)->iso];
             isopolygon g;
             float gradients[4][3];
-            mesh_walk_gradients(resident_mesh_of(s->at[i]), tet_of[i], gradients);
-            place[k] = l->of[i];
+            const tile_surface *y = surface_of(l, i);
+            mesh_walk_gradients(resident_mesh_of(y->at), y->place, gradients);
+            place[k] = m->tets.of[i];
             has[k] = isopolygon_of(&x, iso, &g);
             if (has[k])
-                tet_smooth_of(&x, iso, &g, (const float(*)[3])gradients, &known[k]);
+                tet_smooth_of(&x, iso, &g, (const float(*)[3])gradients, &m->known[k]);
         }
         const double d[3] = {s->rays.d[0][i], s->rays.d[1][i], s->rays.d[2][i]};
-        float normal[3];
-        if (has[k] && tet_smooth_normal(&known[k], s->f->projection->eye, d, s->t[i], normal))
+        float smooth[3];
+        if (has[k] &&
+            tet_smooth_normal(&m->known[k], s->f->projection->eye, d, surface_of(l, i)->t, smooth))
             for (int a = 0; a < 3; a++)
-                p->normal[a][i] = normal[a];
+                normal[a][i] = smooth[a];
     }
 }
 
-/* tet_of: where in their treelets the tets lie that were hit. */
-static void normals_of_tets(const tile_state *s, const uint32_t tet_of[TILE_RAYS],
-                            mesh_shading *m) {
+static void mesh_normals(void *work, const tile_layer *s, tile_normals normal) {
+    mesh_shading *m = work;
+    const tracer *tr = m->s->f->tracer;
     hit_tets *l = &m->tets;
-    list_tets(s, tet_of, l);
+    list_tets(s, l);
     for (unsigned n = l->count; n % VD_N; n++)
         l->ray[n] = l->ray[0];
     for (unsigned n = 0; n < l->count; n += VD_N)
-        faceted_normals(s, tet_of, l, n, m->normal[n / VD_N]);
+        faceted_normals(tr, s, l, n, m->normal[n / VD_N]);
     for (unsigned i = 0; i < TILE_RAYS; i++) {
-        if (!(s->t[i] < INFINITY))
+        if (!in_layer(s, i))
             continue;
         for (int a = 0; a < 3; a++)
-            m->pixels.normal[a][i] = m->normal[l->of[i] / VD_N][a][l->of[i] % VD_N];
+            normal[a][i] = m->normal[l->of[i] / VD_N][a][l->of[i] % VD_N];
     }
-    if (mesh_rays_of(s->f->tracer)->smooth)
-        smooth_normals(s, tet_of, m);
+    if (mesh_rays_of(tr)->smooth)
+        smooth_normals(m, s, normal);
+}
+
+static surface_point mesh_point(const tile_state *s, const tile_layer *l, unsigned i) {
+    const tile_surface *x = surface_of(l, i);
+    const hit h = mesh_hit_of(s->f, x);
+    ray r = {.t0 = s->rays.t0[i], .t1 = s->rays.t1[i]};
+    for (int a = 0; a < 3; a++) {
+        r.o[a] = r.held[a] = s->f->projection->eye[a];
+        r.d[a] = s->rays.d[a][i];
+    }
+    return tracer_surface(s->f->tracer, x->at, &r, &h);
+}
+
+static const tile_kind mesh_kind_of_tile = {mesh_normals, mesh_point};
+
+/* Before the first walk. */
+static void mesh_shade_begin(mesh_shading *m, const tile_state *s) {
+    m->s = s;
+    pixels_begin(&m->pixels);
+}
+
+/* What a walk has found. */
+static void mesh_shade(mesh_shading *m) {
+    shade_walk(m->s, &mesh_kind_of_tile, m, &m->pixels);
 }
 
 /* The tile's pixels, and its outcome. */
-static void mesh_shade(const tile_state *s, const uint32_t tet_of[TILE_RAYS], mesh_shading *m) {
-    clear_pixels(s->f, &m->pixels);
-    const bool together = shaded_together(s->f);
-    if (together) {
-        normals_of_tets(s, tet_of, m);
-        shade_tile(s, &m->pixels);
-    }
-    write_tile(s, together, &m->pixels);
-    for (unsigned i = 0; i < TILE_RAYS && !together; i++)
-        if (s->out->found[i / TILE] >> i % TILE & 1u)
-            s->out->hits[i].cell = resident_mesh_of(s->at[i])->first_tet + tet_of[i];
+static void mesh_shade_end(mesh_shading *m) {
+    shade_behind_all(m->s->f, &m->pixels);
+    write_tile(m->s, &m->pixels);
 }
 
 #endif

@@ -35,8 +35,7 @@ typedef struct mesh_tile {
     tile_place place;
     double eye[3];
     tet_lanes lanes;
-    float far2[TILE_RAYS + VF_N]; /* squares of what rays have found; below 0: they do not look */
-    uint32_t tet[TILE_RAYS];      /* of what has been found: its place in its treelet */
+    float far2[TILE_RAYS + VF_N]; /* squares of how far rays look; below 0: they do not */
 } mesh_tile;
 
 /* What lies in the outcome's scratch. */
@@ -53,7 +52,7 @@ static const float SURELY = 1.0f - 0x1p-20f;
 
 /* How far ray i looks. */
 SIMD void look_as_far(mesh_tile *w, unsigned i) {
-    const double t = w->s.t[i];
+    const double t = w->s.reach[i];
     w->far2[i] = (float)(t * t) + FLT_MIN;
 }
 
@@ -159,33 +158,24 @@ typedef struct seen_polygon {
 
 /* A hit of ray i: before what it has? */
 static void take_surface(mesh_tile *w, const seen_polygon *s, unsigned i, double t, bool entering) {
-    tile_state *f = &w->s;
-    if (f->t[i] <= t) {
-        const resident_mesh *at = resident_mesh_of(f->at[i]);
-        const hit known = {f->t[i], at ? at->first_tet + w->tet[i] : 0, f->iso[i], f->entering[i]};
-        const hit found = {t, s->at->first_tet + s->tet, s->iso, entering};
-        if (!tet_less(&found, &known))
-            return;
-    }
-    f->t[i] = t;
-    f->iso[i] = s->iso;
-    f->entering[i] = entering;
-    f->at[i] = &s->at->head;
-    w->tet[i] = s->tet;
-    look_as_far(w, i);
-    f->counters->roots++;
+    const tile_surface found = {t, &s->at->head, s->tet, s->iso, entering};
+    if (!tile_state_take(&w->s, i, &found))
+        return;
+    if (w->s.reach[i] < (double)INFINITY)
+        look_as_far(w, i);
+    w->s.counters->roots++;
 }
 
-/* What the vectors leave in doubt. */
+/* What the vectors leave in doubt: a bent quadrilateral has two hits. */
 static void take_scalar(mesh_tile *w, const seen_polygon *s, unsigned i) {
-    const hit before = hit_before_all();
+    const uint64_t cell = s->at->first_tet + s->tet;
+    hit before = hit_before_all(), found;
     ray r = {.t0 = w->s.rays.t0[i], .t1 = w->s.rays.t1[i]};
-    hit found;
     for (int a = 0; a < 3; a++) {
         r.o[a] = r.held[a] = w->eye[a];
         r.d[a] = w->s.rays.d[a][i];
     }
-    if (isopolygon_hit(&s->g, &r, s->at->first_tet + s->tet, s->iso, &before, &found))
+    for (; isopolygon_hit(&s->g, &r, cell, s->iso, &before, &found); before = found)
         take_surface(w, s, i, found.t, found.entering);
 }
 
@@ -194,7 +184,7 @@ SIMD void take_sure(mesh_tile *w, const seen_polygon *s, unsigned i, unsigned hi
                     vd t) {
     const tile_rays *rays = &w->s.rays;
     const md after = d_ge(t, d_load(rays->t0 + i)), before = d_le(t, d_load(rays->t1 + i));
-    const md nearer = d_le(t, d_load(w->s.t + i));
+    const md nearer = d_le(t, d_load(w->s.reach + i));
     double ts[VD_N];
     d_store(ts, t);
     for (hits &= md_bits(md_and(nearer, md_and(after, before))); hits; hits &= hits - 1) {
@@ -555,7 +545,7 @@ SIMD unsigned rays_through(const mesh_tile *w, const double lo[3], const double 
         from_eye[1][a] = hi[a] - w->eye[a];
     }
     return mesh_box_meets(d, from_eye[0], from_eye[1], d_load(rays->t0 + i),
-                          d_min(d_load(rays->t1 + i), d_load(w->s.t + i)));
+                          d_min(d_load(rays->t1 + i), d_load(w->s.reach + i)));
 }
 
 /* Rays that pass a treelet which is not there go no further. */
@@ -577,7 +567,7 @@ static void wait_for_treelet(mesh_tile *w, uint32_t t, tile_rect r) {
     if (any)
         look_with_open(w);
     if (any)
-        tile_absent(out, t);
+        tile_absent(out, t, 0);
 }
 
 static void walk_resident_treelet(mesh_tile *w, const mesh_pending *p) {
@@ -639,14 +629,18 @@ void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_r
                           tile_outcome *out, ray_counters *counters) {
     mesh_work *work = out->scratch;
     mesh_tile *w = &work->tile;
-    tile_state_begin(&w->s, f, x0, y0, asked, out, counters);
+    tile_state_begin(&w->s, f, &mesh_order, TILE_LAYERS, x0, y0, asked, out, counters);
     w->place = tile_place_of(f, x0, y0);
     w->lanes = (tet_lanes){.count = 0};
-    look_at_all(w);
     for (int a = 0; a < 3; a++)
         w->eye[a] = f->projection->eye[a];
-    walk_mesh(w, (tile_rect){0, TILE - 1, 0, TILE - 1});
-    mesh_shade(&w->s, w->tet, &work->shading);
+    mesh_shade_begin(&work->shading, &w->s);
+    do {
+        look_at_all(w);
+        walk_mesh(w, (tile_rect){0, TILE - 1, 0, TILE - 1});
+        mesh_shade(&work->shading);
+    } while (tile_state_again(&w->s, TILE_LAYERS, work->shading.pixels.rgba[3]));
+    mesh_shade_end(&work->shading);
 }
 
 #endif

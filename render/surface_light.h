@@ -1,0 +1,67 @@
+/* surface_light.h - surfaces that pixels' rays have met, as lights see them, and what lies between.
+ *
+ * A shadow ray starts at the surface, on the side that the pixel's ray came from, and ends at the
+ * light. Roots within the error of the surface's own are the surface itself (DESIGN 5.7). What
+ * arrives is what the surfaces on the way let through, one after the other.
+ */
+#ifndef RENDER_SURFACE_LIGHT_H
+#define RENDER_SURFACE_LIGHT_H
+
+#include "render/ray_batch.h"
+#include "render/shade.h"
+#include "render/surface_integrator.h"
+
+/* light_towards() - the point at t on a pixel's ray, and the unit direction from there to a light;
+ * returns its distance. */
+double light_towards(const frame *f, uint32_t pixel, double t, const leafcast_light *light,
+                     double at[3], double to[3]);
+
+typedef struct lit_surface {
+    uint32_t pixel;
+    uint16_t volume;
+    const hit *found;
+    const surface_point *point;
+} lit_surface;
+
+/* lit_shading() - see shade.h. */
+shade_point lit_shading(const frame *f, const lit_surface *s);
+
+/* lit_needs_ray() - whether it takes a shadow ray to say what arrives of a light in direction `to`.
+ * *visibility is 1 then, else what there is to say. */
+bool lit_needs_ray(const frame *f, const lit_surface *s, const double to[3], float *visibility);
+
+/* lit_ill_conditioned() - whether a shadow ray may be wrong about what is near the surface: the
+ * error of its start is more than a cell. */
+bool lit_ill_conditioned(const lit_surface *s, const double to[3]);
+
+/* lit_search() - how a shadow ray begins in volume v. */
+trace_state lit_search(const frame *f, const lit_surface *s, uint16_t v, const double to[3]);
+
+/* lit_dim() - a shadow ray has met a surface of volume v. False: no light is left. */
+bool lit_dim(const frame *f, uint16_t v, const hit *met, float *visibility);
+
+/* ---- Many surfaces of a frame's first volume ---- */
+
+typedef struct lit_ray {
+    double at[3], to[3], distance;
+} lit_ray;
+
+typedef struct lit_batch {
+    unsigned count; /* at most RAY_BATCH surfaces */
+    uint32_t pixel[RAY_BATCH];
+    hit found[RAY_BATCH];
+    surface_point point[RAY_BATCH];
+    /* What is known of a light: */
+    float visibility[RAY_BATCH];
+    bool needed[RAY_BATCH], ill_conditioned[RAY_BATCH]; /* of shadow rays: none, without a need */
+    bool undone[RAY_BATCH];                             /* not known, for want of treelets; */
+    uint32_t absent[RAY_BATCH];                         /* this one, unless it is a preview */
+    uint8_t of[RAY_BATCH]; /* surfaces of the rays that are on their way */
+} lit_batch;
+
+/* lit_batch_trace() - what arrives of a light, by batches of shadow rays. *rays and scratch: room,
+ * see ray_batch.h. */
+void lit_batch_trace(const frame *f, lit_batch *b, const leafcast_light *light, ray_batch *rays,
+                     void *scratch, ray_counters *counters);
+
+#endif
