@@ -34,13 +34,6 @@ SIMD const walk_scene *scene_of(const tile_walk *w) {
     return w->s.f->tracer->own;
 }
 
-static bool any_of(const tile_row rows[], tile_rect r) {
-    unsigned any = 0;
-    for (unsigned y = r.y0; y <= r.y1; y++)
-        any |= rows[y];
-    return any & row_mask(r);
-}
-
 /* ---- The batch ---- */
 
 /* A cell's place in its treelet: ten bits an axis. */
@@ -390,20 +383,40 @@ static unsigned last_place(unsigned places) {
     return 31u - (unsigned)__builtin_clz(places);
 }
 
+/* Rays of a rectangle that still look for a surface, and those of them that do not wait for an
+ * answer: VF_N rows a vector, one on the other. */
+typedef struct rect_rays {
+    vi open, idle;
+} rect_rays;
+
+SIMD rect_rays rect_rays_of(const tile_walk *w, tile_rect r) {
+    static const int32_t numbers[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    rect_rays rays = {{0}, {0}};
+    vi number, open, pending;
+    memcpy(&number, numbers, sizeof number);
+    for (int y = r.y0; y <= r.y1; y += VF_N) {
+        const int from = y < ROWS - VF_N ? y : ROWS - VF_N;
+        memcpy(&open, w->s.open + from, sizeof open);
+        memcpy(&pending, w->pending + from, sizeof pending);
+        open &= (number >= y - from) & (number <= r.y1 - from);
+        rays.open |= open;
+        rays.idle |= open & ~pending;
+    }
+    rays.open &= (int32_t)row_mask(r);
+    rays.idle &= (int32_t)row_mask(r);
+    return rays;
+}
+
 /* Whether rays of the rectangle still look for a surface. When all that do have cells in the batch,
  * those are answered first. */
 static bool wanted(tile_walk *w, tile_rect r) {
-    unsigned open = 0, idle = 0;
-    for (unsigned y = r.y0; y <= r.y1; y++) {
-        open |= w->s.open[y];
-        idle |= (unsigned)(w->s.open[y] & ~w->pending[y]);
-    }
-    if (!(open & row_mask(r)))
+    const rect_rays rays = rect_rays_of(w, r);
+    if (!i_any(rays.open))
         return false;
-    if (idle & row_mask(r))
+    if (i_any(rays.idle))
         return true;
     flush(w);
-    return any_of(w->s.open, r);
+    return i_any(rect_rays_of(w, r).open);
 }
 
 /* A node of a treelet's tree: a cube of 2^size cells. */
