@@ -24,9 +24,11 @@ static kernels kernels_of(cpu_isa isa) {
                      .cells = cell_batch_for(isa),
                      .roots = cell_roots_for(isa),
                      .tile = grid_tile_for(isa),
+                     .batch = grid_batch_for(isa),
                      .mesh_tile = mesh_tile_for(isa),
                      .mesh_packet = mesh_packet_for(isa),
                      .tets = tet_batch_for(isa),
+                     .mesh_batch = mesh_batch_for(isa),
                      .packet = GRID_TILE};
 }
 

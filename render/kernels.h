@@ -6,8 +6,10 @@
 #define RENDER_KERNELS_H
 
 #include "render/grid/cell_batch.h"
+#include "render/grid/grid_batch.h"
 #include "render/grid/grid_tile.h"
 #include "render/grid/walk.h"
+#include "render/mesh/mesh_batch.h"
 #include "render/mesh/mesh_packet.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/tet_batch.h"
@@ -19,9 +21,11 @@ typedef struct kernels {
     cell_batch_fn cells; /* many ray-cells: the first surface of each, */
     cell_roots_fn roots; /* or all of them */
     tile_fn tile;        /* a tile of primary rays through a grid; NULL: one by one */
+    batch_fn batch;      /* rays of any kind through a grid; NULL: one by one */
     tile_fn mesh_tile;   /* ... through a mesh */
     tile_fn mesh_packet; /* ... the way of W07 */
     tet_batch_fn tets;   /* many rays and an isopolygon */
+    batch_fn mesh_batch; /* a batch of rays through a mesh; NULL: one by one */
     uint8_t packet;      /* pixels on a side that walk together: GRID_TILE, or less of it */
     bool by_cell;        /* a batch never holds ray-cells of more than one cell */
 } kernels;

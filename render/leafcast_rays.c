@@ -7,8 +7,7 @@
 #include "render/leafcast_turn.h"
 #include "render/ray_integrator.h"
 
-/* Rays are pixels of a picture of so many a row. */
-enum { ROW = 1024, RAYS_MAX = INT32_MAX / 2 };
+enum { RAYS_MAX = INT32_MAX / 2 };
 
 static status check_rays(const leafcast_ray *rays, size_t count) {
     if (count > RAYS_MAX)
@@ -34,10 +33,12 @@ static status check_rays(const leafcast_ray *rays, size_t count) {
 static status trace_rays(turn *t, ray_look *look) {
     frame *f = &t->f;
     ray_counters counters = {0};
+    /* A picture one tile wide: neighbours in the caller's order are in one tile. */
+    const size_t row = f->tracer->kind->tile_side;
     f->integrator = &ray_integrator;
     f->look = look;
-    f->stride = f->width = (uint32_t)(look->count < ROW ? look->count : ROW);
-    f->height = (uint32_t)((look->count + ROW - 1) / ROW);
+    f->stride = f->width = (uint32_t)(look->count < row ? look->count : row);
+    f->height = (uint32_t)((look->count + row - 1) / row);
     look->first_id = t->first_id;
     status st = turn_prepare(t);
     if (st == ST_OK)

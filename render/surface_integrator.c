@@ -94,6 +94,16 @@ static bool trace_shadow(const frame *f, surface_ray *p, const double at[3], con
     return true;
 }
 
+/* Whether a light needs a shadow ray, which counts then. */
+static bool begin_shadow(const frame *f, const lit_surface *s, const double to[3],
+                         float *visibility, ray_counters *counters) {
+    if (!lit_needs_ray(f, s, to, visibility))
+        return false;
+    counters->ill_conditioned += lit_ill_conditioned(s, to);
+    counters->shadow_rays++;
+    return true;
+}
+
 /* All lights from that of the leg on. Returns false when blocked. */
 static bool light_surface(const frame *f, surface_ray *p, bool resumed, ray_counters *counters) {
     const leafcast_scene *scene = surface_look_of(f)->scene;
@@ -102,7 +112,7 @@ static bool light_surface(const frame *f, surface_ray *p, bool resumed, ray_coun
         const leafcast_light *light = &scene->lights[p->head.leg - 1];
         double at[3], to[3];
         const double distance = light_towards(f, s.pixel, s.found->t, light, at, to);
-        if ((resumed || lit_needs_ray(f, &s, to, &p->visibility, counters)) &&
+        if ((resumed || begin_shadow(f, &s, to, &p->visibility, counters)) &&
             !trace_shadow(f, p, at, to, distance, counters))
             return false;
         const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};

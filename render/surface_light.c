@@ -43,8 +43,7 @@ static double slope_towards(const lit_surface *s, const double to[3]) {
     return g[0] * to[0] + g[1] * to[1] + g[2] * to[2];
 }
 
-bool lit_needs_ray(const frame *f, const lit_surface *s, const double to[3], float *visibility,
-                   ray_counters *counters) {
+bool lit_needs_ray(const frame *f, const lit_surface *s, const double to[3], float *visibility) {
     const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};
     const shade_point shading = lit_shading(f, s);
     *visibility = shade_reaches(&shading, to_light) ? 1.0f : 0.0f;
@@ -53,13 +52,13 @@ bool lit_needs_ray(const frame *f, const lit_surface *s, const double to[3], flo
     /* The shadow ray starts on the side the primary ray came from: a light on the other one is
      * behind the surface itself. */
     const double slope = slope_towards(s, to);
-    if (s->found->entering ? slope > 0.0 : slope < 0.0) {
+    if (s->found->entering ? slope > 0.0 : slope < 0.0)
         *visibility = 0.0f;
-        return false;
-    }
-    counters->ill_conditioned += !(own_error(s, slope) <= s->point->span);
-    counters->shadow_rays++;
-    return true;
+    return *visibility > 0.0f;
+}
+
+bool lit_ill_conditioned(const lit_surface *s, const double to[3]) {
+    return !(own_error(s, slope_towards(s, to)) <= s->point->span);
 }
 
 trace_state lit_search(const frame *f, const lit_surface *s, uint16_t v, const double to[3]) {
@@ -84,13 +83,14 @@ bool lit_dim(const frame *f, uint16_t v, const hit *met, float *visibility) {
 
 /* Put the shadow ray of surface i with the others. */
 static void add_ray(const frame *f, lit_batch *b, unsigned i, const leafcast_light *light,
-                    ray_batch *rays, ray_counters *counters) {
+                    ray_batch *rays) {
     const lit_surface s = {b->pixel[i], 0, &b->found[i], &b->point[i]};
     double at[3], to[3];
     const double distance = light_towards(f, s.pixel, s.found->t, light, at, to);
     b->undone[i] = false;
-    if (!lit_needs_ray(f, &s, to, &b->visibility[i], counters) ||
-        !tracer_ray(f->tracer, at, to, 0.0, distance, &rays->rays[rays->count]))
+    b->needed[i] = lit_needs_ray(f, &s, to, &b->visibility[i]);
+    b->ill_conditioned[i] = b->needed[i] && lit_ill_conditioned(&s, to);
+    if (!b->needed[i] || !tracer_ray(f->tracer, at, to, 0.0, distance, &rays->rays[rays->count]))
         return;
     rays->states[rays->count] = lit_search(f, &s, 0, to);
     b->of[rays->count++] = (uint8_t)i;
@@ -129,7 +129,7 @@ void lit_batch_trace(const frame *f, lit_batch *b, const leafcast_light *light, 
                      void *scratch, ray_counters *counters) {
     rays->count = 0;
     for (unsigned i = 0; i < b->count; i++)
-        add_ray(f, b, i, light, rays, counters);
+        add_ray(f, b, i, light, rays);
     while (rays->count > 0) {
         ray_batch_next(f->tracer, f->kernels, rays, scratch, counters);
         keep_going(f, b, rays);

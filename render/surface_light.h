@@ -28,8 +28,11 @@ shade_point lit_shading(const frame *f, const lit_surface *s);
 
 /* lit_needs_ray() - whether it takes a shadow ray to say what arrives of a light in direction `to`.
  * *visibility is 1 then, else what there is to say. */
-bool lit_needs_ray(const frame *f, const lit_surface *s, const double to[3], float *visibility,
-                   ray_counters *counters);
+bool lit_needs_ray(const frame *f, const lit_surface *s, const double to[3], float *visibility);
+
+/* lit_ill_conditioned() - whether a shadow ray may be wrong about what is near the surface: the
+ * error of its start is more than a cell. */
+bool lit_ill_conditioned(const lit_surface *s, const double to[3]);
 
 /* lit_search() - how a shadow ray begins in volume v. */
 trace_state lit_search(const frame *f, const lit_surface *s, uint16_t v, const double to[3]);
@@ -50,9 +53,10 @@ typedef struct lit_batch {
     surface_point point[RAY_BATCH];
     /* What is known of a light: */
     float visibility[RAY_BATCH];
-    bool undone[RAY_BATCH];     /* not known, for want of treelets; */
-    uint32_t absent[RAY_BATCH]; /* this one, unless it is a preview */
-    uint8_t of[RAY_BATCH];      /* surfaces of the rays that are on their way */
+    bool needed[RAY_BATCH], ill_conditioned[RAY_BATCH]; /* of shadow rays: none, without a need */
+    bool undone[RAY_BATCH];                             /* not known, for want of treelets; */
+    uint32_t absent[RAY_BATCH];                         /* this one, unless it is a preview */
+    uint8_t of[RAY_BATCH]; /* surfaces of the rays that are on their way */
 } lit_batch;
 
 /* lit_batch_trace() - what arrives of a light, by batches of shadow rays. *rays and scratch: room,

@@ -27,6 +27,8 @@ typedef struct tile_pixels {
     float visibility[LEAFCAST_LIGHTS_MAX][TILE_RAYS]; /* set where a scene has shadows */
     lit_batch lit;
     uint16_t ray[RAY_BATCH]; /* of its surfaces */
+    /* Shadow rays so far: they count when the pixel is done. */
+    uint16_t shadow_rays[TILE_RAYS], ill_conditioned[TILE_RAYS];
     /* Composited so far. */
     float rgba[4][TILE_RAYS];
 } tile_pixels;
@@ -145,6 +147,8 @@ SIMD void shade_surfaces(const tile_state *s, const tile_layer *l, unsigned i, u
         f_store(p->rgba[c] + i, f_select(has, known + weight * lit.out[c], known));
     }
     f_store(p->rgba[3] + i, f_select(has, alpha + weight, alpha));
+    for (int a = 0; a < 3; a++)
+        f_store(normal[a] + i, f_select(has, f_load(normal[a] + i), f_set(0.0f)));
 }
 
 /* ---- Shadows ---- */
@@ -175,6 +179,8 @@ static void take_visibility(const tile_state *s, int light, tile_pixels *p) {
     for (unsigned k = 0; k < b->count; k++) {
         const unsigned i = p->ray[k];
         p->visibility[light][i] = b->visibility[k];
+        p->shadow_rays[i] += b->needed[k];
+        p->ill_conditioned[i] += b->ill_conditioned[k];
         if (!b->undone[k])
             continue;
         s->out->waits[i / TILE] |= (tile_row)1 << i % TILE;
@@ -237,6 +243,8 @@ static void shade_walk(const tile_state *s, const tile_kind *kind, void *work, t
 static void pixels_begin(tile_pixels *p) {
     memset(p->rgba, 0, sizeof p->rgba);
     memset(p->normal, 0, sizeof p->normal);
+    memset(p->shadow_rays, 0, sizeof p->shadow_rays);
+    memset(p->ill_conditioned, 0, sizeof p->ill_conditioned);
 }
 
 /* shade_background(). */
@@ -293,14 +301,22 @@ static void write_row(const tile_state *s, unsigned y, unsigned pixels, const ti
             write_floats(colours[c] + row, p->rgba[c] + from, pixels);
 }
 
+static void count_done(ray_counters *counters, const tile_pixels *p, unsigned from, unsigned done) {
+    for (; done; done &= done - 1) {
+        const unsigned i = from + (unsigned)__builtin_ctz(done);
+        counters->covered_pixels += p->id[i] >= 0;
+        counters->shadow_rays += p->shadow_rays[i];
+        counters->ill_conditioned += p->ill_conditioned[i];
+    }
+}
+
 /* Write what is done; the rest is said in the outcome. */
 static void write_tile(const tile_state *s, const tile_pixels *p) {
     tile_outcome *out = s->out;
     for (unsigned y = 0; y < TILE; y++) {
         const unsigned done = s->asked[y] & ~(s->rays.single[y] | out->waits[y]);
         out->open[y] = s->rays.single[y];
-        for (unsigned x = 0; x < TILE; x++)
-            s->counters->covered_pixels += (done >> x & 1u) && p->id[TILE * y + x] >= 0;
+        count_done(s->counters, p, TILE * y, done);
         write_row(s, y, done, p);
     }
     f_stream_end();

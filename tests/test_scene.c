@@ -294,7 +294,7 @@ static void volumes_of_a_device_share_its_budget(void **state) {
     const stage *s = *state;
     static picture alone, shared;
     const leafcast_camera c = view_of(68);
-    const leafcast_options o = {.size = sizeof o, .memory = 3 << 20};
+    const leafcast_options o = {.size = sizeof o, .memory = 5 << 20};
     pair v;
     open_pair(&v, s, &o, 0);
     for (int turn = 0; turn < 4; turn++) {
@@ -419,7 +419,7 @@ static void slice(const stage *s, uint64_t memory) {
 
 static void slices_make_the_whole(void **state) {
     slice(*state, 0);
-    slice(*state, 6 << 20);
+    slice(*state, 8 << 20);
 }
 
 static void a_cancelled_frame_stops(void **state) {

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/base/box3.h"
+#include "render/grid/grid_batch.h"
 #include "render/grid/grid_projection.h"
 #include "render/grid/grid_segments.h"
 #include "render/grid/grid_tile.h"
@@ -196,6 +197,10 @@ static tile_fn grid_tile(const kernels *k) {
     return k->tile;
 }
 
+static batch_fn grid_batch(const kernels *k) {
+    return k->batch;
+}
+
 /* ---- The order of treelets ---- */
 
 /* The treelet of the level-0 grid that a coordinate falls into; outside, the one beyond. */
@@ -328,6 +333,8 @@ const kind grid_kind = {.name = "grid",
                         .rank = grid_rank,
                         .next = grid_tracer_next,
                         .surface = grid_tracer_surface,
+                        .batch_scratch = GRID_BATCH_SCRATCH,
+                        .batch = grid_batch,
                         .segments = grid_segments,
                         .cell_of_hit = grid_cell_of_hit,
                         .cell_of_segment = grid_cell_of_segment,

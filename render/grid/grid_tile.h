@@ -12,7 +12,7 @@
 #include "render/tile.h"
 
 /* Pixels on a side: measured, see README.md. What a tile_fn needs beside its outcome. */
-enum { GRID_TILE = 32, GRID_TILE_SCRATCH = 800 << 10 };
+enum { GRID_TILE = 32, GRID_TILE_SCRATCH = 640 << 10 };
 
 /* grid_tile_for() - NULL where there is none: every ray by itself. */
 tile_fn grid_tile_for(cpu_isa isa);

@@ -17,9 +17,11 @@ SIMD unsigned mesh_box_meets(const vd d[3], const double lo[3], const double hi[
     vd t_in = d_set(-INFINITY), t_out = d_set(INFINITY);
     for (int a = 0; a < 3; a++)
         ray_slabs(d_set(lo[a]), d_set(hi[a]), d[a], &t_in, &t_out);
-    /* With a slack that is not finite, everything may be: the other operand is taken. */
-    const vd slack = d_set(MESH_GENEROSITY) * (d_abs(t_in) + d_abs(t_out));
-    return md_bits(d_le(d_max(t_in - slack, from), d_min(t_out + slack, to)));
+    /* With numbers that are not finite, everything may be: the other operand is taken. */
+    const vd generosity = d_set(2.0 * MESH_GENEROSITY), length = t_out - t_in;
+    const vd first = t_in - generosity * (d_abs(t_in) + length);
+    const vd last = t_out + generosity * (d_abs(t_out) + length);
+    return md_bits(d_le(d_max(first, from), d_min(last, to)));
 }
 
 #endif

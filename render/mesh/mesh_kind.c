@@ -9,6 +9,7 @@
 #include "render/leafcast_device.h"
 #include "render/leafcast_scene.h"
 #include "render/mesh/isopolygon_cache.h"
+#include "render/mesh/mesh_batch.h"
 #include "render/mesh/mesh_projection.h"
 #include "render/mesh/mesh_segments.h"
 #include "render/mesh/mesh_tile.h"
@@ -126,6 +127,10 @@ static size_t mesh_projection_bytes(const leaf_layout *layout) {
 
 static tile_fn mesh_tile(const kernels *k) {
     return k->mesh_tile;
+}
+
+static batch_fn mesh_batch(const kernels *k) {
+    return k->mesh_batch;
 }
 
 /* ---- The order of treelets ---- */
@@ -283,6 +288,8 @@ const kind mesh_kind = {.name = "mesh",
                         .rank = mesh_rank,
                         .next = mesh_tracer_next,
                         .surface = mesh_tracer_surface,
+                        .batch_scratch = MESH_BATCH_SCRATCH,
+                        .batch = mesh_batch,
                         .segments = mesh_segments,
                         .cell_of_hit = mesh_cell_of_hit,
                         .cell_of_segment = mesh_cell_of_segment,

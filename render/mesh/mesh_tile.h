@@ -19,7 +19,7 @@
 #include "render/tile.h"
 
 /* Pixels on a side: measured, see README.md. What a tile_fn needs beside its outcome. */
-enum { MESH_TILE = 32, MESH_TILE_SCRATCH = 900 << 10 };
+enum { MESH_TILE = 32, MESH_TILE_SCRATCH = 768 << 10 };
 
 /* mesh_tile_for() - NULL where there is none: every ray by itself. */
 tile_fn mesh_tile_for(cpu_isa isa);

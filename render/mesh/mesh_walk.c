@@ -29,11 +29,14 @@ bool mesh_interval_in(const mesh_slabs *s, const double lo[3], const double hi[3
         t_in = near > t_in ? near : t_in;
         t_out = far < t_out ? far : t_out;
     }
-    const double slack = MESH_GENEROSITY * (fabs(t_in) + fabs(t_out));
-    out->t_in = t_in - slack > s->t0 ? t_in - slack : s->t0;
-    out->t_out = t_out + slack < s->t1 ? t_out + slack : s->t1;
-    /* With a slack that is not finite, everything may be. */
-    return !(t_in - slack > t_out + slack) && !(out->t_in > out->t_out);
+    /* What is given away grows with the box, also where t is below 0: so this is monotone. */
+    const double length = t_out - t_in;
+    const double first = t_in - 2.0 * MESH_GENEROSITY * (fabs(t_in) + length);
+    const double last = t_out + 2.0 * MESH_GENEROSITY * (fabs(t_out) + length);
+    out->t_in = first > s->t0 ? first : s->t0;
+    out->t_out = last < s->t1 ? last : s->t1;
+    /* With numbers that are not finite, everything may be. */
+    return !(first > last) && !(out->t_in > out->t_out);
 }
 
 /* How far t is along these bounds' diagonal, or farther. */
@@ -48,7 +51,7 @@ static double t_across(const float bounds[6], const ray *r) {
 
 /* The t of a hit errs by less than 2^-40 of itself and of what it takes to cross the bounds. */
 double mesh_walk_behind(const float bounds[6], const ray *r, const hit *after) {
-    return after->t > 0.0 ? after->t - 0x1p-30 * (after->t + t_across(bounds, r)) : -INFINITY;
+    return after->t - 0x1p-30 * (fabs(after->t) + t_across(bounds, r));
 }
 
 tet mesh_walk_tet(const resident_mesh *tr, uint32_t place) {

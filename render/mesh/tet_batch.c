@@ -17,7 +17,7 @@ void tet_rays_clear(tet_rays *rays, int lane) {
     tet_rays_put(rays, lane, &none, &before);
 }
 
-void tet_batch_one(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays,
+bool tet_batch_one(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays,
                    int lane) {
     ray r = {.t0 = rays->from[lane], .t1 = rays->to[lane]};
     for (int a = 0; a < 3; a++) {
@@ -25,10 +25,12 @@ void tet_batch_one(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_ra
         r.d[a] = rays->d[a][lane];
     }
     hit last = hit_before_all(), h;
+    bool taken = false;
     while (isopolygon_hit(g, &r, cell, iso_index, &last, &h)) {
-        tet_batch_offer(rays, lane, &h);
+        taken |= tet_batch_offer(rays, lane, &h);
         last = h;
     }
+    return taken;
 }
 
 static void tet_batch_scalar(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_known known,
@@ -36,7 +38,7 @@ static void tet_batch_scalar(const isopolygon *g, uint64_t cell, int32_t iso_ind
     (void)known;
     for (int i = first; i < end; i++)
         if (rays->from[i] <= rays->to[i])
-            tet_batch_one(g, cell, iso_index, rays, i);
+            (void)tet_batch_one(g, cell, iso_index, rays, i);
 }
 
 #if defined __x86_64__ || defined __i386__

@@ -43,17 +43,19 @@ typedef void (*tet_batch_fn)(const isopolygon *g, uint64_t cell, int32_t iso_ind
 /* tet_batch_for() - the version for an ISA that this CPU has (see cpu.h). */
 tet_batch_fn tet_batch_for(cpu_isa isa);
 
-/* tet_batch_offer() - for the versions: a hit that this ray has. */
-static inline void tet_batch_offer(tet_rays *rays, int lane, const hit *h) {
+/* tet_batch_offer() - for the versions: a hit that this ray has. True: the first of its so far. */
+static inline bool tet_batch_offer(tet_rays *rays, int lane, const hit *h) {
     const hit *after = &rays->after[lane];
     const hit behind = {after->t, UINT64_MAX, after->iso, after->entering};
-    if (tet_less(&behind, h) && tet_less(h, &rays->best[lane])) {
-        rays->best[lane] = *h;
-        rays->to[lane] = h->t;
-    }
+    if (!tet_less(&behind, h) || !tet_less(h, &rays->best[lane]))
+        return false;
+    rays->best[lane] = *h;
+    rays->to[lane] = h->t;
+    return true;
 }
 
-/* tet_batch_one() - for the versions: one ray, by the scalar truth. */
-void tet_batch_one(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays, int lane);
+/* tet_batch_one() - for the versions: one ray, by the scalar truth. True: it has a first hit anew.
+ */
+bool tet_batch_one(const isopolygon *g, uint64_t cell, int32_t iso_index, tet_rays *rays, int lane);
 
 #endif

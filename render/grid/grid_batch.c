@@ -1,0 +1,23 @@
+#include "render/grid/grid_batch.h"
+
+#include <stddef.h>
+
+#if defined __x86_64__ || defined __i386__
+void grid_batch_trace_sse42(const tracer *tr, const struct kernels *k, ray_batch *b, void *scratch,
+                            ray_counters *counters);
+void grid_batch_trace_avx2(const tracer *tr, const struct kernels *k, ray_batch *b, void *scratch,
+                           ray_counters *counters);
+void grid_batch_trace_avx512(const tracer *tr, const struct kernels *k, ray_batch *b,
+                             void *scratch, ray_counters *counters);
+#endif
+
+batch_fn grid_batch_for(cpu_isa isa) {
+    switch (isa) {
+#if defined __x86_64__ || defined __i386__
+    case CPU_SSE42: return grid_batch_trace_sse42;
+    case CPU_AVX2: return grid_batch_trace_avx2;
+    case CPU_AVX512: return grid_batch_trace_avx512;
+#endif
+    default: return NULL;
+    }
+}

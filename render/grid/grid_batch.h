@@ -1,0 +1,25 @@
+/* grid_batch.h - rays of any origins and directions through a grid together: the kind's kernel of
+ * ray_batch.h.
+ *
+ * Rays of one octant of directions pass the children of a node in one order. So they walk the
+ * directory and the treelets' trees together, with a set of rays at each node: those whose own
+ * intervals, in single precision and widened, meet it. Neighbours lie beside each other in vectors.
+ * Ray-cells are collected over several cells: those that may meet the surface go to the cell kernel
+ * together (cell_batch.h), whose answer is the same as for single rays.
+ *
+ * Left to single rays: those that meet an absent treelet, or go on from one; directions with a
+ * component that is all but zero; previews.
+ */
+#ifndef RENDER_GRID_GRID_BATCH_H
+#define RENDER_GRID_GRID_BATCH_H
+
+#include "formats/base/cpu.h"
+#include "render/ray_batch.h"
+
+/* What a batch_fn of a grid needs. */
+enum { GRID_BATCH_SCRATCH = 64 << 10 };
+
+/* grid_batch_for() - NULL where there is none: every ray by itself. */
+batch_fn grid_batch_for(cpu_isa isa);
+
+#endif

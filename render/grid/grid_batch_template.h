@@ -1,0 +1,628 @@
+/* grid_batch_template.h - grid_batch_trace_X() of grid_batch.h; included by the units of an ISA
+ * (see formats/base/simd.h). */
+#ifndef RENDER_GRID_GRID_BATCH_TEMPLATE_H
+#define RENDER_GRID_GRID_BATCH_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/grid/grid_batch.h"
+#include "render/grid/grid_rays_template.h"
+#include "render/grid/grid_tracer.h"
+#include "render/grid/intersect.h"
+#include "render/kernels.h"
+#include "render/ray_box.h"
+
+void SIMD_NAME(grid_batch_trace)(const tracer *tr, const kernels *k, ray_batch *b, void *scratch,
+                                 ray_counters *counters);
+
+/* Ray-cells, one a lane, on their way to the filter: planes as seen from the ray's entry. */
+typedef struct cell_queue {
+    float lo[3][VF_N], hi[3][VF_N], inv[3][VF_N], d[3][VF_N], reciprocal[3][VF_N];
+    float t0[VF_N], t1[VF_N];
+    float samples[8][VF_N];
+    const resident_grid *at[VF_N];
+    uint32_t cell[VF_N][3];
+    uint8_t ray[VF_N]; /* its place */
+    unsigned count;
+} cell_queue;
+
+/* A subtree of the directory; a node of a treelet's tree, a cube of 2^size cells. */
+typedef struct directory_node {
+    ray_set rays;
+    uint32_t t;
+} directory_node;
+typedef struct tree_node {
+    ray_set rays;
+    uint32_t cell[3];
+    uint32_t morton, size;
+} tree_node;
+
+enum { TREE_STACK_MAX = 8 * (LEAF_CELLS_LOG2_MAX + 1), DIRECTORY_STACK_MAX = 8 * LEAF_LEVELS_MAX };
+
+typedef struct batch_walk {
+    const tracer *tr;
+    const walk_scene *scene;
+    const kernels *kernels;
+    ray_batch *b;
+    ray_counters *counters;
+    bool filter; /* the intersector is the one that the filter knows */
+    double middle[3], size[3]; /* of all planes: half of where they are, from there to the last */
+    grid_legs legs;
+    grid_rays rays;
+    ray_set open;    /* still look for a surface */
+    ray_set pending; /* of these: a cell waits in the batch, */
+    ray_set queued;  /* or in the queue before it */
+    ray_set single;  /* met an absent treelet */
+    hit best[RAY_BATCH];
+    const resident_grid *at[RAY_BATCH]; /* in which; NULL: what it was given */
+    cell_queue queue;
+    /* Ray-cells on their way to the cell kernel. */
+    cell_batch batch;
+    unsigned waiting;
+    uint8_t ray_of[CELL_BATCH];
+    uint32_t cell_of[CELL_BATCH][3];
+    const resident_grid *treelet_of[CELL_BATCH];
+    directory_node directory[DIRECTORY_STACK_MAX];
+    tree_node tree[TREE_STACK_MAX];
+} batch_walk;
+_Static_assert(sizeof(batch_walk) <= GRID_BATCH_SCRATCH, "a batch has room in its scratch");
+
+/* ---- Hits ---- */
+
+SIMD const ray *ray_at(const batch_walk *w, unsigned i) {
+    return &w->b->rays[w->rays.ray[i]];
+}
+
+SIMD trace_state *state_at(const batch_walk *w, unsigned i) {
+    return &w->b->states[w->rays.ray[i]];
+}
+
+/* A hit of ray i, where t_out ends its visit: all cells to come lie behind. But the next cell may
+ * claim the same t. */
+static void take_hit(batch_walk *w, unsigned i, const resident_grid *at, const hit *h,
+                     bool at_exit) {
+    if (hit_less(h, &w->best[i])) {
+        w->best[i] = *h;
+        w->at[i] = at;
+    }
+    if (!at_exit)
+        set_drop(&w->open, i);
+    else
+        w->rays.t1[i] = (float)(w->best[i].t - w->rays.t_in[i]) * (1.0f + 4.0f * UNIT);
+}
+
+/* The first hit in a cell behind `after`, where there are hits that are not: asked of the scalar
+ * kernel. */
+static void take_later_hit(batch_walk *w, unsigned k, uint64_t index) {
+    const walk_scene *scene = w->scene;
+    const unsigned i = w->ray_of[k];
+    const resident_grid *at = w->treelet_of[k];
+    const cell_box box = walk_cell_box(&scene->levels[at->level], w->cell_of[k]);
+    cell_visit visit;
+    float samples[8];
+    if (!cell_visit_of(ray_at(w, i), &box, &visit))
+        return;
+    for (int s = 0; s < 8; s++)
+        samples[s] = w->batch.samples[s][k];
+    for (int iso = 0; iso < scene->count; iso++) {
+        hit h;
+        if (scene->intersect(ray_at(w, i), &visit, samples, scene->isovalues[iso], iso, index,
+                             &state_at(w, i)->after, &h))
+            take_hit(w, i, at, &h, h.t == visit.t_out);
+    }
+}
+
+/* ---- The batch ---- */
+
+/* Let the cell kernel answer what waits. */
+static void flush(batch_walk *w) {
+    const walk_scene *scene = w->scene;
+    cell_batch_hits hits;
+    if (w->waiting == 0)
+        return;
+    w->kernels->cells(&w->batch, (int)w->waiting, scene->isovalues, scene->count,
+                      scene->intersector, &hits);
+    for (uint32_t left = hits.found; left; left &= left - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(left), i = w->ray_of[k];
+        const resident_grid *at = w->treelet_of[k];
+        const uint64_t index = walk_cell_index(&scene->levels[at->level], w->cell_of[k]);
+        const hit h = {hits.t[k], index, hits.iso[k], hits.entering >> k & 1u};
+        if (hit_less(&state_at(w, i)->after, &h))
+            take_hit(w, i, at, &h, hits.at_exit >> k & 1u);
+        else
+            take_later_hit(w, k, index);
+    }
+    w->counters->roots += (unsigned)__builtin_popcount(hits.found);
+    w->waiting = 0;
+    w->pending = (ray_set){{0}};
+}
+
+/* Let ray i wait for the cell kernel's answer. */
+static void add_to_batch(batch_walk *w, const resident_grid *at, const uint32_t cell[3],
+                         const float samples[8], unsigned i) {
+    const level_planes *planes = &w->scene->levels[at->level];
+    const ray *r = ray_at(w, i);
+    cell_batch *b = &w->batch;
+    const unsigned k = w->waiting++;
+    for (int a = 0; a < 3; a++) {
+        b->d[a][k] = r->d[a];
+        b->lo[a][k] = planes->at[a][cell[a]] - r->o[a];
+        b->hi[a][k] = planes->at[a][cell[a] + 1] - r->o[a];
+        b->inv[a][k] = planes->inverse[a][cell[a]];
+        w->cell_of[k][a] = cell[a];
+    }
+    b->t0[k] = r->t0;
+    b->t1[k] = r->t1;
+    for (int s = 0; s < 8; s++)
+        b->samples[s][k] = samples[s];
+    w->ray_of[k] = (uint8_t)i;
+    w->treelet_of[k] = at;
+    set_add(&w->pending, i);
+    if (w->waiting == CELL_BATCH)
+        flush(w);
+}
+
+/* ---- The filter ---- */
+
+/* Where the queue's rays come into their cells, and how far they go, in the cells' coordinates; e:
+ * by how much these may err, less 3, in units of may_cross()'s e. */
+typedef struct queue_visits {
+    vf in[3], way[3], e;
+} queue_visits;
+
+SIMD queue_visits queue_visits_of(const cell_queue *q, const float astray[3]) {
+    const vf zero = f_set(0.0f), one = f_set(1.0f);
+    queue_visits v = {.e = f_set(0.0f)};
+    vf t_in = f_load(q->t0), t_out = f_load(q->t1);
+    for (int a = 0; a < 3; a++) {
+        const vf r = f_load(q->reciprocal[a]);
+        const vf to_lo = f_load(q->lo[a]) * r, to_hi = f_load(q->hi[a]) * r;
+        t_in = f_max(t_in, f_min(to_lo, to_hi));
+        t_out = f_min(t_out, f_max(to_lo, to_hi));
+    }
+    for (int a = 0; a < 3; a++) {
+        const vf d = f_load(q->d[a]), lo = f_load(q->lo[a]), inv = f_load(q->inv[a]);
+        v.in[a] = f_min(f_max((t_in * d - lo) * inv, zero), one);
+        v.way[a] = f_min(f_max((t_out * d - lo) * inv, zero), one) - v.in[a];
+        v.e = v.e + (f_max(f_abs(lo), f_abs(f_load(q->hi[a]))) + f_set(astray[a])) * inv;
+    }
+    return v;
+}
+
+/* Which lanes' control polygons (cell_cubic()) may change side; f: corners without the isovalue. As
+ * the filter of grid_walk_template.h, where the proof is, with planes as seen from where each ray
+ * comes in; which may be off by as much as `astray` has added. */
+SIMD unsigned may_cross(const queue_visits *v, const vf f[8]) {
+    vf largest = f_set(0.0f);
+    for (int s = 0; s < 8; s++)
+        largest = f_max(largest, f_abs(f[s]));
+    const vf x0 = f[1] - f[0], x1 = f[3] - f[2], x2 = f[5] - f[4], x3 = f[7] - f[6];
+    const vf y0 = f[2] - f[0], xy0 = x1 - x0;
+    const vf c[8] = {f[0], x0, y0, f[4] - f[0], xy0, (f[6] - f[4]) - y0, x2 - x0, (x3 - x2) - xy0};
+    const vf bound = largest * ((f_set(2048.0f + 96.0f) + f_set(32.0f) * v->e) * f_set(UNIT)) +
+                     f_set(0x1p-130f);
+    const vf *in = v->in, *way = v->way;
+    const vf x = in[0], y = in[1], z = in[2];
+    /* Per power of x and y, as a linear function along the visit: e + s h. */
+    const vf e0 = c[0] + c[3] * z, h0 = c[3] * way[2];
+    const vf ex = c[1] + c[6] * z, hx = c[6] * way[2];
+    const vf ey = c[2] + c[5] * z, hy = c[5] * way[2];
+    const vf exy = c[4] + c[7] * z, hxy = c[7] * way[2];
+    const vf xy = x * y, xy1 = x * way[1] + y * way[0], xy2 = way[0] * way[1];
+    const vf k0 = e0 + ex * x + ey * y + exy * xy;
+    const vf k1 = h0 + hx * x + ex * way[0] + hy * y + ey * way[1] + hxy * xy + exy * xy1;
+    const vf k2 = hx * way[0] + hy * way[1] + hxy * xy1 + exy * xy2;
+    const vf k3 = hxy * xy2;
+    const vf third = f_set(1.0f / 3.0f), b1 = k0 + third * k1, b2 = b1 + third * (k1 + k2);
+    const vf b3 = k0 + k1 + k2 + k3;
+    const vf least = f_min(f_min(k0, b3), f_min(b1, b2));
+    const vf greatest = f_max(f_max(k0, b3), f_max(b1, b2));
+    return ~mf_bits(mf_or(f_gt(least, bound), f_lt(greatest, f_set(-0.0f) - bound)));
+}
+
+/* Which lanes may cross any of the surfaces. */
+SIMD unsigned queue_may_cross(const cell_queue *q, const float astray[3], const double isovalues[],
+                              int count) {
+    const queue_visits v = queue_visits_of(q, astray);
+    unsigned crossing = 0;
+    for (int i = 0; i < count; i++) {
+        vf f[8];
+        for (int s = 0; s < 8; s++) {
+            double difference[VF_N];
+            for (int k = 0; k < VF_N; k += VD_N)
+                d_store(difference + k, d_of_floats(q->samples[s] + k) - d_set(isovalues[i]));
+            f[s] = f_of_doubles(difference);
+        }
+        crossing |= may_cross(&v, f);
+    }
+    return crossing;
+}
+
+/* Filter what has been queued, and add the rest to the batch. */
+static void queue_flush(batch_walk *w) {
+    cell_queue *q = &w->queue;
+    float samples[VF_N][8];
+    unsigned left = (1u << q->count) - 1u;
+    if (q->count == 0)
+        return;
+    for (unsigned k = 0; k < q->count; k++) {
+        walk_cell_samples(w->scene, q->at[k], q->cell[k], samples[k]);
+        for (int s = 0; s < 8; s++)
+            q->samples[s][k] = samples[k][s];
+    }
+    if (w->filter)
+        left &= queue_may_cross(q, w->rays.astray, w->scene->isovalues, w->scene->count);
+    q->count = 0;
+    w->queued = (ray_set){{0}};
+    for (; left; left &= left - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(left), i = q->ray[k];
+        if (set_has(&w->pending, i))
+            flush(w);
+        if (set_has(&w->open, i))
+            add_to_batch(w, q->at[k], q->cell[k], samples[k], i);
+    }
+}
+
+SIMD void queue_add(batch_walk *w, const resident_grid *at, const uint32_t cell[3], unsigned i) {
+    const level_planes *planes = &w->scene->levels[at->level];
+    const grid_rays *g = &w->rays;
+    cell_queue *q = &w->queue;
+    const unsigned k = q->count++;
+    for (int a = 0; a < 3; a++) {
+        const uint32_t c = cell[a];
+        q->lo[a][k] = (float)(planes->at[a][c] - g->entry[a][i]);
+        q->hi[a][k] = (float)(planes->at[a][c + 1] - g->entry[a][i]);
+        q->inv[a][k] = (float)planes->inverse[a][c];
+        q->d[a][k] = g->d[a][i];
+        q->reciprocal[a][k] = g->reciprocal[a][i];
+        q->cell[k][a] = c;
+    }
+    q->t0[k] = g->t0[i];
+    q->t1[k] = g->t1[i];
+    q->at[k] = at;
+    q->ray[k] = (uint8_t)i;
+    set_add(&w->queued, i);
+    if (q->count == VF_N)
+        queue_flush(w);
+}
+
+/* The rays that may visit an active cell. */
+static void walk_cell(batch_walk *w, const resident_grid *at, const uint32_t cell[3],
+                      const ray_set *rays) {
+    walk_cell_prefetch(w->scene, at, cell);
+    for (unsigned word = 0; word < w->rays.words; word++) {
+        for (uint64_t left = rays->of[word] & w->open.of[word]; left; left &= left - 1) {
+            w->counters->cells++;
+            queue_add(w, at, cell, 64 * word + (unsigned)__builtin_ctzll(left));
+        }
+    }
+}
+
+/* ---- Nodes ---- */
+
+/* A mask of octants o as one of places o ^ first in that order. */
+static unsigned in_order(unsigned octants, unsigned first) {
+    unsigned m = octants;
+    m = first & 1u ? (m & 0x55u) << 1 | (m & 0xaau) >> 1 : m;
+    m = first & 2u ? (m & 0x33u) << 2 | (m & 0xccu) >> 2 : m;
+    return first & 4u ? (m & 0x0fu) << 4 | (m & 0xf0u) >> 4 : m;
+}
+
+static unsigned last_place(unsigned places) {
+    return 31u - (unsigned)__builtin_clz(places);
+}
+
+/* Whether rays of the set still look for a surface; it keeps those alone. When all that do have
+ * cells in the batch, those are answered first. */
+static bool wanted(batch_walk *w, ray_set *rays) {
+    uint64_t open = 0, idle = 0;
+    for (unsigned k = 0; k < w->rays.words; k++) {
+        rays->of[k] &= w->open.of[k];
+        open |= rays->of[k];
+        idle |= rays->of[k] & ~w->pending.of[k];
+    }
+    if (idle || !open)
+        return open != 0;
+    flush(w);
+    for (unsigned k = 0; k < w->rays.words; k++)
+        rays->of[k] &= w->open.of[k];
+    return !set_is_empty(rays, w->rays.words);
+}
+
+static void walk_tree(batch_walk *w, const resident_grid *at, const ray_set *rays) {
+    const level_planes *planes = &w->scene->levels[at->level];
+    const unsigned back = w->rays.back;
+    tree_node *stack = w->tree;
+    int top = 0;
+    stack[top++] = (tree_node){*rays,
+                               {at->first_cell[0], at->first_cell[1], at->first_cell[2]},
+                               0,
+                               at->shape.node_levels + LEAF_BLOCK_LOG2};
+    while (top > 0) {
+        tree_node node = stack[--top];
+        if (!wanted(w, &node.rays))
+            continue;
+        const uint32_t half = 1u << (node.size - 1);
+        const node_planes n = node_planes_of(&w->rays, planes, node.cell, half);
+        ray_set met[8];
+        w->counters->nodes++;
+        children_met(&w->rays, &n, &node.rays, met);
+        unsigned places = in_order(walk_children(at, node.size, node.morton), back);
+        for (; places;) {
+            const unsigned place = half == 1 ? (unsigned)__builtin_ctz(places) : last_place(places);
+            const unsigned o = place ^ back;
+            places ^= 1u << place;
+            if (set_is_empty(&met[place], w->rays.words))
+                continue;
+            const uint32_t cell[3] = {node.cell[0] + (o & 1u) * half,
+                                      node.cell[1] + (o >> 1 & 1u) * half,
+                                      node.cell[2] + (o >> 2) * half};
+            if (half == 1)
+                walk_cell(w, at, cell, &met[place]);
+            else
+                stack[top++] = (tree_node){
+                    met[place], {cell[0], cell[1], cell[2]}, node.morton << 3 | o, node.size - 1};
+        }
+    }
+}
+
+/* ---- Treelets ---- */
+
+/* So few rays go through a treelet one by one. */
+enum { ALONE_MAX = 4 };
+
+/* Whether ray i passes treelet t, by its own interval, since nodes are generous, and where. A cell
+ * that the kernel lets it visit lies within. */
+static bool passes(const batch_walk *w, uint32_t t, unsigned i, double *from, double *to) {
+    const leaf_layout *layout = w->tr->layout;
+    const level_planes *planes = &w->scene->levels[layout->level_of[t]];
+    const ray *r = ray_at(w, i);
+    /* Behind what it has already, nothing is of use to it. */
+    double t_in = w->rays.t_in[i];
+    double t_out = w->best[i].t < w->rays.t_out[i] ? w->best[i].t : w->rays.t_out[i];
+    for (int a = 0; a < 3; a++) {
+        /* The last treelet's cells end before it does. */
+        const uint32_t first = layout->place[t][a] << layout->cells_log2;
+        const uint32_t end = first + (1u << layout->cells_log2);
+        const uint32_t last = end < planes->cells[a] ? end : planes->cells[a];
+        ray_box_slab(planes->at[a][first], planes->at[a][last], r->o[a], r->d[a], &t_in, &t_out);
+    }
+    *from = t_in;
+    *to = t_out;
+    return t_in <= t_out;
+}
+
+static ray_set passing(batch_walk *w, uint32_t t, const ray_set *rays) {
+    ray_set some = {{0}};
+    double from, to;
+    queue_flush(w);
+    flush(w);
+    for (unsigned k = 0; k < w->rays.words; k++)
+        for (uint64_t left = rays->of[k] & w->open.of[k]; left; left &= left - 1)
+            if (passes(w, t, 64 * k + (unsigned)__builtin_ctzll(left), &from, &to))
+                some.of[k] |= left & (~left + 1);
+    return some;
+}
+
+/* Remember that rays came into a treelet. */
+static void touch(batch_walk *w, uint32_t t, const ray_set *rays) {
+    if (atomic_load_explicit(&w->tr->touched[t], memory_order_relaxed))
+        return;
+    const ray_set some = passing(w, t, rays);
+    if (!set_is_empty(&some, w->rays.words))
+        tracer_touch(w->tr, t);
+}
+
+/* Rays that pass a treelet which is not there go no further here. */
+static void miss_treelet(batch_walk *w, uint32_t t, const ray_set *rays) {
+    const ray_set some = passing(w, t, rays);
+    for (unsigned k = 0; k < w->rays.words; k++) {
+        w->single.of[k] |= some.of[k];
+        w->open.of[k] &= ~some.of[k];
+    }
+}
+
+/* Cells of theirs that wait come first. */
+static void answer(batch_walk *w, const ray_set *rays) {
+    uint64_t waiting = 0;
+    for (unsigned k = 0; k < w->rays.words; k++)
+        waiting |= rays->of[k] & (w->queued.of[k] | w->pending.of[k]);
+    if (waiting) {
+        queue_flush(w);
+        flush(w);
+    }
+}
+
+/* Few rays fill no vectors, and by themselves they stop at their first hit. */
+static void walk_alone(batch_walk *w, uint32_t t, const resident_grid *at, const ray_set *rays) {
+    answer(w, rays);
+    for (unsigned k = 0; k < w->rays.words; k++) {
+        for (uint64_t left = rays->of[k] & w->open.of[k]; left; left &= left - 1) {
+            const unsigned i = 64 * k + (unsigned)__builtin_ctzll(left);
+            double t_in, t_out;
+            hit h = w->best[i];
+            if (passes(w, t, i, &t_in, &t_out) &&
+                w->scene->walk(w->scene, at, ray_at(w, i), t_in, t_out, 255u,
+                               &state_at(w, i)->after, &h, w->counters))
+                take_hit(w, i, at, &h, h.t >= t_out);
+        }
+    }
+}
+
+static void walk_drawn(batch_walk *w, uint32_t t, const ray_set *rays) {
+    const loader *treelets = w->tr->treelets;
+    if (!treelets->own[t])
+        return;
+    const resident_grid *at = resident_grid_of(loader_lookup(w->tr->treelets, t));
+    if (!at) {
+        miss_treelet(w, t, rays);
+        return;
+    }
+    touch(w, t, rays);
+    if (set_count(rays, w->rays.words) <= ALONE_MAX)
+        walk_alone(w, t, at, rays);
+    else
+        walk_tree(w, at, rays);
+}
+
+static void walk_directory(batch_walk *w) {
+    const tracer *tr = w->tr;
+    const leaf_layout *layout = tr->layout;
+    const uint32_t half = 1u << (layout->cells_log2 - 1);
+    const unsigned back = w->rays.back;
+    directory_node *stack = w->directory;
+    int top = 0;
+    stack[top++] = (directory_node){w->open, 0};
+    while (top > 0) {
+        directory_node node = stack[--top];
+        if (!wanted(w, &node.rays))
+            continue;
+        const uint32_t level = layout->level_of[node.t];
+        if (level == tr->target_level || (tr->stop && tr->stop[node.t])) {
+            walk_drawn(w, node.t, &node.rays);
+            continue;
+        }
+        uint32_t first[3];
+        for (int a = 0; a < 3; a++)
+            first[a] = layout->place[node.t][a] << layout->cells_log2;
+        const node_planes n = node_planes_of(&w->rays, &w->scene->levels[level], first, half);
+        ray_set met[8];
+        w->counters->nodes++;
+        children_met(&w->rays, &n, &node.rays, met);
+        const unsigned existing = leaf_layout_children(layout, node.t);
+        for (unsigned places = in_order(tr->treelets->children[node.t], back); places;
+             places ^= 1u << last_place(places)) {
+            const unsigned place = last_place(places), o = place ^ back;
+            const uint32_t rank = (uint32_t)__builtin_popcount(existing & ((1u << o) - 1u));
+            if (!set_is_empty(&met[place], w->rays.words))
+                stack[top++] = (directory_node){met[place], layout->first_child[node.t] + rank};
+        }
+    }
+    queue_flush(w);
+    flush(w);
+}
+
+/* ---- Rays ---- */
+
+/* Tell what has been found; rays that met absent treelets begin anew by themselves. */
+static void deliver(batch_walk *w) {
+    const tracer *tr = w->tr;
+    for (unsigned i = 0; i < w->rays.count; i++) {
+        trace_state *state = state_at(w, i);
+        if (set_has(&w->single, i)) {
+            ray_batch_single(tr, w->b, w->rays.ray[i], w->counters);
+            continue;
+        }
+        state->best = w->best[i];
+        if (w->at[i] && !state->any)
+            state->point = grid_tracer_surface(tr, &w->at[i]->head, ray_at(w, i), &state->best);
+        w->b->results[w->rays.ray[i]] = hit_exists(&state->best) ? TRACE_HIT : TRACE_MISS;
+    }
+}
+
+/* All rays of w->legs, which go to one octant. */
+static void walk_octant(batch_walk *w) {
+    grid_rays_make(&w->rays, &w->legs, w->middle, w->size);
+    w->open = w->pending = w->queued = w->single = (ray_set){{0}};
+    w->waiting = 0;
+    w->queue.count = 0;
+    for (unsigned i = 0; i < w->rays.count; i++) {
+        set_add(&w->open, i);
+        w->best[i] = state_at(w, i)->best;
+        w->at[i] = NULL;
+    }
+    walk_directory(w);
+    deliver(w);
+}
+
+/* Whether the kernel can do with a ray's direction; its octant. */
+static bool ordinary(const batch_walk *w, const ray *r, unsigned *octant) {
+    double least = INFINITY, most = 0.0;
+    *octant = 0;
+    for (int a = 0; a < 3; a++) {
+        const double d = fabs(r->d[a]), across = d / w->size[a];
+        if (!(d >= EXTENT_MIN && d <= EXTENT_MAX))
+            return false;
+        least = across < least ? across : least;
+        most = across > most ? across : most;
+        *octant |= (unsigned)(r->d[a] < 0.0) << a;
+    }
+    return least >= COMPONENT_MIN * most;
+}
+
+enum { DONE = 8, ALONE };
+
+/* What becomes of ray i: one of an octant's, one that goes by itself, or done: nothing of the
+ * volume is in its way, or behind what it has. */
+static uint8_t begin_ray(const batch_walk *w, unsigned i, double *t_in, double *t_out,
+                         double *t_box) {
+    const ray *r = &w->b->rays[i];
+    trace_state *state = &w->b->states[i];
+    unsigned octant;
+    if (state->blocked != LEAF_NO_TREELET || !ordinary(w, r, &octant))
+        return ALONE;
+    *t_box = -INFINITY;
+    *t_out = fmin(r->t1, state->best.t);
+    if (tracer_box(w->tr, r, t_box, t_out)) {
+        *t_in = fmax(fmax(r->t0, state->after.t), fmax(state->t_from, *t_box));
+        if (*t_in <= *t_out)
+            return (uint8_t)octant;
+    }
+    w->b->results[i] = hit_exists(&state->best) ? TRACE_HIT : TRACE_MISS;
+    return DONE;
+}
+
+/* The planes' extent. False: out of floats' range. */
+static bool begin_walk(batch_walk *w) {
+    const leaf_layout *layout = w->tr->layout;
+    const level_planes *top = &w->scene->levels[layout->level_of[0]];
+    bool usable = !w->tr->preview &&
+                  w->scene->intersect == intersector_find(w->scene->intersector)->next_hit;
+    for (int a = 0; a < 3; a++) {
+        const double lo = top->at[a][0], hi = top->at[a][1u << layout->cells_log2];
+        w->middle[a] = 0.5 * (lo + hi);
+        w->size[a] = 0.5 * (hi - lo);
+        usable &= w->size[a] >= EXTENT_MIN && w->size[a] <= EXTENT_MAX;
+    }
+    return usable;
+}
+
+void SIMD_NAME(grid_batch_trace)(const tracer *tr, const kernels *k, ray_batch *b, void *scratch,
+                                 ray_counters *counters) {
+    batch_walk *w = scratch;
+    double t_in[RAY_BATCH], t_out[RAY_BATCH], t_box[RAY_BATCH];
+    uint8_t way[RAY_BATCH];
+    w->tr = tr;
+    w->scene = tr->own;
+    w->kernels = k;
+    w->b = b;
+    w->counters = counters;
+    w->filter = w->scene->intersector == LEAFCAST_MARMITT;
+    const bool usable = begin_walk(w);
+    for (unsigned i = 0; i < b->count; i++) {
+        way[i] = usable ? begin_ray(w, i, &t_in[i], &t_out[i], &t_box[i]) : (uint8_t)ALONE;
+        if (way[i] == ALONE)
+            ray_batch_single(tr, b, i, counters);
+    }
+    for (uint8_t octant = 0; octant < 8; octant++) {
+        grid_legs *legs = &w->legs;
+        legs->count = 0;
+        for (unsigned i = 0; i < b->count; i++) {
+            if (way[i] != octant)
+                continue;
+            const unsigned to = legs->count++;
+            legs->number[to] = (uint8_t)i;
+            legs->r[to] = &b->rays[i];
+            legs->t_in[to] = t_in[i];
+            legs->t_out[to] = t_out[i];
+            legs->t_box[to] = t_box[i];
+        }
+        if (legs->count > 0)
+            walk_octant(w);
+    }
+}
+
+#endif
+#endif

@@ -1,0 +1,285 @@
+/* grid_rays_template.h - the rays of a batch that go the same way, in order, as nodes of a grid
+ * test them; included by the units of an ISA (see formats/base/simd.h).
+ */
+#ifndef RENDER_GRID_GRID_RAYS_TEMPLATE_H
+#define RENDER_GRID_GRID_RAYS_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "render/grid/level_planes.h"
+#include "render/ray_batch.h"
+
+/* A bit a ray, by its place. */
+enum { SET_WORDS = RAY_BATCH / 64 };
+typedef struct ray_set {
+    uint64_t of[SET_WORDS];
+} ray_set;
+
+/* Some rays of a batch, and where they come into what is asked of the grid, and leave it. */
+typedef struct grid_legs {
+    unsigned count;
+    uint8_t number[RAY_BATCH]; /* in the batch */
+    const ray *r[RAY_BATCH];
+    double t_in[RAY_BATCH], t_out[RAY_BATCH];
+    double t_box[RAY_BATCH]; /* where they come into the volume's box */
+} grid_legs;
+
+/* Rays of one octant of directions, as nodes test them: in single precision, conservatively. Each
+ * has a place such that neighbours are beside each other. Points are those where rays come in, from
+ * `middle` on; t counts from there. */
+typedef struct grid_rays {
+    unsigned count, words;  /* words of sets in use */
+    unsigned back;          /* bit a: d[a] < 0 */
+    uint8_t ray[RAY_BATCH]; /* by place: its number in the batch */
+    double t_in[RAY_BATCH], t_out[RAY_BATCH];
+    double entry[3][RAY_BATCH]; /* o + t_in d */
+    double middle[3];
+    /* A ray meets near and far planes at (plane - near_o) reciprocal and (plane - far_o)
+     * reciprocal: early and late enough, see widening(). */
+    float near_o[3][RAY_BATCH], far_o[3][RAY_BATCH], reciprocal[3][RAY_BATCH];
+    float d[3][RAY_BATCH], t1[RAY_BATCH];
+    float t0[RAY_BATCH]; /* where the cell kernel lets it begin: not above 0 */
+    float astray[3];     /* 2^26 times how far entries are off at most, by rounding */
+} grid_rays;
+
+/* Planes of a node's halves as rays of an octant of directions meet them: [0] those of the half
+ * that they come to first. */
+typedef struct node_planes {
+    float near[3][2], far[3][2];
+} node_planes;
+
+static const float UNIT = 0x1p-24f; /* of float rounding */
+
+/* Components much smaller than others leave reciprocals useless; and all is to stay in float's
+ * range, products too. */
+static const double EXTENT_MIN = 1e-15, EXTENT_MAX = 1e15, COMPONENT_MIN = 1e-9;
+
+/* ---- Sets ---- */
+
+static bool set_is_empty(const ray_set *s, unsigned words) {
+    uint64_t any = 0;
+    for (unsigned w = 0; w < words; w++)
+        any |= s->of[w];
+    return any == 0;
+}
+
+SIMD unsigned set_count(const ray_set *s, unsigned words) {
+    unsigned count = 0;
+    for (unsigned w = 0; w < words; w++)
+        count += (unsigned)__builtin_popcountll(s->of[w]);
+    return count;
+}
+
+SIMD bool set_has(const ray_set *s, unsigned i) {
+    return s->of[i / 64] >> i % 64 & 1u;
+}
+
+SIMD void set_add(ray_set *s, unsigned i) {
+    s->of[i / 64] |= UINT64_C(1) << i % 64;
+}
+
+SIMD void set_drop(ray_set *s, unsigned i) {
+    s->of[i / 64] &= ~(UINT64_C(1) << i % 64);
+}
+
+/* ---- Places ---- */
+
+/* Four bits, each followed by a zero. */
+static unsigned spread(unsigned x) {
+    return (x & 1u) | (x & 2u) << 1 | (x & 4u) << 2 | (x & 8u) << 3;
+}
+
+/* 0 .. 15 between lo and hi, also where there is nothing between. */
+static unsigned square_of(float x, float lo, float per) {
+    const float at = (x - lo) * per;
+    return at >= 15.0f ? 15u : at > 0.0f ? (unsigned)at : 0u;
+}
+
+/* The axis along which rays go furthest. */
+static int main_axis(const grid_legs *legs) {
+    double way[3] = {0.0, 0.0, 0.0};
+    for (unsigned i = 0; i < legs->count; i++)
+        for (int a = 0; a < 3; a++)
+            way[a] += (legs->t_out[i] - legs->t_in[i]) * fabs(legs->r[i]->d[a]);
+    const int first = way[1] > way[0];
+    return way[2] > way[first] ? 2 : first;
+}
+
+/* Where rays pass a plane across their main axis half way: neighbours there are neighbours on their
+ * way. */
+static void crossings(const grid_legs *legs, float u[2][RAY_BATCH]) {
+    const int main = main_axis(legs), side[2] = {(main + 1) % 3, (main + 2) % 3};
+    double middle = 0.0;
+    for (unsigned i = 0; i < legs->count; i++) {
+        const ray *r = legs->r[i];
+        middle += r->o[main] + 0.5 * (legs->t_in[i] + legs->t_out[i]) * r->d[main];
+    }
+    middle /= legs->count;
+    for (unsigned i = 0; i < legs->count; i++) {
+        const ray *r = legs->r[i];
+        const double t = (middle - r->o[main]) / r->d[main];
+        for (int k = 0; k < 2; k++)
+            u[k][i] = (float)(r->o[side[k]] + t * r->d[side[k]]);
+    }
+}
+
+/* Codes of 8 bits along a Z through that plane. */
+static void codes_of(const grid_legs *legs, uint8_t code[RAY_BATCH]) {
+    float u[2][RAY_BATCH], lo[2] = {FLT_MAX, FLT_MAX}, hi[2] = {-FLT_MAX, -FLT_MAX};
+    crossings(legs, u);
+    for (int k = 0; k < 2; k++) {
+        for (unsigned i = 0; i < legs->count; i++) {
+            lo[k] = u[k][i] < lo[k] ? u[k][i] : lo[k];
+            hi[k] = u[k][i] > hi[k] ? u[k][i] : hi[k];
+        }
+    }
+    /* Squares: the longer side decides. */
+    const float width = hi[0] - lo[0] > hi[1] - lo[1] ? hi[0] - lo[0] : hi[1] - lo[1];
+    const float per = width > 0.0f ? 15.999f / width : 0.0f;
+    for (unsigned i = 0; i < legs->count; i++)
+        code[i] = (uint8_t)(spread(square_of(u[0][i], lo[0], per)) |
+                            spread(square_of(u[1][i], lo[1], per)) << 1);
+}
+
+/* Numbers 0 .. count - 1 by their codes, in order. */
+static void sort_by_code(const uint8_t code[], unsigned count, uint8_t order[]) {
+    uint16_t from[257] = {0};
+    for (unsigned i = 0; i < count; i++)
+        from[code[i] + 1]++;
+    for (unsigned c = 0; c < 256; c++)
+        from[c + 1] = (uint16_t)(from[c + 1] + from[c]);
+    for (unsigned i = 0; i < count; i++)
+        order[from[code[i]]++] = (uint8_t)i;
+}
+
+/* ---- Nodes ---- */
+
+SIMD node_planes node_planes_of(const grid_rays *g, const level_planes *planes,
+                                const uint32_t first[3], uint32_t half) {
+    node_planes n;
+    for (int a = 0; a < 3; a++) {
+        const double *at = planes->at[a] + first[a];
+        const float lo = (float)(at[0] - g->middle[a]), mid = (float)(at[half] - g->middle[a]);
+        const float hi = (float)(at[2 * half] - g->middle[a]);
+        const bool back = g->back >> a & 1u;
+        n.near[a][0] = back ? hi : lo;
+        n.near[a][1] = n.far[a][0] = mid;
+        n.far[a][1] = back ? lo : hi;
+    }
+    return n;
+}
+
+/* The rays that meet each of a node's children; in order: child k is octant k ^ back. */
+SIMD void children_met(const grid_rays *g, const node_planes *n, const ray_set *in,
+                       ray_set met[8]) {
+    const uint64_t all = (UINT64_C(1) << VF_N) - 1;
+    for (unsigned w = 0; w < g->words; w++) {
+        uint64_t of[8] = {0, 0, 0, 0, 0, 0, 0, 0};
+        for (uint64_t left = in->of[w]; left;) {
+            const unsigned shift = (unsigned)__builtin_ctzll(left) & ~(VF_N - 1u);
+            const unsigned at = 64 * w + shift;
+            vf near[3][2], far[3][2];
+            for (int a = 0; a < 3; a++) {
+                const vf near_o = f_load(g->near_o[a] + at), far_o = f_load(g->far_o[a] + at);
+                const vf r = f_load(g->reciprocal[a] + at);
+                for (int h = 0; h < 2; h++) {
+                    near[a][h] = (f_set(n->near[a][h]) - near_o) * r;
+                    far[a][h] = (f_set(n->far[a][h]) - far_o) * r;
+                }
+            }
+            const vf t1 = f_load(g->t1 + at);
+            for (int h = 0; h < 2; h++) {
+                near[2][h] = f_max(near[2][h], f_set(0.0f));
+                far[2][h] = f_min(far[2][h], t1);
+            }
+            for (unsigned k = 0; k < 8; k++) {
+                const vf t_in = f_max(f_max(near[2][k >> 2], near[1][k >> 1 & 1]), near[0][k & 1]);
+                const vf t_out = f_min(f_min(far[2][k >> 2], far[1][k >> 1 & 1]), far[0][k & 1]);
+                of[k] |= (uint64_t)mf_bits(f_le(t_in, t_out)) << shift;
+            }
+            left &= ~(all << shift);
+        }
+        for (unsigned k = 0; k < 8; k++)
+            met[k].of[w] = of[k] & in->of[w];
+    }
+}
+
+/* ---- Making them ---- */
+
+/* By how much a ray's entry is moved away from near and far planes. In units u of 2^-24: planes and
+ * entries err by u of their size when they become floats; their difference, its product and the
+ * reciprocal by u each: 2 u size + 3 u (2 size), size being the larger of both, and terms of second
+ * order. The entry itself, the kernel's own crossings, and where t begins and ends, err by a few
+ * 2^-53 of how far the ray has come. */
+static double widening(double size, double come) {
+    return 9.0 * 0x1p-24 * size + 0x1p-48 * come;
+}
+
+/* Rays' entries, and how large and far everything is: *size and *come of widening(). */
+static void rays_enter(grid_rays *g, const grid_legs *legs, const uint8_t order[], double size[3],
+                       double come[3]) {
+    for (unsigned i = 0; i < legs->count; i++) {
+        const unsigned from = order[i];
+        const ray *r = legs->r[from];
+        const double t_in = legs->t_in[from];
+        g->ray[i] = legs->number[from];
+        g->t_in[i] = t_in;
+        g->t_out[i] = legs->t_out[from];
+        g->t0[i] = (float)((r->t0 > legs->t_box[from] ? r->t0 : legs->t_box[from]) - t_in);
+        g->t1[i] = (float)(legs->t_out[from] - t_in) * (1.0f + 4.0f * UNIT);
+        for (int a = 0; a < 3; a++) {
+            const double e = r->o[a] + t_in * r->d[a], far = fabs(r->o[a]) + fabs(t_in * r->d[a]);
+            g->entry[a][i] = e;
+            g->d[a][i] = (float)r->d[a];
+            g->reciprocal[a][i] = (float)(1.0 / r->d[a]);
+            size[a] = fmax(size[a], fabs(e - g->middle[a]));
+            come[a] = fmax(come[a], far);
+        }
+    }
+}
+
+/* Lanes beside the last ray of a vector meet nothing. */
+static void fill_up(grid_rays *g) {
+    for (unsigned i = g->count; i % VF_N != 0; i++) {
+        g->t1[i] = -1.0f;
+        for (int a = 0; a < 3; a++)
+            g->near_o[a][i] = g->far_o[a][i] = g->reciprocal[a][i] = 0.0f;
+    }
+}
+
+/* grid_rays_make() - of rays that go to the same octant. middle: of the volume; size: from there to
+ * the furthest plane. */
+static void grid_rays_make(grid_rays *g, const grid_legs *legs, const double middle[3],
+                           const double size[3]) {
+    uint8_t code[RAY_BATCH], order[RAY_BATCH];
+    codes_of(legs, code);
+    sort_by_code(code, legs->count, order);
+    g->count = legs->count;
+    g->words = (legs->count + 63) / 64;
+    g->back = 0;
+    double furthest[3] = {size[0], size[1], size[2]}, come[3] = {0.0, 0.0, 0.0};
+    for (int a = 0; a < 3; a++) {
+        g->middle[a] = middle[a];
+        g->back |= (unsigned)(legs->r[0]->d[a] < 0.0) << a;
+    }
+    rays_enter(g, legs, order, furthest, come);
+    for (int a = 0; a < 3; a++) {
+        const double wide = widening(furthest[a], come[a] + fabs(middle[a]) + size[a]);
+        const double w = g->back >> a & 1u ? -wide : wide;
+        g->astray[a] = (float)(0x1p-24 * (come[a] + fabs(middle[a]) + size[a]));
+        for (unsigned i = 0; i < g->count; i++) {
+            g->near_o[a][i] = (float)(g->entry[a][i] - middle[a] + w);
+            g->far_o[a][i] = (float)(g->entry[a][i] - middle[a] - w);
+        }
+    }
+    fill_up(g);
+}
+
+#endif
+#endif

@@ -1,0 +1,1 @@
+#include "render/mesh/mesh_batch_template.h"

@@ -1,0 +1,704 @@
+/* mesh_batch_template.h - mesh_batch_X() of mesh_batch.h; included by the units of an ISA (see
+ * formats/base/simd.h). */
+#ifndef RENDER_MESH_MESH_BATCH_TEMPLATE_H
+#define RENDER_MESH_MESH_BATCH_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "formats/base/vec3.h"
+#include "render/mesh/isopolygon_cache.h"
+#include "render/mesh/mesh_beams_template.h"
+#include "render/mesh/mesh_walk.h"
+#include "stream/interest.h"
+
+void SIMD_NAME(mesh_batch)(const tracer *tr, const struct kernels *k, ray_batch *b, void *scratch,
+                           ray_counters *counters);
+
+/* A bit a ray of a group. */
+enum { RAY_WORDS = TET_RAYS / 64 };
+
+/* Active tets of a treelet, a lane each. */
+typedef struct batch_tets {
+    uint32_t vertex[4][VF_N]; /* in the treelet */
+    uint32_t place[VF_N];
+    uint32_t beams[VF_N];
+    unsigned count;
+} batch_tets;
+
+/* What is still to be visited; in a treelet: the child. */
+typedef struct batch_pending {
+    uint32_t level, i, beams;
+} batch_pending;
+
+enum {
+    BATCH_TREELET_STACK = MESH_DEPTH_MAX * (MESH_CHILDREN - 1) + 1,
+    BATCH_TREE_STACK = TREELET_TREE_LEVELS_MAX * TREELET_TREE_ARITY
+};
+
+typedef struct mesh_batch {
+    const tracer *tr;
+    ray_batch *b;
+    ray_counters *counters;
+    bool alone[RAY_BATCH];
+    uint8_t octant[RAY_BATCH];
+    beam_frame frame;
+    /* A group: rays of an octant. */
+    unsigned count;
+    float along[3]; /* the sum of their directions */
+    int axis;       /* where that is largest */
+    tet_rays rays;
+    frame_rays in_frame;
+    uint8_t of[TET_RAYS];              /* the batch's number of a ray; */
+    bool any[TET_RAYS];                /* whether any hit will do; */
+    double wait[TET_RAYS];             /* where it enters the first treelet that is absent; */
+    const resident_mesh *at[TET_RAYS]; /* where its best hit is */
+    /* Those of them that make beams: `share` each, from `first` on. */
+    unsigned first, share;
+    uint32_t alive;            /* beams with rays that look */
+    uint64_t looks[RAY_WORDS]; /* rays that do */
+    mesh_beams beams;
+    batch_tets tets;
+} mesh_batch;
+_Static_assert(sizeof(mesh_batch) <= MESH_BATCH_SCRATCH, "a batch has room in its scratch");
+
+/* ---- Rays that have found something ---- */
+
+/* Ray i looks no farther than rays.to; below its start: not at all. */
+static void beam_sees(mesh_batch *w, unsigned i) {
+    const unsigned beam = (i - w->first) / w->share;
+    const unsigned from = w->first + beam * w->share;
+    const unsigned end = from + w->share < w->count ? from + w->share : w->count;
+    w->beams.far[beam] = farthest(&w->in_frame, (int)from, (int)end);
+    if (w->in_frame.far[i] < 0.0f)
+        w->looks[i / 64] &= ~(UINT64_C(1) << i % 64);
+    if (w->beams.far[beam] < 0.0f)
+        w->alive &= ~(1u << beam);
+}
+
+static void take_hit(mesh_batch *w, const resident_mesh *at, unsigned i) {
+    w->at[i] = at;
+    w->counters->roots++;
+    if (w->any[i]) {
+        w->rays.to[i] = -INFINITY;
+        w->in_frame.far[i] = -1.0f;
+    } else {
+        look_up_to(&w->in_frame, (int)i, w->rays.to[i]);
+    }
+    beam_sees(w, i);
+}
+
+/* ---- Isopolygons ---- */
+
+/* Tets a lane each: their vertices in the frame, and their values; for an isovalue then which
+ * vertices are inside, and the points on their edges. */
+typedef struct framed_tets {
+    vf p[4][3], f[4];
+    unsigned odd; /* lanes with values that sums and quotients of floats cannot be trusted with */
+    _Alignas(64) float cut[TET_EDGES][3][VF_N];
+    uint8_t inside[VF_N];
+} framed_tets;
+
+/* The edges around a polygon as lines of the frame: the edge function of a ray (o, d) is d . moment
+ * + edge . (o x d). */
+typedef struct polygon_lines {
+    float edge[4][3], moment[4][3];
+    float error; /* of its edge functions */
+    int count;
+} polygon_lines;
+
+/* What edge functions of polygons err by, in units of S, the sum of the moduli of all their edges'
+ * components. A ray that hits a polygon at X passes its edges on one side (a quadrilateral is flat
+ * and convex), but for these errors, where u = 2^-24:
+ *   points   They err by e = 2^-19 a component. Seen from X, the edge function of points P and Q
+ * that are off by a and b is off by d . (a x (Q - P)) + d . ((P - X) x (b - a)) + d . (a x b). No
+ * component of d is over 1, and neither Q - P nor P - X is longer than S / 2: that is less than 3 e
+ * S and, for the products of errors, 2^-32. What rounding bends the exact polygon by is nothing
+ * beside that. rays     The components of a point are little more than 1, those of an origin less
+ * than 2, those of o x d less than 4, so moduli add up to 2 |Q - P| for d . moment, to 4 |Q - P|
+ * for edge . (o x d). On its way from the arguments into the sum a term collects 9 roundings at
+ * most: 54 u |Q - P|, less than 2 e S. Together less than 2^-16 S + 2^-32. */
+static const float LINE_ERROR = 0x1p-16f, LINE_ERROR_LEAST = 0x1p-32f;
+
+SIMD void lines_of(const framed_tets *x, unsigned lane, polygon_lines *l) {
+    const tet_cut *cut = &tet_cuts[x->inside[lane]];
+    float p[4][3], sum = 0.0f;
+    l->count = cut->count;
+    for (int i = 0; i < 4; i++)
+        for (int a = 0; a < 3; a++)
+            p[i][a] = x->cut[cut->edge[i]][a][lane];
+    for (int i = 0; i < cut->count; i++) {
+        const float *from = p[i], *to = p[i + 1 < cut->count ? i + 1 : 0];
+        float *e = l->edge[i], *m = l->moment[i];
+        for (int a = 0; a < 3; a++) {
+            e[a] = to[a] - from[a];
+            sum += fabsf(e[a]);
+        }
+        for (int a = 0; a < 3; a++)
+            m[a] = from[(a + 1) % 3] * e[(a + 2) % 3] - from[(a + 2) % 3] * e[(a + 1) % 3];
+    }
+    l->error = LINE_ERROR * sum + LINE_ERROR_LEAST;
+}
+
+/* Those of VF_N rays from `at` on that may hit the polygon. */
+SIMD unsigned rays_near(const frame_rays *r, const polygon_lines *l, unsigned at) {
+    mf above = mf_of_bits(0), below = mf_of_bits(0);
+    for (int i = 0; i < l->count; i++) {
+        vf sum = f_load(r->d[0] + at) * f_set(l->moment[i][0]);
+        sum = sum + f_load(r->d[1] + at) * f_set(l->moment[i][1]);
+        sum = sum + f_load(r->d[2] + at) * f_set(l->moment[i][2]);
+        sum = sum + f_load(r->moment[0] + at) * f_set(l->edge[i][0]);
+        sum = sum + f_load(r->moment[1] + at) * f_set(l->edge[i][1]);
+        sum = sum + f_load(r->moment[2] + at) * f_set(l->edge[i][2]);
+        above = mf_or(above, f_gt(sum, f_set(l->error)));
+        below = mf_or(below, f_lt(sum, f_set(-l->error)));
+    }
+    return ~mf_bits(mf_and(above, below));
+}
+
+/* The rays of beams that still look; false: none. A beam's lie in one word: shares are powers of
+ * two.
+ */
+SIMD bool rays_of_beams(const mesh_batch *w, uint32_t beams, uint64_t rays[RAY_WORDS]) {
+    const uint64_t one = (UINT64_C(1) << w->share) - 1;
+    uint64_t any = 0;
+    memset(rays, 0, RAY_WORDS * sizeof *rays);
+    for (uint32_t left = beams & w->alive; left; left &= left - 1) {
+        const unsigned i = w->first + (unsigned)__builtin_ctz(left) * w->share;
+        rays[i / 64] |= one << i % 64;
+    }
+    for (int word = 0; word < RAY_WORDS; word++)
+        any |= rays[word] &= w->looks[word];
+    return any;
+}
+
+/* Made, or kept with the treelet; false: none. */
+SIMD bool batch_polygon(const mesh_batch *w, const resident_mesh *at, unsigned lane,
+                        double isovalue, isopolygon *out) {
+    const uint32_t place = w->tets.place[lane];
+    if (at->derived) {
+        const isopolygon *g = isopolygon_cache_find(at, place, isovalue, out);
+        if (g && g != out)
+            *out = *g;
+        return g;
+    }
+    const float *values = mesh_leaf_values(&at->mesh, at->values);
+    near_tet x;
+    for (int k = 0; k < 4; k++) {
+        const uint32_t v = w->tets.vertex[k][lane];
+        x.v[k] = point4_of_triple(at->positions[v]);
+        x.v[k][3] = (double)values[v];
+    }
+    const polygon_sight sight = isopolygon_near(&x, isovalue, out);
+    if (sight != DOUBTFUL_POLYGON)
+        return sight == SURE_POLYGON;
+    const tet exact = mesh_walk_tet(at, place);
+    return isopolygon_of(&exact, isovalue, out);
+}
+
+/* VD_N rays from i on. */
+SIMD void meet_polygon(mesh_batch *w, const resident_mesh *at, const isopolygon *g, hit_of of,
+                       unsigned i, unsigned wanted) {
+    seen s;
+    see_from(g, &w->rays, (int)i, &s);
+    for (unsigned taken = test_rays(g, &s, &w->rays, (int)i, of, wanted); taken; taken &= taken - 1)
+        take_hit(w, at, i + (unsigned)__builtin_ctz(taken));
+}
+
+static void walk_tet(mesh_batch *w, const resident_mesh *at, const framed_tets *x, unsigned lane,
+                     int32_t iso, uint32_t beams) {
+    enum { FLOATS = (1u << VF_N) - 1, DOUBLES = (1u << VD_N) - 1 };
+    const hit_of of = {at->first_tet + w->tets.place[lane], iso};
+    const bool even = !(x->odd >> lane & 1u);
+    uint64_t rays[RAY_WORDS];
+    polygon_lines lines;
+    isopolygon g;
+    bool made = false;
+    if (!rays_of_beams(w, beams, rays))
+        return;
+    if (even)
+        lines_of(x, lane, &lines);
+    for (unsigned word = 0; word < RAY_WORDS; word++) {
+        for (uint64_t left = rays[word]; left;) {
+            const unsigned from = (unsigned)__builtin_ctzll(left) & -(unsigned)VF_N;
+            unsigned bits = (unsigned)(left >> from) & FLOATS;
+            left &= ~((uint64_t)FLOATS << from);
+            if (even)
+                bits &= rays_near(&w->in_frame, &lines, 64 * word + from);
+            if (!bits)
+                continue;
+            if (!made && !batch_polygon(w, at, lane, w->tr->isos.isovalues[iso], &g))
+                return;
+            made = true;
+            for (unsigned k = 0; bits >> k; k += VD_N)
+                if (bits >> k & DOUBLES)
+                    meet_polygon(w, at, &g, of, 64 * word + from + k, bits >> k & DOUBLES);
+        }
+    }
+}
+
+/* ---- Tets ---- */
+
+SIMD void frame_tets(const mesh_batch *w, const resident_mesh *at, framed_tets *x) {
+    const batch_tets *l = &w->tets;
+    const beam_frame *f = &w->frame;
+    const float *values = mesh_leaf_values(&at->mesh, at->values);
+    mf odd = mf_of_bits(0);
+    for (int k = 0; k < 4; k++) {
+        _Alignas(64) float of[VF_N];
+        f_load_triples(at->positions[0], l->vertex[k], x->p[k]);
+        for (int a = 0; a < 3; a++) {
+            const float lo = at->bounds[a];
+            const double scale = f->scale * f->sign[a];
+            x->p[k][a] = (x->p[k][a] - f_set(lo)) * f_set((float)scale) +
+                         f_set((float)(((double)lo - f->centre[a]) * scale));
+        }
+        for (unsigned i = 0; i < VF_N; i++)
+            of[i] = values[l->vertex[k][i]];
+        x->f[k] = f_load(of);
+        odd = mf_or(odd, f_gt(f_abs(x->f[k]), f_set(0x1p125f)));
+    }
+    x->odd = mf_bits(odd);
+}
+
+/* Boxes around the isopolygons of tets: the points on their edges between vertices on either side.
+ * An edge's share s errs by six units of 2^-24 of itself: numerator, denominator and quotient; so
+ * its point by less than half of what boxes are larger by. */
+SIMD void boxes_of_polygons(const mesh_batch *w, framed_tets *x, double iso, beam_boxes *b) {
+    const vf most = f_set(INFINITY), least = f_set(-INFINITY), zero = f_set(0.0f);
+    const vf threshold = f_set(interest_threshold(iso));
+    const vf near = f_set((float)iso), rest = f_set((float)(iso - (double)(float)iso));
+    vf up[4], lo[3] = {most, most, most}, hi[3] = {least, least, least};
+    mf in[4];
+    unsigned inside[4], edge = 0;
+    for (int k = 0; k < 4; k++) {
+        in[k] = f_ge(x->f[k], threshold);
+        up[k] = (near - x->f[k]) + rest;
+        inside[k] = mf_bits(in[k]);
+    }
+    for (unsigned k = 0; k < VF_N; k++)
+        x->inside[k] = (uint8_t)((inside[0] >> k & 1u) | (inside[1] >> k & 1u) << 1 |
+                                 (inside[2] >> k & 1u) << 2 | (inside[3] >> k & 1u) << 3);
+    for (int i = 0; i < 3; i++) {
+        for (int j = i + 1; j < 4; j++, edge++) {
+            const mf cut = mf_and_not(mf_or(in[i], in[j]), mf_and(in[i], in[j]));
+            const vf s = f_max(zero, f_min(up[i] / (x->f[j] - x->f[i]), f_set(1.0f)));
+            for (int a = 0; a < 3; a++) {
+                const vf p = x->p[i][a] + s * (x->p[j][a] - x->p[i][a]);
+                f_store(x->cut[edge][a], p);
+                lo[a] = f_min(lo[a], f_select(cut, p, most));
+                hi[a] = f_max(hi[a], f_select(cut, p, least));
+            }
+        }
+    }
+    const mf odd = mf_of_bits(x->odd);
+    for (int a = 0; a < 3; a++) {
+        const vf lower = f_min(f_min(x->p[0][a], x->p[1][a]), f_min(x->p[2][a], x->p[3][a]));
+        const vf upper = f_max(f_max(x->p[0][a], x->p[1][a]), f_max(x->p[2][a], x->p[3][a]));
+        const vf slack = f_set(w->frame.slack[a]);
+        f_store(b->lo[a], f_select(odd, lower, lo[a]) - slack);
+        f_store(b->hi[a], f_select(odd, upper, hi[a]) + slack);
+    }
+}
+
+static void walk_tets(mesh_batch *w, const resident_mesh *at) {
+    const isovalue_list *isos = &w->tr->isos;
+    batch_tets *l = &w->tets;
+    framed_tets x;
+    for (unsigned k = l->count; k < VF_N; k++)
+        for (int v = 0; v < 4; v++)
+            l->vertex[v][k] = l->vertex[v][0];
+    frame_tets(w, at, &x);
+    for (int32_t i = 0; i < isos->count; i++) {
+        beam_boxes boxes;
+        uint32_t beams[BEAM_BOXES];
+        boxes_of_polygons(w, &x, isos->isovalues[i], &boxes);
+        for (unsigned k = 0; k < VF_N; k++)
+            beams[k] = k < l->count ? l->beams[k] & w->alive : 0;
+        meet_boxes(&w->beams, &boxes, VF_N, beams);
+        for (unsigned k = 0; k < l->count; k++)
+            if (beams[k])
+                walk_tet(w, at, &x, k, i, beams[k]);
+    }
+    w->counters->cells += l->count;
+    l->count = 0;
+}
+
+static void add_tet(mesh_batch *w, const resident_mesh *at, uint32_t place, uint32_t beams) {
+    const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[place];
+    const float *values = mesh_leaf_values(&at->mesh, at->values);
+    batch_tets *l = &w->tets;
+    for (int k = 0; k < 4; k++) {
+        __builtin_prefetch(at->positions[v[k]]);
+        __builtin_prefetch(values + v[k]);
+        l->vertex[k][l->count] = v[k];
+    }
+    l->beams[l->count] = beams;
+    l->place[l->count++] = place;
+    if (l->count == VF_N)
+        walk_tets(w, at);
+}
+
+static void walk_leaf(mesh_batch *w, const resident_mesh *at, uint32_t first, uint32_t end,
+                      uint32_t beams) {
+    for (uint32_t word = first / 64; word * 64 < end; word++) {
+        uint64_t bits = at->active->tets[word];
+        if (word == first / 64)
+            bits &= UINT64_MAX << first % 64;
+        if (end - word * 64 < 64)
+            bits &= (UINT64_C(1) << (end - word * 64)) - 1;
+        for (; bits; bits &= bits - 1)
+            add_tet(w, at, word * 64 + (uint32_t)__builtin_ctzll(bits), beams);
+    }
+}
+
+/* ---- Nodes ---- */
+
+/* Push children with beams, the nearest last. */
+SIMD int push_boxes(const mesh_batch *w, const beam_boxes *b, const uint32_t beams[],
+                    unsigned count, batch_pending *stack, int top) {
+    const int bottom = top;
+    float near[MESH_CHILDREN];
+    for (unsigned c = 0; c < count; c++) {
+        if (!beams[c])
+            continue;
+        float key = 0.0f;
+        for (int a = 0; a < 3; a++)
+            key += w->along[a] * b->lo[a][c];
+        int at = top++;
+        for (; at > bottom && near[at - 1 - bottom] < key; at--) {
+            stack[at] = stack[at - 1];
+            near[at - bottom] = near[at - 1 - bottom];
+        }
+        near[at - bottom] = key;
+        stack[at] = (batch_pending){0, c, beams[c]};
+    }
+    return top;
+}
+
+/* What turns a treelet's codes into planes of the frame. */
+typedef struct code_frame {
+    float lo[3], hi[3], step[3];
+    bool back[3];
+} code_frame;
+
+SIMD code_frame code_frame_of(const beam_frame *f, const resident_mesh *at) {
+    code_frame c;
+    for (int a = 0; a < 3; a++) {
+        const double scale = f->scale * f->sign[a];
+        const float corner = (float)(((double)at->planes.lo[a] - f->centre[a]) * scale);
+        c.lo[a] = corner - f->slack[a];
+        c.hi[a] = corner + f->slack[a];
+        c.step[a] = (float)((double)at->planes.step[a] * scale);
+        c.back[a] = f->sign[a] < 0.0;
+    }
+    return c;
+}
+
+SIMD void boxes_of_node(const code_frame *f, const mesh_node *node, beam_boxes *b) {
+    for (int a = 0; a < 3; a++) {
+        const uint8_t *lower = f->back[a] ? node->hi[a] : node->lo[a];
+        const uint8_t *upper = f->back[a] ? node->lo[a] : node->hi[a];
+        for (int c = 0; c < MESH_CHILDREN; c++) {
+            b->lo[a][c] = f->lo[a] + (float)lower[c] * f->step[a];
+            b->hi[a][c] = f->hi[a] + (float)upper[c] * f->step[a];
+        }
+    }
+}
+
+/* Lanes without a box: nothing out of the ordinary comes in. */
+SIMD void leave_idle(beam_boxes *b, unsigned from) {
+    for (int a = 0; a < 3; a++)
+        for (unsigned c = from; c < BEAM_BOXES; c++)
+            b->lo[a][c] = b->hi[a][c] = 0.0f;
+}
+
+static int open_node(mesh_batch *w, const code_frame *planes, const resident_mesh *at,
+                     const batch_pending *p, batch_pending *stack, int top) {
+    const mesh_node *node = &at->nodes[p->i];
+    const unsigned active = at->active->children[p->i];
+    uint32_t beams[BEAM_BOXES] = {0};
+    beam_boxes b;
+    w->counters->nodes++;
+    boxes_of_node(planes, node, &b);
+    leave_idle(&b, MESH_CHILDREN);
+    for (unsigned c = 0; c < MESH_CHILDREN; c++)
+        beams[c] = active >> c & 1u ? p->beams : 0;
+    meet_boxes(&w->beams, &b, MESH_CHILDREN, beams);
+    const int bottom = top;
+    top = push_boxes(w, &b, beams, MESH_CHILDREN, stack, top);
+    for (int k = bottom; k < top; k++) {
+        stack[k].i = node->child[stack[k].i];
+        if (!(stack[k].i & MESH_LEAF))
+            __builtin_prefetch(&at->nodes[stack[k].i]);
+    }
+    return top;
+}
+
+static void walk_treelet_in_batch(mesh_batch *w, const resident_mesh *at, uint32_t beams) {
+    const code_frame planes = code_frame_of(&w->frame, at);
+    const uint16_t *first = mesh_leaf_first(&at->mesh, at->head.payload);
+    batch_pending stack[BATCH_TREELET_STACK];
+    int top = 0;
+    stack[top++] = (batch_pending){0, 0, beams};
+    while (top > 0) {
+        batch_pending p = stack[--top];
+        p.beams &= w->alive;
+        if (!p.beams)
+            continue;
+        if (p.i & MESH_LEAF) {
+            const uint32_t leaf = p.i & ~(uint32_t)MESH_LEAF;
+            walk_leaf(w, at, first[leaf], first[leaf + 1], p.beams);
+        } else {
+            top = open_node(w, &planes, at, &p, stack, top);
+        }
+    }
+    if (w->tets.count > 0)
+        walk_tets(w, at);
+}
+
+/* ---- Treelets ---- */
+
+/* Where a ray alone would come to a treelet that is absent; it need not look behind that. */
+static void wait_for_treelet(mesh_batch *w, uint32_t t, uint32_t beams) {
+    const treelet_tree *tree = mesh_rays_of(w->tr)->tree;
+    const float *bounds = tree->bounds[0][t];
+    const double lo[3] = {bounds[0], bounds[1], bounds[2]};
+    const double hi[3] = {bounds[3], bounds[4], bounds[5]};
+    uint64_t rays[RAY_WORDS];
+    (void)rays_of_beams(w, beams, rays);
+    for (unsigned i = 0; i < w->count; i++) {
+        if (!(rays[i / 64] >> i % 64 & 1u))
+            continue;
+        const ray *r = &w->b->rays[w->of[i]];
+        const mesh_slabs slabs = mesh_slabs_of(r);
+        const double behind =
+            mesh_walk_behind(tree->bounds[tree->levels - 1][0], r, &w->rays.after[i]);
+        mesh_interval in;
+        if (!mesh_interval_in(&slabs, lo, hi, &in) || in.t_out < behind || !(in.t_in < w->wait[i]))
+            continue;
+        w->wait[i] = in.t_in;
+        w->rays.to[i] = in.t_in < w->rays.to[i] ? in.t_in : w->rays.to[i];
+        look_up_to(&w->in_frame, (int)i, in.t_in);
+        beam_sees(w, i);
+    }
+}
+
+static void walk_resident(mesh_batch *w, const batch_pending *p) {
+    const resident_mesh *at = resident_mesh_of(loader_lookup(w->tr->treelets, p->i));
+    if (!at) {
+        wait_for_treelet(w, p->i, p->beams);
+        return;
+    }
+    tracer_touch(w->tr, p->i); /* as far as boxes tell */
+    walk_treelet_in_batch(w, at, p->beams);
+}
+
+static int open_family(mesh_batch *w, const batch_pending *p, batch_pending *stack, int top) {
+    const treelet_tree *tree = mesh_rays_of(w->tr)->tree;
+    const beam_frame *f = &w->frame;
+    uint32_t count, first = treelet_tree_children(tree, p->level, p->i, &count);
+    uint32_t beams[BEAM_BOXES] = {0};
+    beam_boxes b;
+    w->counters->nodes++;
+    for (uint32_t c = 0; c < count; c++) {
+        const float *bounds = tree->bounds[p->level - 1][first + c];
+        beams[c] = tree->active[p->level - 1][first + c] ? p->beams : 0;
+        for (int a = 0; a < 3; a++) {
+            const bool back = f->sign[a] < 0.0;
+            const double scale = f->scale * f->sign[a];
+            const double lo = ((double)bounds[back ? a + 3 : a] - f->centre[a]) * scale;
+            const double hi = ((double)bounds[back ? a : a + 3] - f->centre[a]) * scale;
+            b.lo[a][c] = (float)lo - f->slack[a];
+            b.hi[a][c] = (float)hi + f->slack[a];
+        }
+    }
+    leave_idle(&b, count);
+    meet_boxes(&w->beams, &b, MESH_CHILDREN, beams);
+    const int bottom = top;
+    top = push_boxes(w, &b, beams, count, stack, top);
+    for (int k = bottom; k < top; k++) {
+        stack[k].i += first;
+        stack[k].level = p->level - 1;
+        if (p->level == 1)
+            loader_prefetch(w->tr->treelets, stack[k].i);
+    }
+    return top;
+}
+
+/* The tree over the treelets, from its root on. */
+static void walk_beams(mesh_batch *w) {
+    const treelet_tree *tree = mesh_rays_of(w->tr)->tree;
+    batch_pending stack[BATCH_TREE_STACK];
+    int top = 0;
+    if (tree->active[tree->levels - 1][0])
+        stack[top++] = (batch_pending){tree->levels - 1, 0, w->alive};
+    while (top > 0) {
+        batch_pending p = stack[--top];
+        p.beams &= w->alive;
+        if (!p.beams)
+            continue;
+        if (p.level == 0)
+            walk_resident(w, &p);
+        else
+            top = open_family(w, &p, stack, top);
+    }
+}
+
+/* ---- Groups ---- */
+
+/* Beams of `share` rays each, from ray `first` on, as many as there is room for. */
+static void make_beams(mesh_batch *w, unsigned first, unsigned share) {
+    w->first = first;
+    w->share = share;
+    w->alive = 0;
+    memset(w->looks, 0, sizeof w->looks);
+    for (unsigned i = 0; i < w->count; i++)
+        w->looks[i / 64] |= (uint64_t)(w->in_frame.far[i] >= 0.0f) << i % 64;
+    for (unsigned beam = 0; beam < MESH_BEAMS; beam++) {
+        const unsigned from = first + beam * share;
+        const unsigned end = from + share < w->count ? from + share : w->count;
+        if (from >= w->count)
+            empty_beam(&w->beams, beam);
+        else if (make_beam(&w->beams, beam, &w->in_frame, (int)from, (int)end, w->axis))
+            w->alive |= 1u << beam;
+    }
+}
+
+/* How far apart the rays of beams are on their way, on average. */
+static float width_of_beams(const mesh_batch *w) {
+    float sum = 0.0f;
+    unsigned count = 0;
+    for (uint32_t left = w->alive; left; left &= left - 1) {
+        const unsigned beam = (unsigned)__builtin_ctz(left);
+        float widest = 0.0f;
+        for (int a = 0; a < 3; a++) {
+            const float origins = w->beams.ahead[a][beam] - w->beams.behind[a][beam];
+            const float turns = 1.0f / w->beams.least[a][beam] - 1.0f / w->beams.most[a][beam];
+            const float wide = origins + turns;
+            widest = wide > widest ? wide : widest;
+        }
+        sum += widest;
+        count++;
+    }
+    return count ? sum / (float)count : 0.0f;
+}
+
+static void put_ray(mesh_batch *w, unsigned k) {
+    const unsigned i = w->count++;
+    const trace_state *s = &w->b->states[k];
+    tet_rays_put(&w->rays, (int)i, &w->b->rays[k], &s->after);
+    w->rays.best[i] = s->best;
+    w->rays.to[i] = s->best.t < w->rays.to[i] ? s->best.t : w->rays.to[i];
+    w->of[i] = (uint8_t)k;
+    w->any[i] = s->any;
+    w->wait[i] = INFINITY;
+    w->at[i] = NULL;
+}
+
+static void gather_octant(mesh_batch *w, unsigned octant) {
+    w->count = 0;
+    for (unsigned k = 0; k < w->b->count; k++)
+        if (!w->alone[k] && w->octant[k] == octant)
+            put_ray(w, k);
+    for (unsigned i = w->count; i % 16; i++)
+        tet_rays_clear(&w->rays, (int)i);
+    for (int a = 0; a < 3; a++)
+        w->frame.sign[a] = octant >> a & 1u ? -1.0 : 1.0;
+    for (unsigned i = 0; i < w->count; i += VD_N)
+        put_in_frame(&w->frame, &w->rays, (int)i, &w->in_frame);
+    for (unsigned i = w->count; i % 16; i++)
+        w->in_frame.far[i] = -1.0f;
+    for (int a = 0; a < 3; a++) {
+        w->along[a] = 0.0f;
+        for (unsigned i = 0; i < w->count; i++)
+            w->along[a] += w->in_frame.d[a][i];
+    }
+    w->axis = w->along[1] > w->along[0];
+    w->axis = w->along[2] > w->along[w->axis] ? 2 : w->axis;
+}
+
+/* What ray i of the group has found. */
+static void answer(mesh_batch *w, unsigned i) {
+    const unsigned k = w->of[i];
+    trace_state *s = &w->b->states[k];
+    const hit *best = &w->rays.best[i];
+    const bool found = w->at[i] != NULL;
+    if (!(found && w->any[i]) && w->wait[i] < INFINITY && w->wait[i] <= best->t) {
+        ray_batch_single(w->tr, w->b, k, w->counters);
+        return;
+    }
+    if (found) {
+        s->best = *best;
+        if (!s->any)
+            s->point = mesh_tracer_surface(w->tr, &w->at[i]->head, &w->b->rays[k], best);
+    }
+    w->b->results[k] = hit_exists(&s->best) ? TRACE_HIT : TRACE_MISS;
+}
+
+/* Beams of many rays pay where they are not much wider than a tet. */
+static const double NARROW = 4.0;
+
+static void walk_group(mesh_batch *w) {
+    const double edge = 2.0 / cbrt((double)w->tr->treelets->file->header.tets);
+    unsigned share = 1;
+    while (share * MESH_BEAMS < w->count)
+        share *= 2;
+    make_beams(w, 0, share);
+    if (share == 1 || (double)width_of_beams(w) <= NARROW * edge) {
+        walk_beams(w);
+        return;
+    }
+    for (unsigned first = 0; first < w->count; first += MESH_BEAMS) {
+        make_beams(w, first, 1);
+        walk_beams(w);
+    }
+}
+
+/* ---- Batches ---- */
+
+/* Rays that the frame has no room for, and those that can have no hit. */
+static bool goes_alone(const beam_frame *f, const ray *r, const trace_state *s) {
+    double largest = 0.0;
+    bool near = s->blocked == LEAF_NO_TREELET && r->t0 <= r->t1 && r->t0 <= s->best.t &&
+                s->after.t <= r->t1 && s->after.t <= s->best.t;
+    for (int a = 0; a < 3; a++) {
+        near &= fabs(r->o[a] - f->centre[a]) * f->scale <= FARTHEST;
+        near &= fabs(r->d[a]) <= 0x1p200;
+        largest = fabs(r->d[a]) > largest ? fabs(r->d[a]) : largest;
+    }
+    return !near || !(largest >= 0x1p-200);
+}
+
+void SIMD_NAME(mesh_batch)(const tracer *tr, const struct kernels *k, ray_batch *b, void *scratch,
+                           ray_counters *counters) {
+    const treelet_tree *tree = mesh_rays_of(tr)->tree;
+    mesh_batch *w = scratch;
+    unsigned octants = 0;
+    (void)k;
+    w->tr = tr;
+    w->b = b;
+    w->counters = counters;
+    w->tets.count = 0;
+    const bool together =
+        !tr->preview && frame_of_bounds(tree->bounds[tree->levels - 1][0], &w->frame);
+    for (unsigned i = 0; i < b->count; i++) {
+        const ray *r = &b->rays[i];
+        w->alone[i] = !together || goes_alone(&w->frame, r, &b->states[i]);
+        w->octant[i] = (uint8_t)((r->d[0] < 0.0) | (r->d[1] < 0.0) << 1 | (r->d[2] < 0.0) << 2);
+        if (w->alone[i])
+            ray_batch_single(tr, b, i, counters);
+        else
+            octants |= 1u << w->octant[i];
+    }
+    for (; octants; octants &= octants - 1) {
+        gather_octant(w, (unsigned)__builtin_ctz(octants));
+        walk_group(w);
+        for (unsigned i = 0; i < w->count; i++)
+            answer(w, i);
+    }
+}
+
+#endif
+#endif
