@@ -428,6 +428,17 @@ SIMD mf f_gt(vf a, vf b) {
 
 typedef int32_t vi __attribute__((vector_size(sizeof(vf))));
 
+/* Whether any bit of it is set. */
+SIMD int i_any(vi a) {
+#if defined __AVX512F__
+    return _mm512_test_epi32_mask((__m512i)a, (__m512i)a) != 0;
+#elif defined __AVX2__
+    return !_mm256_testz_si256((__m256i)a, (__m256i)a);
+#else
+    return !_mm_testz_si128((__m128i)a, (__m128i)a);
+#endif
+}
+
 /* Towards zero; for numbers that fit. */
 SIMD vi f_to_int(vf a) {
     return __builtin_convertvector(a, vi);

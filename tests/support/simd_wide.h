@@ -180,6 +180,11 @@ SIMD vi f_to_int(vf a) {
     FLOATS(i) v[i] = (int32_t)a[i];
     return v;
 }
+SIMD int i_any(vi a) {
+    int any = 0;
+    FLOATS(i) any |= a[i];
+    return any != 0;
+}
 SIMD mf mf_of_bits(unsigned bits) {
     return (mf)bits;
 }
