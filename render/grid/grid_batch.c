@@ -7,8 +7,8 @@ void grid_batch_trace_sse42(const tracer *tr, const struct kernels *k, ray_batch
                             ray_counters *counters);
 void grid_batch_trace_avx2(const tracer *tr, const struct kernels *k, ray_batch *b, void *scratch,
                            ray_counters *counters);
-void grid_batch_trace_avx512(const tracer *tr, const struct kernels *k, ray_batch *b,
-                             void *scratch, ray_counters *counters);
+void grid_batch_trace_avx512(const tracer *tr, const struct kernels *k, ray_batch *b, void *scratch,
+                             ray_counters *counters);
 #endif
 
 batch_fn grid_batch_for(cpu_isa isa) {

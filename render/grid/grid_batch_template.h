@@ -49,7 +49,7 @@ typedef struct batch_walk {
     const kernels *kernels;
     ray_batch *b;
     ray_counters *counters;
-    bool filter; /* the intersector is the one that the filter knows */
+    bool filter;               /* the intersector is the one that the filter knows */
     double middle[3], size[3]; /* of all planes: half of where they are, from there to the last */
     double per_size[3];
     grid_legs legs;
@@ -616,7 +616,7 @@ static bool ordinary(const batch_walk *w, const ray *r, ray_way *way) {
 
 /* tracer_box(), give or take roundings: generous. */
 static bool meets_box(const batch_walk *w, const ray *r, ray_way *way) {
-    const double (*box)[3] = w->tr->box;
+    const double(*box)[3] = w->tr->box;
     double t_in = -INFINITY, t_out = INFINITY;
     for (int a = 0; a < 3; a++) {
         const bool back = way->octant >> a & 1u;
@@ -653,8 +653,8 @@ static uint8_t begin_ray(const batch_walk *w, unsigned i, ray_way *way) {
 static bool begin_walk(batch_walk *w) {
     const leaf_layout *layout = w->tr->layout;
     const level_planes *top = &w->scene->levels[layout->level_of[0]];
-    bool usable = !w->tr->preview &&
-                  w->scene->intersect == intersector_find(w->scene->intersector)->next_hit;
+    bool usable =
+        !w->tr->preview && w->scene->intersect == intersector_find(w->scene->intersector)->next_hit;
     for (int a = 0; a < 3; a++) {
         const double lo = top->at[a][0], hi = top->at[a][1u << layout->cells_log2];
         w->middle[a] = 0.5 * (lo + hi);

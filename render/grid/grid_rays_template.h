@@ -44,10 +44,10 @@ typedef struct grid_rays {
     /* A ray meets near and far planes at (plane - near_o) reciprocal and (plane - far_o)
      * reciprocal: early and late enough, see widening(). */
     float near_o[3][RAY_BATCH], far_o[3][RAY_BATCH], reciprocal[3][RAY_BATCH], t1[RAY_BATCH];
-    /* The same ray by ray, for f_load_triples(). [0] of the span: where the cell kernel lets the ray
-     * begin, not above 0; [1]: t1. */
+    /* The same ray by ray, for f_load_triples(). [0] of the span: where the cell kernel lets the
+     * ray begin, not above 0; [1]: t1. */
     float o_of[RAY_BATCH][3], d_of[RAY_BATCH][3], per_d_of[RAY_BATCH][3], span_of[RAY_BATCH][3];
-    float astray[3];     /* 2^23 times how far entries and planes are off at most, by rounding */
+    float astray[3]; /* 2^23 times how far entries and planes are off at most, by rounding */
 } grid_rays;
 
 /* Planes of a node's halves as rays of an octant of directions meet them: [0] those of the half

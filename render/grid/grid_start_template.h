@@ -87,8 +87,8 @@ SIMD unsigned start_clears(const start_visit *v, const vd f[8], vd after) {
     const vd root = (d_abs(b[0]) + e + e) / least;
     const vd t = v->t_in + root * (v->t_out - v->t_in);
     const vd rounding = d_set(0x1p-48) * (d_abs(v->t_in) + d_abs(after));
-    const md near = md_and(d_le(d_abs(b[0]), largest * d_set(0x1p-26)),
-                           d_ge(least, largest * d_set(0x1p-10)));
+    const md near =
+        md_and(d_le(d_abs(b[0]), largest * d_set(0x1p-26)), d_ge(least, largest * d_set(0x1p-10)));
     return md_bits(md_or(apart, md_and(near, d_lt(t + rounding, after))));
 }
 
