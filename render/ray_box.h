@@ -17,6 +17,8 @@
  *   codes     meet_children(): planes of 8 bits, as a ray's own multiples of the code; beside
  *             MESH_GENEROSITY the rounding of a plane (2^-22 of the treelet's place and size), and
  *             2^-30 of the way across the treelet
+ *   beams     beams_through(), boxes_in(): intervals of origins and of directions, in floats of a
+ *             mesh's own frame; what that takes stands in mesh_beams_template.h
  */
 #ifndef RENDER_RAY_BOX_H
 #define RENDER_RAY_BOX_H

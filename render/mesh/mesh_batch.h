@@ -1,13 +1,14 @@
 /* mesh_batch.h - rays of any origins and directions through a mesh together: what ray_batch.h is
  * about.
  *
- * Rays of one octant of directions go together. They make up to MESH_BEAMS beams: rays in a row if
- * these are narrow, else a beam is one ray. A beam is an interval of origins and one of directions
- * an axis; the tree over the treelets, and the trees in them, are walked once for all beams, near
- * children first, with a bit for each beam that may meet a node. At a vector of active tets the
- * boxes around their isopolygons are next, then edge functions of single precision; all of that
- * errs on one side, and by bounds that are written where they are used. What is left goes to
- * tet_rays_template.h, so a ray's answer is that of single rays to the bit.
+ * Rays of one octant of directions go together, sorted so that neighbours are side by side. They
+ * make MESH_BEAMS beams at a time: of as many rays in a row as stay narrow, of one where rays have
+ * nothing in common. A beam is an interval of origins and one of directions an axis. The tree over
+ * the treelets, and the trees in them, are walked once for all beams, near children first, with a
+ * bit for each beam that may meet a node. At a vector of active tets the boxes around their
+ * isopolygons come next, then edge functions of single precision; all of that errs on one side, and
+ * by bounds that are written where they are used. What is left goes to tet_rays_template.h, so a
+ * ray's answer is that of single rays to the bit.
  *
  * Of a ray that looks for any hit, any is taken: it may have one where a ray alone, which takes
  * treelets in order, would wait for one that is absent.

@@ -9,16 +9,25 @@
  * coordinates are.
  *
  * What errs, with u = 2^-24, and what is given away for it:
- *   positions   An origin, a plane and a point of a polygon err by 4 u each at most: they are made
- * in double and rounded, or of a treelet's corner and a multiple, both rounded. A treelet's planes,
- * which mesh_leaf_plane() rounds, err by u of their place in the world besides. Boxes are larger by
- * `slack`: 2^-19, and 4 u of that place. t           A difference and a product err by 2 u of
- * themselves, a direction's inverse by u: inverses are smaller for near planes and larger for far
- * ones by 16 u. Near ones behind the origin do not count (t begins at 0), far ones there have the
- * right sign: the difference has it, because of the slack. steepness   An inverse is at most 2^40:
- * a ray that is steeper moves by less than 2^-37 there, which is nothing beside the slack. ends A
- * hit's t errs by less than 2^-40 of itself (mesh_walk_behind()), and rays come from 2^20 at most:
- * 2^-20. AHEAD is 2^-16, before the start and behind the end.
+ *
+ * - Positions. Origins and planes are made in double and rounded, or of a treelet's corner and a
+ *   multiple, both rounded: 4 u each at most. An origin that goes back to where its beam begins
+ *   errs by 8 u more, a point of a polygon by 24 u (its share of an edge, too, is a float). The
+ *   planes of a treelet's nodes, which mesh_leaf_plane() rounds, err by u of their place in the
+ *   world besides. Boxes are larger by `slack`: 2^-18, which is 64 u, and 4 u of that place.
+ *
+ * - t. A difference and a product err by 2 u of themselves, a direction's inverse by u: inverses
+ *   are smaller for near planes and larger for far ones by 16 u. Near planes behind the origin do
+ *   not count (t begins at 0), and the sign of far ones there is right because of the slack.
+ *
+ * - Steepness. An inverse is at most 2^40: a ray that is steeper moves by less than 2^-37 there,
+ *   which is nothing beside the slack.
+ *
+ * - Ends. A hit's t errs by less than 2^-40 of itself (mesh_walk_behind()), and rays come from
+ *   FARTHEST at most: 2^-28. AHEAD is 2^-16, before the start and behind the end.
+ *
+ * - Absences. A ray waits for absent treelets which mesh_interval_in() says it enters, and that is
+ *   generous in its own way: generosity().
  */
 #ifndef RENDER_MESH_MESH_BEAMS_TEMPLATE_H
 #define RENDER_MESH_MESH_BEAMS_TEMPLATE_H

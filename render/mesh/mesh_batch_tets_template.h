@@ -1,0 +1,354 @@
+/* mesh_batch_tets_template.h - a batch of rays, and a treelet's active tets on their way; included
+ * by the units of an ISA (see formats/base/simd.h).
+ *
+ * Tets are taken a vector at a time: boxes around their isopolygons against beams, then the
+ * isopolygons' edges against the rays of those beams in single precision, then what is left in
+ * doubles, as single rays do it.
+ */
+#ifndef RENDER_MESH_MESH_BATCH_TETS_TEMPLATE_H
+#define RENDER_MESH_MESH_BATCH_TETS_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/mesh/isopolygon_cache.h"
+#include "render/mesh/mesh_beams_template.h"
+#include "render/mesh/mesh_walk.h"
+#include "stream/interest.h"
+
+/* A bit a ray of a group. */
+enum { RAY_WORDS = TET_RAYS / 64 };
+
+/* Active tets of a treelet, a lane each. */
+typedef struct batch_tets {
+    uint32_t vertex[4][VF_N]; /* in the treelet */
+    uint32_t place[VF_N];
+    uint32_t beams[BEAM_BOXES];
+    uint32_t any; /* beams */
+    unsigned count;
+} batch_tets;
+
+typedef struct mesh_batch {
+    const tracer *tr;
+    ray_batch *b;
+    ray_counters *counters;
+    bool alone[RAY_BATCH];
+    uint8_t octant[RAY_BATCH];
+    beam_frame frame;
+    /* A group: rays of an octant. */
+    unsigned count;
+    float along[3]; /* the sum of their directions */
+    int axis;       /* where that is largest */
+    tet_rays rays;
+    frame_rays in_frame;
+    uint8_t of[TET_RAYS];              /* the batch's number of a ray; */
+    bool any[TET_RAYS];                /* whether any hit will do; */
+    double wait[TET_RAYS];             /* where it enters the first treelet that is absent; */
+    const resident_mesh *at[TET_RAYS]; /* where its best hit is */
+    /* Those of them that make beams: `share` each, from `first` on. */
+    unsigned first, share;
+    uint32_t alive;            /* beams with rays that look */
+    uint64_t looks[RAY_WORDS]; /* rays that do */
+    mesh_beams beams;
+    batch_tets tets;
+} mesh_batch;
+_Static_assert(sizeof(mesh_batch) <= MESH_BATCH_SCRATCH, "a batch has room in its scratch");
+
+/* ---- Rays that have found something ---- */
+
+/* Ray i looks no farther than rays.to; below its start: not at all. */
+static void beam_sees(mesh_batch *w, unsigned i) {
+    const unsigned beam = (i - w->first) / w->share;
+    const unsigned from = w->first + beam * w->share;
+    const unsigned end = from + w->share < w->count ? from + w->share : w->count;
+    w->beams.far[beam] = farthest(&w->in_frame, (int)from, (int)end);
+    if (w->in_frame.far[i] < 0.0f)
+        w->looks[i / 64] &= ~(UINT64_C(1) << i % 64);
+    if (w->beams.far[beam] < 0.0f)
+        w->alive &= ~(1u << beam);
+}
+
+static void take_hit(mesh_batch *w, const resident_mesh *at, unsigned i) {
+    w->at[i] = at;
+    w->counters->roots++;
+    if (w->any[i]) {
+        w->rays.to[i] = -INFINITY;
+        w->in_frame.far[i] = -1.0f;
+    } else {
+        look_up_to(&w->in_frame, (int)i, w->rays.to[i]);
+    }
+    beam_sees(w, i);
+}
+
+/* ---- Isopolygons ---- */
+
+/* Tets a lane each: their vertices in the frame, and their values; for an isovalue then which
+ * vertices are inside, and the points on their edges. */
+typedef struct framed_tets {
+    vf p[4][3], f[4];
+    unsigned odd; /* lanes with values that sums and quotients of floats cannot be trusted with */
+    _Alignas(64) float cut[TET_EDGES][3][VF_N];
+    int32_t inside[VF_N]; /* bits */
+} framed_tets;
+
+/* The edges around a polygon as lines of the frame: the edge function of a ray (o, d) is d . moment
+ * + edge . (o x d). */
+typedef struct polygon_lines {
+    float edge[4][3], moment[4][3];
+    float error; /* of its edge functions */
+    int count;
+} polygon_lines;
+
+/* What edge functions of polygons err by, in units of S, the sum of the moduli of all their edges'
+ * components. A ray that hits a polygon at X passes its edges on one side (a quadrilateral is flat
+ * and convex), but for two errors.
+ *
+ * Points err by e = 2^-19 a component (mesh_beams_template.h). Seen from X, the edge function of
+ * points P and Q that are off by a and b is off by d . (a x (Q - P)) + d . ((P - X) x (b - a)) + d
+ * . (a x b). No component of d is over 1, and neither Q - P nor P - X is longer than S / 2: that is
+ * less than 3 e S and, for the products of errors, 2^-32. What rounding bends the exact polygon by
+ * is nothing beside that.
+ *
+ * Sums are rounded. The components of a point are little more than 1, those of an origin less than
+ * 2, those of o x d less than 4, so moduli add up to 2 |Q - P| for d . moment, to 4 |Q - P| for
+ * edge . (o x d). On its way from the arguments a term collects 9 roundings at most: with u = 2^-24
+ * that is 54 u |Q - P|, less than e S.
+ *
+ * Together less than 4 e S + 2^-32; twice the first is given away. */
+static const float LINE_ERROR = 0x1p-16f, LINE_ERROR_LEAST = 0x1p-32f;
+
+SIMD void lines_of(const framed_tets *x, unsigned lane, polygon_lines *l) {
+    const tet_cut *cut = &tet_cuts[x->inside[lane]];
+    float p[4][3], sum = 0.0f;
+    l->count = cut->count;
+    for (int i = 0; i < 4; i++)
+        for (int a = 0; a < 3; a++)
+            p[i][a] = x->cut[cut->edge[i]][a][lane];
+    for (int i = 0; i < cut->count; i++) {
+        const float *from = p[i], *to = p[i + 1 < cut->count ? i + 1 : 0];
+        float *e = l->edge[i], *m = l->moment[i];
+        for (int a = 0; a < 3; a++) {
+            e[a] = to[a] - from[a];
+            sum += fabsf(e[a]);
+        }
+        for (int a = 0; a < 3; a++)
+            m[a] = from[(a + 1) % 3] * e[(a + 2) % 3] - from[(a + 2) % 3] * e[(a + 1) % 3];
+    }
+    l->error = LINE_ERROR * sum + LINE_ERROR_LEAST;
+}
+
+/* Those of VF_N rays from `at` on that may hit the polygon. */
+SIMD unsigned rays_near(const frame_rays *r, const polygon_lines *l, unsigned at) {
+    mf above = mf_of_bits(0), below = mf_of_bits(0);
+    for (int i = 0; i < l->count; i++) {
+        vf sum = f_load(r->d[0] + at) * f_set(l->moment[i][0]);
+        sum = sum + f_load(r->d[1] + at) * f_set(l->moment[i][1]);
+        sum = sum + f_load(r->d[2] + at) * f_set(l->moment[i][2]);
+        sum = sum + f_load(r->moment[0] + at) * f_set(l->edge[i][0]);
+        sum = sum + f_load(r->moment[1] + at) * f_set(l->edge[i][1]);
+        sum = sum + f_load(r->moment[2] + at) * f_set(l->edge[i][2]);
+        above = mf_or(above, f_gt(sum, f_set(l->error)));
+        below = mf_or(below, f_lt(sum, f_set(-l->error)));
+    }
+    return ~mf_bits(mf_and(above, below));
+}
+
+/* The rays of beams that still look; false: none. A beam's lie in one word: shares are powers of
+ * two.
+ */
+SIMD bool rays_of_beams(const mesh_batch *w, uint32_t beams, uint64_t rays[RAY_WORDS]) {
+    const uint64_t one = (UINT64_C(1) << w->share) - 1;
+    uint64_t any = 0;
+    memset(rays, 0, RAY_WORDS * sizeof *rays);
+    for (uint32_t left = beams & w->alive; left; left &= left - 1) {
+        const unsigned i = w->first + (unsigned)__builtin_ctz(left) * w->share;
+        rays[i / 64] |= one << i % 64;
+    }
+    for (int word = 0; word < RAY_WORDS; word++)
+        any |= rays[word] &= w->looks[word];
+    return any;
+}
+
+/* Made, or kept with the treelet; false: none. */
+SIMD bool batch_polygon(const mesh_batch *w, const resident_mesh *at, unsigned lane,
+                        double isovalue, isopolygon *out) {
+    const uint32_t place = w->tets.place[lane];
+    if (at->derived) {
+        const isopolygon *g = isopolygon_cache_find(at, place, isovalue, out);
+        if (g && g != out)
+            *out = *g;
+        return g;
+    }
+    const float *values = mesh_leaf_values(&at->mesh, at->values);
+    near_tet x;
+    for (int k = 0; k < 4; k++) {
+        const uint32_t v = w->tets.vertex[k][lane];
+        x.v[k] = point4_of_triple(at->positions[v]);
+        x.v[k][3] = (double)values[v];
+    }
+    const polygon_sight sight = isopolygon_near(&x, isovalue, out);
+    if (sight != DOUBTFUL_POLYGON)
+        return sight == SURE_POLYGON;
+    const tet exact = mesh_walk_tet(at, place);
+    return isopolygon_of(&exact, isovalue, out);
+}
+
+/* VD_N rays from i on. */
+SIMD void meet_polygon(mesh_batch *w, const resident_mesh *at, const isopolygon *g, hit_of of,
+                       unsigned i, unsigned wanted) {
+    seen s;
+    see_from(g, &w->rays, (int)i, &s);
+    for (unsigned taken = test_rays(g, &s, &w->rays, (int)i, of, wanted); taken; taken &= taken - 1)
+        take_hit(w, at, i + (unsigned)__builtin_ctz(taken));
+}
+
+static void walk_tet(mesh_batch *w, const resident_mesh *at, const framed_tets *x, unsigned lane,
+                     int32_t iso, uint32_t beams) {
+    enum { FLOATS = (1u << VF_N) - 1, DOUBLES = (1u << VD_N) - 1 };
+    const hit_of of = {at->first_tet + w->tets.place[lane], iso};
+    const bool even = !(x->odd >> lane & 1u);
+    uint64_t rays[RAY_WORDS];
+    polygon_lines lines;
+    isopolygon g;
+    bool made = false;
+    if (!rays_of_beams(w, beams, rays))
+        return;
+    if (even)
+        lines_of(x, lane, &lines);
+    for (unsigned word = 0; word < RAY_WORDS; word++) {
+        for (uint64_t left = rays[word]; left;) {
+            const unsigned from = (unsigned)__builtin_ctzll(left) & -(unsigned)VF_N;
+            unsigned bits = (unsigned)(left >> from) & FLOATS;
+            left &= ~((uint64_t)FLOATS << from);
+            if (even)
+                bits &= rays_near(&w->in_frame, &lines, 64 * word + from);
+            if (!bits)
+                continue;
+            if (!made && !batch_polygon(w, at, lane, w->tr->isos.isovalues[iso], &g))
+                return;
+            made = true;
+            for (unsigned k = 0; bits >> k; k += VD_N)
+                if (bits >> k & DOUBLES)
+                    meet_polygon(w, at, &g, of, 64 * word + from + k, bits >> k & DOUBLES);
+        }
+    }
+}
+
+/* ---- Tets ---- */
+
+SIMD void frame_tets(const mesh_batch *w, const resident_mesh *at, framed_tets *x) {
+    const batch_tets *l = &w->tets;
+    const beam_frame *f = &w->frame;
+    const float *values = mesh_leaf_values(&at->mesh, at->values);
+    mf odd = mf_of_bits(0);
+    for (int k = 0; k < 4; k++) {
+        _Alignas(64) float of[VF_N];
+        f_load_triples(at->positions[0], l->vertex[k], x->p[k]);
+        for (int a = 0; a < 3; a++) {
+            const float lo = at->bounds[a];
+            const double scale = f->scale * f->sign[a];
+            x->p[k][a] = (x->p[k][a] - f_set(lo)) * f_set((float)scale) +
+                         f_set((float)(((double)lo - f->centre[a]) * scale));
+        }
+        for (unsigned i = 0; i < VF_N; i++)
+            of[i] = values[l->vertex[k][i]];
+        x->f[k] = f_load(of);
+        odd = mf_or(odd, f_gt(f_abs(x->f[k]), f_set(0x1p125f)));
+    }
+    x->odd = mf_bits(odd);
+}
+
+/* Boxes around the isopolygons of tets: the points on their edges between vertices on either side.
+ * An edge's share s errs by six units of 2^-24 of itself: numerator, denominator and quotient; so
+ * its point by less than half of what boxes are larger by. */
+SIMD void boxes_of_polygons(const mesh_batch *w, framed_tets *x, double iso, beam_boxes *b) {
+    const vf most = f_set(INFINITY), least = f_set(-INFINITY), zero = f_set(0.0f);
+    const vf threshold = f_set(interest_threshold(iso));
+    const vf near = f_set((float)iso), rest = f_set((float)(iso - (double)(float)iso));
+    vf up[4], lo[3] = {most, most, most}, hi[3] = {least, least, least};
+    mf in[4];
+    unsigned edge = 0;
+    vf sides = zero;
+    for (int k = 0; k < 4; k++) {
+        in[k] = f_ge(x->f[k], threshold);
+        up[k] = (near - x->f[k]) + rest;
+        sides = sides + f_select(in[k], f_set((float)(1 << k)), zero);
+    }
+    const vi inside = f_to_int(sides);
+    memcpy(x->inside, &inside, sizeof inside);
+    for (int i = 0; i < 3; i++) {
+        for (int j = i + 1; j < 4; j++, edge++) {
+            const mf cut = mf_and_not(mf_or(in[i], in[j]), mf_and(in[i], in[j]));
+            const vf s = f_max(zero, f_min(up[i] / (x->f[j] - x->f[i]), f_set(1.0f)));
+            for (int a = 0; a < 3; a++) {
+                const vf p = x->p[i][a] + s * (x->p[j][a] - x->p[i][a]);
+                f_store(x->cut[edge][a], p);
+                lo[a] = f_min(lo[a], f_select(cut, p, most));
+                hi[a] = f_max(hi[a], f_select(cut, p, least));
+            }
+        }
+    }
+    const mf odd = mf_of_bits(x->odd);
+    for (int a = 0; a < 3; a++) {
+        const vf lower = f_min(f_min(x->p[0][a], x->p[1][a]), f_min(x->p[2][a], x->p[3][a]));
+        const vf upper = f_max(f_max(x->p[0][a], x->p[1][a]), f_max(x->p[2][a], x->p[3][a]));
+        const vf slack = f_set(w->frame.slack[a]);
+        f_store(b->lo[a], f_select(odd, lower, lo[a]) - slack);
+        f_store(b->hi[a], f_select(odd, upper, hi[a]) + slack);
+    }
+}
+
+static void walk_tets(mesh_batch *w, const resident_mesh *at) {
+    const isovalue_list *isos = &w->tr->isos;
+    batch_tets *l = &w->tets;
+    framed_tets x;
+    for (unsigned k = l->count; k < VF_N; k++)
+        for (int v = 0; v < 4; v++)
+            l->vertex[v][k] = l->vertex[v][0];
+    frame_tets(w, at, &x);
+    for (int32_t i = 0; i < isos->count; i++) {
+        const unsigned all = (1u << l->count) - 1;
+        uint32_t met[BEAM_BOXES];
+        beam_boxes boxes;
+        boxes_of_polygons(w, &x, isos->isovalues[i], &boxes);
+        unsigned left = meet_boxes(&w->beams, &boxes, all, l->any & w->alive, l->beams, met);
+        for (; left; left &= left - 1) {
+            const unsigned k = (unsigned)__builtin_ctz(left);
+            walk_tet(w, at, &x, k, i, met[k]);
+        }
+    }
+    w->counters->cells += l->count;
+    l->any = 0;
+    l->count = 0;
+}
+
+static void add_tet(mesh_batch *w, const resident_mesh *at, uint32_t place, uint32_t beams) {
+    const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[place];
+    batch_tets *l = &w->tets;
+    for (int k = 0; k < 4; k++) {
+        __builtin_prefetch(at->positions[v[k]]);
+        l->vertex[k][l->count] = v[k];
+    }
+    l->any |= beams;
+    l->beams[l->count] = beams;
+    l->place[l->count++] = place;
+    if (l->count == VF_N)
+        walk_tets(w, at);
+}
+
+static void walk_leaf(mesh_batch *w, const resident_mesh *at, uint32_t first, uint32_t end,
+                      uint32_t beams) {
+    for (uint32_t word = first / 64; word * 64 < end; word++) {
+        uint64_t bits = at->active->tets[word];
+        if (word == first / 64)
+            bits &= UINT64_MAX << first % 64;
+        if (end - word * 64 < 64)
+            bits &= (UINT64_C(1) << (end - word * 64)) - 1;
+        for (; bits; bits &= bits - 1)
+            add_tet(w, at, word * 64 + (uint32_t)__builtin_ctzll(bits), beams);
+    }
+}
+
+#endif
+#endif
