@@ -6,6 +6,7 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
+#include "formats/leaf/leaf_histogram.h"
 #include "formats/public_status.h"
 #include "render/arguments.h"
 #include "render/experiment.h"
@@ -234,20 +235,10 @@ leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) 
 }
 
 leafcast_status leafcast_range(const leafcast *v, uint32_t field, uint32_t step, double range[2]) {
-    const leaf_layout *layout = &v->file->layout;
     const status st = volume_check_set(v, field, step);
-    if (st != ST_OK)
-        return public_status(st);
-    const uint32_t set = leaf_layout_set(layout, field, step);
-    const float(*own)[2] = (const float(*)[2])v->file->own + (size_t)set * layout->treelets;
-    range[0] = INFINITY;
-    range[1] = -INFINITY;
-    /* Level 0 alone, whose treelets come last. */
-    for (uint32_t t = layout->level[0].first; t < layout->treelets; t++) {
-        range[0] = fmin(range[0], (double)own[t][0]);
-        range[1] = fmax(range[1], (double)own[t][1]);
-    }
-    return LEAFCAST_OK;
+    if (st == ST_OK)
+        leaf_histogram_range(v->file, leaf_layout_set(&v->file->layout, field, step), range);
+    return public_status(st);
 }
 
 const char *leafcast_field_name(const leafcast *v, uint32_t field) {

@@ -6,12 +6,17 @@ static void eye_ray(const frame *f, uint32_t pixel, double origin[3], double dir
     camera_ray(&f->camera, pixel % f->width + 0.5, pixel / f->width + 0.5, origin, direction);
 }
 
-double light_towards(const frame *f, uint32_t pixel, double t, const leafcast_light *light,
-                     double at[3], double to[3]) {
-    double direction[3], origin[3], length = 0.0;
+void lit_at(const frame *f, uint32_t pixel, double t, double at[3]) {
+    double direction[3], origin[3];
     eye_ray(f, pixel, origin, direction);
-    for (int a = 0; a < 3; a++) {
+    for (int a = 0; a < 3; a++)
         at[a] = origin[a] + t * direction[a];
+}
+
+/* The unit direction from a point to a light; returns its distance. */
+static double direction_to(const leafcast_light *light, const double at[3], double to[3]) {
+    double length = 0.0;
+    for (int a = 0; a < 3; a++) {
         to[a] = light->point ? light->vector[a] - at[a] : light->vector[a];
         length += to[a] * to[a];
     }
@@ -19,6 +24,12 @@ double light_towards(const frame *f, uint32_t pixel, double t, const leafcast_li
     for (int a = 0; a < 3; a++)
         to[a] = length > 0.0 ? to[a] / length : 0.0;
     return light->point ? length : INFINITY;
+}
+
+double light_towards(const frame *f, uint32_t pixel, double t, const leafcast_light *light,
+                     double at[3], double to[3]) {
+    lit_at(f, pixel, t, at);
+    return direction_to(light, at, to);
 }
 
 static const leafcast_surface *look_of(const frame *f, uint16_t volume, const hit *h) {
@@ -43,16 +54,18 @@ static double slope_towards(const lit_surface *s, const double to[3]) {
     return g[0] * to[0] + g[1] * to[1] + g[2] * to[2];
 }
 
+bool lit_faces(const lit_surface *s, const double to[3]) {
+    const double slope = slope_towards(s, to);
+    return s->found->entering ? !(slope > 0.0) : !(slope < 0.0);
+}
+
 bool lit_needs_ray(const frame *f, const lit_surface *s, const double to[3], float *visibility) {
     const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};
     const shade_point shading = lit_shading(f, s);
     *visibility = shade_reaches(&shading, to_light) ? 1.0f : 0.0f;
     if (*visibility == 0.0f || !surface_look_of(f)->scene->shadows)
         return false;
-    /* The shadow ray starts on the side the primary ray came from: a light on the other one is
-     * behind the surface itself. */
-    const double slope = slope_towards(s, to);
-    if (s->found->entering ? slope > 0.0 : slope < 0.0)
+    if (!lit_faces(s, to))
         *visibility = 0.0f;
     return *visibility > 0.0f;
 }
@@ -81,16 +94,22 @@ bool lit_dim(const frame *f, uint16_t v, const hit *met, float *visibility) {
 
 /* ---- Many surfaces ---- */
 
-/* Put the shadow ray of surface i with the others. */
+/* Put the shadow ray of surface i with the others, if it needs one. */
 static void add_ray(const frame *f, lit_batch *b, unsigned i, const leafcast_light *light,
                     ray_batch *rays) {
-    const lit_surface s = {b->pixel[i], 0, &b->found[i], &b->point[i]};
-    double at[3], to[3];
-    const double distance = light_towards(f, s.pixel, s.found->t, light, at, to);
-    b->undone[i] = false;
-    b->needed[i] = lit_needs_ray(f, &s, to, &b->visibility[i]);
-    b->ill_conditioned[i] = b->needed[i] && lit_ill_conditioned(&s, to);
-    if (!b->needed[i] || !tracer_ray(f->tracer, at, to, 0.0, distance, &rays->rays[rays->count]))
+    const lit_surface s = {.found = &b->found[i], .point = &b->point[i]};
+    double to[3];
+    b->undone[i] = b->needed[i] = b->ill_conditioned[i] = false;
+    b->visibility[i] = 0.0f;
+    if (!b->reaches[i])
+        return;
+    const double distance = direction_to(light, b->at[i], to);
+    if (!lit_faces(&s, to))
+        return;
+    b->needed[i] = true;
+    b->ill_conditioned[i] = lit_ill_conditioned(&s, to);
+    b->visibility[i] = 1.0f;
+    if (!tracer_ray(f->tracer, b->at[i], to, 0.0, distance, &rays->rays[rays->count]))
         return;
     rays->states[rays->count] = lit_search(f, &s, 0, to);
     b->of[rays->count++] = (uint8_t)i;

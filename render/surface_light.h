@@ -26,6 +26,15 @@ typedef struct lit_surface {
 /* lit_shading() - see shade.h. */
 shade_point lit_shading(const frame *f, const lit_surface *s);
 
+/* lit_at() - where a pixel's ray is at t. */
+void lit_at(const frame *f, uint32_t pixel, double t, double at[3]);
+
+/* lit_faces() - whether a light in direction `to` is on the side of the surface that the pixel's
+ * ray came from: the shadow ray starts there, and a light on the other one is behind the surface
+ * itself.
+ */
+bool lit_faces(const lit_surface *s, const double to[3]);
+
 /* lit_needs_ray() - whether it takes a shadow ray to say what arrives of a light in direction `to`.
  * *visibility is 1 then, else what there is to say. */
 bool lit_needs_ray(const frame *f, const lit_surface *s, const double to[3], float *visibility);
@@ -42,16 +51,13 @@ bool lit_dim(const frame *f, uint16_t v, const hit *met, float *visibility);
 
 /* ---- Many surfaces of a frame's first volume ---- */
 
-typedef struct lit_ray {
-    double at[3], to[3], distance;
-} lit_ray;
-
 typedef struct lit_batch {
     unsigned count; /* at most RAY_BATCH surfaces */
-    uint32_t pixel[RAY_BATCH];
     hit found[RAY_BATCH];
-    surface_point point[RAY_BATCH];
-    /* What is known of a light: */
+    surface_point point[RAY_BATCH]; /* normals do not matter */
+    double at[RAY_BATCH][3];
+    /* Of a light: */
+    bool reaches[RAY_BATCH]; /* shade_reaches(): set by the caller; */
     float visibility[RAY_BATCH];
     bool needed[RAY_BATCH], ill_conditioned[RAY_BATCH]; /* of shadow rays: none, without a need */
     bool undone[RAY_BATCH];                             /* not known, for want of treelets; */

@@ -1,15 +1,5 @@
 #include "render/surface_search.h"
 
-surface_search surface_search_first(void) {
-    return (surface_search){.behind = hit_before_all(), .found = hit_none()};
-}
-
-void surface_search_behind(surface_search *s) {
-    s->behind = s->found;
-    s->behind_volume = s->found_volume;
-    s->found = hit_none();
-}
-
 /* Where the search begins in volume v: of two surfaces at the same t, that of the lower volume
  * comes first. */
 static hit begins_at(const surface_search *s, uint16_t v) {
@@ -21,7 +11,7 @@ static hit begins_at(const surface_search *s, uint16_t v) {
 
 static void begin(surface_search *s, uint16_t volume) {
     const hit after = begins_at(s, volume);
-    s->state = trace_begin(&after);
+    trace_begin_at(&s->state, &after);
     s->state.any = s->any;
     if (hit_exists(&s->found))
         s->state.best = hit_from(s->found.t);

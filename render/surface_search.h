@@ -25,9 +25,16 @@ typedef struct surface_search {
 } surface_search;
 
 /* surface_search_first() - before all surfaces. surface_search_behind() - then: behind the one that
- * was found. */
-surface_search surface_search_first(void);
-void surface_search_behind(surface_search *s);
+ * was found. Each ray begins with the first: it is made where it stays, and not copied. */
+static inline surface_search surface_search_first(void) {
+    return (surface_search){.behind = hit_before_all(), .found = hit_none()};
+}
+
+static inline void surface_search_behind(surface_search *s) {
+    s->behind = s->found;
+    s->behind_volume = s->found_volume;
+    s->found = hit_none();
+}
 
 /* surface_search_next() - s->found is certain (true), hit_none() if there is none; or the treelet
  * s->state.blocked of volume *volume is needed (false). *volume: 0 to begin with, and again at the

@@ -24,8 +24,10 @@ typedef struct tile_pixels {
     int32_t id[TILE_RAYS]; /* -1: there is none */
     tile_normals normal;
     /* of the one that is being shaded: */
-    tile_normals behind;                              /* not used for the first */
-    float visibility[LEAFCAST_LIGHTS_MAX][TILE_RAYS]; /* set where a scene has shadows */
+    tile_normals behind; /* not used for the first */
+    /* Where a scene has shadows: what arrives of lights, and whether they reach a surface. */
+    float visibility[LEAFCAST_LIGHTS_MAX][TILE_RAYS];
+    tile_row reaches[LEAFCAST_LIGHTS_MAX][TILE];
     lit_batch lit;
     uint16_t ray[RAY_BATCH]; /* of its surfaces */
     /* Shadow rays so far: they count when the pixel is done. */
@@ -35,10 +37,11 @@ typedef struct tile_pixels {
 } tile_pixels;
 
 /* A kind's part: the unit normals of a layer, where it has surfaces, any length where there is
- * none; what else shadows need of one. */
+ * none; what
+ * else shadows need of one: its point but for the normal. */
 typedef struct tile_kind {
     void (*normals)(void *work, const tile_layer *l, tile_normals normal);
-    surface_point (*point)(const tile_state *s, const tile_layer *l, unsigned i);
+    surface_point (*start)(void *work, const tile_layer *l, unsigned i);
 } tile_kind;
 
 SIMD vf dot_f(const vf a[3], const vf b[3]) {
@@ -158,20 +161,49 @@ SIMD void shade_surfaces(const tile_state *s, const tile_layer *l, unsigned i, u
 enum { SQUARE = 16 };
 _Static_assert(SQUARE *SQUARE <= RAY_BATCH && TILE % SQUARE == 0, "tiles are made of squares");
 
-static void list_square(const tile_state *s, const tile_kind *kind, const tile_layer *l,
+/* The surfaces of a layer that a light reaches: shade_reaches(). */
+static void find_reached(const tile_state *s, const tile_layer *l, int light, tile_normals normal,
+                         tile_row reaches[TILE]) {
+    const leafcast_scene *scene = surface_look_of(s->f)->scene;
+    memset(reaches, 0, TILE * sizeof *reaches);
+    for (unsigned i = 0; i < TILE_RAYS && scene->shading != LEAFCAST_SHADING_FLAT; i += VF_N) {
+        const unsigned hits = hits_from(l, i, VF_N);
+        if (!hits)
+            continue;
+        const lit_pixels lit = lit_begin(s, l, i, hits, normal);
+        vf to[3];
+        towards_light(s, l, i, hits, &scene->lights[light], to);
+        reaches[i / TILE] |= (mf_bits(f_gt(dot_f(lit.normal, to), f_set(0.0f))) & hits) << i % TILE;
+    }
+}
+
+/* Surfaces of a square whose pixels still wait for nothing, and which some light reaches. */
+static void list_square(const tile_state *s, const tile_kind *kind, void *work, const tile_layer *l,
                         unsigned first, tile_pixels *p) {
+    const int lights = surface_look_of(s->f)->scene->light_count;
     lit_batch *b = &p->lit;
     b->count = 0;
-    for (unsigned y = 0; y < SQUARE; y++) {
-        for (unsigned i = first + TILE * y; i < first + TILE * y + SQUARE; i++) {
-            if (!in_layer(l, i) || (s->out->waits[i / TILE] >> i % TILE & 1u))
-                continue;
-            p->ray[b->count] = (uint16_t)i;
-            b->pixel[b->count] = pixel_of(s, i);
-            b->found[b->count] = s->order->hit_of(s->f, surface_of(l, i));
-            b->point[b->count++] = kind->point(s, l, i);
+    for (unsigned y = first / TILE; y < first / TILE + SQUARE; y++) {
+        tile_row left = 0;
+        for (int k = 0; k < lights; k++)
+            left |= p->reaches[k][y];
+        left &= ~s->out->waits[y] & (((1u << SQUARE) - 1u) << first % TILE);
+        for (; left; left &= left - 1) {
+            const unsigned i = TILE * y + (unsigned)__builtin_ctz(left), n = b->count++;
+            p->ray[n] = (uint16_t)i;
+            b->found[n] = s->order->hit_of(s->f, surface_of(l, i));
+            b->point[n] = kind->start(work, l, i);
+            lit_at(s->f, pixel_of(s, i), b->found[n].t, b->at[n]);
         }
     }
+}
+
+static void trace_square(const tile_state *s, int light, tile_pixels *p) {
+    lit_batch *b = &p->lit;
+    for (unsigned n = 0; n < b->count; n++)
+        b->reaches[n] = p->reaches[light][p->ray[n] / TILE] >> p->ray[n] % TILE & 1u;
+    lit_batch_trace(s->f, b, &surface_look_of(s->f)->scene->lights[light], s->out->batch,
+                    s->out->batch_scratch, s->counters);
 }
 
 /* Pixels whose shadow rays need what is absent wait for that. */
@@ -191,15 +223,16 @@ static void take_visibility(const tile_state *s, int light, tile_pixels *p) {
 }
 
 /* What arrives of all lights at a layer's surfaces. */
-static void shadow_layer(const tile_state *s, const tile_kind *kind, const tile_layer *l,
-                         tile_pixels *p) {
-    const leafcast_scene *scene = surface_look_of(s->f)->scene;
+static void shadow_layer(const tile_state *s, const tile_kind *kind, void *work,
+                         const tile_layer *l, tile_normals normal, tile_pixels *p) {
+    const int lights = surface_look_of(s->f)->scene->light_count;
+    for (int k = 0; k < lights; k++)
+        find_reached(s, l, k, normal, p->reaches[k]);
     for (unsigned y = 0; y < TILE; y += SQUARE) {
         for (unsigned x = 0; x < TILE; x += SQUARE) {
-            list_square(s, kind, l, TILE * y + x, p);
-            for (int k = 0; k < scene->light_count; k++) {
-                lit_batch_trace(s->f, &p->lit, &scene->lights[k], s->out->batch,
-                                s->out->batch_scratch, s->counters);
+            list_square(s, kind, work, l, TILE * y + x, p);
+            for (int k = 0; k < lights && p->lit.count > 0; k++) {
+                trace_square(s, k, p);
                 take_visibility(s, k, p);
             }
         }
@@ -215,7 +248,7 @@ static void shade_layer(const tile_state *s, const tile_kind *kind, void *work, 
     float(*normal)[TILE_RAYS] = s->before + k == 0 ? p->normal : p->behind;
     kind->normals(work, l, normal);
     if (scene->shadows && scene->light_count > 0)
-        shadow_layer(s, kind, l, p);
+        shadow_layer(s, kind, work, l, normal, p);
     for (unsigned i = 0; i < TILE_RAYS; i += VF_N) {
         const unsigned hits = hits_from(l, i, VF_N);
         if (hits)

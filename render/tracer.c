@@ -50,11 +50,6 @@ bool tracer_ray(const tracer *tr, const double origin[3], const double direction
     return true;
 }
 
-trace_state trace_begin(const hit *after) {
-    return (trace_state){
-        .after = *after, .best = hit_none(), .t_from = -INFINITY, .blocked = LEAF_NO_TREELET};
-}
-
 trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,
                          ray_counters *counters) {
     return tr->kind->next(tr, r, state, counters);

@@ -9,7 +9,7 @@
  * A cell is active iff the range of its eight samples meets the interest (interest.h) and none of
  * them is NaN or inf: exact, so traversal need not look at samples. Derived data, never
  * stored: 4.1 KiB a treelet of 32^3 cells, made in 2 to 5 us with AVX2 or SSE4.2, in 14 to 41 us by
- * the scalar version (README.md).
+ * the scalar version (tests/measurements/loading.md).
  */
 #ifndef STREAM_ACTIVE_H
 #define STREAM_ACTIVE_H

@@ -637,10 +637,6 @@ void loader_clear(loader *l) {
     pthread_mutex_unlock(&h->lock);
 }
 
-uint32_t loader_capacity(const loader *l) {
-    return l->hidden->capacity;
-}
-
 /* ---- Wanting ---- */
 
 static void want_locked(loader *l, uint32_t t, uint64_t priority) {

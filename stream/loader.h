@@ -103,7 +103,6 @@ uint64_t loader_stored_bytes(const loader *l, uint32_t t);
 /* loader_set_capacity() - at most so many treelets that are drawn, at least 1, and the cache in
  * what they leave of their memory and `beside` bytes; evicts what is too many. */
 void loader_set_capacity(loader *l, uint32_t places, size_t beside);
-uint32_t loader_capacity(const loader *l);
 
 /* loader_clear() - give all treelets back. Only while nothing is traced. */
 void loader_clear(loader *l);
@@ -159,8 +158,8 @@ CHECKED status loader_admit(loader *l, loader_request *requests, size_t count);
  * has come. Any thread, no lock. */
 bool loader_has_room(const loader *l);
 
-/* loader_listen() - after each read that ended, well or not, one of these sleepers is woken from now
- * on. Before, the treelet is among the arrivals and loader_is_reading() says what is so without
+/* loader_listen() - after each read that ended, well or not, one of these sleepers is woken from
+ * now on. Before, the treelet is among the arrivals and loader_is_reading() says what is so without
  * this read. The loader's lock is not held meanwhile. NULL: no longer; only while nobody sleeps. */
 void loader_listen(loader *l, sleepers *listeners);
 

@@ -141,10 +141,3 @@ void readers_tell(readers *r, reader_customer *c, bool waiting, uint64_t priorit
         pthread_cond_signal(&r->work);
     pthread_mutex_unlock(&r->lock);
 }
-
-int readers_threads(readers *r) {
-    pthread_mutex_lock(&r->lock);
-    const int threads = r->started;
-    pthread_mutex_unlock(&r->lock);
-    return threads;
-}

@@ -50,7 +50,4 @@ void readers_leave(readers *r, reader_customer *c);
  * something: so one thread wakes the next as long as there is work. */
 void readers_tell(readers *r, reader_customer *c, bool waiting, uint64_t priority);
 
-/* readers_threads() - how many there are. */
-int readers_threads(readers *r);
-
 #endif

@@ -141,7 +141,7 @@ static status use_in_place(source *s) {
     return bytes ? use_bytes(s, bytes) : map_file(s);
 }
 
-/* The arena (see README.md), but for bytes that need no reading. */
+/* The arena (stream/README.md says why), but for bytes that need no reading. */
 static source_kind best_kind(const leaf_file *f) {
     const bool here = file_memory(f->source) && f->header.codec == LEAF_CODEC_RAW;
     return here ? SOURCE_MAPPED : SOURCE_ARENA;

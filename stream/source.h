@@ -24,9 +24,9 @@ typedef enum source_kind { SOURCE_AUTO, SOURCE_MAPPED, SOURCE_ARENA } source_kin
 
 typedef struct source source;
 
-/* source_open() - AUTO is the arena (see README.md), but for raw payloads in memory; MAPPED is the
- * arena for a mesh. ST_UNSUPPORTED when mapped is asked for compressed payloads. The file stays the
- * caller's and must outlive the source. */
+/* source_open() - AUTO is the arena (stream/README.md says why), but for raw payloads in memory;
+ * MAPPED is the arena for a mesh. ST_UNSUPPORTED when mapped is asked for compressed payloads. The
+ * file stays the caller's and must outlive the source. */
 CHECKED status source_open(mem *m, leaf_file *f, source_kind kind, source **out);
 void source_close(source *s); /* NULL is fine */
 

@@ -42,6 +42,10 @@ static cell_batch_fn version(int v, const char **name) {
     return wide ? cell_batch_wide : cell_batch_for((cpu_isa)v);
 }
 
+static cell_roots_fn roots_version(int v) {
+    return v > (int)cpu_best() ? cell_roots_wide : cell_roots_for((cpu_isa)v);
+}
+
 static int batches(void) {
     const char *given = getenv("LEAFCAST_BATCHES");
     return given ? atoi(given) : DEFAULT_BATCHES;
@@ -109,12 +113,55 @@ static void assert_same(const cell_batch_hits *x, const cell_batch_hits *truth, 
                  truth->iso[lane]);
 }
 
+static int several; /* lanes with more than one root, in all */
+
+/* All roots of a lane are what cell_next_hit() finds one behind the other; an extremum that touches
+ * is two roots, and one hit. */
+static void assert_roots(const ray_cells *c, int k, double iso, const cell_batch_roots *roots,
+                         const char *name) {
+    hit last = hit_before_all(), h;
+    cell_visit visit = {0};
+    int count = 0;
+    const bool visited = cell_visit_of(&c->r[k], &c->box[k], &visit);
+    for (int n = 0; n < CELL_ROOTS_MAX && roots->found[n] >> k & 1u; n++) {
+        assert_true(visited);
+        if (count > 0 && roots->t[n][k] <= last.t)
+            continue;
+        if (!cell_next_hit(&c->r[k], &visit, c->samples[k], iso, 0, 99, &last, &h))
+            fail_msg("%s: root %d at %a is none", name, n, roots->t[n][k]);
+        assert_memory_equal(&h.t, &roots->t[n][k], sizeof h.t);
+        assert_int_equal(h.entering, roots->entering[n] >> k & 1u);
+        assert_int_equal(h.t == visit.t_out, roots->at_exit[n] >> k & 1u);
+        last = h;
+        count++;
+    }
+    if (visited && cell_next_hit(&c->r[k], &visit, c->samples[k], iso, 0, 99, &last, &h))
+        fail_msg("%s: %d roots, but there is one at %a", name, count, h.t);
+    several += count > 1;
+}
+
+static void check_roots(const ray_cells *c, const cell_batch *b, int lanes, double iso) {
+    for (int v = 0; v < versions(); v++) {
+        const char *name;
+        cell_batch_roots roots;
+        memset(&roots, 0xff, sizeof roots);
+        (void)version(v, &name);
+        roots_version(v)(b, lanes, iso, &roots);
+        for (int k = 0; k < lanes; k++)
+            assert_roots(c, k, iso, &roots, name);
+        for (int n = 0; n < CELL_ROOTS_MAX; n++)
+            assert_int_equal((uint64_t)roots.found[n] >> lanes, 0);
+    }
+}
+
 /* All versions, all intersectors; how many lanes were found. */
 static int check(const ray_cells *c, int lanes, const double *isovalues, int count,
                  const char *what, int index) {
     cell_batch b;
     int found = 0;
     batch_of(c, lanes, &b);
+    for (int i = 0; i < count; i++)
+        check_roots(c, &b, lanes, isovalues[i]);
     for (int x = 0; x < INTERSECTOR_COUNT; x++) {
         const intersector *how = intersector_at(x);
         cell_batch_hits truth, hits;
@@ -357,6 +404,13 @@ static void roots_are_right_to_the_last_bits(void **state) {
     assert_true(judged > 1000 * batches());
 }
 
+/* Of all the tests before. */
+static void many_cells_have_several_roots(void **state) {
+    (void)state;
+    print_message("%d lanes with several roots\n", several);
+    assert_true(several > 1000);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_case_is_the_same_bits),
@@ -365,6 +419,7 @@ int main(void) {
         cmocka_unit_test(vanishing_visits_are_the_same_bits),
         cmocka_unit_test(lanes_do_not_see_each_other),
         cmocka_unit_test(roots_are_right_to_the_last_bits),
+        cmocka_unit_test(many_cells_have_several_roots),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -51,6 +51,23 @@ static void test_every_scene(void **state) {
     assert_true(mesh_pictures_of_scenes(open_all, "noise", CUBES + 4, SCENES, &r) > 200 * SCENES);
 }
 
+/* More surfaces on a ray than a walk has room for, too. */
+static void test_many_layers(void **state) {
+    (void)state;
+    static const char *const names[] = {"sphere", "noise"};
+    int hits = 0;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        lab_mesh lab;
+        assert_true(lab_mesh_make(&lab, names[i], CUBES + 4, 7));
+        picture_volumes v = open_all(lab_leaf_make(&lab, 700, false), 2);
+        hits += pictures_of_layers(&v, lab.iso, 0.04, lab.name);
+        pictures_close(&v);
+        lab_mesh_release(&lab);
+    }
+    print_message("%d pixels with surfaces\n", hits);
+    assert_true(hits > 5000);
+}
+
 /* However the mesh is cut, and however few treelets are there at a time. */
 static void test_treelets(void **state) {
     (void)state;
@@ -130,9 +147,8 @@ static void test_against_reference(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_mesh),
-        cmocka_unit_test(test_every_scene),
-        cmocka_unit_test(test_treelets),
+        cmocka_unit_test(test_every_mesh),        cmocka_unit_test(test_every_scene),
+        cmocka_unit_test(test_many_layers),       cmocka_unit_test(test_treelets),
         cmocka_unit_test(test_against_reference),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -93,6 +93,25 @@ static void test_every_scene(void **state) {
     assert_true(hits > 1000 * SCENES);
 }
 
+/* More surfaces on a ray than a walk has room for, too. */
+static void test_many_layers(void **state) {
+    (void)state;
+    static const char *const names[] = {"waves", "rectilinear", "missing"};
+    int hits = 0;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        field f;
+        assert_true(field_make(&f, names[i], 40, FIELD_SEED));
+        const char *path = fixture_leaf(&f, 4, 1, false);
+        picture_volumes v = pictures_open(path, 2);
+        open_alternatives(&v, path, 2);
+        hits += pictures_of_layers(&v, f.iso, 0.03 * fabs(f.iso) + 0.01, f.name);
+        pictures_close(&v);
+        field_release(&f);
+    }
+    print_message("%d pixels with surfaces\n", hits);
+    assert_true(hits > 10000);
+}
+
 /* ---- What it takes ---- */
 
 /* With few treelets allowed at a time, tiles and single rays take turns; with a preview of what is
@@ -164,6 +183,7 @@ static void test_counts(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_field), cmocka_unit_test(test_every_scene),
-        cmocka_unit_test(test_few_treelets), cmocka_unit_test(test_counts)};
+        cmocka_unit_test(test_many_layers), cmocka_unit_test(test_few_treelets),
+        cmocka_unit_test(test_counts)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -380,10 +380,6 @@ status out_file_read_at(out_file *f, uint64_t offset, void *buffer, size_t size)
     return read_at(f->fd, f->path, offset, buffer, size);
 }
 
-uint64_t out_file_end(const out_file *f) {
-    return f->end;
-}
-
 const char *out_file_temporary(const out_file *f) {
     return f->temporary;
 }

@@ -66,7 +66,6 @@ CHECKED status out_file_write_at(out_file *f, uint64_t offset, const void *data,
 CHECKED status out_file_append(out_file *f, const void *data,
                                size_t size); /* at the end of what was appended */
 CHECKED status out_file_read_at(out_file *f, uint64_t offset, void *buffer, size_t size);
-uint64_t out_file_end(const out_file *f);          /* bytes appended so far */
 const char *out_file_temporary(const out_file *f); /* where it is now; NULL: nowhere */
 
 /* out_file_commit() - fsync, rename to the final name (refusing to overwrite without force), fsync

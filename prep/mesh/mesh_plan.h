@@ -17,7 +17,10 @@
 #include "prep/mesh/mesh_runs.h"
 #include "prep/mesh/mesh_series.h"
 
-enum { MESH_TREELET_TETS = 4096, MESH_LEAF_TETS = 12 }; /* what is best; see the README */
+enum {
+    MESH_TREELET_TETS = 4096,
+    MESH_LEAF_TETS = 12
+}; /* tests/measurements/treelets.md says why */
 
 /* What the user asks for. */
 typedef struct mesh_options {

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "formats/base/exact.h"
 #include "formats/base/pool.h"
 #include "formats/mesh/mesh_stream.h"
 #include "prep/tetrahedralize/tetgen_job.h"
@@ -211,15 +212,13 @@ static status set_values(work *w) {
 
 /* ---- the output ---- */
 
-/* Six times the volume, by orientation. */
+/* Six times the volume, by orientation; 0 where it is flat, and only there. */
 static double six_volumes(const float (*xyz)[3], const uint32_t tet[4]) {
-    double d[3][3];
-    for (int c = 0; c < 3; c++)
+    double p[4][3];
+    for (int c = 0; c < 4; c++)
         for (int a = 0; a < 3; a++)
-            d[c][a] = (double)xyz[tet[c + 1]][a] - (double)xyz[tet[0]][a];
-    return d[0][0] * (d[1][1] * d[2][2] - d[1][2] * d[2][1]) +
-           d[0][1] * (d[1][2] * d[2][0] - d[1][0] * d[2][2]) +
-           d[0][2] * (d[1][0] * d[2][1] - d[1][1] * d[2][0]);
+            p[c][a] = (double)xyz[tet[c]][a];
+    return exact_volume((const double(*)[3])p);
 }
 
 typedef struct tally {

@@ -9,7 +9,7 @@
 
 #include "render/picture_bytes.h"
 
-/* README.md, "Writing pictures", has what other levels and filters cost. */
+/* tests/measurements/picture_files.md has what other levels and filters cost. */
 enum { LEVEL = 1, WINDOW_BITS = 15, MEMORY_LEVEL = 8, FILTER_UP = 2 };
 enum { WIDTH_MAX = 1 << 28 }; /* zlib counts a row in 32 bits */
 enum { BAND_BYTES = 256 << 10, SLOTS_PER_THREAD = 2, PIXEL_MAX = 4 };

@@ -7,6 +7,7 @@
 #include "render/bench/bench_frames.h"
 #include "render/bench/bench_intersect.h"
 #include "render/bench/bench_isovalue.h"
+#include "render/bench/bench_lanes.h"
 #include "render/bench/bench_nodes.h"
 #include "render/bench/bench_packets.h"
 #include "render/bench/bench_pareto.h"
@@ -223,7 +224,7 @@ static const bench_suite SUITES[] = {
      .surfaces = "iso",
      .several = true,
      .labels = 2,
-     .charts = {{"x opaque", NULL, false}, {"ms", "+-", false}, {"one by one ms", NULL, true}}},
+     .charts = {{"x opaque", NULL, false}, {"ms", "+-", false}, {"one by one CPU ms", NULL, true}}},
     {.name = "figure414",
      .takes = "",
      .about = "one field on 32^3 to 1024^3 samples (M08 figure 4.14)",
@@ -318,6 +319,16 @@ static const bench_suite SUITES[] = {
      .series = true,
      .labels = 2,
      .charts = {{"fps", "+-", false}, {"MB/step", NULL, false}, {"resident MB", NULL, false}}},
+    {.name = "lanes",
+     .takes = "[F.leaf --iso V]",
+     .about = "how full the vectors of tiles are, stage by stage",
+     .run = bench_lanes,
+     .view = "size view eye look-at up fov clip-box clip-plane",
+     .surfaces = "iso opacity layers",
+     .several = true,
+     .once = true,
+     .labels = 3,
+     .charts = {{"filled %", NULL, false}, {"lanes/px", NULL, false}}},
     {.name = "walk",
      .takes = "[F.leaf --iso V]",
      .about = "experiment E1: below 4^3 cells",

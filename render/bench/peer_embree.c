@@ -407,23 +407,32 @@ static uint64_t shade_lamps(const frame *f, const packet *p, const lanes *n, lan
     return rays;
 }
 
+static void triangle_normals(const struct RTCHit16 *hit, lanes *n) {
+    memcpy(n->x, hit->Ng_x, sizeof n->x);
+    memcpy(n->y, hit->Ng_y, sizeof n->y);
+    memcpy(n->z, hit->Ng_z, sizeof n->z);
+}
+
 /* The colours of the surfaces there are; returns how many rays went to lamps. Rays alone: of these,
  * by the triangles' own normals. */
 static uint64_t shade(const frame *f, const packet *p, lanes *colour) {
-    lanes normal = {{0}, {0}, {0}};
+    lanes normal;
+    if (!f->image->r && !f->shadows)
+        return 0;
     if (f->image->r)
         interpolate_normals(f->e->mesh, &p->rays, &normal);
+    else
+        triangle_normals(&p->rays.hit, &normal);
     if (f->lamp_count > 0)
-        return f->image->r || f->shadows ? shade_lamps(f, p, &normal, colour) : 0;
-    if (f->image->r)
-        shade_headlight(f, &p->rays, &normal, colour);
+        return shade_lamps(f, p, &normal, colour);
+    shade_headlight(f, &p->rays, &normal, colour);
     return 0;
 }
 
 /* Opaque surfaces before the background. */
 static uint64_t shade_opaque(const frame *f, packet *p) {
     const uint64_t rays = shade(f, p, &p->colour);
-    for (int i = 0; i < LANES; i++) {
+    for (int i = 0; f->image->r && i < LANES; i++) {
         const bool hit = lane_hits(&p->rays, i);
         p->colour.x[i] = hit ? p->colour.x[i] : f->background[0];
         p->colour.y[i] = hit ? p->colour.y[i] : f->background[1];

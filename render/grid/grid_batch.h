@@ -17,7 +17,7 @@
 #include "render/ray_batch.h"
 
 /* What a batch_fn of a grid needs. */
-enum { GRID_BATCH_SCRATCH = 64 << 10 };
+enum { GRID_BATCH_SCRATCH = 80 << 10 };
 
 /* grid_batch_for() - NULL where there is none: every ray by itself. */
 batch_fn grid_batch_for(cpu_isa isa);

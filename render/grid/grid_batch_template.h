@@ -9,6 +9,7 @@
 
 #include "render/grid/grid_batch.h"
 #include "render/grid/grid_rays_template.h"
+#include "render/grid/grid_start_template.h"
 #include "render/grid/grid_tracer.h"
 #include "render/grid/intersect.h"
 #include "render/kernels.h"
@@ -17,15 +18,16 @@
 void SIMD_NAME(grid_batch_trace)(const tracer *tr, const kernels *k, ray_batch *b, void *scratch,
                                  ray_counters *counters);
 
-/* Ray-cells, one a lane, on their way to the filter: planes as seen from the ray's entry. */
+/* Ray-cells, one a lane, on their way to the filter. Lanes of a cell are beside each other; what is
+ * the cell's is stored a vector at a time from the first of them on, and so reaches over. */
 typedef struct cell_queue {
-    float lo[3][VF_N], hi[3][VF_N], inv[3][VF_N], d[3][VF_N], reciprocal[3][VF_N];
-    float t0[VF_N], t1[VF_N];
-    float samples[8][VF_N];
+    float lo[3][2 * VF_N], hi[3][2 * VF_N], inv[3][2 * VF_N]; /* planes, from the middle on */
+    float samples[8][2 * VF_N];
+    uint32_t ray[VF_N]; /* its place */
+    uint8_t cell[VF_N]; /* of these: */
     const resident_grid *at[VF_N];
-    uint32_t cell[VF_N][3];
-    uint8_t ray[VF_N]; /* its place */
-    unsigned count;
+    uint32_t cells[VF_N][3];
+    unsigned count, cell_count;
 } cell_queue;
 
 /* A subtree of the directory; a node of a treelet's tree, a cube of 2^size cells. */
@@ -49,6 +51,7 @@ typedef struct batch_walk {
     ray_counters *counters;
     bool filter; /* the intersector is the one that the filter knows */
     double middle[3], size[3]; /* of all planes: half of where they are, from there to the last */
+    double per_size[3];
     grid_legs legs;
     grid_rays rays;
     ray_set open;    /* still look for a surface */
@@ -61,6 +64,8 @@ typedef struct batch_walk {
     /* Ray-cells on their way to the cell kernel. */
     cell_batch batch;
     unsigned waiting;
+    unsigned starts;          /* lanes whose ray has something to be behind, */
+    double after[CELL_BATCH]; /* and its t; else -INFINITY */
     uint8_t ray_of[CELL_BATCH];
     uint32_t cell_of[CELL_BATCH][3];
     const resident_grid *treelet_of[CELL_BATCH];
@@ -90,7 +95,8 @@ static void take_hit(batch_walk *w, unsigned i, const resident_grid *at, const h
     if (!at_exit)
         set_drop(&w->open, i);
     else
-        w->rays.t1[i] = (float)(w->best[i].t - w->rays.t_in[i]) * (1.0f + 4.0f * UNIT);
+        w->rays.t1[i] = w->rays.span_of[i][1] =
+            (float)(w->best[i].t - w->rays.t_in[i]) * (1.0f + 4.0f * UNIT);
 }
 
 /* The first hit in a cell behind `after`, where there are hits that are not: asked of the scalar
@@ -116,12 +122,36 @@ static void take_later_hit(batch_walk *w, unsigned k, uint64_t index) {
 
 /* ---- The batch ---- */
 
+/* Leave out the lanes that have no hit behind the surface on which their ray starts. */
+SIMD void drop_starts(batch_walk *w) {
+    const walk_scene *scene = w->scene;
+    cell_batch *b = &w->batch;
+    for (int at = 0; w->starts >> at; at += VD_N) {
+        unsigned none = (1u << VD_N) - 1;
+        if (!(w->starts >> at & none))
+            continue;
+        const start_visit v = start_visit_of(b, at);
+        for (int i = 0; i < scene->count && none; i++) {
+            vd f[8];
+            for (int s = 0; s < 8; s++)
+                f[s] = d_of_floats(b->samples[s] + at) - d_set(scene->isovalues[i]);
+            none &= start_clears(&v, f, d_load(w->after + at));
+        }
+        /* A ray that ends before it begins visits nothing. */
+        for (none &= w->starts >> at; none; none &= none - 1)
+            b->t1[at + __builtin_ctz(none)] = -INFINITY;
+    }
+    w->starts = 0;
+}
+
 /* Let the cell kernel answer what waits. */
 static void flush(batch_walk *w) {
     const walk_scene *scene = w->scene;
     cell_batch_hits hits;
     if (w->waiting == 0)
         return;
+    if (w->filter)
+        drop_starts(w);
     w->kernels->cells(&w->batch, (int)w->waiting, scene->isovalues, scene->count,
                       scene->intersector, &hits);
     for (uint32_t left = hits.found; left; left &= left - 1) {
@@ -158,6 +188,8 @@ static void add_to_batch(batch_walk *w, const resident_grid *at, const uint32_t 
     for (int s = 0; s < 8; s++)
         b->samples[s][k] = samples[s];
     w->ray_of[k] = (uint8_t)i;
+    w->after[k] = state_at(w, i)->after.t;
+    w->starts |= (unsigned)(w->after[k] > -INFINITY) << k;
     w->treelet_of[k] = at;
     set_add(&w->pending, i);
     if (w->waiting == CELL_BATCH)
@@ -172,29 +204,36 @@ typedef struct queue_visits {
     vf in[3], way[3], e;
 } queue_visits;
 
-SIMD queue_visits queue_visits_of(const cell_queue *q, const float astray[3]) {
+SIMD queue_visits queue_visits_of(const grid_rays *g, const cell_queue *q) {
     const vf zero = f_set(0.0f), one = f_set(1.0f);
     queue_visits v = {.e = f_set(0.0f)};
-    vf t_in = f_load(q->t0), t_out = f_load(q->t1);
+    vf o[3], d[3], r[3], span[3], lo[3];
+    f_load_triples(g->o_of[0], q->ray, o);
+    f_load_triples(g->d_of[0], q->ray, d);
+    f_load_triples(g->per_d_of[0], q->ray, r);
+    f_load_triples(g->span_of[0], q->ray, span);
+    vf t_in = span[0], t_out = span[1];
     for (int a = 0; a < 3; a++) {
-        const vf r = f_load(q->reciprocal[a]);
-        const vf to_lo = f_load(q->lo[a]) * r, to_hi = f_load(q->hi[a]) * r;
+        const vf hi = f_load(q->hi[a]) - o[a];
+        lo[a] = f_load(q->lo[a]) - o[a];
+        const vf to_lo = lo[a] * r[a], to_hi = hi * r[a];
         t_in = f_max(t_in, f_min(to_lo, to_hi));
         t_out = f_min(t_out, f_max(to_lo, to_hi));
+        v.e = v.e + (f_max(f_abs(lo[a]), f_abs(hi)) + f_set(g->astray[a])) * f_load(q->inv[a]);
     }
     for (int a = 0; a < 3; a++) {
-        const vf d = f_load(q->d[a]), lo = f_load(q->lo[a]), inv = f_load(q->inv[a]);
-        v.in[a] = f_min(f_max((t_in * d - lo) * inv, zero), one);
-        v.way[a] = f_min(f_max((t_out * d - lo) * inv, zero), one) - v.in[a];
-        v.e = v.e + (f_max(f_abs(lo), f_abs(f_load(q->hi[a]))) + f_set(astray[a])) * inv;
+        const vf inv = f_load(q->inv[a]);
+        v.in[a] = f_min(f_max((t_in * d[a] - lo[a]) * inv, zero), one);
+        v.way[a] = f_min(f_max((t_out * d[a] - lo[a]) * inv, zero), one) - v.in[a];
     }
     return v;
 }
 
-/* Which lanes' control polygons (cell_cubic()) may change side; f: corners without the isovalue. As
+/* Which lanes' control polygons (cell_cubic()) may change side; f: corners without the isovalue,
+ * each off by less than `off` before. As
  * the filter of grid_walk_template.h, where the proof is, with planes as seen from where each ray
  * comes in; which may be off by as much as `astray` has added. */
-SIMD unsigned may_cross(const queue_visits *v, const vf f[8]) {
+SIMD unsigned may_cross(const queue_visits *v, const vf f[8], vf off) {
     vf largest = f_set(0.0f);
     for (int s = 0; s < 8; s++)
         largest = f_max(largest, f_abs(f[s]));
@@ -202,7 +241,7 @@ SIMD unsigned may_cross(const queue_visits *v, const vf f[8]) {
     const vf y0 = f[2] - f[0], xy0 = x1 - x0;
     const vf c[8] = {f[0], x0, y0, f[4] - f[0], xy0, (f[6] - f[4]) - y0, x2 - x0, (x3 - x2) - xy0};
     const vf bound = largest * ((f_set(2048.0f + 96.0f) + f_set(32.0f) * v->e) * f_set(UNIT)) +
-                     f_set(0x1p-130f);
+                     f_set(0x1p-130f) + off;
     const vf *in = v->in, *way = v->way;
     const vf x = in[0], y = in[1], z = in[2];
     /* Per power of x and y, as a linear function along the visit: e + s h. */
@@ -223,21 +262,30 @@ SIMD unsigned may_cross(const queue_visits *v, const vf f[8]) {
 }
 
 /* Which lanes may cross any of the surfaces. */
-SIMD unsigned queue_may_cross(const cell_queue *q, const float astray[3], const double isovalues[],
-                              int count) {
-    const queue_visits v = queue_visits_of(q, astray);
+SIMD unsigned queue_may_cross(const grid_rays *g, const cell_queue *q, const walk_scene *scene) {
+    const queue_visits v = queue_visits_of(g, q);
     unsigned crossing = 0;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < scene->count; i++) {
+        const float iso = (float)scene->isovalues[i];
         vf f[8];
-        for (int s = 0; s < 8; s++) {
-            double difference[VF_N];
-            for (int k = 0; k < VF_N; k += VD_N)
-                d_store(difference + k, d_of_floats(q->samples[s] + k) - d_set(isovalues[i]));
-            f[s] = f_of_doubles(difference);
-        }
-        crossing |= may_cross(&v, f);
+        for (int s = 0; s < 8; s++)
+            f[s] = f_load(q->samples[s]) - f_set(iso);
+        crossing |= may_cross(&v, f, f_set(2.0f * UNIT * fabsf(iso)));
     }
     return crossing;
+}
+
+/* The samples of the cells that have been queued: to *q, and once more by cells. */
+SIMD void queue_samples(const walk_scene *scene, cell_queue *q, float samples[VF_N][8]) {
+    for (unsigned k = 0, last = VF_N; k < q->count; k++) {
+        const unsigned c = q->cell[k];
+        if (c == last)
+            continue;
+        last = c;
+        walk_cell_samples(scene, q->at[c], q->cells[c], samples[c]);
+        for (int s = 0; s < 8; s++)
+            f_store(q->samples[s] + k, f_set(samples[c][s]));
+    }
 }
 
 /* Filter what has been queued, and add the rest to the batch. */
@@ -247,57 +295,64 @@ static void queue_flush(batch_walk *w) {
     unsigned left = (1u << q->count) - 1u;
     if (q->count == 0)
         return;
-    for (unsigned k = 0; k < q->count; k++) {
-        walk_cell_samples(w->scene, q->at[k], q->cell[k], samples[k]);
-        for (int s = 0; s < 8; s++)
-            q->samples[s][k] = samples[k][s];
-    }
+    queue_samples(w->scene, q, samples);
     if (w->filter)
-        left &= queue_may_cross(q, w->rays.astray, w->scene->isovalues, w->scene->count);
-    q->count = 0;
+        left &= queue_may_cross(&w->rays, q, w->scene);
+    q->count = q->cell_count = 0;
     w->queued = (ray_set){{0}};
     for (; left; left &= left - 1) {
-        const unsigned k = (unsigned)__builtin_ctz(left), i = q->ray[k];
+        const unsigned k = (unsigned)__builtin_ctz(left), i = q->ray[k], c = q->cell[k];
         if (set_has(&w->pending, i))
             flush(w);
         if (set_has(&w->open, i))
-            add_to_batch(w, q->at[k], q->cell[k], samples[k], i);
+            add_to_batch(w, q->at[c], q->cells[c], samples[c], i);
     }
 }
 
-SIMD void queue_add(batch_walk *w, const resident_grid *at, const uint32_t cell[3], unsigned i) {
-    const level_planes *planes = &w->scene->levels[at->level];
-    const grid_rays *g = &w->rays;
-    cell_queue *q = &w->queue;
-    const unsigned k = q->count++;
+/* A cell for the lanes that follow. */
+SIMD void queue_cell(cell_queue *q, const resident_grid *at, const uint32_t cell[3],
+                     const float planes[3][3]) {
+    const unsigned c = q->cell_count++;
+    q->at[c] = at;
     for (int a = 0; a < 3; a++) {
-        const uint32_t c = cell[a];
-        q->lo[a][k] = (float)(planes->at[a][c] - g->entry[a][i]);
-        q->hi[a][k] = (float)(planes->at[a][c + 1] - g->entry[a][i]);
-        q->inv[a][k] = (float)planes->inverse[a][c];
-        q->d[a][k] = g->d[a][i];
-        q->reciprocal[a][k] = g->reciprocal[a][i];
-        q->cell[k][a] = c;
+        q->cells[c][a] = cell[a];
+        f_store(q->lo[a] + q->count, f_set(planes[a][0]));
+        f_store(q->hi[a] + q->count, f_set(planes[a][1]));
+        f_store(q->inv[a] + q->count, f_set(planes[a][2]));
     }
-    q->t0[k] = g->t0[i];
-    q->t1[k] = g->t1[i];
-    q->at[k] = at;
-    q->ray[k] = (uint8_t)i;
-    set_add(&w->queued, i);
-    if (q->count == VF_N)
-        queue_flush(w);
 }
 
-/* The rays that may visit an active cell. */
+SIMD void queue_ray(batch_walk *w, unsigned i) {
+    cell_queue *q = &w->queue;
+    q->ray[q->count] = i;
+    q->cell[q->count++] = (uint8_t)(q->cell_count - 1);
+    set_add(&w->queued, i);
+}
+
+/* The rays that may visit an active cell: at least one. */
 static void walk_cell(batch_walk *w, const resident_grid *at, const uint32_t cell[3],
                       const ray_set *rays) {
+    const level_planes *planes = &w->scene->levels[at->level];
+    float near[3][3];
     walk_cell_prefetch(w->scene, at, cell);
+    for (int a = 0; a < 3; a++) {
+        near[a][0] = (float)(planes->at[a][cell[a]] - w->middle[a]);
+        near[a][1] = (float)(planes->at[a][cell[a] + 1] - w->middle[a]);
+        near[a][2] = (float)planes->inverse[a][cell[a]];
+    }
+    queue_cell(&w->queue, at, cell, near);
+    w->counters->cells += set_count(rays, w->rays.words);
     for (unsigned word = 0; word < w->rays.words; word++) {
-        for (uint64_t left = rays->of[word] & w->open.of[word]; left; left &= left - 1) {
-            w->counters->cells++;
-            queue_add(w, at, cell, 64 * word + (unsigned)__builtin_ctzll(left));
+        for (uint64_t left = rays->of[word]; left; left &= left - 1) {
+            if (w->queue.count == VF_N) {
+                queue_flush(w);
+                queue_cell(&w->queue, at, cell, near);
+            }
+            queue_ray(w, 64 * word + (unsigned)__builtin_ctzll(left));
         }
     }
+    if (w->queue.count == VF_N)
+        queue_flush(w);
 }
 
 /* ---- Nodes ---- */
@@ -526,8 +581,8 @@ static void deliver(batch_walk *w) {
 static void walk_octant(batch_walk *w) {
     grid_rays_make(&w->rays, &w->legs, w->middle, w->size);
     w->open = w->pending = w->queued = w->single = (ray_set){{0}};
-    w->waiting = 0;
-    w->queue.count = 0;
+    w->waiting = w->starts = 0;
+    w->queue = (cell_queue){.count = 0};
     for (unsigned i = 0; i < w->rays.count; i++) {
         set_add(&w->open, i);
         w->best[i] = state_at(w, i)->best;
@@ -537,39 +592,59 @@ static void walk_octant(batch_walk *w) {
     deliver(w);
 }
 
-/* Whether the kernel can do with a ray's direction; its octant. */
-static bool ordinary(const batch_walk *w, const ray *r, unsigned *octant) {
+/* A ray as the kernel looks at it first. */
+typedef struct ray_way {
+    double per_d[3], t_in, t_out, t_box;
+    unsigned octant;
+} ray_way;
+
+/* Whether the kernel can do with a ray's direction. */
+static bool ordinary(const batch_walk *w, const ray *r, ray_way *way) {
     double least = INFINITY, most = 0.0;
-    *octant = 0;
+    bool usable = true;
+    way->octant = 0;
     for (int a = 0; a < 3; a++) {
-        const double d = fabs(r->d[a]), across = d / w->size[a];
-        if (!(d >= EXTENT_MIN && d <= EXTENT_MAX))
-            return false;
+        const double d = fabs(r->d[a]), across = d * w->per_size[a];
+        usable &= d >= EXTENT_MIN && d <= EXTENT_MAX;
         least = across < least ? across : least;
         most = across > most ? across : most;
-        *octant |= (unsigned)(r->d[a] < 0.0) << a;
+        way->octant |= (unsigned)(r->d[a] < 0.0) << a;
+        way->per_d[a] = 1.0 / r->d[a];
     }
-    return least >= COMPONENT_MIN * most;
+    return usable && least >= COMPONENT_MIN * most;
+}
+
+/* tracer_box(), give or take roundings: generous. */
+static bool meets_box(const batch_walk *w, const ray *r, ray_way *way) {
+    const double (*box)[3] = w->tr->box;
+    double t_in = -INFINITY, t_out = INFINITY;
+    for (int a = 0; a < 3; a++) {
+        const bool back = way->octant >> a & 1u;
+        const double near = (box[back][a] - r->o[a]) * way->per_d[a];
+        const double far = (box[!back][a] - r->o[a]) * way->per_d[a];
+        t_in = near > t_in ? near : t_in;
+        t_out = far < t_out ? far : t_out;
+    }
+    way->t_box = t_in - 0x1p-50 * fabs(t_in);
+    t_out += 0x1p-50 * fabs(t_out);
+    way->t_in = way->t_box > way->t_in ? way->t_box : way->t_in;
+    way->t_out = t_out < way->t_out ? t_out : way->t_out;
+    return way->t_in <= way->t_out;
 }
 
 enum { DONE = 8, ALONE };
 
 /* What becomes of ray i: one of an octant's, one that goes by itself, or done: nothing of the
  * volume is in its way, or behind what it has. */
-static uint8_t begin_ray(const batch_walk *w, unsigned i, double *t_in, double *t_out,
-                         double *t_box) {
+static uint8_t begin_ray(const batch_walk *w, unsigned i, ray_way *way) {
     const ray *r = &w->b->rays[i];
-    trace_state *state = &w->b->states[i];
-    unsigned octant;
-    if (state->blocked != LEAF_NO_TREELET || !ordinary(w, r, &octant))
+    const trace_state *state = &w->b->states[i];
+    if (state->blocked != LEAF_NO_TREELET || !ordinary(w, r, way))
         return ALONE;
-    *t_box = -INFINITY;
-    *t_out = fmin(r->t1, state->best.t);
-    if (tracer_box(w->tr, r, t_box, t_out)) {
-        *t_in = fmax(fmax(r->t0, state->after.t), fmax(state->t_from, *t_box));
-        if (*t_in <= *t_out)
-            return (uint8_t)octant;
-    }
+    way->t_in = r->t0 > state->after.t ? r->t0 : state->after.t;
+    way->t_out = r->t1 < state->best.t ? r->t1 : state->best.t;
+    if (meets_box(w, r, way))
+        return (uint8_t)way->octant;
     w->b->results[i] = hit_exists(&state->best) ? TRACE_HIT : TRACE_MISS;
     return DONE;
 }
@@ -584,16 +659,29 @@ static bool begin_walk(batch_walk *w) {
         const double lo = top->at[a][0], hi = top->at[a][1u << layout->cells_log2];
         w->middle[a] = 0.5 * (lo + hi);
         w->size[a] = 0.5 * (hi - lo);
+        w->per_size[a] = 1.0 / w->size[a];
         usable &= w->size[a] >= EXTENT_MIN && w->size[a] <= EXTENT_MAX;
     }
     return usable;
 }
 
+static void add_leg(grid_legs *legs, const ray_batch *b, unsigned i, const ray_way *way) {
+    const unsigned to = legs->count++;
+    legs->number[to] = (uint8_t)i;
+    legs->r[to] = &b->rays[i];
+    legs->t_in[to] = way->t_in;
+    legs->t_out[to] = way->t_out;
+    legs->t_box[to] = way->t_box;
+    for (int a = 0; a < 3; a++)
+        legs->per_d[to][a] = way->per_d[a];
+}
+
 void SIMD_NAME(grid_batch_trace)(const tracer *tr, const kernels *k, ray_batch *b, void *scratch,
                                  ray_counters *counters) {
     batch_walk *w = scratch;
-    double t_in[RAY_BATCH], t_out[RAY_BATCH], t_box[RAY_BATCH];
-    uint8_t way[RAY_BATCH];
+    ray_way ways[RAY_BATCH];
+    uint8_t goes[RAY_BATCH];
+    unsigned octants = 0;
     w->tr = tr;
     w->scene = tr->own;
     w->kernels = k;
@@ -602,25 +690,18 @@ void SIMD_NAME(grid_batch_trace)(const tracer *tr, const kernels *k, ray_batch *
     w->filter = w->scene->intersector == LEAFCAST_MARMITT;
     const bool usable = begin_walk(w);
     for (unsigned i = 0; i < b->count; i++) {
-        way[i] = usable ? begin_ray(w, i, &t_in[i], &t_out[i], &t_box[i]) : (uint8_t)ALONE;
-        if (way[i] == ALONE)
+        goes[i] = usable ? begin_ray(w, i, &ways[i]) : (uint8_t)ALONE;
+        octants |= 1u << goes[i];
+        if (goes[i] == ALONE)
             ray_batch_single(tr, b, i, counters);
     }
-    for (uint8_t octant = 0; octant < 8; octant++) {
-        grid_legs *legs = &w->legs;
-        legs->count = 0;
-        for (unsigned i = 0; i < b->count; i++) {
-            if (way[i] != octant)
-                continue;
-            const unsigned to = legs->count++;
-            legs->number[to] = (uint8_t)i;
-            legs->r[to] = &b->rays[i];
-            legs->t_in[to] = t_in[i];
-            legs->t_out[to] = t_out[i];
-            legs->t_box[to] = t_box[i];
-        }
-        if (legs->count > 0)
-            walk_octant(w);
+    for (octants &= 255u; octants; octants &= octants - 1) {
+        const unsigned octant = (unsigned)__builtin_ctz(octants);
+        w->legs.count = 0;
+        for (unsigned i = 0; i < b->count; i++)
+            if (goes[i] == octant)
+                add_leg(&w->legs, b, i, &ways[i]);
+        walk_octant(w);
     }
 }
 

@@ -120,24 +120,34 @@ SIMD unsigned normals_of(const affine *space, double gradient[3][VD_N], unsigned
     return ~md_bits(md_and(d_gt(largest, d_set(0.0)), d_lt(d_abs(sum), infinite)));
 }
 
-/* surface_at() by itself. */
-static surface_point grid_point(const tile_state *s, const tile_layer *l, unsigned i) {
-    const tracer *tr = s->f->tracer;
-    const walk_scene *scene = tr->own;
-    const tile_surface *x = surface_of(l, i);
-    const hit h = grid_hit_of(s->f, x);
+/* A ray of the tile, as the scalar code has it. */
+static ray ray_of(const tile_state *s, unsigned i) {
     ray r = {.t0 = s->rays.t0[i], .t1 = s->rays.t1[i]};
     for (int a = 0; a < 3; a++) {
         r.o[a] = r.held[a] = s->f->projection->eye[a];
         r.d[a] = s->rays.d[a][i];
     }
-    return surface_at(scene, &tr->space, resident_grid_of(x->at), &r, &h, scene->analytic_normals);
+    return r;
 }
 
-/* Where neighbours do not give a normal. */
+static surface_point grid_start(void *work, const tile_layer *l, unsigned i) {
+    const tile_state *s = &((const tile_walk *)work)->s;
+    const tracer *tr = s->f->tracer;
+    const tile_surface *x = surface_of(l, i);
+    const hit h = grid_hit_of(s->f, x);
+    const ray r = ray_of(s, i);
+    return surface_start(tr->own, &tr->space, resident_grid_of(x->at), &r, &h);
+}
+
+/* surface_at() by itself, where neighbours do not give a normal. */
 static void normal_of_its_own(const tile_walk *w, const tile_layer *l, unsigned i,
                               tile_normals normal) {
-    const surface_point point = grid_point(&w->s, l, i);
+    const tracer *tr = w->s.f->tracer;
+    const tile_surface *x = surface_of(l, i);
+    const hit h = grid_hit_of(w->s.f, x);
+    const ray r = ray_of(&w->s, i);
+    const surface_point point = surface_at(scene_of(w), &tr->space, resident_grid_of(x->at), &r, &h,
+                                           scene_of(w)->analytic_normals);
     for (int a = 0; a < 3; a++)
         normal[a][i] = point.normal[a];
 }
@@ -161,7 +171,7 @@ static void grid_normals(void *work, const tile_layer *l, tile_normals normal) {
     }
 }
 
-static const tile_kind grid_kind_of_tile = {grid_normals, grid_point};
+static const tile_kind grid_kind_of_tile = {grid_normals, grid_start};
 
 #endif
 #endif

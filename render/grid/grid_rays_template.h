@@ -27,7 +27,8 @@ typedef struct grid_legs {
     uint8_t number[RAY_BATCH]; /* in the batch */
     const ray *r[RAY_BATCH];
     double t_in[RAY_BATCH], t_out[RAY_BATCH];
-    double t_box[RAY_BATCH]; /* where they come into the volume's box */
+    double t_box[RAY_BATCH]; /* where they come into the volume's box, or before */
+    double per_d[RAY_BATCH][3];
 } grid_legs;
 
 /* Rays of one octant of directions, as nodes test them: in single precision, conservatively. Each
@@ -42,10 +43,11 @@ typedef struct grid_rays {
     double middle[3];
     /* A ray meets near and far planes at (plane - near_o) reciprocal and (plane - far_o)
      * reciprocal: early and late enough, see widening(). */
-    float near_o[3][RAY_BATCH], far_o[3][RAY_BATCH], reciprocal[3][RAY_BATCH];
-    float d[3][RAY_BATCH], t1[RAY_BATCH];
-    float t0[RAY_BATCH]; /* where the cell kernel lets it begin: not above 0 */
-    float astray[3];     /* 2^26 times how far entries are off at most, by rounding */
+    float near_o[3][RAY_BATCH], far_o[3][RAY_BATCH], reciprocal[3][RAY_BATCH], t1[RAY_BATCH];
+    /* The same ray by ray, for f_load_triples(). [0] of the span: where the cell kernel lets the ray
+     * begin, not above 0; [1]: t1. */
+    float o_of[RAY_BATCH][3], d_of[RAY_BATCH][3], per_d_of[RAY_BATCH][3], span_of[RAY_BATCH][3];
+    float astray[3];     /* 2^23 times how far entries and planes are off at most, by rounding */
 } grid_rays;
 
 /* Planes of a node's halves as rays of an octant of directions meet them: [0] those of the half
@@ -123,7 +125,7 @@ static void crossings(const grid_legs *legs, float u[2][RAY_BATCH]) {
     middle /= legs->count;
     for (unsigned i = 0; i < legs->count; i++) {
         const ray *r = legs->r[i];
-        const double t = (middle - r->o[main]) / r->d[main];
+        const double t = (middle - r->o[main]) * legs->per_d[i][main];
         for (int k = 0; k < 2; k++)
             u[k][i] = (float)(r->o[side[k]] + t * r->d[side[k]]);
     }
@@ -231,15 +233,19 @@ static void rays_enter(grid_rays *g, const grid_legs *legs, const uint8_t order[
         g->ray[i] = legs->number[from];
         g->t_in[i] = t_in;
         g->t_out[i] = legs->t_out[from];
-        g->t0[i] = (float)((r->t0 > legs->t_box[from] ? r->t0 : legs->t_box[from]) - t_in);
+        const double begins = r->t0 > legs->t_box[from] ? r->t0 : legs->t_box[from];
         g->t1[i] = (float)(legs->t_out[from] - t_in) * (1.0f + 4.0f * UNIT);
+        g->span_of[i][0] = (float)(begins - t_in);
+        g->span_of[i][1] = g->t1[i];
         for (int a = 0; a < 3; a++) {
-            const double e = r->o[a] + t_in * r->d[a], far = fabs(r->o[a]) + fabs(t_in * r->d[a]);
+            const double e = r->o[a] + t_in * r->d[a], seen = fabs(e - g->middle[a]);
+            const double far = fabs(r->o[a]) + fabs(t_in * r->d[a]);
             g->entry[a][i] = e;
-            g->d[a][i] = (float)r->d[a];
-            g->reciprocal[a][i] = (float)(1.0 / r->d[a]);
-            size[a] = fmax(size[a], fabs(e - g->middle[a]));
-            come[a] = fmax(come[a], far);
+            g->o_of[i][a] = (float)(e - g->middle[a]);
+            g->d_of[i][a] = (float)r->d[a];
+            g->reciprocal[a][i] = g->per_d_of[i][a] = (float)legs->per_d[from][a];
+            size[a] = seen > size[a] ? seen : size[a];
+            come[a] = far > come[a] ? far : come[a];
         }
     }
 }
@@ -272,7 +278,7 @@ static void grid_rays_make(grid_rays *g, const grid_legs *legs, const double mid
     for (int a = 0; a < 3; a++) {
         const double wide = widening(furthest[a], come[a] + fabs(middle[a]) + size[a]);
         const double w = g->back >> a & 1u ? -wide : wide;
-        g->astray[a] = (float)(0x1p-24 * (come[a] + fabs(middle[a]) + size[a]));
+        g->astray[a] = (float)(furthest[a] + 0x1p-24 * (come[a] + fabs(middle[a])));
         for (unsigned i = 0; i < g->count; i++) {
             g->near_o[a][i] = (float)(g->entry[a][i] - middle[a] + w);
             g->far_o[a][i] = (float)(g->entry[a][i] - middle[a] - w);

@@ -9,6 +9,7 @@
 
 #include "render/grid/grid_near_template.h"
 #include "render/kernels.h"
+#include "render/lane_counts.h"
 #include "render/ray_box.h"
 #include "render/tile_rects_template.h"
 #include "render/tile_state_template.h"
@@ -87,6 +88,7 @@ static void flush_first(tile_walk *w) {
         take_hit(w, k, hits.t[k], hits.iso[k], hits.entering >> k & 1u, hits.at_exit >> k & 1u);
     }
     w->s.counters->roots += (unsigned)__builtin_popcount(hits.found);
+    LANE_COUNT(roots, hits.found);
 }
 
 static void flush_all(tile_walk *w) {
@@ -101,6 +103,7 @@ static void flush_all(tile_walk *w) {
                          roots.at_exit[n] >> k & 1u);
             }
             w->s.counters->roots += (unsigned)__builtin_popcount(roots.found[n]);
+            LANE_COUNT(roots, roots.found[n]);
         }
     }
 }
@@ -109,6 +112,7 @@ static void flush_all(tile_walk *w) {
 static void flush(tile_walk *w) {
     if (w->waiting == 0)
         return;
+    LANE_COUNT(batches, (1u << w->waiting) - 1u);
     if (w->several)
         flush_all(w);
     else
@@ -180,8 +184,10 @@ static void queue_flush(tile_walk *w) {
         for (int s = 0; s < 8; s++)
             q->samples[s][k] = samples[k][s];
     }
+    LANE_COUNT(queue, left);
     if (w->filter)
         left &= queue_may_cross(q, scene->isovalues, scene->count);
+    LANE_COUNT(queue_survivors, left);
     q->count = 0;
     for (; left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left), i = q->ray[k];
@@ -223,6 +229,7 @@ SIMD void window_to_batch(tile_walk *w, unsigned n) {
     static const tile_rect all = {0, TILE - 1, 0, TILE - 1};
     const cell_stage *s = &w->stage;
     const unsigned x = s->x[n], y = s->y[n], k = s->of[n];
+    LANE_COUNT(survivors, s->visitors[n]);
     if (s->visitors[n] & window_pending(w, x, y))
         flush(w);
     for (unsigned bits = s->visitors[n] & window_open(w, x, y, all); bits; bits &= bits - 1) {
@@ -297,6 +304,8 @@ static __attribute__((noinline)) void walk_cell(tile_walk *w, const resident_gri
             const unsigned open = window_open(w, x, y, r);
             if (open) {
                 const unsigned visitors = stage_window(w, x, y, open);
+                LANE_COUNT(windows, open);
+                LANE_COUNT(visitors, visitors);
                 w->s.counters->cells += (unsigned)__builtin_popcount(visitors);
                 visited |= visitors;
             }
@@ -356,6 +365,7 @@ static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t fir
                 visited |= group_visits(&w->s.rays, STRIDE * y + x, &planes[v], t_in + v * VF_N,
                                         t_out + v * VF_N)
                            << v * VF_N;
+            LANE_COUNT(groups, visited & active);
             for (unsigned places = in_order(visited & active, first); places;
                  places &= places - 1) {
                 const unsigned o = (unsigned)__builtin_ctz(places) ^ first;

@@ -147,40 +147,60 @@ static void position_errors(const affine *space, const ray *r, double t, double 
     }
 }
 
-surface_point surface_at(const walk_scene *scene, const affine *space, const resident_grid *tr,
-                         const ray *r, const hit *h, bool analytic) {
-    const level_planes *planes = &scene->levels[tr->level];
+/* A hit in its cell. */
+typedef struct cell_hit {
     uint32_t cell[3];
-    surface_cell_of(planes, h->cell, cell);
-    const cell_box box = walk_cell_box(planes, cell);
-    double at[3], position_error[3];
+    cell_box box;
+    double at[3]; /* in the cell, each in [0, 1] */
+} cell_hit;
+
+static cell_hit cell_hit_of(const walk_scene *scene, const resident_grid *tr, const ray *r,
+                            const hit *h) {
+    const level_planes *planes = &scene->levels[tr->level];
+    cell_hit c;
+    surface_cell_of(planes, h->cell, c.cell);
+    c.box = walk_cell_box(planes, c.cell);
     for (int a = 0; a < 3; a++) {
-        const double u = (h->t * r->d[a] - (box.lo[a] - r->o[a])) * box.inv[a];
-        at[a] = u < 0.0 ? 0.0 : u > 1.0 ? 1.0 : u;
+        const double u = (h->t * r->d[a] - (c.box.lo[a] - r->o[a])) * c.box.inv[a];
+        c.at[a] = u < 0.0 ? 0.0 : u > 1.0 ? 1.0 : u;
     }
-    position_errors(space, r, h->t, position_error);
+    return c;
+}
+
+static surface_point start_of(const walk_scene *scene, const affine *space, const resident_grid *tr,
+                              const ray *r, const hit *h, const cell_hit *c) {
+    double position_error[3], gradient[3], magnitude = 0.0;
     float samples[8];
-    walk_cell_samples(scene, tr, cell, samples);
-    double gradient[3], magnitude = 0.0;
-    surface_trilinear(samples, at, box.inv, gradient);
+    position_errors(space, r, h->t, position_error);
+    walk_cell_samples(scene, tr, c->cell, samples);
+    surface_trilinear(samples, c->at, c->box.inv, gradient);
     for (int i = 0; i < 8; i++)
         magnitude = fmax(magnitude, fabs((double)samples[i] - scene->isovalues[h->iso]));
-
-    surface_point point;
-    point.span = INFINITY;
-    for (int a = 0; a < 3; a++) {
-        point.span = fmin(point.span, affine_unit(space, a) * (box.hi[a] - box.lo[a]));
-    }
     /* The kernel's sums err by a few ulps of the largest difference; its position by a few ulps of
      * where it lies. */
-    point.error = 32.0 * DBL_EPSILON * magnitude;
-    for (int a = 0; a < 3; a++)
+    surface_point point = {.span = INFINITY, .error = 32.0 * DBL_EPSILON * magnitude};
+    for (int a = 0; a < 3; a++) {
+        point.span = fmin(point.span, affine_unit(space, a) * (c->box.hi[a] - c->box.lo[a]));
         point.error += fabs(gradient[a]) * position_error[a];
+    }
     affine_gradient_to_world(space, gradient, point.gradient);
+    return point;
+}
+
+surface_point surface_start(const walk_scene *scene, const affine *space, const resident_grid *tr,
+                            const ray *r, const hit *h) {
+    const cell_hit c = cell_hit_of(scene, tr, r, h);
+    return start_of(scene, space, tr, r, h, &c);
+}
+
+surface_point surface_at(const walk_scene *scene, const affine *space, const resident_grid *tr,
+                         const ray *r, const hit *h, bool analytic) {
+    const cell_hit c = cell_hit_of(scene, tr, r, h);
+    surface_point point = start_of(scene, space, tr, r, h, &c);
     double smooth[3] = {0.0, 0.0, 0.0};
     if (!analytic && scene->halo > 0) {
         double central[3];
-        central_gradient(scene, tr, cell, at, central);
+        central_gradient(scene, tr, c.cell, c.at, central);
         affine_gradient_to_world(space, central, smooth);
     }
     if (!shade_normal(smooth, point.normal) && !shade_normal(point.gradient, point.normal))

@@ -23,7 +23,8 @@ enum { RAY_WORDS = TET_RAYS / 64 };
 typedef struct batch_tets {
     uint32_t vertex[4][VF_N]; /* in the treelet */
     uint32_t place[VF_N];
-    uint32_t beams[VF_N];
+    uint32_t beams[BEAM_BOXES];
+    uint32_t any; /* beams */
     unsigned count;
 } batch_tets;
 
@@ -97,7 +98,7 @@ typedef struct framed_tets {
     vf p[4][3], f[4];
     unsigned odd; /* lanes with values that sums and quotients of floats cannot be trusted with */
     _Alignas(64) float cut[TET_EDGES][3][VF_N];
-    uint8_t inside[VF_N];
+    int32_t inside[VF_N]; /* bits */
 } framed_tets;
 
 /* The edges around a polygon as lines of the frame: the edge function of a ray (o, d) is d . moment
@@ -271,15 +272,15 @@ SIMD void boxes_of_polygons(const mesh_batch *w, framed_tets *x, double iso, bea
     const vf near = f_set((float)iso), rest = f_set((float)(iso - (double)(float)iso));
     vf up[4], lo[3] = {most, most, most}, hi[3] = {least, least, least};
     mf in[4];
-    unsigned inside[4], edge = 0;
+    unsigned edge = 0;
+    vf sides = zero;
     for (int k = 0; k < 4; k++) {
         in[k] = f_ge(x->f[k], threshold);
         up[k] = (near - x->f[k]) + rest;
-        inside[k] = mf_bits(in[k]);
+        sides = sides + f_select(in[k], f_set((float)(1 << k)), zero);
     }
-    for (unsigned k = 0; k < VF_N; k++)
-        x->inside[k] = (uint8_t)((inside[0] >> k & 1u) | (inside[1] >> k & 1u) << 1 |
-                                 (inside[2] >> k & 1u) << 2 | (inside[3] >> k & 1u) << 3);
+    const vi inside = f_to_int(sides);
+    memcpy(x->inside, &inside, sizeof inside);
     for (int i = 0; i < 3; i++) {
         for (int j = i + 1; j < 4; j++, edge++) {
             const mf cut = mf_and_not(mf_or(in[i], in[j]), mf_and(in[i], in[j]));
@@ -311,29 +312,29 @@ static void walk_tets(mesh_batch *w, const resident_mesh *at) {
             l->vertex[v][k] = l->vertex[v][0];
     frame_tets(w, at, &x);
     for (int32_t i = 0; i < isos->count; i++) {
+        const unsigned all = (1u << l->count) - 1;
+        uint32_t met[BEAM_BOXES];
         beam_boxes boxes;
-        uint32_t beams[BEAM_BOXES];
         boxes_of_polygons(w, &x, isos->isovalues[i], &boxes);
-        for (unsigned k = 0; k < VF_N; k++)
-            beams[k] = k < l->count ? l->beams[k] & w->alive : 0;
-        meet_boxes(&w->beams, &boxes, VF_N, beams);
-        for (unsigned k = 0; k < l->count; k++)
-            if (beams[k])
-                walk_tet(w, at, &x, k, i, beams[k]);
+        unsigned left = meet_boxes(&w->beams, &boxes, all, l->any & w->alive, l->beams, met);
+        for (; left; left &= left - 1) {
+            const unsigned k = (unsigned)__builtin_ctz(left);
+            walk_tet(w, at, &x, k, i, met[k]);
+        }
     }
     w->counters->cells += l->count;
+    l->any = 0;
     l->count = 0;
 }
 
 static void add_tet(mesh_batch *w, const resident_mesh *at, uint32_t place, uint32_t beams) {
     const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[place];
-    const float *values = mesh_leaf_values(&at->mesh, at->values);
     batch_tets *l = &w->tets;
     for (int k = 0; k < 4; k++) {
         __builtin_prefetch(at->positions[v[k]]);
-        __builtin_prefetch(values + v[k]);
         l->vertex[k][l->count] = v[k];
     }
+    l->any |= beams;
     l->beams[l->count] = beams;
     l->place[l->count++] = place;
     if (l->count == VF_N)
@@ -355,14 +356,13 @@ static void walk_leaf(mesh_batch *w, const resident_mesh *at, uint32_t first, ui
 
 /* ---- Nodes ---- */
 
-/* Push children with beams, the nearest last. */
-SIMD int push_boxes(const mesh_batch *w, const beam_boxes *b, const uint32_t beams[],
-                    unsigned count, batch_pending *stack, int top) {
+/* Push children and their beams, the nearest last. */
+SIMD int push_boxes(const mesh_batch *w, const beam_boxes *b, unsigned left,
+                    const uint32_t beams[BEAM_BOXES], batch_pending *stack, int top) {
     const int bottom = top;
     float near[MESH_CHILDREN];
-    for (unsigned c = 0; c < count; c++) {
-        if (!beams[c])
-            continue;
+    for (; left; left &= left - 1) {
+        const unsigned c = (unsigned)__builtin_ctz(left);
         float key = 0.0f;
         for (int a = 0; a < 3; a++)
             key += w->along[a] * b->lo[a][c];
@@ -396,14 +396,40 @@ SIMD code_frame code_frame_of(const beam_frame *f, const resident_mesh *at) {
     return c;
 }
 
+typedef uint8_t codes16 __attribute__((vector_size(16)));
+typedef uint16_t words16 __attribute__((vector_size(32)));
+typedef int32_t ints16 __attribute__((vector_size(64)));
+typedef float floats16 __attribute__((vector_size(64)));
+typedef float floats8 __attribute__((vector_size(32)));
+
+/* A node's codes, 48 bytes in a row, as floats: of the lower planes of all axes, of the upper ones.
+ */
+typedef struct node_codes {
+    float of[2][3][MESH_CHILDREN];
+} node_codes;
+
+SIMD void codes_of_node(const mesh_node *node, node_codes *out) {
+    for (unsigned k = 0; k < 3; k++) {
+        codes16 c;
+        memcpy(&c, (const char *)node + sizeof c * k, sizeof c);
+        const words16 words = __builtin_convertvector(c, words16);
+        const ints16 ints = __builtin_convertvector(words, ints16);
+        const floats16 floats = __builtin_convertvector(ints, floats16);
+        memcpy((char *)out + sizeof floats * k, &floats, sizeof floats);
+    }
+}
+
 SIMD void boxes_of_node(const code_frame *f, const mesh_node *node, beam_boxes *b) {
+    node_codes codes;
+    codes_of_node(node, &codes);
     for (int a = 0; a < 3; a++) {
-        const uint8_t *lower = f->back[a] ? node->hi[a] : node->lo[a];
-        const uint8_t *upper = f->back[a] ? node->lo[a] : node->hi[a];
-        for (int c = 0; c < MESH_CHILDREN; c++) {
-            b->lo[a][c] = f->lo[a] + (float)lower[c] * f->step[a];
-            b->hi[a][c] = f->hi[a] + (float)upper[c] * f->step[a];
-        }
+        floats8 lower, upper;
+        memcpy(&lower, codes.of[f->back[a]][a], sizeof lower);
+        memcpy(&upper, codes.of[!f->back[a]][a], sizeof upper);
+        lower = f->lo[a] + lower * f->step[a];
+        upper = f->hi[a] + upper * f->step[a];
+        memcpy(b->lo[a], &lower, sizeof lower);
+        memcpy(b->hi[a], &upper, sizeof upper);
     }
 }
 
@@ -418,16 +444,16 @@ static int open_node(mesh_batch *w, const code_frame *planes, const resident_mes
                      const batch_pending *p, batch_pending *stack, int top) {
     const mesh_node *node = &at->nodes[p->i];
     const unsigned active = at->active->children[p->i];
-    uint32_t beams[BEAM_BOXES] = {0};
+    uint32_t wanted[BEAM_BOXES], met[BEAM_BOXES];
     beam_boxes b;
     w->counters->nodes++;
     boxes_of_node(planes, node, &b);
     leave_idle(&b, MESH_CHILDREN);
     for (unsigned c = 0; c < MESH_CHILDREN; c++)
-        beams[c] = active >> c & 1u ? p->beams : 0;
-    meet_boxes(&w->beams, &b, MESH_CHILDREN, beams);
+        wanted[c] = p->beams;
+    const unsigned left = meet_boxes(&w->beams, &b, active, p->beams, wanted, met);
     const int bottom = top;
-    top = push_boxes(w, &b, beams, MESH_CHILDREN, stack, top);
+    top = push_boxes(w, &b, left, met, stack, top);
     for (int k = bottom; k < top; k++) {
         stack[k].i = node->child[stack[k].i];
         if (!(stack[k].i & MESH_LEAF))
@@ -499,12 +525,14 @@ static int open_family(mesh_batch *w, const batch_pending *p, batch_pending *sta
     const treelet_tree *tree = mesh_rays_of(w->tr)->tree;
     const beam_frame *f = &w->frame;
     uint32_t count, first = treelet_tree_children(tree, p->level, p->i, &count);
-    uint32_t beams[BEAM_BOXES] = {0};
+    uint32_t wanted[BEAM_BOXES], met[BEAM_BOXES];
+    unsigned active = 0;
     beam_boxes b;
     w->counters->nodes++;
     for (uint32_t c = 0; c < count; c++) {
         const float *bounds = tree->bounds[p->level - 1][first + c];
-        beams[c] = tree->active[p->level - 1][first + c] ? p->beams : 0;
+        wanted[c] = p->beams;
+        active |= (unsigned)tree->active[p->level - 1][first + c] << c;
         for (int a = 0; a < 3; a++) {
             const bool back = f->sign[a] < 0.0;
             const double scale = f->scale * f->sign[a];
@@ -515,9 +543,9 @@ static int open_family(mesh_batch *w, const batch_pending *p, batch_pending *sta
         }
     }
     leave_idle(&b, count);
-    meet_boxes(&w->beams, &b, MESH_CHILDREN, beams);
+    const unsigned left = meet_boxes(&w->beams, &b, active, p->beams, wanted, met);
     const int bottom = top;
-    top = push_boxes(w, &b, beams, count, stack, top);
+    top = push_boxes(w, &b, left, met, stack, top);
     for (int k = bottom; k < top; k++) {
         stack[k].i += first;
         stack[k].level = p->level - 1;
@@ -566,6 +594,8 @@ static void make_beams(mesh_batch *w, unsigned first, unsigned share) {
     }
 }
 
+static const double NARROW = 0.7;
+
 /* How far apart the rays of beams are on their way, on average. */
 static float width_of_beams(const mesh_batch *w) {
     float sum = 0.0f;
@@ -597,26 +627,92 @@ static void put_ray(mesh_batch *w, unsigned k) {
     w->at[i] = NULL;
 }
 
+/* The sum of the directions of a group's rays, and the axis that they go along most. */
+static void sum_directions(mesh_batch *w, const uint8_t rays[], unsigned count) {
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (unsigned i = 0; i < count; i++) {
+        const double *d = w->b->rays[rays[i]].d;
+        const double size = 1.0 / (fabs(d[0]) + fabs(d[1]) + fabs(d[2]));
+        for (int a = 0; a < 3; a++)
+            sum[a] += fabs(d[a]) * size;
+    }
+    w->axis = sum[1] > sum[0];
+    w->axis = sum[2] > sum[w->axis] ? 2 : w->axis;
+    for (int a = 0; a < 3; a++)
+        w->along[a] = (float)sum[a];
+}
+
+/* Where rays pass by each other: seen along the sum of the directions, in two of the axes; turned a
+ * little by their own directions, which tells rays of one origin apart. */
+static void places_of(const mesh_batch *w, const uint8_t rays[], unsigned count,
+                      float place[2][RAY_BATCH]) {
+    const beam_frame *f = &w->frame;
+    const int z = w->axis;
+    for (int k = 0; k < 2; k++) {
+        const int a = (z + 1 + k) % 3;
+        const double slope = (double)(w->along[a] / w->along[z]) * f->sign[a] * f->sign[z];
+        for (unsigned i = 0; i < count; i++) {
+            const ray *r = &w->b->rays[rays[i]];
+            const double size = 1.0 / (fabs(r->d[0]) + fabs(r->d[1]) + fabs(r->d[2]));
+            place[k][i] = (float)((r->o[a] - slope * r->o[z]) * f->scale + r->d[a] * size);
+        }
+    }
+}
+
+/* 0 .. 15 of a range, every other bit of it. */
+SIMD unsigned spread_place(float at, float lo, float per) {
+    const unsigned x = (unsigned)((at - lo) * per) & 15u;
+    return (x & 1u) | (x & 2u) << 1 | (x & 4u) << 2 | (x & 8u) << 3;
+}
+
+/* Sort a group's rays along a curve through their places (Morton's), so that beams are made of
+ * neighbours. */
+static void sort_rays(const mesh_batch *w, uint8_t rays[], unsigned count) {
+    float place[2][RAY_BATCH], lo[2], per[2];
+    uint8_t key[RAY_BATCH], from[RAY_BATCH];
+    uint16_t begins[257] = {0};
+    places_of(w, rays, count, place);
+    for (int k = 0; k < 2; k++) {
+        float hi = place[k][0];
+        lo[k] = hi;
+        for (unsigned i = 1; i < count; i++) {
+            lo[k] = place[k][i] < lo[k] ? place[k][i] : lo[k];
+            hi = place[k][i] > hi ? place[k][i] : hi;
+        }
+        per[k] = hi > lo[k] ? 15.99f / (hi - lo[k]) : 0.0f;
+    }
+    for (unsigned i = 0; i < count; i++) {
+        key[i] = (uint8_t)(spread_place(place[0][i], lo[0], per[0]) |
+                           spread_place(place[1][i], lo[1], per[1]) << 1);
+        begins[key[i] + 1]++;
+    }
+    for (unsigned k = 1; k < 257; k++)
+        begins[k] = (uint16_t)(begins[k] + begins[k - 1]);
+    memcpy(from, rays, count);
+    for (unsigned i = 0; i < count; i++)
+        rays[begins[key[i]]++] = from[i];
+}
+
 static void gather_octant(mesh_batch *w, unsigned octant) {
-    w->count = 0;
+    uint8_t rays[RAY_BATCH];
+    unsigned count = 0;
     for (unsigned k = 0; k < w->b->count; k++)
         if (!w->alone[k] && w->octant[k] == octant)
-            put_ray(w, k);
-    for (unsigned i = w->count; i % 16; i++)
-        tet_rays_clear(&w->rays, (int)i);
+            rays[count++] = (uint8_t)k;
     for (int a = 0; a < 3; a++)
         w->frame.sign[a] = octant >> a & 1u ? -1.0 : 1.0;
-    for (unsigned i = 0; i < w->count; i += VD_N)
+    sum_directions(w, rays, count);
+    if (count > MESH_BEAMS)
+        sort_rays(w, rays, count);
+    w->count = 0;
+    for (unsigned i = 0; i < count; i++)
+        put_ray(w, rays[i]);
+    for (unsigned i = count; i % 16; i++)
+        tet_rays_clear(&w->rays, (int)i);
+    for (unsigned i = 0; i < count; i += VD_N)
         put_in_frame(&w->frame, &w->rays, (int)i, &w->in_frame);
-    for (unsigned i = w->count; i % 16; i++)
+    for (unsigned i = count; i % 16; i++)
         w->in_frame.far[i] = -1.0f;
-    for (int a = 0; a < 3; a++) {
-        w->along[a] = 0.0f;
-        for (unsigned i = 0; i < w->count; i++)
-            w->along[a] += w->in_frame.d[a][i];
-    }
-    w->axis = w->along[1] > w->along[0];
-    w->axis = w->along[2] > w->along[w->axis] ? 2 : w->axis;
 }
 
 /* What ray i of the group has found. */
@@ -637,8 +733,11 @@ static void answer(mesh_batch *w, unsigned i) {
     w->b->results[k] = hit_exists(&s->best) ? TRACE_HIT : TRACE_MISS;
 }
 
-/* Beams of many rays pay where they are not much wider than a tet. */
-static const double NARROW = 4.0;
+/* Beams of many rays pay as long as they are not much wider than a tet: they meet what lies beside
+ * each of their rays, too. */
+static bool is_narrow(const mesh_batch *w, double edge) {
+    return (double)width_of_beams(w) <= NARROW * edge * (sqrt((double)w->share) - 1.0);
+}
 
 static void walk_group(mesh_batch *w) {
     const double edge = 2.0 / cbrt((double)w->tr->treelets->file->header.tets);
@@ -646,12 +745,11 @@ static void walk_group(mesh_batch *w) {
     while (share * MESH_BEAMS < w->count)
         share *= 2;
     make_beams(w, 0, share);
-    if (share == 1 || (double)width_of_beams(w) <= NARROW * edge) {
-        walk_beams(w);
-        return;
-    }
-    for (unsigned first = 0; first < w->count; first += MESH_BEAMS) {
-        make_beams(w, first, 1);
+    for (; share > 1 && !is_narrow(w, edge); make_beams(w, 0, share))
+        share /= 2;
+    walk_beams(w);
+    for (unsigned first = MESH_BEAMS * share; first < w->count; first += MESH_BEAMS * share) {
+        make_beams(w, first, share);
         walk_beams(w);
     }
 }
@@ -680,6 +778,7 @@ void SIMD_NAME(mesh_batch)(const tracer *tr, const struct kernels *k, ray_batch 
     w->tr = tr;
     w->b = b;
     w->counters = counters;
+    w->tets.any = 0;
     w->tets.count = 0;
     const bool together =
         !tr->preview && frame_of_bounds(tree->bounds[tree->levels - 1][0], &w->frame);

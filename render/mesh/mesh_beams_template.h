@@ -247,38 +247,39 @@ SIMD unsigned vectors_in(uint32_t beams) {
     return count;
 }
 
-/* Leave those beams of each box that may meet it. */
-SIMD void meet_boxes(const mesh_beams *m, const beam_boxes *b, unsigned count,
-                     uint32_t beams[BEAM_BOXES]) {
+/* Of the boxes in `boxes` (bits) those that some of the beams wanted of them may meet: met[] of
+ * them, which means nothing for others. any: all beams that are wanted. */
+SIMD unsigned meet_boxes(const mesh_beams *m, const beam_boxes *b, unsigned boxes, uint32_t any,
+                         const uint32_t wanted[BEAM_BOXES], uint32_t met[BEAM_BOXES]) {
     enum { ALL = (1u << VF_N) - 1 };
-    uint32_t any = 0;
-    unsigned boxes = 0;
-    for (unsigned c = 0; c < count; c++) {
-        any |= beams[c];
-        boxes += beams[c] != 0;
-    }
-    const unsigned steps = (count + VF_N - 1) / VF_N * (unsigned)__builtin_popcount(any);
-    if (3 * steps <= 2 * boxes * vectors_in(any)) {
-        uint32_t met[BEAM_BOXES] = {0};
+    const unsigned end = 32u - (unsigned)__builtin_clz(boxes | 1u);
+    const unsigned steps = (end + VF_N - 1) / VF_N * (unsigned)__builtin_popcount(any);
+    unsigned found = 0;
+    if (3 * steps <= 2 * (unsigned)__builtin_popcount(boxes) * vectors_in(any)) {
+        memset(met, 0, BEAM_BOXES * sizeof *met);
         for (uint32_t left = any; left; left &= left - 1) {
             const unsigned beam = (unsigned)__builtin_ctz(left);
-            for (unsigned at = 0; at < count; at += VF_N)
-                for (unsigned bits = boxes_in(m, b, at, beam); bits; bits &= bits - 1)
-                    met[at + (unsigned)__builtin_ctz(bits)] |= 1u << beam;
+            for (unsigned at = 0; at < end; at += VF_N) {
+                unsigned bits = (boxes_in(m, b, at, beam) << at) & boxes;
+                for (found |= bits; bits; bits &= bits - 1) {
+                    const unsigned c = (unsigned)__builtin_ctz(bits);
+                    met[c] |= wanted[c] & left & -left;
+                }
+            }
         }
-        for (unsigned c = 0; c < count; c++)
-            beams[c] &= met[c];
-        return;
+        return found;
     }
-    for (unsigned c = 0; c < count; c++) {
-        uint32_t met = 0;
+    for (; boxes; boxes &= boxes - 1) {
+        const unsigned c = (unsigned)__builtin_ctz(boxes);
+        met[c] = 0;
         for (unsigned at = 0; at < MESH_BEAMS; at += VF_N) {
-            const unsigned wanted = beams[c] >> at & ALL;
-            if (wanted)
-                met |= (beams_through(m, b, c, at) & wanted) << at;
+            const unsigned bits = wanted[c] >> at & ALL;
+            if (bits)
+                met[c] |= (beams_through(m, b, c, at) & bits) << at;
         }
-        beams[c] = met;
+        found |= (unsigned)(met[c] != 0) << c;
     }
+    return found;
 }
 
 #endif

@@ -34,7 +34,10 @@ typedef struct mesh_shading {
     tile_pixels pixels;
     hit_tets tets;
     float normal[TILE_RAYS / VD_N][3][VD_N]; /* of the tets */
-    tet_smooth known[KNOWN_TETS]; /* what the rays have in common that hit a tet's isopolygon */
+    /* What the rays have in common that hit a tet's isopolygon: */
+    tet_smooth known[KNOWN_TETS];
+    tet_facts facts[KNOWN_TETS];
+    uint16_t facts_of[KNOWN_TETS]; /* those of a layer, by their place in its list */
 } mesh_shading;
 
 static hit mesh_hit_of(const frame *f, const tile_surface *s) {
@@ -128,6 +131,7 @@ static void mesh_normals(void *work, const tile_layer *s, tile_normals normal) {
     const tracer *tr = m->s->f->tracer;
     hit_tets *l = &m->tets;
     list_tets(s, l);
+    memset(m->facts_of, 0xff, sizeof m->facts_of);
     for (unsigned n = l->count; n % VD_N; n++)
         l->ray[n] = l->ray[0];
     for (unsigned n = 0; n < l->count; n += VD_N)
@@ -142,18 +146,31 @@ static void mesh_normals(void *work, const tile_layer *s, tile_normals normal) {
         smooth_normals(m, s, normal);
 }
 
-static surface_point mesh_point(const tile_state *s, const tile_layer *l, unsigned i) {
-    const tile_surface *x = surface_of(l, i);
-    const hit h = mesh_hit_of(s->f, x);
+/* What is known of the tet of a surface. */
+static const tet_facts *facts_of(mesh_shading *m, const tile_layer *l, unsigned i) {
+    const unsigned of = m->tets.of[i], k = of % KNOWN_TETS;
+    if (m->facts_of[k] != of) {
+        const tet x = tet_of(l, i);
+        m->facts_of[k] = (uint16_t)of;
+        m->facts[k] = tet_facts_of(&x, m->s->f->tracer->isos.isovalues[surface_of(l, i)->iso]);
+    }
+    return &m->facts[k];
+}
+
+/* mesh_normals() has listed the layer's tets. */
+static surface_point mesh_start(void *work, const tile_layer *l, unsigned i) {
+    mesh_shading *m = work;
+    const tile_state *s = m->s;
+    const hit h = mesh_hit_of(s->f, surface_of(l, i));
     ray r = {.t0 = s->rays.t0[i], .t1 = s->rays.t1[i]};
     for (int a = 0; a < 3; a++) {
         r.o[a] = r.held[a] = s->f->projection->eye[a];
         r.d[a] = s->rays.d[a][i];
     }
-    return tracer_surface(s->f->tracer, x->at, &r, &h);
+    return tet_surface_at(facts_of(m, l, i), &r, &h);
 }
 
-static const tile_kind mesh_kind_of_tile = {mesh_normals, mesh_point};
+static const tile_kind mesh_kind_of_tile = {mesh_normals, mesh_start};
 
 /* Before the first walk. */
 static void mesh_shade_begin(mesh_shading *m, const tile_state *s) {

@@ -18,7 +18,7 @@
 
 #include "render/tile.h"
 
-/* Pixels on a side: measured, see README.md. What a tile_fn needs beside its outcome. */
+/* Pixels on a side: render/README.md says why. What a tile_fn needs beside its outcome. */
 enum { MESH_TILE = 32, MESH_TILE_SCRATCH = 768 << 10 };
 
 /* mesh_tile_for() - NULL where there is none: every ray by itself. */

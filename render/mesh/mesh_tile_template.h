@@ -9,6 +9,7 @@
 
 #include <float.h>
 
+#include "render/lane_counts.h"
 #include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_box_template.h"
 #include "render/mesh/mesh_shade_template.h"
@@ -201,12 +202,15 @@ SIMD void meet_polygon(mesh_tile *w, const seen_polygon *s, unsigned i, unsigned
     const weights w01 = weigh(d, s->normal[EDGE_01], s->error[EDGE_01]);
     const verdict v = judge(w12, w20, w01);
     const unsigned hits = md_bits(md_or(v.enters, v.leaves)) & lanes;
+    LANE_COUNT(rays, lanes);
+    LANE_COUNT(centres, hits);
     unsigned doubtful = md_bits(v.doubtful);
     if (s->g.count == 4) {
         const weights w23 = weigh(d, s->normal[EDGE_23], s->error[EDGE_23]);
         const weights w30 = weigh(d, s->normal[EDGE_30], s->error[EDGE_30]), w02 = against(w20);
         const verdict v2 = judge(w23, w30, w02);
         const unsigned hits2 = md_bits(md_or(v2.enters, v2.leaves)) & lanes;
+        LANE_COUNT(centres, hits2);
         /* A quadrilateral that is hit twice is bent: not here. */
         doubtful |= md_bits(v2.doubtful) | (hits & hits2);
         if (hits2 & ~doubtful)
@@ -283,10 +287,13 @@ static void walk_tet(mesh_tile *w, const resident_mesh *at, unsigned lane, int32
     s.at = at;
     s.tet = w->lanes.place[lane];
     s.iso = iso;
+    LANE_COUNT(looked_at, 1u);
     if (!polygon_of(w, at, lane, iso, &s.g))
         return;
+    LANE_COUNT(polygons, 1u);
     see_polygon(w, &s);
     walk_polygon(w, &s, r);
+    LANE_COUNT(polygons_hit, LANE_MORE(centres));
 }
 
 /* Tets as the eye sees them, a lane each: homogeneous pixel coordinates of their vertices, and
@@ -378,6 +385,7 @@ SIMD unsigned covers_of(const mesh_tile *w, const tets_in_view *v, double iso, t
         rects_of_extent(&w->place, &e, 2.0f * w->place.p->margin, whole, within, &alive);
     memcpy(out->rect, &packed, sizeof packed);
     f_store(out->depth, f_select(whole, f_set(0.0f), e.w0 - f_set(0x1p-19f) * v->far));
+    LANE_COUNT(covers, mf_bits(alive) & ((1u << l->count) - 1u));
     return mf_bits(alive) & ((1u << l->count) - 1u);
 }
 
@@ -389,6 +397,7 @@ static void walk_lanes(mesh_tile *w, const resident_mesh *at) {
         for (int v = 0; v < 4; v++)
             l->vertex[v][k] = l->vertex[v][0];
     view_tets(w, at, &view);
+    LANE_COUNT(tets, (1u << l->count) - 1u);
     for (int32_t i = 0; i < isos->count; i++) {
         tet_covers covers;
         for (unsigned left = covers_of(w, &view, isos->isovalues[i], &covers); left;

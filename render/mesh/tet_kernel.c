@@ -60,10 +60,6 @@ static unsigned inside_of(const float f[4], double iso) {
     return inside == 15 ? 0 : inside;
 }
 
-bool tet_is_active(const float f[4], double iso) {
-    return inside_of(f, iso) != 0;
-}
-
 /* Never beyond a or b. As long as s < 1, the product is at least an ulp short of the difference (b
  * - a) as rounded, which errs by half an ulp at most; so a plus the product, before it is rounded,
  * lies between a and b, and so it does after. */
@@ -238,21 +234,6 @@ bool isopolygon_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t is
     return any;
 }
 
-bool tet_hit(const tet *x, const ray *r, const double *isovalues, int count, uint64_t cell,
-             const hit *after, hit *found) {
-    bool any = false;
-    for (int32_t i = 0; i < count; i++) {
-        isopolygon g;
-        hit h;
-        if (isopolygon_of(x, isovalues[i], &g) && isopolygon_hit(&g, r, cell, i, after, &h) &&
-            (!any || hit_less(&h, found))) {
-            *found = h;
-            any = true;
-        }
-    }
-    return any;
-}
-
 /* ---- what is known about a hit --------------------------------------------------------------- */
 
 bool tet_gradient(const tet *x, double gradient[3]) {
@@ -330,25 +311,37 @@ void tet_normal(const tet *x, double iso, float normal[3]) {
     normal_against(gradient, normal);
 }
 
-surface_point tet_surface(const tet *x, const ray *r, double iso, const hit *h) {
-    surface_point point = {.span = shortest_edge(x), .error = INFINITY};
-    isopolygon g;
-    if (!isopolygon_of(x, iso, &g))
-        return point;
-    sight s;
-    sight_of(&g, r, &s);
-    double range = 0.0;
-    if (gradient_of(x, &g, point.gradient))
+tet_facts tet_facts_of(const tet *x, double iso) {
+    tet_facts f = {.point = {.span = shortest_edge(x), .error = INFINITY}};
+    f.any = isopolygon_of(x, iso, &f.g);
+    if (!f.any)
+        return f;
+    if (gradient_of(x, &f.g, f.point.gradient))
         for (int i = 0; i < 4; i++)
-            range = most(range, fabs((double)x->f[i] - iso));
-    normal_against(point.gradient, point.normal);
+            f.range = most(f.range, fabs((double)x->f[i] - iso));
+    normal_against(f.point.gradient, f.point.normal);
+    return f;
+}
+
+surface_point tet_surface_at(const tet_facts *f, const ray *r, const hit *h) {
+    surface_point point = f->point;
+    sight s;
+    if (!f->any)
+        return point;
+    sight_of(&f->g, r, &s);
     /* t moves the point along the ray; the ends and the ray's points are rounded; so is s. */
-    point.error = fabs(vec3_dot(point.gradient, r->d)) * t_error(&s, h) + 8.0 * DBL_EPSILON * range;
+    point.error =
+        fabs(vec3_dot(point.gradient, r->d)) * t_error(&s, h) + 8.0 * DBL_EPSILON * f->range;
     for (int k = 0; k < 3; k++) {
         double far = fabs(r->o[k]) + fabs(h->t * r->d[k]);
-        for (int i = 0; i < g.count; i++)
-            far = most(far, fabs(g.p[i][k]));
+        for (int i = 0; i < f->g.count; i++)
+            far = most(far, fabs(f->g.p[i][k]));
         point.error += fabs(point.gradient[k]) * 4.0 * DBL_EPSILON * far;
     }
     return point;
+}
+
+surface_point tet_surface(const tet *x, const ray *r, double iso, const hit *h) {
+    const tet_facts f = tet_facts_of(x, iso);
+    return tet_surface_at(&f, r, h);
 }

@@ -67,10 +67,8 @@ typedef struct isopolygon {
     uint8_t count;
 } isopolygon;
 
-/* tet_is_active() - min < iso && iso <= max, all values finite: whether there is an isopolygon. */
-bool tet_is_active(const float f[4], double iso);
-
-/* isopolygon_of() - false, and *out untouched, when the tet is not active. iso is finite.
+/* isopolygon_of() - false, and *out untouched, when the tet is not active: min < iso && iso <= max,
+ * all values finite. iso is finite.
  *
  * The point between a and b, a of the lower id: a + s (b - a) with s = (iso - fa) / (fb - fa); b
  * itself where s = 1. It is a vertex that lies at the isovalue; it never leaves the box of a and b.
@@ -99,10 +97,6 @@ void tet_turn_over(uint8_t edge[4], int count);
  * case). r->held is not looked at. */
 bool isopolygon_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t iso_index,
                     const hit *after, hit *found);
-
-/* tet_hit() - isopolygon_of() and isopolygon_hit() for every isovalue: the least hit. */
-bool tet_hit(const tet *x, const ray *r, const double *isovalues, int count, uint64_t cell,
-             const hit *after, hit *found);
 
 /* tet_double() - whether two hits of one ray are the same crossing, seen from two tets. */
 static inline bool tet_double(const hit *a, const hit *b) {
@@ -136,6 +130,17 @@ bool tet_gradient(const tet *x, double gradient[3]);
  * span      the shortest edge of the tet
  * normal    unit, against gradient; zero where that is */
 surface_point tet_surface(const tet *x, const ray *r, double iso, const hit *h);
+
+/* What all rays have in common that hit a tet's isopolygon: tet_facts_of(), then tet_surface_at()
+ * for each ray is tet_surface(). */
+typedef struct tet_facts {
+    bool any; /* isopolygon */
+    isopolygon g;
+    double range;        /* of values beside the isovalue, where there is a gradient */
+    surface_point point; /* without its error */
+} tet_facts;
+tet_facts tet_facts_of(const tet *x, double iso);
+surface_point tet_surface_at(const tet_facts *f, const ray *r, const hit *h);
 
 /* tet_normal() - the normal alone, which is the same for all rays that hit the tet's isopolygon. */
 void tet_normal(const tet *x, double iso, float normal[3]);

@@ -72,6 +72,16 @@ exits "with lights of one's own" 0 "$leafcast" bench behind "$tmp/s.leaf" --iso 
 ok "twice the rays" python3 -c 'import csv, sys
 one, two = (float(list(csv.DictReader(open(f)))[1]["rays/px"]) - 1 for f in sys.argv[1:])
 sys.exit(abs(two - 2 * one) > 2e-4)' "$tmp/b.csv" "$tmp/c.csv"
+exits "lanes" 0 "$leafcast" bench lanes "$leaf" --iso 128 --size 48x48 -o "$tmp/n.csv"
+exits "frames" 0 "$leafcast" bench frames "$leaf" --iso 128 --size 48x48 --runs 1 -o "$tmp/m.csv"
+ok "count each cell that frames count, and each surface" python3 -c 'import csv, sys
+lanes, frames = (list(csv.DictReader(open(f))) for f in sys.argv[1:])
+def count(isa, *stages): return sum(int(r["lanes"]) for r in lanes if r["isa"] == isa and r["stage"] in stages)
+def near(a, b): return abs(a - 48 ** 2 * float(b)) < 2
+here = [r for r in frames if r["view"] == "standard" and r["isa"] in ("sse42", "avx2", "avx512")]
+sys.exit(not all(near(count(r["isa"], "visitors", "groups"), r["cells/ray"]) and near(count(r["isa"], "roots"), r["roots/ray"]) for r in here))' "$tmp/n.csv" "$tmp/m.csv"
+ok "fewer from stage to stage, in lanes that there are" csv "$tmp/n.csv" \
+    'all(0 <= float(r["filled %"]) <= 100 and int(r["lanes"]) > 0 for r in t) and all(a["isa"] != b["isa"] or int(b["lanes"]) <= int(a["lanes"]) for a, b in zip(t, t[1:]) if b["stage"] in ("visitors", "survivors", "queue", "queue_survivors", "roots"))'
 exits "all, once more" 1 "$leafcast" bench all --out "$tmp/all"
 exits "all of a file" 2 "$leafcast" bench all "$leaf" --iso 128 --out "$tmp/all2"
 exits "a suite of a file" 0 "$leafcast" bench zoom "$leaf" --iso 128 --size 32x32 --runs 1

@@ -169,3 +169,30 @@ leafcast_scene pictures_scene(int kind, const leafcast_info *info) {
     s.lod_level = 1;
     return s;
 }
+
+/* ---- Layers ---- */
+
+int pictures_of_layers(picture_volumes *v, double iso, double step, const char *what) {
+    enum { SURFACES = 12 };
+    static const int layers[] = {0, 2, 8, 9, 17};
+    const leafcast_info info = leafcast_describe(v->of[0]);
+    leafcast_surface s[SURFACES];
+    field_random r = {23};
+    int hits = 0;
+    for (int k = 0; k < SURFACES; k++) {
+        s[k] = leafcast_surface_default(iso + step * (k - SURFACES / 2));
+        s[k].rgb[k % 3] = 0.2f;
+        s[k].opacity = k == SURFACES - 1 ? 1.0f : 0.02f + 0.01f * (float)k;
+    }
+    pictures_select(v, s, SURFACES);
+    for (size_t i = 0; i < sizeof layers / sizeof *layers; i++) {
+        leafcast_scene scene = pictures_scene(i % 2 ? 13 : 4, &info); /* lights; with shadows */
+        const leafcast_camera c = pictures_view(v->of[0], (int)i % 3, &r);
+        scene.experiments = NULL;
+        scene.shading = LEAFCAST_SHADING_PHONG;
+        scene.layers_max = layers[i];
+        scene.lod = LEAFCAST_LOD_EXACT;
+        hits += pictures_alike(v, &scene, &c, what);
+    }
+    return hits;
+}

@@ -48,4 +48,8 @@ leafcast_camera pictures_view(const leafcast *volume, int kind, field_random *r)
 /* pictures_scene() - lights, shadows, transparency, clipping, levels, intersectors by turns. */
 leafcast_scene pictures_scene(int kind, const leafcast_info *info);
 
+/* pictures_of_layers() - twelve transparent surfaces about an isovalue, `step` apart, of which a
+ * few, many or all count, with lights and shadows: pictures_alike() of some views. */
+int pictures_of_layers(picture_volumes *v, double iso, double step, const char *what);
+
 #endif

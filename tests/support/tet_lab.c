@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "render/mesh/tet_kernel.h"
+#include "tests/support/tet_hit.h"
 #include "tests/support/tet_meshes.h"
 
 enum { HITS_MAX = 64, RAYS_A_MESH = 64, SHOWN = 3 };
