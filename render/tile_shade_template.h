@@ -18,6 +18,7 @@
 typedef float tile_normals[3][TILE_RAYS];
 
 typedef struct tile_pixels {
+    unsigned count; /* TILE_RAYS, or TILE: nothing has been found, and all rows are as the first */
     /* Of the first layer; */
     double t[TILE_RAYS];
     int32_t id[TILE_RAYS]; /* -1: there is none */
@@ -255,10 +256,21 @@ static void shade_layer(const tile_state *s, const tile_kind *kind, void *work, 
     }
 }
 
+/* Before the first layer. */
+static void pixels_begin(const tile_state *s, tile_pixels *p) {
+    p->count = s->deepest > 0 ? TILE_RAYS : TILE;
+    for (int c = 0; c < 4; c++)
+        memset(p->rgba[c], 0, p->count * sizeof p->rgba[c][0]);
+    for (int a = 0; a < 3; a++)
+        memset(p->normal[a], 0, p->count * sizeof p->normal[a][0]);
+    memset(p->shadow_rays, 0, p->count * sizeof p->shadow_rays[0]);
+    memset(p->ill_conditioned, 0, p->count * sizeof p->ill_conditioned[0]);
+}
+
 static void keep_first(const tile_state *s, tile_pixels *p) {
     const tile_layer l = {s, 0};
-    for (unsigned i = 0; i < TILE_RAYS; i++) {
-        const bool any = in_layer(&l, i);
+    for (unsigned i = 0; i < p->count; i++) {
+        const bool any = s->deepest > 0 && in_layer(&l, i);
         p->t[i] = any ? surface_of(&l, i)->t : (double)INFINITY;
         p->id[i] = any ? surface_of(&l, i)->iso : -1;
     }
@@ -266,24 +278,18 @@ static void keep_first(const tile_state *s, tile_pixels *p) {
 
 /* All that a walk has found. */
 static void shade_walk(const tile_state *s, const tile_kind *kind, void *work, tile_pixels *p) {
-    if (s->before == 0)
+    if (s->before == 0) {
+        pixels_begin(s, p);
         keep_first(s, p);
+    }
     for (int k = 0; k < s->deepest; k++)
         shade_layer(s, kind, work, k, p);
-}
-
-/* Before the first walk. */
-static void pixels_begin(tile_pixels *p) {
-    memset(p->rgba, 0, sizeof p->rgba);
-    memset(p->normal, 0, sizeof p->normal);
-    memset(p->shadow_rays, 0, sizeof p->shadow_rays);
-    memset(p->ill_conditioned, 0, sizeof p->ill_conditioned);
 }
 
 /* shade_background(). */
 static void shade_behind_all(const frame *f, tile_pixels *p) {
     const float *background = surface_look_of(f)->scene->background;
-    for (unsigned i = 0; i < TILE_RAYS; i += VF_N) {
+    for (unsigned i = 0; i < p->count; i += VF_N) {
         const vf alpha = f_load(p->rgba[3] + i);
         const vf weight = (f_set(1.0f) - alpha) * f_set(background[3]);
         for (int c = 0; c < 3; c++)
@@ -311,21 +317,37 @@ static void write_floats(float *to, const float *from, unsigned pixels) {
         to[__builtin_ctz(pixels)] = from[__builtin_ctz(pixels)];
 }
 
-/* The planes of the first surface, and the colours, of the pixels of a row. */
-static void write_row(const tile_state *s, unsigned y, unsigned pixels, const tile_pixels *p) {
-    const leafcast_image *image = &s->f->image;
-    const size_t row = (size_t)(s->y0 + y) * s->f->stride + s->x0;
-    const unsigned from = TILE * y;
-    float *const colours[4] = {image->r, image->g, image->b, image->a};
+/* What a row's pixels have met first. */
+static void write_first(const leafcast_image *image, size_t to, unsigned pixels,
+                        const tile_pixels *p, unsigned from) {
+    if (pixels == row_full) {
+        if (image->z)
+            memcpy(image->z + to, p->t + from, TILE * sizeof *image->z);
+        if (image->id)
+            memcpy(image->id + to, p->id + from, TILE * sizeof *image->id);
+        if (image->provisional)
+            memset(image->provisional + to, 0, TILE * sizeof *image->provisional);
+        return;
+    }
     for (unsigned left = pixels; left; left &= left - 1) {
         const unsigned x = (unsigned)__builtin_ctz(left);
         if (image->z)
-            image->z[row + x] = p->t[from + x];
+            image->z[to + x] = p->t[from + x];
         if (image->id)
-            image->id[row + x] = p->id[from + x];
+            image->id[to + x] = p->id[from + x];
         if (image->provisional)
-            image->provisional[row + x] = 0;
+            image->provisional[to + x] = 0;
     }
+}
+
+/* The planes of the first surface, and the colours, of the pixels of row y; theirs are those from
+ * `from` on. */
+static void write_row(const tile_state *s, unsigned y, unsigned pixels, const tile_pixels *p,
+                      unsigned from) {
+    const leafcast_image *image = &s->f->image;
+    const size_t row = (size_t)(s->y0 + y) * s->f->stride + s->x0;
+    float *const colours[4] = {image->r, image->g, image->b, image->a};
+    write_first(image, row, pixels, p, from);
     for (int a = 0; a < 3; a++)
         if (image->normal[a])
             write_floats(image->normal[a] + row, p->normal[a] + from, pixels);
@@ -334,10 +356,16 @@ static void write_row(const tile_state *s, unsigned y, unsigned pixels, const ti
             write_floats(colours[c] + row, p->rgba[c] + from, pixels);
 }
 
-static void count_done(ray_counters *counters, const tile_pixels *p, unsigned from, unsigned done) {
-    for (; done; done &= done - 1) {
-        const unsigned i = from + (unsigned)__builtin_ctz(done);
-        counters->covered_pixels += p->id[i] >= 0;
+static void count_done(const tile_state *s, const tile_pixels *p, unsigned from, unsigned done) {
+    ray_counters *counters = s->counters;
+    unsigned found = 0;
+    for (unsigned x = 0; x < TILE; x += VD_N)
+        found |= md_bits(d_lt(d_load(p->t + from + x), d_set(INFINITY))) << x;
+    counters->covered_pixels += (unsigned)__builtin_popcount(done & found);
+    if (!surface_look_of(s->f)->scene->shadows)
+        return;
+    for (unsigned left = done & found; left; left &= left - 1) {
+        const unsigned i = from + (unsigned)__builtin_ctz(left);
         counters->shadow_rays += p->shadow_rays[i];
         counters->ill_conditioned += p->ill_conditioned[i];
     }
@@ -348,9 +376,10 @@ static void write_tile(const tile_state *s, const tile_pixels *p) {
     tile_outcome *out = s->out;
     for (unsigned y = 0; y < TILE; y++) {
         const unsigned done = s->asked[y] & ~(s->rays.single[y] | out->waits[y]);
+        const unsigned from = p->count == TILE_RAYS ? TILE * y : 0;
         out->open[y] = s->rays.single[y];
-        count_done(s->counters, p, TILE * y, done);
-        write_row(s, y, done, p);
+        count_done(s, p, from, done);
+        write_row(s, y, done, p, from);
     }
     f_stream_end();
 }

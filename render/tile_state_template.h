@@ -165,6 +165,13 @@ static void take_double(const tile_state *s, tile_surface *known, const tile_sur
 static bool tile_state_take(tile_state *s, unsigned i, const tile_surface *found) {
     tile_surface *x = surfaces_of(s, i);
     unsigned k = s->count[i];
+    if (s->layers == 1 && s->before == 0 && k == 0) { /* as in most frames */
+        x[0] = *found;
+        s->count[i] = 1;
+        s->deepest = 1;
+        s->reach[i] = found->t;
+        return true;
+    }
     if (s->before > 0 && compare(s, found, &s->after[i]) <= 0)
         return false;
     for (; k > 0; k--) {

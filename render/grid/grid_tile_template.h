@@ -33,7 +33,6 @@ void SIMD_NAME(grid_tile_trace)(const frame *f, uint32_t x0, uint32_t y0, const 
         memcpy(out->open, w->s.asked, sizeof w->s.asked);
         return;
     }
-    pixels_begin(p);
     do {
         tile_walk_run(w);
         shade_walk(&w->s, &grid_kind_of_tile, w, p);

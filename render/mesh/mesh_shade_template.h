@@ -175,7 +175,6 @@ static const tile_kind mesh_kind_of_tile = {mesh_normals, mesh_start};
 /* Before the first walk. */
 static void mesh_shade_begin(mesh_shading *m, const tile_state *s) {
     m->s = s;
-    pixels_begin(&m->pixels);
 }
 
 /* What a walk has found. */

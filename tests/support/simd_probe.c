@@ -70,6 +70,7 @@ static void meant_floats(const simd_probe_input *in, int i, simd_probe_output *o
     out->f[PROBE_CONVERT][i] = (float)in->a[i];
     out->f[PROBE_FLOOR][i] = floorf(x);
     out->f[PROBE_CEIL][i] = ceilf(x);
+    out->f[PROBE_ANY][i] = in->p >> i & 1u ? 1.0f : 0.0f;
     out->f[PROBE_INT][i] = fabsf(x) < 0x1p30f ? (float)(int32_t)x : 0.0f;
     out->f[PROBE_STREAM][i] = x;
     for (int k = 0; k < 3; k++)

@@ -34,6 +34,7 @@ enum {
     PROBE_FLOOR,
     PROBE_CEIL,
     PROBE_INT,
+    PROBE_ANY,      /* i_any() of one bit or none: lane i has bit i of p, twice as far up */
     PROBE_STREAM,   /* x, past the caches */
     PROBE_TRIPLE_X, /* f_load_triples() from x, at the bits of p */
     PROBE_TRIPLE_Y,

@@ -73,6 +73,11 @@ static void probe_floats(const simd_probe_input *in, simd_probe_output *out) {
     const vi whole = f_to_int(x);
     for (int i = 0; i < VF_N; i++)
         out->f[PROBE_INT][i] = in->x[i] > -0x1p30f && in->x[i] < 0x1p30f ? (float)whole[i] : 0.0f;
+    for (int i = 0; i < VF_N; i++) {
+        vi one = {0};
+        one[i] = (int32_t)(in->p & 1u << i) * (1 << i);
+        out->f[PROBE_ANY][i] = i_any(one) ? 1.0f : 0.0f;
+    }
     out->f_mask[PROBE_LT] = mf_bits(f_lt(x, y));
     out->f_mask[PROBE_LE] = mf_bits(f_le(x, y));
     out->f_mask[PROBE_EQ] = mf_bits(f_eq(x, y));
