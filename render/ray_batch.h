@@ -2,7 +2,8 @@
  *
  * Shadow rays of neighbouring surfaces and rays of a caller mostly go the same way: nodes are
  * tested against all of them at once, and their cells fill vectors. Each ray's answer is, to the
- * bit, that of tracer_next() alone, whatever the others are; only the time is the batch's.
+ * bit, that of tracer_next() alone, whatever the others are; only the time is the batch's. One that
+ * looks for any hit may find one where alone it would wait for a treelet.
  */
 #ifndef RENDER_RAY_BATCH_H
 #define RENDER_RAY_BATCH_H

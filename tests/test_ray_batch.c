@@ -43,6 +43,7 @@ typedef struct source_row {
     ref_ray (*aim)(const source *s, field_random *r); /* seeks trouble; world space */
     batch_fn wide; /* the kernel of AVX-512 in plain C, or NULL */
     void (*set)(kernels *k, batch_fn batch);
+    bool marks_exactly; /* the treelets that rays walk; else, as far as boxes of all rays tell */
 } source_row;
 
 static void grid_make(source *s, int index) {
@@ -88,8 +89,8 @@ static ref_ray mesh_aim(const source *s, field_random *r) {
 }
 
 static const source_row rows[] = {
-    {"grid", field_count, grid_make, grid_release, grid_aim, grid_batch_trace_wide, grid_set},
-    {"mesh", lab_mesh_count, mesh_make, mesh_release, mesh_aim, NULL, NULL},
+    {"grid", field_count, grid_make, grid_release, grid_aim, grid_batch_trace_wide, grid_set, true},
+    {"mesh", lab_mesh_count, mesh_make, mesh_release, mesh_aim, NULL, NULL, false},
 };
 
 /* ---- A volume, and the rays that it is asked about ---- */
@@ -278,6 +279,9 @@ static bool same_point(const surface_point *a, const surface_point *b) {
 
 static bool same_answer(const ray_batch *a, const ray_batch *b, unsigned i) {
     const trace_state *x = &a->states[i], *y = &b->states[i];
+    /* Any hit: a batch may find it behind what single rays wait for. */
+    if (x->any && a->results[i] == TRACE_BLOCKED && b->results[i] == TRACE_HIT)
+        return !hit_is_bound(&y->best);
     if (a->results[i] != b->results[i] || x->provisional != y->provisional)
         return false;
     if (x->any && a->results[i] != TRACE_BLOCKED)
@@ -336,7 +340,7 @@ static void judge(stage *s, ray_batch *b, int number) {
                 tell_difference(s, &want, &got, i, number, k);
             assert_true(same_answer(&want, &got, i));
         }
-        for (uint32_t t = 0; t < treelets; t++)
+        for (uint32_t t = 0; t < treelets && s->row->marks_exactly; t++)
             assert_int_equal(touched[t], atomic_load(&s->tr.touched[t]));
     }
     *b = want;
