@@ -1,9 +1,9 @@
-/* tile.h - the primary rays of a square of pixels through a volume together, up to their first
- * surface: what a kind's kernel takes and what it leaves (grid/grid_tile.h, mesh/mesh_tile.h).
+/* tile.h - the primary rays of a square of pixels through a volume together, up to the last surface
+ * that counts: what a kernel takes and what it leaves (grid/grid_tile.h, mesh/mesh_tile.h).
  *
  * All of them start at the eye, so one order of nodes is front to back for them all. The tree is
  * walked once a tile: every node carries the rectangle of pixels that it can cover (projection.h),
- * and goes when that is empty or all its pixels have their surface: empty space and what is hidden
+ * and goes when that is empty or all its pixels have their surfaces: empty space and what is hidden
  * cost nothing more. The picture is the same bits as that of single rays.
  *
  * What single rays do better or alone stays with them: rays that meet a treelet which is absent,

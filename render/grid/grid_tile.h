@@ -1,5 +1,5 @@
-/* grid_tile.h - the primary rays of 32 x 32 pixels through a grid together, up to their first
- * surface.
+/* grid_tile.h - the primary rays of 32 x 32 pixels through a grid together, up to the last
+ * surface that counts.
  *
  * The implicit octree is walked once for all rays of a tile (tile.h). At an active cell the rays of
  * its rectangle are tested in single precision, conservatively; those that may meet the surface are
@@ -11,7 +11,7 @@
 
 #include "render/tile.h"
 
-/* Pixels on a side: measured, see README.md. What a tile_fn needs beside its outcome. */
+/* Pixels on a side: tests/measurements/tiles.md. What a tile_fn needs beside its outcome. */
 enum { GRID_TILE = 32, GRID_TILE_SCRATCH = 640 << 10 };
 
 /* grid_tile_for() - NULL where there is none: every ray by itself. */
