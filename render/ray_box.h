@@ -5,15 +5,21 @@
  *
  *   exact     the planes as the cell kernel divides, nothing added. The kernel's own crossings are
  *             these very numbers, so that nothing it accepts lies outside.
- *             ray_box_slab(): tracer_box() (the volume), rays_into() (a treelet of a grid); the
- * same for vectors: ray_slabs(), in box_rays() the cell  cell_visit_of(), and visit() for a batch:
- * they decide what a ray visits, ties and all. Nobody else may. floats    visits(), group_visits():
- * near_slab() of cells as seen from the eye; 16 units of 2^-24 of t for reciprocals, products and
- * t0, t1, which err by 4 at most tets      what a ray meets in a tet is computed otherwise than by
- * planes, so t of a box and t of a hit in it differ by rounding: MESH_GENEROSITY, 2^-20 of t.
+ *               the volume   tracer_box(): ray_box_slab(); box_rays(): ray_slabs(), for vectors
+ *               a treelet    rays_into() and passes(), of a grid
+ *               a cell       cell_visit_of(), and visit() for a batch: they decide what a ray
+ *                            visits, ties and all. Nobody else may.
+ *
+ *   floats    visits(), group_visits(): near_slab() of cells as seen from the eye; 16 units of
+ *             2^-24 of t for reciprocals, products, t0 and t1, which err by 4 at most.
+ *             children_met() of a batch through a grid: see widening() in grid_rays_template.h
+ *
+ *   tets      what a ray meets in a tet is computed otherwise than by planes, so t of a box and t
+ *             of a hit in it differ by rounding: MESH_GENEROSITY, 2^-20 of t.
  *             mesh_interval_in() for one ray (monotone: what lies in a box is not entered before
- * it); mesh_box_meets(), for vectors: rays_through(), rays_meet(); packet_slab() for all rays of a
- *             packet at once, by intervals, twice that
+ *             it); mesh_box_meets(), for vectors: rays_through(), rays_meet(); packet_slab() for
+ *             all rays of a packet at once, by intervals, twice that
+ *
  *   codes     meet_children(): planes of 8 bits, as a ray's own multiples of the code; beside
  *             MESH_GENEROSITY the rounding of a plane (2^-22 of the treelet's place and size), and
  *             2^-30 of the way across the treelet

@@ -7,8 +7,9 @@
  * Ray-cells are collected over several cells: those that may meet the surface go to the cell kernel
  * together (cell_batch.h), whose answer is the same as for single rays.
  *
- * Left to single rays: those that meet an absent treelet, or go on from one; directions with a
- * component that is all but zero; previews.
+ * Rays with a component of 0, as towards a light along an axis, walk along, and ask the scalar
+ * kernel of their cells. Left to single rays: those that meet an absent treelet, or go on from one;
+ * directions with a component that is all but zero; previews.
  */
 #ifndef RENDER_GRID_GRID_BATCH_H
 #define RENDER_GRID_GRID_BATCH_H

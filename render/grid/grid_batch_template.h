@@ -58,6 +58,7 @@ typedef struct batch_walk {
     ray_set pending; /* of these: a cell waits in the batch, */
     ray_set queued;  /* or in the queue before it */
     ray_set single;  /* met an absent treelet */
+    ray_set level;   /* have a component of 0: their cells are the scalar kernel's */
     hit best[RAY_BATCH];
     const resident_grid *at[RAY_BATCH]; /* in which; NULL: what it was given */
     cell_queue queue;
@@ -99,25 +100,30 @@ static void take_hit(batch_walk *w, unsigned i, const resident_grid *at, const h
             (float)(w->best[i].t - w->rays.t_in[i]) * (1.0f + 4.0f * UNIT);
 }
 
-/* The first hit in a cell behind `after`, where there are hits that are not: asked of the scalar
- * kernel. */
-static void take_later_hit(batch_walk *w, unsigned k, uint64_t index) {
+/* The first hit of ray i in a cell, behind what it is to be behind: asked of the scalar kernel. */
+static void take_scalar_hit(batch_walk *w, unsigned i, const resident_grid *at,
+                            const uint32_t cell[3], const float samples[8]) {
     const walk_scene *scene = w->scene;
-    const unsigned i = w->ray_of[k];
-    const resident_grid *at = w->treelet_of[k];
-    const cell_box box = walk_cell_box(&scene->levels[at->level], w->cell_of[k]);
+    const level_planes *planes = &scene->levels[at->level];
+    const uint64_t index = walk_cell_index(planes, cell);
+    const cell_box box = walk_cell_box(planes, cell);
     cell_visit visit;
-    float samples[8];
     if (!cell_visit_of(ray_at(w, i), &box, &visit))
         return;
-    for (int s = 0; s < 8; s++)
-        samples[s] = w->batch.samples[s][k];
     for (int iso = 0; iso < scene->count; iso++) {
         hit h;
         if (scene->intersect(ray_at(w, i), &visit, samples, scene->isovalues[iso], iso, index,
                              &state_at(w, i)->after, &h))
             take_hit(w, i, at, &h, h.t == visit.t_out);
     }
+}
+
+/* Of lane k, whose first hit is not behind what it is to be behind. */
+static void take_later_hit(batch_walk *w, unsigned k) {
+    float samples[8];
+    for (int s = 0; s < 8; s++)
+        samples[s] = w->batch.samples[s][k];
+    take_scalar_hit(w, w->ray_of[k], w->treelet_of[k], w->cell_of[k], samples);
 }
 
 /* ---- The batch ---- */
@@ -162,7 +168,7 @@ static void flush(batch_walk *w) {
         if (hit_less(&state_at(w, i)->after, &h))
             take_hit(w, i, at, &h, hits.at_exit >> k & 1u);
         else
-            take_later_hit(w, k, index);
+            take_later_hit(w, k);
     }
     w->counters->roots += (unsigned)__builtin_popcount(hits.found);
     w->waiting = 0;
@@ -217,8 +223,10 @@ SIMD queue_visits queue_visits_of(const grid_rays *g, const cell_queue *q) {
         const vf hi = f_load(q->hi[a]) - o[a];
         lo[a] = f_load(q->lo[a]) - o[a];
         const vf to_lo = lo[a] * r[a], to_hi = hi * r[a];
-        t_in = f_max(t_in, f_min(to_lo, to_hi));
-        t_out = f_min(t_out, f_max(to_lo, to_hi));
+        /* A ray along the planes is between them all the way. */
+        const mf across = f_gt(f_abs(d[a]), f_set(0.0f));
+        t_in = f_select(across, f_max(t_in, f_min(to_lo, to_hi)), t_in);
+        t_out = f_select(across, f_min(t_out, f_max(to_lo, to_hi)), t_out);
         v.e = v.e + (f_max(f_abs(lo[a]), f_abs(hi)) + f_set(g->astray[a])) * f_load(q->inv[a]);
     }
     for (int a = 0; a < 3; a++) {
@@ -304,7 +312,11 @@ static void queue_flush(batch_walk *w) {
         const unsigned k = (unsigned)__builtin_ctz(left), i = q->ray[k], c = q->cell[k];
         if (set_has(&w->pending, i))
             flush(w);
-        if (set_has(&w->open, i))
+        if (!set_has(&w->open, i))
+            continue;
+        if (set_has(&w->level, i))
+            take_scalar_hit(w, i, q->at[c], q->cells[c], samples[c]);
+        else
             add_to_batch(w, q->at[c], q->cells[c], samples[c], i);
     }
 }
@@ -442,7 +454,11 @@ static bool passes(const batch_walk *w, uint32_t t, unsigned i, double *from, do
         const uint32_t first = layout->place[t][a] << layout->cells_log2;
         const uint32_t end = first + (1u << layout->cells_log2);
         const uint32_t last = end < planes->cells[a] ? end : planes->cells[a];
-        ray_box_slab(planes->at[a][first], planes->at[a][last], r->o[a], r->d[a], &t_in, &t_out);
+        const double lo = planes->at[a][first], hi = planes->at[a][last];
+        if (r->d[a] != 0.0)
+            ray_box_slab(lo, hi, r->o[a], r->d[a], &t_in, &t_out);
+        else if (r->held[a] < lo || r->held[a] >= hi)
+            return false;
     }
     *from = t_in;
     *to = t_out;
@@ -580,11 +596,14 @@ static void deliver(batch_walk *w) {
 /* All rays of w->legs, which go to one octant. */
 static void walk_octant(batch_walk *w) {
     grid_rays_make(&w->rays, &w->legs, w->middle, w->size);
-    w->open = w->pending = w->queued = w->single = (ray_set){{0}};
+    w->open = w->pending = w->queued = w->single = w->level = (ray_set){{0}};
     w->waiting = w->starts = 0;
     w->queue = (cell_queue){.count = 0};
     for (unsigned i = 0; i < w->rays.count; i++) {
+        const double *d = ray_at(w, i)->d;
         set_add(&w->open, i);
+        if (d[0] == 0.0 || d[1] == 0.0 || d[2] == 0.0)
+            set_add(&w->level, i);
         w->best[i] = state_at(w, i)->best;
         w->at[i] = NULL;
     }
@@ -605,11 +624,13 @@ static bool ordinary(const batch_walk *w, const ray *r, ray_way *way) {
     way->octant = 0;
     for (int a = 0; a < 3; a++) {
         const double d = fabs(r->d[a]), across = d * w->per_size[a];
+        way->octant |= (unsigned)(r->d[a] < 0.0) << a;
+        way->per_d[a] = d > 0.0 ? 1.0 / r->d[a] : PER_NOTHING;
+        if (d == 0.0)
+            continue;
         usable &= d >= EXTENT_MIN && d <= EXTENT_MAX;
         least = across < least ? across : least;
         most = across > most ? across : most;
-        way->octant |= (unsigned)(r->d[a] < 0.0) << a;
-        way->per_d[a] = 1.0 / r->d[a];
     }
     return usable && least >= COMPONENT_MIN * most;
 }
@@ -620,6 +641,10 @@ static bool meets_box(const batch_walk *w, const ray *r, ray_way *way) {
     double t_in = -INFINITY, t_out = INFINITY;
     for (int a = 0; a < 3; a++) {
         const bool back = way->octant >> a & 1u;
+        if (r->d[a] == 0.0 && (r->o[a] < box[0][a] || r->o[a] > box[1][a]))
+            return false;
+        if (r->d[a] == 0.0)
+            continue;
         const double near = (box[back][a] - r->o[a]) * way->per_d[a];
         const double far = (box[!back][a] - r->o[a]) * way->per_d[a];
         t_in = near > t_in ? near : t_in;

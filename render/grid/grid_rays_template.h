@@ -62,6 +62,11 @@ static const float UNIT = 0x1p-24f; /* of float rounding */
  * range, products too. */
 static const double EXTENT_MIN = 1e-15, EXTENT_MAX = 1e15, COMPONENT_MIN = 1e-9;
 
+/* The reciprocal of 0: times any extent still in float's range, and so far that no ray gets there.
+ * Between planes that rays do not cross, they are from before their beginning to beyond their end.
+ */
+static const double PER_NOTHING = 1e20;
+
 /* ---- Sets ---- */
 
 static bool set_is_empty(const ray_set *s, unsigned words) {
