@@ -466,7 +466,9 @@ typedef struct leafcast_ray_hit {
 
 /* leafcast_trace_rays() - the first hit of each of count rays with what the scene shows; its
  * preview, lights and colours do not matter. By all threads of the device, within its budget.
- * leafcast_occluded_rays() - whether there is any: 1 or 0 a ray, for less. */
+ * leafcast_occluded_rays() - whether there is any: 1 or 0 a ray, for less.
+ *
+ * Rays walk in batches: neighbours in the array that go the same way take less time. */
 LEAFCAST_API leafcast_status leafcast_trace_rays(leafcast *volume, const leafcast_scene *scene,
                                                  const leafcast_ray *rays, size_t count,
                                                  leafcast_ray_hit *hits);
