@@ -36,9 +36,8 @@ typedef struct tile_pixels {
     float rgba[4][TILE_RAYS];
 } tile_pixels;
 
-/* A kind's part: the unit normals of a layer, where it has surfaces, any length where there is
- * none; what
- * else shadows need of one: its point but for the normal. */
+/* A kind's part. normals: of a layer's surfaces, of unit length; of other pixels anything. start:
+ * what else shadows need of a surface, its point but for the normal. */
 typedef struct tile_kind {
     void (*normals)(void *work, const tile_layer *l, tile_normals normal);
     surface_point (*start)(void *work, const tile_layer *l, unsigned i);
