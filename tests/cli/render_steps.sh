@@ -31,7 +31,7 @@ ok "another step reads less than the first" json "$tmp/s1.json" 'all(0 < f["byte
 ok "refitting, less still" python3 -c 'import json, sys
 a, b = (sum(f["bytes"]["read"] for f in json.load(open(p))["frames"]) for p in sys.argv[1:])
 sys.exit(b >= a)' "$tmp/s1.json" "$tmp/s2.json"
-exits "little memory" 0 "$leafcast" render "$tmp/b.leaf" $view --step 2 --memory 2M --threads 1 --depth-f64 "$tmp/tight" -q
+exits "little memory" 0 "$leafcast" render "$tmp/b.leaf" $view --step 2 --memory 3M --threads 1 --depth-f64 "$tmp/tight" -q
 ok "is the same picture" same tight want_2
 exits "steps times isovalues" 0 "$leafcast" render "$tmp/b.leaf" --iso-list 0.3,0.5 --steps 1:2 --size 8x8 --depth-f64 "$tmp/x" -q
 ok "four pictures" [ -s "$tmp/x_0003" -a ! -e "$tmp/x_0004" ]
