@@ -21,6 +21,7 @@ DECLARE(mesh_lanes_avx512);
 
 /* False: none of this ISA. */
 static bool let_count(cpu_isa isa, kernels *k) {
+    (void)k; /* another CPU has no such ISA */
     switch (isa) {
 #if defined __x86_64__ || defined __i386__
     case CPU_SSE42:
