@@ -3,9 +3,9 @@
  *
  * The tree over the treelets, and the trees in them, are walked once for all rays of a tile, near
  * children first. A node carries the rectangle of pixels that its box can cover (projection.h), and
- * goes when that is empty or every pixel of it has its surfaces in front of the box. At an active tet
- * the isopolygon is made once (W07 4.1) and seen from the eye by all rays of the rectangle that it
- * covers: its edge functions are one vector an edge then, and each ray's are a scalar product.
+ * goes when that is empty or every pixel of it has its surfaces in front of the box. At an active
+ * tet the isopolygon is made once (W07 4.1) and seen from the eye by all rays of the rectangle that
+ * it covers: its edge functions are one vector an edge then, and each ray's are a scalar product.
  * Where their signs are sure, vectors of rays are done with; the others go to tet_kernel.h. So the
  * picture is the same bits as that of single rays.
  *
