@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 #include <dlfcn.h>
+#include <limits.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -340,15 +341,20 @@ static void test_tiles_without_locks(void **state) {
         const leafcast_scene scene = leafcast_scene_default();
         const leafcast_surface surface = leafcast_surface_default(subjects[i].iso);
         const leafcast_image image = {.size = sizeof image, .z = z};
-        unsigned long taken[3];
+        unsigned long taken[3] = {0, ULONG_MAX, ULONG_MAX};
         assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
-        for (int k = 0; k < 3; k++) {
-            const uint32_t side = k == 2 ? 96 : 512;
+        /* Of several warm frames the least: a thread that has read may still be on its way to
+         * sleep. */
+        for (int k = 0; k < 9; k++) {
+            const int frame_kind = k == 0 ? 0 : 1 + k % 2;
+            const uint32_t side = frame_kind == 2 ? 96 : 512;
             const leafcast_camera view = leafcast_standard_view(v, 1.1, side, side);
             const unsigned long before = atomic_load(&locks);
             assert_int_equal(leafcast_trace(v, &scene, &view, &image, NULL, NULL, NULL),
                              LEAFCAST_OK);
-            taken[k] = atomic_load(&locks) - before;
+            const unsigned long now = atomic_load(&locks) - before;
+            taken[frame_kind] =
+                frame_kind == 0 || now < taken[frame_kind] ? now : taken[frame_kind];
         }
         assert_true(taken[0] > taken[1]); /* treelets came */
         assert_int_equal(taken[1], taken[2]);

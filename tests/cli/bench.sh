@@ -72,8 +72,8 @@ exits "with lights of one's own" 0 "$leafcast" bench behind "$tmp/s.leaf" --iso 
 ok "twice the rays" python3 -c 'import csv, sys
 one, two = (float(list(csv.DictReader(open(f)))[1]["rays/px"]) - 1 for f in sys.argv[1:])
 sys.exit(abs(two - 2 * one) > 2e-4)' "$tmp/b.csv" "$tmp/c.csv"
-exits "lanes" 0 "$leafcast" bench lanes "$leaf" --iso 128 --size 48x48 -o "$tmp/n.csv"
-exits "frames" 0 "$leafcast" bench frames "$leaf" --iso 128 --size 48x48 --runs 1 -o "$tmp/m.csv"
+exits "lanes" 0 "$leafcast" bench lanes "$leaf" --iso 128 --size 48x48 --threads 1 -o "$tmp/n.csv"
+exits "frames" 0 "$leafcast" bench frames "$leaf" --iso 128 --size 48x48 --runs 3 --threads 1 -o "$tmp/m.csv"
 ok "count each cell that frames count, and each surface" python3 -c 'import csv, sys
 lanes, frames = (list(csv.DictReader(open(f))) for f in sys.argv[1:])
 def count(isa, *stages): return sum(int(r["lanes"]) for r in lanes if r["isa"] == isa and r["stage"] in stages)
