@@ -12,6 +12,7 @@
 #include "render/grid/grid_start_template.h"
 #include "render/grid/grid_tracer.h"
 #include "render/grid/intersect.h"
+#include "render/grid/octant_order.h"
 #include "render/kernels.h"
 #include "render/ray_box.h"
 
@@ -207,11 +208,11 @@ static void add_to_batch(batch_walk *w, const resident_grid *at, const uint32_t 
 /* Where the queue's rays come into their cells, and how far they go, in the cells' coordinates; e:
  * by how much these may err, less 3, in units of may_cross()'s e. */
 typedef struct queue_visits {
-    vf in[3], way[3], e;
+    near_way way;
+    vf e;
 } queue_visits;
 
 SIMD queue_visits queue_visits_of(const grid_rays *g, const cell_queue *q) {
-    const vf zero = f_set(0.0f), one = f_set(1.0f);
     queue_visits v = {.e = f_set(0.0f)};
     vf o[3], d[3], r[3], span[3], lo[3];
     f_load_triples(g->o_of[0], q->ray, o);
@@ -231,42 +232,23 @@ SIMD queue_visits queue_visits_of(const grid_rays *g, const cell_queue *q) {
     }
     for (int a = 0; a < 3; a++) {
         const vf inv = f_load(q->inv[a]);
-        v.in[a] = f_min(f_max((t_in * d[a] - lo[a]) * inv, zero), one);
-        v.way[a] = f_min(f_max((t_out * d[a] - lo[a]) * inv, zero), one) - v.in[a];
+        v.way.in[a] = near_coordinate(t_in, d[a], lo[a], inv);
+        v.way.way[a] = near_coordinate(t_out, d[a], lo[a], inv) - v.way.in[a];
     }
     return v;
 }
 
-/* Which lanes' control polygons (cell_cubic()) may change side; f: corners without the isovalue,
- * each off by less than `off` before. As
- * the filter of grid_walk_template.h, where the proof is, with planes as seen from where each ray
- * comes in; which may be off by as much as `astray` has added. */
-SIMD unsigned may_cross(const queue_visits *v, const vf f[8], vf off) {
+/* The bound has more for planes as seen from where each ray comes in, which may be off by as much
+ * as `astray` has added, and for corners f without the isovalue that are off by less than `off`. */
+SIMD near_forms queue_forms(const vf f[8], vf e, vf off) {
+    near_forms forms;
     vf largest = f_set(0.0f);
     for (int s = 0; s < 8; s++)
         largest = f_max(largest, f_abs(f[s]));
-    const vf x0 = f[1] - f[0], x1 = f[3] - f[2], x2 = f[5] - f[4], x3 = f[7] - f[6];
-    const vf y0 = f[2] - f[0], xy0 = x1 - x0;
-    const vf c[8] = {f[0], x0, y0, f[4] - f[0], xy0, (f[6] - f[4]) - y0, x2 - x0, (x3 - x2) - xy0};
-    const vf bound = largest * ((f_set(2048.0f + 96.0f) + f_set(32.0f) * v->e) * f_set(UNIT)) +
-                     f_set(0x1p-130f) + off;
-    const vf *in = v->in, *way = v->way;
-    const vf x = in[0], y = in[1], z = in[2];
-    /* Per power of x and y, as a linear function along the visit: e + s h. */
-    const vf e0 = c[0] + c[3] * z, h0 = c[3] * way[2];
-    const vf ex = c[1] + c[6] * z, hx = c[6] * way[2];
-    const vf ey = c[2] + c[5] * z, hy = c[5] * way[2];
-    const vf exy = c[4] + c[7] * z, hxy = c[7] * way[2];
-    const vf xy = x * y, xy1 = x * way[1] + y * way[0], xy2 = way[0] * way[1];
-    const vf k0 = e0 + ex * x + ey * y + exy * xy;
-    const vf k1 = h0 + hx * x + ex * way[0] + hy * y + ey * way[1] + hxy * xy + exy * xy1;
-    const vf k2 = hx * way[0] + hy * way[1] + hxy * xy1 + exy * xy2;
-    const vf k3 = hxy * xy2;
-    const vf third = f_set(1.0f / 3.0f), b1 = k0 + third * k1, b2 = b1 + third * (k1 + k2);
-    const vf b3 = k0 + k1 + k2 + k3;
-    const vf least = f_min(f_min(k0, b3), f_min(b1, b2));
-    const vf greatest = f_max(f_max(k0, b3), f_max(b1, b2));
-    return ~mf_bits(mf_or(f_gt(least, bound), f_lt(greatest, f_set(-0.0f) - bound)));
+    near_coefficients(f, forms.c);
+    forms.bound = largest * ((f_set(2048.0f + 96.0f) + f_set(32.0f) * e) * f_set(UNIT)) +
+                  f_set(0x1p-130f) + off;
+    return forms;
 }
 
 /* Which lanes may cross any of the surfaces. */
@@ -278,7 +260,8 @@ SIMD unsigned queue_may_cross(const grid_rays *g, const cell_queue *q, const wal
         vf f[8];
         for (int s = 0; s < 8; s++)
             f[s] = f_load(q->samples[s]) - f_set(iso);
-        crossing |= may_cross(&v, f, f_set(2.0f * UNIT * fabsf(iso)));
+        const near_forms forms = queue_forms(f, v.e, f_set(2.0f * UNIT * fabsf(iso)));
+        crossing |= may_cross(&v.way, &forms);
     }
     return crossing;
 }
@@ -369,18 +352,6 @@ static void walk_cell(batch_walk *w, const resident_grid *at, const uint32_t cel
 
 /* ---- Nodes ---- */
 
-/* A mask of octants o as one of places o ^ first in that order. */
-static unsigned in_order(unsigned octants, unsigned first) {
-    unsigned m = octants;
-    m = first & 1u ? (m & 0x55u) << 1 | (m & 0xaau) >> 1 : m;
-    m = first & 2u ? (m & 0x33u) << 2 | (m & 0xccu) >> 2 : m;
-    return first & 4u ? (m & 0x0fu) << 4 | (m & 0xf0u) >> 4 : m;
-}
-
-static unsigned last_place(unsigned places) {
-    return 31u - (unsigned)__builtin_clz(places);
-}
-
 /* Whether rays of the set still look for a surface; it keeps those alone. When all that do have
  * cells in the batch, those are answered first. */
 static bool wanted(batch_walk *w, ray_set *rays) {
@@ -416,9 +387,10 @@ static void walk_tree(batch_walk *w, const resident_grid *at, const ray_set *ray
         ray_set met[8];
         w->counters->nodes++;
         children_met(&w->rays, &n, &node.rays, met);
-        unsigned places = in_order(walk_children(at, node.size, node.morton), back);
+        unsigned places = octants_in_order(walk_children(at, node.size, node.morton), back);
         for (; places;) {
-            const unsigned place = half == 1 ? (unsigned)__builtin_ctz(places) : last_place(places);
+            const unsigned place =
+                half == 1 ? (unsigned)__builtin_ctz(places) : octants_last(places);
             const unsigned o = place ^ back;
             places ^= 1u << place;
             if (set_is_empty(&met[place], w->rays.words))
@@ -563,9 +535,9 @@ static void walk_directory(batch_walk *w) {
         w->counters->nodes++;
         children_met(&w->rays, &n, &node.rays, met);
         const unsigned existing = leaf_layout_children(layout, node.t);
-        for (unsigned places = in_order(tr->treelets->children[node.t], back); places;
-             places ^= 1u << last_place(places)) {
-            const unsigned place = last_place(places), o = place ^ back;
+        for (unsigned places = octants_in_order(tr->treelets->children[node.t], back); places;
+             places ^= 1u << octants_last(places)) {
+            const unsigned place = octants_last(places), o = place ^ back;
             const uint32_t rank = (uint32_t)__builtin_popcount(existing & ((1u << o) - 1u));
             if (!set_is_empty(&met[place], w->rays.words))
                 stack[top++] = (directory_node){met[place], layout->first_child[node.t] + rank};

@@ -12,13 +12,12 @@
 
 #ifdef SIMD_NAME
 
+#include "render/grid/grid_cross_template.h"
 #include "render/projection.h"
 #include "render/tile_rays_template.h"
 #include "stream/grid_resident.h"
 
 /* ---- Visits ---- */
-
-static const float UNIT = 0x1p-24f; /* of float rounding */
 
 /* Cut t_in .. t_out to where rays with these reciprocals are between two planes, both seen from the
  * eye. */
@@ -68,12 +67,6 @@ SIMD unsigned group_visits(const tile_rays *rays, unsigned at, const group_plane
 
 /* ---- The filter ---- */
 
-/* f - iso over cells, one a lane, as a sum of products of coordinates, 1 x y z xy yz xz xyz, and
- * the bound of may_cross(). */
-typedef struct near_forms {
-    vf c[8], bound;
-} near_forms;
-
 /* What the bound takes from where VF_N cells lie. */
 SIMD vf near_reach(const vf lo[3], const vf hi[3], const vf inv[3]) {
     vf e = f_set(3.0f);
@@ -91,54 +84,11 @@ SIMD near_forms near_forms_of(const float samples[8][VF_N], vf reach, double iso
         f[s] = f_of_doubles(difference);
         largest = f_max(largest, f_abs(f[s]));
     }
-    const vf x0 = f[1] - f[0], x1 = f[3] - f[2], x2 = f[5] - f[4], x3 = f[7] - f[6];
-    const vf y0 = f[2] - f[0], xy0 = x1 - x0;
-    const vf bound = largest * ((f_set(2048.0f) + f_set(32.0f) * reach) * f_set(UNIT));
-    return (near_forms){
-        {f[0], x0, y0, f[4] - f[0], xy0, (f[6] - f[4]) - y0, x2 - x0, (x3 - x2) - xy0},
-        bound + f_set(0x1p-130f)};
-}
-
-/* Where visits enter their cells, in the cells' coordinates, and their way through them. */
-typedef struct near_way {
-    vf in[3], way[3];
-} near_way;
-
-SIMD vf near_coordinate(vf t, vf d, vf lo, vf inv) {
-    return f_min(f_max((t * d - lo) * inv, f_set(0.0f)), f_set(1.0f));
-}
-
-/* Which rays' control polygons (cell_cubic()) may change side: the others have no root, says the
- * cell kernel too.
- *
- * The proof, in units u = 2^-24. Coordinates in the cell, (t d - lo) inv: t errs by 5 u of itself,
- * d by u, and with the product's u, lo's and the difference's the sum errs by at most 10 u
- * max(|lo|, |hi|) inv, since |t d| is no more than that where the ray passes the cell; inv and the
- * product add 2 u, taking entry from exit and adding it again 2 u: less than e = 16 u (max(|lo|,
- * |hi|) inv + 1). Clamping takes nothing away. The form is linear in each coordinate with slopes of
- * at most 2 F, F = max |f|: positions add 2 F (e_x + e_y + e_z). Values: f errs by u F, the eight
- * coefficients by 81 u F together; their sizes add up to 27 F. The cubic's coefficients k0 .. k3
- * add up to 27, 54, 36 and 8 F before signs cancel, with at most 14 roundings on the way: 1750 u F.
- * Where results are denormal, 2^-149 a step. Together with the kernel's own rounding, 2^-50 F, less
- * than F (2048 u + 2 (e_x + e_y + e_z)) + 2^-130. */
-SIMD unsigned may_cross(const near_way *v, const near_forms *forms) {
-    const vf *in = v->in, *way = v->way, *c = forms->c, bound = forms->bound;
-    const vf x = in[0], y = in[1], z = in[2];
-    /* Per power of x and y, as a linear function along the visit: e + s h. */
-    const vf e0 = c[0] + c[3] * z, h0 = c[3] * way[2];
-    const vf ex = c[1] + c[6] * z, hx = c[6] * way[2];
-    const vf ey = c[2] + c[5] * z, hy = c[5] * way[2];
-    const vf exy = c[4] + c[7] * z, hxy = c[7] * way[2];
-    const vf xy = x * y, xy1 = x * way[1] + y * way[0], xy2 = way[0] * way[1];
-    const vf k0 = e0 + ex * x + ey * y + exy * xy;
-    const vf k1 = h0 + hx * x + ex * way[0] + hy * y + ey * way[1] + hxy * xy + exy * xy1;
-    const vf k2 = hx * way[0] + hy * way[1] + hxy * xy1 + exy * xy2;
-    const vf k3 = hxy * xy2;
-    const vf third = f_set(1.0f / 3.0f), b1 = k0 + third * k1, b2 = b1 + third * (k1 + k2);
-    const vf b3 = k0 + k1 + k2 + k3;
-    const vf least = f_min(f_min(k0, b3), f_min(b1, b2));
-    const vf greatest = f_max(f_max(k0, b3), f_max(b1, b2));
-    return ~mf_bits(mf_or(f_gt(least, bound), f_lt(greatest, f_set(-0.0f) - bound)));
+    near_forms forms;
+    near_coefficients(f, forms.c);
+    forms.bound =
+        largest * ((f_set(2048.0f) + f_set(32.0f) * reach) * f_set(UNIT)) + f_set(0x1p-130f);
+    return forms;
 }
 
 /* ---- Ray-cells, one a lane ---- */

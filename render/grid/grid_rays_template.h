@@ -12,6 +12,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "render/grid/grid_cross_template.h"
 #include "render/grid/level_planes.h"
 #include "render/ray_batch.h"
 
@@ -55,8 +56,6 @@ typedef struct grid_rays {
 typedef struct node_planes {
     float near[3][2], far[3][2];
 } node_planes;
-
-static const float UNIT = 0x1p-24f; /* of float rounding */
 
 /* Components much smaller than others leave reciprocals useless; and all is to stay in float's
  * range, products too. */

@@ -8,6 +8,7 @@
 #ifdef SIMD_NAME
 
 #include "render/grid/grid_near_template.h"
+#include "render/grid/octant_order.h"
 #include "render/kernels.h"
 #include "render/lane_counts.h"
 #include "render/ray_box.h"
@@ -338,14 +339,6 @@ SIMD void queue_add(tile_walk *w, const resident_grid *at, const plane_projectio
 /* Where more rays look at a group, it is better seen cell by cell. */
 enum { GROUP_RAYS_MAX = 8 };
 
-/* A mask of octants o as one of places o ^ first in that order. */
-static unsigned in_order(unsigned octants, unsigned first) {
-    unsigned m = octants;
-    m = first & 1u ? (m & 0x55u) << 1 | (m & 0xaau) >> 1 : m;
-    m = first & 2u ? (m & 0x33u) << 2 | (m & 0xccu) >> 2 : m;
-    return first & 4u ? (m & 0x0fu) << 4 | (m & 0xf0u) >> 4 : m;
-}
-
 /* The active cells of a group (octants), for the open rays of its rectangle one by one: few rays
  * visit the same cell there, and the lanes are better filled by its cells. */
 static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t first_cell[3],
@@ -366,7 +359,7 @@ static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t fir
                                         t_out + v * VF_N)
                            << v * VF_N;
             LANE_COUNT(groups, visited & active);
-            for (unsigned places = in_order(visited & active, first); places;
+            for (unsigned places = octants_in_order(visited & active, first); places;
                  places &= places - 1) {
                 const unsigned o = (unsigned)__builtin_ctz(places) ^ first;
                 const uint32_t cell[3] = {first_cell[0] + (o & 1u), first_cell[1] + (o >> 1 & 1u),
@@ -387,10 +380,6 @@ static unsigned first_octant(const tile_walk *w, const level_planes *planes,
     for (int a = 0; a < 3; a++)
         octant |= (unsigned)(planes->at[a][first[a] + half] <= w->place.p->eye[a]) << a;
     return octant;
-}
-
-static unsigned last_place(unsigned places) {
-    return 31u - (unsigned)__builtin_clz(places);
 }
 
 /* Rays of a rectangle that still look for a surface, and those of them that do not wait for an
@@ -474,7 +463,7 @@ static void walk_tree(tile_walk *w, const resident_grid *at, tile_rect rect) {
         tile_rects_of(&w->place, projected, node.cell, half, &node.rect, &rects);
         const unsigned children = walk_children(at, node.size, node.morton) & rects.alive;
         const unsigned first = first_octant(w, planes, node.cell, half);
-        unsigned places = in_order(children, first);
+        unsigned places = octants_in_order(children, first);
         if (half == 1) {
             for (; places; places &= places - 1) {
                 const unsigned o = (unsigned)__builtin_ctz(places) ^ first;
@@ -484,8 +473,8 @@ static void walk_tree(tile_walk *w, const resident_grid *at, tile_rect rect) {
             }
             continue;
         }
-        for (; places; places ^= 1u << last_place(places)) {
-            const unsigned o = last_place(places) ^ first;
+        for (; places; places ^= 1u << octants_last(places)) {
+            const unsigned o = octants_last(places) ^ first;
             stack[top++] =
                 (tree_node){{node.cell[0] + (o & 1u) * half, node.cell[1] + (o >> 1 & 1u) * half,
                              node.cell[2] + (o >> 2) * half},
@@ -595,9 +584,9 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
         const unsigned children = tr->treelets->children[node.t] & rects.alive;
         const unsigned existing = leaf_layout_children(layout, node.t);
         const unsigned eye = first_octant(w, &scene_of(w)->levels[level], first, half);
-        for (unsigned places = in_order(children, eye); places;
-             places ^= 1u << last_place(places)) {
-            const unsigned o = last_place(places) ^ eye;
+        for (unsigned places = octants_in_order(children, eye); places;
+             places ^= 1u << octants_last(places)) {
+            const unsigned o = octants_last(places) ^ eye;
             const uint32_t rank = (uint32_t)__builtin_popcount(existing & ((1u << o) - 1u));
             stack[top++] = (directory_node){layout->first_child[node.t] + rank, rects.of[o]};
         }
