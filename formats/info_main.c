@@ -113,7 +113,8 @@ static void collect(facts *x, const leaf_file *f) {
     leaf_id_text(h, x->id);
     for (uint32_t p = 0; p < f->layout.payloads; p++) {
         x->level_bytes[f->mesh ? 0 : f->layout.level_of[p]] += f->sizes[p];
-        x->histogram[log2_of(f->sizes[p]) % HISTOGRAM_MAX]++;
+        if (f->sizes[p])
+            x->histogram[log2_of(f->sizes[p]) % HISTOGRAM_MAX]++;
     }
     if (f->mesh)
         x->parts = leaf_stats_mesh(f);

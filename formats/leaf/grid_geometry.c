@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "formats/base/sample.h"
+#include "formats/leaf/implied_payload.h"
 
 /* ---- The header ---- */
 
@@ -197,4 +198,7 @@ const leaf_geometry grid_geometry = {.holds_indices = false,
                                      .check_directory = check_directory,
                                      .payload_bytes = payload_bytes,
                                      .begins_run = begins_run,
-                                     .payload_name = payload_name};
+                                     .payload_name = payload_name,
+                                     .may_imply = implied_payload_may,
+                                     .implies = implied_payload_is,
+                                     .imply = implied_payload_fill};

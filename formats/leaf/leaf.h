@@ -26,7 +26,7 @@
 #include <stdio.h>
 
 enum {
-    LEAF_VERSION = 1,
+    LEAF_VERSION = 2, /* the last one; a file has 1 where it has nothing that came with 2 */
     LEAF_HEADER_BYTES = 4096,
     LEAF_ALIGN_LOG2 = 6,
     LEAF_ALIGN = 1 << LEAF_ALIGN_LOG2, /* of sections, and of payloads inside a run */
@@ -58,7 +58,7 @@ enum {
 /* A mesh has 0 in what is of grids alone, and the other way round. */
 typedef struct leaf_header {   /* offset size */
     char magic[8];             /*    0    8  LEAF_MAGIC, without its NUL */
-    uint32_t version;          /*    8    4  LEAF_VERSION */
+    uint32_t version;          /*    8    4  1, or 2 for implied payloads */
     uint32_t kind;             /*   12    4  leaf_kind */
     uint32_t sample_type;      /*   16    4  sample_type, one that sample_stored() yields; mesh: f32 */
     uint32_t source_type;      /*   20    4  sample_type of the input */
@@ -138,7 +138,7 @@ static inline uint32_t leaf_aligned(uint32_t at) {
 }
 
 /* Sections follow the table in its order, each at the first multiple of LEAF_ALIGN behind the one
- * before; payloads follow the sections in order (leaf_layout_payload_at()). So sizes alone fix
+ * before; payloads follow the sections in order (leaf_placing_next()). So sizes alone fix
  * every offset, and no byte is unaccounted for.
  *
  * Directory sections: one array each, an element a treelet (grids; they have a payload a treelet),

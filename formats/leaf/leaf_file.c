@@ -318,7 +318,15 @@ static status decompress(const leaf_file *f, uint32_t p, const void *stored, voi
                            ZSTD_isError(got) ? ZSTD_getErrorName(got) : "it is shorter");
 }
 
+bool leaf_file_is_implied(const leaf_file *f, uint32_t p) {
+    return !f->sizes[p];
+}
+
 status leaf_file_load(leaf_file *f, uint32_t p, void *stored, void *payload) {
+    if (leaf_file_is_implied(f, p)) {
+        f->geometry->imply(&f->layout, p, f->own[p], payload);
+        return ST_OK;
+    }
     bool raw = leaf_file_is_raw(f, p);
     assert(raw || stored);
     void *into = raw ? payload : stored;

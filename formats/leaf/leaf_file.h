@@ -77,17 +77,22 @@ CHECKED status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, l
  * the treelet; of a mesh, a topology or values (leaf_layout_values()). */
 bool leaf_file_is_raw(const leaf_file *f, uint32_t p);
 
+/* leaf_file_is_implied() - whether payload p has no bytes in the file, as the directory tells it
+ * (implied_payload.h). */
+bool leaf_file_is_implied(const leaf_file *f, uint32_t p);
+
 /* leaf_file_load() - read payload p's stored bytes, check them, and decode into payload
  * (leaf_layout_payload_bytes(p); 64-byte aligned). stored: room for sizes[p] bytes; may be NULL
- * when leaf_file_is_raw(), bytes are then read straight into payload. ST_CORRUPT names file, byte
+ * when leaf_file_is_raw(), bytes are then read straight into payload,
+ * and when leaf_file_is_implied(). ST_CORRUPT names file, byte
  * and treelet. A mesh's topology is to pass mesh_leaf_check_loaded() before it is used, positions
  * mesh_leaf_check_moved(). Thread-safe.
  */
 CHECKED status leaf_file_load(leaf_file *f, uint32_t p, void *stored, void *payload);
 
-/* leaf_file_decode() - the same from bytes that are in memory already (a mapping): check, and
- * unless leaf_file_is_raw() decode into payload; *view becomes the payload (stored itself when
- * raw). Thread-safe. */
+/* leaf_file_decode() - the same from bytes that are in memory already (a mapping), of a payload
+ * that is not implied: check, and unless leaf_file_is_raw() decode into payload; *view becomes the
+ * payload (stored itself when raw). Thread-safe. */
 CHECKED status leaf_file_decode(const leaf_file *f, uint32_t p, const void *stored, void *payload,
                                 const void **view);
 

@@ -45,6 +45,13 @@ typedef struct leaf_geometry {
     uint32_t (*payload_bytes)(const leaf_layout *l, uint32_t p);
     bool (*begins_run)(const leaf_layout *l, uint32_t p);
     const char *(*payload_name)(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]);
+
+    /* Payloads that the directory tells, and which have no bytes: whether one of this own range and
+     * these flags can be; whether this one is; and its bytes. NULL, all three: there are none. */
+    bool (*may_imply)(const float own[2], uint8_t flags);
+    bool (*implies)(const leaf_layout *l, uint32_t p, const float own[2], uint8_t flags,
+                    const void *payload);
+    void (*imply)(const leaf_layout *l, uint32_t p, const float own[2], void *payload);
 } leaf_geometry;
 
 /* leaf_geometry_of() - the row of a leaf_kind; NULL: this program knows none. */

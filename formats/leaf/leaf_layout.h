@@ -156,14 +156,24 @@ static inline uint64_t leaf_layout_aligned(uint64_t at, uint32_t log2) {
 /* leaf_layout_begins_run() - whether payload p is the first of a run. */
 bool leaf_layout_begins_run(const leaf_layout *l, uint32_t p);
 
-/* leaf_layout_payload_at() - where payload p lies when the one before it (for p = 0: the last
- * section) ends at `end`: at the next multiple of LEAF_ALIGN, or of 2^run_align_log2 for the first
- * of a run. That is, in a grid, the child in octant 0, which every parent has; in a mesh the first
- * treelet's payload in each block. */
-static inline uint64_t leaf_layout_payload_at(const leaf_layout *l, uint32_t p, uint64_t end,
-                                              uint32_t run_align_log2) {
-    return leaf_layout_aligned(end,
-                               leaf_layout_begins_run(l, p) ? run_align_log2 : LEAF_ALIGN_LOG2);
+/* Payloads get their places one after the other. */
+typedef struct leaf_placing {
+    uint64_t end; /* of the payload before, or of the last section */
+    bool run;     /* a run has begun of which there is no byte yet */
+} leaf_placing;
+
+/* leaf_placing_next() - where payload p of so many stored bytes lies: behind the one before it, at
+ * the next multiple of LEAF_ALIGN, or of 2^run_align_log2 if it is the first of a run that has any.
+ * A run begins, in a grid, with the child in octant 0, which every parent has; in a mesh with the
+ * first treelet's payload in each block. One of no bytes lies where the one before it ends. */
+static inline uint64_t leaf_placing_next(leaf_placing *x, const leaf_layout *l, uint32_t p,
+                                         uint64_t bytes, uint32_t run_align_log2) {
+    x->run |= leaf_layout_begins_run(l, p);
+    if (!bytes)
+        return x->end;
+    const uint64_t at = leaf_layout_aligned(x->end, x->run ? run_align_log2 : LEAF_ALIGN_LOG2);
+    *x = (leaf_placing){.end = at + bytes};
+    return at;
 }
 
 /* Where the codes of tree level k (1 .. K) lie in the payload: lo[8^k] there, hi[8^k] behind it. */

@@ -10,6 +10,7 @@
 #include "formats/base/hash.h"
 #include "formats/base/text.h"
 #include "formats/leaf/leaf_check.h"
+#include "formats/leaf/leaf_geometry.h"
 #include "formats/mesh/mesh_leaf.h"
 
 struct leaf_writer {
@@ -41,10 +42,12 @@ struct leaf_writer {
     pthread_mutex_t lock;
     uint64_t scratch_end;
     uint32_t placed;   /* payloads whose place is known, as all before them have been put */
-    uint64_t next_end; /* where the last of these ends */
+    leaf_placing next; /* behind the last of these */
+    bool implied;      /* some payloads have no bytes */
 };
 
 #define NOT_THERE UINT64_MAX
+#define UNKNOWN   UINT64_MAX /* a size */
 
 struct leaf_packer {
     ZSTD_CCtx *context;
@@ -107,7 +110,7 @@ static void copy_text(char *to, size_t size, const char *text) {
 static void fill_common(leaf_writer *w) {
     leaf_header *h = &w->header;
     memcpy(h->magic, LEAF_MAGIC, sizeof h->magic);
-    h->version = LEAF_VERSION;
+    h->version = 1;
     h->sample_type = w->layout.type;
     h->levels = w->layout.levels;
     h->run_align_log2 = w->p.run_align_log2;
@@ -180,19 +183,18 @@ static void place_sections(leaf_writer *w) {
         w->table[i].offset = leaf_layout_aligned(end, LEAF_ALIGN_LOG2);
         end = w->table[i].offset + w->table[i].bytes;
     }
-    w->next_end = end;
+    w->next = (leaf_placing){.end = end};
 }
 
 /* With all sizes known, the payloads' places. */
 static void place_payloads(leaf_writer *w) {
-    uint64_t end = sections_end(w);
+    leaf_placing next = {.end = sections_end(w)};
     w->header.payload_bytes = 0;
     for (uint32_t p = 0; p < w->layout.payloads; p++) {
-        w->offsets[p] = leaf_layout_payload_at(&w->layout, p, end, w->p.run_align_log2);
-        end = w->offsets[p] + w->sizes[p];
+        w->offsets[p] = leaf_placing_next(&next, &w->layout, p, w->sizes[p], w->p.run_align_log2);
         w->header.payload_bytes += w->sizes[p];
     }
-    w->header.file_bytes = leaf_layout_aligned(end, w->p.run_align_log2);
+    w->header.file_bytes = leaf_layout_aligned(next.end, w->p.run_align_log2);
 }
 
 static status allocate_histograms(leaf_writer *w) {
@@ -262,6 +264,8 @@ static status copy_labels(leaf_writer *w, const leaf_mesh *mesh) {
 /* A scratch file, for payloads whose sizes place them only in the end. */
 static status create_scratch(leaf_writer *w, const char *path) {
     w->scratch_at = mem_array(w->m, w->layout.payloads, sizeof *w->scratch_at);
+    for (uint32_t p = 0; p < w->layout.payloads; p++)
+        w->sizes[p] = UNKNOWN;
     return w->scratch_at ? out_file_scratch(w->m, path, &w->scratch) : ST_NOMEM;
 }
 
@@ -464,12 +468,12 @@ static bool place_put(leaf_writer *w, uint32_t p, size_t size) {
     pthread_mutex_lock(&w->lock);
     const bool direct = p == w->placed;
     w->sizes[p] = size;
-    w->scratch_at[p] = direct ? NOT_THERE : w->scratch_end;
+    w->scratch_at[p] = direct || !size ? NOT_THERE : w->scratch_end;
     if (!direct)
         w->scratch_end += size;
-    for (uint32_t n = w->placed; n < w->layout.payloads && w->sizes[n]; n++) {
-        w->offsets[n] = leaf_layout_payload_at(&w->layout, n, w->next_end, w->p.run_align_log2);
-        w->next_end = w->offsets[n] + w->sizes[n];
+    for (uint32_t n = w->placed; n < w->layout.payloads && w->sizes[n] != UNKNOWN; n++) {
+        w->offsets[n] =
+            leaf_placing_next(&w->next, &w->layout, n, w->sizes[n], w->p.run_align_log2);
         w->placed = n + 1;
     }
     pthread_mutex_unlock(&w->lock);
@@ -489,11 +493,26 @@ static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void
     return out_file_write_at(w->scratch, w->scratch_at[p], stored, size);
 }
 
+/* The directory tells it. */
+static void put_implied(leaf_writer *w, uint32_t p) {
+    if (w->scratch)
+        place_put(w, p, 0);
+    pthread_mutex_lock(&w->lock);
+    w->sizes[p] = w->checksums[p] = 0;
+    w->implied = true;
+    pthread_mutex_unlock(&w->lock);
+}
+
 status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t t, const leaf_entry *entry,
                        const void *payload, void *pack) {
     assert(t < w->layout.treelets && !w->layout.sets);
     memcpy(w->own[t], entry->own, sizeof entry->own);
     w->flags[t] = entry->flags;
+    const leaf_geometry *g = w->layout.geometry;
+    if (g->implies && g->implies(&w->layout, t, entry->own, entry->flags, payload)) {
+        put_implied(w, t);
+        return ST_OK;
+    }
     return put_payload(w, k, t, payload, leaf_layout_payload(&w->layout, t).bytes, pack);
 }
 
@@ -554,6 +573,43 @@ static status copy_payloads(leaf_writer *w) {
             return st;
     }
     return ST_OK;
+}
+
+static status write_zeros(leaf_writer *w, uint64_t from, uint64_t to) {
+    static const char zeros[512];
+    status st = ST_OK;
+    for (uint64_t size; st == ST_OK && from < to; from += size) {
+        size = to - from < sizeof zeros ? to - from : sizeof zeros;
+        st = out_file_write_at(w->out, from, zeros, (size_t)size);
+    }
+    return st;
+}
+
+/* Payload p from where it was written to its place, which ends the gap that begins at `end`. */
+static status move_payload(leaf_writer *w, uint32_t p, uint64_t from, uint64_t end) {
+    status st = out_file_read_at(w->out, from, w->copy_buffer, (size_t)w->sizes[p]);
+    if (st == ST_OK)
+        st = write_zeros(w, end, w->offsets[p]);
+    return st == ST_OK
+               ? out_file_write_at(w->out, w->offsets[p], w->copy_buffer, (size_t)w->sizes[p])
+               : st;
+}
+
+/* Raw payloads lie where they would if none were implied. They move down, the first one first: none
+ * is written over before it has moved. */
+static status close_ranks(leaf_writer *w) {
+    leaf_placing next = {.end = sections_end(w)};
+    status st = allocate_copy(w);
+    w->header.payload_bytes = 0;
+    for (uint32_t p = 0; st == ST_OK && p < w->layout.payloads; p++) {
+        const uint64_t from = w->offsets[p], end = next.end;
+        w->offsets[p] = leaf_placing_next(&next, &w->layout, p, w->sizes[p], w->p.run_align_log2);
+        w->header.payload_bytes += w->sizes[p];
+        if (w->sizes[p] && w->offsets[p] != from)
+            st = move_payload(w, p, from, end);
+    }
+    w->header.file_bytes = leaf_layout_aligned(next.end, w->p.run_align_log2);
+    return st == ST_OK ? out_file_cut(w->out, w->header.file_bytes) : st;
 }
 
 /* Children come behind their parents, so the last treelet goes first. */
@@ -617,17 +673,8 @@ static status write_sections(leaf_writer *w) {
 /* Nothing but zeros between the last payload and the end; the gaps before are holes, which read as
  * zeros. */
 static status write_end(leaf_writer *w) {
-    static const char zeros[512];
-    uint32_t last = w->layout.payloads - 1;
-    for (uint64_t at = w->offsets[last] + w->sizes[last]; at < w->header.file_bytes;) {
-        uint64_t left = w->header.file_bytes - at;
-        size_t size = left < sizeof zeros ? (size_t)left : sizeof zeros;
-        status st = out_file_write_at(w->out, at, zeros, size);
-        if (st != ST_OK)
-            return st;
-        at += size;
-    }
-    return ST_OK;
+    const uint32_t last = w->layout.payloads - 1;
+    return write_zeros(w, w->offsets[last] + w->sizes[last], w->header.file_bytes);
 }
 
 static void note_facts(leaf_writer *w, const leaf_facts *facts) {
@@ -639,6 +686,7 @@ static void note_facts(leaf_writer *w, const leaf_facts *facts) {
     h->inverted = facts->inverted;
     h->repeated = facts->repeated;
     h->bad = facts->bad;
+    h->version = w->implied ? 2 : 1;
     copy_text(h->provenance, sizeof h->provenance, facts->provenance);
 }
 
@@ -661,6 +709,8 @@ static status write_all(leaf_writer *w, const leaf_facts *facts) {
     }
     if (st == ST_OK && w->scratch)
         st = copy_payloads(w);
+    else if (st == ST_OK && w->implied)
+        st = close_ranks(w);
     if (st != ST_OK)
         return st;
     if (w->layout.sets)
