@@ -186,6 +186,8 @@ uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
     case LEAF_SECTION_OFFSETS:
     case LEAF_SECTION_SIZES:
     case LEAF_SECTION_CHECKSUMS: return g->payloads(h) * sizeof(uint64_t);
+    case LEAF_SECTION_FIELDS: return g->labels(h) ? h->fields * sizeof(char[64]) : 0;
+    case LEAF_SECTION_TIMES: return g->labels(h) && h->steps > 1 ? h->steps * sizeof(double) : 0;
     case LEAF_SECTION_HISTOGRAMS: return sets <= LEAF_HISTOGRAMS_MAX ? sets * sizeof(histogram) : 0;
     default: return g->section_bytes(h, kind);
     }
@@ -323,9 +325,10 @@ static status check_payloads(const char *path, const leaf_header *h, const leaf_
         sum += d->sizes[p];
         implied |= !d->sizes[p];
     }
-    if (h->version > 1 && !implied)
+    if (h->version > 1 && !implied && l->sets == 1)
         return leaf_check_corrupt(path, offsetof(leaf_header, version),
-                                  "expected version 1: no payload is implied");
+                                  "expected version 1: there is one set, and no payload is "
+                                  "implied");
     uint64_t end = leaf_layout_aligned(place.end, h->run_align_log2);
     status st = d->parts ? check_parts(path, h, d, &end) : ST_OK;
     if (st != ST_OK)

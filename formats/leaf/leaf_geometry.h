@@ -24,9 +24,11 @@ typedef struct leaf_geometry {
     /* ---- The directory ---- */
 
     /* Elements a treelet of RANGES, OWN, FLAGS; elements of OFFSETS, SIZES, CHECKSUMS; bytes of the
-     * sections from AXES on, 0: it has none of that kind. */
+     * sections of its own, 0: it has none of that kind. */
     uint64_t (*sets)(const leaf_header *h);
     uint64_t (*payloads)(const leaf_header *h);
+    /* Whether there can be sections FIELDS and TIMES. */
+    bool (*labels)(const leaf_header *h);
     uint64_t (*section_bytes)(const leaf_header *h, uint32_t kind);
     /* Room for what the directory has besides, to which section() points: where one of its own is
      * read to. release() gives back what there is of it. NULL: nothing. */

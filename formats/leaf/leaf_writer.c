@@ -68,7 +68,7 @@ enum {
 };
 
 uint64_t leaf_writer_memory(const leaf_layout *l, leaf_codec codec) {
-    uint64_t each = LAYOUT_BYTES + RANGE_BYTES + PAYLOAD_BYTES;
+    uint64_t each = RANGE_BYTES + PAYLOAD_BYTES;
     uint64_t bytes = sizeof(leaf_writer) + sizeof(histogram) + 4096;
     if (codec != LEAF_CODEC_RAW) {
         each += sizeof(uint64_t);
@@ -76,7 +76,9 @@ uint64_t leaf_writer_memory(const leaf_layout *l, leaf_codec codec) {
     }
     for (int a = 0; a < 3; a++)
         bytes += l->level[0].dims[a] * sizeof(double);
-    return bytes + l->treelets * each;
+    if (l->sets > 1)
+        bytes += l->sets * (sizeof(histogram) + sizeof(char[64]) + sizeof(double));
+    return bytes + l->treelets * (uint64_t)LAYOUT_BYTES + l->payloads * each;
 }
 
 static leaf_blocks blocks_of(const leaf_mesh *mesh) {
@@ -118,7 +120,7 @@ static void fill_common(leaf_writer *w) {
     h->treelets = w->layout.treelets;
 }
 
-static void fill_grid(leaf_writer *w, const grid *g) {
+static void fill_grid(leaf_writer *w, const grid *g, const leaf_sets *sets) {
     leaf_header *h = &w->header;
     fill_common(w);
     h->kind = LEAF_KIND_GRID;
@@ -128,8 +130,12 @@ static void fill_grid(leaf_writer *w, const grid *g) {
     h->halo = w->p.halo;
     h->block_log2 = LEAF_BLOCK_LOG2;
     h->rectilinear = grid_is_rectilinear(g);
-    h->fields = 1;
-    h->steps = 1;
+    h->fields = sets->fields;
+    h->steps = sets->steps;
+    if (w->layout.sets > 1) {
+        h->version = 2;
+        copy_text(h->field, sizeof h->field, sets->names ? sets->names[0] : "");
+    }
     memcpy(h->to_world, g->to_world, sizeof h->to_world);
     copy_text(h->name, sizeof h->name, g->name);
 }
@@ -198,7 +204,7 @@ static void place_payloads(leaf_writer *w) {
 }
 
 static status allocate_histograms(leaf_writer *w) {
-    const uint32_t sets = w->layout.sets ? w->layout.sets : 1;
+    const uint32_t sets = w->layout.sets;
     if (!w->p.histograms || sets > LEAF_HISTOGRAMS_MAX)
         return ST_OK;
     w->histograms = mem_array(w->m, sets, sizeof *w->histograms);
@@ -239,20 +245,24 @@ static status allocate_mesh(leaf_writer *w) {
     return w->bounds && w->counts ? ST_OK : ST_NOMEM;
 }
 
-static status copy_labels(leaf_writer *w, const leaf_mesh *mesh) {
-    if (mesh->names) {
-        w->names = mem_array(w->m, mesh->fields, sizeof *w->names);
+static status copy_labels(leaf_writer *w, const leaf_sets *sets) {
+    if (sets->names) {
+        w->names = mem_array(w->m, sets->fields, sizeof *w->names);
         if (!w->names)
             return ST_NOMEM;
-        for (uint32_t i = 0; i < mesh->fields; i++)
-            copy_text(w->names[i], sizeof w->names[i], mesh->names[i]);
+        for (uint32_t i = 0; i < sets->fields; i++)
+            copy_text(w->names[i], sizeof w->names[i], sets->names[i]);
     }
-    if (mesh->times && mesh->steps > 1) {
-        w->times = mem_array(w->m, mesh->steps, sizeof *w->times);
+    if (sets->times && sets->steps > 1) {
+        w->times = mem_array(w->m, sets->steps, sizeof *w->times);
         if (!w->times)
             return ST_NOMEM;
-        memcpy(w->times, mesh->times, mesh->steps * sizeof *w->times);
+        memcpy(w->times, sets->times, sets->steps * sizeof *w->times);
     }
+    return ST_OK;
+}
+
+static status allocate_parts(leaf_writer *w, const leaf_mesh *mesh) {
     if (mesh->coarse) {
         w->parts = mem_array(w->m, w->layout.sets, sizeof *w->parts);
         if (!w->parts)
@@ -285,15 +295,28 @@ static leaf_writer *new_writer(mem *m, const leaf_parameters *p) {
     return w;
 }
 
+static status lay_out_grid(leaf_writer *w, const grid *g, const leaf_sets *sets) {
+    status st = leaf_layout_init(&w->layout, w->m, g->dims, w->p.cells_log2, w->p.halo,
+                                 sample_stored(g->type));
+    if (st == ST_OK && !leaf_layout_repeat(&w->layout, sets->fields, sets->steps))
+        st = status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
+    return st;
+}
+
 status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
-                          const leaf_parameters *p, leaf_writer **out) {
+                          const leaf_sets *sets, const leaf_parameters *p, leaf_writer **out) {
+    static const leaf_sets one = {.fields = 1, .steps = 1};
     leaf_writer *w = new_writer(m, p);
     if (!w)
         return ST_NOMEM;
-    status st =
-        leaf_layout_init(&w->layout, m, g->dims, p->cells_log2, p->halo, sample_stored(g->type));
+    sets = sets ? sets : &one;
+    assert(sets->fields > 0 && sets->steps > 0);
+    assert((uint64_t)sets->fields * sets->steps <= LEAF_SETS_MAX);
+    status st = lay_out_grid(w, g, sets);
     if (st == ST_OK)
-        st = allocate(w, w->layout.treelets);
+        st = allocate(w, w->layout.payloads);
+    if (st == ST_OK && w->layout.sets > 1)
+        st = copy_labels(w, sets);
     if (st == ST_OK)
         st = allocate_axes(w, g);
     if (st == ST_OK)
@@ -306,11 +329,11 @@ status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
         leaf_writer_discard(w);
         return st;
     }
-    fill_grid(w, g);
+    fill_grid(w, g, sets);
     place_sections(w);
     if (!w->scratch) {
-        for (uint32_t t = 0; t < w->layout.treelets; t++)
-            w->sizes[t] = leaf_layout_payload(&w->layout, t).bytes;
+        for (uint32_t i = 0; i < w->layout.payloads; i++)
+            w->sizes[i] = leaf_layout_payload_bytes(&w->layout, i);
         place_payloads(w);
     }
     *out = w;
@@ -336,7 +359,9 @@ status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_
     if (st == ST_OK)
         st = allocate_mesh(w);
     if (st == ST_OK)
-        st = copy_labels(w, mesh);
+        st = copy_labels(w, &(leaf_sets){mesh->fields, mesh->steps, mesh->names, mesh->times});
+    if (st == ST_OK)
+        st = allocate_parts(w, mesh);
     if (st == ST_OK)
         st = out_file_create(m, path, force, &w->out);
     if (st == ST_OK)
@@ -503,17 +528,18 @@ static void put_implied(leaf_writer *w, uint32_t p) {
     pthread_mutex_unlock(&w->lock);
 }
 
-status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t t, const leaf_entry *entry,
-                       const void *payload, void *pack) {
-    assert(t < w->layout.treelets && !w->layout.sets);
-    memcpy(w->own[t], entry->own, sizeof entry->own);
-    w->flags[t] = entry->flags;
+status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
+                       const leaf_entry *entry, const void *payload, void *pack) {
+    const uint32_t p = leaf_layout_samples(&w->layout, set, t);
+    assert(t < w->layout.treelets && set < w->layout.sets && !w->counts);
+    memcpy(w->own[p], entry->own, sizeof entry->own);
+    w->flags[p] = entry->flags;
     const leaf_geometry *g = w->layout.geometry;
     if (g->implies && g->implies(&w->layout, t, entry->own, entry->flags, payload)) {
-        put_implied(w, t);
+        put_implied(w, p);
         return ST_OK;
     }
-    return put_payload(w, k, t, payload, leaf_layout_payload(&w->layout, t).bytes, pack);
+    return put_payload(w, k, p, payload, leaf_layout_payload_bytes(&w->layout, p), pack);
 }
 
 /* -0 becomes +0, as readers may compare bytes. */
@@ -524,7 +550,7 @@ static void copy_floats(float *to, const float *from, int count) {
 
 status leaf_writer_put_topology(leaf_writer *w, leaf_packer *k, uint32_t t, const float bounds[6],
                                 const uint32_t counts[4], const void *payload, void *pack) {
-    assert(t < w->layout.treelets && w->layout.sets);
+    assert(t < w->layout.treelets && w->counts);
     assert(!mesh_leaf_counts_fault(counts, w->header.treelet_tets, w->header.leaf_tets));
     copy_floats(w->bounds[t], bounds, 6);
     memcpy(w->counts[t], counts, sizeof w->counts[t]);
@@ -612,25 +638,34 @@ static status close_ranks(leaf_writer *w) {
     return st == ST_OK ? out_file_cut(w->out, w->header.file_bytes) : st;
 }
 
-/* Children come behind their parents, so the last treelet goes first. */
-static void merge_ranges(leaf_writer *w) {
+/* Of a set of a grid. Children come behind their parents, so the last treelet goes first. */
+static void merge_ranges(leaf_writer *w, uint32_t set) {
     const leaf_layout *l = &w->layout;
-    double lo = (double)INFINITY, hi = -(double)INFINITY;
+    const size_t first = leaf_layout_samples(l, set, 0);
+    float(*ranges)[2] = w->ranges + first;
     for (uint32_t t = l->treelets; t-- > 0;) {
-        float *merged = w->ranges[t];
-        memcpy(merged, w->own[t], sizeof w->own[t]);
+        float *merged = ranges[t];
+        memcpy(merged, w->own[first + t], sizeof w->own[first + t]);
         uint32_t child = l->first_child[t];
         for (int n = __builtin_popcount(leaf_layout_children(l, t)); n > 0; n--, child++) {
-            merged[0] = w->ranges[child][0] < merged[0] ? w->ranges[child][0] : merged[0];
-            merged[1] = w->ranges[child][1] > merged[1] ? w->ranges[child][1] : merged[1];
-        }
-        if (l->level_of[t] == 0) {
-            lo = fmin(lo, (double)w->own[t][0]);
-            hi = fmax(hi, (double)w->own[t][1]);
+            merged[0] = ranges[child][0] < merged[0] ? ranges[child][0] : merged[0];
+            merged[1] = ranges[child][1] > merged[1] ? ranges[child][1] : merged[1];
         }
     }
-    w->header.value_min = lo;
-    w->header.value_max = hi;
+}
+
+/* What the header says of a grid follows from its treelets. */
+static void sum_up_grid(leaf_writer *w) {
+    leaf_header *h = &w->header;
+    h->value_min = (double)INFINITY;
+    h->value_max = -(double)INFINITY;
+    for (uint32_t set = 0; set < w->layout.sets; set++) {
+        double range[2];
+        merge_ranges(w, set);
+        leaf_writer_range(w, set, range);
+        h->value_min = fmin(h->value_min, range[0]);
+        h->value_max = fmax(h->value_max, range[1]);
+    }
 }
 
 /* What the header says of a mesh follows from its treelets. */
@@ -686,7 +721,7 @@ static void note_facts(leaf_writer *w, const leaf_facts *facts) {
     h->inverted = facts->inverted;
     h->repeated = facts->repeated;
     h->bad = facts->bad;
-    h->version = w->implied ? 2 : 1;
+    h->version = w->implied ? 2 : h->version;
     copy_text(h->provenance, sizeof h->provenance, facts->provenance);
 }
 
@@ -703,7 +738,7 @@ static status write_header(leaf_writer *w) {
 
 static status write_all(leaf_writer *w, const leaf_facts *facts) {
     status st = ST_OK;
-    if (w->layout.sets) {
+    if (w->counts) {
         leaf_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
         st = allocate_copy(w);
     }
@@ -713,10 +748,10 @@ static status write_all(leaf_writer *w, const leaf_facts *facts) {
         st = close_ranks(w);
     if (st != ST_OK)
         return st;
-    if (w->layout.sets)
+    if (w->counts)
         sum_up_mesh(w);
     else
-        merge_ranges(w);
+        sum_up_grid(w);
     note_facts(w, facts);
     st = write_sections(w);
     if (st == ST_OK)
@@ -725,7 +760,7 @@ static status write_all(leaf_writer *w, const leaf_facts *facts) {
 }
 
 status leaf_writer_settle(leaf_writer *w, const leaf_facts *facts) {
-    assert(w->layout.sets && !w->settled);
+    assert(w->counts && !w->settled);
     w->settled = true;
     return write_all(w, facts);
 }

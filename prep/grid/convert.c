@@ -62,7 +62,7 @@ static status make_treelet(const conversion *c, const bench *b, const sample_box
     leaf_entry entry = {.own = {summary.own[0], summary.own[1]}, .flags = summary.flags};
     if (c->cells && c->layout->level_of[t] == 0)
         leaf_histogram_take(c->layout, &c->draw, &c->space, t, b->payload, c->cells);
-    return leaf_writer_put(c->writer, b->packer, t, &entry, b->payload, b->pack);
+    return leaf_writer_put(c->writer, b->packer, 0, t, &entry, b->payload, b->pack);
 }
 
 static status make_family(void *ctx, size_t index, int worker) {
@@ -263,7 +263,7 @@ status convert_run(mem *m, volume *v, const char *output, const convert_options 
                    const convert_plan *plan, const progress *p, convert_result *result) {
     conversion c = {.m = m, .o = o, .plan = plan, .p = p};
     const grid *g = volume_grid(v);
-    status st = leaf_writer_create(m, output, o->force, g, &o->file, &c.writer);
+    status st = leaf_writer_create(m, output, o->force, g, NULL, &o->file, &c.writer);
     if (st != ST_OK)
         return st;
     c.layout = leaf_writer_layout(c.writer);
