@@ -25,7 +25,7 @@ static status check_parameters(const char *path, const leaf_header *h) {
 
 static status check_values(const char *path, const leaf_header *h) {
     const uint64_t samples = (uint64_t)h->dims[0] * h->dims[1] * h->dims[2];
-    if (h->non_finite / samples > (uint64_t)h->fields * h->steps ||
+    if ((double)h->non_finite > (double)samples * h->fields * h->steps ||
         (h->non_finite && h->sample_type != SAMPLE_F32))
         return leaf_check_corrupt(path, offsetof(leaf_header, non_finite),
                                   "%llu samples cannot be NaN or infinite",

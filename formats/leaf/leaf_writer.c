@@ -4,7 +4,6 @@
 #include <math.h>
 #include <pthread.h>
 #include <string.h>
-#include <zstd.h>
 
 #include "formats/base/file.h"
 #include "formats/base/hash.h"
@@ -48,16 +47,6 @@ struct leaf_writer {
 
 #define NOT_THERE UINT64_MAX
 #define UNKNOWN   UINT64_MAX /* a size */
-
-struct leaf_packer {
-    ZSTD_CCtx *context;
-    int level;
-};
-
-leaf_parameters leaf_parameters_default(void) {
-    return (leaf_parameters){
-        .cells_log2 = 5, .halo = 1, .run_align_log2 = 12, .codec = LEAF_CODEC_RAW};
-}
 
 /* Of each treelet in the layout, of each of its ranges, of each payload in the directory. */
 enum {
@@ -428,64 +417,6 @@ size_t leaf_writer_pack_bytes(const leaf_layout *l, leaf_codec codec) {
     return codec == LEAF_CODEC_RAW ? 0 : leaf_layout_payload_max(l);
 }
 
-static ZSTD_CCtx *new_context(void) {
-    ZSTD_CCtx *context = ZSTD_createCCtx();
-    if (!context)
-        (void)status_describe(ST_NOMEM, "no room for a compressor");
-    return context;
-}
-
-status leaf_packer_create(const leaf_writer *w, leaf_packer **out) {
-    *out = NULL;
-    if (w->p.codec == LEAF_CODEC_RAW)
-        return ST_OK;
-    leaf_packer *k = mem_zalloc(w->m, sizeof *k);
-    if (!k)
-        return ST_NOMEM;
-    k->level = w->p.zstd_level;
-    k->context = new_context();
-    if (!k->context) {
-        mem_free(w->m, k);
-        return ST_NOMEM;
-    }
-    *out = k;
-    return ST_OK;
-}
-
-void leaf_packer_destroy(const leaf_writer *w, leaf_packer *k) {
-    if (!k)
-        return;
-    ZSTD_freeCCtx(k->context);
-    mem_free(w->m, k);
-}
-
-/* zstd tells the size of a context that has done the work, not beforehand; so let one do it. */
-status leaf_packer_memory(mem *m, size_t payload_max, const leaf_parameters *p, uint64_t *out) {
-    *out = 0;
-    if (p->codec == LEAF_CODEC_RAW)
-        return ST_OK;
-    const size_t bytes = payload_max;
-    char *sample = mem_zalloc(m, 2 * bytes);
-    if (!sample)
-        return ST_NOMEM;
-    ZSTD_CCtx *context = new_context();
-    if (context) {
-        (void)ZSTD_compressCCtx(context, sample + bytes, bytes - 1, sample, bytes, p->zstd_level);
-        *out = ZSTD_sizeof_CCtx(context);
-    }
-    ZSTD_freeCCtx(context);
-    mem_free(m, sample);
-    return context ? ST_OK : ST_NOMEM;
-}
-
-/* Compress where that makes it smaller; `stored` becomes the packed bytes or the payload itself. */
-static size_t pack_payload(leaf_packer *k, const void *payload, size_t bytes, void *pack,
-                           const void **stored) {
-    size_t size = ZSTD_compressCCtx(k->context, pack, bytes - 1, payload, bytes, k->level);
-    *stored = ZSTD_isError(size) ? payload : pack;
-    return ZSTD_isError(size) ? bytes : size;
-}
-
 /* Where a payload of this size goes: true: to offsets[p], as all before it have been put; false: to
  * scratch_at[p]. Places become known in order; that of one that waits in the scratch file is only
  * needed for those behind it. */
@@ -509,7 +440,7 @@ static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void
                           size_t size, void *pack) {
     const void *stored = payload;
     if (k)
-        size = pack_payload(k, payload, size, pack, &stored);
+        size = leaf_packer_pack(k, payload, size, pack, &stored);
     w->checksums[p] = hash_bytes(stored, size);
     if (!w->scratch)
         return out_file_write_at(w->out, w->offsets[p], stored, size);

@@ -23,21 +23,9 @@
 #include "formats/leaf/histogram.h"
 #include "formats/leaf/leaf.h"
 #include "formats/leaf/leaf_layout.h"
+#include "formats/leaf/leaf_packer.h"
 
 typedef struct leaf_writer leaf_writer;
-
-/* What a file is to be like. */
-typedef struct leaf_parameters {
-    uint32_t cells_log2;     /* LEAF_CELLS_LOG2_MIN .. MAX; 5 */
-    uint32_t halo;           /* 0, 1 */
-    uint32_t run_align_log2; /* 12 */
-    leaf_codec codec;
-    int zstd_level;  /* 1 .. ZSTD_maxCLevel() */
-    bool histograms; /* a histogram of each set: leaf_writer_histograms() */
-} leaf_parameters;
-
-/* leaf_parameters_default() - B = 32, h = 1, runs at 4096, raw, no histograms. */
-leaf_parameters leaf_parameters_default(void);
 
 /* What a treelet brings to the directory. */
 typedef struct leaf_entry {
@@ -105,17 +93,6 @@ const leaf_layout *leaf_writer_layout(const leaf_writer *w);
  * leaf_writer_range() - of the finite values of a set, once all is put; lo > hi: there are none. */
 histogram *leaf_writer_histograms(leaf_writer *w);
 void leaf_writer_range(const leaf_writer *w, uint32_t set, double range[2]);
-
-/* What one thread keeps between puts: a compressor, whose state lives outside `mem`; NULL for the
- * raw codec. */
-typedef struct leaf_packer leaf_packer;
-CHECKED status leaf_packer_create(const leaf_writer *w, leaf_packer **out);
-void leaf_packer_destroy(const leaf_writer *w, leaf_packer *k); /* NULL is fine */
-
-/* leaf_packer_memory() - bytes that a packer comes to hold outside `mem` for payloads of up to
- * payload_max bytes; m lends two payloads' room to find out. */
-CHECKED status leaf_packer_memory(mem *m, size_t payload_max, const leaf_parameters *p,
-                                  uint64_t *out);
 
 /* leaf_writer_put() - treelet t of a grid in a set: its directory entry and its payload,
  * leaf_layout_payload(t).bytes, of which nothing is kept if it is implied. Each exactly once; any
