@@ -6,6 +6,7 @@
 #include <limits.h>
 #include <poll.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -310,6 +311,22 @@ static int open_folder(mem *m, const char *path, int flags) {
     mem_free(m, folder);
     errno = error;
     return fd;
+}
+
+status out_file_place(mem *m, const char *output, const char *program, char **place) {
+    if (output && strcmp(output, "-") != 0) {
+        *place = mem_copy_text(m, output);
+        return *place ? ST_OK : ST_NOMEM;
+    }
+    const char *folder = getenv("TMPDIR");
+    if (!folder || !*folder)
+        folder = "/tmp";
+    const size_t size = strlen(folder) + strlen(program) + 32;
+    *place = mem_alloc(m, size);
+    if (!*place)
+        return ST_NOMEM;
+    snprintf(*place, size, "%s/%s-%ld", folder, program, (long)getuid());
+    return ST_OK;
 }
 
 status out_file_scratch(mem *m, const char *path, out_file **out) {
