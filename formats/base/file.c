@@ -313,19 +313,19 @@ static int open_folder(mem *m, const char *path, int flags) {
     return fd;
 }
 
-status out_file_place(mem *m, const char *output, const char *program, char **place) {
+status out_file_scratch_path(mem *m, const char *output, const char *program, char **path) {
     if (output && strcmp(output, "-") != 0) {
-        *place = mem_copy_text(m, output);
-        return *place ? ST_OK : ST_NOMEM;
+        *path = mem_copy_text(m, output);
+        return *path ? ST_OK : ST_NOMEM;
     }
     const char *folder = getenv("TMPDIR");
     if (!folder || !*folder)
         folder = "/tmp";
     const size_t size = strlen(folder) + strlen(program) + 32;
-    *place = mem_alloc(m, size);
-    if (!*place)
+    *path = mem_alloc(m, size);
+    if (!*path)
         return ST_NOMEM;
-    snprintf(*place, size, "%s/%s-%ld", folder, program, (long)getuid());
+    snprintf(*path, size, "%s/%s-%ld", folder, program, (long)getuid());
     return ST_OK;
 }
 

@@ -105,7 +105,7 @@ static status set_format(arguments *a, const char *name) {
     return cli_word(name, "--format", options[0].arg, &index);
 }
 
-static status set(void *own, int key, const char *text) {
+static status set_option(void *own, int key, const char *text) {
     arguments *a = own;
     switch (key) {
     case KEY_FORMAT: return set_format(a, text);
@@ -170,7 +170,7 @@ static status check(void *own) {
 
 static const cli_verb verb = {
     .options = options,
-    .set = set,
+    .set_option = set_option,
     .check = check,
     .input = "treelet file",
     .args_doc = "F.leaf -o FILE.nrrd|.raw|.nii|.vti|.vtr\n"
@@ -288,7 +288,7 @@ static int threads_for(const arguments *a, const mem *m, uint64_t each) {
 static status write_pieces(arguments *a, mem *m, const piece_source *source, int threads,
                            piece_info *info) {
     char *beside = NULL;
-    status st = out_file_place(m, a->common.output, "leafcast-export", &beside);
+    status st = out_file_scratch_path(m, a->common.output, "leafcast-export", &beside);
     const piece_export e = {.source = source,
                             .format = a->pieces,
                             .path = a->common.output,

@@ -45,25 +45,25 @@ static status convert(mem *m, const resample_source *s, const char *path, const 
     o.force = true;
     if (m->limit)
         o.memory = m->limit;
-    mesh *x = NULL;
+    mesh_input *x = NULL;
     mesh_result result;
-    status st = mesh_open(m, s->path, &s->hints, &x);
+    status st = mesh_input_open(m, s->path, &s->hints, &x);
     if (st == ST_OK)
         st = mesh_convert_run(m, x, path, &o, &first, &result);
-    mesh_close(x);
+    mesh_input_close(x);
     return st;
 }
 
-/* Convert to PLACE.partial-N.leaf, which nobody else writes as long as PLACE.partial-N is locked.
- * It has a name only until it is open; the next run finds what a killed one left. */
-static status open_scratch(mem *m, const resample_source *s, const char *place, const progress *p,
+/* Convert to SCRATCH.partial-N.leaf, which nobody else writes as long as SCRATCH.partial-N is
+ * locked. It has a name only until it is open; the next run finds what a killed one left. */
+static status open_scratch(mem *m, const resample_source *s, const char *scratch, const progress *p,
                            leaf_file **out) {
-    const size_t size = strlen(place) + PARTIAL_ROOM;
+    const size_t size = strlen(scratch) + PARTIAL_ROOM;
     char *name = mem_alloc(m, size), *path = mem_alloc(m, size);
-    const int fd = name && path ? partial_open(place, name) : -1;
+    const int fd = name && path ? partial_open(scratch, name) : -1;
     status st = name && path ? ST_OK : ST_NOMEM;
     if (st == ST_OK && fd < 0)
-        st = file_failed(errno, place, "cannot create a temporary file beside");
+        st = file_failed(errno, scratch, "cannot create a temporary file beside");
     if (st == ST_OK) {
         snprintf(path, size, "%s.leaf", name);
         st = convert(m, s, path, p);
@@ -80,7 +80,7 @@ static status open_scratch(mem *m, const resample_source *s, const char *place, 
 
 static status open_mesh(mem *m, const resample_source *s, const progress *p, leaf_file **out) {
     char *path = NULL;
-    status st = out_file_place(m, s->beside, "leafcast-resample", &path);
+    status st = out_file_scratch_path(m, s->beside, "leafcast-resample", &path);
     if (st == ST_OK)
         st = open_scratch(m, s, path, p, out);
     mem_free(m, path);
