@@ -70,11 +70,10 @@ status out_stream_write(out_stream *s, const void *data, size_t size) {
     if (!s->packed)
         return pass(s, data, size);
     status st = ST_OK;
-    for (size_t done = 0; st == ST_OK && done < size; done += s->z.total_in) {
-        const size_t part = size - done < INT_MAX ? size - done : INT_MAX;
+    for (size_t done = 0, part; st == ST_OK && done < size; done += part) {
+        part = size - done < INT_MAX ? size - done : INT_MAX;
         s->z.next_in = (z_const Bytef *)data + done;
         s->z.avail_in = (uInt)part;
-        s->z.total_in = 0;
         st = pack(s, Z_NO_FLUSH);
     }
     return st;

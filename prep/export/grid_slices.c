@@ -46,7 +46,8 @@ static status plan(job *j) {
             "a memory budget of %llu KiB is too small: a slice of this grid needs %llu KiB",
             (unsigned long long)(j->m->limit >> 10), (unsigned long long)((least >> 10) + 1));
     const uint64_t left = j->m->limit - fixed;
-    while (j->threads > 1 && (uint64_t)j->threads * each > left / 2)
+    while (j->threads > 1 && ((uint64_t)j->threads * each > left / 2 ||
+                              (uint64_t)j->threads * each + j->slice > left))
         j->threads--;
     const uint64_t fitting = (left - (uint64_t)j->threads * each) / j->slice;
     j->slices = (uint32_t)(fitting < most ? fitting : most);
