@@ -1,5 +1,5 @@
 /* test_export_surface.c - exported isosurfaces, read back by a naive reader: every crossing of a
- * grid's or a mesh's edges is a vertex, once; each side belongs to two triangles; all vertices are
+ * grid's edges is a vertex, once; each side belongs to two triangles; all vertices are
  * on the interpolant's surface; the same bytes whatever the threads, the memory and the treelets.
  */
 /* marks: threads, bits */
@@ -14,113 +14,11 @@
 #include <string.h>
 
 #include "formats/base/fault.h"
-#include "prep/export/grid_surface.h"
 #include "prep/export/marching_table.h"
-#include "prep/export/piece_export.h"
-#include "prep/export/tet_pieces.h"
-#include "prep/export/tet_surface.h"
+#include "tests/support/export_lab.h"
 #include "tests/support/fields.h"
-#include "tests/support/lab_leaf.h"
 #include "tests/support/leaf_files.h"
-#include "tests/support/ply_surface.h"
 #include "tests/support/scratch.h"
-
-static const piece_format *format_of(const char *name) {
-    for (int i = 0; i < piece_format_count; i++)
-        if (strcmp(piece_formats[i].name, name) == 0)
-            return &piece_formats[i];
-    fail_msg("no format %s", name);
-    return NULL;
-}
-
-/* ---- to a file, and back ---- */
-
-/* How a surface is made. */
-typedef struct how {
-    const char *format;
-    double isovalues[2];
-    uint32_t count;
-    int threads;
-    size_t memory; /* 0: any */
-    const uint32_t *box;
-    uint32_t level;
-} how;
-
-static status write_pieces(mem *m, const how *h, const piece_source *source, piece_info *info) {
-    const piece_export e = {.source = source,
-                            .format = format_of(h->format),
-                            .path = scratch_path("surface"),
-                            .beside = scratch_path("surface"),
-                            .force = true,
-                            .threads = h->threads};
-    info->name = "lab";
-    info->isovalues = h->count;
-    info->floats |= e.format->loose;
-    return piece_export_run(m, &e, info);
-}
-
-static status try_grid(mem *m, leaf_file *f, const how *h, piece_info *info) {
-    grid_part part;
-    grid_surface *s = NULL;
-    status st = grid_part_of(f, h->level, h->box, &part);
-    if (st == ST_OK)
-        st = grid_surface_create(m, f, &part, h->isovalues, h->count, h->threads, &s);
-    if (st == ST_OK) {
-        const piece_source source = grid_surface_source(s);
-        st = write_pieces(m, h, &source, info);
-    }
-    grid_surface_destroy(s);
-    return st;
-}
-
-static status try_mesh(mem *m, leaf_file *f, const how *h, piece_info *info) {
-    const uint32_t first = 0;
-    const tet_choice choice = {.f = f, .fields = &first, .count = 1, .gradients = true};
-    tet_surface *s = NULL;
-    status st = tet_surface_create(m, &choice, h->isovalues, h->count, h->threads, &s);
-    if (st == ST_OK) {
-        const piece_source source = tet_surface_source(s);
-        st = write_pieces(m, h, &source, info);
-    }
-    tet_surface_destroy(s);
-    return st;
-}
-
-static status try_surface(mem *m, const char *path, const how *h, piece_info *info) {
-    leaf_file *f = NULL;
-    *info = (piece_info){.floats = false};
-    status st = leaf_file_open(m, path, &f);
-    if (st == ST_OK) {
-        m->limit = h->memory ? mem_used(m) + h->memory : 0;
-        st = f->mesh ? try_mesh(m, f, h, info) : try_grid(m, f, h, info);
-        m->limit = 0;
-    }
-    leaf_file_close(f);
-    return st;
-}
-
-/* The file's bytes; free them. */
-static char *surface_bytes(const char *path, const how *h, size_t *size) {
-    mem m;
-    piece_info info;
-    mem_init(&m, 0);
-    if (try_surface(&m, path, h, &info) != ST_OK)
-        fail_msg("%s", status_text());
-    assert_int_equal(mem_used(&m), 0);
-    return scratch_read(scratch_path("surface"), size);
-}
-
-static ply_surface surface_of(const char *path, const how *h) {
-    size_t size;
-    char *bytes = surface_bytes(path, h, &size);
-    const ply_surface s = ply_surface_read(bytes, size);
-    free(bytes);
-    return s;
-}
-
-static how plain(double isovalue) {
-    return (how){.format = "ply", .isovalues = {isovalue}, .count = 1, .threads = 2};
-}
 
 /* ---- a grid, naively ---- */
 
@@ -145,14 +43,6 @@ static bool is_sound(const lab_grid *g, const long cell[3]) {
         if (!isfinite(sample(&g->f, cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2))))
             return false;
     return true;
-}
-
-static int by_place(const void *a, const void *b) {
-    const double *x = a, *y = b;
-    for (int i = 0; i < 3; i++)
-        if (x[i] != y[i])
-            return x[i] < y[i] ? -1 : 1;
-    return 0;
 }
 
 static void place_crossing(const field *f, const long node[3], int axis, double iso, double at[3]) {
@@ -199,7 +89,7 @@ static double (*grid_crossings(const lab_grid *g, double iso, size_t *count))[3]
                     if (is_crossed(g, n, axis, iso))
                         place_crossing(f, n, axis, iso, at[(*count)++]);
     }
-    qsort(at, *count, sizeof *at, by_place);
+    qsort(at, *count, sizeof *at, export_lab_by_place);
     return at;
 }
 
@@ -341,9 +231,9 @@ static void check_crossings(const lab_grid *g, const ply_surface *s, double iso)
     double(*at)[3] = calloc(s->vertices + 1, sizeof *at);
     assert_non_null(at);
     memcpy(at, s->at, s->vertices * sizeof *at);
-    qsort(at, s->vertices, sizeof *at, by_place);
+    qsort(at, s->vertices, sizeof *at, export_lab_by_place);
     for (size_t v = 0; v < s->vertices; v++)
-        found += found < count && by_place(at[v], want[found]) == 0;
+        found += found < count && export_lab_by_place(at[v], want[found]) == 0;
     if (found != count)
         fail_msg("%s: %zu of %zu crossings are no vertices", g->f.name, count - found, count);
     assert_true(s->vertices - count <= count / 8);
@@ -383,8 +273,8 @@ static void test_fields(void **state) {
         assert_true(field_make(&f, field_name(i), 21, FIELD_SEED));
         const lab_grid g = whole(&f);
         for (uint32_t halo = 0; halo < 2; halo++) {
-            const how h = plain(f.iso);
-            ply_surface s = surface_of(leaf_of(&f, 4, halo), &h);
+            const export_how h = export_lab_plain(f.iso);
+            ply_surface s = export_lab_surface(leaf_of(&f, 4, halo), &h);
             check_surface(&g, &s, f.iso);
             ply_surface_release(&s);
         }
@@ -418,8 +308,8 @@ static void test_noise(void **state) {
             lab_grid g;
             make_noise(&g.f, seed, cases[i].levels, cases[i].gaps);
             g = whole(&g.f);
-            const how h = plain(cases[i].iso);
-            ply_surface s = surface_of(leaf_of(&g.f, 4, seed & 1), &h);
+            const export_how h = export_lab_plain(cases[i].iso);
+            ply_surface s = export_lab_surface(leaf_of(&g.f, 4, seed & 1), &h);
             check_surface(&g, &s, cases[i].iso);
             ply_surface_release(&s);
             free(g.f.samples);
@@ -435,9 +325,9 @@ static void test_box(void **state) {
         g.lo[a] = box[a];
         g.end[a] = box[a + 3] + 1;
     }
-    how h = plain(0.5);
+    export_how h = export_lab_plain(0.5);
     h.box = box;
-    ply_surface s = surface_of(leaf_of(&g.f, 4, 1), &h);
+    ply_surface s = export_lab_surface(leaf_of(&g.f, 4, 1), &h);
     check_surface(&g, &s, 0.5);
     assert_true(s.triangles > 1000);
     ply_surface_release(&s);
@@ -445,17 +335,6 @@ static void test_box(void **state) {
 }
 
 /* ---- how it is turned ---- */
-
-static double volume_of(const ply_surface *s) {
-    double sum = 0;
-    for (size_t t = 0; t < s->triangles; t++) {
-        const double *a = s->at[s->corner[t][0]], *b = s->at[s->corner[t][1]],
-                     *c = s->at[s->corner[t][2]];
-        sum += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-               a[2] * (b[0] * c[1] - b[1] * c[0]);
-    }
-    return sum / 6;
-}
 
 /* A ball around the middle; its values fall outwards. */
 static void make_ball(field *f, long n, bool mirrored) {
@@ -476,31 +355,14 @@ static void make_ball(field *f, long n, bool mirrored) {
         f->axis[1][i] = (double)(n - 1 - i);
 }
 
-static void check_ball(const ply_surface *s, double middle, double radius, double tolerance) {
-    assert_int_equal(ply_surface_euler(s), 2);
-    ply_sides sides = ply_surface_sides(s);
-    assert_int_equal(sides.open + sides.repeated, 0);
-    free(sides.rim);
-    assert_true(fabs(volume_of(s) / (4.0 / 3 * M_PI * radius * radius * radius) - 1) < 0.01);
-    for (size_t v = 0; v < s->vertices; v++) {
-        double dot = 0, length = 0;
-        for (int a = 0; a < 3; a++) {
-            dot += (double)s->normal[v][a] * (s->at[v][a] - middle) / radius;
-            length += (double)s->normal[v][a] * (double)s->normal[v][a];
-        }
-        assert_true(fabs(length - 1) < 1e-6);
-        assert_true(dot > 1 - tolerance);
-    }
-}
-
 static void test_ball(void **state) {
     (void)state;
     for (int mirrored = 0; mirrored < 2; mirrored++) {
         field f;
         make_ball(&f, 41, mirrored);
-        const how h = plain(5.5);
-        ply_surface s = surface_of(leaf_of(&f, 4, 1), &h);
-        check_ball(&s, 20, 14.5, 0.002);
+        const export_how h = export_lab_plain(5.5);
+        ply_surface s = export_lab_surface(leaf_of(&f, 4, 1), &h);
+        export_lab_check_ball(&s, 20, 14.5, 0.002);
         ply_surface_release(&s);
         free(f.samples);
         free(f.axis[1]);
@@ -511,13 +373,13 @@ static void test_isovalues(void **state) {
     (void)state;
     field f;
     make_ball(&f, 33, false);
-    how h = plain(3.25);
+    export_how h = export_lab_plain(3.25);
     const char *path = leaf_of(&f, 4, 1);
-    ply_surface one = surface_of(path, &h);
+    ply_surface one = export_lab_surface(path, &h);
     h.isovalues[0] = 8.5;
-    ply_surface other = surface_of(path, &h);
-    h = (how){.format = "ply", .isovalues = {3.25, 8.5}, .count = 2, .threads = 2};
-    ply_surface both = surface_of(path, &h);
+    ply_surface other = export_lab_surface(path, &h);
+    h = (export_how){.format = "ply", .isovalues = {3.25, 8.5}, .count = 2, .threads = 2};
+    ply_surface both = export_lab_surface(path, &h);
     assert_int_equal(both.vertices, one.vertices + other.vertices);
     assert_int_equal(both.triangles, one.triangles + other.triangles);
     assert_int_equal(ply_surface_euler(&both), 4);
@@ -586,235 +448,20 @@ static void test_table(void **state) {
     assert_int_equal(centres, 116);
 }
 
-/* ---- meshes ---- */
-
-/* Ends from the lower to the higher vertex: place, value. Those that look the same are one. */
-typedef struct mesh_edge {
-    float end[2][4];
-} mesh_edge;
-
-static int by_ends(const void *a, const void *b) {
-    return memcmp(a, b, sizeof(mesh_edge));
-}
-
-static mesh_edge edge_between(const lab_mesh *lab, uint32_t one, uint32_t other) {
-    const uint32_t ends[2] = {one < other ? one : other, one < other ? other : one};
-    mesh_edge e;
-    for (int i = 0; i < 2; i++) {
-        memcpy(e.end[i], lab->points[ends[i]], sizeof lab->points[0]);
-        e.end[i][3] = lab->values[ends[i]];
-    }
-    return e;
-}
-
-/* Where the surface crosses edges of tets, each once; free it. */
-static double (*mesh_crossings(const lab_mesh *lab, double iso, size_t *count))[3] {
-    mesh_edge *edges = calloc(6 * lab->tet_count + 1, sizeof *edges);
-    size_t n = 0;
-    assert_non_null(edges);
-    for (size_t t = 0; t < lab->tet_count; t++) {
-        const uint32_t *v = lab->tets[t];
-        bool sound = true;
-        for (int i = 0; i < 4; i++) {
-            sound &= v[i] < lab->point_count;
-            for (int k = 0; k < i; k++)
-                sound &= v[i] != v[k];
-        }
-        for (int i = 0; i < 4 && sound; i++)
-            sound &= isfinite(lab->values[v[i]]);
-        for (int i = 0; i < 4 && sound; i++)
-            for (int k = i + 1; k < 4; k++)
-                if (((double)lab->values[v[i]] >= iso) != ((double)lab->values[v[k]] >= iso))
-                    edges[n++] = edge_between(lab, v[i], v[k]);
-    }
-    qsort(edges, n, sizeof *edges, by_ends);
-    double(*at)[3] = calloc(n + 1, sizeof *at);
-    assert_non_null(at);
-    *count = 0;
-    for (size_t i = 0; i < n; i++) {
-        if (i > 0 && by_ends(&edges[i], &edges[i - 1]) == 0)
-            continue;
-        const float *low = edges[i].end[0], *high = edges[i].end[1];
-        const double t = (iso - (double)low[3]) / ((double)high[3] - (double)low[3]);
-        for (int a = 0; a < 3; a++) {
-            const double p = (double)low[a], q = (double)high[a];
-            at[*count][a] = t == 1 ? q : p + t * (q - p);
-        }
-        ++*count;
-    }
-    free(edges);
-    return at;
-}
-
-static void check_mesh(const lab_mesh *lab, const ply_surface *s) {
-    size_t count;
-    double(*at)[3] = mesh_crossings(lab, lab->iso, &count);
-    double(*found)[3] = calloc(s->vertices + 1, sizeof *found);
-    assert_non_null(found);
-    memcpy(found, s->at, s->vertices * sizeof *found);
-    if (s->vertices != count)
-        fail_msg("%s: %zu vertices, %zu edges are crossed", lab->name, s->vertices, count);
-    qsort(at, count, sizeof *at, by_place);
-    qsort(found, count, sizeof *found, by_place);
-    assert_memory_equal(at, found, count * sizeof *at);
-    ply_sides sides = ply_surface_sides(s);
-    /* A tet that is there twice has its triangles twice. */
-    if (lab->sound && strcmp(lab->name, "repeated") != 0) {
-        if (sides.repeated > 0 || (lab->closed && sides.open > 0))
-            fail_msg("%s: %zu sides are there twice, %zu open", lab->name, sides.repeated,
-                     sides.open);
-    }
-    free(sides.rim);
-    free(at);
-    free(found);
-}
-
-static void test_meshes(void **state) {
-    (void)state;
-    for (int i = 0; i < lab_mesh_count(); i++) {
-        lab_mesh lab;
-        assert_true(lab_mesh_make(&lab, lab_mesh_name(i), 8, 1));
-        for (uint32_t tets = 60; tets < 5000; tets *= 70) {
-            const char *path = lab_leaf_make(&lab, tets, tets < 100);
-            const how h = plain(lab.iso);
-            ply_surface s = surface_of(path, &h);
-            check_mesh(&lab, &s);
-            ply_surface_release(&s);
-        }
-        lab_mesh_release(&lab);
-    }
-}
-
-static double ball_value(const double p[3]) {
-    return 6 - sqrt((p[0] - 6) * (p[0] - 6) + (p[1] - 6) * (p[1] - 6) + (p[2] - 6) * (p[2] - 6));
-}
-
-static void test_mesh_ball(void **state) {
-    (void)state;
-    lab_mesh lab;
-    lab_mesh_kuhn(&lab, (int[3]){24, 24, 24}, (double[3]){0, 0, 0}, 0.5, ball_value);
-    for (int gradients = 0; gradients < 2; gradients++) {
-        const how h = plain(1.7);
-        ply_surface s = surface_of(lab_leaf_make(&lab, 300, gradients), &h);
-        check_ball(&s, 6, 4.3, gradients ? 0.01 : 0.05);
-        ply_surface_release(&s);
-    }
-    lab_mesh_release(&lab);
-}
-
-/* ---- a mesh as it is ---- */
-
-static uint64_t sum_of(const float at[3], float value) {
-    float all[4] = {at[0], at[1], at[2], value};
-    return hash_bytes(all, sizeof all);
-}
-
-static int by_number(const void *a, const void *b) {
-    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return (x > y) - (x < y);
-}
-
-static const char *array_at(const char *bytes, const char *name) {
-    char declared[64];
-    snprintf(declared, sizeof declared, "Name=\"%s\"", name);
-    const char *at = strstr(bytes, declared),
-               *data = strstr(bytes, "<AppendedData encoding=\"raw\">\n_");
-    assert_non_null(at);
-    assert_non_null(data);
-    return data + strlen("<AppendedData encoding=\"raw\">\n_") +
-           strtoull(strstr(at, "offset=\"") + 8, NULL, 10) + 8;
-}
-
-static void test_tets(void **state) {
-    (void)state;
-    lab_mesh lab;
-    lab_mesh_kuhn(&lab, (int[3]){9, 8, 7}, (double[3]){-1, 5, 0}, 0.75, ball_value);
-    const char *path = lab_leaf_make(&lab, 100, false);
-    mem m;
-    leaf_file *f;
-    tet_pieces *s;
-    const uint32_t first = 0;
-    const char *const names[] = {"f<\"x\">"};
-    mem_init(&m, 0);
-    assert_int_equal(leaf_file_open(&m, path, &f), ST_OK);
-    const tet_choice choice = {.f = f, .fields = &first, .count = 1};
-    assert_int_equal(tet_pieces_create(&m, &choice, 3, &s), ST_OK);
-    const piece_source source = tet_pieces_source(s);
-    piece_info info = {.fields = names, .field_count = 1, .floats = true};
-    const how h = {.format = "vtu", .threads = 3};
-    assert_int_equal(write_pieces(&m, &h, &source, &info), ST_OK);
-    assert_int_equal(info.vertices, lab.point_count);
-    assert_int_equal(info.cells, lab.tet_count);
-    char *bytes = scratch_read(scratch_path("surface"), NULL);
-    const float(*at)[3] = (const float(*)[3])(const void *)array_at(bytes, "Points");
-    const char *values = array_at(bytes, "f&lt;&quot;x&quot;&gt;"),
-               *corners = array_at(bytes, "connectivity");
-    uint64_t *want = calloc(lab.tet_count, sizeof *want), *got = calloc(lab.tet_count, sizeof *got);
-    for (size_t t = 0; t < lab.tet_count; t++) {
-        int64_t v[4];
-        double p[4][3];
-        memcpy(v, corners + t * sizeof v, sizeof v);
-        for (int i = 0; i < 4; i++) {
-            float place[3], value;
-            memcpy(place, (const char *)at + v[i] * 12, sizeof place);
-            memcpy(&value, values + v[i] * 4, sizeof value);
-            got[t] += sum_of(place, value);
-            want[t] += sum_of(lab.points[lab.tets[t][i]], lab.values[lab.tets[t][i]]);
-            for (int a = 0; a < 3; a++)
-                p[i][a] = (double)place[a] - (i > 0 ? p[0][a] : 0);
-        }
-        assert_true(p[1][0] * (p[2][1] * p[3][2] - p[2][2] * p[3][1]) +
-                        p[1][1] * (p[2][2] * p[3][0] - p[2][0] * p[3][2]) +
-                        p[1][2] * (p[2][0] * p[3][1] - p[2][1] * p[3][0]) >
-                    0);
-    }
-    qsort(want, lab.tet_count, sizeof *want, by_number);
-    qsort(got, lab.tet_count, sizeof *got, by_number);
-    assert_memory_equal(want, got, lab.tet_count * sizeof *want);
-    free(want);
-    free(got);
-    free(bytes);
-    tet_pieces_destroy(s);
-    leaf_file_close(f);
-    assert_int_equal(mem_used(&m), 0);
-    lab_mesh_release(&lab);
-}
-
 /* ---- the same bytes ---- */
-
-static void check_same(const char *path, double iso, const char *format, size_t little) {
-    how h = plain(iso);
-    size_t size, other;
-    h.format = format;
-    h.threads = 1;
-    char *bytes = surface_bytes(path, &h, &size);
-    for (int i = 0; i < 3; i++) {
-        h.threads = 1 + i;
-        h.memory = i == 1 ? 0 : little;
-        char *again = surface_bytes(path, &h, &other);
-        assert_int_equal(size, other);
-        assert_memory_equal(bytes, again, size);
-        free(again);
-    }
-    free(bytes);
-}
 
 static void test_same(void **state) {
     (void)state;
     static const char *const formats[] = {"ply", "stl", "vtp"};
-    lab_mesh lab;
     field f;
     make_noise(&f, 5, 0, 30);
     const char *noise = leaf_of(&f, 4, 1);
     for (int i = 0; i < 3; i++)
-        check_same(noise, 0.5, formats[i], 12 << 20);
+        export_lab_check_same(noise, 0.5, formats[i], 12 << 20);
     free(f.samples);
-    assert_true(lab_mesh_make(&lab, "sphere", 20, 1));
-    const char *mesh = lab_leaf_make(&lab, 40, false);
-    for (int i = 0; i < 3; i++)
-        check_same(mesh, lab.iso, formats[i], 4 << 20);
-    lab_mesh_release(&lab);
 }
+
+/* ---- the same bytes ---- */
 
 /* Facets of STL: those of the PLY whose corners are three places as floats. */
 static void test_facets(void **state) {
@@ -822,11 +469,11 @@ static void test_facets(void **state) {
     field f;
     make_noise(&f, 3, 3, 0);
     const char *path = leaf_of(&f, 4, 1);
-    how h = plain(1);
-    ply_surface s = surface_of(path, &h);
+    export_how h = export_lab_plain(1);
+    ply_surface s = export_lab_surface(path, &h);
     size_t size, at = 84;
     h.format = "stl";
-    char *bytes = surface_bytes(path, &h, &size);
+    char *bytes = export_lab_bytes(path, &h, &size);
     uint32_t count, kept = 0;
     memcpy(&count, bytes + 80, sizeof count);
     assert_int_equal(size, 84 + 50 * (size_t)count);
@@ -867,15 +514,15 @@ static void test_faults(void **state) {
     mem_init(&m, 0);
     make_ball(&f, 33, false);
     const char *path = leaf_of(&f, 4, 1);
-    how h = plain(5.5);
+    export_how h = export_lab_plain(5.5);
     h.threads = 1;
     size_t size;
-    char *good = surface_bytes(path, &h, &size);
+    char *good = export_lab_bytes(path, &h, &size);
     for (int kind = FAULT_ALLOC; kind <= FAULT_WRITE; kind++) {
         int fired = 0;
         for (long k = 1; fired == k - 1; k++) {
             fault_arm((fault_kind)kind, k);
-            const status st = try_surface(&m, path, &h, &info);
+            const status st = export_lab_try(&m, path, &h, &info);
             const bool hit = fault_fired((fault_kind)kind);
             fault_arm((fault_kind)kind, 0);
             /* The folder's sync, the last of all, may fail: the file is there. */
@@ -897,9 +544,8 @@ int main(void) {
         cmocka_unit_test(test_table),  cmocka_unit_test(test_fields),
         cmocka_unit_test(test_noise),  cmocka_unit_test(test_box),
         cmocka_unit_test(test_ball),   cmocka_unit_test(test_isovalues),
-        cmocka_unit_test(test_meshes), cmocka_unit_test(test_mesh_ball),
-        cmocka_unit_test(test_tets),   cmocka_unit_test(test_same),
-        cmocka_unit_test(test_facets), cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_same),   cmocka_unit_test(test_facets),
+        cmocka_unit_test(test_faults),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -178,7 +178,7 @@ static const cli_verb verb = {
     .doc =
         "Write what is in a treelet file to another format: the samples of a grid, isosurfaces of "
         "a grid or a mesh, or a mesh (-o -: to standard output, --format says what)."
-        "\vExamples:\n  leafcast export head.leaf -o head.nii.gz\n"
+        "\vExample:\n"
         "  leafcast export head.leaf --iso 1150 -o skull.ply\v"
         "Samples come out as they went in, to the bit, unless their type was not kept (u32, i32, "
         "f64). What a format cannot hold is refused. Names that end in .gz are packed. Surfaces "

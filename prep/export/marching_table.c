@@ -35,7 +35,7 @@ static int edge_of_face(const marching_table *t, int face, int i) {
         if ((t->edge[e][0] == a && t->edge[e][1] == b) ||
             (t->edge[e][0] == b && t->edge[e][1] == a))
             return e;
-    assert(!"neighbours");
+    assert(false); /* neighbours have an edge between them */
     return 0;
 }
 

@@ -92,27 +92,58 @@ static uint32_t batch_from(const job *j, uint32_t first) {
 
 static status take_counts(job *j, uint32_t count) {
     status st = ST_OK;
-    for (uint32_t i = 0; i < count; i++) {
-        result *r = &j->results[i];
+    for (uint32_t i = 0; st == ST_OK && i < count; i++) {
+        const result *r = &j->results[i];
         j->first_cell[j->first + i + 1] = j->first_cell[j->first + i] + r->cells;
-        if (st == ST_OK && j->weld)
+        if (j->weld)
             st = weld_add(j->weld, r->vertices, r->keys, r->shares);
-        mem_free(j->m, r->keys);
-        r->keys = NULL;
     }
     return st;
+}
+
+static void drop_results(job *j) {
+    for (uint32_t i = 0; i < j->batch; i++) {
+        mem_free(j->m, j->results[i].keys);
+        mem_free(j->m, j->results[i].encoded);
+        j->results[i] = (result){.keys = NULL};
+    }
+}
+
+static void drop_scratch(job *j) {
+    for (int i = 0; i < j->e->threads; i++) {
+        bench *b = &j->benches[i];
+        piece_release(&b->p);
+        mem_free(j->m, b->order.bytes);
+        mem_free(j->m, b->numbers.bytes);
+        mem_free(j->m, b->scratch.bytes);
+        mem_free(j->m, b->encoded.bytes);
+        *b = (bench){.p = {.m = j->m}};
+    }
+}
+
+/* A batch of pieces through body(), then take(): fewer at a time where memory does not suffice.
+ * *count: how many there were. */
+static status run_batch(job *j, pool_body body, status (*take)(job *j, uint32_t count),
+                        uint32_t *count) {
+    for (;;) {
+        *count = batch_from(j, j->first);
+        status st = pool_run(j->workers, *count, body, j);
+        const bool small = st == ST_NOMEM && j->batch > 1;
+        if (st == ST_OK)
+            st = take(j, *count);
+        drop_results(j);
+        if (!small)
+            return st;
+        drop_scratch(j);
+        j->batch /= 2;
+    }
 }
 
 static status count_all(job *j) {
     const uint32_t pieces = j->e->source->pieces;
     status st = ST_OK;
-    for (j->first = 0; st == ST_OK && j->first < pieces; j->first += j->batch) {
-        const uint32_t count = batch_from(j, j->first);
-        memset(j->results, 0, count * sizeof *j->results);
-        st = pool_run(j->workers, count, count_one, j);
-        const status taken = take_counts(j, st == ST_OK ? count : 0);
-        if (st == ST_OK)
-            st = taken;
+    for (uint32_t count; st == ST_OK && j->first < pieces; j->first += count) {
+        st = run_batch(j, count_one, take_counts, &count);
         if (st == ST_OK)
             st = progress_step(j->e->p, "surface", 0.4 * (j->first + count) / pieces);
     }
@@ -204,15 +235,12 @@ static status to_stdout(const void *bytes, size_t size) {
     return file_write_all(STDOUT_FILENO, "standard output", NULL, bytes, size);
 }
 
+/* What was kept; of a file, nothing. */
 static status pass_on(job *j, uint32_t count) {
     status st = ST_OK;
-    for (uint32_t i = 0; i < count; i++) {
-        result *r = &j->results[i];
-        if (st == ST_OK && r->size > 0)
-            st = to_stdout(r->encoded, r->size);
-        mem_free(j->m, r->encoded);
-        r->encoded = NULL;
-    }
+    for (uint32_t i = 0; st == ST_OK && i < count; i++)
+        if (j->results[i].size > 0)
+            st = to_stdout(j->results[i].encoded, j->results[i].size);
     return st;
 }
 
@@ -220,14 +248,9 @@ static status pass_on(job *j, uint32_t count) {
 static status go_through(job *j, pool_body body, int part, int parts) {
     const uint32_t pieces = j->e->source->pieces;
     status st = ST_OK;
-    for (j->first = 0; st == ST_OK && j->first < pieces; j->first += j->batch) {
-        const uint32_t count = batch_from(j, j->first);
-        memset(j->results, 0, count * sizeof *j->results);
-        st = pool_run(j->workers, count, body, j);
-        if (!j->file) {
-            const status passed = pass_on(j, st == ST_OK ? count : 0);
-            st = st == ST_OK ? passed : st;
-        }
+    j->first = 0;
+    for (uint32_t count; st == ST_OK && j->first < pieces; j->first += count) {
+        st = run_batch(j, body, pass_on, &count);
         const double done = (part + (double)(j->first + count) / pieces) / parts;
         if (st == ST_OK)
             st = progress_step(j->e->p, "surface", 0.4 + 0.6 * done);
@@ -290,18 +313,8 @@ static status allocate(job *j) {
 }
 
 static void release(job *j) {
-    for (uint32_t i = 0; j->results && i < j->batch; i++) {
-        mem_free(j->m, j->results[i].keys);
-        mem_free(j->m, j->results[i].encoded);
-    }
-    for (int i = 0; j->benches && i < j->e->threads; i++) {
-        bench *b = &j->benches[i];
-        piece_release(&b->p);
-        mem_free(j->m, b->order.bytes);
-        mem_free(j->m, b->numbers.bytes);
-        mem_free(j->m, b->scratch.bytes);
-        mem_free(j->m, b->encoded.bytes);
-    }
+    if (j->benches)
+        drop_scratch(j);
     mem_free(j->m, j->benches);
     mem_free(j->m, j->results);
     mem_free(j->m, j->first_cell);
