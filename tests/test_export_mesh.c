@@ -227,12 +227,22 @@ static void test_same(void **state) {
     lab_mesh_release(&lab);
 }
 
+static void test_malice(void **state) {
+    (void)state;
+    lab_mesh lab;
+    assert_true(lab_mesh_make(&lab, "sphere", 6, 1));
+    for (int gradients = 0; gradients < 2; gradients++) {
+        const export_how h = export_lab_plain(lab.iso);
+        export_lab_malice(lab_leaf_make(&lab, 100, gradients), &h, 1 + (uint64_t)gradients, 300);
+    }
+    lab_mesh_release(&lab);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_meshes),
-        cmocka_unit_test(test_mesh_ball),
-        cmocka_unit_test(test_tets),
-        cmocka_unit_test(test_same),
+        cmocka_unit_test(test_meshes), cmocka_unit_test(test_mesh_ball),
+        cmocka_unit_test(test_tets),   cmocka_unit_test(test_same),
+        cmocka_unit_test(test_malice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -539,13 +539,22 @@ static void test_faults(void **state) {
     free(f.samples);
 }
 
+static void test_malice(void **state) {
+    (void)state;
+    field f;
+    make_noise(&f, 9, 0, 30);
+    const export_how h = export_lab_plain(0.5);
+    export_lab_malice(leaf_of(&f, 4, 1), &h, 1, 300);
+    free(f.samples);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_table),  cmocka_unit_test(test_fields),
         cmocka_unit_test(test_noise),  cmocka_unit_test(test_box),
         cmocka_unit_test(test_ball),   cmocka_unit_test(test_isovalues),
         cmocka_unit_test(test_same),   cmocka_unit_test(test_facets),
-        cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_faults), cmocka_unit_test(test_malice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

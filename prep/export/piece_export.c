@@ -188,11 +188,14 @@ static status encode(job *j, uint32_t index, bench *b, const piece_array *a, siz
 }
 
 static status prepare(job *j, uint32_t index, int worker) {
+    const piece *p = &j->benches[worker].p;
     status st = make(j, index, worker);
-    if (st == ST_OK &&
-        j->benches[worker].p.cells != j->first_cell[index + 1] - j->first_cell[index])
-        st = status_describe(ST_IO, "the treelet file changed while it was read");
-    return st == ST_OK ? number(j, index, &j->benches[worker]) : st;
+    if (st != ST_OK)
+        return st;
+    if (p->cells != j->first_cell[index + 1] - j->first_cell[index] ||
+        (j->weld && !weld_knows(j->weld, index, p)))
+        return status_describe(ST_IO, "the treelet file changed while it was read");
+    return number(j, index, &j->benches[worker]);
 }
 
 /* To the file: all arrays of a piece at once. */

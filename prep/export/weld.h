@@ -31,6 +31,10 @@ CHECKED status weld_end(weld *w, uint64_t spare);
 uint64_t weld_vertices(const weld *w);
 uint64_t weld_first(const weld *w, uint32_t index);
 
+/* weld_knows() - whether a piece that was made again has as many vertices and shares as before: the
+ * functions below take no other. */
+bool weld_knows(const weld *w, uint32_t index, const piece *p);
+
 /* weld_owned() - the vertices that piece `index` owns, in the order of their numbers; returns how
  * many. order: room for its vertices. Thread-safe. */
 uint32_t weld_owned(const weld *w, uint32_t index, const piece *p, uint32_t *order);

@@ -11,6 +11,8 @@
 
 #include "prep/export/grid_surface.h"
 #include "prep/export/tet_surface.h"
+#include "tests/support/fields.h"
+#include "tests/support/leaf_fuzz.h"
 #include "tests/support/scratch.h"
 
 static const piece_format *format_of(const char *name) {
@@ -152,5 +154,31 @@ void export_lab_check_same(const char *path, double iso, const char *format, siz
         assert_memory_equal(bytes, again, size);
         free(again);
     }
+    free(bytes);
+}
+
+void export_lab_malice(const char *path, const export_how *h, uint64_t seed, int times) {
+    field_random r = {seed};
+    size_t size;
+    char *good = scratch_read(path, &size), *bytes = malloc(size);
+    int refused = 0;
+    assert_non_null(bytes);
+    for (int i = 0; i < times; i++) {
+        memcpy(bytes, good, size);
+        for (long n = 1 + field_random_below(&r, 4); n > 0; n--)
+            bytes[field_random_below(&r, (long)size)] ^= (char)(1 + field_random_below(&r, 255));
+        leaf_fuzz_seal(bytes, size);
+        mem m;
+        piece_info info;
+        mem_init(&m, 0);
+        const status st = export_lab_try(&m, scratch_write("malice.leaf", bytes, size), h, &info);
+        if (st != ST_OK && st != ST_CORRUPT && st != ST_UNSUPPORTED)
+            fail_msg("seed %llu, %d: status %d: %s", (unsigned long long)seed, i, st,
+                     status_text());
+        assert_int_equal(mem_used(&m), 0);
+        refused += st != ST_OK;
+    }
+    assert_true(refused > times / 20 && refused < times);
+    free(good);
     free(bytes);
 }

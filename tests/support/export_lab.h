@@ -40,4 +40,8 @@ void export_lab_check_ball(const ply_surface *s, double middle, double radius, d
 /* export_lab_check_same() - the same bytes with other threads, and with so little memory. */
 void export_lab_check_same(const char *path, double iso, const char *format, size_t little);
 
+/* export_lab_malice() - the file `path` with a few bytes changed at random and its checksums made
+ * right, so many times: each is exported or refused, in words, and gives all memory back. */
+void export_lab_malice(const char *path, const export_how *h, uint64_t seed, int times);
+
 #endif
