@@ -22,7 +22,7 @@
 
 /* ---- surfaces ---- */
 
-/* Ends from the lower to the higher vertex: place, value. Those that look the same are one. */
+/* Ends from the lower to the higher vertex: point, value. Those that look the same are one. */
 typedef struct mesh_edge {
     float end[2][4];
 } mesh_edge;
@@ -88,8 +88,8 @@ static void check_mesh(const lab_mesh *lab, const ply_surface *s) {
     memcpy(found, s->at, s->vertices * sizeof *found);
     if (s->vertices != count)
         fail_msg("%s: %zu vertices, %zu edges are crossed", lab->name, s->vertices, count);
-    qsort(at, count, sizeof *at, export_lab_by_place);
-    qsort(found, count, sizeof *found, export_lab_by_place);
+    qsort(at, count, sizeof *at, export_lab_by_point);
+    qsort(found, count, sizeof *found, export_lab_by_point);
     assert_memory_equal(at, found, count * sizeof *at);
     ply_sides sides = ply_surface_sides(s);
     /* A tet that is there twice has its triangles twice. */
@@ -189,13 +189,13 @@ static void test_tets(void **state) {
         double p[4][3];
         memcpy(v, corners + t * sizeof v, sizeof v);
         for (int i = 0; i < 4; i++) {
-            float place[3], value;
-            memcpy(place, (const char *)at + v[i] * 12, sizeof place);
+            float point[3], value;
+            memcpy(point, (const char *)at + v[i] * 12, sizeof point);
             memcpy(&value, values + v[i] * 4, sizeof value);
-            got[t] += sum_of(place, value);
+            got[t] += sum_of(point, value);
             want[t] += sum_of(lab.points[lab.tets[t][i]], lab.values[lab.tets[t][i]]);
             for (int a = 0; a < 3; a++)
-                p[i][a] = (double)place[a] - (i > 0 ? p[0][a] : 0);
+                p[i][a] = (double)point[a] - (i > 0 ? p[0][a] : 0);
         }
         assert_true(p[1][0] * (p[2][1] * p[3][2] - p[2][2] * p[3][1]) +
                         p[1][1] * (p[2][2] * p[3][0] - p[2][0] * p[3][2]) +

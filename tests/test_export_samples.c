@@ -417,8 +417,8 @@ static void test_vtr(void **state) {
     grid_release(&g, &m);
 }
 
-/* A part's place in the world is that of its nodes in the whole. */
-static void test_places(void **state) {
+/* A part lies in the world as that of its nodes in the whole. */
+static void test_maps(void **state) {
     (void)state;
     mem m;
     leaf_file *f;
@@ -432,7 +432,7 @@ static void test_places(void **state) {
     for (int even = 0; even < 2; even++) {
         if (even)
             c.axis_file[1] = NULL;
-        assert_int_equal(leaf_file_open(&m, leaf_files_make(&c, "places.leaf"), &f), ST_OK);
+        assert_int_equal(leaf_file_open(&m, leaf_files_make(&c, "maps.leaf"), &f), ST_OK);
         for (uint32_t level = 0; level < 2; level++) {
             const uint32_t box[6] = {3, 1, 2, 9, 2, 8}, fine = 1u << level;
             assert_int_equal(grid_part_of(f, level, box, &part), ST_OK);
@@ -457,7 +457,7 @@ int main(void) {
         cmocka_unit_test(test_levels), cmocka_unit_test(test_refused),
         cmocka_unit_test(test_nrrd),   cmocka_unit_test(test_nifti),
         cmocka_unit_test(test_packed), cmocka_unit_test(test_vti),
-        cmocka_unit_test(test_vtr),    cmocka_unit_test(test_places),
+        cmocka_unit_test(test_vtr),    cmocka_unit_test(test_maps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

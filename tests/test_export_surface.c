@@ -45,7 +45,7 @@ static bool is_sound(const lab_grid *g, const long cell[3]) {
     return true;
 }
 
-static void place_crossing(const field *f, const long node[3], int axis, double iso, double at[3]) {
+static void find_crossing(const field *f, const long node[3], int axis, double iso, double at[3]) {
     long next[3] = {node[0], node[1], node[2]};
     next[axis]++;
     const double from = sample(f, node[0], node[1], node[2]),
@@ -74,7 +74,7 @@ static bool is_crossed(const lab_grid *g, const long node[3], int axis, double i
     return false;
 }
 
-/* Where the surface crosses the grid's edges, in the order of the places; free it. */
+/* Where the surface crosses the grid's edges, in the order of points; free it. */
 static double (*grid_crossings(const lab_grid *g, double iso, size_t *count))[3] {
     const field *f = &g->f;
     double(*at)[3] = calloc(3 * (size_t)(f->dims[0] * f->dims[1] * f->dims[2]), sizeof *at);
@@ -87,13 +87,13 @@ static double (*grid_crossings(const lab_grid *g, double iso, size_t *count))[3]
             for (n[1] = g->lo[1]; n[1] < end[1]; n[1]++)
                 for (n[0] = g->lo[0]; n[0] < end[0]; n[0]++)
                     if (is_crossed(g, n, axis, iso))
-                        place_crossing(f, n, axis, iso, at[(*count)++]);
+                        find_crossing(f, n, axis, iso, at[(*count)++]);
     }
-    qsort(at, *count, sizeof *at, export_lab_by_place);
+    qsort(at, *count, sizeof *at, export_lab_by_point);
     return at;
 }
 
-/* A place in cells: the cell, and where in it. */
+/* A point in cells: the cell, and where in it. */
 static void find_cell(const field *f, const double at[3], long cell[3], double u[3]) {
     for (int a = 0; a < 3; a++) {
         const bool down = f->axis[a] && f->axis[a][1] < f->axis[a][0];
@@ -131,7 +131,7 @@ static long double interpolate(const field *f, const long cell[3], const long do
     return sum;
 }
 
-/* Whether the side changes within 1e-6 cell of a place in a cell. */
+/* Whether the side changes within 1e-6 cell of a point in a cell. */
 static bool is_near(const field *f, const long cell[3], const double u[3], double iso) {
     if (interpolate(f, cell, (long double[3]){u[0], u[1], u[2]}) == (long double)iso)
         return true;
@@ -231,9 +231,9 @@ static void check_crossings(const lab_grid *g, const ply_surface *s, double iso)
     double(*at)[3] = calloc(s->vertices + 1, sizeof *at);
     assert_non_null(at);
     memcpy(at, s->at, s->vertices * sizeof *at);
-    qsort(at, s->vertices, sizeof *at, export_lab_by_place);
+    qsort(at, s->vertices, sizeof *at, export_lab_by_point);
     for (size_t v = 0; v < s->vertices; v++)
-        found += found < count && export_lab_by_place(at[v], want[found]) == 0;
+        found += found < count && export_lab_by_point(at[v], want[found]) == 0;
     if (found != count)
         fail_msg("%s: %zu of %zu crossings are no vertices", g->f.name, count - found, count);
     assert_true(s->vertices - count <= count / 8);
@@ -463,7 +463,7 @@ static void test_same(void **state) {
 
 /* ---- the same bytes ---- */
 
-/* Facets of STL: those of the PLY whose corners are three places as floats. */
+/* Facets of STL: those of the PLY whose corners are three points as floats. */
 static void test_facets(void **state) {
     (void)state;
     field f;

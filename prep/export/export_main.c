@@ -60,7 +60,7 @@ static const struct argp_option options[] = {
     {"iso", KEY_ISO, "V", CLI_BASIC,
      "the isovalue; may be repeated: the file then says which vertex is of which", 3},
     {"floats", KEY_FLOATS, NULL, 0,
-     "places of vertices as 32-bit floats instead of doubles: smaller, less exact", 3},
+     "coordinates of vertices as 32-bit floats instead of doubles: smaller, less exact", 3},
     {NULL, 0, NULL, 0, "Meshes:", 4},
     {"field", KEY_FIELD, "NAME", CLI_BASIC,
      "this one; may be repeated for .vtu (default: all; of isosurfaces the first)", 4},

@@ -51,7 +51,7 @@ static status copy_axes(mem *m, const leaf_file *f, const grid_part *part, grid 
 }
 
 /* The map from the part's nodes, which count from its corner on. */
-static void place(const leaf_file *f, const grid_part *part, grid *g) {
+static void put_map(const leaf_file *f, const grid_part *part, grid *g) {
     const double *map = f->header.to_world;
     const double apart = ldexp(1, (int)part->level);
     for (int row = 0; row < 3; row++) {
@@ -70,7 +70,7 @@ status grid_part_describe(mem *m, const leaf_file *f, const grid_part *part, gri
     grid_init(g, dims, f->layout.type);
     text_name(g->name, sizeof g->name, f->header.name);
     if (!f->header.rectilinear) {
-        place(f, part, g);
+        put_map(f, part, g);
         return ST_OK;
     }
     memcpy(g->to_world, f->header.to_world, sizeof g->to_world);

@@ -23,7 +23,7 @@ CHECKED status grid_part_of(const leaf_file *f, uint32_t level, const uint32_t b
 double grid_part_at(const leaf_file *f, uint32_t level, int axis, uint32_t node);
 
 /* grid_part_describe() - the part as a grid of its own: sizes (1 is possible), stored type, name,
- * axes, place in the world. Release it in any case. */
+ * axes, map to the world. Release it in any case. */
 CHECKED status grid_part_describe(mem *m, const leaf_file *f, const grid_part *part, grid *g);
 
 #endif

@@ -188,7 +188,7 @@ static size_t own_at(const bench *b, uint32_t x, uint32_t y, uint32_t z) {
     return ((size_t)z * (b->shape.cells[1] + 1) + y) * (b->shape.cells[0] + 1) + x;
 }
 
-static void place_planes(bench *b, uint32_t t) {
+static void set_planes(bench *b, uint32_t t) {
     const leaf_layout *l = &b->s->f->layout;
     const leaf_level *level = &l->level[b->s->part->level];
     const uint32_t h = l->halo;
@@ -495,7 +495,7 @@ static status make(void *ctx, uint32_t index, int worker, piece *p) {
     if (st != ST_OK)
         return st;
     b->shape = leaf_layout_payload(&s->f->layout, u->treelet);
-    place_planes(b, u->treelet);
+    set_planes(b, u->treelet);
     take_values(b);
     memset(b->vertex, 0xff, 3 * (size_t)nodes_of(s->f) * sizeof *b->vertex);
     for (uint32_t z = b->first[2]; z < b->last[2]; z++)

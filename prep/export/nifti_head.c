@@ -70,7 +70,7 @@ status nifti_check1(const grid *g) {
         for (int a = 0; a < 4; a++)
             if (!isfinite((float)g->to_world[row][a]))
                 return status_describe(ST_UNSUPPORTED,
-                                       "the grid's place is beyond the floats of NIfTI-1: "
+                                       "the grid lies beyond the floats of NIfTI-1: "
                                        "--format nifti2");
     return nifti_check2(g);
 }

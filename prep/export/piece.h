@@ -3,7 +3,7 @@
  *
  * A piece is a pure function of its number, so that it can be made again instead of being kept.
  * Vertices that other pieces may have, too, have a key: the same key is the same vertex, with the
- * same place to the bit.
+ * same point to the bit.
  */
 #ifndef PREP_EXPORT_PIECE_H
 #define PREP_EXPORT_PIECE_H
@@ -43,12 +43,12 @@ typedef struct piece {
 /* piece_begin() - nothing in it. */
 void piece_begin(piece *p, int corners, double isovalue);
 
-/* piece_add_vertex() - at: its place; *index: its number. */
+/* piece_add_vertex() - at: its point; *index: its number. */
 CHECKED status piece_add_vertex(piece *p, const piece_vertex *v, uint32_t *index);
 CHECKED status piece_add_share(piece *p, uint32_t vertex, hash_id key);
 CHECKED status piece_add_cell(piece *p, const uint32_t corner[]);
 
-/* piece_drop_flat() - leave out triangles of which two corners are at the same place once that is
+/* piece_drop_flat() - leave out triangles of which two corners are the same point once that is
  * rounded to floats. */
 void piece_drop_flat(piece *p);
 

@@ -35,7 +35,7 @@ static char *put_floats(char *to, const double values[3]) {
     return to;
 }
 
-static char *put_place(const piece_view *v, const piece_vertex *x, char *to) {
+static char *put_point(const piece_view *v, const piece_vertex *x, char *to) {
     if (v->info->floats)
         return put_floats(to, x->at);
     for (int i = 0; i < 3; i++)
@@ -45,10 +45,10 @@ static char *put_place(const piece_view *v, const piece_vertex *x, char *to) {
 
 /* ---- of vertices ---- */
 
-char *piece_bytes_places(const piece_view *v, const piece_array *a, char *to) {
+char *piece_bytes_points(const piece_view *v, const piece_array *a, char *to) {
     (void)a;
     for (uint32_t i = 0; i < v->owned; i++)
-        to = put_place(v, &v->p->vertex[v->order[i]], to);
+        to = put_point(v, &v->p->vertex[v->order[i]], to);
     return to;
 }
 
@@ -56,7 +56,7 @@ char *piece_bytes_records(const piece_view *v, const piece_array *a, char *to) {
     (void)a;
     for (uint32_t i = 0; i < v->owned; i++) {
         const piece_vertex *x = &v->p->vertex[v->order[i]];
-        to = put_floats(put_place(v, x, to), x->normal);
+        to = put_floats(put_point(v, x, to), x->normal);
         if (v->info->isovalues > 1)
             to = put_double(to, v->p->isovalue);
     }

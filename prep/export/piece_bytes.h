@@ -5,10 +5,10 @@
 
 #include "prep/export/piece_format.h"
 
-/* Of vertices: their places (doubles, or floats where the file has these), then those followed by
- * the normal in floats and, where there are several isovalues, the isovalue as a double; normals;
- * isovalues; values of a field. */
-char *piece_bytes_places(const piece_view *v, const piece_array *a, char *to);
+/* Of vertices: their coordinates (doubles, or floats where the file has these), then those followed
+ * by the normal in floats and, where there are several isovalues, the isovalue as a double;
+ * normals; isovalues; values of a field. */
+char *piece_bytes_points(const piece_view *v, const piece_array *a, char *to);
 char *piece_bytes_records(const piece_view *v, const piece_array *a, char *to);
 char *piece_bytes_normals(const piece_view *v, const piece_array *a, char *to);
 char *piece_bytes_isovalues(const piece_view *v, const piece_array *a, char *to);

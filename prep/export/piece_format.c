@@ -30,7 +30,7 @@ static head_text *add(piece_layout *l, piece_array a) {
     return &l->arrays[l->count++].before;
 }
 
-static size_t place_bytes(const piece_info *info) {
+static size_t point_bytes(const piece_info *info) {
     return 3 * (info->floats ? sizeof(float) : sizeof(double));
 }
 
@@ -53,7 +53,7 @@ static status lay_out_ply(mem *m, const piece_info *info, piece_layout *l) {
                                (unsigned long long)info->vertices);
     const char *type = info->floats ? "float" : "double";
     const bool many = info->isovalues > 1;
-    const size_t record = place_bytes(info) + 3 * sizeof(float) + (many ? sizeof(double) : 0);
+    const size_t record = point_bytes(info) + 3 * sizeof(float) + (many ? sizeof(double) : 0);
     head_text *h = add(l, (piece_array){.stride = record, .encode = piece_bytes_records});
     head_text_add(h, "ply\nformat binary_little_endian 1.0\ncomment leafcast isosurface\n");
     if (info->name[0])
@@ -137,10 +137,10 @@ static void begin_vtk(vtk_file *f, const char *kind, const char *cells) {
                   (unsigned long long)f->info->vertices, cells, (unsigned long long)f->info->cells);
 }
 
-static void declare_places(vtk_file *f) {
+static void declare_points(vtk_file *f) {
     head_text_add(f->h, "<Points>\n");
     declare(f, f->info->floats ? "Float32" : "Float64", "Points", 3,
-            (piece_array){.stride = place_bytes(f->info), .encode = piece_bytes_places});
+            (piece_array){.stride = point_bytes(f->info), .encode = piece_bytes_points});
     head_text_add(f->h, "</Points>\n");
 }
 
@@ -174,7 +174,7 @@ static status lay_out_vtp(mem *m, const piece_info *info, piece_layout *l) {
     if (st != ST_OK)
         return st;
     begin_vtk(&f, "PolyData", "NumberOfPolys");
-    declare_places(&f);
+    declare_points(&f);
     head_text_add(&h, "<PointData Normals=\"Normals\">\n");
     declare(&f, "Float32", "Normals", 3,
             (piece_array){.stride = 3 * sizeof(float), .encode = piece_bytes_normals});
@@ -194,7 +194,7 @@ static status lay_out_vtu(mem *m, const piece_info *info, piece_layout *l) {
     if (st != ST_OK)
         return st;
     begin_vtk(&f, "UnstructuredGrid", "NumberOfCells");
-    declare_places(&f);
+    declare_points(&f);
     head_text_add(&h, "<PointData Scalars=\"");
     head_text_xml(&h, info->fields[0]);
     head_text_add(&h, "\">\n");

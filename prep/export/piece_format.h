@@ -13,7 +13,7 @@
 /* What a file is to hold. */
 typedef struct piece_info {
     const char *name; /* of the data set; "" */
-    bool floats;      /* places as floats instead of doubles */
+    bool floats;      /* coordinates as floats instead of doubles */
     uint32_t isovalues;
     const char *const *fields; /* names */
     uint32_t field_count;

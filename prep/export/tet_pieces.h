@@ -1,7 +1,7 @@
 /* tet_pieces.h - a mesh as it is, treelet by treelet: its points, tets and values.
  *
- * The file does not say which vertices of two treelets are one: those are whose place and values of
- * the chosen fields are the same. Tets are turned so that their volume is positive.
+ * The file does not say which vertices of two treelets are one: those are whose coordinates and
+ * values of the chosen fields are the same. Tets are turned so that their volume is positive.
  */
 #ifndef PREP_EXPORT_TET_PIECES_H
 #define PREP_EXPORT_TET_PIECES_H

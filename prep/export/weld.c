@@ -9,21 +9,21 @@
 enum { BLOCK = 1 << 12, ALIKE_MAX = 8 };
 
 /* One more behind the last: the end of all. */
-typedef struct place {
+typedef struct piece_range {
     uint64_t
         vertex; /* the number of the first one that it owns; until weld_end(): how many it has */
     uint64_t share; /* the number of its first share, of all pieces' */
     uint64_t guest; /* how many shares before that are owned by other pieces */
-} place;
+} piece_range;
 
 struct weld {
     mem *m;
     pool *workers;
     const char *beside;
     uint32_t pieces, added;
-    place *places;   /* pieces + 1 */
-    uint64_t *owned; /* a bit for each share */
-    out_file *keys;  /* a mesh_record for each share, in order; NULL: there is none */
+    piece_range *ranges; /* pieces + 1 */
+    uint64_t *owned;     /* a bit for each share */
+    out_file *keys;      /* a mesh_record for each share, in order; NULL: there is none */
     out_file *hosts; /* for each share that its piece does not own: the share that is the same */
     mesh_runs *runs;
     uint64_t room; /* for runs */
@@ -34,8 +34,8 @@ status weld_create(mem *m, pool *workers, const char *beside, uint32_t pieces, w
     if (!w)
         return ST_NOMEM;
     *w = (weld){.m = m, .workers = workers, .beside = beside, .pieces = pieces};
-    w->places = mem_array(m, (size_t)pieces + 1, sizeof *w->places);
-    if (!w->places) {
+    w->ranges = mem_array(m, (size_t)pieces + 1, sizeof *w->ranges);
+    if (!w->ranges) {
         weld_destroy(w);
         return ST_NOMEM;
     }
@@ -50,12 +50,12 @@ void weld_destroy(weld *w) {
     out_file_discard(w->keys);
     out_file_discard(w->hosts);
     mem_free(w->m, w->owned);
-    mem_free(w->m, w->places);
+    mem_free(w->m, w->ranges);
     mem_free(w->m, w);
 }
 
 static uint64_t shares(const weld *w) {
-    return w->places[w->added].share;
+    return w->ranges[w->added].share;
 }
 
 /* ---- shares in ---- */
@@ -74,7 +74,7 @@ static uint64_t share_of(const mesh_record *r) {
 status weld_add(weld *w, uint32_t vertices, const hash_id *keys, uint32_t count) {
     mesh_record block[BLOCK / sizeof(mesh_record)];
     const uint32_t most = sizeof block / sizeof *block;
-    place *p = &w->places[w->added];
+    piece_range *p = &w->ranges[w->added];
     status st = ST_OK;
     if (count > 0 && !w->keys)
         st = out_file_scratch(w->m, w->beside, &w->keys);
@@ -227,7 +227,7 @@ static uint64_t count_owned(const weld *w, uint64_t from, uint64_t end) {
 static void number(weld *w) {
     uint64_t vertex = 0, guest = 0;
     for (uint32_t i = 0; i < w->pieces; i++) {
-        place *p = &w->places[i];
+        piece_range *p = &w->ranges[i];
         const uint64_t guests = p[1].share - p->share - count_owned(w, p->share, p[1].share),
                        has = p->vertex;
         p->vertex = vertex;
@@ -235,8 +235,8 @@ static void number(weld *w) {
         vertex += has - guests;
         guest += guests;
     }
-    w->places[w->pieces].vertex = vertex;
-    w->places[w->pieces].guest = guest;
+    w->ranges[w->pieces].vertex = vertex;
+    w->ranges[w->pieces].guest = guest;
 }
 
 status weld_end(weld *w, uint64_t spare) {
@@ -255,11 +255,11 @@ status weld_end(weld *w, uint64_t spare) {
 }
 
 uint64_t weld_vertices(const weld *w) {
-    return w->places[w->pieces].vertex;
+    return w->ranges[w->pieces].vertex;
 }
 
 uint64_t weld_first(const weld *w, uint32_t index) {
-    return w->places[index].vertex;
+    return w->ranges[index].vertex;
 }
 
 static bool is_owned(const weld *w, uint64_t share) {
@@ -267,14 +267,14 @@ static bool is_owned(const weld *w, uint64_t share) {
 }
 
 bool weld_knows(const weld *w, uint32_t index, const piece *p) {
-    const place *at = &w->places[index];
+    const piece_range *at = &w->ranges[index];
     const uint64_t guests = at[1].guest - at->guest;
     return at[1].share - at->share == p->shares &&
            at[1].vertex - at->vertex + guests == p->vertices;
 }
 
 uint32_t weld_owned(const weld *w, uint32_t index, const piece *p, uint32_t *order) {
-    const uint64_t first = w->places[index].share;
+    const uint64_t first = w->ranges[index].share;
     uint32_t count = 0, next = 0;
     for (uint32_t k = 0; k < p->shares; k++)
         if (is_owned(w, first + k))
@@ -293,17 +293,17 @@ static uint64_t number_of(const weld *w, uint64_t share) {
     uint32_t lo = 0, hi = w->pieces;
     while (hi - lo > 1) {
         const uint32_t middle = lo + (hi - lo) / 2;
-        if (w->places[middle].share <= share)
+        if (w->ranges[middle].share <= share)
             lo = middle;
         else
             hi = middle;
     }
-    return w->places[lo].vertex + count_owned(w, w->places[lo].share, share);
+    return w->ranges[lo].vertex + count_owned(w, w->ranges[lo].share, share);
 }
 
 status weld_numbers(const weld *w, uint32_t index, const piece *p, uint64_t *numbers,
                     uint64_t *scratch) {
-    const place *at = &w->places[index];
+    const piece_range *at = &w->ranges[index];
     const uint64_t guests = at[1].guest - at->guest;
     uint64_t next = at->vertex, guest = 0;
     if (guests > 0) {

@@ -1,6 +1,6 @@
 /* weld.h - one number for each vertex of all pieces, however many have it.
  *
- * The first piece that has a vertex owns it. Its number is that of its place in the output: pieces
+ * The first piece that has a vertex owns it. Numbers are in the order of the output: pieces
  * in order, of each first those of its own that others could have, then those that none can. Which
  * shares are the same is found by sorting their keys, within the budget: in scratch files beside
  * the output where memory does not suffice.

@@ -104,7 +104,7 @@ export_how export_lab_plain(double isovalue) {
 
 /* ---- what it is asked about ---- */
 
-int export_lab_by_place(const void *a, const void *b) {
+int export_lab_by_point(const void *a, const void *b) {
     const double *x = a, *y = b;
     for (int i = 0; i < 3; i++)
         if (x[i] != y[i])

@@ -30,8 +30,8 @@ status export_lab_try(mem *m, const char *path, const export_how *h, piece_info 
 char *export_lab_bytes(const char *path, const export_how *h, size_t *size);
 ply_surface export_lab_surface(const char *path, const export_how *h);
 
-/* export_lab_by_place() - for qsort(), of three doubles each. */
-int export_lab_by_place(const void *a, const void *b);
+/* export_lab_by_point() - for qsort(), of three doubles each. */
+int export_lab_by_point(const void *a, const void *b);
 
 /* export_lab_check_ball() - closed, in one piece, turned outwards, of the volume of a ball; normals
  * point away from `middle` on each axis but for 1 - cosine < tolerance. */
