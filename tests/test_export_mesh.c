@@ -148,17 +148,6 @@ static int by_number(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-static const char *array_at(const char *bytes, const char *name) {
-    char declared[64];
-    snprintf(declared, sizeof declared, "Name=\"%s\"", name);
-    const char *at = strstr(bytes, declared),
-               *data = strstr(bytes, "<AppendedData encoding=\"raw\">\n_");
-    assert_non_null(at);
-    assert_non_null(data);
-    return data + strlen("<AppendedData encoding=\"raw\">\n_") +
-           strtoull(strstr(at, "offset=\"") + 8, NULL, 10) + 8;
-}
-
 static void test_tets(void **state) {
     (void)state;
     lab_mesh lab;
@@ -180,9 +169,9 @@ static void test_tets(void **state) {
     assert_int_equal(info.vertices, lab.point_count);
     assert_int_equal(info.cells, lab.tet_count);
     char *bytes = scratch_read(scratch_path("surface"), NULL);
-    const float(*at)[3] = (const float(*)[3])(const void *)array_at(bytes, "Points");
-    const char *values = array_at(bytes, "f&lt;&quot;x&quot;&gt;"),
-               *corners = array_at(bytes, "connectivity");
+    const float(*at)[3] = (const float(*)[3])(const void *)export_lab_array(bytes, "Points");
+    const char *values = export_lab_array(bytes, "f&lt;&quot;x&quot;&gt;"),
+               *corners = export_lab_array(bytes, "connectivity");
     uint64_t *want = calloc(lab.tet_count, sizeof *want), *got = calloc(lab.tet_count, sizeof *got);
     for (size_t t = 0; t < lab.tet_count; t++) {
         int64_t v[4];

@@ -2,7 +2,7 @@
  * grid's edges is a vertex, once; each side belongs to two triangles; all vertices are
  * on the interpolant's surface; the same bytes whatever the threads, the memory and the treelets.
  */
-/* marks: threads, bits */
+/* marks: threads */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -496,6 +496,36 @@ static void test_facets(void **state) {
     free(f.samples);
 }
 
+/* What a .vtp has is what the PLY has. */
+static void test_arrays(void **state) {
+    (void)state;
+    field f;
+    make_noise(&f, 4, 0, 0);
+    const char *path = leaf_of(&f, 4, 1);
+    export_how h = {.format = "ply", .isovalues = {0.5, 0.25}, .count = 2, .threads = 2};
+    ply_surface s = export_lab_surface(path, &h);
+    h.format = "vtp";
+    char *bytes = export_lab_bytes(path, &h, NULL);
+    const char *corners = export_lab_array(bytes, "connectivity"),
+               *offsets = export_lab_array(bytes, "offsets");
+    assert_memory_equal(export_lab_array(bytes, "Points"), s.at, s.vertices * sizeof *s.at);
+    assert_memory_equal(export_lab_array(bytes, "Normals"), s.normal,
+                        s.vertices * sizeof *s.normal);
+    assert_memory_equal(export_lab_array(bytes, "isovalue"), s.isovalue,
+                        s.vertices * sizeof *s.isovalue);
+    for (size_t t = 0; t < s.triangles; t++) {
+        int64_t v[3], end;
+        memcpy(v, corners + t * sizeof v, sizeof v);
+        memcpy(&end, offsets + t * sizeof end, sizeof end);
+        assert_int_equal(end, 3 * (t + 1));
+        for (int i = 0; i < 3; i++)
+            assert_int_equal(v[i], s.corner[t][i]);
+    }
+    free(bytes);
+    ply_surface_release(&s);
+    free(f.samples);
+}
+
 /* ---- trouble ---- */
 
 static void check_bytes(const char *want, size_t size) {
@@ -554,7 +584,8 @@ int main(void) {
         cmocka_unit_test(test_noise),  cmocka_unit_test(test_box),
         cmocka_unit_test(test_ball),   cmocka_unit_test(test_isovalues),
         cmocka_unit_test(test_same),   cmocka_unit_test(test_facets),
-        cmocka_unit_test(test_faults), cmocka_unit_test(test_malice),
+        cmocka_unit_test(test_arrays), cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_malice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -19,7 +19,13 @@
 #include "prep/export/tet_pieces.h"
 #include "prep/export/tet_surface.h"
 
-enum { MEMORY_DEFAULT_MIB = 2048, ISOS_MAX = 64, FIELDS_MAX = 64, PIECE_BYTES = 1 << 20 };
+enum {
+    MEMORY_DEFAULT_MIB = 2048,
+    ISOS_MAX = 64,
+    FIELDS_MAX = 64,
+    ALL_MAX = 1024,
+    PIECE_BYTES = 1 << 20
+};
 
 typedef struct arguments {
     cli_common common;
@@ -366,6 +372,11 @@ static status choose_fields(const arguments *a, const leaf_file *f, uint32_t *fi
     const bool surface = a->pieces->corners == 3;
     status st = ST_OK;
     *count = a->field_count ? a->field_count : surface ? 1 : f->mesh->fields;
+    if (*count > ALL_MAX)
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: %u fields: more than %d are not exported at once, "
+                               "--field says which",
+                               a->common.input, *count, ALL_MAX);
     for (uint32_t i = 0; i < *count && st == ST_OK; i++) {
         fields[i] = i;
         if (a->field_count)

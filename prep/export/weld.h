@@ -5,7 +5,7 @@
  * shares are the same is found by sorting their keys, within the budget: in scratch files beside
  * the output where memory does not suffice.
  *
- * Held all the time: 32 bytes a piece, a bit for each share.
+ * Held all the time: 24 bytes a piece, a bit for each share.
  */
 #ifndef PREP_EXPORT_WELD_H
 #define PREP_EXPORT_WELD_H

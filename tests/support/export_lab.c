@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -181,4 +182,15 @@ void export_lab_malice(const char *path, const export_how *h, uint64_t seed, int
     assert_true(refused > times / 20 && refused < times);
     free(good);
     free(bytes);
+}
+
+const char *export_lab_array(const char *bytes, const char *name) {
+    char declared[64];
+    snprintf(declared, sizeof declared, "Name=\"%s\"", name);
+    const char *at = strstr(bytes, declared),
+               *data = strstr(bytes, "<AppendedData encoding=\"raw\">\n_");
+    assert_non_null(at);
+    assert_non_null(data);
+    return data + strlen("<AppendedData encoding=\"raw\">\n_") +
+           strtoull(strstr(at, "offset=\"") + 8, NULL, 10) + 8;
 }

@@ -30,6 +30,10 @@ status export_lab_try(mem *m, const char *path, const export_how *h, piece_info 
 char *export_lab_bytes(const char *path, const export_how *h, size_t *size);
 ply_surface export_lab_surface(const char *path, const export_how *h);
 
+/* export_lab_array() - where the elements of an array begin in the bytes of a .vtp or .vtu, by its
+ * name as it stands there. */
+const char *export_lab_array(const char *bytes, const char *name);
+
 /* export_lab_by_point() - for qsort(), of three doubles each. */
 int export_lab_by_point(const void *a, const void *b);
 
