@@ -6,6 +6,7 @@
 #include <limits.h>
 #include <poll.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -310,6 +311,22 @@ static int open_folder(mem *m, const char *path, int flags) {
     mem_free(m, folder);
     errno = error;
     return fd;
+}
+
+status out_file_scratch_path(mem *m, const char *output, const char *program, char **path) {
+    if (output && strcmp(output, "-") != 0) {
+        *path = mem_copy_text(m, output);
+        return *path ? ST_OK : ST_NOMEM;
+    }
+    const char *folder = getenv("TMPDIR");
+    if (!folder || !*folder)
+        folder = "/tmp";
+    const size_t size = strlen(folder) + strlen(program) + 32;
+    *path = mem_alloc(m, size);
+    if (!*path)
+        return ST_NOMEM;
+    snprintf(*path, size, "%s/%s-%ld", folder, program, (long)getuid());
+    return ST_OK;
 }
 
 status out_file_scratch(mem *m, const char *path, out_file **out) {

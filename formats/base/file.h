@@ -60,6 +60,11 @@ CHECKED status out_file_check(mem *m, const char *path, bool force);
 /* out_file_scratch() - a temporary file beside path that has no name and vanishes on close. */
 CHECKED status out_file_scratch(mem *m, const char *path, out_file **out);
 
+/* out_file_scratch_path() - the path beside which temporary files of an output go: its own, or for
+ * standard output ("-" or NULL) one in $TMPDIR, else /tmp, with the program's name and the user's
+ * number. Free *path in any case. */
+CHECKED status out_file_scratch_path(mem *m, const char *output, const char *program, char **path);
+
 /* Writing: ST_NOSPACE when the disk is full or the file may not grow further (quota, RLIMIT_FSIZE
  * with SIGXFSZ ignored). */
 CHECKED status out_file_write_at(out_file *f, uint64_t offset, const void *data, size_t size);

@@ -1,46 +1,41 @@
 #include "formats/grid/nrrd_writer.h"
 
 #include <assert.h>
-#include <endian.h>
 #include <stdint.h>
 #include <stdio.h>
-#include <string.h>
-#include <unistd.h>
 
-#include "formats/base/file.h"
 #include "formats/base/num.h"
 
 struct nrrd_writer {
     mem *m;
-    out_file *file; /* NULL: standard output */
+    out_stream *out;
     sample_type type;
     uint64_t left; /* samples still to come */
-    status st;     /* of the header: the first failure ends it */
 };
 
-static status write_bytes(nrrd_writer *w, const void *data, size_t size) {
-    if (w->file)
-        return out_file_append(w->file, data, size);
-    return file_write_all(STDOUT_FILENO, "standard output", NULL, data, size);
+/* A header as it is written: the first failure ends it. */
+typedef struct header {
+    out_stream *out;
+    status st;
+} header;
+
+static void put(header *h, const char *text) {
+    if (h->st == ST_OK)
+        h->st = out_stream_text(h->out, text);
 }
 
-static void put(nrrd_writer *w, const char *text) {
-    if (w->st == ST_OK)
-        w->st = write_bytes(w, text, strlen(text));
-}
-
-static void put_number(nrrd_writer *w, const char *before, double value) {
+static void put_number(header *h, const char *before, double value) {
     char number[NUM_TEXT_MAX];
-    put(w, before);
-    put(w, num_print(value, number));
+    put(h, before);
+    put(h, num_print(value, number));
 }
 
 /* A column of the map: "(x,y,z)". */
-static void put_vector(nrrd_writer *w, const grid *g, int column) {
+static void put_vector(header *h, const grid *g, int column) {
     static const char *const before[3] = {" (", ",", ","};
     for (int row = 0; row < 3; row++)
-        put_number(w, before[row], g->to_world[row][column]);
-    put(w, ")");
+        put_number(h, before[row], g->to_world[row][column]);
+    put(h, ")");
 }
 
 static const char *type_name(sample_type type) {
@@ -57,36 +52,37 @@ static const char *type_name(sample_type type) {
     return "?";
 }
 
-static void put_axis(nrrd_writer *w, const grid *g, int a) {
+static void put_axis(header *h, const grid *g, int a) {
     char key[32];
     snprintf(key, sizeof key, "leafcast axis %d:=", a);
     for (uint32_t i = 0; i < g->dims[a]; i++)
-        put_number(w, i == 0 ? key : " ", g->axis[a][i]);
-    put(w, "\n");
+        put_number(h, i == 0 ? key : " ", g->axis[a][i]);
+    put(h, "\n");
 }
 
-static status write_header(nrrd_writer *w, const grid *g) {
-    put(w, "NRRD0004\ntype: ");
-    put(w, type_name(g->type));
-    put(w, "\ndimension: 3\nsizes:");
+status nrrd_write_header(out_stream *out, const grid *g) {
+    header written = {out, ST_OK}, *h = &written;
+    put(h, "NRRD0004\ntype: ");
+    put(h, type_name(g->type));
+    put(h, "\ndimension: 3\nsizes:");
     for (int a = 0; a < 3; a++)
-        put_number(w, " ", g->dims[a]);
-    put(w, "\nencoding: raw\nendian: little\n");
+        put_number(h, " ", g->dims[a]);
+    put(h, "\nencoding: raw\nendian: little\n");
     if (g->name[0]) {
-        put(w, "content: ");
-        put(w, g->name);
-        put(w, "\n");
+        put(h, "content: ");
+        put(h, g->name);
+        put(h, "\n");
     }
-    put(w, "space dimension: 3\nspace directions:");
+    put(h, "space dimension: 3\nspace directions:");
     for (int a = 0; a < 3; a++)
-        put_vector(w, g, a);
-    put(w, "\nspace origin:");
-    put_vector(w, g, 3);
-    put(w, "\n");
+        put_vector(h, g, a);
+    put(h, "\nspace origin:");
+    put_vector(h, g, 3);
+    put(h, "\n");
     for (int a = 0; a < 3 && grid_is_rectilinear(g); a++)
-        put_axis(w, g, a);
-    put(w, "\n");
-    return w->st;
+        put_axis(h, g, a);
+    put(h, "\n");
+    return h->st;
 }
 
 status nrrd_writer_create(mem *m, const char *path, bool force, const grid *g, nrrd_writer **out) {
@@ -96,9 +92,9 @@ status nrrd_writer_create(mem *m, const char *path, bool force, const grid *g, n
     w->m = m;
     w->type = g->type;
     w->left = grid_samples(g);
-    status st = strcmp(path, "-") == 0 ? ST_OK : out_file_create(m, path, force, &w->file);
+    status st = out_stream_create(m, path, force, false, &w->out);
     if (st == ST_OK)
-        st = write_header(w, g);
+        st = nrrd_write_header(w->out, g);
     if (st != ST_OK) {
         nrrd_writer_discard(w);
         return st;
@@ -107,33 +103,16 @@ status nrrd_writer_create(mem *m, const char *path, bool force, const grid *g, n
     return ST_OK;
 }
 
-/* On a big-endian machine: swapped through a small buffer, so that the caller's samples stay as
- * they are. */
-static status write_swapped(nrrd_writer *w, const void *samples, size_t count) {
-    uint64_t buffer[512];
-    size_t width = sample_size(w->type), step = sizeof buffer / width;
-    status st = ST_OK;
-    for (size_t done = 0; st == ST_OK && done < count; done += step) {
-        size_t part = count - done < step ? count - done : step;
-        memcpy(buffer, (const char *)samples + done * width, part * width);
-        sample_swap(w->type, buffer, part);
-        st = write_bytes(w, buffer, part * width);
-    }
-    return st;
-}
-
 status nrrd_writer_append(nrrd_writer *w, const void *samples, size_t count) {
     assert(count <= w->left);
     w->left -= count;
-    if (__BYTE_ORDER == __BIG_ENDIAN)
-        return write_swapped(w, samples, count);
-    return write_bytes(w, samples, count * sample_size(w->type));
+    return out_stream_samples(w->out, w->type, samples, count);
 }
 
 status nrrd_writer_commit(nrrd_writer *w) {
     assert(w->left == 0);
-    status st = w->file ? out_file_commit(w->file) : ST_OK;
-    w->file = NULL;
+    status st = out_stream_commit(w->out);
+    w->out = NULL;
     nrrd_writer_discard(w);
     return st;
 }
@@ -141,6 +120,6 @@ status nrrd_writer_commit(nrrd_writer *w) {
 void nrrd_writer_discard(nrrd_writer *w) {
     if (!w)
         return;
-    out_file_discard(w->file);
+    out_stream_discard(w->out);
     mem_free(w->m, w);
 }

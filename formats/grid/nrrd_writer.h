@@ -10,8 +10,13 @@
 #include <stddef.h>
 
 #include "formats/base/mem.h"
+#include "formats/base/out_stream.h"
 #include "formats/base/status.h"
 #include "formats/grid/grid.h"
+
+/* nrrd_write_header() - all that stands before the samples of a grid. Its name has no control
+ * characters. */
+CHECKED status nrrd_write_header(out_stream *out, const grid *g);
 
 typedef struct nrrd_writer nrrd_writer;
 

@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -55,22 +54,6 @@ static status convert(mem *m, const resample_source *s, const char *path, const 
     return st;
 }
 
-/* Where temporary files go: beside the output, or in $TMPDIR under a name of this user's. */
-static status find_scratch(mem *m, const resample_source *s, char **path) {
-    const char *folder = getenv("TMPDIR");
-    if (!folder || !*folder)
-        folder = "/tmp";
-    const size_t size = strlen(s->beside ? s->beside : folder) + 64;
-    *path = mem_alloc(m, size);
-    if (!*path)
-        return ST_NOMEM;
-    if (s->beside)
-        snprintf(*path, size, "%s", s->beside);
-    else
-        snprintf(*path, size, "%s/leafcast-resample-%ld", folder, (long)getuid());
-    return ST_OK;
-}
-
 /* Convert to SCRATCH.partial-N.leaf, which nobody else writes as long as SCRATCH.partial-N is
  * locked. It has a name only until it is open; the next run finds what a killed one left. */
 static status open_scratch(mem *m, const resample_source *s, const char *scratch, const progress *p,
@@ -97,7 +80,7 @@ static status open_scratch(mem *m, const resample_source *s, const char *scratch
 
 static status open_mesh(mem *m, const resample_source *s, const progress *p, leaf_file **out) {
     char *path = NULL;
-    status st = find_scratch(m, s, &path);
+    status st = out_file_scratch_path(m, s->beside, "leafcast-resample", &path);
     if (st == ST_OK)
         st = open_scratch(m, s, path, p, out);
     mem_free(m, path);

@@ -82,6 +82,9 @@ json document render g.leaf --iso 120 --size 16x16 -o g.png
 json document render b.leaf --iso 0.3 --size 16x16 --step 1 --packets 4
 json lines render g.leaf --iso-list 100,120 --size 16x16
 json document resample b_0000.mesh -o b.nrrd
+json document export g.leaf -o x.nrrd
+json document export g.leaf --iso 120 -o x.stl
+json document export b.leaf -o x.vtu
 json document bench steps g.leaf --iso 120 --size 16x16 --runs 1
 printf '%s\n' 0,0,0 1,0,0 0,1,0 0,0,1 1,1,1 >points.csv
 "$leafcast" --help | grep -q '^  tetrahedralize' &&
@@ -101,15 +104,16 @@ for verb in keys/*; do
     ok "$verb: its page names nothing that is not there" [ ! -s out ]
 done
 
-for verb in generate convert verify info probe render resample bench; do
+for verb in generate convert verify info probe render resample export bench; do
     json error "$verb" --no-such-option
     ok "$verb: a slip: exit 2" [ "$status" = 2 ]
     ok "$verb: and in words, on standard error" grep -q "^leafcast $verb: unrecognized" err.kept
 done
-for verb in convert verify info render resample; do
+for verb in convert verify info render resample export; do
     case $verb in
     verify | info) json error "$verb" absent.leaf ;;
     render) json error render absent.leaf --iso 1 -o x.png ;;
+    export) json error export absent.leaf -o y.nrrd ;;
     *) json error "$verb" absent.nrrd -o x.leaf ;;
     esac
     ok "$verb: no input: exit 1 or 3" [ "$status" = 1 -o "$status" = 3 ]

@@ -49,6 +49,8 @@ every() {
     limited "$@" convert "$tmp/m.mesh" -o "$tmp/c.leaf" --threads 4 --force
     limited "$@" generate gyroid --dims 24 -o "$tmp/g.nrrd" --threads 4 --force
     limited "$@" resample "$tmp/m.mesh" --dims 20,20,20 -o "$tmp/r.nrrd" --threads 4 --force
+    limited "$@" export "$tmp/v.leaf" --iso 127.5 -o "$tmp/r.ply" --threads 4 --force
+    limited "$@" export "$tmp/m.leaf" -o "$tmp/r.vtu" --threads 4 --force
     limited "$@" info "$tmp/v.leaf"
     limited "$@" verify "$tmp/m.leaf" --threads 4
     limited "$@" probe "$tmp/v.leaf" --iso 127.5 --at 10,10

@@ -337,6 +337,24 @@ verify|--help|shown help|
 verify|--help-all|shown help|
 verify|--usage|says|@g.leaf|--usage
 verify|--version|says|@g.leaf|--version
+export|--format|output|@g.leaf --format raw|--format nrrd
+export|--box|output|@g.leaf --format raw|--box 0,0,0,9,9,9
+export|--level|output|@g.leaf --format raw|--level 1
+export|--iso|output|@g.leaf --format ply --iso 120|--iso 130
+export|--floats|output|@g.leaf --format ply --iso 120|--floats
+export|--field|exit 2|@m.leaf -o @f.vtu --force|--field none
+export|--step|output|@m.leaf --format vtu|--step 1
+export|--output|makes x.nrrd|@g.leaf|--output @x.nrrd
+export|--threads|shown export|
+export|--memory|exit 4|@g.leaf -o @m.nrrd --force|--memory 1K
+export|--json|says|@g.leaf -o @m.nrrd --force|--json
+export|--force|exit 0|@g.leaf -o @m.nrrd --force|
+export|--quiet|fewer|@g.leaf -o @m.nrrd --force --verbose|--quiet
+export|--verbose|more|@g.leaf -o @m.nrrd --force|--verbose
+export|--help|shown help|
+export|--help-all|shown help|
+export|--usage|says|@g.leaf -o @m.nrrd --force|--usage
+export|--version|says|@g.leaf -o @m.nrrd --force|--version
 resample|--dims|output|@m.leaf --dims 7|--dims 8
 resample|--spacing|output|@m.leaf|--spacing 3
 resample|--bounds|output|@m.leaf --dims 7|--bounds 1,1,1,6,6,6

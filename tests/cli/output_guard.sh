@@ -50,6 +50,7 @@ exits "the first of a pair may have its name's neighbour" 0 "$leafcast" convert 
 rm p.leaf
 
 refused "resample a mesh" m.mesh "$leafcast" resample m.mesh -o m.mesh --force
+refused "export a treelet file" m.leaf "$leafcast" export m.leaf -o "$tmp/alias/folder/m.leaf" --format vtu --force
 refused "resample a treelet file" m.leaf "$leafcast" resample m.leaf -o "$tmp/alias/folder/m.leaf" --force
 cp m.mesh left.nrrd.partial-1
 exits "an input that is called as a temporary file is" 0 "$leafcast" resample left.nrrd.partial-1 -o left.nrrd

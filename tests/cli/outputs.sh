@@ -37,6 +37,8 @@ convert a volume, spilling:s.leaf:convert $in/g.nrrd --memory 3M --threads 1 -o
 convert a mesh:m.leaf:convert $in/m.mesh -o
 convert a mesh, spilling:n.leaf:convert $in/m.mesh --memory 5M --threads 1 -o
 resample a mesh:r.nrrd:resample $in/m.mesh --dims 100 -o
+export samples:x.vti:export $in/g.leaf -o
+export a surface:x.ply:export $in/g.leaf --iso 30000 -o
 depths:d.f64:render $in/g.leaf --iso 30000 --size 512,512 --depth-f64
 statistics:stats.json:render $in/g.leaf --iso 30000 --size 16,16 --stats
 PNG:p.png:render $in/g.leaf --iso 30000 --size 1600,1600 -o

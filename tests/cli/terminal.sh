@@ -108,13 +108,16 @@ info @g.leaf
 render @g.leaf --iso 120 --size 16x16 -o @x.png --force
 probe @g.leaf --iso 120 --at 500,500
 resample @m.mesh -o @y.nrrd --force
+export @g.leaf -o @y.vti --force
+export @g.leaf --iso 120 -o @y.ply --force
 bench steps @g.leaf --iso 120 --size 16x16 --runs 1
 TABLE
-for verb in generate convert resample verify; do
+for verb in generate convert resample export verify; do
     case $verb in
     generate) set -- gyroid --dims 20 -o "$tmp/x.nrrd" --force ;;
     convert) set -- "$tmp/g.nrrd" -o "$tmp/x.leaf" --force ;;
     resample) set -- "$tmp/m.mesh" -o "$tmp/y.nrrd" --force ;;
+    export) set -- "$tmp/g.leaf" -o "$tmp/y.raw" --force ;;
     verify) set -- "$tmp/g.leaf" ;;
     esac
     run "$leafcast" "$verb" "$@" -q

@@ -1,0 +1,497 @@
+/* leafcast export - samples, isosurfaces and meshes of a treelet file to other formats. */
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "formats/base/cli.h"
+#include "formats/base/cli_value.h"
+#include "formats/base/clock.h"
+#include "formats/base/file.h"
+#include "formats/base/file_guard.h"
+#include "formats/base/num.h"
+#include "formats/base/text.h"
+#include "prep/export/grid_slices.h"
+#include "prep/export/grid_surface.h"
+#include "prep/export/piece_export.h"
+#include "prep/export/sample_format.h"
+#include "prep/export/tet_pieces.h"
+#include "prep/export/tet_surface.h"
+
+enum {
+    MEMORY_DEFAULT_MIB = 2048,
+    ISOS_MAX = 64,
+    FIELDS_MAX = 64,
+    ALL_MAX = 1024,
+    PIECE_BYTES = 1 << 20
+};
+
+typedef struct arguments {
+    cli_common common;
+    const char *format_name;
+    const sample_format *samples; /* one of the two */
+    const piece_format *pieces;
+    bool gzip;
+    uint32_t level, box[6];
+    double isos[ISOS_MAX];
+    uint32_t iso_count;
+    bool floats;
+    const char *fields[FIELDS_MAX];
+    uint32_t field_count, step;
+} arguments;
+
+enum { KEY_FORMAT = 0x2000, KEY_BOX, KEY_LEVEL, KEY_ISO, KEY_FLOATS, KEY_FIELD, KEY_STEP };
+
+/* What can be exported. */
+enum { SAMPLES = 1, GRID_SURFACE = 2, MESH_SURFACE = 4, MESH = 8 };
+static const char *const use_names[] = {[SAMPLES | GRID_SURFACE] = "grids",
+                                        [GRID_SURFACE | MESH_SURFACE] = "isosurfaces",
+                                        [MESH_SURFACE | MESH] = "meshes"};
+static const cli_use uses[] = {
+    {KEY_BOX, SAMPLES | GRID_SURFACE},      {KEY_LEVEL, SAMPLES | GRID_SURFACE},
+    {KEY_ISO, GRID_SURFACE | MESH_SURFACE}, {KEY_FLOATS, GRID_SURFACE | MESH_SURFACE},
+    {KEY_FIELD, MESH_SURFACE | MESH},       {KEY_STEP, MESH_SURFACE | MESH}};
+
+static const struct argp_option options[] = {
+    {"format", KEY_FORMAT, "nrrd|raw|nifti|nifti1|nifti2|vti|vtr|ply|stl|vtp|vtu", CLI_BASIC,
+     "default: as the output's name ends (.nii: nifti); nifti is NIfTI-1 where that holds the grid "
+     "exactly, else NIfTI-2",
+     1},
+    {NULL, 0, NULL, 0, "Grids:", 2},
+    {"box", KEY_BOX, "I0,J0,K0,I1,J1,K1", CLI_BASIC,
+     "the samples from the first to the last, both included, counted on the level", 2},
+    {"level", KEY_LEVEL, "L", CLI_BASIC, "of detail: 0, the default, is full resolution", 2},
+    {NULL, 0, NULL, 0, "Isosurfaces:", 3},
+    {"iso", KEY_ISO, "V", CLI_BASIC,
+     "the isovalue; may be repeated: the file then says which vertex is of which", 3},
+    {"floats", KEY_FLOATS, NULL, 0,
+     "coordinates of vertices as 32-bit floats instead of doubles: smaller, less exact", 3},
+    {NULL, 0, NULL, 0, "Meshes:", 4},
+    {"field", KEY_FIELD, "NAME", CLI_BASIC,
+     "this one; may be repeated for .vtu (default: all; of isosurfaces the first)", 4},
+    {"step", KEY_STEP, "K", CLI_BASIC, "of time steps this one, from 0 on (0)", 4},
+    {NULL, 0, NULL, 0, NULL, 0}};
+
+/* ---- what is asked for ---- */
+
+static status set_box(arguments *a, const char *text) {
+    double numbers[6];
+    status st = num_doubles(text, "--box", ", ", 6, numbers);
+    for (int i = 0; i < 6 && st == ST_OK; i++) {
+        if (!(numbers[i] >= 0 && numbers[i] <= GRID_DIM_MAX && numbers[i] == floor(numbers[i])))
+            return status_describe(ST_USAGE, "--box: \"%s\": expected six numbers of samples",
+                                   text);
+        a->box[i] = (uint32_t)numbers[i];
+    }
+    return st;
+}
+
+static status add_iso(arguments *a, const char *text) {
+    if (a->iso_count == ISOS_MAX)
+        return status_describe(ST_USAGE, "more than %d isovalues", ISOS_MAX);
+    double *iso = &a->isos[a->iso_count++];
+    status st = cli_finite(text, "--iso", -HUGE_VAL, HUGE_VAL, iso);
+    for (uint32_t i = 0; st == ST_OK && i + 1 < a->iso_count; i++)
+        if (a->isos[i] == *iso)
+            st = status_describe(ST_USAGE, "--iso %s: given twice", text);
+    return st;
+}
+
+static status add_field(arguments *a, const char *name) {
+    if (a->field_count == FIELDS_MAX)
+        return status_describe(ST_USAGE, "more than %d fields by name", FIELDS_MAX);
+    a->fields[a->field_count++] = name;
+    return ST_OK;
+}
+
+static status set_format(arguments *a, const char *name) {
+    int index;
+    a->format_name = name;
+    return cli_word(name, "--format", options[0].arg, &index);
+}
+
+static status set_option(void *own, int key, const char *text) {
+    arguments *a = own;
+    switch (key) {
+    case KEY_FORMAT: return set_format(a, text);
+    case KEY_BOX: return set_box(a, text);
+    case KEY_LEVEL: return cli_uint(text, "--level", 0, LEAF_LEVELS_MAX, &a->level);
+    case KEY_ISO: return add_iso(a, text);
+    case KEY_FLOATS: a->floats = true; return ST_OK;
+    case KEY_FIELD: return add_field(a, text);
+    case KEY_STEP: return cli_uint(text, "--step", 0, LEAF_SETS_MAX, &a->step);
+    default: return ST_AGAIN;
+    }
+}
+
+static bool is_meant(const arguments *a, const char *name, const char *suffix, const char *path) {
+    return a->format_name ? strcmp(a->format_name, name) == 0
+                          : suffix && text_ends_in(path, suffix);
+}
+
+/* By --format, or by the output's suffix; .gz behind it packs what is written as a stream. */
+static status find_format(arguments *a) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s", a->common.output);
+    a->gzip = text_ends_in(path, ".gz");
+    if (a->gzip)
+        path[strlen(path) - 3] = 0;
+    for (int i = 0; i < sample_format_count; i++)
+        if (is_meant(a, sample_formats[i].name, sample_formats[i].suffix, path))
+            a->samples = &sample_formats[i];
+    for (int i = 0; i < piece_format_count; i++)
+        if (is_meant(a, piece_formats[i].name, piece_formats[i].suffix, path))
+            a->pieces = &piece_formats[i];
+    if (!a->samples && !a->pieces)
+        return status_describe(ST_USAGE, "%s: which format? --format says it, or the name's end",
+                               a->common.output);
+    if (a->pieces && a->gzip)
+        return status_describe(ST_USAGE, "%s: .%s is not packed by gzip", a->common.output,
+                               a->pieces->name);
+    return ST_OK;
+}
+
+static status check_surface(const arguments *a) {
+    if (a->iso_count == 0)
+        return status_describe(ST_USAGE, "which isosurface? --iso says it; leafcast info suggests "
+                                         "isovalues");
+    if (a->pieces->loose && a->floats)
+        return status_describe(ST_USAGE, "--floats: .%s has no other", a->pieces->name);
+    if (a->pieces->loose && a->iso_count > 1)
+        return status_describe(ST_USAGE, "--iso: .%s cannot tell several isosurfaces apart",
+                               a->pieces->name);
+    if (a->field_count > 1)
+        return status_describe(ST_USAGE, "--field: an isosurface is of one field");
+    return ST_OK;
+}
+
+static status check(void *own) {
+    arguments *a = own;
+    if (!a->common.input || !a->common.output)
+        return status_describe(ST_USAGE, "a treelet file and -o are needed");
+    status st = find_format(a);
+    return st == ST_OK && a->pieces && a->pieces->corners == 3 ? check_surface(a) : st;
+}
+
+static const cli_verb verb = {
+    .options = options,
+    .set_option = set_option,
+    .check = check,
+    .input = "treelet file",
+    .args_doc = "F.leaf -o FILE.nrrd|.raw|.nii|.vti|.vtr\n"
+                "F.leaf --iso V -o FILE.ply|.stl|.vtp\nF.leaf -o FILE.vtu",
+    .doc =
+        "Write what is in a treelet file to another format: the samples of a grid, isosurfaces of "
+        "a grid or a mesh, or a mesh (-o -: to standard output, --format says what)."
+        "\vExample:\n"
+        "  leafcast export head.leaf --iso 1150 -o skull.ply\v"
+        "Samples come out as they went in, to the bit, unless their type was not kept (u32, i32, "
+        "f64). What a format cannot hold is refused. Names that end in .gz are packed. Surfaces "
+        "are welded; their vertices lie on the interpolant's surface. Memory stays below "
+        "--memory (default 2G); what does not fit goes to temporary files beside the output (-o "
+        "-: in $TMPDIR). The output's bytes depend on neither --memory nor --threads.",
+};
+
+static bool to_stdout(const arguments *a) {
+    return strcmp(a->common.output, "-") == 0;
+}
+
+/* ---- samples ---- */
+
+/* Where samples go. */
+typedef struct sample_sink {
+    out_stream *out;
+    sample_type type;
+} sample_sink;
+
+static status append(void *ctx, const void *samples, size_t count) {
+    const sample_sink *sink = ctx;
+    return out_stream_samples(sink->out, sink->type, samples, count);
+}
+
+static status write_samples(arguments *a, mem *m, leaf_file *f, const grid_part *part,
+                            const grid *g) {
+    sample_sink sink = {.type = g->type};
+    status st = out_stream_create(m, a->common.output, a->common.force, a->gzip, &sink.out);
+    if (st != ST_OK)
+        return st;
+    if (a->samples->head)
+        st = a->samples->head(m, sink.out, g);
+    if (st == ST_OK)
+        st =
+            grid_slices_run(m, f, part, a->common.threads, cli_progress(&a->common), append, &sink);
+    if (st == ST_OK && a->samples->tail)
+        st = a->samples->tail(sink.out);
+    if (st == ST_OK)
+        return out_stream_commit(sink.out);
+    out_stream_discard(sink.out);
+    return st;
+}
+
+static status report_samples(const arguments *a, const grid *g, double seconds) {
+    if (a->common.json)
+        return cli_print_json(&a->common,
+                              json_pack("{s:s, s:s, s:[i,i,i], s:s, s:f}", "output",
+                                        a->common.output, "format", a->samples->name, "dims",
+                                        (int)g->dims[0], (int)g->dims[1], (int)g->dims[2], "type",
+                                        sample_name(g->type), "seconds", seconds));
+    if (to_stdout(a) || !cli_results(&a->common, true))
+        return ST_OK;
+    printf("samples     %u x %u x %u %s, little endian, as %s\n", g->dims[0], g->dims[1],
+           g->dims[2], sample_name(g->type), a->samples->name);
+    printf("time        %.2f s\n", seconds);
+    return ST_OK;
+}
+
+static status export_samples(arguments *a, mem *m, leaf_file *f, double start) {
+    grid_part part;
+    grid g = {.dims = {0}};
+    status st = grid_part_of(f, a->level, cli_given(&a->common, KEY_BOX) ? a->box : NULL, &part);
+    if (st == ST_OK)
+        st = grid_part_describe(m, f, &part, &g);
+    if (st == ST_OK && a->samples->check)
+        st = a->samples->check(&g);
+    if (st == ST_OK)
+        st = write_samples(a, m, f, &part, &g);
+    if (st == ST_OK)
+        st = report_samples(a, &g, clock_seconds() - start);
+    grid_release(&g, m);
+    return st;
+}
+
+/* ---- surfaces and meshes ---- */
+
+static status report_pieces(const arguments *a, const piece_info *info, double seconds) {
+    const bool mesh = a->pieces->corners == 4, loose = a->pieces->loose;
+    const char *cells = mesh ? "tets" : "triangles";
+    const unsigned long long vertices = info->vertices, count = info->cells;
+    if (a->common.json)
+        return cli_print_json(&a->common,
+                              json_pack("{s:s, s:s, s:I, s:I, s:f}", "output", a->common.output,
+                                        "format", a->pieces->name, "vertices", (json_int_t)vertices,
+                                        cells, (json_int_t)count, "seconds", seconds));
+    if (!mesh && info->cells == 0)
+        cli_note(&a->common, 1, "there is no such surface: the file has no triangles");
+    if (to_stdout(a) || !cli_results(&a->common, true))
+        return ST_OK;
+    if (!loose)
+        printf("vertices    %llu\n", vertices);
+    printf("%-11s %llu\n", cells, count);
+    printf("time        %.2f s\n", seconds);
+    return ST_OK;
+}
+
+/* As many threads as have room for what each needs, beside as much for all else. */
+static int threads_for(const arguments *a, const mem *m, uint64_t each) {
+    int threads = a->common.threads;
+    while (m->limit && threads > 1 &&
+           2 * (uint64_t)threads * (each + PIECE_BYTES) > m->limit - mem_used(m))
+        threads--;
+    return threads;
+}
+
+static status write_pieces(arguments *a, mem *m, const piece_source *source, int threads,
+                           piece_info *info) {
+    char *beside = NULL;
+    status st = out_file_scratch_path(m, a->common.output, "leafcast-export", &beside);
+    const piece_export e = {.source = source,
+                            .format = a->pieces,
+                            .path = a->common.output,
+                            .beside = beside,
+                            .force = a->common.force,
+                            .threads = threads,
+                            .p = cli_progress(&a->common)};
+    info->floats |= a->floats || a->pieces->loose;
+    if (st == ST_OK)
+        st = piece_export_run(m, &e, info);
+    mem_free(m, beside);
+    return st;
+}
+
+static status export_grid_surface(arguments *a, mem *m, leaf_file *f, piece_info *info) {
+    grid_part part;
+    grid_surface *s = NULL;
+    status st = grid_part_of(f, a->level, cli_given(&a->common, KEY_BOX) ? a->box : NULL, &part);
+    const int threads = threads_for(a, m, grid_surface_worker(f));
+    if (st == ST_OK)
+        st = grid_surface_create(m, f, &part, a->isos, a->iso_count, threads, &s);
+    if (st == ST_OK) {
+        const piece_source source = grid_surface_source(s);
+        st = write_pieces(a, m, &source, threads, info);
+    }
+    grid_surface_destroy(s);
+    return st;
+}
+
+static status export_mesh_surface(arguments *a, mem *m, const tet_choice *choice,
+                                  piece_info *info) {
+    tet_surface *s = NULL;
+    const int threads = threads_for(a, m, tet_surface_worker(choice));
+    status st = tet_surface_create(m, choice, a->isos, a->iso_count, threads, &s);
+    if (st == ST_OK) {
+        const piece_source source = tet_surface_source(s);
+        st = write_pieces(a, m, &source, threads, info);
+    }
+    tet_surface_destroy(s);
+    return st;
+}
+
+static status export_tets(arguments *a, mem *m, const tet_choice *choice, piece_info *info) {
+    tet_pieces *s = NULL;
+    const leaf_header *h = &choice->f->header;
+    const int threads = threads_for(a, m, tet_bench_bytes(choice));
+    info->floats = true;
+    status st = tet_pieces_create(m, choice, threads, &s);
+    if (st == ST_OK) {
+        const piece_source source = tet_pieces_source(s);
+        st = write_pieces(a, m, &source, threads, info);
+    }
+    tet_pieces_destroy(s);
+    if (st == ST_OK && info->vertices < h->vertices)
+        cli_note(&a->common, 1,
+                 "%llu vertices lay on others, with the same values, and are one now",
+                 (unsigned long long)(h->vertices - info->vertices));
+    return st;
+}
+
+/* ---- fields of a mesh ---- */
+
+static status find_field(const leaf_file *f, const char *name, uint32_t *index) {
+    const mesh_directory *d = f->mesh;
+    for (*index = 0; *index < d->fields; ++*index)
+        if (strcmp(d->names[*index], name) == 0)
+            return ST_OK;
+    return status_describe(ST_USAGE, "--field %s: there is none; the first is %s", name,
+                           d->names[0]);
+}
+
+/* The fields that are asked for, or all, or for a surface the first. fields: room for as many. */
+static status choose_fields(const arguments *a, const leaf_file *f, uint32_t *fields,
+                            uint32_t *count) {
+    const bool surface = a->pieces->corners == 3;
+    status st = ST_OK;
+    *count = a->field_count ? a->field_count : surface ? 1 : f->mesh->fields;
+    if (*count > ALL_MAX)
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: %u fields: more than %d are not exported at once, "
+                               "--field says which",
+                               a->common.input, *count, ALL_MAX);
+    for (uint32_t i = 0; i < *count && st == ST_OK; i++) {
+        fields[i] = i;
+        if (a->field_count)
+            st = find_field(f, a->fields[i], &fields[i]);
+    }
+    return st;
+}
+
+/* Names as a file of VTK can have them: each its own, none empty. */
+static void name_fields(const leaf_file *f, const uint32_t *fields, uint32_t count,
+                        char (*names)[80], const char **list) {
+    for (uint32_t i = 0; i < count; i++) {
+        char own[64];
+        text_name(own, sizeof own, f->mesh->names[fields[i]]);
+        snprintf(names[i], sizeof names[i], "%s", own[0] ? own : "value");
+        for (uint32_t k = 0; k < i; k++)
+            if (strcmp(names[k], names[i]) == 0)
+                snprintf(names[i], sizeof names[i], "%s (field %u)", own[0] ? own : "value",
+                         fields[i]);
+        list[i] = names[i];
+    }
+}
+
+static status export_mesh(arguments *a, mem *m, leaf_file *f, piece_info *info) {
+    const uint32_t most = f->mesh->fields + a->field_count;
+    uint32_t *fields = mem_array(m, most, sizeof *fields);
+    char(*names)[80] = mem_array(m, most, sizeof *names);
+    const char **list = mem_array(m, most, sizeof *list);
+    tet_choice choice = {.f = f, .fields = fields, .step = a->step};
+    double time = leaf_file_step_time(f, a->step < f->mesh->steps ? a->step : 0);
+    status st = fields && names && list ? ST_OK : ST_NOMEM;
+    if (st == ST_OK && a->step >= f->mesh->steps)
+        st = status_describe(ST_USAGE, "--step %u: there are %u steps, from 0 on", a->step,
+                             f->mesh->steps);
+    if (st == ST_OK)
+        st = choose_fields(a, f, fields, &choice.count);
+    if (st == ST_OK) {
+        const bool surface = a->pieces->corners == 3;
+        name_fields(f, fields, choice.count, names, list);
+        choice.gradients = surface;
+        info->fields = list;
+        info->field_count = choice.count;
+        info->time = f->mesh->steps > 1 && !surface ? &time : NULL;
+        st = surface ? export_mesh_surface(a, m, &choice, info) : export_tets(a, m, &choice, info);
+    }
+    mem_free(m, fields);
+    mem_free(m, names);
+    mem_free(m, list);
+    return st;
+}
+
+/* ---- all of it ---- */
+
+static unsigned use_of(const arguments *a, const leaf_file *f) {
+    if (a->samples)
+        return SAMPLES;
+    if (a->pieces->corners == 4)
+        return MESH;
+    return f->mesh ? MESH_SURFACE : GRID_SURFACE;
+}
+
+static status check_kind(const arguments *a, const leaf_file *f) {
+    const char *path = a->common.input;
+    if (a->samples && f->mesh)
+        return status_describe(
+            ST_UNSUPPORTED,
+            "%s: a mesh, which has no samples of a grid: leafcast resample makes "
+            "some, or export it as .vtu",
+            path);
+    if (a->pieces && a->pieces->corners == 4 && !f->mesh)
+        return status_describe(ST_UNSUPPORTED, "%s: a grid, which .%s is not for: try .vti", path,
+                               a->pieces->name);
+    char becomes[32];
+    snprintf(becomes, sizeof becomes, "to become .%s",
+             a->samples ? a->samples->name : a->pieces->name);
+    return cli_check_uses(&a->common, uses, sizeof uses / sizeof *uses, use_of(a, f), use_names,
+                          becomes);
+}
+
+static status export_pieces(arguments *a, mem *m, leaf_file *f, double start) {
+    char name[64];
+    text_name(name, sizeof name, f->header.name);
+    piece_info info = {.name = name, .isovalues = a->iso_count};
+    status st = f->mesh ? export_mesh(a, m, f, &info) : export_grid_surface(a, m, f, &info);
+    return st == ST_OK ? report_pieces(a, &info, clock_seconds() - start) : st;
+}
+
+static status run(arguments *a) {
+    if (to_stdout(a) && isatty(STDOUT_FILENO))
+        return status_describe(ST_USAGE, "-o -: %s does not go to a terminal",
+                               a->samples ? a->samples->name : a->pieces->name);
+    if (to_stdout(a) && a->common.json)
+        return status_describe(ST_USAGE, "-o -: --json would be in the output");
+    mem m;
+    mem_init(&m, a->common.memory ? a->common.memory : (uint64_t)MEMORY_DEFAULT_MIB << 20);
+    const double start = clock_seconds();
+    leaf_file *f = NULL;
+    file_guard_watch();
+    status st = file_guard_input(a->common.input);
+    if (st == ST_OK)
+        st = file_guard_output(a->common.output);
+    if (st == ST_OK && !to_stdout(a))
+        st = out_file_check(&m, a->common.output, a->common.force);
+    if (st == ST_OK)
+        st = leaf_file_open(&m, a->common.input, &f);
+    if (st == ST_OK)
+        st = check_kind(a, f);
+    if (st == ST_OK)
+        st = a->samples ? export_samples(a, &m, f, start) : export_pieces(a, &m, f, start);
+    leaf_file_close(f);
+    return st;
+}
+
+int main(int argc, char **argv) {
+    arguments a = {.common = {.verb = "export"}};
+    cli_parse(&verb, &a.common, argc, argv);
+    return cli_finish(&a.common, run(&a));
+}

@@ -1,0 +1,28 @@
+/* tet_surface.h - isosurfaces of a mesh of tets, treelet by treelet: marching tetrahedra.
+ *
+ * Inside is f >= isovalue; a tet with a value that is not finite has no surface. Vertices lie on
+ * edges, taken from the lower to the higher vertex of the mesh, so that all tets around get the
+ * same bits. Normals come from the file's gradients; without any, they are the mean of the
+ * gradients of the treelet's tets around, weighted by volume. Flat tets are taken as turned the
+ * positive way.
+ */
+#ifndef PREP_EXPORT_TET_SURFACE_H
+#define PREP_EXPORT_TET_SURFACE_H
+
+#include "prep/export/piece.h"
+#include "prep/export/tet_bench.h"
+
+typedef struct tet_surface tet_surface;
+
+/* tet_surface_create() - of the choice's first field. isovalues: count of them; pieces come
+ * isovalue by isovalue, in the order of treelets. choice and isovalues must outlive it. */
+CHECKED status tet_surface_create(mem *m, const tet_choice *choice, const double *isovalues,
+                                  uint32_t count, int threads, tet_surface **out);
+void tet_surface_destroy(tet_surface *s); /* NULL is fine */
+
+/* tet_surface_worker() - bytes that each thread takes, beside its piece. */
+uint64_t tet_surface_worker(const tet_choice *choice);
+
+piece_source tet_surface_source(tet_surface *s);
+
+#endif
