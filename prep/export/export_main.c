@@ -46,12 +46,11 @@ enum { KEY_FORMAT = 0x2000, KEY_BOX, KEY_LEVEL, KEY_ISO, KEY_FLOATS, KEY_FIELD, 
 /* What can be exported. */
 enum { SAMPLES = 1, GRID_SURFACE = 2, MESH_SURFACE = 4, MESH = 8 };
 static const char *const use_names[] = {[SAMPLES | GRID_SURFACE] = "grids",
-                                        [GRID_SURFACE | MESH_SURFACE] = "isosurfaces",
-                                        [MESH_SURFACE | MESH] = "meshes"};
-static const cli_use uses[] = {
-    {KEY_BOX, SAMPLES | GRID_SURFACE},      {KEY_LEVEL, SAMPLES | GRID_SURFACE},
-    {KEY_ISO, GRID_SURFACE | MESH_SURFACE}, {KEY_FLOATS, GRID_SURFACE | MESH_SURFACE},
-    {KEY_FIELD, MESH_SURFACE | MESH},       {KEY_STEP, MESH_SURFACE | MESH}};
+                                        [GRID_SURFACE | MESH_SURFACE] = "isosurfaces"};
+static const cli_use uses[] = {{KEY_BOX, SAMPLES | GRID_SURFACE},
+                               {KEY_LEVEL, SAMPLES | GRID_SURFACE},
+                               {KEY_ISO, GRID_SURFACE | MESH_SURFACE},
+                               {KEY_FLOATS, GRID_SURFACE | MESH_SURFACE}};
 
 static const struct argp_option options[] = {
     {"format", KEY_FORMAT, "nrrd|raw|nifti|nifti1|nifti2|vti|vtr|ply|stl|vtp|vtu", CLI_BASIC,
@@ -67,7 +66,7 @@ static const struct argp_option options[] = {
      "the isovalue; may be repeated: the file then says which vertex is of which", 3},
     {"floats", KEY_FLOATS, NULL, 0,
      "coordinates of vertices as 32-bit floats instead of doubles: smaller, less exact", 3},
-    {NULL, 0, NULL, 0, "Meshes:", 4},
+    {NULL, 0, NULL, 0, "Of several fields and steps:", 4},
     {"field", KEY_FIELD, "NAME", CLI_BASIC,
      "this one; may be repeated for .vtu (default: all; of isosurfaces the first)", 4},
     {"step", KEY_STEP, "K", CLI_BASIC, "of time steps this one, from 0 on (0)", 4},
@@ -197,6 +196,37 @@ static bool to_stdout(const arguments *a) {
     return strcmp(a->common.output, "-") == 0;
 }
 
+/* ---- fields and steps ---- */
+
+static status find_field(const leaf_file *f, const char *name, uint32_t *index) {
+    for (*index = 0; *index < f->header.fields; ++*index)
+        if (strcmp(f->names[*index], name) == 0)
+            return ST_OK;
+    return status_describe(ST_USAGE, "--field %s: there is none; the first is %s", name,
+                           f->names[0]);
+}
+
+static status check_step(const arguments *a, const leaf_file *f) {
+    if (a->step < f->header.steps)
+        return ST_OK;
+    return status_describe(ST_USAGE, "--step %u: there are %u steps, from 0 on", a->step,
+                           f->header.steps);
+}
+
+/* What of a grid. */
+static status choose_part(const arguments *a, const leaf_file *f, grid_part *part) {
+    uint32_t field = 0;
+    status st = grid_part_of(f, a->level, cli_given(&a->common, KEY_BOX) ? a->box : NULL, part);
+    if (st == ST_OK)
+        st = check_step(a, f);
+    if (st == ST_OK && a->field_count > 1)
+        st = status_describe(ST_USAGE, "--field: samples are of one field");
+    if (st == ST_OK && a->field_count)
+        st = find_field(f, a->fields[0], &field);
+    part->set = leaf_layout_set(&f->layout, field, a->step);
+    return st;
+}
+
 /* ---- samples ---- */
 
 /* Where samples go. */
@@ -247,7 +277,7 @@ static status report_samples(const arguments *a, const grid *g, double seconds) 
 static status export_samples(arguments *a, mem *m, leaf_file *f, double start) {
     grid_part part;
     grid g = {.dims = {0}};
-    status st = grid_part_of(f, a->level, cli_given(&a->common, KEY_BOX) ? a->box : NULL, &part);
+    status st = choose_part(a, f, &part);
     if (st == ST_OK)
         st = grid_part_describe(m, f, &part, &g);
     if (st == ST_OK && a->samples->check)
@@ -312,7 +342,7 @@ static status write_pieces(arguments *a, mem *m, const piece_source *source, int
 static status export_grid_surface(arguments *a, mem *m, leaf_file *f, piece_info *info) {
     grid_part part;
     grid_surface *s = NULL;
-    status st = grid_part_of(f, a->level, cli_given(&a->common, KEY_BOX) ? a->box : NULL, &part);
+    status st = choose_part(a, f, &part);
     const int threads = threads_for(a, m, grid_surface_worker(f));
     if (st == ST_OK)
         st = grid_surface_create(m, f, &part, a->isos, a->iso_count, threads, &s);
@@ -357,21 +387,12 @@ static status export_tets(arguments *a, mem *m, const tet_choice *choice, piece_
 
 /* ---- fields of a mesh ---- */
 
-static status find_field(const leaf_file *f, const char *name, uint32_t *index) {
-    const mesh_directory *d = f->mesh;
-    for (*index = 0; *index < d->fields; ++*index)
-        if (strcmp(d->names[*index], name) == 0)
-            return ST_OK;
-    return status_describe(ST_USAGE, "--field %s: there is none; the first is %s", name,
-                           d->names[0]);
-}
-
 /* The fields that are asked for, or all, or for a surface the first. fields: room for as many. */
 static status choose_fields(const arguments *a, const leaf_file *f, uint32_t *fields,
                             uint32_t *count) {
     const bool surface = a->pieces->corners == 3;
     status st = ST_OK;
-    *count = a->field_count ? a->field_count : surface ? 1 : f->mesh->fields;
+    *count = a->field_count ? a->field_count : surface ? 1 : f->header.fields;
     if (*count > ALL_MAX)
         return status_describe(ST_UNSUPPORTED,
                                "%s: %u fields: more than %d are not exported at once, "
@@ -390,7 +411,7 @@ static void name_fields(const leaf_file *f, const uint32_t *fields, uint32_t cou
                         char (*names)[80], const char **list) {
     for (uint32_t i = 0; i < count; i++) {
         char own[64];
-        text_name(own, sizeof own, f->mesh->names[fields[i]]);
+        text_name(own, sizeof own, f->names[fields[i]]);
         snprintf(names[i], sizeof names[i], "%s", own[0] ? own : "value");
         for (uint32_t k = 0; k < i; k++)
             if (strcmp(names[k], names[i]) == 0)
@@ -401,16 +422,15 @@ static void name_fields(const leaf_file *f, const uint32_t *fields, uint32_t cou
 }
 
 static status export_mesh(arguments *a, mem *m, leaf_file *f, piece_info *info) {
-    const uint32_t most = f->mesh->fields + a->field_count;
+    const uint32_t most = f->header.fields + a->field_count;
     uint32_t *fields = mem_array(m, most, sizeof *fields);
     char(*names)[80] = mem_array(m, most, sizeof *names);
     const char **list = mem_array(m, most, sizeof *list);
     tet_choice choice = {.f = f, .fields = fields, .step = a->step};
-    double time = leaf_file_step_time(f, a->step < f->mesh->steps ? a->step : 0);
+    double time = leaf_file_step_time(f, a->step < f->header.steps ? a->step : 0);
     status st = fields && names && list ? ST_OK : ST_NOMEM;
-    if (st == ST_OK && a->step >= f->mesh->steps)
-        st = status_describe(ST_USAGE, "--step %u: there are %u steps, from 0 on", a->step,
-                             f->mesh->steps);
+    if (st == ST_OK)
+        st = check_step(a, f);
     if (st == ST_OK)
         st = choose_fields(a, f, fields, &choice.count);
     if (st == ST_OK) {
@@ -419,7 +439,7 @@ static status export_mesh(arguments *a, mem *m, leaf_file *f, piece_info *info) 
         choice.gradients = surface;
         info->fields = list;
         info->field_count = choice.count;
-        info->time = f->mesh->steps > 1 && !surface ? &time : NULL;
+        info->time = f->header.steps > 1 && !surface ? &time : NULL;
         st = surface ? export_mesh_surface(a, m, &choice, info) : export_tets(a, m, &choice, info);
     }
     mem_free(m, fields);

@@ -9,12 +9,14 @@
 #include "formats/leaf/leaf_file.h"
 
 typedef struct grid_part {
+    uint32_t set; /* of values; the caller's to choose */
     uint32_t level;
     uint32_t lo[3], end[3]; /* its first node along each axis, and the one behind its last */
 } grid_part;
 
 /* grid_part_of() - all nodes of a level, or those from box[0..2] to box[3..5], both included; box
- * may be NULL. ST_USAGE: there is no such level, or no such nodes. */
+ * may be NULL. ST_USAGE: there is no such level, or no such nodes.
+ * Of the first set. */
 CHECKED status grid_part_of(const leaf_file *f, uint32_t level, const uint32_t box[6],
                             grid_part *part);
 

@@ -119,7 +119,8 @@ static status load_one(void *ctx, size_t index, int worker) {
     const uint32_t t = leaf_layout_find(&j->f->layout, j->part->level, place);
     char *payload = j->payloads + (size_t)worker * j->payload;
     char *stored = j->stored ? j->stored + (size_t)worker * j->payload : NULL;
-    status st = leaf_file_load(j->f, t, stored, payload);
+    const uint32_t element = leaf_layout_samples(&j->f->layout, j->part->set, t);
+    status st = leaf_file_load(j->f, element, stored, payload);
     if (st != ST_OK)
         return st;
     const leaf_payload p = leaf_layout_payload(&j->f->layout, t);

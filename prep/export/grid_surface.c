@@ -89,7 +89,8 @@ static status find_units(grid_surface *s, uint32_t isovalues) {
     const leaf_level *l = &s->f->layout.level[s->part->level];
     for (uint32_t i = 0; i < isovalues; i++)
         for (uint32_t t = l->first; t < l->first + l->count; t++) {
-            const double lo = (double)s->f->own[t][0], hi = (double)s->f->own[t][1];
+            const float *own = s->f->own[leaf_layout_samples(&s->f->layout, s->part->set, t)];
+            const double lo = (double)own[0], hi = (double)own[1];
             if (!(lo < s->isovalues[i] && s->isovalues[i] <= hi) || !reaches(s, t))
                 continue;
             status st = mem_grow(s->m, &s->units, sizeof *s->units, s->count, 64, &s->room);
@@ -491,7 +492,8 @@ static status make(void *ctx, uint32_t index, int worker, piece *p) {
     b->isovalue_index = u->isovalue;
     b->isovalue = s->isovalues[u->isovalue];
     piece_begin(p, 3, b->isovalue);
-    status st = leaf_file_load(s->f, u->treelet, b->stored, b->payload);
+    const uint32_t element = leaf_layout_samples(&s->f->layout, s->part->set, u->treelet);
+    status st = leaf_file_load(s->f, element, b->stored, b->payload);
     if (st != ST_OK)
         return st;
     b->shape = leaf_layout_payload(&s->f->layout, u->treelet);

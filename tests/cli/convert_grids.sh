@@ -13,10 +13,10 @@ json() { python3 -c "import json, sys; x = json.load(open(sys.argv[1])); assert 
 step=0
 for field in gyroid sphere marschner-lobb; do
     run "$leafcast" generate $field --dims 50,45,40 --type f32 --spacing 1,0.5,2 -o "$tmp/s$step.nrrd"
-    run "$leafcast" convert "$tmp/s$step.nrrd" -o "$tmp/s$step.leaf" -q
+    run "$leafcast" convert "$tmp/s$step.nrrd" -o "$tmp/s$step.leaf" --name x -q
     step=$((step + 1))
 done
-exits "a series" 0 "$leafcast" convert "$tmp"/s?.nrrd -o "$out" --times 1,2,4.5
+exits "a series" 0 "$leafcast" convert "$tmp"/s?.nrrd -o "$out" --times 1,2,4.5 --name x
 exits "verify" 0 "$leafcast" verify "$out"
 exits "info" 0 "$leafcast" info "$out"
 ok "steps and times" says '^steps  *3, times 1 .. 4.5$' out
@@ -45,13 +45,19 @@ view="--eye 120,60,140 --look-at 25,11,40"
 ok "the last is that of the last" same t_2.ppm q.ppm
 for how in "--threads 1" "--threads 3 --memory 4M" "--memory 3M --threads 1"; do
     # shellcheck disable=SC2086
-    exits "convert $how" 0 "$leafcast" convert "$tmp"/s?.nrrd -o "$tmp/b.leaf" --force --times 1,2,4.5 $how
+    exits "convert $how" 0 "$leafcast" convert "$tmp"/s?.nrrd -o "$tmp/b.leaf" --force --times 1,2,4.5 --name x $how
     ok "gives the same bytes" same a.leaf b.leaf
 done
 exits "compressed" 0 "$leafcast" convert "$tmp"/s?.nrrd -o "$tmp/z.leaf" --compress zstd
 exits "verify" 0 "$leafcast" verify "$tmp/z.leaf"
 run "$leafcast" render "$tmp/z.leaf" --step 2 --iso 0.3 --size 64x48 --depth-f64 "$tmp/of" -o "$tmp/p.ppm" --force -q
 ok "is drawn alike" same of alone
+exits "export of a step" 0 "$leafcast" export "$out" --step 2 -o "$tmp/e.nrrd"
+ok "is the step's samples" [ "$(tail -c 360000 "$tmp/e.nrrd" | cksum)" = "$(tail -c 360000 "$tmp/s2.nrrd" | cksum)" ]
+exits "export of its surface" 0 "$leafcast" export "$out" --step 2 --iso 0.3 -o "$tmp/e.ply" --force
+run "$leafcast" export "$tmp/s2.leaf" --iso 0.3 -o "$tmp/f.ply"
+ok "is the step's alone" same e.ply f.ply
+exits "export of a step that is not there" 2 "$leafcast" export "$out" --step 3 -o "$tmp/x.nrrd"
 exits "a step that is not there" 2 "$leafcast" render "$out" --step 3 --iso 0.3 -o "$tmp/x.png"
 exits "one volume needs no more" 2 "$leafcast" render "$tmp/s0.leaf" --step 1 --iso 0.3 -o "$tmp/x.png"
 size=$(wc -c <"$out")
