@@ -7,11 +7,7 @@
 #include "formats/base/text.h"
 #include "prep/import/hdf5/hdf5_field.h"
 #include "prep/import/hdf5/hdf5_text.h"
-
-/* Without --memory this much counts as given. A slab takes at most half of it, a chunk a quarter.
- */
-static const uint64_t usual_memory = (uint64_t)2 << 30;
-static const uint64_t slab_least = (uint64_t)4 << 20; /* shallow slabs are read several at once */
+#include "prep/import/packed_slices.h"
 
 typedef struct hdf5_slices {
     mem *m;
@@ -20,17 +16,8 @@ typedef struct hdf5_slices {
     hdf5_field field;
     char path[HDF5_PATH]; /* of the data set */
     uint32_t step, channel;
-    sample_type type;
-    uint32_t dims[3];
-    uint64_t raw_slice; /* bytes of a slice as stored */
-    void *slab;         /* slices [slab_first, slab_first + slab_count) as stored */
-    uint32_t depth;     /* for so many there is room */
-    uint32_t slab_first, slab_count;
+    packed_slices slices;
 } hdf5_slices;
-
-static uint64_t memory_of(const mem *m) {
-    return m->limit ? m->limit : usual_memory;
-}
 
 /* ---- the file ---- */
 
@@ -58,7 +45,7 @@ static void close_slices(void *ctx) {
     if (s->file > 0)
         H5Fclose(s->file);
     file_close(s->guard);
-    mem_free(s->m, s->slab);
+    packed_slices_end(&s->slices);
     mem_free(s->m, s);
 }
 
@@ -246,34 +233,7 @@ static status choose_component(hdf5_slices *s, const import_request *q) {
 
 /* ---- slabs ---- */
 
-/* As deep as a chunk, so that each chunk is decompressed once; where memory does not hold that, an
- * equal part of it; of shallow chunks several. */
-static uint32_t slab_depth(const hdf5_slices *s) {
-    const hsize_t deep = s->field.chunk[s->field.at[HDF5_Z]];
-    const uint64_t room = memory_of(s->m) / 2 / s->raw_slice;
-    uint64_t depth = deep ? deep : 1;
-    if (depth > s->dims[2])
-        depth = s->dims[2];
-    for (uint64_t parts = 1; depth > 1 && depth > room; parts++)
-        depth = (deep + parts) / (parts + 1);
-    const uint64_t several = slab_least / (depth * s->raw_slice);
-    depth = several > 1 && several * depth <= room ? several * depth : depth;
-    return (uint32_t)(depth < s->dims[2] ? depth : s->dims[2]);
-}
-
-static status make_slab(hdf5_slices *s) {
-    if (s->field.chunk_bytes > memory_of(s->m) / 4)
-        return status_describe(ST_NOMEM,
-                               "%s: %s: a chunk has %.1f MiB: --memory of at least four times that "
-                               "is needed",
-                               file_path(s->guard), s->path, (double)s->field.chunk_bytes / 0x1p20);
-    s->raw_slice = (uint64_t)s->dims[0] * s->dims[1] * packed_bytes(&s->field.packed);
-    s->depth = slab_depth(s);
-    s->slab = mem_alloc(s->m, s->depth * s->raw_slice);
-    return s->slab ? ST_OK : ST_NOMEM;
-}
-
-static status select_slab(const hdf5_slices *s, uint32_t first, uint32_t count, hid_t space) {
+static bool select_slab(const hdf5_slices *s, uint32_t first, uint32_t count, hid_t space) {
     hsize_t start[H5S_MAX_RANK] = {0}, size[H5S_MAX_RANK];
     const int *at = s->field.at;
     for (int i = 0; i < s->field.rank; i++)
@@ -288,27 +248,17 @@ static status select_slab(const hdf5_slices *s, uint32_t first, uint32_t count, 
         start[at[HDF5_C]] = s->channel;
         size[at[HDF5_C]] = 1;
     }
-    return H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, size, NULL) < 0 ? ST_FAILED
-                                                                                   : ST_OK;
+    return H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, size, NULL) >= 0;
 }
 
-/* Where a chunk needs several slabs, none reaches into the next chunk. */
-static uint32_t slab_end(const hdf5_slices *s, uint32_t first) {
-    const hsize_t deep = s->field.chunk[s->field.at[HDF5_Z]];
-    const uint64_t end = (uint64_t)first + s->depth;
-    const uint64_t bound = deep > s->depth ? (first / deep + 1) * deep : end;
-    const uint64_t least = end < bound ? end : bound;
-    return least < s->dims[2] ? (uint32_t)least : s->dims[2];
-}
-
-static status load_slab(hdf5_slices *s, uint32_t first) {
-    const uint32_t count = slab_end(s, first) - first;
+static status load_slab(void *ctx, uint32_t first, uint32_t count, void *stored) {
+    hdf5_slices *s = ctx;
     hid_t space = H5Dget_space(s->field.set), memory = H5I_INVALID_HID;
-    bool read = space >= 0 && select_slab(s, first, count, space) == ST_OK;
+    bool read = space >= 0 && select_slab(s, first, count, space);
     if (read) {
         const hsize_t elements = (hsize_t)H5Sget_select_npoints(space);
         memory = H5Screate_simple(1, &elements, NULL);
-        read = H5Dread(s->field.set, s->field.memory, memory, space, H5P_DEFAULT, s->slab) >= 0;
+        read = H5Dread(s->field.set, s->field.memory, memory, space, H5P_DEFAULT, stored) >= 0;
     }
     status st = ST_OK;
     if (!read) {
@@ -319,43 +269,40 @@ static status load_slab(hdf5_slices *s, uint32_t first) {
     }
     H5Sclose(memory);
     H5Sclose(space);
-    s->slab_first = first;
-    s->slab_count = st == ST_OK ? count : 0;
     return st;
 }
 
 static status read_slices(void *ctx, uint32_t first, uint32_t count, void *slices) {
     hdf5_slices *s = ctx;
-    const uint64_t samples = (uint64_t)s->dims[0] * s->dims[1];
-    char *out = slices;
-    for (uint32_t z = first, n; z < first + count; z += n) {
-        status st = z < s->slab_first + s->slab_count ? ST_OK : load_slab(s, z);
-        if (st != ST_OK)
-            return st;
-        const uint32_t end = s->slab_first + s->slab_count;
-        n = (first + count < end ? first + count : end) - z;
-        const char *in = (char *)s->slab + (z - s->slab_first) * s->raw_slice;
-        const size_t bad = packed_unpack(&s->field.packed, in, out, n * samples);
-        if (bad < n * samples)
-            return packed_inexact(file_path(s->guard), s->path, z, samples, bad);
-        out += n * samples * sample_size(s->type);
-    }
-    return ST_OK;
+    return packed_slices_read(&s->slices, first, count, slices);
 }
 
 /* ---- opening ---- */
 
 static status make_grid(hdf5_slices *s, grid *g) {
     const char *path = file_path(s->guard);
+    uint32_t dims[3];
     for (int a = 0; a < 3; a++) {
         const hsize_t n = hdf5_field_count(&s->field, HDF5_X + a);
-        s->dims[a] = n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
+        dims[a] = n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
     }
-    s->type = packed_type(&s->field.packed);
-    grid_init(g, s->dims, s->type);
+    grid_init(g, dims, packed_type(&s->field.packed));
     text_name(g->name, sizeof g->name, s->path + 1);
     status st = grid_check(g, path);
     return st == ST_OK ? hdf5_field_place(s->file, path, s->path, &s->field, g) : st;
+}
+
+static status begin_slices(hdf5_slices *s, const grid *g) {
+    s->slices = (packed_slices){.m = s->m,
+                                .file = file_path(s->guard),
+                                .field = s->path,
+                                .packed = s->field.packed,
+                                .chunk_depth = s->field.chunk[s->field.at[HDF5_Z]],
+                                .chunk_bytes = s->field.chunk_bytes,
+                                .load = load_slab,
+                                .ctx = s};
+    memcpy(s->slices.dims, g->dims, sizeof g->dims);
+    return packed_slices_begin(&s->slices);
 }
 
 status hdf5_slices_open(mem *m, const import_request *q, const char *axes, slice_source *out) {
@@ -372,7 +319,7 @@ status hdf5_slices_open(mem *m, const import_request *q, const char *axes, slice
     if (st == ST_OK)
         st = make_grid(s, &g);
     if (st == ST_OK)
-        st = make_slab(s);
+        st = begin_slices(s, &g);
     if (st != ST_OK) {
         close_slices(s);
         return st;

@@ -17,7 +17,7 @@ static const struct argp_option options[] = {
 static const char doc[] =
     "Import a data set of an HDF5 file as NRRD: for convert, or for others.\v"
     "Example:\n"
-    "  leafcast import-hdf5 scan.h5 --field /volume/raw | leafcast convert - -o F.leaf\n\v"
+    "  leafcast import-hdf5 F.h5 --field /raw | leafcast convert - -o F.leaf\n\v"
     "Spacing comes from attributes (element_size_um, spacing, resolution, ..), or from VTKHDF. "
     "Samples are kept as they are; integers of 64 bits become f64.";
 
