@@ -10,6 +10,7 @@
 #include "formats/base/text.h"
 #include "formats/grid/nrrd_writer.h"
 #include "prep/import/importer_options.h"
+#include "prep/import/library_crash.h"
 
 enum { BLOCK_BYTES = 16 << 20, COMPONENT_MAX = 1 << 16, STEP_MAX = INT32_MAX };
 
@@ -163,6 +164,7 @@ int importer_main(const importer *x, int argc, char **argv) {
                            .set = set,
                            .check = check};
     cli_parse(&verb, &a.common, argc, argv);
+    library_crash_install(x->verb, x->format, a.common.input);
     mem m;
     mem_init(&m, a.common.memory);
     return cli_finish(&a.common, a.list ? list(&m, &a) : import(&m, &a));
