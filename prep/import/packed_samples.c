@@ -33,10 +33,6 @@ static bool has_holes(const packed_samples *p) {
     return p->fills > 0 || p->has_range;
 }
 
-static bool is_plain(const packed_samples *p) {
-    return !p->wide && p->components == 1 && !is_scaled(p) && !has_holes(p);
-}
-
 static bool is_colour(const packed_samples *p) {
     return (p->type == SAMPLE_U8 || p->type == SAMPLE_U16) &&
            (components(p) == 3 || components(p) == 4);
@@ -44,11 +40,18 @@ static bool is_colour(const packed_samples *p) {
 
 sample_type packed_type(const packed_samples *p) {
     const bool whole = sample_is_integer(p->type);
+    if (p->out)
+        return p->out;
     if (p->wide)
         return SAMPLE_F64;
     if (components(p) == 1 && !is_scaled(p) && !(has_holes(p) && whole))
         return p->type;
     return sample_size(p->type) <= 2 || p->type == SAMPLE_F32 ? SAMPLE_F32 : SAMPLE_F64;
+}
+
+static bool is_plain(const packed_samples *p) {
+    return !p->wide && p->components == 1 && !is_scaled(p) && !has_holes(p) &&
+           packed_type(p) == p->type;
 }
 
 size_t packed_bytes(const packed_samples *p) {
@@ -142,7 +145,7 @@ static void reduce(const packed_samples *p, double *v, size_t samples) {
         memcpy((char *)out + i * sizeof s, &s, sizeof s); \
     }
 
-/* Integers are put out as such only where they are what was stored. */
+/* Integers are put out as such only where all values are whole and fit. */
 static void put(sample_type type, const double *v, void *out, size_t count) {
     switch (type) {
     case SAMPLE_U8: PUT_ALL(uint8_t) break;

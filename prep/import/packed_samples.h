@@ -22,9 +22,10 @@ enum { PACKED_FILLS = 4, PACKED_COMPONENTS = 64 };
 typedef struct packed_samples {
     sample_type type; /* of a stored number; with wide SAMPLE_F64 */
     packed_wide wide;
-    uint32_t components;            /* numbers a sample, side by side: 1 .. PACKED_COMPONENTS */
-    uint32_t component;             /* which of them: 1, 2, ..; 0: of all */
-    double scale, offset;           /* see packed_init() */
+    sample_type out;      /* 0: what packed_type() says below; else that: it must hold all values */
+    uint32_t components;  /* numbers a sample, side by side: 1 .. PACKED_COMPONENTS */
+    uint32_t component;   /* which of them: 1, 2, ..; 0: of all */
+    double scale, offset; /* see packed_init() */
     long double fill[PACKED_FILLS]; /* as stored: what a long double holds exactly */
     int fills;
     double least, most; /* the valid range; of values where valid_values, else of stored numbers */
