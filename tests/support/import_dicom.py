@@ -95,6 +95,8 @@ def types():
         name = "syntax_" + syntax[-4:]
         series(name, a, syntax=syntax)
         same("transfer syntax " + syntax.name, a, *take(name), columns=COLUMNS_MAP)
+        series(name + "_32", a.astype("i4") * -70000, syntax=syntax)
+        same("transfer syntax %s, 32 bits" % syntax.name, a.astype("i4") * -70000, *take(name + "_32"))
     read = [pydicom.dcmread(path("syntax_.2.2/%03d.dcm" % i)).pixel_array for i in range(SLICES)]
     same("as pydicom reads it", np.array(read), *take("syntax_.2.2"))
 
@@ -164,6 +166,10 @@ def faults():
     ends("a transfer syntax without a decoder", 3, "JPEG 2000", *take("j2k"))
     series("lut", a, ModalityLUTSequence=Sequence([Dataset()]))
     ends("values by a table", 3, "Modality LUT", *take("lut"))
+    series("words", a, RescaleSlope=2)
+    broken = open(path("words/003.dcm"), "rb").read().replace(b"DS\x04\x002.0 ", b"DS\x04\x00xxxx")
+    open(path("words/003.dcm"), "wb").write(broken)
+    ends("a slope that is no number", 3, "RescaleSlope: expected numbers", *take("words"))
     ends("one slice", 3, "several slices", *take("gap/000.dcm"))
     os.makedirs(path("nothing"))
     open(path("nothing/a.txt"), "w").write("no DICOM\n")
@@ -283,5 +289,30 @@ def hostile():
             damaged("damaged files by " + tool, path("whole_z"), whole, 30, *take("sound"))
 
 
-for part in (types, rescale, places, faults, studies, compressed, several_frames, colours, hostile):
+def real():
+    """Dose and slices that come with pydicom."""
+    files = os.path.join(os.path.dirname(pydicom.__file__), "data", "test_files")
+    dose = os.path.join(files, "rtdose.dcm")
+    if not os.path.exists(dose):
+        return print("real data\tskip no files of pydicom's tests here")
+    for name in ("rtdose.dcm", "rtdose_expb.dcm", "rtdose_rle.dcm"):
+        f = pydicom.dcmread(os.path.join(files, name))
+        same("a real dose, " + name, f.pixel_array * float(f.get("DoseGridScaling", 1)), leafcast, "import-dicom",
+             os.path.join(files, name))
+    ends("real JPEG 2000", 3, "no decoder here for JPEG 2000", leafcast, "import-dicom", os.path.join(files, "JPEG2000.dcm"))
+    ends("a real report", 3, "without an image", leafcast, "import-dicom", os.path.join(files, "test-SR.dcm"))
+    os.makedirs(path("bare"))
+    f = pydicom.dcmread(os.path.join(files, "MR_small.dcm"))
+    for i in range(3):
+        f.ImagePositionPatient[2] = 10 * i
+        f.SOPInstanceUID = generate_uid()
+        pydicom.filewriter.write_file(path("bare/%d.dcm" % i), f, write_like_original=True)
+        if i == 1:  # without preamble and meta information, as old ones are
+            bare = Dataset(f)
+            bare.is_little_endian, bare.is_implicit_VR = True, False
+            pydicom.filewriter.write_file(path("bare/%d.dcm" % i), bare)
+    same("a real slice thrice, one without meta information", [f.pixel_array] * 3, *take("bare"))
+
+
+for part in (types, rescale, places, faults, studies, compressed, several_frames, colours, hostile, real):
     part()

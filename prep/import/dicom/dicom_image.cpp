@@ -17,6 +17,7 @@ extern "C" {
 #include <cstring>
 #include <new>
 #include <string>
+#include <utility>
 
 struct dicom_reader {
     std::string path;
@@ -25,6 +26,7 @@ struct dicom_reader {
     uint32_t next;   /* which that is */
     uint32_t samples;
     bool planar;
+    bool halves; /* of 32 bits, big endian */
 };
 
 namespace {
@@ -34,12 +36,19 @@ status failed(const char *path, const char *what, const OFCondition &why) {
     return status_describe(st, "%s: %s: DCMTK: %s", path, what, why.text());
 }
 
-/* An exception of C++ is a lack of memory: the library throws none of its own. */
+/* Numbers that are there, but cannot be read, are no reason to go on without. */
+struct unreadable {
+    const char *name;
+};
+
+/* The library throws nothing of its own. */
 template <typename Work> status guarded(const char *path, Work work) {
     try {
         return work();
     } catch (const std::bad_alloc &) {
         return status_describe(ST_NOMEM, "%s: no memory for DCMTK", path);
+    } catch (const unreadable &what) {
+        return status_describe(ST_CORRUPT, "%s: %s: expected numbers", path, what.name);
     } catch (...) {
         return status_describe(ST_FAILED, "%s: DCMTK threw an exception", path);
     }
@@ -53,19 +62,31 @@ void get_text(DcmItem *item, const DcmTagKey &tag, char *to, size_t room) {
     text_name(to, room, text.c_str());
 }
 
-double get_number(DcmItem *item, const DcmTagKey &tag, double otherwise) {
-    Float64 v = 0;
-    return item->findAndGetFloat64(tag, v).good() ? v : otherwise;
+bool there(DcmItem *item, const DcmTagKey &tag) {
+    DcmElement *element = nullptr;
+    return item->findAndGetElement(tag, element).good() && element->getLength() > 0;
+}
+
+[[noreturn]] void give_up(const DcmTagKey &key) {
+    throw unreadable{DcmTag(key).getTagName()};
 }
 
 bool get_numbers(DcmItem *item, const DcmTagKey &tag, int count, double *out) {
+    if (!there(item, tag))
+        return false;
     for (int i = 0; i < count; i++) {
         Float64 v = 0;
         if (item->findAndGetFloat64(tag, v, (unsigned long)i).bad())
-            return false;
+            give_up(tag);
         out[i] = v;
     }
     return true;
+}
+
+double get_number(DcmItem *item, const DcmTagKey &tag, double otherwise) {
+    double v = otherwise;
+    get_numbers(item, tag, 1, &v);
+    return v;
 }
 
 uint32_t get_short(DcmItem *item, const DcmTagKey &tag, uint32_t otherwise) {
@@ -117,9 +138,11 @@ void check_pixels(DcmItem *set, uint64_t bytes, dicom_image *image) {
 
 void read_image(DcmFileFormat &file, uint64_t bytes, dicom_image *image) {
     DcmDataset *set = file.getDataset();
-    OFString storage;
-    file.getMetaInfo()->findAndGetOFString(DCM_MediaStorageSOPClassUID, storage);
-    image->storage = dcmIsImageStorageSOPClassUID(storage.c_str());
+    OFString kind;
+    if (file.getMetaInfo()->findAndGetOFString(DCM_MediaStorageSOPClassUID, kind).bad())
+        set->findAndGetOFString(DCM_SOPClassUID, kind);
+    image->dicom = !kind.empty();
+    image->storage = dcmIsImageStorageSOPClassUID(kind.c_str());
     get_text(set, DCM_SeriesInstanceUID, image->series, sizeof image->series);
     get_text(set, DCM_SOPInstanceUID, image->instance, sizeof image->instance);
     get_text(set, DCM_SeriesDescription, image->description, sizeof image->description);
@@ -160,8 +183,10 @@ DcmItem *item_or_set(DcmItem *set, uint32_t frame, const DcmTagKey &group) {
 void offset_frame(DcmItem *set, uint32_t frame, dicom_place *p) {
     Float64 offset = 0;
     const double *a = p->across, *d = p->down;
-    if (set->findAndGetFloat64(DCM_GridFrameOffsetVector, offset, frame).bad())
+    if (!there(set, DCM_GridFrameOffsetVector))
         return;
+    if (set->findAndGetFloat64(DCM_GridFrameOffsetVector, offset, frame).bad())
+        give_up(DCM_GridFrameOffsetVector);
     for (int i = 0; i < 3; i++) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         p->position[i] += offset * (a[j] * d[k] - a[k] * d[j]);
@@ -231,6 +256,13 @@ void interleave(void *buffer, size_t size) {
             to[3 * i + c] = from[c * (size / 3) + i];
 }
 
+/* The library takes numbers of 32 bits for two of 16, each of which it turned. */
+void exchange_halves(void *buffer, size_t size) {
+    uint16_t *half = static_cast<uint16_t *>(buffer);
+    for (size_t i = 0; i + 1 < size / sizeof *half; i += 2)
+        std::swap(half[i], half[i + 1]);
+}
+
 /* What was decoded is not kept. */
 void forget_fragments(DcmPixelData *pixels, Uint32 from, Uint32 to) {
     DcmPixelSequence *sequence = nullptr;
@@ -273,6 +305,8 @@ status read_frame(dicom_reader *r, uint32_t frame, void *buffer, size_t size) {
                                colours.c_str());
     if (r->planar)
         interleave(buffer, size);
+    if (r->halves)
+        exchange_halves(buffer, size);
     return ST_OK;
 }
 
@@ -280,6 +314,7 @@ status read_frame(dicom_reader *r, uint32_t frame, void *buffer, size_t size) {
 
 void dicom_image_begin(void) {
     OFLog::configure(OFLogger::OFF_LOG_LEVEL);
+    dcmEnableUnknownVRConversion.set(OFTrue); /* what copying programs did not know */
     DcmRLEDecoderRegistration::registerCodecs();
     DJDecoderRegistration::registerCodecs();
     DJLSDecoderRegistration::registerCodecs();
@@ -301,7 +336,7 @@ status dicom_image_read(const char *path, uint64_t bytes, dicom_image *out,
 
 status dicom_reader_open(const char *path, dicom_reader **out) {
     return guarded(path, [&]() -> status {
-        dicom_reader *r = new dicom_reader{path, DcmFileFormat(), 0, 0, 1, false};
+        dicom_reader *r = new dicom_reader{path, DcmFileFormat(), 0, 0, 1, false, false};
         *out = r;
         const OFCondition done = r->file.loadFile(path, EXS_Unknown, EGL_noChange, 4096);
         if (done.bad())
@@ -309,6 +344,8 @@ status dicom_reader_open(const char *path, dicom_reader **out) {
         DcmDataset *set = r->file.getDataset();
         r->samples = get_short(set, DCM_SamplesPerPixel, 1);
         r->planar = r->samples == 3 && get_short(set, DCM_PlanarConfiguration, 0) == 1;
+        r->halves = set->getOriginalXfer() == EXS_BigEndianExplicit &&
+                    get_short(set, DCM_BitsAllocated, 16) == 32;
         return ST_OK;
     });
 }

@@ -21,7 +21,7 @@ typedef struct dicom_image {
     uint32_t samples;                 /* 1, or 3 of colours */
     uint32_t allocated, stored, high; /* bits of a stored number; its highest bit */
     bool is_signed;
-    bool storage;             /* it says that it is of a class of images */
+    bool dicom, storage;      /* it says of what class it is; and that this is one of images */
     char refuse[DICOM_WORDS]; /* why it cannot be read; "": it can */
 } dicom_image;
 

@@ -85,6 +85,16 @@ static status look(mem *m, const char *path, uint64_t *bytes, bool *known) {
     return st;
 }
 
+static status no_image(const char *path, const dicom_image *image, bool named) {
+    if (image->storage)
+        return status_describe(ST_CORRUPT, "%s: expected rows and columns; it may be cut off",
+                               path);
+    if (!image->dicom)
+        return status_describe(ST_CORRUPT, "%s: no DICOM file: expected DICM at byte 128", path);
+    return named ? status_describe(ST_UNSUPPORTED, "%s: DICOM without an image", path) : ST_OK;
+}
+
+/* Some are written without what a file begins with: those are known by their names. */
 static status read_file(dicom_study *s, uint32_t at) {
     const char *path = s->files.path[at];
     const bool named = at < s->files.named;
@@ -95,17 +105,14 @@ static status read_file(dicom_study *s, uint32_t at) {
     status st = look(s->m, path, &bytes, &known);
     if (st != ST_OK || (!known && !named && !text_ends_in(path, ".dcm")))
         return st;
-    if (!known)
-        return status_describe(ST_CORRUPT, "%s: no DICOM file: expected DICM at byte 128", path);
     st = dicom_image_read(path, bytes, &image, &(dicom_places){take_place, s});
     if (st == ST_OK && image.columns && image.rows)
         return take_image(s, at, &image, first);
-    if (st == ST_OK && image.storage)
-        return status_describe(ST_CORRUPT, "%s: expected rows and columns; it may be cut off",
-                               path);
-    if (st == ST_OK && named)
-        return status_describe(ST_UNSUPPORTED, "%s: DICOM without an image", path);
-    return st;
+    if (st == ST_CORRUPT && !known)
+        image.dicom = image.storage = false;
+    else if (st != ST_OK)
+        return st;
+    return no_image(path, &image, named);
 }
 
 /* ---- all of them ---- */
