@@ -38,7 +38,7 @@ status failed(const char *path, const char *what, const OFCondition &why) {
 
 /* Numbers that are there, but cannot be read, are no reason to go on without. */
 struct unreadable {
-    const char *name;
+    std::string name;
 };
 
 /* The library throws nothing of its own. */
@@ -48,7 +48,7 @@ template <typename Work> status guarded(const char *path, Work work) {
     } catch (const std::bad_alloc &) {
         return status_describe(ST_NOMEM, "%s: no memory for DCMTK", path);
     } catch (const unreadable &what) {
-        return status_describe(ST_CORRUPT, "%s: %s: expected numbers", path, what.name);
+        return status_describe(ST_CORRUPT, "%s: %s: expected numbers", path, what.name.c_str());
     } catch (...) {
         return status_describe(ST_FAILED, "%s: DCMTK threw an exception", path);
     }
