@@ -1,18 +1,15 @@
 #include "prep/import/packed_slices.h"
 
-static const uint64_t usual_memory = (uint64_t)2 << 30;
-static const uint64_t slab_least = (uint64_t)4 << 20; /* of shallow chunks several are a slab */
+#include <assert.h>
 
-static uint64_t memory_of(const packed_slices *s) {
-    return s->m->limit ? s->m->limit : usual_memory;
-}
+static const uint64_t slab_least = (uint64_t)4 << 20; /* of shallow chunks several are a slab */
 
 static uint64_t at_most(uint64_t a, uint64_t b) {
     return a < b ? a : b;
 }
 
 static uint32_t slab_depth(const packed_slices *s) {
-    const uint64_t room = memory_of(s) / 2 / s->slice_bytes;
+    const uint64_t room = s->m->limit / 2 / s->slice_bytes;
     uint64_t depth = at_most(s->chunk_depth ? s->chunk_depth : 1, s->dims[2]);
     for (uint64_t parts = 2; depth > 1 && depth > room; parts++)
         depth = (s->chunk_depth + parts - 1) / parts;
@@ -23,7 +20,8 @@ static uint32_t slab_depth(const packed_slices *s) {
 }
 
 status packed_slices_begin(packed_slices *s) {
-    if (s->chunk_bytes > memory_of(s) / 4)
+    assert(s->m->limit);
+    if (s->chunk_bytes > s->m->limit / 4)
         return status_describe(ST_NOMEM,
                                "%s: %s: a chunk has %.1f MiB: --memory of at least four times that "
                                "is needed",

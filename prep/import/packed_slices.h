@@ -26,9 +26,9 @@ typedef struct packed_slices {
     uint32_t slab_first, slab_count;
 } packed_slices;
 
-/* packed_slices_begin() - room for a slab: half of the budget at most, of which without a limit 2
- * GiB count as given. Where it does not hold a chunk's depth, slabs are an equal part of that, and
- * a chunk is loaded once for each. ST_NOMEM also for a chunk of more than a quarter of the budget.
+/* packed_slices_begin() - room for a slab: half of the budget, which has a limit. Where it does not
+ * hold a chunk's depth, slabs are an equal part of that, and a chunk is loaded once for each.
+ * ST_NOMEM also for a chunk of more than a quarter of the budget.
  */
 CHECKED status packed_slices_begin(packed_slices *s);
 void packed_slices_end(packed_slices *s); /* zeros are fine */

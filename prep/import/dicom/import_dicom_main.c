@@ -43,7 +43,7 @@ int main(int argc, char **argv) {
                             .inputs_max = INT_MAX,
                             .doc = doc,
                             .options = options,
-                            .set = set,
+                            .set_option = set,
                             .open = open,
                             .list = dicom_slices_list};
     return importer_main(&dicom, argc, argv);

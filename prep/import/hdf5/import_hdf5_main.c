@@ -44,7 +44,7 @@ int main(int argc, char **argv) {
                            .inputs = "F.h5",
                            .doc = doc,
                            .options = options,
-                           .set = set,
+                           .set_option = set,
                            .open = open,
                            .list = list};
     return importer_main(&hdf5, argc, argv);

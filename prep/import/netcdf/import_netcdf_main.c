@@ -39,7 +39,7 @@ int main(int argc, char **argv) {
                              .inputs = "F.nc",
                              .doc = doc,
                              .options = options,
-                             .set = set,
+                             .set_option = set,
                              .open = open,
                              .list = netcdf_slices_list};
     return importer_main(&netcdf, argc, argv);
