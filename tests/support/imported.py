@@ -52,7 +52,7 @@ class Imported:
         return self.columns[3] + sum(at[a] * self.columns[a] for a in range(3))
 
 
-def start(leafcast, *arguments, timeout=10):
+def start(leafcast, *arguments, timeout=30):
     """(exit status, output, what it said); status None: it took too long."""
     try:
         done = subprocess.run([leafcast, *map(str, arguments)], stdin=subprocess.DEVNULL, timeout=timeout,
