@@ -233,11 +233,15 @@ static status choose_component(hdf5_slices *s, const import_request *q) {
 
 /* ---- slabs ---- */
 
-static bool select_slab(const hdf5_slices *s, uint32_t first, uint32_t count, hid_t space) {
-    hsize_t start[H5S_MAX_RANK] = {0}, size[H5S_MAX_RANK];
+/* The part of the data set that a slab is: where it starts, and how much it has of each dimension.
+ */
+static void cut_slab(const hdf5_slices *s, uint32_t first, uint32_t count, hsize_t *start,
+                     hsize_t *size) {
     const int *at = s->field.at;
-    for (int i = 0; i < s->field.rank; i++)
+    for (int i = 0; i < s->field.rank; i++) {
+        start[i] = 0;
         size[i] = s->field.dims[i];
+    }
     start[at[HDF5_Z]] = first;
     size[at[HDF5_Z]] = count;
     if (at[HDF5_T] >= 0) {
@@ -248,28 +252,31 @@ static bool select_slab(const hdf5_slices *s, uint32_t first, uint32_t count, hi
         start[at[HDF5_C]] = s->channel;
         size[at[HDF5_C]] = 1;
     }
-    return H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, size, NULL) >= 0;
+}
+
+/* Memory has the same shape: with another the library goes through all elements one by one. */
+static bool read_slab(const hdf5_slices *s, const hsize_t *start, const hsize_t *size,
+                      void *stored) {
+    hid_t file_space = H5Dget_space(s->field.set);
+    hid_t memory = H5Screate_simple(s->field.rank, size, NULL);
+    const bool read =
+        H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start, NULL, size, NULL) >= 0 &&
+        H5Dread(s->field.set, s->field.memory, memory, file_space, H5P_DEFAULT, stored) >= 0;
+    H5Sclose(memory);
+    H5Sclose(file_space);
+    return read;
 }
 
 static status load_slab(void *ctx, uint32_t first, uint32_t count, void *stored) {
     hdf5_slices *s = ctx;
-    hid_t space = H5Dget_space(s->field.set), memory = H5I_INVALID_HID;
-    bool read = space >= 0 && select_slab(s, first, count, space);
-    if (read) {
-        const hsize_t elements = (hsize_t)H5Sget_select_npoints(space);
-        memory = H5Screate_simple(1, &elements, NULL);
-        read = H5Dread(s->field.set, s->field.memory, memory, space, H5P_DEFAULT, stored) >= 0;
-    }
-    status st = ST_OK;
-    if (!read) {
-        char what[HDF5_PATH + 64];
-        snprintf(what, sizeof what, "%s, slices %u to %u (counted from 0)", s->path, first,
-                 first + count - 1);
-        st = hdf5_failed(file_path(s->guard), what);
-    }
-    H5Sclose(memory);
-    H5Sclose(space);
-    return st;
+    hsize_t start[H5S_MAX_RANK], size[H5S_MAX_RANK];
+    cut_slab(s, first, count, start, size);
+    if (read_slab(s, start, size, stored))
+        return ST_OK;
+    char what[HDF5_PATH + 64];
+    snprintf(what, sizeof what, "%s, slices %u to %u (counted from 0)", s->path, first,
+             first + count - 1);
+    return hdf5_failed(file_path(s->guard), what);
 }
 
 static status read_slices(void *ctx, uint32_t first, uint32_t count, void *slices) {
