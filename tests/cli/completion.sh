@@ -25,7 +25,7 @@ gives() { # gives NAME "WORDS OF THE LINE" "COMPLETIONS"
 }
 
 completes ""
-"$leafcast" --help | sed -n 's/^  \([a-z]*\) .*/\1/p' >"$tmp/verbs"
+"$leafcast" --help | sed -n 's/^  \([a-z0-9-]*\) .*/\1/p' >"$tmp/verbs"
 { cat "$tmp/verbs"; echo help; } | sort >"$tmp/want"
 ok "all verbs" cmp -s "$tmp/want" "$tmp/out"
 gives "the rest of a verb" "conv" "convert"

@@ -7,7 +7,7 @@ long() { grep -oE -- '(^|[ ,])--[a-z][a-z0-9-]*' "$1" | tr -d ' ,' | sort -u; }
 within() { [ -z "$(long "$1" | while read -r o; do long "$2" | grep -qx -- "$o" || echo "$o"; done)" ]; }
 same() { [ "$(cat "$1")" = "$(cat "$2")" ]; }
 
-verbs=$("$leafcast" --help | sed -n 's/^  \([a-z]*\) .*/\1/p')
+verbs=$("$leafcast" --help | sed -n 's/^  \([a-z0-9-]*\) .*/\1/p')
 ok "there are verbs" [ "$(echo "$verbs" | wc -w)" -ge 8 ]
 for verb in $verbs "bench peers"; do
     # shellcheck disable=SC2086 # bench peers are two words

@@ -8,7 +8,7 @@
 # to @out changes), counts (what is counted in the table of --json changes), refused (it ends with exit 2; without it is
 # not run), taken (it ends well: time alone changes; for probe nothing, as what draws a picture may be asked for one of
 # its pixels), says (standard output changes), fewer or more (lines, on both), makes FILE (it is written), exit N (so it ends, and
-# without it well), shown TEST (tests/cli/TEST.sh shows it, where it runs this verb).
+# without it well), shown TEST (tests/cli/TEST.sh shows it, where it runs this verb, or its part in tests/support).
 . tests/support/tap.sh
 
 files() {
@@ -85,7 +85,8 @@ row() { # row VERB OPTION KIND BASE ADDED
         ok "$title: exit ${3#exit }, without it 0" [ "$before $rc" = "0 ${3#exit }" ]
         ;;
     shown*)
-        ok "$title: shown by ${3#shown }" grep -q -- "$2" "tests/cli/${3#shown }.sh"
+        ok "$title: shown by ${3#shown }" grep -qs -- "$2" "tests/cli/${3#shown }.sh" \
+            "tests/support/${3#shown }.sh" "tests/support/${3#shown }.py"
         ;;
     *) ok "$title: a known kind, not $3" false ;;
     esac
@@ -390,6 +391,50 @@ tetrahedralize|--help|shown help|
 tetrahedralize|--help-all|shown help|
 tetrahedralize|--usage|says|@p.csv -o @pq.mesh --force|--usage
 tetrahedralize|--version|says|@p.csv -o @pq.mesh --force|--version
+import-hdf5|--axes|shown import_hdf5|
+import-hdf5|--component|shown import_hdf5|
+import-hdf5|--field|shown import_hdf5|
+import-hdf5|--list|shown import_hdf5|
+import-hdf5|--step|shown import_hdf5|
+import-hdf5|--output|shown import_options|
+import-hdf5|--quiet|shown import_options|
+import-hdf5|--verbose|shown import_options|
+import-hdf5|--memory|shown import_options|
+import-hdf5|--json|shown import_options|
+import-hdf5|--force|shown import_options|
+import-hdf5|--help|shown help|
+import-hdf5|--help-all|shown help|
+import-hdf5|--usage|taken||--usage
+import-hdf5|--version|taken||--version
+import-netcdf|--field|shown import_netcdf|
+import-netcdf|--indices|shown import_netcdf|
+import-netcdf|--list|shown import_netcdf|
+import-netcdf|--step|shown import_netcdf|
+import-netcdf|--output|shown import_options|
+import-netcdf|--quiet|shown import_options|
+import-netcdf|--verbose|shown import_options|
+import-netcdf|--memory|shown import_options|
+import-netcdf|--json|shown import_options|
+import-netcdf|--force|shown import_options|
+import-netcdf|--help|shown help|
+import-netcdf|--help-all|shown help|
+import-netcdf|--usage|taken||--usage
+import-netcdf|--version|taken||--version
+import-dicom|--allow-gaps|shown import_dicom|
+import-dicom|--component|shown import_dicom|
+import-dicom|--field|shown import_dicom|
+import-dicom|--list|shown import_dicom|
+import-dicom|--step|shown import_dicom|
+import-dicom|--output|shown import_options|
+import-dicom|--quiet|shown import_options|
+import-dicom|--verbose|shown import_options|
+import-dicom|--memory|shown import_options|
+import-dicom|--json|shown import_options|
+import-dicom|--force|shown import_options|
+import-dicom|--help|shown help|
+import-dicom|--help-all|shown help|
+import-dicom|--usage|taken||--usage
+import-dicom|--version|taken||--version
 TABLE
 for kind in picture stats; do
     # shellcheck disable=SC2086 # arguments
@@ -398,19 +443,19 @@ for kind in picture stats; do
     done
     ok "$kind: the same when nothing is added" cmp -s "$tmp/without" "$tmp/with"
 done
-have_tetgen=$([ ! -x "$(dirname "$leafcast")/../libexec/leafcast-tetgen" ] || echo yes)
+"$leafcast" --list-verbs own >"$tmp/own"
 while IFS='|' read -r verb option kind base added; do
-    if [ "$verb$have_tetgen" = tetrahedralize ]; then
-        skip "tetrahedralize $option" "no TetGen here"
+    if ! grep -qx "${verb%% *}" "$tmp/own"; then
+        skip "$verb $option" "its library is not here"
         continue
     fi
     row "$verb" "$option" "$kind" "$base" "${added:-$option}"
 done <"$tmp/table"
 
-cut -d'|' -f1 "$tmp/table" | sort -u >"$tmp/verbs"
+{ cat "$tmp/own"; echo bench peers; } | sort >"$tmp/here"
+cut -d'|' -f1 "$tmp/table" | sort -u | comm -12 - "$tmp/here" >"$tmp/verbs"
 # Of convert it is inputs.sh that walks through all options.
-ok "every verb" [ "$({ "$leafcast" --help | sed -n 's/^  \([a-z]*\) .*/\1/p'; echo bench peers; } | sort -u |
-    comm -3 - "$tmp/verbs" | tr -d '\t\n')" = convert ]
+ok "every verb" [ "$(comm -3 "$tmp/here" "$tmp/verbs" | tr -d '\t\n')" = convert ]
 while read -r verb; do
     # shellcheck disable=SC2086 # bench peers are two words
     "$leafcast" $verb --list-options | cut -f1 | grep . | sort >"$tmp/have"

@@ -1,0 +1,359 @@
+extern "C" {
+#include "prep/import/dicom/dicom_image.h"
+#include "formats/base/text.h"
+}
+
+#include <dcmtk/config/osconfig.h>
+
+#include <dcmtk/dcmdata/dccodec.h>
+#include <dcmtk/dcmdata/dcpixseq.h>
+#include <dcmtk/dcmdata/dcpxitem.h>
+#include <dcmtk/dcmdata/dcrledrg.h>
+#include <dcmtk/dcmdata/dctk.h>
+#include <dcmtk/dcmjpeg/djdecode.h>
+#include <dcmtk/dcmjpls/djdecode.h>
+
+#include <cstdio>
+#include <cstring>
+#include <new>
+#include <string>
+#include <utility>
+
+struct dicom_reader {
+    std::string path;
+    DcmFileFormat file;
+    Uint32 fragment; /* where the next frame begins */
+    uint32_t next;   /* which that is */
+    uint32_t samples;
+    bool planar;
+    bool halves; /* of 32 bits, big endian */
+};
+
+namespace {
+
+status failed(const char *path, const char *what, const OFCondition &why) {
+    const status st = why == EC_MemoryExhausted ? ST_NOMEM : ST_CORRUPT;
+    return status_describe(st, "%s: %s: DCMTK: %s", path, what, why.text());
+}
+
+/* Numbers that are there, but cannot be read, are no reason to go on without. */
+struct unreadable {
+    std::string name;
+};
+
+/* The library throws nothing of its own. */
+template <typename Work> status guarded(const char *path, Work work) {
+    try {
+        return work();
+    } catch (const std::bad_alloc &) {
+        return status_describe(ST_NOMEM, "%s: no memory for DCMTK", path);
+    } catch (const unreadable &what) {
+        return status_describe(ST_CORRUPT, "%s: %s: expected numbers", path, what.name.c_str());
+    } catch (...) {
+        return status_describe(ST_FAILED, "%s: DCMTK threw an exception", path);
+    }
+}
+
+/* ---- elements ---- */
+
+void get_text(DcmItem *item, const DcmTagKey &tag, char *to, size_t room) {
+    OFString text;
+    item->findAndGetOFString(tag, text);
+    text_name(to, room, text.c_str());
+}
+
+bool there(DcmItem *item, const DcmTagKey &tag) {
+    DcmElement *element = nullptr;
+    return item->findAndGetElement(tag, element).good() && element->getLength() > 0;
+}
+
+[[noreturn]] void give_up(const DcmTagKey &key) {
+    throw unreadable{DcmTag(key).getTagName()};
+}
+
+bool get_numbers(DcmItem *item, const DcmTagKey &tag, int count, double *out) {
+    if (!there(item, tag))
+        return false;
+    for (int i = 0; i < count; i++) {
+        Float64 v = 0;
+        if (item->findAndGetFloat64(tag, v, (unsigned long)i).bad())
+            give_up(tag);
+        out[i] = v;
+    }
+    return true;
+}
+
+double get_number(DcmItem *item, const DcmTagKey &tag, double otherwise) {
+    double v = otherwise;
+    get_numbers(item, tag, 1, &v);
+    return v;
+}
+
+uint32_t get_short(DcmItem *item, const DcmTagKey &tag, uint32_t otherwise) {
+    Uint16 v = 0;
+    return item->findAndGetUint16(tag, v).good() ? v : otherwise;
+}
+
+uint32_t get_frames(DcmItem *item) {
+    Sint32 n = 1;
+    return item->findAndGetSint32(DCM_NumberOfFrames, n).good() && n > 0 ? (uint32_t)n : 1;
+}
+
+/* ---- what can be read ---- */
+
+void refuse(dicom_image *image, const char *why, const char *what) {
+    if (!image->refuse[0])
+        snprintf(image->refuse, sizeof image->refuse, "%s%s", why, what);
+}
+
+void check_syntax(DcmFileFormat &file, dicom_image *image) {
+    const E_TransferSyntax syntax = file.getDataset()->getOriginalXfer();
+    const DcmXfer transfer(syntax);
+    text_name(image->syntax, sizeof image->syntax, transfer.getXferName());
+    if (transfer.isEncapsulated() &&
+        !DcmCodecList::canChangeCoding(syntax, EXS_LittleEndianExplicit))
+        refuse(image, "no decoder here for ", image->syntax);
+}
+
+void check_pixels(DcmItem *set, uint64_t bytes, dicom_image *image) {
+    char kind[32];
+    get_text(set, DCM_PhotometricInterpretation, kind, sizeof kind);
+    const uint32_t bits = image->allocated;
+    if (image->columns == 0 || image->rows == 0)
+        refuse(image, "no image", "");
+    else if (bits != 8 && bits != 16 && bits != 32)
+        refuse(image, "its numbers are not of 8, 16 or 32 bits", "");
+    else if (image->stored < 1 || image->stored > bits || image->high + 1 < image->stored ||
+             image->high >= bits)
+        refuse(image, "bits stored and high bit do not fit bits allocated", "");
+    else if (image->samples == 3 ? bits != 8 : image->samples != 1)
+        refuse(image, "neither numbers nor colours of 8 bits", "");
+    else if (strcmp(kind, "PALETTE COLOR") == 0)
+        refuse(image, "indices into a palette", "");
+    else if (set->tagExists(DCM_ModalityLUTSequence))
+        refuse(image, "values by a table (Modality LUT Sequence)", "");
+    else if ((uint64_t)image->frames * 8 > bytes + 8)
+        refuse(image, "it is too short for so many frames", "");
+}
+
+void read_image(DcmFileFormat &file, uint64_t bytes, dicom_image *image) {
+    DcmDataset *set = file.getDataset();
+    OFString kind;
+    if (file.getMetaInfo()->findAndGetOFString(DCM_MediaStorageSOPClassUID, kind).bad())
+        set->findAndGetOFString(DCM_SOPClassUID, kind);
+    image->dicom = !kind.empty();
+    image->storage = dcmIsImageStorageSOPClassUID(kind.c_str());
+    get_text(set, DCM_SeriesInstanceUID, image->series, sizeof image->series);
+    get_text(set, DCM_SOPInstanceUID, image->instance, sizeof image->instance);
+    get_text(set, DCM_SeriesDescription, image->description, sizeof image->description);
+    get_text(set, DCM_Modality, image->modality, sizeof image->modality);
+    image->columns = get_short(set, DCM_Columns, 0);
+    image->rows = get_short(set, DCM_Rows, 0);
+    image->frames = get_frames(set);
+    image->samples = get_short(set, DCM_SamplesPerPixel, 1);
+    image->allocated = get_short(set, DCM_BitsAllocated, 16);
+    image->stored = get_short(set, DCM_BitsStored, image->allocated);
+    image->high = get_short(set, DCM_HighBit, image->stored - 1);
+    image->is_signed = get_short(set, DCM_PixelRepresentation, 0) == 1;
+    check_syntax(file, image);
+    check_pixels(set, bytes, image);
+}
+
+/* ---- places of frames ---- */
+
+/* The item of a functional group: of the frame, else of all. NULL: neither has it. */
+DcmItem *group_item(DcmItem *set, uint32_t frame, const DcmTagKey &group) {
+    DcmItem *item = nullptr, *found = nullptr;
+    if (set->findAndGetSequenceItem(DCM_PerFrameFunctionalGroupsSequence, item, (long)frame)
+            .good() &&
+        item->findAndGetSequenceItem(group, found, 0).good())
+        return found;
+    if (set->findAndGetSequenceItem(DCM_SharedFunctionalGroupsSequence, item, 0).good() &&
+        item->findAndGetSequenceItem(group, found, 0).good())
+        return found;
+    return nullptr;
+}
+
+DcmItem *item_or_set(DcmItem *set, uint32_t frame, const DcmTagKey &group) {
+    DcmItem *item = group_item(set, frame, group);
+    return item ? item : set;
+}
+
+/* Frames of a dose lie so far along the normal. */
+void offset_frame(DcmItem *set, uint32_t frame, dicom_place *p) {
+    Float64 offset = 0;
+    const double *a = p->across, *d = p->down;
+    if (!there(set, DCM_GridFrameOffsetVector))
+        return;
+    if (set->findAndGetFloat64(DCM_GridFrameOffsetVector, offset, frame).bad())
+        give_up(DCM_GridFrameOffsetVector);
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        p->position[i] += offset * (a[j] * d[k] - a[k] * d[j]);
+    }
+}
+
+void read_spacing(DcmItem *measures, dicom_place *p) {
+    double rows_columns[2];
+    p->between[0] = p->between[1] = 1;
+    if (get_numbers(measures, DCM_PixelSpacing, 2, rows_columns) ||
+        get_numbers(measures, DCM_ImagerPixelSpacing, 2, rows_columns)) {
+        p->between[0] = rows_columns[1];
+        p->between[1] = rows_columns[0];
+    }
+    p->apart = get_number(measures, DCM_SpacingBetweenSlices, 0);
+}
+
+void read_scale(DcmItem *set, uint32_t frame, dicom_place *p) {
+    DcmItem *values = item_or_set(set, frame, DCM_PixelValueTransformationSequence);
+    p->slope = get_number(values, DCM_RescaleSlope, 1);
+    p->intercept = get_number(values, DCM_RescaleIntercept, 0);
+    if (set->tagExists(DCM_DoseGridScaling))
+        p->slope *= get_number(set, DCM_DoseGridScaling, 1);
+}
+
+void read_place(DcmItem *set, uint32_t frame, uint32_t frames, dicom_place *p) {
+    double directions[6];
+    DcmItem *position = item_or_set(set, frame, DCM_PlanePositionSequence);
+    DcmItem *orientation = item_or_set(set, frame, DCM_PlaneOrientationSequence);
+    *p = dicom_place{};
+    p->known = get_numbers(position, DCM_ImagePositionPatient, 3, p->position) &&
+               get_numbers(orientation, DCM_ImageOrientationPatient, 6, directions);
+    if (p->known) {
+        memcpy(p->across, directions, sizeof p->across);
+        memcpy(p->down, directions + 3, sizeof p->down);
+        offset_frame(set, frame, p);
+    }
+    read_spacing(item_or_set(set, frame, DCM_PixelMeasuresSequence), p);
+    read_scale(set, frame, p);
+    Sint32 number = 0;
+    set->findAndGetSint32(DCM_InstanceNumber, number);
+    p->number = frames > 1 ? (int)frame : (int)number;
+    /* Frames of one position for all have none of their own. */
+    if (frames > 1 && position == set && !set->tagExists(DCM_GridFrameOffsetVector))
+        p->known = false;
+}
+
+status tell_places(DcmItem *set, uint32_t frames, const dicom_places *places) {
+    for (uint32_t i = 0; i < frames; i++) {
+        dicom_place p;
+        read_place(set, i, frames, &p);
+        status st = places->take(places->ctx, i, &p);
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+/* ---- pixels ---- */
+
+/* From a plane a colour to colours side by side, through the second half of the buffer. */
+void interleave(void *buffer, size_t size) {
+    uint8_t *to = static_cast<uint8_t *>(buffer), *from = to + size;
+    memcpy(from, to, size);
+    for (size_t i = 0; i < size / 3; i++)
+        for (size_t c = 0; c < 3; c++)
+            to[3 * i + c] = from[c * (size / 3) + i];
+}
+
+/* The library takes numbers of 32 bits for two of 16, each of which it turned. */
+void exchange_halves(void *buffer, size_t size) {
+    uint16_t *half = static_cast<uint16_t *>(buffer);
+    for (size_t i = 0; i + 1 < size / sizeof *half; i += 2)
+        std::swap(half[i], half[i + 1]);
+}
+
+/* What was decoded is not kept. */
+void forget_fragments(DcmPixelData *pixels, Uint32 from, Uint32 to) {
+    DcmPixelSequence *sequence = nullptr;
+    E_TransferSyntax syntax = EXS_Unknown;
+    const DcmRepresentationParameter *parameter = nullptr;
+    pixels->getOriginalRepresentationKey(syntax, parameter);
+    if (!DcmXfer(syntax).isEncapsulated() ||
+        pixels->getEncapsulatedRepresentation(syntax, parameter, sequence).bad() || !sequence)
+        return;
+    for (Uint32 i = from; i < to; i++) {
+        DcmPixelItem *item = nullptr;
+        if (sequence->getItem(item, i).good() && item)
+            item->compact();
+    }
+}
+
+status read_frame(dicom_reader *r, uint32_t frame, void *buffer, size_t size) {
+    const char *path = r->path.c_str();
+    DcmDataset *set = r->file.getDataset();
+    DcmElement *element = nullptr;
+    OFCondition done = set->findAndGetElement(DCM_PixelData, element);
+    DcmPixelData *pixels = dynamic_cast<DcmPixelData *>(element);
+    if (done.bad() || !pixels)
+        return status_describe(ST_CORRUPT, "%s: expected pixels (7fe0,0010)", path);
+    Uint32 expected = 0;
+    pixels->getUncompressedFrameSize(set, expected);
+    if (expected != size)
+        return status_describe(ST_CORRUPT, "%s: a frame has %lu bytes, expected %lu", path,
+                               (unsigned long)expected, (unsigned long)size);
+    OFString colours;
+    const Uint32 from = r->fragment = frame == r->next ? r->fragment : 0;
+    r->next = frame + 1;
+    done = pixels->getUncompressedFrame(set, frame, r->fragment, buffer, (Uint32)(size + size % 2),
+                                        colours);
+    if (done.bad())
+        return failed(path, "decoding its pixels", done);
+    forget_fragments(pixels, from, r->fragment);
+    if (r->samples == 3 && colours != "RGB")
+        return status_describe(ST_UNSUPPORTED, "%s: colours as %s are not read", path,
+                               colours.c_str());
+    if (r->planar)
+        interleave(buffer, size);
+    if (r->halves)
+        exchange_halves(buffer, size);
+    return ST_OK;
+}
+
+} // namespace
+
+void dicom_image_begin(void) {
+    OFLog::configure(OFLogger::OFF_LOG_LEVEL);
+    dcmEnableUnknownVRConversion.set(OFTrue); /* what copying programs did not know */
+    DcmRLEDecoderRegistration::registerCodecs();
+    DJDecoderRegistration::registerCodecs();
+    DJLSDecoderRegistration::registerCodecs();
+}
+
+status dicom_image_read(const char *path, uint64_t bytes, dicom_image *out,
+                        const dicom_places *places) {
+    return guarded(path, [&]() -> status {
+        DcmFileFormat file;
+        memset(out, 0, sizeof *out);
+        const OFCondition done = file.loadFileUntilTag(path, EXS_Unknown, EGL_noChange, 4096,
+                                                       ERM_autoDetect, DCM_PixelData);
+        if (done.bad())
+            return failed(path, "reading its header", done);
+        read_image(file, bytes, out);
+        return out->refuse[0] ? ST_OK : tell_places(file.getDataset(), out->frames, places);
+    });
+}
+
+status dicom_reader_open(const char *path, dicom_reader **out) {
+    return guarded(path, [&]() -> status {
+        dicom_reader *r = new dicom_reader{path, DcmFileFormat(), 0, 0, 1, false, false};
+        *out = r;
+        const OFCondition done = r->file.loadFile(path, EXS_Unknown, EGL_noChange, 4096);
+        if (done.bad())
+            return failed(path, "reading it", done);
+        DcmDataset *set = r->file.getDataset();
+        r->samples = get_short(set, DCM_SamplesPerPixel, 1);
+        r->planar = r->samples == 3 && get_short(set, DCM_PlanarConfiguration, 0) == 1;
+        r->halves = set->getOriginalXfer() == EXS_BigEndianExplicit &&
+                    get_short(set, DCM_BitsAllocated, 16) == 32;
+        return ST_OK;
+    });
+}
+
+void dicom_reader_close(dicom_reader *r) {
+    delete r;
+}
+
+status dicom_reader_frame(dicom_reader *r, uint32_t frame, void *buffer, size_t size) {
+    return guarded(r->path.c_str(), [&]() { return read_frame(r, frame, buffer, size); });
+}

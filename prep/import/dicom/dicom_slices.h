@@ -1,0 +1,14 @@
+/* dicom_slices.h - the series of DICOM files, listed or read as slices: headers first, then the
+ * pixels of one slice at a time. */
+#ifndef PREP_IMPORT_DICOM_DICOM_SLICES_H
+#define PREP_IMPORT_DICOM_DICOM_SLICES_H
+
+#include "prep/import/importer.h"
+
+/* dicom_slices_open() - q's series. gaps: missing slices are no error. As importer.open(). */
+CHECKED status dicom_slices_open(mem *m, const import_request *q, bool gaps, slice_source *out);
+
+/* dicom_slices_list() - as importer.list(). */
+CHECKED status dicom_slices_list(mem *m, const import_request *q, const import_list *to);
+
+#endif

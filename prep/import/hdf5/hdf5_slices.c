@@ -1,0 +1,342 @@
+#include "prep/import/hdf5/hdf5_slices.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/base/file.h"
+#include "formats/base/text.h"
+#include "prep/import/hdf5/hdf5_field.h"
+#include "prep/import/hdf5/hdf5_text.h"
+#include "prep/import/packed_slices.h"
+
+typedef struct hdf5_slices {
+    mem *m;
+    file *guard; /* the same file: it counts as an input, and is known to be one */
+    hid_t file;
+    hdf5_field field;
+    char path[HDF5_PATH]; /* of the data set */
+    uint32_t step, channel;
+    packed_slices slices;
+} hdf5_slices;
+
+/* ---- the file ---- */
+
+static status open_library(const char *path, hid_t *out) {
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    H5Pset_file_locking(access, false, true);
+    const htri_t known = H5Fis_hdf5(path);
+    *out = known > 0 ? H5Fopen(path, H5F_ACC_RDONLY, access) : H5I_INVALID_HID;
+    H5Pclose(access);
+    if (known == 0)
+        return status_describe(
+            ST_CORRUPT, "%s: no HDF5 file: expected its signature at byte 0, 512, 1024, ..", path);
+    return *out < 0 ? hdf5_failed(path, "opening") : ST_OK;
+}
+
+static status open_file(hdf5_slices *s, const char *path) {
+    status st = file_open(s->m, path, &s->guard);
+    return st == ST_OK ? open_library(path, &s->file) : st;
+}
+
+static void close_slices(void *ctx) {
+    hdf5_slices *s = ctx;
+    hdf5_field_release(&s->field);
+    if (s->file > 0)
+        H5Fclose(s->file);
+    file_close(s->guard);
+    packed_slices_end(&s->slices);
+    mem_free(s->m, s);
+}
+
+static status create(mem *m, const import_request *q, hdf5_slices **out) {
+    hdf5_slices *s = mem_zalloc(m, sizeof *s);
+    if (!s)
+        return ST_NOMEM;
+    s->m = m;
+    s->file = s->field.set = s->field.memory = H5I_INVALID_HID;
+    status st = open_file(s, q->paths[0]);
+    if (st != ST_OK) {
+        close_slices(s);
+        return st;
+    }
+    *out = s;
+    return ST_OK;
+}
+
+/* ---- walking through the data sets ---- */
+
+typedef struct walk {
+    hid_t file;
+    const char *axes;
+    const import_request *q;
+    const import_list *to; /* NULL: search */
+    int best;              /* how well the best one so far suits */
+    char path[HDF5_PATH];
+    status st;
+} walk;
+
+/* The shape as --list tells it: of what cannot be read the dimensions, the fastest first. */
+static void list_shape(const hdf5_field *f, uint64_t shape[4]) {
+    static const int order[4] = {HDF5_X, HDF5_Y, HDF5_Z, HDF5_T};
+    for (int i = 0; i < 4; i++)
+        if (f->refuse[0])
+            shape[i] = i < f->rank ? f->dims[f->rank - 1 - i] : 0;
+        else
+            shape[i] = i == 3 && f->at[HDF5_T] < 0 ? 0 : hdf5_field_count(f, order[i]);
+}
+
+static void take_listed(walk *w, const char *path, hdf5_field *f) {
+    import_item item = {.name = path, .type = f->type};
+    if (!f->refuse[0] && f->at[HDF5_C] >= 0)
+        text_add(f->type, sizeof f->type, ", %llu components",
+                 (unsigned long long)hdf5_field_count(f, HDF5_C));
+    list_shape(f, item.shape);
+    item.refuse = f->refuse[0] ? f->refuse : NULL;
+    w->st = w->to->take(w->to->ctx, &item);
+}
+
+/* 0: not at all. One of three axes is likelier meant than one of steps or components, but where
+ * those are asked for. */
+static int suits(const hdf5_field *f, const import_request *q) {
+    const bool steps = f->at[HDF5_T] >= 0;
+    const bool components = f->at[HDF5_C] >= 0 || f->packed.components > 1;
+    if (f->refuse[0])
+        return 0;
+    for (int a = HDF5_X; a <= HDF5_Z; a++)
+        if (hdf5_field_count(f, a) < 2)
+            return 0;
+    return 1 + 2 * (steps == (q->step > 0)) + (components == (q->component > 0));
+}
+
+static void take_suiting(walk *w, const char *path, const hdf5_field *f) {
+    const bool of_cells = strncmp(path, "/VTKHDF/C", 9) == 0;
+    const int score = suits(f, w->q) * 2 - of_cells;
+    if (score <= w->best || strlen(path) >= sizeof w->path)
+        return;
+    w->best = score;
+    snprintf(w->path, sizeof w->path, "%s", path);
+}
+
+static herr_t visit(hid_t root, const char *name, const H5O_info_t *info, void *ctx) {
+    walk *w = ctx;
+    char path[HDF5_PATH];
+    hdf5_field f;
+    (void)root;
+    if (info->type != H5O_TYPE_DATASET || strlen(name) + 2 > sizeof path)
+        return 0;
+    snprintf(path, sizeof path, "/%s", name);
+    if (!hdf5_field_open(w->file, path, w->axes, &f)) {
+        hdf5_words(f.refuse, sizeof f.refuse);
+        snprintf(f.type, sizeof f.type, "unknown");
+    }
+    if (w->to)
+        take_listed(w, path, &f);
+    else
+        take_suiting(w, path, &f);
+    hdf5_field_release(&f);
+    return w->st == ST_OK ? 0 : -1;
+}
+
+static status walk_all(walk *w, const char *path) {
+    const herr_t done = H5Ovisit2(w->file, H5_INDEX_NAME, H5_ITER_INC, visit, w, H5O_INFO_BASIC);
+    if (w->st != ST_OK)
+        return w->st;
+    return done < 0 ? hdf5_failed(path, "listing its data sets") : ST_OK;
+}
+
+status hdf5_slices_list(mem *m, const import_request *q, const char *axes, const import_list *to) {
+    hdf5_slices *s = NULL;
+    status st = create(m, q, &s);
+    if (st != ST_OK)
+        return st;
+    st = walk_all(&(walk){.file = s->file, .axes = axes, .q = q, .to = to}, q->paths[0]);
+    close_slices(s);
+    return st;
+}
+
+/* ---- choosing ---- */
+
+static status search(hdf5_slices *s, const import_request *q, const char *axes) {
+    walk w = {.file = s->file, .axes = axes, .q = q};
+    status st = walk_all(&w, q->paths[0]);
+    if (st == ST_OK && w.best == 0)
+        st = status_describe(ST_UNSUPPORTED,
+                             "%s: no data set of numbers along x, y and z; --list tells what there "
+                             "is",
+                             q->paths[0]);
+    memcpy(s->path, w.path, sizeof s->path);
+    return st;
+}
+
+/* Its name as it is, or that of an array of VTKHDF. */
+static status find(hdf5_slices *s, const import_request *q, const char *axes) {
+    static const char *const inside[] = {"/", "", "/VTKHDF/PointData/", "/VTKHDF/CellData/"};
+    for (int i = q->field[0] == '/'; i < 4; i++) {
+        if (strlen(q->field) + 32 > sizeof s->path)
+            break;
+        snprintf(s->path, sizeof s->path, "%s%s", inside[i], q->field);
+        if (hdf5_field_open(s->file, s->path, axes, &s->field))
+            return ST_OK;
+    }
+    H5Eclear2(H5E_DEFAULT);
+    return status_describe(ST_USAGE, "%s: no data set \"%s\"; --list tells what there is",
+                           q->paths[0], q->field);
+}
+
+static status choose(hdf5_slices *s, const import_request *q, const char *axes) {
+    status st = q->field ? find(s, q, axes) : search(s, q, axes);
+    if (st == ST_OK && !q->field && !hdf5_field_open(s->file, s->path, axes, &s->field))
+        st = hdf5_failed(q->paths[0], s->path);
+    if (st == ST_OK && s->field.refuse[0])
+        st = status_describe(ST_UNSUPPORTED, "%s: data set %s cannot be read: %s", q->paths[0],
+                             s->path, s->field.refuse);
+    return st;
+}
+
+/* ---- steps and components ---- */
+
+static status choose_step(hdf5_slices *s, const import_request *q) {
+    const hsize_t steps = hdf5_field_count(&s->field, HDF5_T);
+    s->step = q->step;
+    if (q->step < steps)
+        return ST_OK;
+    return status_describe(ST_USAGE, "%s: %s: --step %u: it has %llu, counted from 0", q->paths[0],
+                           s->path, q->step, (unsigned long long)steps);
+}
+
+/* Components are an axis, or inside of the elements. Of an axis behind x all are read for their
+ * magnitude; one in front of the others is of channels, of which the first is taken. */
+static status choose_component(hdf5_slices *s, const import_request *q) {
+    hdf5_field *f = &s->field;
+    const bool axis = f->at[HDF5_C] >= 0, last = f->at[HDF5_C] == f->rank - 1;
+    const hsize_t count = axis ? hdf5_field_count(f, HDF5_C) : f->packed.components;
+    if (axis && f->packed.components > 1)
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: %s has components along an axis and inside of its elements",
+                               q->paths[0], s->path);
+    if (q->component > count)
+        return status_describe(ST_USAGE, "%s: %s: --component %u: it has %llu", q->paths[0],
+                               s->path, q->component, (unsigned long long)count);
+    if (!axis) {
+        f->packed.component = count > 1 ? q->component : 0;
+    } else if (q->component || !last) {
+        s->channel = q->component ? q->component - 1 : 0;
+    } else if (count > PACKED_COMPONENTS) {
+        return status_describe(ST_USAGE, "%s: %s has %llu components: give --component",
+                               q->paths[0], s->path, (unsigned long long)count);
+    } else {
+        f->packed.components = (uint32_t)count;
+    }
+    return ST_OK;
+}
+
+/* ---- slabs ---- */
+
+/* The part of the data set that a slab is: where it starts, and how much it has of each dimension.
+ */
+static void cut_slab(const hdf5_slices *s, uint32_t first, uint32_t count, hsize_t *start,
+                     hsize_t *size) {
+    const int *at = s->field.at;
+    for (int i = 0; i < s->field.rank; i++) {
+        start[i] = 0;
+        size[i] = s->field.dims[i];
+    }
+    start[at[HDF5_Z]] = first;
+    size[at[HDF5_Z]] = count;
+    if (at[HDF5_T] >= 0) {
+        start[at[HDF5_T]] = s->step;
+        size[at[HDF5_T]] = 1;
+    }
+    if (at[HDF5_C] >= 0 && s->field.packed.components == 1) {
+        start[at[HDF5_C]] = s->channel;
+        size[at[HDF5_C]] = 1;
+    }
+}
+
+/* Memory has the same shape: with another the library goes through all elements one by one. */
+static bool read_slab(const hdf5_slices *s, const hsize_t *start, const hsize_t *size,
+                      void *stored) {
+    hid_t file_space = H5Dget_space(s->field.set);
+    hid_t memory = H5Screate_simple(s->field.rank, size, NULL);
+    const bool read =
+        H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start, NULL, size, NULL) >= 0 &&
+        H5Dread(s->field.set, s->field.memory, memory, file_space, H5P_DEFAULT, stored) >= 0;
+    H5Sclose(memory);
+    H5Sclose(file_space);
+    return read;
+}
+
+static status load_slab(void *ctx, uint32_t first, uint32_t count, void *stored) {
+    hdf5_slices *s = ctx;
+    hsize_t start[H5S_MAX_RANK], size[H5S_MAX_RANK];
+    cut_slab(s, first, count, start, size);
+    if (read_slab(s, start, size, stored))
+        return ST_OK;
+    char what[HDF5_PATH + 64];
+    snprintf(what, sizeof what, "%s, slices %u to %u (counted from 0)", s->path, first,
+             first + count - 1);
+    return hdf5_failed(file_path(s->guard), what);
+}
+
+static status read_slices(void *ctx, uint32_t first, uint32_t count, void *slices) {
+    hdf5_slices *s = ctx;
+    return packed_slices_read(&s->slices, first, count, slices);
+}
+
+/* ---- opening ---- */
+
+static status make_grid(hdf5_slices *s, grid *g) {
+    const char *path = file_path(s->guard);
+    uint32_t dims[3];
+    for (int a = 0; a < 3; a++) {
+        const hsize_t n = hdf5_field_count(&s->field, HDF5_X + a);
+        dims[a] = n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
+    }
+    grid_init(g, dims, packed_type(&s->field.packed));
+    text_name(g->name, sizeof g->name, s->path + 1);
+    status st = grid_check(g, path);
+    return st == ST_OK ? hdf5_field_place(s->file, path, s->path, &s->field, g) : st;
+}
+
+static status begin_slices(hdf5_slices *s, const grid *g) {
+    s->slices = (packed_slices){.m = s->m,
+                                .file = file_path(s->guard),
+                                .field = s->path,
+                                .packed = s->field.packed,
+                                .chunk_depth = s->field.chunk[s->field.at[HDF5_Z]],
+                                .chunk_bytes = s->field.chunk_bytes,
+                                .load = load_slab,
+                                .ctx = s};
+    memcpy(s->slices.dims, g->dims, sizeof g->dims);
+    return packed_slices_begin(&s->slices);
+}
+
+status hdf5_slices_open(mem *m, const import_request *q, const char *axes, slice_source *out) {
+    hdf5_slices *s = NULL;
+    grid g;
+    status st = create(m, q, &s);
+    if (st != ST_OK)
+        return st;
+    st = choose(s, q, axes);
+    if (st == ST_OK)
+        st = choose_step(s, q);
+    if (st == ST_OK)
+        st = choose_component(s, q);
+    if (st == ST_OK)
+        st = make_grid(s, &g);
+    if (st == ST_OK)
+        st = begin_slices(s, &g);
+    if (st != ST_OK) {
+        close_slices(s);
+        return st;
+    }
+    *out = (slice_source){.format = "HDF5",
+                          .name = file_path(s->guard),
+                          .m = m,
+                          .g = g,
+                          .read = read_slices,
+                          .close = close_slices,
+                          .ctx = s};
+    return ST_OK;
+}

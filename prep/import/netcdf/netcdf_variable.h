@@ -1,0 +1,51 @@
+/* netcdf_variable.h - a variable of a netCDF file as a grid, after the conventions of CF.
+ *
+ * Its last three dimensions are z, y and x; all in front of them are time steps, counted as one
+ * axis. Where they lie is told by their coordinate variables.
+ */
+#ifndef PREP_IMPORT_NETCDF_NETCDF_VARIABLE_H
+#define PREP_IMPORT_NETCDF_NETCDF_VARIABLE_H
+
+#include <netcdf.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "formats/grid/grid.h"
+#include "prep/import/packed_samples.h"
+
+enum { NETCDF_TEXT = 240, NETCDF_RANK = 16, NETCDF_PATH = 4 * NC_MAX_NAME };
+
+typedef struct netcdf_variable {
+    int group, id;          /* as the library counts them */
+    char path[NETCDF_PATH]; /* "TEMP", in groups "model/TEMP" */
+    int rank;
+    int dim[NETCDF_RANK];
+    size_t count[NETCDF_RANK];
+    bool grows;                /* the first dimension is unlimited */
+    uint64_t steps;            /* in front of the last three; 1: none */
+    size_t chunk[NETCDF_RANK]; /* all 0 where samples are not in chunks */
+    uint64_t chunk_bytes;
+    packed_samples packed;
+    char units[64];           /* "" where it says none */
+    char type[NETCDF_TEXT];   /* for people */
+    char refuse[NETCDF_TEXT]; /* why it cannot be read; "": it can */
+} netcdf_variable;
+
+/* netcdf_variable_find() - describe variable id of a group; prefix: the group's path, "" or "a/".
+ */
+void netcdf_variable_find(int group, int id, const char *prefix, netcdf_variable *out);
+
+/* netcdf_variable_place() - spacing and origin, or axes, from the coordinates of the last three
+ * dimensions; those without keep indices, and with indices all do. The grid's dims are set. Of
+ * equal distance are coordinates of which none is a thousandth of the step off. Longitudes that
+ * turn over from 360 to 0 go on. ST_CORRUPT where coordinates do not go one way. */
+CHECKED status netcdf_variable_place(mem *m, const char *file, const netcdf_variable *v,
+                                     bool indices, grid *g);
+
+/* netcdf_text() - an attribute that is a text; "" where it is none. */
+void netcdf_text(int group, int id, const char *name, char *to, size_t room);
+
+/* netcdf_number() - a numeric attribute of one number, or the i-th of several. */
+bool netcdf_number(int group, int id, const char *name, size_t i, long double *out);
+
+#endif

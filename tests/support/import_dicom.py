@@ -1,0 +1,318 @@
+#!/usr/bin/env python3
+"""import_dicom.py LEAFCAST FOLDER DATA - files by pydicom, and what leafcast import-dicom makes of them."""
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+from imported import Imported, damaged, elsewhere, ends, np, same, start, tell
+
+try:
+    import pydicom
+    import pydicom.encaps
+    from pydicom.dataset import Dataset, FileDataset, FileMetaDataset
+    from pydicom.sequence import Sequence
+    from pydicom.uid import (DeflatedExplicitVRLittleEndian, ExplicitVRBigEndian, ExplicitVRLittleEndian,
+                             ImplicitVRLittleEndian, generate_uid)
+except ImportError:
+    elsewhere()
+
+leafcast, folder = sys.argv[1:3]
+random = np.random.default_rng(7)
+ROWS, COLUMNS, SLICES = 10, 13, 7
+SHAPE = (SLICES, ROWS, COLUMNS)
+
+
+def path(name):
+    return "%s/%s" % (folder, name)
+
+
+def take(name, *arguments):
+    return (leafcast, "import-dicom", path(name), *arguments)
+
+
+def image(pixels, syntax=ExplicitVRLittleEndian, bits=None, **tags):
+    """A file of one frame, or of several."""
+    meta = FileMetaDataset()
+    meta.TransferSyntaxUID = syntax
+    meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.2"
+    meta.MediaStorageSOPInstanceUID = generate_uid()
+    f = FileDataset(None, {}, file_meta=meta, preamble=b"\0" * 128)
+    f.is_little_endian = syntax != ExplicitVRBigEndian
+    f.is_implicit_VR = syntax == ImplicitVRLittleEndian
+    f.SOPClassUID, f.SOPInstanceUID = meta.MediaStorageSOPClassUID, meta.MediaStorageSOPInstanceUID
+    f.StudyInstanceUID, f.SeriesInstanceUID, f.Modality = "1.2.3", "1.2.3.4", "CT"
+    colours = pixels.ndim == 3 and pixels.shape[2] == 3
+    f.SamplesPerPixel, f.PhotometricInterpretation = (3, "RGB") if colours else (1, "MONOCHROME2")
+    if colours:
+        f.PlanarConfiguration = 0
+    f.Rows, f.Columns = pixels.shape[:2] if colours else pixels.shape[-2:]
+    f.BitsAllocated = 8 * pixels.itemsize
+    f.BitsStored = bits or f.BitsAllocated
+    f.HighBit = f.BitsStored - 1
+    f.PixelRepresentation = int(pixels.dtype.kind == "i")
+    if pixels.ndim == 3 and not colours:
+        f.NumberOfFrames = pixels.shape[0]
+    f.PixelData = pixels.astype(pixels.dtype.newbyteorder("<" if f.is_little_endian else ">")).tobytes()
+    f["PixelData"].VR = "OB" if pixels.itemsize == 1 else "OW"
+    if pydicom.uid.UID(syntax).is_encapsulated:  # in name
+        f.PixelData = pydicom.encaps.encapsulate([f.PixelData])
+        f["PixelData"].is_undefined_length = True
+    for tag, value in tags.items():
+        setattr(f, tag, value)
+    return f
+
+
+def series(name, pixels, places=None, across=(1, 0, 0), down=(0, 1, 0), spacing=(0.5, 0.25), first=0, order=None, **tags):
+    """A folder of slices. spacing: of rows, of columns; order: of the names of the files."""
+    os.makedirs(path(name), exist_ok=True)
+    for i, a in enumerate(pixels):
+        f = image(a, **{k: v(i) if callable(v) else v for k, v in tags.items()})
+        at = places[i] if places is not None else (-20, 30, 100 + 2 * i)
+        f.ImagePositionPatient = ["%.9g" % v for v in at]
+        f.ImageOrientationPatient = ["%.9g" % v for v in (*across, *down)]
+        f.PixelSpacing = ["%.9g" % v for v in spacing]
+        f.InstanceNumber = first + i + 1
+        f.save_as(path("%s/%03d.dcm" % (name, first + (order[i] if order is not None else i))), write_like_original=False)
+
+
+COLUMNS_MAP = [[0.25, 0, 0], [0, 0.5, 0], [0, 0, 2], [-20, 30, 100]]
+
+
+def types():
+    for t in ("u1", "i1", "u2", "i2", "u4", "i4"):
+        info = np.iinfo(t)
+        a = random.integers(info.min, info.max, SHAPE, dtype=t, endpoint=True)
+        series("type_" + t, a)
+        same("type " + t, a, *take("type_" + t), columns=COLUMNS_MAP, type=t)
+    a = random.integers(0, 65535, SHAPE, dtype="u2")
+    series("bits12", a, bits=12)
+    same("12 bits of 16, and others above", a & 0xfff, *take("bits12"), type="u2")
+    series("bits12s", a.astype("i2"), bits=12)
+    same("12 bits with a sign", ((a & 0xfff).astype("i4") ^ 0x800) - 0x800, *take("bits12s"), type="i2")
+    for syntax in (ImplicitVRLittleEndian, ExplicitVRBigEndian, DeflatedExplicitVRLittleEndian):
+        name = "syntax_" + syntax[-4:]
+        series(name, a, syntax=syntax)
+        same("transfer syntax " + syntax.name, a, *take(name), columns=COLUMNS_MAP)
+        series(name + "_32", a.astype("i4") * -70000, syntax=syntax)
+        same("transfer syntax %s, 32 bits" % syntax.name, a.astype("i4") * -70000, *take(name + "_32"))
+    read = [pydicom.dcmread(path("syntax_.2.2/%03d.dcm" % i)).pixel_array for i in range(SLICES)]
+    same("as pydicom reads it", np.array(read), *take("syntax_.2.2"))
+
+
+def rescale():
+    a = random.integers(0, 4095, SHAPE, dtype="u2", endpoint=True)
+    series("hounsfield", a, bits=12, RescaleSlope=1, RescaleIntercept=-1024)
+    same("Hounsfield units", a.astype("i4") - 1024, *take("hounsfield"), type="i2")
+    series("shifted", a, RescaleSlope=1, RescaleIntercept=-1024)
+    same("whole, but i16 does not fit", a.astype("f4") - 1024, *take("shifted"), type="f4")
+    series("slope", a, bits=12, RescaleSlope="0.5", RescaleIntercept="-3.25")
+    same("a slope", (a * 0.5 - 3.25).astype("f4"), *take("slope"), type="f4")
+    series("slopes", a, bits=12, RescaleSlope=lambda i: "%g" % (1 + i / 4), RescaleIntercept=0)
+    want = a * (1 + np.arange(SLICES) / 4)[:, None, None]
+    same("a slope for each slice", want.astype("f4"), *take("slopes"), type="f4")
+
+
+def places():
+    a = random.integers(-999, 999, SHAPE, dtype="i2")
+    mixed = list(random.permutation(SLICES))
+    series("mixed", a, order=mixed)
+    same("names in another order", a, *take("mixed"), columns=COLUMNS_MAP)
+    series("down", a, places=[(-20, 30, 100 - 2 * i) for i in range(SLICES)])
+    same("from above", a[::-1], *take("down"), columns=COLUMNS_MAP[:3] + [[-20, 30, 88]])
+    across, down = np.array([0.8, 0.6, 0]), np.array([-0.36, 0.48, 0.8])
+    normal = np.cross(across, down)
+    where = [np.array([5, 6, 7]) + 1.5 * i * normal for i in range(SLICES)]
+    series("oblique", a, places=where, across=across, down=down)
+    same("oblique", a, *take("oblique"), columns=[across * 0.25, down * 0.5, normal * 1.5, [5, 6, 7]])
+    series("tilted", a, places=[(0, 0.3 * i, 2 * i) for i in range(SLICES)])
+    same("a tilted gantry", a, *take("tilted"), columns=[[0.25, 0, 0], [0, 0.5, 0], [0, 0.3, 2], [0, 0, 0]])
+    series("thick", a, SliceThickness=5, SpacingBetweenSlices=7)
+    same("thickness does not count", a, *take("thick"), columns=COLUMNS_MAP)
+    z = np.array([0, 1, 2.3, 4.1, 5.6, 8.2, 9.9])
+    series("uneven", a, places=[(1, 2, 3 + v) for v in z])
+    same("unequal distances", a, *take("uneven"), axes=[np.arange(COLUMNS), np.arange(ROWS), z],
+         columns=[[0.25, 0, 0], [0, 0.5, 0], [0, 0, 1], [1, 2, 3]])
+    rounded = 0.703 * np.arange(SLICES)
+    series("rounded", a, places=[(0, 0, round(v + 0.003, 2)) for v in rounded])
+    same("rounded positions", a, *take("rounded"), axes=[None] * 3)
+
+
+def faults():
+    a = random.integers(0, 999, SHAPE, dtype="u2")
+    series("gap", a)
+    os.remove(path("gap/002.dcm"))
+    os.remove(path("gap/004.dcm"))
+    ends("missing slices", 3, "2 slices are missing, at -20, 30, 104; -20, 30, 108", *take("gap"))
+    z = np.array([100, 102, 106, 110, 112.0])
+    same("--allow-gaps", a[[0, 1, 3, 5, 6]], *take("gap", "--allow-gaps"), axes=[np.arange(COLUMNS), np.arange(ROWS), z - 100])
+    series("twice", a)
+    series("twice", a[3:4], places=[(-20, 30, 106)], first=SLICES)
+    ends("a position twice", 3, "007.dcm lie at the same position, -20, 30, 106", *take("twice"))
+    series("copied", a)
+    for i in range(SLICES):
+        shutil.copy(path("copied/%03d.dcm" % i), path("copied/%03d.dcm" % (i + 50)))
+    ends("the same instances twice", 3, "the same instance", *take("copied"))
+    series("turned", a)
+    series("turned", a[3:4], places=[(-20, 30, 120)], first=SLICES, across=(0, 1, 0), down=(0, 0, 1))
+    ends("a plane that differs", 3, "007.dcm: its plane", *take("turned"))
+    series("sizes", a)
+    series("sizes", a[3:4, 1:], places=[(-20, 30, 120)], first=SLICES)
+    ends("a size that differs", 3, "007.dcm is of another size", *take("sizes"))
+    series("shifted_z", a, places=[(3 * (i == 4), 0, i) for i in range(SLICES)])
+    ends("a slice that is shifted sideways", 3, "004.dcm: it is shifted", *take("shifted_z"))
+    series("j2k", a, syntax="1.2.840.10008.1.2.4.90")
+    ends("a transfer syntax without a decoder", 3, "JPEG 2000", *take("j2k"))
+    series("lut", a, ModalityLUTSequence=Sequence([Dataset()]))
+    ends("values by a table", 3, "Modality LUT", *take("lut"))
+    series("words", a, RescaleSlope=2)
+    broken = open(path("words/003.dcm"), "rb").read().replace(b"DS\x04\x002.0 ", b"DS\x04\x00xxxx")
+    open(path("words/003.dcm"), "wb").write(broken)
+    ends("a slope that is no number", 3, "RescaleSlope: expected numbers", *take("words"))
+    ends("one slice", 3, "several slices", *take("gap/000.dcm"))
+    os.makedirs(path("nothing"))
+    open(path("nothing/a.txt"), "w").write("no DICOM\n")
+    ends("a folder without DICOM", 3, "no DICOM images", *take("nothing"))
+    ends("a file that is none", 3, "DICM at byte 128", *take("nothing/a.txt"))
+    ends("a folder that is not there", 1, "none", *take("none"))
+
+
+def studies():
+    a, b = (random.integers(0, 999, SHAPE, dtype="u2") for _ in range(2))
+    series("study/one/deep", a, SeriesDescription="head")
+    series("study/two", b[:4], SeriesInstanceUID="1.2.3.5", SeriesDescription="legs", Modality="MR")
+    open(path("study/README"), "w").write("no DICOM\n")
+    same("the first series", a, *take("study"))
+    same("a series by its UID", b[:4], *take("study", "--field", "1.2.3.5"))
+    same("a series by its description", b[:4], *take("study", "--field", "legs"))
+    files = [path("study/two/%03d.dcm" % i) for i in (2, 0, 1)]
+    same("files by name", b[:3], leafcast, "import-dicom", *files)
+    ends("no such series", 2, "--list", *take("study", "--field", "arms"))
+    rc, out, said = start(*take("study", "--list", "--json"))
+    fields = {f["name"]: f for f in json.loads(out)["fields"]}
+    right = fields["1.2.3.4"]["shape"] == [COLUMNS, ROWS, SLICES] and "legs" in fields["1.2.3.5"]["type"] \
+        and fields["1.2.3.5"]["type"].startswith("MR, u16") and len(fields) == 2
+    tell("--list --json", "" if right else fields)
+    rc, out, _ = start(*take("study"))
+    tell("the description is the name", "" if Imported(out).name == "head" else Imported(out).name)
+    series("steps", a)
+    series("steps", b, first=SLICES)
+    same("time steps", b, *take("steps", "--step", "1"), columns=COLUMNS_MAP)
+    same("the first of them", a, *take("steps"))
+    ends("no such step", 2, "has 2", *take("steps", "--step", "2"))
+    rc, _, said = start(*take("study", "-o", path("study/two/001.dcm"), "--force"))
+    tell("an input is no output", "" if rc == 2 else said)
+
+
+def compressed():
+    a = random.integers(0, 4095, SHAPE, dtype="u2", endpoint=True)
+    smooth = (np.add.outer(np.add.outer(np.arange(SLICES), np.arange(ROWS)), np.arange(COLUMNS)) * 9).astype("u2")
+    for tool, arguments in (("dcmcrle", []), ("dcmcjpeg", ["+e1"]), ("dcmcjpeg", ["+el"]), ("dcmcjpls", ["+el"])):
+        name = tool + "".join(arguments)
+        if not shutil.which(tool):
+            print("compressed by %s\tskip no %s here" % (name, tool))
+            continue
+        for kind, pixels in (("12 bits", a), ("signed", smooth.astype("i2") - 300)):
+            if kind == "signed" and tool == "dcmcjpeg":
+                continue
+            series(name, pixels, bits=12 if kind == "12 bits" else 16, RescaleSlope=1, RescaleIntercept=-7)
+            for i in range(SLICES):
+                f = path("%s/%03d.dcm" % (name, i))
+                subprocess.run([tool, *arguments, f, f], check=True, stderr=subprocess.DEVNULL)
+            syntax = pydicom.dcmread(path(name + "/000.dcm")).file_meta.TransferSyntaxUID
+            tell("it is compressed: " + name, "" if syntax.is_compressed else syntax.name)
+            same("compressed by %s, %s" % (name, kind), pixels.astype("f4") - 7, *take(name), columns=COLUMNS_MAP)
+
+
+def several_frames():
+    a = random.integers(0, 4095, SHAPE, dtype="u2", endpoint=True)
+
+    def enhanced(places):
+        f = image(a, bits=12, InstanceNumber=1)
+        shared, measures, plane = Dataset(), Dataset(), Dataset()
+        measures.PixelSpacing = [0.5, 0.25]
+        plane.ImageOrientationPatient = [1, 0, 0, 0, 1, 0]
+        shared.PixelMeasuresSequence, shared.PlaneOrientationSequence = Sequence([measures]), Sequence([plane])
+        f.SharedFunctionalGroupsSequence = Sequence([shared])
+        frames = []
+        for i, at in enumerate(places):
+            frame, where, value = Dataset(), Dataset(), Dataset()
+            where.ImagePositionPatient = list(at)
+            value.RescaleSlope, value.RescaleIntercept = i + 1, 5
+            frame.PlanePositionSequence, frame.PixelValueTransformationSequence = Sequence([where]), Sequence([value])
+            frames.append(frame)
+        f.PerFrameFunctionalGroupsSequence = Sequence(frames)
+        f.save_as(path("enhanced.dcm"), write_like_original=False)
+
+    want = a.astype("f8") * (1 + np.arange(SLICES))[:, None, None] + 5
+    enhanced([(-20, 30, 100 + 2 * i) for i in range(SLICES)])
+    same("frames of one file", want, *take("enhanced.dcm"), columns=COLUMNS_MAP)
+    enhanced([(-20, 30, 112 - 2 * i) for i in range(SLICES)])
+    same("frames from above", want[::-1], *take("enhanced.dcm"), columns=COLUMNS_MAP)
+    for tool in ("dcmcrle", "dcmcjpls"):
+        if shutil.which(tool):
+            subprocess.run([tool, path("enhanced.dcm"), path("enhanced_z.dcm")], check=True)
+            same("frames from above by " + tool, want[::-1], *take("enhanced_z.dcm"), columns=COLUMNS_MAP)
+    f = image(a.astype("u4"), ImagePositionPatient=[-20, 30, 100], ImageOrientationPatient=[1, 0, 0, 0, 1, 0],
+              PixelSpacing=[0.5, 0.25], DoseGridScaling="0.125", Modality="RTDOSE")
+    f.GridFrameOffsetVector = [2 * i for i in range(SLICES)]
+    f.save_as(path("dose.dcm"), write_like_original=False)
+    same("a dose", a * 0.125, *take("dose.dcm"), columns=COLUMNS_MAP, type="f8")
+    f = image(a, SpacingBetweenSlices=3, PixelSpacing=[0.5, 0.25])
+    f.save_as(path("bare.dcm"), write_like_original=False)
+    same("frames without positions", a, *take("bare.dcm"), columns=[[0.25, 0, 0], [0, 0.5, 0], [0, 0, 3], [0, 0, 0]])
+    f.NumberOfFrames = 2000000000
+    f.save_as(path("many.dcm"), write_like_original=False)
+    ends("frames that it cannot have", 3, "too short", *take("many.dcm"))
+
+
+def colours():
+    rgb = random.integers(0, 255, SHAPE + (3,), dtype="u1")
+    series("rgb", rgb)
+    same("a colour", rgb[..., 1], *take("rgb", "--component", "2"), type="u1")
+    series("planes", [np.moveaxis(p, 2, 0).reshape(ROWS, COLUMNS, 3) for p in rgb], PlanarConfiguration=1)
+    same("a colour of planes", rgb[..., 2], *take("planes", "--component", "3"), type="u1")
+    rc, out, said = start(*take("rgb"))
+    light = (rgb * [0.2126, 0.7152, 0.0722]).sum(3)
+    tell("luminance", "" if rc == 0 and np.allclose(Imported(out).samples, light, rtol=1e-6) else said)
+
+
+def hostile():
+    series("sound", random.integers(0, 99, (3, ROWS, COLUMNS), dtype="u2"))
+    whole = path("sound/001.dcm")
+    shutil.copy(whole, path("whole"))
+    damaged("damaged files", path("whole"), whole, 100, *take("sound"))
+    for tool in ("dcmcrle", "dcmcjpls", "dcmcjpeg"):
+        if shutil.which(tool):
+            subprocess.run([tool, path("whole"), path("whole_z")], check=True, stderr=subprocess.DEVNULL)
+            damaged("damaged files by " + tool, path("whole_z"), whole, 30, *take("sound"))
+
+
+def real():
+    """Dose and slices that come with pydicom."""
+    files = os.path.join(os.path.dirname(pydicom.__file__), "data", "test_files")
+    dose = os.path.join(files, "rtdose.dcm")
+    if not os.path.exists(dose):
+        return print("real data\tskip no files of pydicom's tests here")
+    for name in ("rtdose.dcm", "rtdose_expb.dcm", "rtdose_rle.dcm"):
+        f = pydicom.dcmread(os.path.join(files, name))
+        same("a real dose, " + name, f.pixel_array * float(f.get("DoseGridScaling", 1)), leafcast, "import-dicom",
+             os.path.join(files, name))
+    ends("real JPEG 2000", 3, "no decoder here for JPEG 2000", leafcast, "import-dicom", os.path.join(files, "JPEG2000.dcm"))
+    ends("a real report", 3, "without an image", leafcast, "import-dicom", os.path.join(files, "test-SR.dcm"))
+    os.makedirs(path("bare"))
+    f = pydicom.dcmread(os.path.join(files, "MR_small.dcm"))
+    for i in range(3):
+        f.ImagePositionPatient[2] = 10 * i
+        f.SOPInstanceUID = generate_uid()
+        pydicom.filewriter.write_file(path("bare/%d.dcm" % i), f, write_like_original=True)
+        if i == 1:  # without preamble and meta information, as old ones are
+            bare = Dataset(f)
+            bare.is_little_endian, bare.is_implicit_VR = True, False
+            pydicom.filewriter.write_file(path("bare/%d.dcm" % i), bare)
+    same("a real slice thrice, one without meta information", [f.pixel_array] * 3, *take("bare"))
+
+
+for part in (types, rescale, places, faults, studies, compressed, several_frames, colours, hostile, real):
+    part()

@@ -1,0 +1,204 @@
+#!/usr/bin/env python3
+"""import_hdf5.py LEAFCAST FOLDER - files by h5py, and what leafcast import-hdf5 makes of them."""
+import sys
+
+from imported import Imported, damaged, elsewhere, ends, np, same, start, tell
+
+try:
+    import h5py
+except ImportError:
+    elsewhere()
+
+leafcast, folder = sys.argv[1:3]
+random = np.random.default_rng(5)
+SHAPE = (12, 17, 23)
+
+
+def path(name):
+    return "%s/%s.h5" % (folder, name)
+
+
+def take(name, *arguments):
+    return (leafcast, "import-hdf5", path(name), *arguments)
+
+
+def types():
+    with h5py.File(path("types"), "w") as f:
+        for t in "u1 i1 <u2 >u2 <i2 >i2 <u4 >u4 <i4 >i4 <f4 >f4 <f8 >f8 <f2 >f2 <i8 >i8 <u8 >u8".split():
+            f["t/" + t] = (random.random(SHAPE) * 250 - (0 if "u" in t else 99)).astype(t)
+        f["t/bool"] = random.random(SHAPE) > 0.5
+        f["t/special"] = np.where(random.random(SHAPE) < 0.1, np.nan, np.float16(6e-8))
+        f["large"] = np.full(SHAPE, 1 << 60)
+        f["inexact"] = np.full(SHAPE, 1 << 60)
+        f["inexact"][7, 2, 3] = (1 << 60) + 1
+        f["long"] = random.random(SHAPE).astype(np.longdouble)
+        f["flat"] = random.random((5, 6))
+        f["words"] = [b"no", b"numbers"]
+    with h5py.File(path("types"), "r") as f:
+        for t in f["t"]:
+            a = f["t"][t][()]
+            want = {2: "f4", 8: "f8"}.get(a.dtype.itemsize) if a.dtype.kind == "f" or a.itemsize == 8 else None
+            same("type " + t, a, *take("types", "--field", "t/" + t), type=want or
+                 ("i1" if t == "bool" else a.dtype.newbyteorder("<")))
+        same("64 bits that a double holds", f["large"][()].astype("f8"), *take("types", "--field", "large"))
+    ends("64 bits that none holds", 3, "sample 49 of slice 7", *take("types", "--field", "inexact"))
+    ends("long double", 3, "more than 64 bits", *take("types", "--field", "long"))
+    ends("two dimensions", 3, "2 dimensions", *take("types", "--field", "flat"))
+    ends("texts", 3, "texts", *take("types", "--field", "words"))
+    ends("no such data set", 2, "--list", *take("types", "--field", "none"))
+
+
+def chunks():
+    a = (random.random(SHAPE) * 65535).astype("u2")
+    with h5py.File(path("chunks"), "w") as f:
+        for i, c in enumerate([(1, 17, 23), (12, 1, 1), (5, 4, 7), (12, 17, 23), (1, 1, 1), (12, 17, 2)]):
+            f.create_dataset("c%d" % i, data=a, chunks=c, compression="gzip", shuffle=bool(i % 2))
+        f.create_dataset("wide", data=a, chunks=(64, 64, 64), maxshape=(None, None, None), fletcher32=True)
+        f.create_dataset("whole", data=a)
+        f.create_dataset("scaleoffset", data=a, chunks=(4, 4, 4), scaleoffset=0)
+        if h5py.h5z.filter_avail(h5py.h5z.FILTER_SZIP):
+            f.create_dataset("szip", data=a, chunks=(4, 8, 8), compression="szip")
+        f.create_dataset("lzf", data=a, chunks=(4, 4, 4), compression="lzf")
+        part = f.create_dataset("part", SHAPE, "u2", chunks=(4, 4, 4), fillvalue=7)
+        part[3:9, 2:5] = a[3:9, 2:5]
+    with h5py.File(path("chunks"), "r") as f:
+        for name in f:
+            if name != "lzf":
+                same("chunks of " + name, f[name][()], *take("chunks", "--field", name))
+    rc, _, said = start(*take("chunks", "--field", "lzf"))
+    tell("a filter without a plugin", "" if rc == 0 or (rc == 3 and "lzf (filter 32000)" in said) else said)
+
+
+def once():
+    """Chunks deeper than memory has room for are read by parts; the samples are the same."""
+    a = (random.random((96, 200, 190)) * 255).astype("u1")
+    with h5py.File(path("deep"), "w") as f:
+        f.create_dataset("a", data=a, chunks=(40, 16, 16), compression="gzip", compression_opts=1)
+    for memory in ("100K", "300K", "2M", "64M"):
+        same("deep chunks in " + memory, a, *take("deep", "--memory", memory))
+    ends("too little memory", 4, "", *take("deep", "--memory", "20K"))
+
+
+def axes():
+    big = random.random((5, 3, 6, 7, 8)).astype("f4")
+    rgb = (random.random((6, 7, 8, 3)) * 255).astype("u1")
+    vector = random.random((6, 7, 8, 3))
+    with h5py.File(path("axes"), "w") as f:
+        f["tczyx"] = big
+        f["tzyx"] = big[:, 0]
+        f["rgb"] = rgb
+        f["vector"] = vector
+        f["complex"] = vector[..., 0] + 1j * vector[..., 1]
+        f["tagged"] = np.moveaxis(big, 0, 4)
+        tags = ",".join('{"key":"%s","typeFlags":2,"resolution":0}' % k for k in "czyxt")
+        f["tagged"].attrs["axistags"] = '{"axes":[%s]}' % tags
+        f["labelled"] = np.moveaxis(big, 0, 4)
+        for i, k in enumerate("czyxt"):
+            f["labelled"].dims[i].label = k
+        f.create_dataset("inside", (6, 7, 8), np.dtype(("f8", (3,))))[...] = vector
+    length = np.sqrt((vector ** 2).sum(3))
+    light = (rgb[..., :3].astype("f8") * [0.2126, 0.7152, 0.0722]).sum(3)
+    cases = [("tczyx", "--step 2 --component 2", big[2, 1]), ("tczyx", "", big[0, 0]), ("tzyx", "--step 4", big[4, 0]),
+             ("tagged", "--step 3 --component 3", big[3, 2]), ("labelled", "--step 1 --component 1", big[1, 0]),
+             ("rgb", "--component 2", rgb[..., 1]), ("vector", "--component 3", vector[..., 2]),
+             ("inside", "--component 1", vector[..., 0]), ("complex", "--component 2", vector[..., 1]),
+             ("vector", "--axes tzyx --step 2", None), ("tzyx", "--axes czyx --component 4", big[3, 0])]
+    for name, options, want in cases:
+        if want is not None:
+            same(("axes of %s %s" % (name, options)).strip(), want, *take("axes", "--field", name, *options.split()))
+    for name, want in (("rgb", light), ("vector", length), ("inside", length), ("complex", None)):
+        rc, out, said = start(*take("axes", "--field", name))
+        if want is None:
+            want = np.abs(vector[..., 0] + 1j * vector[..., 1])
+        right = rc == 0 and np.allclose(Imported(out).samples, want, rtol=1e-6)
+        tell("magnitude or luminance of " + name, "" if right else said or "differs")
+    for words, arguments in (("--step 5: it has 5", "--field tzyx --step 5"),
+                             ("--component 4: it has 3", "--field rgb --component 4"),
+                             ("--component 2: it has 1", "--field tzyx --component 2")):
+        ends(words, 2, words, *take("axes", *arguments.split()))
+    ends("x is not the last", 3, "z before y before x", *take("axes", "--field", "tzyx", "--axes", "xyzt"))
+    ends("a letter twice", 3, "each once", *take("axes", "--field", "tzyx", "--axes", "zzyx"))
+    ends("axes of another number", 3, "not as --axes", *take("axes", "--field", "tzyx", "--axes", "zyx"))
+
+
+def places():
+    a = random.random((4, 5, 6)).astype("f4")
+    with h5py.File(path("places"), "w") as f:
+        f["plain"] = a
+        f["imagej"] = a
+        f["imagej"].attrs["element_size_um"] = [3.0, 0.5, 0.25]
+        f["cremi/raw"] = a
+        f["cremi/raw"].attrs.update(resolution=[40.0, 4, 4], offset=[400.0, 20, 8])
+        f["group/a"] = a
+        f["group"].attrs["spacing"] = 2
+        f["odd"] = a
+        f["odd"].attrs["spacing"] = [1.0, 0, -1]
+        f["packed"] = (a * 100).astype("i2")
+        f["packed"].attrs.update(scale_factor=0.5, add_offset=-3.0, _FillValue=np.int16(7))
+    cases = {"plain": ((1, 1, 1), (0, 0, 0)), "imagej": ((0.25, 0.5, 3), (0, 0, 0)), "odd": ((1, 1, 1), (0, 0, 0)),
+             "cremi/raw": ((4, 4, 40), (8, 20, 400)), "group/a": ((2, 2, 2), (0, 0, 0))}
+    for name, (spacing, origin) in cases.items():
+        columns = np.vstack([np.diag(spacing), origin])
+        same("place of " + name, a, *take("places", "--field", name), columns=columns)
+    stored = (a * 100).astype("i2")
+    same("packed", np.where(stored == 7, np.nan, stored * 0.5 - 3).astype("f4"),
+         *take("places", "--field", "packed"), type="f4")
+
+
+def vtkhdf():
+    n = (4, 5, 6)
+    a, c, v = random.random(n), random.random((3, 4, 5)), random.random(n + (3,))
+    turn = [0, -1, 0, 1, 0, 0, 0, 0, 1]
+    with h5py.File(path("vtk"), "w") as f:
+        g = f.create_group("VTKHDF")
+        g.attrs.update(Version=[1, 0], WholeExtent=[2, 7, 0, 4, -1, 2], Origin=[10.0, 20, 30],
+                       Spacing=[0.5, 1, 2], Direction=np.array(turn, "f8"))
+        g.attrs.create("Type", b"ImageData", dtype=h5py.string_dtype("ascii", 9))
+        g["PointData/a"], g["PointData/v"], g["CellData/c"] = a, v, c
+    direction = np.array(turn, "f8").reshape(3, 3)
+    columns = (direction * [0.5, 1, 2]).T
+
+    def placed(first):
+        return np.vstack([columns, np.array([10, 20, 30]) + np.asarray(first) @ columns])
+
+    same("VTKHDF: the first of the points", a, *take("vtk"), columns=placed([2, 0, -1]))
+    same("VTKHDF: a component by name", v[..., 1], *take("vtk", "--field", "v", "--component", "2"))
+    same("VTKHDF: cells", c, *take("vtk", "--field", "c"), columns=placed([2.5, 0.5, -0.5]))
+    with h5py.File(path("vtk"), "r+") as f:
+        f["VTKHDF"].attrs["WholeExtent"] = [2, 8, 0, 4, -1, 2]
+    ends("VTKHDF: another extent", 3, "WholeExtent", *take("vtk", "--field", "a"))
+    with h5py.File(path("vtk"), "r+") as f:
+        f["VTKHDF"].attrs["Type"] = "UnstructuredGrid"
+    ends("VTKHDF of another type", 3, "UnstructuredGrid", *take("vtk", "--field", "a"))
+
+
+def lists():
+    rc, out, _ = start(*take("axes", "--list"))
+    lines = {line.split()[0]: line for line in out.decode().splitlines()}
+    right = rc == 0 and "8 x 7 x 6 x 5" in lines.get("/tczyx", "") and len(lines) == 8
+    tell("--list", "" if right else lines)
+    rc, out, _ = start(*take("types", "--list", "--json"))
+    import json
+    fields = {f["name"]: f for f in json.loads(out)["fields"]}
+    right = not fields["/words"]["readable"] and fields["/t/u1"]["shape"] == [23, 17, 12]
+    tell("--list --json", "" if right else fields)
+    with h5py.File(path("empty"), "w") as f:
+        f["flat"] = np.zeros((3, 3))
+    ends("a file without volumes", 3, "--list", *take("empty"))
+    open(path("text"), "w").write("no HDF5\n")
+    ends("no HDF5 file", 3, "signature", *take("text"))
+    ends("a file that is not there", 1, "none", *take("none"))
+    rc, _, said = start(*take("axes", "-o", path("axes"), "--force"))
+    tell("the input is no output", "" if rc == 2 else said)
+
+
+def hostile():
+    with h5py.File(path("sound"), "w") as f:
+        f.create_dataset("g/a", data=(random.random((10, 11, 12)) * 99).astype("u1"), chunks=(4, 4, 4), compression="gzip")
+        f["g/a"].attrs["spacing"] = [1.0, 2, 3]
+    damaged("damaged files", path("sound"), path("broken"), 100, *take("broken"))
+    damaged("damaged files, listed", path("sound"), path("broken"), 50, *take("broken", "--list"))
+
+
+for part in (types, chunks, once, axes, places, vtkhdf, lists, hostile):
+    part()

@@ -1,0 +1,42 @@
+# import_options.sh - what the script tests of importers share. Sourced behind tap.sh:
+#   import_files NAME MODULE LIBRARY   runs tests/support/import_NAME.py; without them it is skipped, visibly
+#   import_options VERB INPUT          the options that all importers have
+# shellcheck shell=sh
+
+import_files() {
+    verb=$(dirname "$(readlink -f "$leafcast")")/../libexec/leafcast-import-$1
+    [ -x "$verb" ] || { skip "import-$1" "no $3 here"; finish; }
+    PYTHONDONTWRITEBYTECODE=1 python3 "tests/support/import_$1.py" "$leafcast" "$tmp" "$data" \
+        >"$tmp/results" 2>"$tmp/said"
+    rc=$?
+    [ $rc != 77 ] || { skip "import-$1" "no $2 here"; finish; }
+    while IFS='	' read -r name result; do
+        case $result in
+        skip*) skip "$name" "${result#skip }" ;;
+        *)
+            echo "$result" >"$tmp/err"
+            ok "$name" [ "$result" = right ]
+            ;;
+        esac
+    done <"$tmp/results"
+    cp "$tmp/said" "$tmp/err"
+    ok "all of them were run (exit $rc)" [ $rc = 0 ]
+}
+
+import_options() {
+    exits "to standard output" 0 "$leafcast" "$1" "$2"
+    cp "$tmp/out" "$tmp/want.nrrd"
+    exits "--output" 0 "$leafcast" "$1" "$2" --output "$tmp/o.nrrd" --quiet
+    ok "is the same" cmp -s "$tmp/want.nrrd" "$tmp/o.nrrd"
+    ok "--quiet says nothing" [ ! -s "$tmp/out" -a ! -s "$tmp/err" ]
+    exits "an output that is there" 1 "$leafcast" "$1" "$2" -o "$tmp/o.nrrd"
+    exits "--force --json" 0 "$leafcast" "$1" "$2" -o "$tmp/o.nrrd" --force --json
+    ok "has the type" grep -q '"type": ' "$tmp/out"
+    exits "--json without a file" 2 "$leafcast" "$1" "$2" --json
+    exits "--verbose" 0 "$leafcast" "$1" "$2" -o "$tmp/o.nrrd" --force --verbose
+    ok "says what it took" [ -s "$tmp/err" ]
+    exits "--memory 1K" 4 "$leafcast" "$1" "$2" --memory 1K
+    exits "--list with an output" 2 "$leafcast" "$1" "$2" --list -o "$tmp/l.nrrd"
+    "$leafcast" "$1" "$2" | "$leafcast" convert - -o "$tmp/o.leaf" -q
+    exits "through a pipe into a treelet file" 0 "$leafcast" verify "$tmp/o.leaf"
+}
