@@ -1,4 +1,4 @@
-#include "formats/mesh/vtk_cursor.h"
+#include "formats/vtk/vtk_cursor.h"
 
 #include <assert.h>
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "formats/input/byte_stream.h"
 #include "formats/input/text_number.h"
 #include "formats/input/text_tokens.h"
-#include "formats/mesh/vtk_bytes.h"
+#include "formats/vtk/vtk_bytes.h"
 
 enum { CURSOR_BYTES = 1 << 14 };
 

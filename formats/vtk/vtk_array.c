@@ -1,7 +1,9 @@
-#include "formats/mesh/vtk_array.h"
+#include "formats/vtk/vtk_array.h"
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
 
 size_t vtk_array_width(vtk_type type) {
     switch (type) {
@@ -21,6 +23,16 @@ size_t vtk_array_width(vtk_type type) {
 
 bool vtk_array_whole(vtk_type type) {
     return type >= VTK_I8 && type <= VTK_U64;
+}
+
+status vtk_array_check_file(const char *path) {
+    struct stat info;
+    if (stat(path, &info) == 0 && S_ISREG(info.st_mode))
+        return ST_OK;
+    return status_describe(ST_UNSUPPORTED,
+                           "%s: VTK files are read at several places at once, so from a regular "
+                           "file alone",
+                           strcmp(path, "-") == 0 ? "standard input" : path);
 }
 
 status vtk_array_fault(const vtk_array *a, status st, const char *fmt, ...) {

@@ -2,11 +2,11 @@
  *
  * Holds fixed buffers, never the array. Several cursors read several places of a file at once.
  */
-#ifndef FORMATS_MESH_VTK_CURSOR_H
-#define FORMATS_MESH_VTK_CURSOR_H
+#ifndef FORMATS_VTK_VTK_CURSOR_H
+#define FORMATS_VTK_VTK_CURSOR_H
 
 #include "formats/base/mem.h"
-#include "formats/mesh/vtk_array.h"
+#include "formats/vtk/vtk_array.h"
 
 typedef struct vtk_cursor vtk_cursor;
 

@@ -1,4 +1,4 @@
-#include "formats/mesh/vtk_bytes.h"
+#include "formats/vtk/vtk_bytes.h"
 
 #define ZLIB_CONST
 #include <limits.h>
@@ -125,7 +125,7 @@ status vtk_bytes_open(mem *m, const vtk_array *a, vtk_bytes **out) {
     b->array = a;
     status st = place_open(b, &b->data);
     if (st == ST_OK)
-        st = a->zlib ? read_table(b) : place_number(b, &b->data, &b->size);
+        st = a->packing ? read_table(b) : place_number(b, &b->data, &b->size);
     if (st != ST_OK) {
         vtk_bytes_close(b);
         return st;
@@ -232,6 +232,6 @@ static status read_blocks(vtk_bytes *b, uint8_t *to, size_t size) {
 }
 
 status vtk_bytes_read(vtk_bytes *b, void *buffer, size_t size) {
-    return b->array->zlib ? read_blocks(b, buffer, size)
-                          : place_read(b, &b->data, buffer, size, "its numbers");
+    return b->array->packing ? read_blocks(b, buffer, size)
+                             : place_read(b, &b->data, buffer, size, "its numbers");
 }

@@ -4,11 +4,11 @@
  * Through fixed buffers, front to back. The head says how many bytes there are; the table of the
  * blocks is read beside them, so its length costs nothing.
  */
-#ifndef FORMATS_MESH_VTK_BYTES_H
-#define FORMATS_MESH_VTK_BYTES_H
+#ifndef FORMATS_VTK_VTK_BYTES_H
+#define FORMATS_VTK_VTK_BYTES_H
 
 #include "formats/base/mem.h"
-#include "formats/mesh/vtk_array.h"
+#include "formats/vtk/vtk_array.h"
 
 typedef struct vtk_bytes vtk_bytes;
 
