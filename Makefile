@@ -122,8 +122,8 @@ RUN   += $(filter-out $(RUN),$(ASKED))
 
 # ---- libraries -----------------------------------------------------------------------------------
 # What the library for others needs, and what the verbs need besides.
-DOOR_PC := zlib libzstd jansson libxxhash expat
-LIBS_PC := zlib libzstd jansson libxxhash expat libpng
+DOOR_PC := zlib libzstd liblz4 jansson libxxhash expat
+LIBS_PC := zlib libzstd liblz4 jansson libxxhash expat libpng
 ifneq ($(filter-out list help clean setup test demo,$(or $(MAKECMDGOALS),all)),)
 MISSING := $(if $(shell command -v pkg-config),,pkg-config) \
            $(foreach p,$(LIBS_PC),$(shell $(PKG_CONFIG) --exists $p 2>/dev/null || echo $p))

@@ -2,11 +2,13 @@
 
 #define ZLIB_CONST
 #include <limits.h>
+#include <lz4.h>
+#include <string.h>
 #include <zlib.h>
 
 #include "formats/input/base64_stream.h"
 
-enum { PACKED_BUFFER = 1 << 14 };
+enum { PACKED_BUFFER = 1 << 14, ZLIB_RATIO = 1032, LZ4_RATIO = 255 };
 
 /* One place of the file that is read from: base64 or not. */
 typedef struct place {
@@ -14,20 +16,39 @@ typedef struct place {
     base64_stream text;
 } place;
 
+/* A compressor. begin: the table's entry of the next block has been read; some: up to size bytes of
+ * it, *got of them, perhaps none; end: behind its last one. start, end: NULL where there is nothing
+ * to do. */
+typedef struct unpacker {
+    const char *name;
+    uint64_t ratio; /* no block gives more bytes for each of its own */
+    status (*start)(vtk_bytes *b);
+    status (*begin)(vtk_bytes *b);
+    status (*some)(vtk_bytes *b, void *to, size_t size, size_t *got);
+    status (*end)(vtk_bytes *b);
+} unpacker;
+
+static const unpacker unpackers[];
+
 struct vtk_bytes {
     mem *m;
     const vtk_array *array;
-    place data, table; /* the table of the blocks' packed sizes; open with zlib alone */
+    const unpacker *unpacker; /* NULL: not packed */
+    place data, table; /* the table of the blocks' packed sizes; open with a compressor alone */
     uint64_t size;
 
     uint64_t blocks, block_size, last_size; /* the table; last_size is never 0 */
     uint64_t block;                         /* the number of those begun */
     uint64_t block_left;                    /* bytes of the block to hand out */
     uint64_t packed_left;                   /* packed bytes of the block still in the file */
-    bool block_ended;                       /* zlib says so */
-    bool ready;                             /* z is initialised */
+
+    bool block_ended; /* zlib says so */
+    bool ready;       /* z is initialised */
     z_stream z;
     uint8_t packed[PACKED_BUFFER];
+
+    uint8_t *whole[2]; /* LZ4: a block, packed and not */
+    size_t room[2];
 };
 
 /* ---- places ---- */
@@ -81,14 +102,6 @@ static status place_number(vtk_bytes *b, place *p, uint64_t *out) {
 
 /* ---- the head ---- */
 
-static status start_zlib(vtk_bytes *b) {
-    b->z.zalloc = mem_zlib_alloc;
-    b->z.zfree = mem_zlib_free;
-    b->z.opaque = b->m;
-    b->ready = inflateInit(&b->z) == Z_OK;
-    return b->ready ? ST_OK : ST_NOMEM;
-}
-
 /* [blocks, bytes a block, bytes of the last one or 0 for a full one]: then both places stand at the
  * table. */
 static status read_table(vtk_bytes *b) {
@@ -114,7 +127,19 @@ static status read_table(vtk_bytes *b) {
             b->array, ST_CORRUPT, "no sound head: %llu blocks of %llu bytes, the last of %llu",
             (unsigned long long)head[0], (unsigned long long)head[1], (unsigned long long)head[2]);
     st = place_skip(b, &b->data, b->blocks * (b->array->head64 ? 8 : 4), "its table of blocks");
-    return st == ST_OK ? start_zlib(b) : st;
+    return st == ST_OK && b->unpacker->start ? b->unpacker->start(b) : st;
+}
+
+/* Whoever reads may rely on the size: the file has room for it. */
+static status check_room(const vtk_bytes *b) {
+    const uint64_t ratio = b->unpacker ? b->unpacker->ratio : 1;
+    const uint64_t left = byte_stream_left(b->data.from);
+    if (b->size / ratio <= left)
+        return ST_OK;
+    return vtk_array_fault(b->array, ST_CORRUPT,
+                           "ends before byte %llu, too early for the %llu bytes of its head",
+                           (unsigned long long)(byte_stream_position(b->data.from) + left),
+                           (unsigned long long)b->size);
 }
 
 status vtk_bytes_open(mem *m, const vtk_array *a, vtk_bytes **out) {
@@ -123,9 +148,12 @@ status vtk_bytes_open(mem *m, const vtk_array *a, vtk_bytes **out) {
         return ST_NOMEM;
     b->m = m;
     b->array = a;
+    b->unpacker = a->packing ? &unpackers[a->packing] : NULL;
     status st = place_open(b, &b->data);
     if (st == ST_OK)
-        st = a->packing ? read_table(b) : place_number(b, &b->data, &b->size);
+        st = b->unpacker ? read_table(b) : place_number(b, &b->data, &b->size);
+    if (st == ST_OK)
+        st = check_room(b);
     if (st != ST_OK) {
         vtk_bytes_close(b);
         return st;
@@ -139,6 +167,8 @@ void vtk_bytes_close(vtk_bytes *b) {
         return;
     if (b->ready)
         inflateEnd(&b->z);
+    mem_free(b->m, b->whole[0]);
+    mem_free(b->m, b->whole[1]);
     byte_stream_close(b->data.from);
     byte_stream_close(b->table.from);
     mem_free(b->m, b);
@@ -151,19 +181,56 @@ uint64_t vtk_bytes_size(const vtk_bytes *b) {
 /* ---- blocks ---- */
 
 static status damaged(const vtk_bytes *b, const char *why) {
-    return vtk_array_fault(b->array, ST_CORRUPT, "damaged zlib block %llu before byte %llu: %s",
-                           (unsigned long long)b->block,
+    return vtk_array_fault(b->array, ST_CORRUPT, "damaged %s block %llu before byte %llu: %s",
+                           b->unpacker->name, (unsigned long long)b->block,
                            (unsigned long long)byte_stream_position(b->data.from), why);
 }
 
 static status next_block(vtk_bytes *b) {
     status st = place_number(b, &b->table, &b->packed_left);
-    inflateReset(&b->z);
-    b->z.avail_in = 0;
     b->block++;
     b->block_left = b->block == b->blocks ? b->last_size : b->block_size;
+    return st == ST_OK ? b->unpacker->begin(b) : st;
+}
+
+static status read_blocks(vtk_bytes *b, uint8_t *to, size_t size) {
+    while (size > 0) {
+        size_t got = 0;
+        status st = b->block_left == 0 ? next_block(b) : ST_OK;
+        size_t want = size < b->block_left ? size : (size_t)b->block_left;
+        if (st == ST_OK)
+            st = b->unpacker->some(b, to, want, &got);
+        to += got;
+        size -= got;
+        b->block_left -= got;
+        if (st == ST_OK && b->block_left == 0 && b->unpacker->end)
+            st = b->unpacker->end(b);
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
+status vtk_bytes_read(vtk_bytes *b, void *buffer, size_t size) {
+    return b->unpacker ? read_blocks(b, buffer, size)
+                       : place_read(b, &b->data, buffer, size, "its numbers");
+}
+
+/* ---- zlib ---- */
+
+static status start_zlib(vtk_bytes *b) {
+    b->z.zalloc = mem_zlib_alloc;
+    b->z.zfree = mem_zlib_free;
+    b->z.opaque = b->m;
+    b->ready = inflateInit(&b->z) == Z_OK;
+    return b->ready ? ST_OK : ST_NOMEM;
+}
+
+static status begin_zlib(vtk_bytes *b) {
+    inflateReset(&b->z);
+    b->z.avail_in = 0;
     b->block_ended = false;
-    return st;
+    return ST_OK;
 }
 
 /* Decompress into size bytes; *got of them are filled, perhaps none. */
@@ -194,7 +261,7 @@ static status inflate_some(vtk_bytes *b, void *to, size_t size, size_t *got) {
 }
 
 /* Behind the block's last byte: its checksum, and nothing else. */
-static status end_block(vtk_bytes *b) {
+static status end_zlib(vtk_bytes *b) {
     while (!b->block_ended) {
         uint8_t more;
         size_t got;
@@ -209,29 +276,56 @@ static status end_block(vtk_bytes *b) {
     return ST_OK;
 }
 
-static status read_blocks(vtk_bytes *b, uint8_t *to, size_t size) {
-    while (size > 0) {
-        size_t got = 0;
-        status st = b->block_left == 0 ? next_block(b) : ST_OK;
-        size_t want = size < b->block_left ? size : (size_t)b->block_left;
-        if (st == ST_OK)
-            st = inflate_some(b, to, want, &got);
-        if (st != ST_OK)
-            return st;
-        to += got;
-        size -= got;
-        b->block_left -= got;
-        if (b->block_left > 0 && b->block_ended)
-            return damaged(b, "it holds less than its head says");
-        if (b->block_left == 0)
-            st = end_block(b);
-        if (st != ST_OK)
-            return st;
-    }
+static status some_zlib(vtk_bytes *b, void *to, size_t size, size_t *got) {
+    status st = inflate_some(b, to, size, got);
+    return st == ST_OK && b->block_ended && *got < b->block_left
+               ? damaged(b, "it holds less than its head says")
+               : st;
+}
+
+/* ---- LZ4 ---- */
+
+static status make_room(vtk_bytes *b, int which, size_t size) {
+    if (size <= b->room[which])
+        return ST_OK;
+    mem_free(b->m, b->whole[which]);
+    b->room[which] = 0;
+    b->whole[which] = mem_alloc(b->m, size);
+    if (!b->whole[which])
+        return ST_NOMEM;
+    b->room[which] = size;
     return ST_OK;
 }
 
-status vtk_bytes_read(vtk_bytes *b, void *buffer, size_t size) {
-    return b->array->packing ? read_blocks(b, buffer, size)
-                             : place_read(b, &b->data, buffer, size, "its numbers");
+/* Such a block says nothing about itself and is unpacked as a whole. */
+static status begin_lz4(vtk_bytes *b) {
+    const uint64_t packed = b->packed_left, size = b->block_left;
+    if (size > LZ4_MAX_INPUT_SIZE)
+        return damaged(b, "larger than such a block can be");
+    if (packed > (uint64_t)LZ4_COMPRESSBOUND(size) || size > LZ4_RATIO * packed)
+        return damaged(b, "its length is not one of so many bytes");
+    if (packed > byte_stream_left(b->data.from))
+        return ends_early(b, &b->data, packed, "its blocks");
+    status st = make_room(b, 0, (size_t)packed);
+    if (st == ST_OK)
+        st = make_room(b, 1, (size_t)size);
+    if (st == ST_OK)
+        st = place_read(b, &b->data, b->whole[0], (size_t)packed, "its blocks");
+    if (st != ST_OK)
+        return st;
+    const int got =
+        LZ4_decompress_safe((const char *)b->whole[0], (char *)b->whole[1], (int)packed, (int)size);
+    return got == (int)size ? ST_OK : damaged(b, "not compressed data of its size");
 }
+
+static status some_lz4(vtk_bytes *b, void *to, size_t size, size_t *got) {
+    const uint64_t all = b->block == b->blocks ? b->last_size : b->block_size;
+    memcpy(to, b->whole[1] + (all - b->block_left), size);
+    *got = size;
+    return ST_OK;
+}
+
+static const unpacker unpackers[] = {
+    [VTK_ZLIB] = {"zlib", ZLIB_RATIO, start_zlib, begin_zlib, some_zlib, end_zlib},
+    [VTK_LZ4] = {"LZ4", LZ4_RATIO, NULL, begin_lz4, some_lz4, NULL},
+};

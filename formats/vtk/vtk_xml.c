@@ -115,8 +115,10 @@ static int choose_word(const char *value, const char *const *words) {
 static status on_file(vtk_xml *x, const char **attributes) {
     static const char *const orders[] = {"LittleEndian", "BigEndian", NULL};
     static const char *const heads[] = {"UInt32", "UInt64", NULL};
-    static const char *const packings[] = {
-        [VTK_PLAIN] = "", [VTK_ZLIB] = "vtkZLibDataCompressor", NULL};
+    static const char *const packings[] = {[VTK_PLAIN] = "",
+                                           [VTK_ZLIB] = "vtkZLibDataCompressor",
+                                           [VTK_LZ4] = "vtkLZ4DataCompressor",
+                                           NULL};
     const char *type = vtk_xml_attribute(attributes, "type");
     const char *order = vtk_xml_attribute(attributes, "byte_order");
     const char *head = vtk_xml_attribute(attributes, "header_type");
@@ -135,7 +137,9 @@ static status on_file(vtk_xml *x, const char **attributes) {
                              head);
     if (packed < 0)
         return vtk_xml_fault(x, ST_UNSUPPORTED,
-                             "compressor \"%.40s\"; vtkZLibDataCompressor is supported", packing);
+                             "compressor \"%.40s\"; vtkZLibDataCompressor and "
+                             "vtkLZ4DataCompressor are supported",
+                             packing);
     x->big_endian = big;
     x->head64 = wide;
     x->packing = (vtk_packing)packed;

@@ -4,6 +4,7 @@
 #include <stdarg.h>
 
 #include <cmocka.h>
+#include <lz4.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -107,6 +108,14 @@ static void put_head(FILE *out, const vtk_xml_style *s, uint64_t number) {
     put_bytes(out, &number, s->head64 ? 8 : 4, s->big_endian);
 }
 
+static size_t pack_block(const vtk_xml_style *s, const char *data, size_t size, char packed[8192]) {
+    if (s->lz4)
+        return (size_t)LZ4_compress_default(data, packed, (int)size, 8192);
+    uLongf room = 8192;
+    assert_int_equal(compress2((Bytef *)packed, &room, (const Bytef *)data, size, 9), Z_OK);
+    return room;
+}
+
 /* The head, and the blocks behind it. */
 static void pack(const vtk_xml_style *s, const bytes *plain, FILE *head, FILE *body) {
     if (!s->block) {
@@ -119,12 +128,9 @@ static void pack(const vtk_xml_style *s, const bytes *plain, FILE *head, FILE *b
     put_head(head, s, s->block);
     put_head(head, s, plain->size % s->block);
     for (size_t i = 0; i < blocks; i++) {
-        uint8_t packed[8192];
-        uLongf size = sizeof packed;
+        char packed[8192];
         size_t at = i * s->block, left = plain->size - at;
-        assert_int_equal(compress2(packed, &size, (const Bytef *)plain->data + at,
-                                   left < s->block ? left : s->block, 9),
-                         Z_OK);
+        size_t size = pack_block(s, plain->data + at, left < s->block ? left : s->block, packed);
         put_head(head, s, size);
         fwrite(packed, 1, size, body);
     }
@@ -256,7 +262,9 @@ const char *vtk_files_xml(const char *name, const vtk_xml_style *style) {
             "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" "
             "format=\"ascii\">3.5</DataArray></FieldData>\n",
             style->big_endian ? "BigEndian" : "LittleEndian", style->head64 ? "UInt64" : "UInt32",
-            style->block ? " compressor=\"vtkZLibDataCompressor\"" : "");
+            !style->block ? ""
+            : style->lz4  ? " compressor=\"vtkLZ4DataCompressor\""
+                          : " compressor=\"vtkZLibDataCompressor\"");
     int pieces = style->pieces ? style->pieces : 1;
     for (x.piece = 0; x.piece < pieces; x.piece++)
         put_piece(&x);

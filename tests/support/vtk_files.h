@@ -23,7 +23,8 @@ typedef struct vtk_xml_style {
     bool raw;      /* appended: without base64 */
     bool big_endian, head64;
     bool split_head;   /* base64: head and numbers encoded one by one, as some writers do */
-    size_t block;      /* bytes of a zlib block; 0: not compressed */
+    size_t block;      /* bytes of a compressed block; 0: not compressed */
+    bool lz4;          /* else zlib */
     const char *real;  /* type of positions and fields; NULL: Float64 */
     const char *whole; /* of ids, offsets and "n"; NULL: Int32 */
     int pieces;        /* 0: 1; the mesh again and again, 10 further along x, values 100 higher */
