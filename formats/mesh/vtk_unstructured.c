@@ -32,12 +32,12 @@ static const vtk_array *find_anywhere(const vtk_unstructured *g, vtk_owner owner
 }
 
 static status no_field(const vtk_unstructured *g) {
-    mesh_choice_names names[VTK_OWNERS] = {0};
+    name_list names[VTK_OWNERS] = {0};
     for (size_t i = 0; i < g->count; i++)
         for (int o = 0; o < VTK_OWNERS; o++)
             for (size_t k = 0; k < g->pieces[i].fields.count[o]; k++)
                 if (is_numeric(&g->pieces[i].fields.items[o][k]))
-                    mesh_choice_add(&names[o], g->pieces[i].fields.items[o][k].name);
+                    name_list_add(&names[o], g->pieces[i].fields.items[o][k].name);
     return mesh_choice_missing(g->source->path, &g->source->hints, &names[VTK_OF_POINTS],
                                &names[VTK_OF_CELLS]);
 }

@@ -28,7 +28,7 @@ typedef struct unpacker {
     status (*end)(vtk_bytes *b);
 } unpacker;
 
-static const unpacker unpackers[];
+static const unpacker unpackers[VTK_LZ4 + 1];
 
 struct vtk_bytes {
     mem *m;

@@ -25,6 +25,11 @@ void vtk_cursor_close(vtk_cursor *c); /* NULL is fine */
 CHECKED status vtk_cursor_doubles(vtk_cursor *c, size_t count, double *out);
 CHECKED status vtk_cursor_whole(vtk_cursor *c, size_t count, uint64_t *out);
 
+/* vtk_cursor_raw() - the next count numbers as they are: of the array's own type, in native byte
+ * order. Not for a cursor that the others were used on. ST_CORRUPT as there, and for text that is
+ * no number of the type. */
+CHECKED status vtk_cursor_raw(vtk_cursor *c, size_t count, void *out);
+
 /* vtk_cursor_finish() - check that nothing is left. */
 CHECKED status vtk_cursor_finish(vtk_cursor *c);
 
