@@ -1,8 +1,8 @@
 #include "formats/grid/volume_layout.h"
 
 #include <math.h>
-#include <string.h>
 
+#include "formats/base/file.h"
 #include "formats/base/num.h"
 #include "formats/input/unpack_stream.h"
 
@@ -15,14 +15,9 @@ void volume_layout_release(volume_layout *l) {
 }
 
 status volume_layout_open(volume_layout *l, const char *header, const char *name) {
-    const char *slash = strrchr(header, '/');
-    size_t folder = slash && *name != '/' ? (size_t)(slash - header) + 1 : 0;
-    size_t length = strlen(name) + 1;
-    char *path = mem_alloc(l->m, folder + length);
+    char *path = file_beside(l->m, header, name);
     if (!path)
         return ST_NOMEM;
-    memcpy(path, header, folder);
-    memcpy(path + folder, name, length);
     byte_stream *data = NULL;
     status st = byte_stream_open_stored(l->m, path, &data);
     mem_free(l->m, path);

@@ -127,7 +127,7 @@ static bool known(const char *path, const uint8_t *start, size_t size) {
     char type[VTK_XML_TYPE_MAX];
     if (vtk_xml_type(start, size, type))
         return strcmp(type, "UnstructuredGrid") == 0;
-    return memmem(start, size, "<VTKFile", 8) || text_ends_in(path, ".vtu");
+    return text_ends_in(path, ".vtu");
 }
 
 static status open_file(mesh_source *source, void **state) {

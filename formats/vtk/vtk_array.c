@@ -5,20 +5,17 @@
 #include <string.h>
 #include <sys/stat.h>
 
+sample_type vtk_array_samples(vtk_type type) {
+    static const sample_type types[] = {
+        [VTK_I8] = SAMPLE_I8,   [VTK_U8] = SAMPLE_U8,   [VTK_I16] = SAMPLE_I16,
+        [VTK_U16] = SAMPLE_U16, [VTK_I32] = SAMPLE_I32, [VTK_U32] = SAMPLE_U32,
+        [VTK_I64] = SAMPLE_I64, [VTK_U64] = SAMPLE_U64, [VTK_F32] = SAMPLE_F32,
+        [VTK_F64] = SAMPLE_F64, [VTK_STRING] = 0};
+    return types[type];
+}
+
 size_t vtk_array_width(vtk_type type) {
-    switch (type) {
-    case VTK_I8:
-    case VTK_U8: return 1;
-    case VTK_I16:
-    case VTK_U16: return 2;
-    case VTK_I32:
-    case VTK_U32:
-    case VTK_F32: return 4;
-    case VTK_I64:
-    case VTK_U64:
-    case VTK_F64: return 8;
-    default: return 0;
-    }
+    return sample_size(vtk_array_samples(type));
 }
 
 bool vtk_array_whole(vtk_type type) {

@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "formats/base/sample.h"
 #include "formats/base/status.h"
 
 typedef enum vtk_type {
@@ -54,6 +55,9 @@ typedef struct vtk_array {
 
 /* vtk_array_width() - bytes of one number; 0 for types that have none. */
 size_t vtk_array_width(vtk_type type);
+
+/* vtk_array_samples() - the type as one of samples; 0 for types that have no numbers. */
+sample_type vtk_array_samples(vtk_type type);
 
 /* vtk_array_whole() - whether the type is one of whole numbers. */
 bool vtk_array_whole(vtk_type type);
