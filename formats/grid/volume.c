@@ -13,6 +13,7 @@
 #include "formats/grid/metaimage.h"
 #include "formats/grid/nrrd.h"
 #include "formats/grid/rawfile.h"
+#include "formats/grid/vtk_grid_legacy.h"
 #include "formats/grid/vtk_grid_xml.h"
 
 struct volume {
@@ -25,8 +26,9 @@ struct volume {
 };
 
 /* What the formats are told by; the first that knows the file reads it. Raw samples know any. */
-static const grid_reader *const readers[] = {&nrrd_reader, &metaimage_reader, &vtk_grid_xml_reader,
-                                             &imported_reader, &raw_reader};
+static const grid_reader *const readers[] = {&nrrd_reader,         &metaimage_reader,
+                                             &vtk_grid_xml_reader, &vtk_grid_legacy_reader,
+                                             &imported_reader,     &raw_reader};
 
 /* ---- hints ---- */
 
