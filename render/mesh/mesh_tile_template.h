@@ -26,7 +26,7 @@ void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_r
 typedef struct tet_lanes {
     uint32_t vertex[4][VF_N]; /* in the treelet */
     tile_rect within[VF_N];   /* those of their leaves */
-    uint32_t place[VF_N];
+    uint32_t local[VF_N];
     unsigned count;
 } tet_lanes;
 
@@ -255,16 +255,16 @@ SIMD near_tet lane_tet(const tet_lanes *l, const resident_mesh *at, unsigned lan
 SIMD bool polygon_of(const mesh_tile *w, const resident_mesh *at, unsigned lane, int32_t iso,
                      isopolygon *out) {
     const double isovalue = w->s.f->tracer->isos.isovalues[iso];
-    const uint32_t place = w->lanes.place[lane];
+    const uint32_t local = w->lanes.local[lane];
     if (!at->derived) {
         const near_tet x = lane_tet(&w->lanes, at, lane);
         const polygon_sight sight = isopolygon_near(&x, isovalue, out);
         if (sight != DOUBTFUL_POLYGON)
             return sight == SURE_POLYGON;
-        const tet exact = mesh_walk_tet(at, place);
+        const tet exact = mesh_walk_tet(at, local);
         return isopolygon_of(&exact, isovalue, out);
     }
-    const isopolygon *g = isopolygon_cache_find(at, place, isovalue, out);
+    const isopolygon *g = isopolygon_cache_find(at, local, isovalue, out);
     if (g && g != out)
         *out = *g;
     return g;
@@ -285,7 +285,7 @@ static void walk_tet(mesh_tile *w, const resident_mesh *at, unsigned lane, int32
                      tile_rect r) {
     seen_polygon s; /* large */
     s.at = at;
-    s.tet = w->lanes.place[lane];
+    s.tet = w->lanes.local[lane];
     s.iso = iso;
     LANE_COUNT(looked_at, 1u);
     if (!polygon_of(w, at, lane, iso, &s.g))
@@ -411,8 +411,8 @@ static void walk_lanes(mesh_tile *w, const resident_mesh *at) {
     l->count = 0;
 }
 
-static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t place, const tile_rect *r) {
-    const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[place];
+static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t local, const tile_rect *r) {
+    const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[local];
     const float *values = mesh_leaf_values(&at->mesh, at->values);
     tet_lanes *l = &w->lanes;
     for (int k = 0; k < 4; k++) {
@@ -421,7 +421,7 @@ static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t place, cons
         l->vertex[k][l->count] = v[k];
     }
     l->within[l->count] = *r;
-    l->place[l->count++] = place;
+    l->local[l->count++] = local;
     if (l->count == VF_N)
         walk_lanes(w, at);
 }
