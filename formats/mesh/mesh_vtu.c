@@ -9,12 +9,12 @@
 
 /* What an element is to us; its children are read accordingly. */
 enum {
-    PLACE_GRID = VTK_XML_OWN,
-    PLACE_PIECE,
-    PLACE_POINTS,
-    PLACE_CELLS,
-    PLACE_POINT_DATA,
-    PLACE_CELL_DATA,
+    ELEMENT_GRID = VTK_XML_OWN,
+    ELEMENT_PIECE,
+    ELEMENT_POINTS,
+    ELEMENT_CELLS,
+    ELEMENT_POINT_DATA,
+    ELEMENT_CELL_DATA,
 };
 
 typedef struct scan {
@@ -64,11 +64,12 @@ static status on_cells(vtk_xml *x, vtk_piece *p, const char *name, const vtk_arr
 static status on_array(vtk_xml *x, int place, const char *name, const vtk_array *a) {
     const scan *s = vtk_xml_user(x);
     switch (place) {
-    case PLACE_POINTS: return on_points(x, s->piece, a);
-    case PLACE_CELLS: return on_cells(x, s->piece, name, a);
-    case PLACE_POINT_DATA:
+    case ELEMENT_POINTS: return on_points(x, s->piece, a);
+    case ELEMENT_CELLS: return on_cells(x, s->piece, name, a);
+    case ELEMENT_POINT_DATA:
         return vtk_fields_add(&s->piece->fields, s->g->m, VTK_OF_POINTS, name, a);
-    case PLACE_CELL_DATA: return vtk_fields_add(&s->piece->fields, s->g->m, VTK_OF_CELLS, name, a);
+    case ELEMENT_CELL_DATA:
+        return vtk_fields_add(&s->piece->fields, s->g->m, VTK_OF_CELLS, name, a);
     default: return ST_OK;
     }
 }
@@ -102,12 +103,12 @@ static status check_cells(const vtk_unstructured *g) {
 
 static status scan_file(vtk_unstructured *g, byte_stream *data) {
     static const vtk_xml_element elements[] = {
-        {VTK_XML_FILE, "UnstructuredGrid", PLACE_GRID, NULL},
-        {PLACE_GRID, "Piece", PLACE_PIECE, on_piece},
-        {PLACE_PIECE, "Points", PLACE_POINTS, NULL},
-        {PLACE_PIECE, "Cells", PLACE_CELLS, NULL},
-        {PLACE_PIECE, "PointData", PLACE_POINT_DATA, NULL},
-        {PLACE_PIECE, "CellData", PLACE_CELL_DATA, NULL},
+        {VTK_XML_FILE, "UnstructuredGrid", ELEMENT_GRID, NULL},
+        {ELEMENT_GRID, "Piece", ELEMENT_PIECE, on_piece},
+        {ELEMENT_PIECE, "Points", ELEMENT_POINTS, NULL},
+        {ELEMENT_PIECE, "Cells", ELEMENT_CELLS, NULL},
+        {ELEMENT_PIECE, "PointData", ELEMENT_POINT_DATA, NULL},
+        {ELEMENT_PIECE, "CellData", ELEMENT_CELL_DATA, NULL},
         {0, NULL, 0, NULL},
     };
     static const vtk_xml_reader reader = {"UnstructuredGrid", elements, on_array};
