@@ -31,8 +31,9 @@ static const vtk_xml_style styles[] = {
     {.appended = true, .raw = true, .head64 = true},
     {.appended = true, .raw = true, .block = 24},
     {.appended = true, .raw = true, .block = 100, .head64 = true, .big_endian = true},
-    {.block = 64, .lz4 = true},
-    {.appended = true, .raw = true, .block = 128, .lz4 = true, .head64 = true},
+    {.block = 64, .packing = VTK_FILES_LZ4},
+    {.appended = true, .raw = true, .block = 128, .packing = VTK_FILES_LZ4, .head64 = true},
+    {.appended = true, .block = 100, .packing = VTK_FILES_LZMA, .big_endian = true},
 };
 
 enum { STYLES = sizeof styles / sizeof *styles };
@@ -178,8 +179,8 @@ static void test_structure(void **state) {
     refused(a, "type=\"UnstructuredGrid\" ", "", ST_CORRUPT, "UnstructuredGrid is supported");
     refused(a, "LittleEndian", "MiddleEndian", ST_CORRUPT, "expected LittleEndian or BigEndian");
     refused(a, "UInt32", "UInt16", ST_CORRUPT, "expected UInt32 or UInt64");
-    refused(a, "header_type", "compressor=\"vtkLZMADataCompressor\" header_type", ST_UNSUPPORTED,
-            "vtkZLibDataCompressor and vtkLZ4DataCompressor are supported");
+    refused(a, "header_type", "compressor=\"vtkPackedDataCompressor\" header_type", ST_UNSUPPORTED,
+            "those of zlib, LZ4 and LZMA are supported");
     refused(a, "NumberOfPoints=\"16\"", "", ST_CORRUPT, "expected the attribute NumberOfPoints");
     refused(a, "NumberOfCells=\"9\"", "NumberOfCells=\"-9\"", ST_CORRUPT,
             "expected a whole number from 0 on");
@@ -301,8 +302,8 @@ typedef struct block_case {
     const char *said;
 } block_case;
 
-static void refuse_blocks(bool lz4, const block_case *cases, size_t count) {
-    const vtk_xml_style s = {.appended = true, .raw = true, .block = 64, .lz4 = lz4};
+static void refuse_blocks(vtk_files_packing packing, const block_case *cases, size_t count) {
+    const vtk_xml_style s = {.appended = true, .raw = true, .block = 64, .packing = packing};
     size_t size;
     char *data = scratch_read(vtk_files_xml("a.vtu", &s), &size);
     char *head = (char *)memmem(data, size, " _", 2) + 2;
@@ -316,7 +317,7 @@ static void refuse_blocks(bool lz4, const block_case *cases, size_t count) {
     /* One byte more for the first block: it begins the second. */
     head[12]++;
     mesh_files_refused(scratch_write("b.vtu", data, size), NULL, ST_CORRUPT,
-                       lz4 ? "damaged LZ4 block 1" : "bytes follow its end");
+                       packing ? "block 1 before" : "bytes follow its end");
     free(data);
 }
 
@@ -343,8 +344,15 @@ static void test_blocks(void **state) {
         {3, 5, "damaged LZ4 block 1 before byte"},
         {4, 1000000, "its length is not one of so many bytes"},
     };
-    refuse_blocks(false, zlib, sizeof zlib / sizeof *zlib);
-    refuse_blocks(true, lz4, sizeof lz4 / sizeof *lz4);
+    static const block_case lzma[] = {
+        {2, 8, "has 9 numbers"},
+        {3, 0, "its length is not one of so many bytes"},
+        {3, 5, "damaged LZMA block 1 before byte"},
+        {4, 1000000, "its length is not one of so many bytes"},
+    };
+    refuse_blocks(VTK_FILES_ZLIB, zlib, sizeof zlib / sizeof *zlib);
+    refuse_blocks(VTK_FILES_LZ4, lz4, sizeof lz4 / sizeof *lz4);
+    refuse_blocks(VTK_FILES_LZMA, lzma, sizeof lzma / sizeof *lzma);
 }
 
 static void test_limits(void **state) {

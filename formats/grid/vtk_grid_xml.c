@@ -9,13 +9,13 @@
 
 /* What an element is to us; its children are read accordingly. */
 enum {
-    PLACE_GRID = VTK_XML_OWN,
-    PLACE_PIECE,
-    PLACE_POINT_DATA,
-    PLACE_CELL_DATA,
-    PLACE_COORDINATES,
-    PLACE_PARALLEL, /* a grid whose pieces are files */
-    PLACE_SOURCE,   /* one of them */
+    ELEMENT_GRID = VTK_XML_OWN,
+    ELEMENT_PIECE,
+    ELEMENT_POINT_DATA,
+    ELEMENT_CELL_DATA,
+    ELEMENT_COORDINATES,
+    ELEMENT_PARALLEL, /* a grid whose pieces are files */
+    ELEMENT_SOURCE,   /* one of them */
 };
 
 /* The types of a VTKFile that are grids. */
@@ -126,29 +126,29 @@ static status on_coordinates(vtk_xml *x, vtk_grid_piece *p, const vtk_array *a) 
     return vtk_xml_fault(x, ST_CORRUPT, "coordinates of more than three axes");
 }
 
-static status on_array(vtk_xml *x, int place, const char *name, const vtk_array *a) {
+static status on_array(vtk_xml *x, int element, const char *name, const vtk_array *a) {
     const scan *s = vtk_xml_user(x);
     if (!s->in_piece)
         return ST_OK;
     vtk_grid_piece *p = &s->g->pieces[s->g->count - 1];
-    switch (place) {
-    case PLACE_POINT_DATA: return vtk_fields_add(&p->fields, s->g->m, VTK_OF_POINTS, name, a);
-    case PLACE_CELL_DATA: return vtk_fields_add(&p->fields, s->g->m, VTK_OF_CELLS, name, a);
-    case PLACE_COORDINATES: return on_coordinates(x, p, a);
+    switch (element) {
+    case ELEMENT_POINT_DATA: return vtk_fields_add(&p->fields, s->g->m, VTK_OF_POINTS, name, a);
+    case ELEMENT_CELL_DATA: return vtk_fields_add(&p->fields, s->g->m, VTK_OF_CELLS, name, a);
+    case ELEMENT_COORDINATES: return on_coordinates(x, p, a);
     default: return ST_OK;
     }
 }
 
 static const vtk_xml_element elements[] = {
-    {VTK_XML_FILE, "ImageData", PLACE_GRID, on_grid},
-    {VTK_XML_FILE, "RectilinearGrid", PLACE_GRID, on_grid},
-    {PLACE_GRID, "Piece", PLACE_PIECE, on_piece},
-    {PLACE_PIECE, "PointData", PLACE_POINT_DATA, NULL},
-    {PLACE_PIECE, "CellData", PLACE_CELL_DATA, NULL},
-    {PLACE_PIECE, "Coordinates", PLACE_COORDINATES, NULL},
-    {VTK_XML_FILE, "PImageData", PLACE_PARALLEL, on_grid},
-    {VTK_XML_FILE, "PRectilinearGrid", PLACE_PARALLEL, on_grid},
-    {PLACE_PARALLEL, "Piece", PLACE_SOURCE, on_source},
+    {VTK_XML_FILE, "ImageData", ELEMENT_GRID, on_grid},
+    {VTK_XML_FILE, "RectilinearGrid", ELEMENT_GRID, on_grid},
+    {ELEMENT_GRID, "Piece", ELEMENT_PIECE, on_piece},
+    {ELEMENT_PIECE, "PointData", ELEMENT_POINT_DATA, NULL},
+    {ELEMENT_PIECE, "CellData", ELEMENT_CELL_DATA, NULL},
+    {ELEMENT_PIECE, "Coordinates", ELEMENT_COORDINATES, NULL},
+    {VTK_XML_FILE, "PImageData", ELEMENT_PARALLEL, on_grid},
+    {VTK_XML_FILE, "PRectilinearGrid", ELEMENT_PARALLEL, on_grid},
+    {ELEMENT_PARALLEL, "Piece", ELEMENT_SOURCE, on_source},
     {0, NULL, 0, NULL},
 };
 
@@ -163,9 +163,9 @@ static status scan_file(scan *s, byte_stream *data, const char *type) {
     if (st == ST_OK && !s->framed)
         st = status_describe(ST_CORRUPT, "%s: expected an element %s", s->path, type);
     for (size_t i = before; st == ST_OK && i < s->g->count; i++) {
-        vtk_xml_place_fields(&appended, &s->g->pieces[i].fields);
+        vtk_xml_locate_fields(&appended, &s->g->pieces[i].fields);
         for (int a = 0; a < 3; a++)
-            vtk_xml_place(&appended, &s->g->pieces[i].axis[a]);
+            vtk_xml_locate(&appended, &s->g->pieces[i].axis[a]);
     }
     return st;
 }

@@ -61,9 +61,9 @@ static status on_cells(vtk_xml *x, vtk_piece *p, const char *name, const vtk_arr
     return ST_OK;
 }
 
-static status on_array(vtk_xml *x, int place, const char *name, const vtk_array *a) {
+static status on_array(vtk_xml *x, int element, const char *name, const vtk_array *a) {
     const scan *s = vtk_xml_user(x);
-    switch (place) {
+    switch (element) {
     case ELEMENT_POINTS: return on_points(x, s->piece, a);
     case ELEMENT_CELLS: return on_cells(x, s->piece, name, a);
     case ELEMENT_POINT_DATA:
@@ -76,14 +76,14 @@ static status on_array(vtk_xml *x, int place, const char *name, const vtk_array 
 
 /* ---- the file ---- */
 
-static void place_arrays(const vtk_unstructured *g, const vtk_appended *appended) {
+static void locate_arrays(const vtk_unstructured *g, const vtk_appended *appended) {
     for (size_t i = 0; i < g->count; i++) {
         vtk_piece *p = &g->pieces[i];
-        vtk_xml_place(appended, &p->position);
-        vtk_xml_place(appended, &p->cells.ids);
-        vtk_xml_place(appended, &p->cells.offsets);
-        vtk_xml_place(appended, &p->cells.types);
-        vtk_xml_place_fields(appended, &p->fields);
+        vtk_xml_locate(appended, &p->position);
+        vtk_xml_locate(appended, &p->cells.ids);
+        vtk_xml_locate(appended, &p->cells.offsets);
+        vtk_xml_locate(appended, &p->cells.types);
+        vtk_xml_locate_fields(appended, &p->fields);
     }
 }
 
@@ -117,7 +117,7 @@ static status scan_file(vtk_unstructured *g, byte_stream *data) {
     status st = vtk_xml_scan(g->m, g->source->path, data, &reader, &s, &appended);
     if (st != ST_OK)
         return st;
-    place_arrays(g, &appended);
+    locate_arrays(g, &appended);
     return check_cells(g);
 }
 

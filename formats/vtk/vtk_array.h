@@ -37,7 +37,7 @@ typedef enum vtk_coding {
 } vtk_coding;
 
 /* Raw and base64: in blocks, as a compressor of VTK's writes them. */
-typedef enum vtk_packing { VTK_PLAIN, VTK_ZLIB, VTK_LZ4 } vtk_packing;
+typedef enum vtk_packing { VTK_PLAIN, VTK_ZLIB, VTK_LZ4, VTK_LZMA } vtk_packing;
 
 typedef struct vtk_array {
     const char *path; /* of the file; not owned */

@@ -3,12 +3,21 @@
 #define ZLIB_CONST
 #include <limits.h>
 #include <lz4.h>
+#include <lzma.h>
 #include <string.h>
 #include <zlib.h>
 
 #include "formats/input/base64_stream.h"
+#include "formats/input/unpack_stream.h"
 
-enum { PACKED_BUFFER = 1 << 14, ZLIB_RATIO = 1032, LZ4_RATIO = 255 };
+enum {
+    PACKED_BUFFER = 1 << 14,
+    ZLIB_RATIO = UNPACK_ZLIB_RATIO,
+    LZ4_RATIO = 255,
+    LZMA_RATIO = 1 << 14, /* about twice what it can */
+    WHOLE_MAX = LZ4_MAX_INPUT_SIZE / 4,
+    WHOLE_HEAD = 1 << 10, /* what packing may add to little data */
+};
 
 /* What is read from one byte of the file on: base64 or not. */
 typedef struct input {
@@ -28,7 +37,7 @@ typedef struct unpacker {
     status (*end)(vtk_bytes *b);
 } unpacker;
 
-static const unpacker unpackers[VTK_LZ4 + 1];
+static const unpacker unpackers[VTK_LZMA + 1];
 
 struct vtk_bytes {
     mem *m;
@@ -47,7 +56,7 @@ struct vtk_bytes {
     z_stream z;
     uint8_t packed[PACKED_BUFFER];
 
-    uint8_t *whole[2]; /* LZ4: a block, packed and not */
+    uint8_t *whole[2]; /* LZ4, LZMA: a block, packed and not */
     size_t room[2];
 };
 
@@ -283,7 +292,7 @@ static status some_zlib(vtk_bytes *b, void *to, size_t size, size_t *got) {
                : st;
 }
 
-/* ---- LZ4 ---- */
+/* ---- LZ4 and LZMA ---- */
 
 static status make_room(vtk_bytes *b, int which, size_t size) {
     if (size <= b->room[which])
@@ -297,35 +306,60 @@ static status make_room(vtk_bytes *b, int which, size_t size) {
     return ST_OK;
 }
 
-/* Such a block says nothing about itself and is unpacked as a whole. */
-static status begin_lz4(vtk_bytes *b) {
+/* The packed bytes of the block to whole[0], room for the others in whole[1]. */
+static status read_whole(vtk_bytes *b) {
     const uint64_t packed = b->packed_left, size = b->block_left;
-    if (size > LZ4_MAX_INPUT_SIZE)
+    if (size > WHOLE_MAX)
         return damaged(b, "larger than such a block can be");
-    if (packed > (uint64_t)LZ4_COMPRESSBOUND(size) || size > LZ4_RATIO * packed)
+    if (packed > 2 * size + WHOLE_HEAD || size > b->unpacker->ratio * packed)
         return damaged(b, "its length is not one of so many bytes");
     if (packed > byte_stream_left(b->data.from))
         return ends_early(b, &b->data, packed, "its blocks");
     status st = make_room(b, 0, (size_t)packed);
     if (st == ST_OK)
         st = make_room(b, 1, (size_t)size);
-    if (st == ST_OK)
-        st = input_read(b, &b->data, b->whole[0], (size_t)packed, "its blocks");
-    if (st != ST_OK)
-        return st;
-    const int got =
-        LZ4_decompress_safe((const char *)b->whole[0], (char *)b->whole[1], (int)packed, (int)size);
-    return got == (int)size ? ST_OK : damaged(b, "not compressed data of its size");
+    return st == ST_OK ? input_read(b, &b->data, b->whole[0], (size_t)packed, "its blocks") : st;
 }
 
-static status some_lz4(vtk_bytes *b, void *to, size_t size, size_t *got) {
+static status begin_lz4(vtk_bytes *b) {
+    status st = read_whole(b);
+    if (st != ST_OK)
+        return st;
+    const int got = LZ4_decompress_safe((const char *)b->whole[0], (char *)b->whole[1],
+                                        (int)b->packed_left, (int)b->block_left);
+    return got == (int)b->block_left ? ST_OK : damaged(b, "not compressed data of its size");
+}
+
+static void *lzma_alloc(void *m, size_t count, size_t size) {
+    return mem_array(m, count, size);
+}
+
+static status begin_lzma(vtk_bytes *b) {
+    status st = read_whole(b);
+    if (st != ST_OK)
+        return st;
+    const lzma_allocator allocator = {lzma_alloc, mem_zlib_free, b->m};
+    uint64_t limit = UINT64_MAX; /* the budget is the only one */
+    size_t in = 0, out = 0;
+    const lzma_ret result =
+        lzma_stream_buffer_decode(&limit, 0, &allocator, b->whole[0], &in, (size_t)b->packed_left,
+                                  b->whole[1], &out, (size_t)b->block_left);
+    if (result == LZMA_MEM_ERROR)
+        return ST_NOMEM;
+    return result == LZMA_OK && in == b->packed_left && out == b->block_left
+               ? ST_OK
+               : damaged(b, "not compressed data of its size");
+}
+
+static status some_whole(vtk_bytes *b, void *to, size_t size, size_t *got) {
     const uint64_t all = b->block == b->blocks ? b->last_size : b->block_size;
     memcpy(to, b->whole[1] + (all - b->block_left), size);
     *got = size;
     return ST_OK;
 }
 
-static const unpacker unpackers[] = {
+static const unpacker unpackers[VTK_LZMA + 1] = {
     [VTK_ZLIB] = {"zlib", ZLIB_RATIO, start_zlib, begin_zlib, some_zlib, end_zlib},
-    [VTK_LZ4] = {"LZ4", LZ4_RATIO, NULL, begin_lz4, some_lz4, NULL},
+    [VTK_LZ4] = {"LZ4", LZ4_RATIO, NULL, begin_lz4, some_whole, NULL},
+    [VTK_LZMA] = {"LZMA", LZMA_RATIO, NULL, begin_lzma, some_whole, NULL},
 };

@@ -1,9 +1,9 @@
 /* vtk_bytes.h - the bytes of an XML array behind its head: plain, in base64, in blocks of a
  * compressor, or both.
  *
- * Through fixed buffers, front to back; of LZ4 there is a block in memory, packed and not. The head
- * says how many bytes there are; the table of the blocks is read beside them, so its length costs
- * nothing.
+ * Through fixed buffers, front to back; of LZ4 and LZMA there is a block in memory, packed and not.
+ * The head says how many bytes there are; the table of the blocks is read beside them, so its
+ * length costs nothing.
  */
 #ifndef FORMATS_VTK_VTK_BYTES_H
 #define FORMATS_VTK_VTK_BYTES_H

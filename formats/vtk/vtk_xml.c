@@ -118,6 +118,7 @@ static status on_file(vtk_xml *x, const char **attributes) {
     static const char *const packings[] = {[VTK_PLAIN] = "",
                                            [VTK_ZLIB] = "vtkZLibDataCompressor",
                                            [VTK_LZ4] = "vtkLZ4DataCompressor",
+                                           [VTK_LZMA] = "vtkLZMADataCompressor",
                                            NULL};
     const char *type = vtk_xml_attribute(attributes, "type");
     const char *order = vtk_xml_attribute(attributes, "byte_order");
@@ -137,8 +138,7 @@ static status on_file(vtk_xml *x, const char **attributes) {
                              head);
     if (packed < 0)
         return vtk_xml_fault(x, ST_UNSUPPORTED,
-                             "compressor \"%.40s\"; vtkZLibDataCompressor and "
-                             "vtkLZ4DataCompressor are supported",
+                             "compressor \"%.40s\"; those of zlib, LZ4 and LZMA are supported",
                              packing);
     x->big_endian = big;
     x->head64 = wide;
@@ -241,7 +241,7 @@ static status start_element(vtk_xml *x, const char *name, const char **attribute
         return vtk_xml_fault(x, ST_CORRUPT, "more than %d elements in each other", DEPTH_MAX);
     const int parent = x->nest[x->depth - 1];
     const vtk_xml_element *e = find_element(x, parent, name);
-    x->nest[x->depth++] = e->name ? e->place : VTK_XML_OTHER;
+    x->nest[x->depth++] = e->name ? e->element : VTK_XML_OTHER;
     if (e->name)
         return e->start ? e->start(x, attributes) : ST_OK;
     if (strcmp(name, "DataArray") == 0 || strcmp(name, "Array") == 0)
@@ -354,17 +354,17 @@ status vtk_xml_scan(mem *m, const char *path, byte_stream *data, const vtk_xml_r
     return st;
 }
 
-void vtk_xml_place(const vtk_appended *p, vtk_array *a) {
+void vtk_xml_locate(const vtk_appended *p, vtk_array *a) {
     if (a->type == VTK_ABSENT || a->coding != VTK_RAW)
         return;
     a->at += p->at;
     a->coding = p->base64 ? VTK_BASE64 : VTK_RAW;
 }
 
-void vtk_xml_place_fields(const vtk_appended *p, const vtk_fields *f) {
+void vtk_xml_locate_fields(const vtk_appended *p, const vtk_fields *f) {
     for (int o = 0; o < VTK_OWNERS; o++)
         for (size_t i = 0; i < f->count[o]; i++)
-            vtk_xml_place(p, &f->items[o][i]);
+            vtk_xml_locate(p, &f->items[o][i]);
 }
 
 /* ---- recognising ---- */

@@ -25,7 +25,7 @@ enum { VTK_XML_OTHER, VTK_XML_FILE, VTK_XML_OWN };
 typedef struct vtk_xml_element {
     int parent;
     const char *name;
-    int place;
+    int element;
     status (*start)(vtk_xml *x, const char **attributes); /* NULL: nothing to do */
 } vtk_xml_element;
 
@@ -33,7 +33,7 @@ typedef struct vtk_xml_reader {
     const char *type;                /* of the VTKFile: "UnstructuredGrid" */
     const vtk_xml_element *elements; /* up to one without a name */
     /* An array in an element of the table. Its name ("": none) is not kept; a->name is NULL. */
-    status (*array)(vtk_xml *x, int place, const char *name, const vtk_array *a);
+    status (*array)(vtk_xml *x, int element, const char *name, const vtk_array *a);
 } vtk_xml_reader;
 
 /* Where the appended arrays lie. */
@@ -48,12 +48,12 @@ enum { VTK_XML_TYPE_MAX = 32 };
 bool vtk_xml_type(const uint8_t *start, size_t size, char type[VTK_XML_TYPE_MAX]);
 
 /* vtk_xml_scan() - data: at the start of the file `path`, which must outlive the arrays. out: for
- * vtk_xml_place(), which every array that was found needs. ST_CORRUPT, ST_UNSUPPORTED, ST_IO,
+ * vtk_xml_locate(), which every array that was found needs. ST_CORRUPT, ST_UNSUPPORTED, ST_IO,
  * ST_NOMEM, naming file and line. */
 CHECKED status vtk_xml_scan(mem *m, const char *path, byte_stream *data, const vtk_xml_reader *r,
                             void *user, vtk_appended *out);
-void vtk_xml_place(const vtk_appended *p, vtk_array *a);
-void vtk_xml_place_fields(const vtk_appended *p, const vtk_fields *f);
+void vtk_xml_locate(const vtk_appended *p, vtk_array *a);
+void vtk_xml_locate_fields(const vtk_appended *p, const vtk_fields *f);
 
 /* ---- for a reader, during the pass ---- */
 

@@ -5,6 +5,7 @@
 
 #include <cmocka.h>
 #include <lz4.h>
+#include <lzma.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -109,8 +110,15 @@ static void put_head(FILE *out, const vtk_xml_style *s, uint64_t number) {
 }
 
 static size_t pack_block(const vtk_xml_style *s, const char *data, size_t size, char packed[8192]) {
-    if (s->lz4)
+    size_t at = 0;
+    if (s->packing == VTK_FILES_LZ4)
         return (size_t)LZ4_compress_default(data, packed, (int)size, 8192);
+    if (s->packing == VTK_FILES_LZMA) {
+        assert_int_equal(lzma_easy_buffer_encode(5, LZMA_CHECK_CRC32, NULL, (const uint8_t *)data,
+                                                 size, (uint8_t *)packed, &at, 8192),
+                         LZMA_OK);
+        return at;
+    }
     uLongf room = 8192;
     assert_int_equal(compress2((Bytef *)packed, &room, (const Bytef *)data, size, 9), Z_OK);
     return room;
@@ -252,6 +260,9 @@ static const char *finish(bytes *file, const char *name) {
 }
 
 const char *vtk_files_xml(const char *name, const vtk_xml_style *style) {
+    static const char *const compressors[] = {" compressor=\"vtkZLibDataCompressor\"",
+                                              " compressor=\"vtkLZ4DataCompressor\"",
+                                              " compressor=\"vtkLZMADataCompressor\""};
     bytes file;
     bytes_begin(&file);
     xml x = {.s = style, .out = file.out};
@@ -262,9 +273,7 @@ const char *vtk_files_xml(const char *name, const vtk_xml_style *style) {
             "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" "
             "format=\"ascii\">3.5</DataArray></FieldData>\n",
             style->big_endian ? "BigEndian" : "LittleEndian", style->head64 ? "UInt64" : "UInt32",
-            !style->block ? ""
-            : style->lz4  ? " compressor=\"vtkLZ4DataCompressor\""
-                          : " compressor=\"vtkZLibDataCompressor\"");
+            style->block ? compressors[style->packing] : "");
     int pieces = style->pieces ? style->pieces : 1;
     for (x.piece = 0; x.piece < pieces; x.piece++)
         put_piece(&x);
