@@ -31,9 +31,9 @@ static const vtk_xml_style styles[] = {
     {.appended = true, .raw = true, .head64 = true},
     {.appended = true, .raw = true, .block = 24},
     {.appended = true, .raw = true, .block = 100, .head64 = true, .big_endian = true},
-    {.block = 64, .packing = VTK_FILES_LZ4},
-    {.appended = true, .raw = true, .block = 128, .packing = VTK_FILES_LZ4, .head64 = true},
-    {.appended = true, .block = 100, .packing = VTK_FILES_LZMA, .big_endian = true},
+    {.block = 64, .packing = VTK_WRITER_LZ4},
+    {.appended = true, .raw = true, .block = 128, .packing = VTK_WRITER_LZ4, .head64 = true},
+    {.appended = true, .block = 100, .packing = VTK_WRITER_LZMA, .big_endian = true},
 };
 
 enum { STYLES = sizeof styles / sizeof *styles };
@@ -302,7 +302,7 @@ typedef struct block_case {
     const char *said;
 } block_case;
 
-static void refuse_blocks(vtk_files_packing packing, const block_case *cases, size_t count) {
+static void refuse_blocks(vtk_writer_packing packing, const block_case *cases, size_t count) {
     const vtk_xml_style s = {.appended = true, .raw = true, .block = 64, .packing = packing};
     size_t size;
     char *data = scratch_read(vtk_files_xml("a.vtu", &s), &size);
@@ -350,9 +350,9 @@ static void test_blocks(void **state) {
         {3, 5, "damaged LZMA block 1 before byte"},
         {4, 1000000, "its length is not one of so many bytes"},
     };
-    refuse_blocks(VTK_FILES_ZLIB, zlib, sizeof zlib / sizeof *zlib);
-    refuse_blocks(VTK_FILES_LZ4, lz4, sizeof lz4 / sizeof *lz4);
-    refuse_blocks(VTK_FILES_LZMA, lzma, sizeof lzma / sizeof *lzma);
+    refuse_blocks(VTK_WRITER_ZLIB, zlib, sizeof zlib / sizeof *zlib);
+    refuse_blocks(VTK_WRITER_LZ4, lz4, sizeof lz4 / sizeof *lz4);
+    refuse_blocks(VTK_WRITER_LZMA, lzma, sizeof lzma / sizeof *lzma);
 }
 
 static void test_limits(void **state) {

@@ -330,8 +330,10 @@ static status begin_lz4(vtk_bytes *b) {
     return got == (int)b->block_left ? ST_OK : damaged(b, "not compressed data of its size");
 }
 
+/* Not cleared, unlike mem_array(): a window of 8 MiB for each block of VTK's 32 KiB. */
 static void *lzma_alloc(void *m, size_t count, size_t size) {
-    return mem_array(m, count, size);
+    size_t bytes;
+    return __builtin_mul_overflow(count, size, &bytes) ? NULL : mem_alloc(m, bytes);
 }
 
 static status begin_lzma(vtk_bytes *b) {
