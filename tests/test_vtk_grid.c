@@ -594,6 +594,54 @@ static void test_faults(void **state) {
         volumes_faults(swept(i), NULL);
 }
 
+/* ---- real ones ---- */
+
+/* The same samples as the raw file's; f64 in the one may be f32 in the other. */
+static void check_same(const char *path, const char *raw) {
+    mem m;
+    volume *a = NULL, *b = NULL;
+    mem_init(&m, 0);
+    if (volume_open(&m, path, NULL, &a) != ST_OK || volume_open(&m, raw, NULL, &b) != ST_OK)
+        fail_msg("%s", status_text());
+    const grid *g = volume_grid(a), *h = volume_grid(b);
+    assert_memory_equal(g->dims, h->dims, sizeof g->dims);
+    const size_t count = (size_t)g->dims[0] * g->dims[1];
+    void *first = malloc(count * sizeof(double)), *second = malloc(count * sizeof(double));
+    for (uint32_t k = 0; k < g->dims[2]; k++) {
+        assert_int_equal(volume_read(a, 1, first), ST_OK);
+        assert_int_equal(volume_read(b, 1, second), ST_OK);
+        sample_to_stored(g->type, first, first, count);
+        assert_memory_equal(first, second, count * sizeof(float));
+    }
+    free(first);
+    free(second);
+    volume_close(a);
+    volume_close(b);
+}
+
+static void test_real(void **state) {
+    (void)state;
+    static const char *const pairs[][2] = {
+        {"hydrogen_64/hydrogen.vti", "hydrogen_64/hydrogen_64_64x64x64_float32.raw.zst"},
+        {"viscous_fingers/run01_055_original.vti",
+         "viscous_fingers/run01_055_64x64x64_float32.raw.zst"},
+        {"isabel_wind/isabel_02_original.vti.zst",
+         "isabel_wind/isabel_02_125x125x25_float32.raw.zst"},
+        {"carotid/carotid.vtk.zst", "carotid/carotid_76x49x45_float32.raw.zst"},
+    };
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+        char path[4096];
+        const char *found = scratch_data(pairs[i][0]);
+        if (!found)
+            skip();
+        snprintf(path, sizeof path, "%s", found);
+        const char *raw = scratch_data(pairs[i][1]);
+        if (!raw)
+            skip();
+        check_same(path, raw);
+    }
+}
+
 /* ---- a larger one ---- */
 
 enum { EDGE = 160 };
@@ -661,6 +709,7 @@ int main(void) {
         cmocka_unit_test(test_cut),
         cmocka_unit_test(test_damage),
         cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_real),
         cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
