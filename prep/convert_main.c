@@ -78,7 +78,7 @@ static const struct argp_option options[] = {
      "print sizes, memory, levels and treelets; write nothing", 0},
     {NULL, 0, NULL, 0, "What a raw input does not say itself:", 1},
     {"dims", KEY_DIMS, "X,Y,Z", CLI_BASIC, "samples per axis", 1},
-    {"type", KEY_TYPE, "TYPE", CLI_BASIC, "u8 i8 u16 i16 u32 i32 f32 f64", 1},
+    {"type", KEY_TYPE, "TYPE", CLI_BASIC, "u8 i8 u16 i16 u32 i32 u64 i64 f16 f32 f64", 1},
     {"big-endian", KEY_BIG_ENDIAN, NULL, 0, "most significant byte first", 1},
     {"skip", KEY_SKIP, "BYTES", 0, "header bytes to pass over", 1},
     {NULL, 0, NULL, 0, "What any grid may have wrong:", 2},

@@ -247,7 +247,8 @@ static status open_layout(volume_layout *l, const volume_hints *hints) {
     st = find_encoding(l, &known);
     if (st != ST_OK)
         return st;
-    grid_init(&l->g, known.dims, known.type);
+    grid_init(&l->g, known.dims, SAMPLE_U8);
+    l->stored.type = known.type;
     double direction[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     volume_layout_place(l, direction, known.spacing, known.origin);
     memcpy(l->g.name, known.name, sizeof l->g.name);

@@ -109,6 +109,16 @@ static const grid_reader *find_reader(const char *path, const uint8_t *start, si
     return *r;
 }
 
+static status open_layout(const grid_reader *r, volume_layout *l, const volume_hints *hints,
+                          slice_source *out) {
+    status st = r->layout(l, hints);
+    if (st == ST_OK)
+        st = volume_layout_settle(l, hints);
+    if (st == ST_OK)
+        st = volume_layout_check(l);
+    return st == ST_OK ? layout_slices_open(l, out) : st;
+}
+
 static status open_reader(volume_layout *l, const volume_hints *hints, slice_source *out) {
     const uint8_t *start;
     size_t size;
@@ -118,8 +128,8 @@ static status open_reader(volume_layout *l, const volume_hints *hints, slice_sou
     const grid_reader *r = find_reader(l->path, start, size);
     if (r->slices)
         st = r->slices(l, hints, out);
-    else if ((st = r->layout(l, hints)) == ST_OK && (st = volume_layout_check(l)) == ST_OK)
-        st = layout_slices_open(l, out);
+    else
+        st = open_layout(r, l, hints, out);
     out->format = r->format;
     return st;
 }
