@@ -9,6 +9,7 @@
 #include "formats/grid/grid_reader.h"
 #include "formats/grid/layout_slices.h"
 #include "formats/grid/metaimage.h"
+#include "formats/grid/nifti.h"
 #include "formats/grid/nrrd.h"
 #include "formats/grid/rawfile.h"
 
@@ -22,7 +23,8 @@ struct volume {
 };
 
 /* What the formats are told by; the first that knows the file reads it. Raw samples know any. */
-static const grid_reader *const readers[] = {&nrrd_reader, &metaimage_reader, &raw_reader};
+static const grid_reader *const readers[] = {&nrrd_reader, &metaimage_reader, &nifti_reader,
+                                             &raw_reader};
 
 /* ---- hints ---- */
 

@@ -1,0 +1,210 @@
+/* test_grid_readers.c - readers of NIfTI, NumPy, MRC and PVM: files made by hand, byte by byte;
+ * what is refused, cut and damaged.
+ */
+/* marks: bits */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/support/scratch.h"
+#include "tests/support/volumes.h"
+
+static double samples[VOLUMES_SAMPLES];
+
+/* Fields of a binary header: at, of so many bytes. */
+static void put(uint8_t *header, int at, int bytes, bool big, uint64_t value) {
+    for (int i = 0; i < bytes; i++)
+        header[at + i] = (uint8_t)(value >> 8 * (big ? bytes - 1 - i : i));
+}
+
+static void put_f32(uint8_t *header, int at, bool big, float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    put(header, at, 4, big, bits);
+}
+
+static void put_f64(uint8_t *header, int at, bool big, double value) {
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    put(header, at, 8, big, bits);
+}
+
+static const char *with_samples(const char *name, const uint8_t *header, size_t bytes,
+                                sample_type type, bool big) {
+    const size_t size = volumes_samples(type, big, samples);
+    uint8_t *all = malloc(bytes + size);
+    memcpy(all, header, bytes);
+    memcpy(all + bytes, samples, size);
+    const char *path = scratch_write(name, all, bytes + size);
+    free(all);
+    return path;
+}
+
+/* Cut anywhere and with any byte changed: errors, or results; at least 1,000 files. */
+static void hurt(const char *path, size_t spare) {
+    size_t size;
+    free(scratch_read(path, &size));
+    assert_true(4 * size > 1000);
+    volumes_truncate(path, NULL, spare);
+    volumes_faults(path, NULL);
+    (void)volumes_damage(path, NULL);
+}
+
+/* ---- NIfTI ---- */
+
+enum { NIFTI1 = 352, NIFTI2 = 544 };
+
+/* A NIfTI-1 header of the test volume; spacings 2, 3, 4; neither sform nor qform. */
+static void nifti1(uint8_t h[NIFTI1], int code, int bytes, bool big) {
+    static const int dims[8] = {3, 4, 3, 2, 1, 1, 1, 1};
+    memset(h, 0, NIFTI1);
+    put(h, 0, 4, big, 348);
+    for (int i = 0; i < 8; i++)
+        put(h, 40 + 2 * i, 2, big, (uint64_t)dims[i]);
+    put(h, 70, 2, big, (uint64_t)code);
+    put(h, 72, 2, big, 8 * (uint64_t)bytes);
+    put_f32(h, 76, big, 1);
+    for (int a = 0; a < 3; a++)
+        put_f32(h, 80 + 4 * a, big, (float)(a + 2));
+    put_f32(h, 108, big, NIFTI1);
+    memcpy(h + 344, "n+1", 4);
+}
+
+static const double nifti_map[3][4] = {{2, 0, 0, 0}, {0, 3, 0, 0}, {0, 0, 4, 0}};
+
+static const struct {
+    sample_type type;
+    int code;
+} nifti_types[] = {{SAMPLE_U8, 2},   {SAMPLE_I16, 4},  {SAMPLE_I32, 8},   {SAMPLE_F32, 16},
+                   {SAMPLE_F64, 64}, {SAMPLE_I8, 256}, {SAMPLE_U16, 512}, {SAMPLE_U32, 768}};
+
+static void test_nifti_types(void **state) {
+    (void)state;
+    uint8_t h[NIFTI1];
+    for (size_t i = 0; i < sizeof nifti_types / sizeof *nifti_types; i++)
+        for (int big = 0; big < 2; big++) {
+            const sample_type t = nifti_types[i].type;
+            nifti1(h, nifti_types[i].code, (int)sample_size(t), big);
+            volumes_check(with_samples("a.nii", h, sizeof h, t, big), NULL, t, nifti_map);
+        }
+}
+
+static void test_nifti_placement(void **state) {
+    (void)state;
+    uint8_t h[NIFTI1];
+    nifti1(h, 4, 2, true);
+    /* Half a turn about x, in the quaternion; the third axis mirrored. */
+    put(h, 252, 2, true, 1);
+    put_f32(h, 256, true, 1);
+    for (int a = 0; a < 3; a++)
+        put_f32(h, 268 + 4 * a, true, (float)(10 * a - 5));
+    put_f32(h, 76, true, -1);
+    const double half_turn[3][4] = {{2, 0, 0, -5}, {0, -3, 0, 5}, {0, 0, 4, 15}};
+    volumes_check(with_samples("a.nii", h, sizeof h, SAMPLE_I16, true), NULL, SAMPLE_I16,
+                  half_turn);
+    /* The sform goes before it: turned and sheared. */
+    const double rows[3][4] = {{0.5, -2, 0.25, 7}, {1, 0.5, -1, -8}, {0, 3, 4, 9.5}};
+    put(h, 254, 2, true, 2);
+    for (int i = 0; i < 12; i++)
+        put_f32(h, 280 + 4 * i, true, (float)rows[i / 4][i % 4]);
+    volumes_check(with_samples("a.nii", h, sizeof h, SAMPLE_I16, true), NULL, SAMPLE_I16, rows);
+    hurt(with_samples("a.nii", h, sizeof h, SAMPLE_I16, true), 0);
+}
+
+static void test_nifti2(void **state) {
+    (void)state;
+    static const int dims[8] = {3, 4, 3, 2, 1, 1, 1, 1};
+    for (int big = 0; big < 2; big++) {
+        uint8_t h[NIFTI2] = {0};
+        put(h, 0, 4, big, 540);
+        memcpy(h + 4, "n+2\0\r\n\x1a\n", 8);
+        put(h, 12, 2, big, 512);
+        put(h, 14, 2, big, 16);
+        for (int i = 0; i < 8; i++)
+            put(h, 16 + 8 * i, 8, big, (uint64_t)dims[i]);
+        for (int a = 0; a < 3; a++)
+            put_f64(h, 112 + 8 * a, big, a + 2);
+        put(h, 168, 8, big, NIFTI2);
+        const char *path = with_samples("a.nii", h, sizeof h, SAMPLE_U16, big);
+        volumes_check(path, NULL, SAMPLE_U16, nifti_map);
+        if (big)
+            hurt(path, 0);
+    }
+}
+
+static void test_nifti_pair(void **state) {
+    (void)state;
+    uint8_t h[NIFTI1];
+    nifti1(h, 4, 2, false);
+    memcpy(h + 344, "ni1", 4);
+    put_f32(h, 108, false, 6);
+    const char *path = scratch_write("a.hdr", h, 348);
+    volumes_refused(path, NULL, ST_IO, "a.img");
+    volumes_check((volumes_samples(SAMPLE_I16, false, samples),
+                   volumes_file("a.img", "behind", samples, 2 * VOLUMES_SAMPLES),
+                   scratch_path("a.hdr")),
+                  NULL, SAMPLE_I16, nifti_map);
+    volumes_faults(scratch_path("a.hdr"), NULL);
+    volumes_refused(scratch_write("a.bin", h, 348), NULL, ST_UNSUPPORTED, "header alone");
+    volumes_file("a.img", "behind", samples, 2 * VOLUMES_SAMPLES - 1);
+    volumes_refused(scratch_path("a.hdr"), NULL, ST_CORRUPT, "a.img: ends at byte 53");
+}
+
+static void test_nifti_refused(void **state) {
+    (void)state;
+    static const struct {
+        int at, bytes;
+        uint64_t value;
+        status st;
+        const char *said;
+    } cases[] = {
+        {40, 2, 0, ST_CORRUPT, "dim[0] is 0"},
+        {40, 2, 8, ST_CORRUPT, "dim[0] is 8"},
+        {40, 2, 2, ST_UNSUPPORTED, "1 sample along z"},
+        {42, 2, 0, ST_CORRUPT, "dim[1] is 0"},
+        {44, 2, 0xffff, ST_CORRUPT, "dim[2] is -1"},
+        {70, 2, 1, ST_UNSUPPORTED, "datatype 1"},
+        {70, 2, 1536, ST_UNSUPPORTED, "datatype 1536"},
+        {80, 4, 0, ST_CORRUPT, "do not span"},
+        {80, 4, 0x7fc00000, ST_CORRUPT, "not finite"},
+        {108, 4, 0x7f800000, ST_CORRUPT, "vox_offset is inf"},
+        {108, 4, 0x43af8000, ST_CORRUPT, "expected at least"}, /* 351 */
+        {108, 4, 0x42000000, ST_CORRUPT, "vox_offset is 32"},
+        {42, 2, 32767, ST_CORRUPT, "ends at byte"},
+    };
+    uint8_t h[NIFTI1];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        nifti1(h, 4, 2, false);
+        put(h, cases[i].at, cases[i].bytes, false, cases[i].value);
+        if (cases[i].value == 0x43af8000)
+            put(h, 46, 2, false, 3);
+        volumes_refused(with_samples("a.nii", h, sizeof h, SAMPLE_I16, false), NULL, cases[i].st,
+                        cases[i].said);
+    }
+    nifti1(h, 4, 2, false);
+    put_f32(h, 112, false, 2);
+    put(h, 116, 4, false, 0x7fc00000);
+    volumes_refused(with_samples("a.nii", h, sizeof h, SAMPLE_I16, false), NULL, ST_CORRUPT,
+                    "scl_inter is nan");
+    /* As many samples as 64 bits count, and more. */
+    nifti1(h, 4, 2, false);
+    put(h, 40, 2, false, 7);
+    for (int i = 1; i < 8; i++)
+        put(h, 40 + 2 * i, 2, false, 32767);
+    volumes_refused(with_samples("a.nii", h, sizeof h, SAMPLE_I16, false), NULL, ST_UNSUPPORTED,
+                    "steps or components");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_nifti_types),   cmocka_unit_test(test_nifti_placement),
+        cmocka_unit_test(test_nifti2),        cmocka_unit_test(test_nifti_pair),
+        cmocka_unit_test(test_nifti_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
