@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "formats/grid/volume.h"
-#include "formats/input/inflate_stream.h"
 #include "formats/input/text_stream.h"
+#include "formats/input/unpack_stream.h"
 
 enum { CHUNK_BYTES = 1 << 16, HELD_MAX = 1 << 28 };
 
@@ -24,7 +24,7 @@ typedef struct held_slices {
 
 typedef struct layout_slices {
     volume_layout layout; /* its grid has gone to the source, but for sizes and type */
-    inflate_stream *inflate;
+    unpack_stream *packed;
     uint64_t behind; /* bytes of later steps */
     char *chunk;     /* samples as they are stored; NULL: as the grid has them */
     held_slices held;
@@ -47,7 +47,7 @@ static status read_encoded(layout_slices *s, void *buffer, size_t size, size_t *
     status st = ST_OK;
     switch (l->encoding) {
     case VOLUME_RAW: return byte_stream_read(data_of(s), buffer, size, got);
-    case VOLUME_DEFLATE: return inflate_stream_read(s->inflate, buffer, size, got);
+    case VOLUME_DEFLATE: return unpack_stream_read(s->packed, buffer, size, got);
     case VOLUME_TEXT:
         st = text_stream_read(l->data, l->stored.type, buffer, size / width, got);
         *got *= width;
@@ -153,7 +153,7 @@ static status begin_again(layout_slices *s) {
     held_slices *h = &s->held;
     byte_stream_close(h->again);
     h->again = NULL;
-    status st = byte_stream_open(s->layout.m, byte_stream_path(s->layout.data), &h->again);
+    status st = byte_stream_open_stored(s->layout.m, byte_stream_path(s->layout.data), &h->again);
     return st == ST_OK ? byte_stream_skip(h->again, h->start) : st;
 }
 
@@ -202,8 +202,8 @@ static status read_slices(void *ctx, uint32_t first, uint32_t count, void *slice
 static status drain(layout_slices *s, uint64_t *count) {
     uint8_t waste[4096];
     for (size_t got = 1; got > 0; *count += got) {
-        status st = s->inflate ? inflate_stream_read(s->inflate, waste, sizeof waste, &got)
-                               : byte_stream_read(data_of(s), waste, sizeof waste, &got);
+        status st = s->packed ? unpack_stream_read(s->packed, waste, sizeof waste, &got)
+                              : byte_stream_read(data_of(s), waste, sizeof waste, &got);
         if (st != ST_OK)
             return st;
         if (*count > VOLUME_TRAILING_MAX)
@@ -220,7 +220,7 @@ static status finish(void *ctx, uint64_t *trailing) {
     if (st != ST_OK)
         return st;
     const uint64_t left = byte_stream_left(data_of(s));
-    if (s->inflate || left == UINT64_MAX)
+    if (s->packed || left == UINT64_MAX)
         return drain(s, trailing);
     *trailing = left;
     return ST_OK;
@@ -230,7 +230,7 @@ static status finish(void *ctx, uint64_t *trailing) {
 
 static void close_slices(void *ctx) {
     layout_slices *s = ctx;
-    inflate_stream_close(s->inflate);
+    unpack_stream_close(s->packed);
     byte_stream_close(s->held.again);
     byte_stream_close(s->layout.data);
     mem_free(s->layout.m, s->held.slices);
@@ -282,7 +282,7 @@ static status hold(layout_slices *s) {
 static status prepare(layout_slices *s) {
     volume_layout *l = &s->layout;
     const bool packed = l->encoding == VOLUME_DEFLATE;
-    status st = packed ? inflate_stream_open(l->m, l->data, &s->inflate) : ST_OK;
+    status st = packed ? unpack_stream_open(l->m, &packer_zlib, l->data, &s->packed) : ST_OK;
     if (st == ST_OK && packed)
         st = skip_encoded(s, l->skip_decoded);
     if (st == ST_OK && l->steps > 1) {
@@ -302,6 +302,7 @@ status layout_slices_open(volume_layout *l, slice_source *out) {
     if (!s)
         return ST_NOMEM;
     s->layout = *l;
+    const bool several = l->steps > 1 || l->stored.components > 1;
     status st = prepare(s);
     if (st != ST_OK) {
         s->layout.data = NULL; /* still the caller's */
@@ -309,6 +310,7 @@ status layout_slices_open(volume_layout *l, slice_source *out) {
         return st;
     }
     *out = (slice_source){.name = name_of(s),
+                          .has_fields = several,
                           .m = l->m,
                           .g = l->g,
                           .read = read_slices,

@@ -166,7 +166,7 @@ static status find_samples(metaimage *h) {
         return header_fields_fault(&h->fields, file, ST_UNSUPPORTED,
                                    "samples in several files are not supported");
     if (!local)
-        st = volume_layout_open(h->l, h->fields.name, file->value);
+        st = volume_layout_open(h->l, h->fields.name, file->value, byte_stream_open_stored);
     return st == ST_OK ? volume_layout_skip(h->l, 0, header_size) : st;
 }
 

@@ -246,7 +246,7 @@ static status open_image(nifti *h) {
                              h->name);
     else {
         memcpy(suffix + 1, suffix[1] == 'h' ? "img" : "IMG", 3);
-        st = volume_layout_open(h->l, h->l->path, name);
+        st = volume_layout_open(h->l, h->l->path, name, byte_stream_open);
     }
     mem_free(h->l->m, name);
     return st;

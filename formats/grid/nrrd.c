@@ -371,7 +371,7 @@ static status open_data(const nrrd *n, const header_field *f) {
     if (several)
         return header_fields_fault(&n->fields, f, ST_UNSUPPORTED,
                                    "samples in several files are not supported");
-    return volume_layout_open(n->l, n->fields.name, name);
+    return volume_layout_open(n->l, n->fields.name, name, byte_stream_open_stored);
 }
 
 static status find_samples(const nrrd *n) {

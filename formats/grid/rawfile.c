@@ -183,7 +183,7 @@ static status open_json(volume_layout *l, const char *path, facts *known) {
         snprintf(known->file, sizeof known->file, "%.*s.raw", (int)(strlen(name) - strlen(".json")),
                  name);
     }
-    return volume_layout_open(l, path, known->file);
+    return volume_layout_open(l, path, known->file, byte_stream_open_stored);
 }
 
 /* ---- all together ---- */

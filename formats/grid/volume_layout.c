@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "formats/base/num.h"
-#include "formats/input/inflate_stream.h"
+#include "formats/input/unpack_stream.h"
 
 void volume_layout_release(volume_layout *l) {
     byte_stream_close(l->data);
@@ -14,7 +14,8 @@ void volume_layout_release(volume_layout *l) {
     grid_release(&l->g, l->m);
 }
 
-status volume_layout_open(volume_layout *l, const char *header, const char *name) {
+status volume_layout_open(volume_layout *l, const char *header, const char *name,
+                          status (*open)(mem *m, const char *path, byte_stream **out)) {
     const char *slash = strrchr(header, '/');
     size_t folder = slash && *name != '/' ? (size_t)(slash - header) + 1 : 0;
     size_t length = strlen(name) + 1;
@@ -24,7 +25,7 @@ status volume_layout_open(volume_layout *l, const char *header, const char *name
     memcpy(path, header, folder);
     memcpy(path + folder, name, length);
     byte_stream *data = NULL;
-    status st = byte_stream_open(l->m, path, &data);
+    status st = open(l->m, path, &data);
     mem_free(l->m, path);
     if (st != ST_OK)
         return st;
@@ -107,7 +108,7 @@ status volume_layout_check(const volume_layout *l) {
     uint64_t left = byte_stream_left(l->data);
     uint64_t least = all_bytes(l);
     if (l->encoding == VOLUME_DEFLATE)
-        least /= INFLATE_STREAM_RATIO;
+        least /= UNPACK_ZLIB_RATIO;
     else if (l->encoding == VOLUME_TEXT)
         least = times(2, all_bytes(l) / sample_size(l->stored.type)) - 1;
     if (left < least)

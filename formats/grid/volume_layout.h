@@ -37,8 +37,9 @@ typedef struct volume_layout {
 void volume_layout_release(volume_layout *l);
 
 /* volume_layout_open() - replace l->data by the file `name`; a relative one is looked for beside
- * the header's file (header: its path). */
-CHECKED status volume_layout_open(volume_layout *l, const char *header, const char *name);
+ * the header's file (header: its path). open: byte_stream_open() or byte_stream_open_stored(). */
+CHECKED status volume_layout_open(volume_layout *l, const char *header, const char *name,
+                                  status (*open)(mem *m, const char *path, byte_stream **out));
 
 /* volume_layout_skip() - move l->data on to the samples: behind `lines` lines, then `bytes` bytes;
  * bytes = -1 - n: so that the samples end n bytes before the file does (raw files only). In

@@ -108,6 +108,10 @@ nib.save(nib.Nifti1Image(a, turn), f"{tmp}/t.nii")
 for step in range(6):
     same(f"{tmp}/t.nii", a[..., step].T, nib.load(f"{tmp}/t.nii").affine, ("--step", step))
 same(f"{tmp}/t.nii", a[..., 0].T)
+nib.save(nib.Nifti1Image(a, turn), f"{tmp}/t.nii.gz")
+nib.save(nib.Nifti2Pair(a, turn), f"{tmp}/p.img.gz")
+for name in "t.nii.gz", "p.hdr.gz":
+    same(f"{tmp}/{name}", a[..., 2].T, nib.load(f"{tmp}/{name}").affine, ("--step", 2))
 refused(f"{tmp}/t.nii", "no step 6: there are 6", "--step", 6)
 v = some("f4", (5, 4, 3, 1, 3))
 nib.save(nib.Nifti1Image(v, turn), f"{tmp}/v.nii")
@@ -143,6 +147,8 @@ want = [0.3, -1.2, 0.5, -10, 2, 0.25, 0.1, 20, -0.4, 0.3, 3, 30.5]
 sys.exit(not all(abs(a - b) < 1e-6 for a, b in zip(x["to_world"], want)) or x["source_type"] != "i16")
 PY
 exits "a view of it" 0 "$leafcast" render "$tmp/a.leaf" --iso 0 --size 64x64 -o "$tmp/a.png"
+exits "a step by convert" 0 "$leafcast" convert "$tmp/t.nii.gz" --step 3 -o "$tmp/t.leaf"
+exits "a component of what has none" 2 "$leafcast" convert "$tmp/1i16be.nii" --component 1 -o "$tmp/t.leaf" --force
 exits "info of scaled samples" 0 "$leafcast" info "$tmp/c.nii" --json
 ok "tells both types" grep -q '"source_type": "u8"' "$tmp/out"
 finish
