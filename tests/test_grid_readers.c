@@ -45,14 +45,32 @@ static const char *with_samples(const char *name, const uint8_t *header, size_t 
     return path;
 }
 
-/* Cut anywhere and with any byte changed: errors, or results; at least 1,000 files. */
+/* Up to four bytes of the first 512 changed. */
+static void damage(char *data, size_t size, uint64_t *random) {
+    for (int n = 1 + (int)(*random >> 60 & 3); n > 0; n--) {
+        *random = *random * 6364136223846793005u + 1442695040888963407u;
+        data[(*random >> 33) % (size < 512 ? size : 512)] = (char)(*random >> 20);
+    }
+}
+
+/* Cut anywhere, and 1,000 times damaged: errors, or results. */
 static void hurt(const char *path, size_t spare) {
+    double room[VOLUMES_SAMPLES];
+    uint64_t random = 1;
     size_t size;
-    free(scratch_read(path, &size));
-    assert_true(4 * size > 1000);
+    grid g;
     volumes_truncate(path, NULL, spare);
     volumes_faults(path, NULL);
-    (void)volumes_damage(path, NULL);
+    char *data = scratch_read(path, &size), *copy = malloc(size);
+    for (int n = 0; n < 1000; n++) {
+        memcpy(copy, data, size);
+        damage(copy, size, &random);
+        scratch_write(strrchr(path, '/') + 1, copy, size);
+        (void)volumes_read(path, NULL, &g, room);
+    }
+    scratch_write(strrchr(path, '/') + 1, data, size);
+    free(copy);
+    free(data);
 }
 
 /* ---- NIfTI ---- */
@@ -197,14 +215,93 @@ static void test_nifti_refused(void **state) {
     for (int i = 1; i < 8; i++)
         put(h, 40 + 2 * i, 2, false, 32767);
     volumes_refused(with_samples("a.nii", h, sizeof h, SAMPLE_I16, false), NULL, ST_UNSUPPORTED,
-                    "steps or components");
+                    "steps and components");
+}
+
+/* ---- NumPy ---- */
+
+/* The test volume under a header with this dictionary; returns the path. */
+static const char *npy(int version, const char *text, sample_type type, bool big) {
+    uint8_t h[256];
+    const size_t front = version == 1 ? 10 : 12;
+    const size_t length = (strlen(text) + front + 64) / 64 * 64 - front;
+    memset(h, ' ', sizeof h);
+    memcpy(h, "\x93NUMPY", 6);
+    put(h, 6, 2, false, (uint64_t)version);
+    put(h, 8, (int)front - 8, false, length);
+    memcpy(h + front, text, strlen(text));
+    h[front + length - 1] = '\n';
+    return with_samples("a.npy", h, front + length, type, big);
+}
+
+static void test_npy(void **state) {
+    (void)state;
+    static const char *const names[] = {"", "|u1", "|i1", "<u2", "<i2", "<f4", "<u4", "<i4", "<f8"};
+    for (int t = SAMPLE_U8; t <= SAMPLE_F64; t++)
+        for (int big = 0; big < 2; big++) {
+            char text[200], name[4];
+            strcpy(name, names[t]);
+            if (big && *name == '<')
+                *name = '>';
+            snprintf(text, sizeof text,
+                     "{'descr': '%s', 'fortran_order': False, 'shape': (2, 3, 4), }", name);
+            volumes_check(npy(1 + t % 3, text, (sample_type)t, big), NULL, (sample_type)t, NULL);
+        }
+    hurt(npy(1, "{'descr': '>i4', 'fortran_order': False, 'shape': (2, 3, 4), }", SAMPLE_I32, true),
+         0);
+}
+
+/* In Fortran order of its axes the test volume is that of 2 x 3 x 4 turned around. */
+static void test_npy_fortran(void **state) {
+    (void)state;
+    const char *path =
+        npy(1, "{'descr': '<i2', 'fortran_order': True, 'shape': (4, 3, 2), }", SAMPLE_I16, false);
+    double room[VOLUMES_SAMPLES];
+    const int16_t *got = (const int16_t *)(void *)room;
+    grid g;
+    assert_int_equal(volumes_read(path, NULL, &g, room), ST_OK);
+    assert_true(g.dims[0] == 2 && g.dims[1] == 3 && g.dims[2] == 4);
+    for (int z = 0; z < 4; z++)
+        for (int y = 0; y < 3; y++)
+            for (int x = 0; x < 2; x++)
+                assert_int_equal(got[(z * 3 + y) * 2 + x], 7 * ((x * 3 + y) * 4 + z) - 50);
+    hurt(path, 0);
+}
+
+static void test_npy_refused(void **state) {
+    (void)state;
+    static const struct {
+        const char *text;
+        status st;
+        const char *said;
+    } cases[] = {
+        {"", ST_CORRUPT, "expected 'descr'"},
+        {"{'descr': '<i2'}", ST_CORRUPT, "expected True or False"},
+        {"{'descr': '<i2', 'fortran_order': False}", ST_CORRUPT, "expected 'shape'"},
+        {"{'descr': '<i2', 'fortran_order': False, 'shape': (2, 3", ST_CORRUPT, "sizes from 1 on"},
+        {"{'descr': '<i2', 'fortran_order': False, 'shape': (2, 0, 4)}", ST_CORRUPT, "from 1 on"},
+        {"{'descr': '<i2', 'fortran_order': False, 'shape': (2, -3, 4)}", ST_CORRUPT, "from 1 on"},
+        {"{'descr': '<i2', 'fortran_order': False, 'shape': (6, 4)}", ST_UNSUPPORTED, "(z, y, x)"},
+        {"{'descr': '<i2', 'fortran_order': True, 'shape': (2, 3, 5)}", ST_CORRUPT, "ends at byte"},
+        {"{'descr': '<i2', 'fortran_order': True, 'shape': (1048576, 1048576, 1048576)}",
+         ST_CORRUPT, "ends at byte"},
+        {"{'descr': '<f16', 'fortran_order': True, 'shape': (2, 3, 4)}", ST_UNSUPPORTED, "complex"},
+        {"{'descr': [('a', '<i2')], 'fortran_order': True, 'shape': (2, 3, 4)}", ST_UNSUPPORTED,
+         "complex"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        volumes_refused(npy(1, cases[i].text, SAMPLE_I16, false), NULL, cases[i].st, cases[i].said);
+    volumes_refused(npy(4, cases[0].text, SAMPLE_I16, false), NULL, ST_UNSUPPORTED, "version 4");
+    volumes_refused(scratch_write("a.npy", "\x93NUMPY\2\0\0\0\0\1", 12), NULL, ST_CORRUPT,
+                    "a header of 16777216 bytes");
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_nifti_types),   cmocka_unit_test(test_nifti_placement),
         cmocka_unit_test(test_nifti2),        cmocka_unit_test(test_nifti_pair),
-        cmocka_unit_test(test_nifti_refused),
+        cmocka_unit_test(test_nifti_refused), cmocka_unit_test(test_npy),
+        cmocka_unit_test(test_npy_fortran),   cmocka_unit_test(test_npy_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

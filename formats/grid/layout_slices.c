@@ -163,8 +163,10 @@ static status gather(layout_slices *s, uint32_t slice) {
     const uint32_t left = dims[2] - slice;
     h->first = slice;
     h->count = left < h->room ? left : h->room;
-    const uint32_t first[ORDER_AXES] = {0, 0, slice, h->first_component};
-    const uint32_t end[ORDER_AXES] = {dims[0], dims[1], slice + h->count, h->end_component};
+    const uint32_t step = s->layout.step;
+    const uint32_t first[ORDER_AXES] = {0, 0, slice, h->first_component, step};
+    const uint32_t end[ORDER_AXES] = {dims[0], dims[1], slice + h->count, h->end_component,
+                                      step + 1};
     const sample_bytes from = {read_exactly, skip_encoded, s};
     status st = h->passed ? begin_again(s) : ST_OK;
     h->passed = true;
@@ -256,7 +258,7 @@ static status hold(layout_slices *s) {
     held_slices *h = &s->held;
     const uint32_t components = l->stored.components ? l->stored.components : 1;
     h->order = (sample_order){
-        .count = {l->g.dims[0], l->g.dims[1], l->g.dims[2], components},
+        .count = {l->g.dims[0], l->g.dims[1], l->g.dims[2], components, l->steps ? l->steps : 1},
         .width = sample_size(l->stored.type),
     };
     memcpy(h->order.axis, l->order, sizeof l->order);
@@ -285,12 +287,12 @@ static status prepare(layout_slices *s) {
     status st = packed ? unpack_stream_open(l->m, &packer_zlib, l->data, &s->packed) : ST_OK;
     if (st == ST_OK && packed)
         st = skip_encoded(s, l->skip_decoded);
+    if (st == ST_OK && l->ordered)
+        return hold(s);
     if (st == ST_OK && l->steps > 1) {
         s->behind = (l->steps - 1 - l->step) * volume_layout_step_bytes(l);
         st = skip_encoded(s, l->step * volume_layout_step_bytes(l));
     }
-    if (st == ST_OK && l->ordered)
-        return hold(s);
     if (st != ST_OK || stored_samples_plain(&l->stored))
         return st;
     s->chunk = mem_alloc(l->m, CHUNK_BYTES);

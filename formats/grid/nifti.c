@@ -114,11 +114,11 @@ static status read_sizes(nifti *h) {
         if (st != ST_OK)
             return st;
     }
-    if (size[6] > 1 || size[7] > 1 || (size[4] > 1 && size[5] > 1))
+    if (size[6] > 1 || size[7] > 1)
         return status_describe(
             ST_UNSUPPORTED,
             "%s: %u x %u x %u x %u x %u x %u x %u samples: beside its three axes "
-            "a volume has steps or components",
+            "a volume has steps and components",
             h->name, size[1], size[2], size[3], size[4], size[5], size[6], size[7]);
     memcpy(h->l->g.dims, size + 1, sizeof h->l->g.dims);
     h->l->steps = size[4];
@@ -271,7 +271,7 @@ static status find_samples(nifti *h) {
 static status open_layout(volume_layout *l, const volume_hints *hints) {
     static status (*const steps[])(nifti *) = {read_sizes, read_type, read_scale, read_placement,
                                                find_samples};
-    static const uint8_t planar[] = {ORDER_X, ORDER_Y, ORDER_Z, ORDER_COMPONENT};
+    static const uint8_t planar[] = {ORDER_X, ORDER_Y, ORDER_Z, ORDER_STEP, ORDER_COMPONENT};
     const uint32_t none[3] = {0, 0, 0};
     (void)hints;
     nifti h = {.l = l, .name = l->path};

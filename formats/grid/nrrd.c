@@ -126,14 +126,13 @@ static bool has_numbers(const nrrd *n, int axis) {
 }
 
 static void set_numbers(const nrrd *n, int axis, uint32_t size) {
+    static const uint8_t last[] = {ORDER_X, ORDER_Y, ORDER_Z, ORDER_COMPONENT, ORDER_STEP};
     static const char *const colours[] = {"RGB-color", "RGBA-color", "3-color", "4-color", NULL};
     volume_layout *l = n->l;
     l->stored.components = size;
     l->stored.colours = is_any_word(word_of_axis(get(n, "kinds"), axis), colours);
     l->ordered = axis == 3 && size > 1;
-    if (l->ordered)
-        memcpy(l->order, (const uint8_t[]){ORDER_X, ORDER_Y, ORDER_Z, ORDER_COMPONENT},
-               sizeof l->order);
+    memcpy(l->order, last, sizeof last);
 }
 
 /* What is beside the volume's three axes: numbers of a sample, first or last, or steps of time. */

@@ -55,7 +55,7 @@ static status take_block(gathering *g, int axis, uint64_t start, uint64_t number
 status sample_order_gather(const sample_order *o, const sample_bytes *from,
                            const uint32_t first[ORDER_AXES], const uint32_t end[ORDER_AXES],
                            void *run, void *out) {
-    static const int order[ORDER_AXES] = {ORDER_COMPONENT, ORDER_X, ORDER_Y, ORDER_Z};
+    static const int order[ORDER_AXES] = {ORDER_COMPONENT, ORDER_X, ORDER_Y, ORDER_Z, ORDER_STEP};
     gathering g = {.o = o, .from = from, .first = first, .end = end, .run = run};
     uint64_t all = 1;
     size_t step = o->width;

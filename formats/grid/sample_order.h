@@ -8,8 +8,8 @@
 
 #include "formats/base/status.h"
 
-/* The axes of a grid's samples. A grid has ORDER_COMPONENT fastest, then ORDER_X. */
-enum { ORDER_X, ORDER_Y, ORDER_Z, ORDER_COMPONENT, ORDER_AXES };
+/* The axes of samples. A grid has ORDER_COMPONENT fastest, then ORDER_X. */
+enum { ORDER_X, ORDER_Y, ORDER_Z, ORDER_COMPONENT, ORDER_STEP, ORDER_AXES };
 
 typedef struct sample_order {
     uint8_t axis[ORDER_AXES];   /* of the input: its fastest first */

@@ -28,7 +28,7 @@ typedef struct volume_layout {
     bool big_endian;           /* of numbers wider than a byte; VOLUME_TEXT has none */
     bool ordered;              /* the samples lie in an order of their own: */
     uint8_t order[ORDER_AXES]; /* its axes, the fastest first */
-    uint32_t steps;            /* of time, one behind the other; 0: 1 */
+    uint32_t steps;            /* of time, one behind the other where `ordered` is not; 0: 1 */
     uint32_t step;             /* the one to take */
     uint64_t skip_decoded;     /* VOLUME_DEFLATE: decompressed bytes in front of the samples */
     byte_stream *data;         /* at the first byte of the encoded samples; owned */

@@ -120,6 +120,9 @@ for c in range(3):
 w = v[..., 0, :].astype("f8")
 same(f"{tmp}/v.nii", np.sqrt(w[..., 0] ** 2 + w[..., 1] ** 2 + w[..., 2] ** 2).T.astype("f4"))
 refused(f"{tmp}/v.nii", "no component 4: a sample has 3", "--component", 4)
+v = some("i2", (5, 4, 3, 4, 3))
+nib.save(nib.Nifti1Image(v, turn), f"{tmp}/u.nii")
+same(f"{tmp}/u.nii", v[..., 2, 1].T, None, ("--component", 2, "--step", 2))
 for n, letters in (3, "RGB"), (4, "RGBA"):
     c = some("u1", (5, 4, 3, n))
     packed = c.copy().view([(x, "u1") for x in letters]).reshape(5, 4, 3)
