@@ -296,12 +296,100 @@ static void test_npy_refused(void **state) {
                     "a header of 16777216 bytes");
 }
 
+/* ---- MRC ---- */
+
+enum { MRC = 1024, EXTENDED = 80 };
+
+static void mrc(uint8_t h[MRC + EXTENDED], int mode, bool big) {
+    memset(h, 0, MRC + EXTENDED);
+    for (int a = 0; a < 3; a++) {
+        put(h, 4 * a, 4, big, (uint64_t)(4 - a));
+        put(h, 28 + 4 * a, 4, big, (uint64_t)(4 - a));
+        put_f32(h, 40 + 4 * a, big, (float)((4 - a) * (a + 2))); /* spacings 2, 3, 4 */
+        put_f32(h, 52 + 4 * a, big, 90);
+        put(h, 64 + 4 * a, 4, big, (uint64_t)a + 1);
+        put_f32(h, 196 + 4 * a, big, (float)(a - 7));
+    }
+    put(h, 12, 4, big, (uint64_t)mode);
+    put(h, 92, 4, big, EXTENDED);
+    memcpy(h + 208, "MAP ", 4);
+    h[212] = big ? 0x11 : 0x44;
+}
+
+static void test_mrc(void **state) {
+    (void)state;
+    static const double map[3][4] = {{2, 0, 0, -7}, {0, 3, 0, -6}, {0, 0, 4, -5}};
+    static const double turned[3][4] = {{0, 0, 2, 8}, {3, 0, 0, -9}, {0, 4, 0, 4}};
+    static const struct {
+        int mode;
+        sample_type type;
+    } modes[] = {{0, SAMPLE_I8}, {1, SAMPLE_I16}, {2, SAMPLE_F32}, {6, SAMPLE_U16}};
+    uint8_t h[MRC + EXTENDED];
+    for (size_t i = 0; i < sizeof modes / sizeof *modes; i++)
+        for (int big = 0; big < 2; big++) {
+            mrc(h, modes[i].mode, big);
+            volumes_check(with_samples("a.mrc", h, sizeof h, modes[i].type, big), NULL,
+                          modes[i].type, map);
+            h[212] = 0; /* the order shows without the stamp, too */
+            volumes_check(with_samples("a.mrc", h, sizeof h, modes[i].type, big), NULL,
+                          modes[i].type, map);
+        }
+    /* Bytes of IMOD are unsigned, unless a flag says otherwise. */
+    mrc(h, 0, false);
+    put(h, 152, 4, false, 1146047817);
+    volumes_check(with_samples("a.mrc", h, sizeof h, SAMPLE_U8, false), NULL, SAMPLE_U8, map);
+    h[156] = 1;
+    volumes_check(with_samples("a.mrc", h, sizeof h, SAMPLE_I8, false), NULL, SAMPLE_I8, map);
+    /* Columns along y, rows along z, sections along x; starts where there is no origin. */
+    mrc(h, 1, true);
+    for (int a = 0; a < 3; a++) {
+        put(h, 64 + 4 * a, 4, true, (uint64_t)(a + 1) % 3 + 1);
+        put(h, 16 + 4 * a, 4, true, a == 0 ? (uint64_t)-3 : a == 1 ? 1 : 4);
+        put_f32(h, 196 + 4 * a, true, 0);
+    }
+    const char *path = with_samples("a.mrc", h, sizeof h, SAMPLE_I16, true);
+    volumes_check(path, NULL, SAMPLE_I16, turned);
+    hurt(path, 0);
+}
+
+static void test_mrc_refused(void **state) {
+    (void)state;
+    static const struct {
+        int at;
+        uint64_t value;
+        status st;
+        const char *said;
+    } cases[] = {
+        {0, 0, ST_CORRUPT, "byte 0: 0 samples"},
+        {4, 0x80000000, ST_CORRUPT, "byte 4: -2147483648"},
+        {8, 1, ST_UNSUPPORTED, "1 sample along z"},
+        {0, 0x7fffffff, ST_UNSUPPORTED, "at most"},
+        {0, 0x80000, ST_CORRUPT, "ends at byte"},
+        {12, 4, ST_UNSUPPORTED, "mode 4"},
+        {12, 101, ST_UNSUPPORTED, "mode 101"},
+        {40, 0x7fc00000, ST_CORRUPT, "not finite"},
+        {60, 0, ST_OK, ""},
+        {60, 0x43340000, ST_CORRUPT, "not"}, /* 180 degrees */
+        {92, 0x80000000, ST_CORRUPT, "extended header of -2147483648"},
+        {92, 0x7fffffff, ST_CORRUPT, "ends at byte"},
+    };
+    uint8_t h[MRC + EXTENDED];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        mrc(h, 1, false);
+        put(h, cases[i].at, 4, false, cases[i].value);
+        const char *path = with_samples("a.mrc", h, sizeof h, SAMPLE_I16, false);
+        if (cases[i].st != ST_OK)
+            volumes_refused(path, NULL, cases[i].st, cases[i].said);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_nifti_types),   cmocka_unit_test(test_nifti_placement),
         cmocka_unit_test(test_nifti2),        cmocka_unit_test(test_nifti_pair),
         cmocka_unit_test(test_nifti_refused), cmocka_unit_test(test_npy),
         cmocka_unit_test(test_npy_fortran),   cmocka_unit_test(test_npy_refused),
+        cmocka_unit_test(test_mrc),           cmocka_unit_test(test_mrc_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

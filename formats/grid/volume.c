@@ -11,6 +11,7 @@
 #include "formats/grid/imported.h"
 #include "formats/grid/layout_slices.h"
 #include "formats/grid/metaimage.h"
+#include "formats/grid/mrc.h"
 #include "formats/grid/nifti.h"
 #include "formats/grid/npy.h"
 #include "formats/grid/nrrd.h"
@@ -27,7 +28,8 @@ struct volume {
 
 /* What the formats are told by; the first that knows the file reads it. Raw samples know any. */
 static const grid_reader *const readers[] = {
-    &nrrd_reader, &metaimage_reader, &nifti_reader, &npy_reader, &imported_reader, &raw_reader,
+    &nrrd_reader, &metaimage_reader, &nifti_reader, &npy_reader,
+    &mrc_reader,  &imported_reader,  &raw_reader,
 };
 
 /* ---- hints ---- */
