@@ -1,7 +1,7 @@
 /* test_grid_readers.c - readers of NIfTI, NumPy, MRC and PVM: files made by hand, byte by byte;
  * what is refused, cut and damaged.
  */
-/* marks: bits */
+/* marks: bits, long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -383,6 +383,142 @@ static void test_mrc_refused(void **state) {
     }
 }
 
+/* ---- PVM ---- */
+
+/* Bits, the highest of a byte first. */
+typedef struct bit_writer {
+    uint8_t bytes[2048];
+    size_t count; /* bits */
+} bit_writer;
+
+static void put_bits(bit_writer *w, int bits, unsigned value) {
+    for (int b = bits - 1; b >= 0; b--, w->count++)
+        if (value >> b & 1)
+            w->bytes[w->count / 8] |= (uint8_t)(0x80 >> w->count % 8);
+}
+
+/* One run: the differences of its values to their predictions, with 8 bits each, or as few as do.
+ */
+static void put_run(bit_writer *w, const int *difference, int count) {
+    int width = 0;
+    for (int i = 0; i < count; i++)
+        while (width == 0
+                   ? difference[i] != 0
+                   : difference[i] < -(1 << (width - 1)) || difference[i] >= 1 << (width - 1))
+            width = width ? width + 1 : 2;
+    put_bits(w, 7, (unsigned)count);
+    put_bits(w, 3, width ? (unsigned)width - 1 : 0);
+    for (int i = 0; i < count && width; i++)
+        put_bits(w, width, (unsigned)(difference[i] + (1 << (width - 1))));
+}
+
+/* data as DDS packs it, with runs of `run` values; returns the path. */
+static const char *dds(char version, const uint8_t *data, size_t size, unsigned skip,
+                       unsigned strip, int run) {
+    bit_writer w = {.count = 8 * 8};
+    uint8_t apart[512];
+    size_t n = 0;
+    int difference[127], held = 0;
+    memcpy(w.bytes, "DDS v3?\n", 8);
+    w.bytes[6] = (uint8_t)version;
+    put_bits(&w, 2, skip - 1);
+    put_bits(&w, 16, strip - 1);
+    for (size_t c = 0; c < skip; c++)
+        for (size_t i = c; i < size; i += skip)
+            apart[n++] = data[i];
+    for (size_t i = 0; i < size; i++) {
+        int guess = i ? apart[i - 1] : 0;
+        if (strip > 1 && i > strip)
+            guess += apart[i - strip] - apart[i - strip - 1];
+        difference[held++] = (int8_t)(uint8_t)(apart[i] - guess);
+        if (held == run || i + 1 == size) {
+            put_run(&w, difference, held);
+            held = 0;
+        }
+    }
+    put_bits(&w, 7, 0);
+    return scratch_write("a.pvm", w.bytes, (w.count + 31) / 32 * 4);
+}
+
+/* The test volume's bytes under a header; returns their number. */
+static size_t pvm(const char *header, sample_type type, const char *behind, uint8_t *out) {
+    const size_t front = strlen(header);
+    const size_t size = volumes_samples(type, true, samples);
+    memcpy(out, header, front);
+    memcpy(out + front, samples, size);
+    if (*behind)
+        memcpy(out + front + size, behind, 4);
+    return front + size + (*behind ? 4 : 0);
+}
+
+static const struct {
+    const char *header, *behind;
+    sample_type type;
+    double spacing[3];
+} pvms[] = {
+    {"PVM\n4 3 2\n1\n", "", SAMPLE_U8, {1, 1, 1}},
+    {"PVM2\n4 3 2\n1 1.5 2\n2\n", "", SAMPLE_U16, {1, 1.5, 2}},
+    {"PVM3\n4 3 2\n0.5 1 3e-1\n2\n", "d\0\0\0", SAMPLE_U16, {0.5, 1, 0.3}},
+};
+
+static void check_pvm(const char *path, int i) {
+    double map[3][4] = {{0}};
+    for (int a = 0; a < 3; a++)
+        map[a][a] = pvms[i].spacing[a];
+    volumes_check(path, NULL, pvms[i].type, (const double(*)[4])map);
+    /* What is behind the samples is the format's. */
+    mem m;
+    volume *v = NULL;
+    char slice[64];
+    uint64_t trailing = 9;
+    mem_init(&m, 0);
+    assert_int_equal(volume_open(&m, path, NULL, &v), ST_OK);
+    assert_int_equal(volume_read(v, 1, slice), ST_OK);
+    assert_int_equal(volume_read(v, 1, slice), ST_OK);
+    assert_int_equal(volume_finish(v, &trailing), ST_OK);
+    assert_int_equal(trailing, 0);
+    volume_close(v);
+}
+
+static void test_pvm(void **state) {
+    (void)state;
+    uint8_t file[512];
+    for (int i = 0; i < 3; i++) {
+        const size_t size = pvm(pvms[i].header, pvms[i].type, pvms[i].behind, file);
+        const char *path = scratch_write("a.pvm", file, size);
+        check_pvm(path, i);
+        hurt(path, *pvms[i].behind ? 4 : 0);
+        for (unsigned skip = 1; skip <= 4; skip++)
+            for (int e = 0; e < 2; e++)
+                for (int run = 1; run < 128; run += 21)
+                    check_pvm(dds(e ? 'e' : 'd', file, size, skip, i == 1 ? 1 : 7 * skip, run), i);
+        hurt(dds(i == 0 ? 'd' : 'e', file, size, (unsigned)i + 1, 12, 20), 9);
+    }
+}
+
+static void test_pvm_refused(void **state) {
+    (void)state;
+    static const struct {
+        const char *header;
+        status st;
+        const char *said;
+    } cases[] = {
+        {"PVM\n4 3\n1\n", ST_CORRUPT, "line 4"},
+        {"PVM\n4 -3 2\n1\n", ST_CORRUPT, "a number of voxels"},
+        {"PVM\n4 3 2\n5\n", ST_CORRUPT, "1 to 4 bytes"},
+        {"PVM2\n4 3 2\n1\n", ST_CORRUPT, "line 4"},
+        {"PVM2\n4 3 2\n1 0 1\n1\n", ST_CORRUPT, "do not span"},
+        {"PVM\n4 3 1\n1\n", ST_UNSUPPORTED, "1 sample along z"},
+        {"PVM\n4 3 9999\n1\n", ST_CORRUPT, "ends at byte"},
+    };
+    uint8_t file[512];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const size_t size = pvm(cases[i].header, SAMPLE_U8, "", file);
+        volumes_refused(scratch_write("a.pvm", file, size), NULL, cases[i].st, cases[i].said);
+    }
+    volumes_refused(dds('d', (const uint8_t *)"P", 1, 1, 1, 1), NULL, ST_CORRUPT, "expected PVM");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_nifti_types),   cmocka_unit_test(test_nifti_placement),
@@ -390,6 +526,7 @@ int main(void) {
         cmocka_unit_test(test_nifti_refused), cmocka_unit_test(test_npy),
         cmocka_unit_test(test_npy_fortran),   cmocka_unit_test(test_npy_refused),
         cmocka_unit_test(test_mrc),           cmocka_unit_test(test_mrc_refused),
+        cmocka_unit_test(test_pvm),           cmocka_unit_test(test_pvm_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

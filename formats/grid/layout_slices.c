@@ -215,8 +215,7 @@ static status drain(layout_slices *s, uint64_t *count) {
     return ST_OK;
 }
 
-static status finish(void *ctx, uint64_t *trailing) {
-    layout_slices *s = ctx;
+static status count_trailing(layout_slices *s, uint64_t *trailing) {
     *trailing = 0;
     status st = s->behind ? skip_encoded(s, s->behind) : ST_OK;
     if (st != ST_OK)
@@ -226,6 +225,14 @@ static status finish(void *ctx, uint64_t *trailing) {
         return drain(s, trailing);
     *trailing = left;
     return ST_OK;
+}
+
+static status finish(void *ctx, uint64_t *trailing) {
+    layout_slices *s = ctx;
+    status st = count_trailing(s, trailing);
+    if (s->layout.has_tail)
+        *trailing = 0;
+    return st;
 }
 
 /* ---- opening ---- */

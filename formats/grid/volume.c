@@ -15,6 +15,7 @@
 #include "formats/grid/nifti.h"
 #include "formats/grid/npy.h"
 #include "formats/grid/nrrd.h"
+#include "formats/grid/pvm.h"
 #include "formats/grid/rawfile.h"
 
 struct volume {
@@ -28,8 +29,8 @@ struct volume {
 
 /* What the formats are told by; the first that knows the file reads it. Raw samples know any. */
 static const grid_reader *const readers[] = {
-    &nrrd_reader, &metaimage_reader, &nifti_reader, &npy_reader,
-    &mrc_reader,  &imported_reader,  &raw_reader,
+    &nrrd_reader, &metaimage_reader, &nifti_reader,    &npy_reader,
+    &mrc_reader,  &pvm_reader,       &imported_reader, &raw_reader,
 };
 
 /* ---- hints ---- */

@@ -31,6 +31,7 @@ typedef struct volume_layout {
     uint32_t steps;            /* of time, one behind the other where `ordered` is not; 0: 1 */
     uint32_t step;             /* the one to take */
     uint64_t skip_decoded;     /* VOLUME_DEFLATE: decompressed bytes in front of the samples */
+    bool has_tail;             /* what is behind the samples is part of the format */
     byte_stream *data;         /* at the first byte of the encoded samples; owned */
 } volume_layout;
 
