@@ -6,7 +6,7 @@
 
 #include "formats/input/binary_fields.h"
 
-enum { HEADER_MAX = 1 << 16, AXES_MAX = 32, LAST_NUMBERS = 4 };
+enum { HEADER_MAX = 1 << 16, AXES_MAX = 32 };
 
 /* A header while it is interpreted. */
 typedef struct npy {
@@ -70,8 +70,8 @@ static const char *find(const npy *n, const char *key) {
     return NULL;
 }
 
-/* '<f4': byte order, kind, bytes. */
-static status read_type(npy *n) {
+/* Byte order, kind, bytes. */
+bool npy_type(const char *word, stored_samples *s, bool *big_endian) {
     static const struct {
         char name[4];
         sample_type type;
@@ -82,20 +82,27 @@ static status read_type(npy *n) {
         {"i8", SAMPLE_I64, 1}, {"f2", SAMPLE_F16, 1},  {"f4", SAMPLE_F32, 1}, {"f8", SAMPLE_F64, 1},
         {"c8", SAMPLE_F32, 2}, {"c16", SAMPLE_F64, 2},
     };
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
+        if (!*word || !strchr("<>|=", *word) || strcmp(word + 1, types[i].name) != 0)
+            continue;
+        s->type = types[i].type;
+        s->components = types[i].components;
+        *big_endian = *word == '>';
+        return true;
+    }
+    return false;
+}
+
+static status read_type(npy *n) {
     const char *value = find(n, "descr");
+    char word[8] = "";
     if (!value)
         return fault(n, ST_CORRUPT, "expected 'descr'");
-    const char quote = *value;
-    const bool plain = (quote == '\'' || quote == '"') && value[1] && strchr("<>|=", value[1]);
-    for (size_t i = 0; plain && i < sizeof types / sizeof *types; i++) {
-        const size_t length = strlen(types[i].name);
-        if (strncmp(value + 2, types[i].name, length) != 0 || value[2 + length] != quote)
-            continue;
-        n->l->stored.type = types[i].type;
-        n->l->stored.components = types[i].components;
-        n->l->big_endian = value[1] == '>';
+    const size_t length = strcspn(value + (*value != 0), "'\"");
+    if ((*value == '\'' || *value == '"') && length < sizeof word && value[1 + length] == *value)
+        memcpy(word, value + 1, length);
+    if (npy_type(word, &n->l->stored, &n->l->big_endian))
         return ST_OK;
-    }
     return fault(n, ST_UNSUPPORTED,
                  "'descr': supported are bool, 8 to 64 bit integers, half, float, double and "
                  "complex of these");
@@ -154,7 +161,7 @@ static status set_axes(npy *n) {
     static const uint8_t steps[] = {ORDER_STEP, ORDER_Z, ORDER_Y, ORDER_X};
     volume_layout *l = n->l;
     drop_front(n);
-    const bool four = n->axes == 4, last = four && n->shape[3] <= LAST_NUMBERS;
+    const bool four = n->axes == 4, last = four && n->shape[3] <= NPY_NUMBERS;
     if ((n->axes != 3 && !four) || (last && l->stored.components > 1))
         return fault(n, ST_UNSUPPORTED,
                      "'shape': expected (z, y, x), (z, y, x, numbers) or (steps, z, y, x)");

@@ -14,4 +14,11 @@
 
 extern const grid_reader npy_reader;
 
+/* A last, fourth axis of up to so many has the numbers of a sample. */
+enum { NPY_NUMBERS = 4 };
+
+/* npy_type() - of a type in NumPy's words, "<f4": s->type and s->components, and the byte order;
+ * false for one that is not read. */
+bool npy_type(const char *word, stored_samples *s, bool *big_endian);
+
 #endif

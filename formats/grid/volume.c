@@ -17,6 +17,7 @@
 #include "formats/grid/nrrd.h"
 #include "formats/grid/pvm.h"
 #include "formats/grid/rawfile.h"
+#include "formats/grid/zarr.h"
 
 struct volume {
     mem *m;
@@ -191,7 +192,8 @@ status volume_open_stream(mem *m, byte_stream *s, const volume_hints *hints, vol
 
 static status open_folder(mem *m, const char *path, const volume_hints *hints, volume **out) {
     slice_source from = {0};
-    status st = imported_folder(m, path, hints, &from);
+    status st = zarr_known(path) ? zarr_open(m, path, hints, &from)
+                                 : imported_folder(m, path, hints, &from);
     return st == ST_OK ? volume_open_slices(m, &from, hints, out) : st;
 }
 
