@@ -284,7 +284,8 @@ static const cli_verb verb = {
     .check = check,
     .inputs_max = LEAF_SETS_MAX,
     .args_doc = "INPUT... -o F.leaf",
-    .doc = "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, raw samples "
+    .doc = "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, NIfTI, NumPy "
+           "arrays, MRC, PVM, Zarr 2 and OME-Zarr (a folder), raw samples "
            "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
            "TetGen (.node, .ele), VTK (.vtk, .vtu), Gmsh (.msh), a mesh stream; packed by gzip, "
            "bzip2, xz or zstd; or - for any of these on standard input that takes one file and one "
