@@ -283,6 +283,34 @@ static void test_pieces(void **state) {
                   SAMPLE_F32, NULL);
 }
 
+/* Of a piece without depth the cells are surfaces, not the volume's. */
+static void test_flat_piece(void **state) {
+    (void)state;
+    static const char *const extents[] = {"4 4 0 3 0 2", "0 0 0 3 0 2", "0 4 3 3 0 2",
+                                          "0 4 0 3 2 2"};
+    const double map[3][4] = {{1, 0, 0, 0.5}, {0, 1, 0, 0.5}, {0, 0, 1, 0.5}};
+    const vtk_grid_style g = {.xml = codings[0], .of_cells = true};
+    const char *path = vtk_grid_files_xml("a.vti", &g);
+    for (size_t i = 0; i < sizeof extents / sizeof *extents; i++) {
+        char flat[300];
+        snprintf(flat, sizeof flat,
+                 "</Piece><Piece Extent=\"%s\"><CellData><DataArray type=\"Float32\" Name=\"s\">"
+                 "0 0 0 0 0 0 0 0 0 0 0 0</DataArray></CellData></Piece>",
+                 extents[i]);
+        volumes_check(vtk_files_patch(path, "</Piece>", flat), NULL, SAMPLE_F32, map);
+    }
+    /* Nor do layers of surfaces make a volume. */
+    char text[1500] = "<VTKFile type='ImageData'><ImageData WholeExtent='0 2 0 2 0 2'>";
+    for (int z = 0; z < 3; z++)
+        snprintf(text + strlen(text), sizeof text - strlen(text),
+                 "<Piece Extent='0 2 0 2 %d %d'><CellData><DataArray type='Int8' Name='a'>1 2 3 4"
+                 "</DataArray></CellData></Piece>",
+                 z, z);
+    strcat(text, "</ImageData></VTKFile>");
+    volumes_refused(scratch_text("b.vti", text), NULL, ST_CORRUPT,
+                    "no piece has the sample at 0 0 0");
+}
+
 /* VTK's own writers tell the directions in the pieces' files alone. */
 static void test_direction_of_pieces(void **state) {
     (void)state;
@@ -380,6 +408,11 @@ static void test_structure(void **state) {
         "0 0'><PointData><DataArray type='Int8' Name='a'>1 2 3 4</DataArray></PointData>"
         "</Piece></ImageData></VTKFile>");
     volumes_refused(scratch_text("b.vti", flat), NULL, ST_UNSUPPORTED, "b.vti");
+    /* Nor is a layer of cells, or none. */
+    g.of_cells = true;
+    a = vtk_grid_files_xml("a.vti", &g);
+    a = vtk_files_patch(a, "WholeExtent=\"0 4 0 3 0 2\"", "WholeExtent=\"0 4 0 3 1 1\"");
+    refused(a, "Extent=\"0 4 0 3 0 2\"", "Extent=\"0 4 0 3 1 1\"", ST_UNSUPPORTED, "a.vti");
 }
 
 static void test_choice(void **state) {
@@ -697,6 +730,7 @@ int main(void) {
         cmocka_unit_test(test_placement),
         cmocka_unit_test(test_rectilinear),
         cmocka_unit_test(test_pieces),
+        cmocka_unit_test(test_flat_piece),
         cmocka_unit_test(test_direction_of_pieces),
         cmocka_unit_test(test_pieces_refused),
         cmocka_unit_test(test_structure),

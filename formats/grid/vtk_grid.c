@@ -34,12 +34,18 @@ static uint64_t volume_of(const vtk_extent *e) {
                : all;
 }
 
-/* The samples of a field between these nodes; a flat grid has cells, too. */
+/* The samples of a field between these nodes: of cells one fewer along each axis, so that a flat
+ * piece has none. */
 static vtk_extent samples_of(vtk_owner owner, const vtk_extent *nodes) {
     vtk_extent e = *nodes;
     for (int a = 0; a < 3 && owner == VTK_OF_CELLS; a++)
-        e.hi[a] -= e.hi[a] > e.lo[a];
+        e.hi[a]--;
     return e;
+}
+
+static bool has_samples(const vtk_grid *g, const vtk_grid_piece *p) {
+    const vtk_extent e = samples_of(g->owner, &p->extent);
+    return !vtk_extent_is_empty(&e);
 }
 
 void vtk_frame_init(vtk_frame *f) {
@@ -122,6 +128,8 @@ static const vtk_array *find_field(vtk_grid *g, const char *name) {
 
 /* The chosen array in a piece. */
 static status choose_in_piece(const vtk_grid *g, vtk_grid_piece *p, const vtk_array *chosen) {
+    if (!has_samples(g, p))
+        return ST_OK;
     p->field = vtk_fields_find(&p->fields, g->owner, chosen->name);
     if (!p->field)
         return status_describe(ST_CORRUPT, "%s: a piece has no array \"%s\", unlike others",
@@ -274,7 +282,7 @@ static status check_filled(vtk_grid *g, int64_t z) {
 /* Pieces come and go; *changed tells of it. */
 static status begin_slice(vtk_grid *g, int64_t z, bool *changed) {
     size_t kept = 0;
-    *changed = false;
+    *changed = z == g->samples.lo[2];
     for (size_t i = 0; i < g->actives; i++) {
         vtk_grid_piece *p = &g->pieces[g->active[i]];
         if (p->samples)
@@ -283,7 +291,7 @@ static status begin_slice(vtk_grid *g, int64_t z, bool *changed) {
             *changed = true;
     }
     g->actives = kept;
-    for (; g->begun < g->count && g->pieces[g->order[g->begun]].extent.lo[2] == z; g->begun++) {
+    for (; g->begun < g->ordered && g->pieces[g->order[g->begun]].extent.lo[2] == z; g->begun++) {
         status st = open_samples(g, &g->pieces[g->order[g->begun]]);
         if (st != ST_OK)
             return st;
@@ -364,6 +372,8 @@ static int by_first_slice(const void *a, const void *b, void *pieces) {
 static status check_pieces(vtk_grid *g) {
     status st = ST_OK;
     for (size_t i = 0; st == ST_OK && i < g->count; i++) {
+        if (!has_samples(g, &g->pieces[i]))
+            continue;
         st = open_samples(g, &g->pieces[i]);
         vtk_cursor_close(g->pieces[i].samples);
         g->pieces[i].samples = NULL;
@@ -377,8 +387,9 @@ static status make_order(vtk_grid *g) {
     if (!g->order || !g->active)
         return ST_NOMEM;
     for (size_t i = 0; i < g->count; i++)
-        g->order[i] = i;
-    qsort_r(g->order, g->count, sizeof *g->order, by_first_slice, g->pieces);
+        if (has_samples(g, &g->pieces[i]))
+            g->order[g->ordered++] = i;
+    qsort_r(g->order, g->ordered, sizeof *g->order, by_first_slice, g->pieces);
     if (g->count == 1)
         return ST_OK;
     g->seen = mem_array(g->m, (size_t)along(&g->samples, 0), (size_t)along(&g->samples, 1));
@@ -405,8 +416,10 @@ static status describe(vtk_grid *g, const volume_hints *hints, grid *to) {
         return st;
     const sample_type type = to->type, source = to->source;
     uint32_t dims[3];
-    for (int a = 0; a < 3; a++)
+    for (int a = 0; a < 3; a++) {
         dims[a] = (uint32_t)along(&g->samples, a);
+        dims[a] += dims[a] == 0; /* flat, which grid_check() refuses */
+    }
     grid_init(to, dims, type);
     to->source = source;
     g->type = type;

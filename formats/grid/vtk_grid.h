@@ -70,7 +70,7 @@ typedef struct vtk_grid {
     sample_type type;        /* what they become, */
     vtk_extent samples;      /* and how they are numbered: as the nodes or the cells */
     char *chunk;             /* some of them as they are stored; NULL: as the grid has them */
-    size_t *order;           /* the pieces by their first slices */
+    size_t *order, ordered;  /* the pieces with samples by their first slices */
     size_t begun;            /* so many of them */
     size_t *active, actives; /* those that have the slice, in order */
     uint8_t *seen;           /* the samples of a slice that some piece has; NULL for one piece */

@@ -52,7 +52,7 @@ static status on_dimensions(vtk_legacy *v) {
 /* The first and the last node along x, y, z. */
 static status on_extent(vtk_legacy *v) {
     scan *s = v->user;
-    vtk_extent e;
+    vtk_extent e = {0};
     status st = vtk_legacy_need_words(v, 7, "EXTENT x0 x1 y0 y1 z0 z1");
     if (st == ST_OK)
         st = vtk_legacy_once(v, &s->sized);
