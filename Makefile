@@ -123,7 +123,7 @@ RUN   += $(filter-out $(RUN),$(ASKED))
 # ---- libraries -----------------------------------------------------------------------------------
 # What the library for others needs, and what the verbs need besides. bzip2 has no module there.
 DOOR_LIBS := -lbz2 -lm
-DOOR_PC := zlib libzstd liblzma jansson libxxhash expat
+DOOR_PC := zlib libzstd liblzma liblz4 jansson libxxhash expat
 LIBS_PC := $(DOOR_PC) libpng
 ifneq ($(filter-out list help clean setup test demo,$(or $(MAKECMDGOALS),all)),)
 MISSING := $(if $(shell command -v pkg-config),,pkg-config) \

@@ -37,7 +37,8 @@ static const struct argp_option options[] = {
     {"field", KEY_FIELD, "NAME", CLI_BASIC,
      "of several: this array, grid, data set or variable (default: the first)", 1},
     {"dims", KEY_DIMS, "X,Y,Z", CLI_BASIC, "of raw samples: how many per axis", 1},
-    {"type", KEY_TYPE, "TYPE", CLI_BASIC, "of raw samples: u8 i8 u16 i16 u32 i32 f32 f64", 1},
+    {"type", KEY_TYPE, "TYPE", CLI_BASIC,
+     "of raw samples: u8 i8 u16 i16 u32 i32 u64 i64 f16 f32 f64", 1},
     {"big-endian", KEY_BIG_ENDIAN, NULL, 0, "of raw samples: most significant byte first", 1},
     {"skip", KEY_SKIP, "BYTES", 0, "of raw samples: header bytes to pass over", 1},
     {NULL, 0, NULL, 0, NULL, 0}};

@@ -137,6 +137,7 @@ static status ask_volume(mem *m, volume *v, const input_question *q, const progr
     x->has_fields = volume_has_fields(v);
     x->importer = volume_importer(v);
     x->type = g->type;
+    x->source = grid_source(g);
     x->rectilinear = grid_is_rectilinear(g);
     memcpy(x->dims, g->dims, sizeof x->dims);
     memcpy(x->to_world, g->to_world, sizeof x->to_world);
@@ -309,8 +310,11 @@ static void print_grid(FILE *to, const input_facts *x) {
     char n[3][NUM_TEXT_MAX];
     const double bytes =
         (double)x->dims[0] * x->dims[1] * x->dims[2] * (double)sample_size(x->type);
-    fprintf(to, "grid        %u x %u x %u %s, %.1f MiB\n", x->dims[0], x->dims[1], x->dims[2],
+    fprintf(to, "grid        %u x %u x %u %s, %.1f MiB", x->dims[0], x->dims[1], x->dims[2],
             sample_name(x->type), bytes / 0x1p20);
+    if (x->source != x->type)
+        fprintf(to, " (of %s)", sample_name(x->source));
+    fputc('\n', to);
     fprintf(to, "spacing     %s %s %s%s\n", num_print(spacing_of(x, 0), n[0]),
             num_print(spacing_of(x, 1), n[1]), num_print(spacing_of(x, 2), n[2]),
             x->rectilinear ? ", times the coordinates of its axes (rectilinear)" : "");
@@ -418,7 +422,7 @@ static void set_grid(json_t *json, const input_facts *x) {
     json_t *more = json_pack("{s:[I,I,I], s:s, s:s, s:b, s:o, s:I}", "dims", (json_int_t)x->dims[0],
                              (json_int_t)x->dims[1], (json_int_t)x->dims[2], "sample_type",
                              sample_name(sample_stored(x->type)), "source_type",
-                             sample_name(x->type), "rectilinear", (int)x->rectilinear, "to_world",
+                             sample_name(x->source), "rectilinear", (int)x->rectilinear, "to_world",
                              world, "trailing_bytes", (json_int_t)x->trailing);
     json_object_update(json, more);
     json_decref(more);

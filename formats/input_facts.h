@@ -32,7 +32,7 @@ typedef struct input_facts {
     char name[MESH_NAME_MAX + 1];
     /* a grid */
     uint32_t dims[3];
-    sample_type type;
+    sample_type type, source; /* as read, and in the file */
     double to_world[12];
     bool rectilinear;
     /* a mesh; counts, bounds (lo, hi) and the field taken when it was read */

@@ -80,7 +80,7 @@ static const struct argp_option options[] = {
      "print sizes, memory, levels and treelets; write nothing", 0},
     {NULL, 0, NULL, 0, "What a raw input does not say itself:", 1},
     {"dims", KEY_DIMS, "X,Y,Z", CLI_BASIC, "samples per axis", 1},
-    {"type", KEY_TYPE, "TYPE", CLI_BASIC, "u8 i8 u16 i16 u32 i32 f32 f64", 1},
+    {"type", KEY_TYPE, "TYPE", CLI_BASIC, "u8 i8 u16 i16 u32 i32 u64 i64 f16 f32 f64", 1},
     {"big-endian", KEY_BIG_ENDIAN, NULL, 0, "most significant byte first", 1},
     {"skip", KEY_SKIP, "BYTES", 0, "header bytes to pass over", 1},
     {NULL, 0, NULL, 0, "What any grid may have wrong:", 2},
@@ -283,7 +283,9 @@ static const cli_verb verb = {
     .check = check,
     .inputs_max = LEAF_SETS_MAX,
     .args_doc = "INPUT... -o F.leaf",
-    .doc = "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, raw samples "
+    .doc = "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, VTK grids "
+           "(.vti, .vtr, legacy .vtk; in pieces: .pvti, .pvtr), NIfTI, NumPy "
+           "arrays, MRC, PVM, Zarr 2 and OME-Zarr (a folder), raw samples "
            "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
            "TetGen (.node, .ele), VTK (.vtk, .vtu), Gmsh (.msh), a mesh stream; packed by gzip, "
            "bzip2, xz or zstd; or - for any of these on standard input that takes one file and one "

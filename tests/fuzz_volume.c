@@ -1,4 +1,5 @@
-/* fuzz_volume.c - hostile inputs: the first byte chooses the format, the others are the file.
+/* fuzz_volume.c - hostile inputs: the first byte chooses the file's name, where a format goes by
+ * that, the others are the file.
  */
 #include <stdint.h>
 #include <stdio.h>

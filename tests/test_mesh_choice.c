@@ -201,24 +201,24 @@ static void test_share(void **state) {
 /* Each name once, and a long list is cut behind a whole name. */
 static void test_names(void **state) {
     (void)state;
-    mesh_choice_names names = {0};
-    mesh_choice_add(&names, "b");
-    mesh_choice_add(&names, "b");
-    mesh_choice_add(&names, "a b");
+    name_list names = {0};
+    name_list_add(&names, "b");
+    name_list_add(&names, "b");
+    name_list_add(&names, "a b");
     assert_string_equal(names.text, "\"b\", \"a b\"");
     char last[20];
     for (int i = 100; i < 200; i++) {
         snprintf(last, sizeof last, "name%d", i);
-        mesh_choice_add(&names, last);
+        name_list_add(&names, last);
     }
     assert_true(strlen(names.text) < sizeof names.text);
     assert_true(strlen(names.text) > sizeof names.text - 20);
     assert_string_equal(names.text + strlen(names.text) - 5, "\", ..");
-    names = (mesh_choice_names){0};
-    char huge[2 * MESH_CHOICE_TEXT];
+    names = (name_list){0};
+    char huge[2 * NAME_LIST_TEXT];
     memset(huge, 'x', sizeof huge);
     huge[sizeof huge - 1] = 0;
-    mesh_choice_add(&names, huge);
+    name_list_add(&names, huge);
     assert_string_equal(names.text, ", ..");
 }
 

@@ -31,6 +31,9 @@ static const vtk_xml_style styles[] = {
     {.appended = true, .raw = true, .head64 = true},
     {.appended = true, .raw = true, .block = 24},
     {.appended = true, .raw = true, .block = 100, .head64 = true, .big_endian = true},
+    {.block = 64, .packing = VTK_WRITER_LZ4},
+    {.appended = true, .raw = true, .block = 128, .packing = VTK_WRITER_LZ4, .head64 = true},
+    {.appended = true, .block = 100, .packing = VTK_WRITER_LZMA, .big_endian = true},
 };
 
 enum { STYLES = sizeof styles / sizeof *styles };
@@ -176,8 +179,8 @@ static void test_structure(void **state) {
     refused(a, "type=\"UnstructuredGrid\" ", "", ST_CORRUPT, "UnstructuredGrid is supported");
     refused(a, "LittleEndian", "MiddleEndian", ST_CORRUPT, "expected LittleEndian or BigEndian");
     refused(a, "UInt32", "UInt16", ST_CORRUPT, "expected UInt32 or UInt64");
-    refused(a, "header_type", "compressor=\"vtkLZ4DataCompressor\" header_type", ST_UNSUPPORTED,
-            "vtkZLibDataCompressor is supported");
+    refused(a, "header_type", "compressor=\"vtkPackedDataCompressor\" header_type", ST_UNSUPPORTED,
+            "those of zlib, LZ4 and LZMA are supported");
     refused(a, "NumberOfPoints=\"16\"", "", ST_CORRUPT, "expected the attribute NumberOfPoints");
     refused(a, "NumberOfCells=\"9\"", "NumberOfCells=\"-9\"", ST_CORRUPT,
             "expected a whole number from 0 on");
@@ -293,14 +296,35 @@ static void test_base64(void **state) {
             ST_CORRUPT, "ends inside a group");
 }
 
+typedef struct block_case {
+    int word; /* of the head of "alpha" */
+    uint32_t value;
+    const char *said;
+} block_case;
+
+static void refuse_blocks(vtk_writer_packing packing, const block_case *cases, size_t count) {
+    const vtk_xml_style s = {.appended = true, .raw = true, .block = 64, .packing = packing};
+    size_t size;
+    char *data = scratch_read(vtk_files_xml("a.vtu", &s), &size);
+    char *head = (char *)memmem(data, size, " _", 2) + 2;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t kept;
+        memcpy(&kept, head + 4 * cases[i].word, 4);
+        memcpy(head + 4 * cases[i].word, &cases[i].value, 4);
+        mesh_files_refused(scratch_write("b.vtu", data, size), NULL, ST_CORRUPT, cases[i].said);
+        memcpy(head + 4 * cases[i].word, &kept, 4);
+    }
+    /* One byte more for the first block: it begins the second. */
+    head[12]++;
+    mesh_files_refused(scratch_write("b.vtu", data, size), NULL, ST_CORRUPT,
+                       packing ? "block 1 before" : "bytes follow its end");
+    free(data);
+}
+
 /* Blocks whose head does not say what is in them. */
 static void test_blocks(void **state) {
     (void)state;
-    static const struct {
-        int word;
-        uint32_t value;
-        const char *said;
-    } cases[] = {
+    static const block_case zlib[] = {
         {0, 3, "array \"alpha\": has 24 numbers, expected 16"},
         {0, 0xffffffff, "expected 17179869180 more of its table of blocks"},
         {1, 0, "no sound head"},
@@ -311,23 +335,24 @@ static void test_blocks(void **state) {
         {3, 5, "ends too early"},
         {4, 1000000, "more of its blocks"},
     };
-    const vtk_xml_style s = {.appended = true, .raw = true, .block = 64};
-    const char *a = vtk_files_xml("a.vtu", &s);
-    size_t size;
-    char *data = scratch_read(a, &size);
-    char *head = (char *)memmem(data, size, " _", 2) + 2;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        uint32_t kept;
-        memcpy(&kept, head + 4 * cases[i].word, 4);
-        memcpy(head + 4 * cases[i].word, &cases[i].value, 4);
-        mesh_files_refused(scratch_write("b.vtu", data, size), NULL, ST_CORRUPT, cases[i].said);
-        memcpy(head + 4 * cases[i].word, &kept, 4);
-    }
-    /* One byte more for the first block: it begins the second. */
-    head[12]++;
-    mesh_files_refused(scratch_write("b.vtu", data, size), NULL, ST_CORRUPT,
-                       "bytes follow its end");
-    free(data);
+    static const block_case lz4[] = {
+        {0, 3, "array \"alpha\": has 24 numbers, expected 16"},
+        {0, 0xffffffff, "expected 17179869180 more of its table of blocks"},
+        {1, 0x7fffffff, "too early for the"},
+        {2, 8, "has 9 numbers"},
+        {3, 0, "its length is not one of so many bytes"},
+        {3, 5, "damaged LZ4 block 1 before byte"},
+        {4, 1000000, "its length is not one of so many bytes"},
+    };
+    static const block_case lzma[] = {
+        {2, 8, "has 9 numbers"},
+        {3, 0, "its length is not one of so many bytes"},
+        {3, 5, "damaged LZMA block 1 before byte"},
+        {4, 1000000, "its length is not one of so many bytes"},
+    };
+    refuse_blocks(VTK_WRITER_ZLIB, zlib, sizeof zlib / sizeof *zlib);
+    refuse_blocks(VTK_WRITER_LZ4, lz4, sizeof lz4 / sizeof *lz4);
+    refuse_blocks(VTK_WRITER_LZMA, lzma, sizeof lzma / sizeof *lzma);
 }
 
 static void test_limits(void **state) {

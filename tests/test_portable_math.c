@@ -12,7 +12,7 @@
 #include <stdlib.h>
 
 #include "formats/base/hash.h"
-#include "prep/generate/portable_math.h"
+#include "formats/base/portable_math.h"
 
 static const long double PI = 3.14159265358979323846264338327950288L;
 

@@ -77,6 +77,7 @@ static void *samples_of(sample_type type) {
         case SAMPLE_I32: ((uint32_t *)samples)[i] = (uint32_t)v; break;
         case SAMPLE_F32: ((float *)samples)[i] = (float)v + 0.25f; break;
         case SAMPLE_F64: ((double *)samples)[i] = v + 0.1; break;
+        default: break;
         }
     }
     return samples;

@@ -59,7 +59,7 @@ static void test_name(void **state) {
         volumes_truncate(path, NULL, 0);
         remove(path);
     }
-    static const char *const bad[] = {"x.raw",       "x_4x3_uint8.raw",   "x_4x3x2_int64.raw",
+    static const char *const bad[] = {"x.raw",       "x_4x3_uint8.raw",   "x_4x3x2_int128.raw",
                                       "x_4x3x2.raw", "x_0x3x2_uint8.raw", "4x3x2_uint8.raw"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         volumes_refused(write_samples(bad[i], SAMPLE_U8, false), NULL, ST_UNSUPPORTED, bad[i]);
@@ -119,7 +119,7 @@ static void test_json_refused(void **state) {
         {"{\"type\": \"uint8\", \"size\": [4, 3, \"2\"]}", ST_CORRUPT, "\"size\""},
         {"{\"type\": \"uint8\", \"size\": [4, 3, 2.5]}", ST_CORRUPT, "whole numbers"},
         {"{\"type\": \"uint8\", \"size\": [4, 3, 1e300]}", ST_CORRUPT, "whole numbers"},
-        {"{\"type\": \"int64\", \"size\": [4, 3, 2]}", ST_UNSUPPORTED, "int64"},
+        {"{\"type\": \"int128\", \"size\": [4, 3, 2]}", ST_UNSUPPORTED, "int128"},
         {"{\"type\": \"uint8\", \"size\": [4, 3, 2], \"endian\": \"middle\"}", ST_CORRUPT,
          "endian"},
         {"{\"type\": \"uint8\", \"size\": [4, 3, 2], \"spacing\": 1}", ST_CORRUPT, "spacing"},

@@ -71,8 +71,8 @@ status cli_dims_or_one(const char *text, const char *what, uint32_t lo, uint32_t
 status cli_sample_type(const char *text, sample_type *out) {
     if (sample_parse(text, out))
         return ST_OK;
-    return status_describe(ST_USAGE, "--type: \"%s\" is none of u8 i8 u16 i16 u32 i32 f32 f64",
-                           text);
+    return status_describe(
+        ST_USAGE, "--type: \"%s\" is none of u8 i8 u16 i16 u32 i32 u64 i64 f16 f32 f64", text);
 }
 
 /* "a|b" as "a, b". */

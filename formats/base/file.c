@@ -209,6 +209,18 @@ status file_read_at(file *f, uint64_t offset, void *buffer, size_t size) {
     return ST_OK;
 }
 
+char *file_beside(mem *m, const char *header, const char *name) {
+    const char *slash = strrchr(header, '/');
+    const size_t folder = slash && *name != '/' ? (size_t)(slash - header) + 1 : 0;
+    const size_t length = strlen(name) + 1;
+    char *path = mem_alloc(m, folder + length);
+    if (!path)
+        return NULL;
+    memcpy(path, header, folder);
+    memcpy(path + folder, name, length);
+    return path;
+}
+
 /* ---- writing ---- */
 
 static status open_temporary(out_file *f) {

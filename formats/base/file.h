@@ -47,6 +47,10 @@ CHECKED status file_read_at(file *f, uint64_t offset, void *buffer, size_t size)
 
 typedef struct out_file out_file;
 
+/* file_beside() - the path of a file that another one, header, names: a relative name is looked for
+ * beside it. Freed by mem_free(); NULL: no memory. */
+char *file_beside(mem *m, const char *header, const char *name);
+
 /* out_file_create() - open a temporary file beside path, see partial.h. ST_EXISTS when path
  * exists and force is false, or when it is no regular file. ST_USAGE when it is an input, see
  * file_guard.h, or "-", or empty. Data that is also read back (a spill, a header written last) goes

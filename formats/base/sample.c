@@ -9,12 +9,19 @@
 static const struct {
     const char *name;
     size_t size;
-    sample_type stored;
+    sample_type stored, widened;
 } types[] = {
-    [SAMPLE_U8] = {"u8", 1, SAMPLE_U8},    [SAMPLE_I8] = {"i8", 1, SAMPLE_I8},
-    [SAMPLE_U16] = {"u16", 2, SAMPLE_U16}, [SAMPLE_I16] = {"i16", 2, SAMPLE_I16},
-    [SAMPLE_F32] = {"f32", 4, SAMPLE_F32}, [SAMPLE_U32] = {"u32", 4, SAMPLE_F32},
-    [SAMPLE_I32] = {"i32", 4, SAMPLE_F32}, [SAMPLE_F64] = {"f64", 8, SAMPLE_F32},
+    [SAMPLE_U8] = {"u8", 1, SAMPLE_U8, SAMPLE_U8},
+    [SAMPLE_I8] = {"i8", 1, SAMPLE_I8, SAMPLE_I8},
+    [SAMPLE_U16] = {"u16", 2, SAMPLE_U16, SAMPLE_U16},
+    [SAMPLE_I16] = {"i16", 2, SAMPLE_I16, SAMPLE_I16},
+    [SAMPLE_F32] = {"f32", 4, SAMPLE_F32, SAMPLE_F32},
+    [SAMPLE_U32] = {"u32", 4, SAMPLE_F32, SAMPLE_U32},
+    [SAMPLE_I32] = {"i32", 4, SAMPLE_F32, SAMPLE_I32},
+    [SAMPLE_F64] = {"f64", 8, SAMPLE_F32, SAMPLE_F64},
+    [SAMPLE_F16] = {"f16", 2, SAMPLE_F32, SAMPLE_F32},
+    [SAMPLE_U64] = {"u64", 8, SAMPLE_F32, SAMPLE_F64},
+    [SAMPLE_I64] = {"i64", 8, SAMPLE_F32, SAMPLE_F64},
 };
 enum { TYPES = sizeof types / sizeof types[0] };
 
@@ -54,6 +61,20 @@ static const struct {
     {"float32", SAMPLE_F32},
     {"double", SAMPLE_F64},
     {"float64", SAMPLE_F64},
+    {"half", SAMPLE_F16},
+    {"float16", SAMPLE_F16},
+    {"uint64", SAMPLE_U64},
+    {"uint64_t", SAMPLE_U64},
+    {"ulonglong", SAMPLE_U64},
+    {"unsigned long long", SAMPLE_U64},
+    {"unsigned long long int", SAMPLE_U64},
+    {"int64", SAMPLE_I64},
+    {"int64_t", SAMPLE_I64},
+    {"longlong", SAMPLE_I64},
+    {"long long", SAMPLE_I64},
+    {"long long int", SAMPLE_I64},
+    {"signed long long", SAMPLE_I64},
+    {"signed long long int", SAMPLE_I64},
 };
 
 static bool is_type(sample_type type) {
@@ -80,6 +101,10 @@ bool sample_parse(const char *name, sample_type *out) {
             return true;
         }
     return false;
+}
+
+sample_type sample_widened(sample_type type) {
+    return is_type(type) ? types[type].widened : type;
 }
 
 sample_type sample_stored(sample_type type) {
@@ -133,16 +158,71 @@ double sample_to_stored(sample_type type, const void *in, void *out, size_t coun
     return worst;
 }
 
+#define DOUBLE_ALL(type, as_double)                            \
+    for (size_t i = 0; i < count; i++) {                       \
+        type v;                                                \
+        memcpy(&v, (const char *)in + i * sizeof v, sizeof v); \
+        out[i] = as_double(v);                                 \
+    }
+
+/* IEEE 754 binary16: 1 bit of sign, 5 of exponent, 10 of mantissa. */
+static double of_half(uint16_t h) {
+    const uint32_t sign = (uint32_t)(h & 0x8000) << 16, exponent = h >> 10 & 31, bits = h & 0x3ff;
+    if (exponent == 0)
+        return (sign ? -0x1p-24 : 0x1p-24) * bits;
+    const uint32_t single = sign | (exponent == 31 ? 255 : exponent + 112) << 23 | bits << 13;
+    float f;
+    memcpy(&f, &single, sizeof f);
+    return (double)f;
+}
+
+/* Those that have at most 53 bits between the first and the last that is set. */
+static size_t first_inexact(sample_type type, const void *in, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        uint64_t v;
+        memcpy(&v, (const char *)in + i * sizeof v, sizeof v);
+        if (type == SAMPLE_I64 && v >> 63)
+            v = -v;
+        if (v >> 53 && __builtin_clzll(v) + __builtin_ctzll(v) < 11)
+            return i;
+    }
+    return count;
+}
+
+size_t sample_to_doubles(sample_type type, const void *in, double *out, size_t count) {
+    switch (type) {
+    case SAMPLE_U8: DOUBLE_ALL(uint8_t, ) break;
+    case SAMPLE_I8: DOUBLE_ALL(int8_t, ) break;
+    case SAMPLE_U16: DOUBLE_ALL(uint16_t, ) break;
+    case SAMPLE_I16: DOUBLE_ALL(int16_t, ) break;
+    case SAMPLE_F32: DOUBLE_ALL(float, (double)) break;
+    case SAMPLE_U32: DOUBLE_ALL(uint32_t, ) break;
+    case SAMPLE_I32: DOUBLE_ALL(int32_t, ) break;
+    case SAMPLE_F64: DOUBLE_ALL(double, ) break;
+    case SAMPLE_F16: DOUBLE_ALL(uint16_t, of_half) break;
+    case SAMPLE_U64: DOUBLE_ALL(uint64_t, (double)) return first_inexact(type, in, count);
+    case SAMPLE_I64: DOUBLE_ALL(int64_t, (double)) return first_inexact(type, in, count);
+    }
+    return count;
+}
+
 bool sample_is_integer(sample_type type) {
-    return is_type(type) && type != SAMPLE_F32 && type != SAMPLE_F64;
+    return is_type(type) && type != SAMPLE_F16 && type != SAMPLE_F32 && type != SAMPLE_F64;
 }
 
 bool sample_holds(sample_type type, double value) {
     static const double range[TYPES][2] = {
-        [SAMPLE_U8] = {0, UINT8_MAX},       [SAMPLE_I8] = {INT8_MIN, INT8_MAX},
-        [SAMPLE_U16] = {0, UINT16_MAX},     [SAMPLE_I16] = {INT16_MIN, INT16_MAX},
-        [SAMPLE_U32] = {0, UINT32_MAX},     [SAMPLE_I32] = {INT32_MIN, INT32_MAX},
-        [SAMPLE_F32] = {-FLT_MAX, FLT_MAX}, [SAMPLE_F64] = {-DBL_MAX, DBL_MAX},
+        [SAMPLE_U8] = {0, UINT8_MAX},
+        [SAMPLE_I8] = {INT8_MIN, INT8_MAX},
+        [SAMPLE_U16] = {0, UINT16_MAX},
+        [SAMPLE_I16] = {INT16_MIN, INT16_MAX},
+        [SAMPLE_U32] = {0, UINT32_MAX},
+        [SAMPLE_I32] = {INT32_MIN, INT32_MAX},
+        [SAMPLE_F32] = {-FLT_MAX, FLT_MAX},
+        [SAMPLE_F64] = {-DBL_MAX, DBL_MAX},
+        [SAMPLE_F16] = {-65504, 65504},
+        [SAMPLE_U64] = {0, 0x1p64 - 2048},
+        [SAMPLE_I64] = {-0x1p63, 0x1p63 - 1024},
     };
     const bool whole = sample_is_integer(type);
     if (!isfinite(value))

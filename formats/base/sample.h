@@ -6,7 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The values are written to files: never renumber. Treelet files hold the first five alone. */
+/* The values are written to files: never renumber. Treelet files hold samples of the first five
+ * alone, grids of the first eight; the others are those of inputs, see sample_widened(). */
 typedef enum sample_type {
     SAMPLE_U8 = 1,
     SAMPLE_I8 = 2,
@@ -15,7 +16,10 @@ typedef enum sample_type {
     SAMPLE_F32 = 5,
     SAMPLE_U32 = 6,
     SAMPLE_I32 = 7,
-    SAMPLE_F64 = 8
+    SAMPLE_F64 = 8,
+    SAMPLE_F16 = 9,
+    SAMPLE_U64 = 10,
+    SAMPLE_I64 = 11
 } sample_type;
 
 /* sample_size() - bytes of one sample; 0 for a value that is no type. */
@@ -28,29 +32,37 @@ const char *sample_name(sample_type type);
  * uchar, unsigned char, float32, double ...), in any case; false when unknown. */
 bool sample_parse(const char *name, sample_type *out);
 
-/* sample_stored() - the type under which a treelet file keeps samples of this type: u32, i32 and
- * f64 become f32. */
+/* sample_widened() - the type in which a grid has samples that an input has in this one: of f16 it
+ * is f32, of u64 and i64 f64. */
+sample_type sample_widened(sample_type type);
+
+/* sample_stored() - the type under which a treelet file keeps samples of this type: those above 16
+ * bits, and f16, become f32. */
 sample_type sample_stored(sample_type type);
 
 /* sample_swap() - reverse the bytes of each of count samples. */
 void sample_swap(sample_type type, void *samples, size_t count);
 
-/* sample_to_stored() - convert count samples to sample_stored(type); in and out may be the same
- * buffer. Returns the largest absolute rounding error (0 for types stored as they are). NaN and inf
- * pass through and count as exact; a finite double beyond the range of float becomes inf, and so
- * does the error. */
+/* sample_to_stored() - convert count samples of a grid to sample_stored(type); in and out may be
+ * the same buffer. Returns the largest absolute rounding error (0 for types stored as they are).
+ * NaN and inf pass through and count as exact; a finite double beyond the range of float becomes
+ * inf, and so does the error. */
 double sample_to_stored(sample_type type, const void *in, void *out, size_t count);
 
-/* sample_is_integer() - u8 to i32. */
+/* sample_to_doubles() - count samples of any type, of native byte order, as doubles. Returns the
+ * first that a double cannot hold exactly (u64, i64); count when there is none. */
+size_t sample_to_doubles(sample_type type, const void *in, double *out, size_t count);
+
+/* sample_is_integer() - u8 to i32, u64, i64. */
 bool sample_is_integer(sample_type type);
 
 /* sample_holds() - whether a sample of this type can have that value: of integers a whole one in
  * their range, of floats any but a finite one beyond their range. */
 bool sample_holds(sample_type type, double value);
 
-/* sample_to_floats() - integers to floats, those that equal `missing` to NaN. in may lie at the end
- * of out's buffer. Returns the first sample that a float cannot hold exactly; count when there is
- * none. */
+/* sample_to_floats() - integers of a grid to floats, those that equal `missing` to NaN. in may lie
+ * at the end of out's buffer. Returns the first sample that a float cannot hold exactly; count when
+ * there is none. */
 size_t sample_to_floats(sample_type type, const void *in, float *out, size_t count, double missing);
 
 /* sample_get() - one sample of a stored type as a float; exact. */

@@ -87,7 +87,7 @@ status grid_check(const grid *g, const char *what) {
                                    "%s: %u samples along %c; at most %d are supported", what,
                                    g->dims[a], "xyz"[a], GRID_DIM_MAX);
     }
-    if (!sample_size(g->type))
+    if (!sample_size(g->type) || sample_widened(g->type) != g->type)
         return status_describe(ST_UNSUPPORTED, "%s: unknown sample type %d", what, (int)g->type);
     for (int row = 0; row < 3; row++)
         for (int column = 0; column < 4; column++)

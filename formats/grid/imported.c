@@ -135,6 +135,8 @@ static status open_slices(mem *m, const foreign_format *f, const char *path,
     status st = open_import(m, f, path, hints, &l.data);
     if (st == ST_OK)
         st = nrrd_reader.layout(&l, hints);
+    if (st == ST_OK) /* the verb has made the choice */
+        st = volume_layout_settle(&l, &(volume_hints){0});
     if (st == ST_OK)
         st = volume_layout_check(&l);
     if (st == ST_OK)

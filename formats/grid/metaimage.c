@@ -57,11 +57,11 @@ static status read_sizes(metaimage *h) {
     if (st != ST_OK)
         return st;
     h->axes = (int)axes;
-    if (axes != 3 && !(axes == 4 && all[3] == 1))
+    if (axes != 3 && axes != 4)
         return header_fields_fault(&h->fields, sizes, ST_UNSUPPORTED,
-                                   "\"%s\": a scalar volume has three axes (or a last, fourth one "
-                                   "of one sample)",
+                                   "\"%s\": a volume has three axes, or a fourth with its steps",
                                    sizes->value);
+    h->l->steps = axes == 4 ? all[3] : 1;
     memcpy(h->l->g.dims, all, sizeof h->l->g.dims);
     return ST_OK;
 }
@@ -76,28 +76,28 @@ static status read_type(metaimage *h) {
         const char *name;
         sample_type type;
     } names[] = {
-        {"MET_CHAR", SAMPLE_I8},    {"MET_UCHAR", SAMPLE_U8},  {"MET_SHORT", SAMPLE_I16},
-        {"MET_USHORT", SAMPLE_U16}, {"MET_INT", SAMPLE_I32},   {"MET_UINT", SAMPLE_U32},
-        {"MET_LONG", SAMPLE_I32},   {"MET_ULONG", SAMPLE_U32}, {"MET_FLOAT", SAMPLE_F32},
-        {"MET_DOUBLE", SAMPLE_F64},
+        {"MET_CHAR", SAMPLE_I8},    {"MET_UCHAR", SAMPLE_U8},      {"MET_SHORT", SAMPLE_I16},
+        {"MET_USHORT", SAMPLE_U16}, {"MET_INT", SAMPLE_I32},       {"MET_UINT", SAMPLE_U32},
+        {"MET_LONG", SAMPLE_I32},   {"MET_ULONG", SAMPLE_U32},     {"MET_FLOAT", SAMPLE_F32},
+        {"MET_DOUBLE", SAMPLE_F64}, {"MET_LONG_LONG", SAMPLE_I64}, {"MET_ULONG_LONG", SAMPLE_U64},
     };
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
         if (strcasecmp(f->value, names[i].name) == 0) {
-            h->l->g.type = names[i].type;
+            h->l->stored.type = names[i].type;
             return ST_OK;
         }
     return header_fields_fault(&h->fields, f, ST_UNSUPPORTED,
-                               "\"%s\": supported are 8 to 32 bit integers, float and double",
+                               "\"%s\": supported are 8 to 64 bit integers, float and double",
                                f->value);
 }
 
+/* Three or four bytes are a colour. */
 static status read_channels(metaimage *h) {
     const header_field *f = header_fields_find(&h->fields, "ElementNumberOfChannels");
     int64_t channels = 1;
     status st = f ? header_fields_int(&h->fields, f, 1, INT32_MAX, &channels) : ST_OK;
-    if (st == ST_OK && channels != 1)
-        st = header_fields_fault(&h->fields, f, ST_UNSUPPORTED,
-                                 "%lld channels; a scalar volume has one", (long long)channels);
+    h->l->stored.components = (uint32_t)channels;
+    h->l->stored.colours = h->l->stored.type == SAMPLE_U8 && (channels == 3 || channels == 4);
     return st;
 }
 
@@ -166,7 +166,7 @@ static status find_samples(metaimage *h) {
         return header_fields_fault(&h->fields, file, ST_UNSUPPORTED,
                                    "samples in several files are not supported");
     if (!local)
-        st = volume_layout_open(h->l, h->fields.name, file->value);
+        st = volume_layout_open(h->l, h->fields.name, file->value, byte_stream_open_stored);
     return st == ST_OK ? volume_layout_skip(h->l, 0, header_size) : st;
 }
 

@@ -13,7 +13,7 @@
 typedef struct nrrd {
     header_fields fields;
     volume_layout *l;
-    int axes;  /* 3 or 4 in the file */
+    int axes;  /* 3 or 4 in the file; a fourth, first or last, is none of the volume's */
     int first; /* the volume's axes are first .. first + 2 */
 } nrrd;
 
@@ -98,6 +98,56 @@ static status check_known(const nrrd *n) {
 
 /* ---- sizes and type ---- */
 
+/* Word number `axis` of a per-axis field, "" where there is none. */
+static const char *word_of_axis(const header_field *f, int axis) {
+    const char *at = f ? f->value : "";
+    for (; axis > 0; axis--) {
+        at += strcspn(at, " \t");
+        at += strspn(at, " \t");
+    }
+    return at;
+}
+
+static bool is_word(const char *at, const char *word) {
+    const size_t length = strlen(word);
+    return strncasecmp(at, word, length) == 0 && (!at[length] || strchr(" \t", at[length]));
+}
+
+static bool is_any_word(const char *at, const char *const *words) {
+    while (*words && !is_word(at, *words))
+        words++;
+    return *words != NULL;
+}
+
+/* Whether an axis has the numbers of a sample, as its kind says. */
+static bool has_numbers(const nrrd *n, int axis) {
+    static const char *const others[] = {"", "none", "???", "domain", "space", "time", NULL};
+    return !is_any_word(word_of_axis(get(n, "kinds"), axis), others);
+}
+
+static void set_numbers(const nrrd *n, int axis, uint32_t size) {
+    static const uint8_t last[] = {ORDER_X, ORDER_Y, ORDER_Z, ORDER_COMPONENT, ORDER_STEP};
+    static const char *const colours[] = {"RGB-color", "RGBA-color", "3-color", "4-color", NULL};
+    volume_layout *l = n->l;
+    l->stored.components = size;
+    l->stored.colours = is_any_word(word_of_axis(get(n, "kinds"), axis), colours);
+    l->ordered = axis == 3 && size > 1;
+    memcpy(l->order, last, sizeof last);
+}
+
+/* What is beside the volume's three axes: numbers of a sample, first or last, or steps of time. */
+static bool take_fourth_axis(nrrd *n, const uint32_t all[4]) {
+    const bool last = !has_numbers(n, 0) && all[0] != 1;
+    n->first = !last;
+    if (last && is_word(word_of_axis(get(n, "kinds"), 3), "time"))
+        n->l->steps = all[3];
+    else if (last && all[3] != 1 && !has_numbers(n, 3))
+        return false;
+    else
+        set_numbers(n, last ? 3 : 0, all[last ? 3 : 0]);
+    return true;
+}
+
 static status read_sizes(nrrd *n) {
     const header_field *dimension, *sizes;
     int64_t axes = 0;
@@ -112,11 +162,10 @@ static status read_sizes(nrrd *n) {
     if (st != ST_OK)
         return st;
     n->axes = (int)axes;
-    n->first = axes == 4 && all[0] == 1;
-    if (axes != 3 && !(axes == 4 && (all[0] == 1 || all[3] == 1)))
+    if (axes != 3 && !(axes == 4 && take_fourth_axis(n, all)))
         return header_fields_fault(&n->fields, sizes, ST_UNSUPPORTED,
-                                   "\"%s\": a scalar volume has three axes (or a fourth, first or "
-                                   "last, of one sample)",
+                                   "\"%s\": a volume has three axes, or a fourth, first or last, "
+                                   "of which \"kinds\" tells what it is: vector, RGB-color, time",
                                    sizes->value);
     memcpy(n->l->g.dims, all + n->first, sizeof n->l->g.dims);
     return ST_OK;
@@ -132,9 +181,9 @@ static status read_content(nrrd *n) {
 static status read_type(nrrd *n) {
     const header_field *type;
     status st = need(n, "type", &type);
-    if (st == ST_OK && !sample_parse(type->value, &n->l->g.type))
+    if (st == ST_OK && !sample_parse(type->value, &n->l->stored.type))
         st = header_fields_fault(&n->fields, type, ST_UNSUPPORTED,
-                                 "\"%s\": supported are 8 to 32 bit integers, float and double",
+                                 "\"%s\": supported are 8 to 64 bit integers, float and double",
                                  type->value);
     return st;
 }
@@ -169,7 +218,7 @@ static status read_encoding(nrrd *n) {
 
 static status read_endian(nrrd *n) {
     const header_field *f = get(n, "endian");
-    bool matters = sample_size(n->l->g.type) > 1 && n->l->encoding != VOLUME_TEXT;
+    bool matters = sample_size(n->l->stored.type) > 1 && n->l->encoding != VOLUME_TEXT;
     if (!f)
         return matters ? header_fields_missing(&n->fields, "endian") : ST_OK;
     n->l->big_endian = strcasecmp(f->value, "big") == 0;
@@ -257,12 +306,7 @@ static bool is_cell_centred(const nrrd *n, int a) {
     const header_field *f = get(n, "centerings");
     if (!f)
         f = get(n, "centers");
-    const char *at = f ? f->value : "";
-    for (int axis = 0; axis < a + n->first; axis++) {
-        at += strcspn(at, " \t");
-        at += strspn(at, " \t");
-    }
-    return strncasecmp(at, "cell", 4) == 0;
+    return strncasecmp(word_of_axis(f, a + n->first), "cell", 4) == 0;
 }
 
 /* Spacings and positions of axes given by their ends. */
@@ -326,7 +370,7 @@ static status open_data(const nrrd *n, const header_field *f) {
     if (several)
         return header_fields_fault(&n->fields, f, ST_UNSUPPORTED,
                                    "samples in several files are not supported");
-    return volume_layout_open(n->l, n->fields.name, name);
+    return volume_layout_open(n->l, n->fields.name, name, byte_stream_open_stored);
 }
 
 static status find_samples(const nrrd *n) {

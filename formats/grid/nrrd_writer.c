@@ -48,8 +48,8 @@ static const char *type_name(sample_type type) {
     case SAMPLE_I32: return "int32";
     case SAMPLE_F32: return "float";
     case SAMPLE_F64: return "double";
+    default: return "?"; /* no grid has it */
     }
-    return "?";
 }
 
 static void put_axis(header *h, const grid *g, int a) {

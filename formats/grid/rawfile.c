@@ -183,7 +183,7 @@ static status open_json(volume_layout *l, const char *path, facts *known) {
         snprintf(known->file, sizeof known->file, "%.*s.raw", (int)(strlen(name) - strlen(".json")),
                  name);
     }
-    return volume_layout_open(l, path, known->file);
+    return volume_layout_open(l, path, known->file, byte_stream_open_stored);
 }
 
 /* ---- all together ---- */
@@ -247,7 +247,8 @@ static status open_layout(volume_layout *l, const volume_hints *hints) {
     st = find_encoding(l, &known);
     if (st != ST_OK)
         return st;
-    grid_init(&l->g, known.dims, known.type);
+    grid_init(&l->g, known.dims, SAMPLE_U8);
+    l->stored.type = known.type;
     double direction[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     volume_layout_place(l, direction, known.spacing, known.origin);
     memcpy(l->g.name, known.name, sizeof l->g.name);

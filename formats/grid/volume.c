@@ -11,8 +11,15 @@
 #include "formats/grid/imported.h"
 #include "formats/grid/layout_slices.h"
 #include "formats/grid/metaimage.h"
+#include "formats/grid/mrc.h"
+#include "formats/grid/nifti.h"
+#include "formats/grid/npy.h"
 #include "formats/grid/nrrd.h"
+#include "formats/grid/pvm.h"
 #include "formats/grid/rawfile.h"
+#include "formats/grid/vtk_grid_legacy.h"
+#include "formats/grid/vtk_grid_xml.h"
+#include "formats/grid/zarr.h"
 
 struct volume {
     mem *m;
@@ -24,8 +31,10 @@ struct volume {
 };
 
 /* What the formats are told by; the first that knows the file reads it. Raw samples know any. */
-static const grid_reader *const readers[] = {&nrrd_reader, &metaimage_reader, &imported_reader,
-                                             &raw_reader};
+static const grid_reader *const readers[] = {
+    &nrrd_reader, &metaimage_reader,    &nifti_reader,           &npy_reader,      &mrc_reader,
+    &pvm_reader,  &vtk_grid_xml_reader, &vtk_grid_legacy_reader, &imported_reader, &raw_reader,
+};
 
 /* ---- hints ---- */
 
@@ -114,6 +123,16 @@ static const grid_reader *find_reader(const char *path, const uint8_t *start, si
     return *r;
 }
 
+static status open_layout(const grid_reader *r, volume_layout *l, const volume_hints *hints,
+                          slice_source *out) {
+    status st = r->layout(l, hints);
+    if (st == ST_OK)
+        st = volume_layout_settle(l, hints);
+    if (st == ST_OK)
+        st = volume_layout_check(l);
+    return st == ST_OK ? layout_slices_open(l, out) : st;
+}
+
 static status open_reader(volume_layout *l, const volume_hints *hints, slice_source *out) {
     const uint8_t *start;
     size_t size;
@@ -123,8 +142,8 @@ static status open_reader(volume_layout *l, const volume_hints *hints, slice_sou
     const grid_reader *r = find_reader(byte_stream_kind(l->data), start, size, hints);
     if (r->slices)
         st = r->slices(l, hints, out);
-    else if ((st = r->layout(l, hints)) == ST_OK && (st = volume_layout_check(l)) == ST_OK)
-        st = layout_slices_open(l, out);
+    else
+        st = open_layout(r, l, hints, out);
     out->format = out->format ? out->format : r->format;
     return st;
 }
@@ -175,7 +194,8 @@ status volume_open_stream(mem *m, byte_stream *s, const volume_hints *hints, vol
 
 static status open_folder(mem *m, const char *path, const volume_hints *hints, volume **out) {
     slice_source from = {0};
-    status st = imported_folder(m, path, hints, &from);
+    status st = zarr_known(path) ? zarr_open(m, path, hints, &from)
+                                 : imported_folder(m, path, hints, &from);
     return st == ST_OK ? volume_open_slices(m, &from, hints, out) : st;
 }
 

@@ -1,9 +1,9 @@
 /* volume.h - any known input as a stream of z slices.
  *
- * volume_open() recognises the format (NRRD, MHD/MHA, raw with a JSON beside it or dimensions in
- * its name), reads its header and checks it against the file's length before anything is allocated
- * for samples. volume_read() then hands out slices front to back. No reader holds more than it was
- * asked for, plus fixed buffers, gzip included. One thread per volume.
+ * volume_open() recognises the format (NRRD, MHD/MHA, VTK, raw with a JSON beside it or dimensions
+ * in its name), reads its header and checks it against the file's length before anything is
+ * allocated for samples. volume_read() then hands out slices front to back. No reader holds more
+ * than it was asked for, plus fixed buffers, gzip included. One thread per volume.
  *
  * Where the nodes lie: regular grids have everything in to_world. An axis with coordinates of its
  * own makes the grid rectilinear; its column of to_world is then a unit vector (coordinates replace

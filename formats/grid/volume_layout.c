@@ -1,8 +1,8 @@
 #include "formats/grid/volume_layout.h"
 
 #include <math.h>
-#include <string.h>
 
+#include "formats/base/file.h"
 #include "formats/base/num.h"
 #include "formats/input/unpack_stream.h"
 
@@ -14,17 +14,13 @@ void volume_layout_release(volume_layout *l) {
     grid_release(&l->g, l->m);
 }
 
-status volume_layout_open(volume_layout *l, const char *header, const char *name) {
-    const char *slash = strrchr(header, '/');
-    size_t folder = slash && *name != '/' ? (size_t)(slash - header) + 1 : 0;
-    size_t length = strlen(name) + 1;
-    char *path = mem_alloc(l->m, folder + length);
+status volume_layout_open(volume_layout *l, const char *header, const char *name,
+                          status (*open)(mem *m, const char *path, byte_stream **out)) {
+    char *path = file_beside(l->m, header, name);
     if (!path)
         return ST_NOMEM;
-    memcpy(path, header, folder);
-    memcpy(path + folder, name, length);
     byte_stream *data = NULL;
-    status st = byte_stream_open_stored(l->m, path, &data);
+    status st = open(l->m, path, &data);
     mem_free(l->m, path);
     if (st != ST_OK)
         return st;
@@ -33,8 +29,28 @@ status volume_layout_open(volume_layout *l, const char *header, const char *name
     return ST_OK;
 }
 
-static uint64_t sample_bytes(const volume_layout *l) {
-    return grid_samples(&l->g) * sample_size(l->g.type);
+static uint64_t times(uint64_t a, uint64_t b) {
+    uint64_t product;
+    return __builtin_mul_overflow(a, b, &product) ? UINT64_MAX : product;
+}
+
+uint64_t volume_layout_step_bytes(const volume_layout *l) {
+    return times(grid_samples(&l->g), stored_samples_bytes(&l->stored));
+}
+
+/* Of all steps. */
+static uint64_t all_bytes(const volume_layout *l) {
+    return times(volume_layout_step_bytes(l), l->steps ? l->steps : 1);
+}
+
+status volume_layout_settle(volume_layout *l, const volume_hints *hints) {
+    const uint32_t steps = l->steps ? l->steps : 1;
+    const char *name = byte_stream_name(l->data);
+    if (hints->step >= steps)
+        return status_describe(ST_USAGE, "%s: no step %u: there %s %u, counted from 0", name,
+                               hints->step, steps == 1 ? "is" : "are", steps);
+    l->step = hints->step;
+    return stored_samples_choose(&l->stored, name, hints, &l->g);
 }
 
 static status skip_lines(volume_layout *l, uint64_t lines) {
@@ -58,10 +74,10 @@ static status skip_to_end(volume_layout *l, uint64_t behind) {
         return status_describe(ST_UNSUPPORTED,
                                "%s: samples counted from the end need the raw encoding and a file",
                                name);
-    if (behind > left || sample_bytes(l) > left - behind)
+    if (behind > left || all_bytes(l) > left - behind)
         return status_describe(ST_CORRUPT, "%s: ends before the samples: %llu bytes, expected %llu",
-                               name, (unsigned long long)left, (unsigned long long)sample_bytes(l));
-    return byte_stream_skip(l->data, left - behind - sample_bytes(l));
+                               name, (unsigned long long)left, (unsigned long long)all_bytes(l));
+    return byte_stream_skip(l->data, left - behind - all_bytes(l));
 }
 
 status volume_layout_skip(volume_layout *l, uint64_t lines, int64_t bytes) {
@@ -85,11 +101,11 @@ status volume_layout_check(const volume_layout *l) {
     if (st != ST_OK)
         return st;
     uint64_t left = byte_stream_left(l->data);
-    uint64_t least = sample_bytes(l);
+    uint64_t least = all_bytes(l);
     if (l->encoding == VOLUME_DEFLATE)
         least /= UNPACK_ZLIB_RATIO;
     else if (l->encoding == VOLUME_TEXT)
-        least = 2 * grid_samples(&l->g) - 1;
+        least = times(2, all_bytes(l) / sample_size(l->stored.type)) - 1;
     if (left < least)
         return status_describe(ST_CORRUPT,
                                "%s: ends at byte %llu, expected at least %llu bytes of samples "

@@ -12,6 +12,9 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/grid/grid.h"
+#include "formats/grid/sample_order.h"
+#include "formats/grid/stored_samples.h"
+#include "formats/grid/volume_hints.h"
 #include "formats/input/byte_stream.h"
 
 typedef enum volume_encoding { VOLUME_RAW, VOLUME_DEFLATE, VOLUME_TEXT } volume_encoding;
@@ -19,23 +22,38 @@ typedef enum volume_encoding { VOLUME_RAW, VOLUME_DEFLATE, VOLUME_TEXT } volume_
 typedef struct volume_layout {
     mem *m;
     char *path; /* of the input, "-" for standard input: NRRD's header, say; owned */
-    grid g;
+    grid g;     /* but for its type and source, which volume_layout_settle() sets */
+    stored_samples stored;
     volume_encoding encoding;
-    bool big_endian;       /* of samples wider than a byte; VOLUME_TEXT has none */
-    uint64_t skip_decoded; /* VOLUME_DEFLATE: decompressed bytes in front of the samples */
-    byte_stream *data;     /* at the first byte of the encoded samples; owned */
+    bool big_endian;           /* of numbers wider than a byte; VOLUME_TEXT has none */
+    bool ordered;              /* the samples lie in an order of their own: */
+    uint8_t order[ORDER_AXES]; /* its axes, the fastest first */
+    uint32_t steps;            /* of time, one behind the other where `ordered` is not; 0: 1 */
+    uint32_t step;             /* the one to take */
+    uint64_t skip_decoded;     /* VOLUME_DEFLATE: decompressed bytes in front of the samples */
+    bool has_tail;             /* what is behind the samples is part of the format */
+    byte_stream *data;         /* at the first byte of the encoded samples; owned */
 } volume_layout;
 
 void volume_layout_release(volume_layout *l);
 
 /* volume_layout_open() - replace l->data by the file `name`; a relative one is looked for beside
- * the header's file (header: its path). */
-CHECKED status volume_layout_open(volume_layout *l, const char *header, const char *name);
+ * the header's file (header: its path). open: byte_stream_open() or byte_stream_open_stored(). */
+CHECKED status volume_layout_open(volume_layout *l, const char *header, const char *name,
+                                  status (*open)(mem *m, const char *path, byte_stream **out));
 
 /* volume_layout_skip() - move l->data on to the samples: behind `lines` lines, then `bytes` bytes;
  * bytes = -1 - n: so that the samples end n bytes before the file does (raw files only). In
  * decompressed data for VOLUME_DEFLATE (bytes >= 0). */
 CHECKED status volume_layout_skip(volume_layout *l, uint64_t lines, int64_t bytes);
+
+/* volume_layout_settle() - apply the hints that choose among what is stored: a component, a step.
+ * ST_USAGE for one that is not there. */
+CHECKED status volume_layout_settle(volume_layout *l, const volume_hints *hints);
+
+/* volume_layout_step_bytes() - of all samples of one step, as they are stored; UINT64_MAX for more.
+ */
+uint64_t volume_layout_step_bytes(const volume_layout *l);
 
 /* volume_layout_check() - the grid is sound (grid_check()) and what is left of l->data can hold its
  * samples, before anybody allocates for them. */

@@ -28,7 +28,7 @@ typedef struct row {
     bool both;            /* the bytes are others', too: a suffix must say so besides */
 } row;
 
-enum { ANYWHERE = FOREIGN_PEEK, ANYWHERE_MESH };
+enum { ANYWHERE = FOREIGN_PEEK };
 
 #define NO_BYTES NULL, 0
 #define KNOWN(name, advice, at, bytes, suffixes) \
@@ -46,8 +46,8 @@ static const row rows[] = {
     KNOWN("MetaImage, a grid", "`leafcast convert' takes it", 0, BYTES("ObjectType"), ""),
     KNOWN("a mesh stream", MESH, 0, BYTES("LEAFCAST MESH "), ""),
     KNOWN("Gmsh", MESH, 0, BYTES("$MeshFormat"), ""),
-    KNOWN("a VTK mesh", MESH, ANYWHERE_MESH, BYTES("type=\"UnstructuredGrid\""), ""),
-    KNOWN("a legacy VTK mesh", MESH, ANYWHERE_MESH, BYTES("DATASET UNSTRUCTURED_GRID"), ""),
+    KNOWN("a VTK mesh", MESH, ANYWHERE, BYTES("type=\"UnstructuredGrid\""), ""),
+    KNOWN("a legacy VTK mesh", MESH, ANYWHERE, BYTES("DATASET UNSTRUCTURED_GRID"), ""),
     KNOWN("NIfTI-1", TO_NRRD, 344, BYTES("n+1\0"), ".nii "),
     KNOWN("NIfTI-1 (header alone)", TO_NRRD, 344, BYTES("ni1\0"), ""),
     KNOWN("NIfTI-2", TO_NRRD, 4, BYTES("n+2\0\r\n\x1a\n"), ""),
@@ -79,16 +79,25 @@ static const row rows[] = {
     KNOWN("a MATLAB file", ARRAY, 0, BYTES("MATLAB 5.0 MAT"), ".mat "),
     KNOWN("FITS", ARRAY " and --big-endian", 0, BYTES("SIMPLE  ="), ".fits .fit "),
     KNOWN("GRIB", ARRAY, 0, BYTES("GRIB"), ".grib .grb .grib2 "),
-    KNOWN("VTK image data (.vti)", PARAVIEW, ANYWHERE, BYTES("type=\"ImageData\""), ".vti "),
-    KNOWN("a VTK rectilinear grid", PARAVIEW, ANYWHERE, BYTES("type=\"RectilinearGrid\""), ".vtr "),
+    KNOWN("VTK image data (.vti)", CONVERT, ANYWHERE, BYTES("type=\"ImageData\""), ""),
+    KNOWN("VTK image data in pieces (.pvti)", CONVERT, ANYWHERE, BYTES("type=\"PImageData\""), ""),
+    KNOWN("a VTK rectilinear grid", CONVERT, ANYWHERE, BYTES("type=\"RectilinearGrid\""), ""),
+    KNOWN("a VTK rectilinear grid in pieces (.pvtr)", CONVERT, ANYWHERE,
+          BYTES("type=\"PRectilinearGrid\""), ""),
     KNOWN("a VTK structured grid", PARAVIEW, ANYWHERE, BYTES("type=\"StructuredGrid\""), ".vts "),
     KNOWN("VTK surface data", SURFACE " of .ply or .stl, which ParaView writes", ANYWHERE,
           BYTES("type=\"PolyData\""), ".vtp "),
-    KNOWN("a parallel VTK file", "ParaView joins its pieces (File > Save Data)", ANYWHERE,
-          BYTES("type=\"PUnstructuredGrid\""), ".pvtu .pvti .pvd .vtm "),
-    KNOWN("legacy VTK of structured points", PARAVIEW, ANYWHERE, BYTES("DATASET STRUCTURED_POINTS"),
+    KNOWN("a parallel VTK mesh", "ParaView joins its pieces (File > Save Data)", ANYWHERE,
+          BYTES("type=\"PUnstructuredGrid\""), ".pvtu "),
+    KNOWN("a parallel VTK structured grid", PARAVIEW, ANYWHERE, BYTES("type=\"PStructuredGrid\""),
+          ".pvts "),
+    KNOWN("VTK data of several blocks", "give one of the files that it names", ANYWHERE,
+          BYTES("type=\"vtkMultiBlockDataSet\""), ".vtm .vtmb "),
+    KNOWN("a collection of VTK files", "give one of the files that it names", ANYWHERE,
+          BYTES("type=\"Collection\""), ".pvd "),
+    KNOWN("legacy VTK of structured points", CONVERT, ANYWHERE, BYTES("DATASET STRUCTURED_POINTS"),
           ""),
-    KNOWN("a legacy VTK rectilinear grid", PARAVIEW, ANYWHERE, BYTES("DATASET RECTILINEAR_GRID"),
+    KNOWN("a legacy VTK rectilinear grid", CONVERT, ANYWHERE, BYTES("DATASET RECTILINEAR_GRID"),
           ""),
     KNOWN("a legacy VTK structured grid", PARAVIEW, ANYWHERE, BYTES("DATASET STRUCTURED_GRID"), ""),
     KNOWN("legacy VTK surface data", SURFACE " of .ply or .stl, which ParaView writes", ANYWHERE,
@@ -123,13 +132,6 @@ static bool has_bytes(const row *r, const uint8_t *start, size_t size) {
     if (r->at >= ANYWHERE)
         return memmem(start, size, r->bytes, r->size) != NULL;
     return size >= r->at + r->size && memcmp(start + r->at, r->bytes, r->size) == 0;
-}
-
-bool foreign_is_other_vtk(const uint8_t *start, size_t size) {
-    for (int i = 0; i < ROWS; i++)
-        if (rows[i].at == ANYWHERE && has_bytes(&rows[i], start, size))
-            return true;
-    return false;
 }
 
 /* Whether the path ends as one of the row's suffixes. */

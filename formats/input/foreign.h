@@ -22,10 +22,6 @@ enum { FOREIGN_PEEK = 4096 };
 const foreign_format *foreign_find(const char *path, const uint8_t *start, size_t size,
                                    uint64_t bytes);
 
-/* foreign_is_other_vtk() - whether a file that begins as VTK's do says that it is another data set
- * than an unstructured grid. */
-bool foreign_is_other_vtk(const uint8_t *start, size_t size);
-
 /* foreign_refuse() - ST_UNSUPPORTED for an input that nobody reads: what it is, where that is
  * known, and what to do; else `expected`, as the end of a sentence. Of the stream nothing was
  * taken. */

@@ -1,6 +1,9 @@
 #include "formats/input/text_stream.h"
 
+#include <ctype.h>
+#include <errno.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "formats/base/num.h"
@@ -70,23 +73,48 @@ static void store(sample_type type, double value, void *sample) {
     case SAMPLE_I32: STORE(int32_t)
     case SAMPLE_F32: STORE(float)
     case SAMPLE_F64: STORE(double)
+    default: break;
     }
+}
+
+/* Doubles do not hold all of these. */
+static bool store_wide(sample_type type, const char *token, void *sample) {
+    char *end = NULL;
+    errno = 0;
+    if (!isdigit((unsigned char)token[*token == '-']) || (type == SAMPLE_U64 && *token == '-'))
+        return false;
+    if (type == SAMPLE_U64) {
+        const uint64_t v = strtoull(token, &end, 10);
+        memcpy(sample, &v, sizeof v);
+    } else {
+        const int64_t v = strtoll(token, &end, 10);
+        memcpy(sample, &v, sizeof v);
+    }
+    return *end == 0 && errno == 0;
+}
+
+static bool store_token(sample_type type, const char *token, void *sample) {
+    double value = 0;
+    if (type == SAMPLE_U64 || type == SAMPLE_I64)
+        return store_wide(type, token, sample);
+    if (type == SAMPLE_F16 || num_double(token, "", &value) != ST_OK || !fits(type, value))
+        return false;
+    store(type, value, sample);
+    return true;
 }
 
 status text_stream_read(byte_stream *s, sample_type type, void *samples, size_t count,
                         size_t *got) {
     for (*got = 0; *got < count; ++*got) {
         char token[TOKEN_MAX];
-        double value = 0;
         status st = next_token(s, token);
         if (st != ST_OK || !*token)
             return st;
-        if (num_double(token, "", &value) != ST_OK || !fits(type, value))
+        if (!store_token(type, token, (char *)samples + *got * sample_size(type)))
             return status_describe(ST_CORRUPT,
                                    "%s: before byte %llu: \"%s\" is no sample of type %s",
                                    byte_stream_name(s), (unsigned long long)byte_stream_position(s),
                                    token, sample_name(type));
-        store(type, value, (char *)samples + *got * sample_size(type));
     }
     return ST_OK;
 }

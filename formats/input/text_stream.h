@@ -9,7 +9,7 @@
 #include "formats/input/byte_stream.h"
 
 /* text_stream_read() - count samples of a type, native byte order; *got is smaller only at the end.
- * ST_CORRUPT for what is no number, or none of this type. */
+ * ST_CORRUPT for what is no number, or none of this type. There is no text of f16. */
 CHECKED status text_stream_read(byte_stream *s, sample_type type, void *samples, size_t count,
                                 size_t *got);
 

@@ -84,7 +84,7 @@ status leaf_check_fields(const char *path, const leaf_field *fields, size_t coun
 static status check_parameters(const char *path, const leaf_header *h) {
     const leaf_field fields[] = {
         LEAF_FIELD(h, sample_type, SAMPLE_U8, SAMPLE_F32),
-        LEAF_FIELD(h, source_type, SAMPLE_U8, SAMPLE_F64),
+        LEAF_FIELD(h, source_type, SAMPLE_U8, SAMPLE_I64),
         LEAF_FIELD(h, run_align_log2, 6, LEAF_RUN_ALIGN_LOG2_MAX),
         LEAF_FIELD(h, codec, LEAF_CODEC_RAW, LEAF_CODEC_ZSTD),
         LEAF_FIELD(h, sections, 1, LEAF_SECTIONS_MAX),

@@ -10,25 +10,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "formats/base/name_list.h"
 #include "formats/mesh/mesh_input.h"
-
-enum { MESH_CHOICE_TEXT = 400 };
-
-/* Names for a message: "a", "b", ..; each once, cut where there are too many. Start with all
- * zeros. */
-typedef struct mesh_choice_names {
-    size_t length;
-    bool full; /* the text ends in ".." */
-    char text[MESH_CHOICE_TEXT];
-} mesh_choice_names;
-
-void mesh_choice_add(mesh_choice_names *names, const char *name);
 
 /* mesh_choice_missing() - no array was found that the hints ask for. ST_OK when they ask for none
  * and the file has none; else ST_USAGE: what arrays there are, and the option for those of the
  * cells. */
 CHECKED status mesh_choice_missing(const char *file, const mesh_hints *hints,
-                                   const mesh_choice_names *points, const mesh_choice_names *cells);
+                                   const name_list *points, const name_list *cells);
 
 /* mesh_choice_component() - whether an array has the hints' component; else ST_USAGE. */
 CHECKED status mesh_choice_component(const char *file, const mesh_hints *hints, const char *array,

@@ -70,10 +70,10 @@ static bool is_wanted(const gmsh_array *a, const mesh_hints *hints) {
 }
 
 static status no_array(const gmsh_state *s) {
-    mesh_choice_names points = {0}, cells = {0};
+    name_list points = {0}, cells = {0};
     for (size_t i = 0; i < s->file.count; i++) {
         const gmsh_array *a = &s->file.arrays[i];
-        mesh_choice_add(a->owner == GMSH_ELEMENTS ? &cells : &points, a->name);
+        name_list_add(a->owner == GMSH_ELEMENTS ? &cells : &points, a->name);
     }
     return mesh_choice_missing(s->file.path, s->hints, &points, &cells);
 }

@@ -212,9 +212,9 @@ static status check_length(const stream_state *s) {
 
 static status check_field(const stream_state *s, const mesh_hints *hints) {
     const char *field = s->header.field;
-    mesh_choice_names points = {0}, cells = {0};
+    name_list points = {0}, cells = {0};
     if (field[0])
-        mesh_choice_add(&points, field);
+        name_list_add(&points, field);
     if (hints->cells_to_points ||
         (hints->field && !text_same_name(hints->field, field, sizeof s->header.field)))
         return mesh_choice_missing(s->file, hints, &points, &cells);

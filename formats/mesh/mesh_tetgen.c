@@ -71,21 +71,21 @@ static int64_t column_number(const char *field, const char *prefix) {
     return num_int(digits, "", 1, MESH_TETGEN_ATTRIBUTES_MAX, &k) == ST_OK ? k : 0;
 }
 
-static void add_columns(mesh_choice_names *names, const char *prefix, int64_t count) {
+static void add_columns(name_list *names, const char *prefix, int64_t count) {
     for (int k = 1; k <= count; k++) {
         char name[MESH_NAME_MAX + 1];
         snprintf(name, sizeof name, "%s%d", prefix, k);
-        mesh_choice_add(names, name);
+        name_list_add(names, name);
     }
 }
 
 /* Markers are taken by name alone, so a file with nothing else has no field. */
 static status no_field(const tetgen_state *s) {
-    mesh_choice_names points = {0}, cells = {0};
+    name_list points = {0}, cells = {0};
     const mesh_hints *hints = s->hints;
     add_columns(&points, "attr", s->has.attributes);
     if (s->has.markers && (hints->field || hints->cells_to_points || s->cell_columns))
-        mesh_choice_add(&points, "marker");
+        name_list_add(&points, "marker");
     add_columns(&cells, "region", s->cell_columns);
     const text_tokens *t = hints->cells_to_points ? &s->tets : &s->nodes;
     return mesh_choice_missing(byte_stream_name(t->s), hints, &points, &cells);

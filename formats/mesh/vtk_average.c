@@ -1,7 +1,7 @@
 #include "formats/mesh/vtk_average.h"
 
 #include "formats/mesh/mesh_average.h"
-#include "formats/mesh/vtk_cursor.h"
+#include "formats/vtk/vtk_cursor.h"
 
 /* One round over the cells. */
 static status add_cells(mem *m, const vtk_piece *p, int component, double *tuple, mesh_average *a) {

@@ -1,7 +1,7 @@
 #include "formats/mesh/vtk_cells.h"
 
 #include "formats/mesh/mesh_split.h"
-#include "formats/mesh/vtk_cursor.h"
+#include "formats/vtk/vtk_cursor.h"
 
 struct vtk_cells {
     mem *m;

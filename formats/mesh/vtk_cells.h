@@ -6,7 +6,7 @@
 
 #include "formats/base/mem.h"
 #include "formats/mesh/mesh_input.h"
-#include "formats/mesh/vtk_array.h"
+#include "formats/vtk/vtk_array.h"
 
 /* Where they are written. Without offsets, each cell's number of points stands in front of its ids.
  */

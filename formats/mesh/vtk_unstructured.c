@@ -2,12 +2,11 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "formats/base/text.h"
 #include "formats/mesh/mesh_choice.h"
 #include "formats/mesh/vtk_average.h"
-#include "formats/mesh/vtk_cursor.h"
+#include "formats/vtk/vtk_cursor.h"
 
 enum { COMPONENTS_MAX = 4096 };
 
@@ -18,48 +17,27 @@ status vtk_unstructured_add_piece(vtk_unstructured *g, vtk_piece **out) {
     return st;
 }
 
-status vtk_unstructured_add_field(vtk_unstructured *g, vtk_piece *p, vtk_owner owner,
-                                  const vtk_array *field) {
-    size_t *count = &p->count[owner];
-    status st = mem_grow(g->m, &p->fields[owner], sizeof *field, *count, 8, &p->room[owner]);
-    if (st == ST_OK)
-        p->fields[owner][(*count)++] = *field;
-    else
-        mem_free(g->m, field->name);
-    return st;
-}
-
 /* ---- the field ---- */
 
 static bool is_numeric(const vtk_array *a) {
     return vtk_array_width(a->type) > 0;
 }
 
-/* The array of that name; of any name for NULL: the first of numbers. */
-static const vtk_array *find_field(const vtk_piece *p, vtk_owner owner, const char *name) {
-    for (size_t i = 0; i < p->count[owner]; i++) {
-        const vtk_array *a = &p->fields[owner][i];
-        if (name ? text_same_name(a->name, name, MESH_NAME_MAX + 1) : is_numeric(a))
-            return a;
-    }
-    return NULL;
-}
-
 static const vtk_array *find_anywhere(const vtk_unstructured *g, vtk_owner owner,
                                       const char *name) {
     const vtk_array *a = NULL;
     for (size_t i = 0; !a && i < g->count; i++)
-        a = find_field(&g->pieces[i], owner, name);
+        a = vtk_fields_find(&g->pieces[i].fields, owner, name);
     return a;
 }
 
 static status no_field(const vtk_unstructured *g) {
-    mesh_choice_names names[VTK_OWNERS] = {0};
+    name_list names[VTK_OWNERS] = {0};
     for (size_t i = 0; i < g->count; i++)
         for (int o = 0; o < VTK_OWNERS; o++)
-            for (size_t k = 0; k < g->pieces[i].count[o]; k++)
-                if (is_numeric(&g->pieces[i].fields[o][k]))
-                    mesh_choice_add(&names[o], g->pieces[i].fields[o][k].name);
+            for (size_t k = 0; k < g->pieces[i].fields.count[o]; k++)
+                if (is_numeric(&g->pieces[i].fields.items[o][k]))
+                    name_list_add(&names[o], g->pieces[i].fields.items[o][k].name);
     return mesh_choice_missing(g->source->path, &g->source->hints, &names[VTK_OF_POINTS],
                                &names[VTK_OF_CELLS]);
 }
@@ -69,7 +47,7 @@ static status choose_in_pieces(vtk_unstructured *g, const vtk_array *chosen) {
     for (size_t i = 0; i < g->count; i++) {
         vtk_piece *p = &g->pieces[i];
         uint64_t tuples = g->owner == VTK_OF_POINTS ? p->points : p->cells.count;
-        p->field = find_field(p, g->owner, chosen->name);
+        p->field = vtk_fields_find(&p->fields, g->owner, chosen->name);
         if (!p->field && tuples > 0)
             return status_describe(ST_CORRUPT, "%s: piece %zu has no array \"%s\", unlike others",
                                    g->source->path, i + 1, chosen->name);
@@ -128,16 +106,6 @@ static status choose(vtk_unstructured *g) {
 
 /* ---- opening and closing ---- */
 
-static status check_regular(const mesh_source *source) {
-    struct stat info;
-    if (stat(source->path, &info) == 0 && S_ISREG(info.st_mode))
-        return ST_OK;
-    return status_describe(ST_UNSUPPORTED,
-                           "%s: VTK files are read at several places at once, so from a regular "
-                           "file alone",
-                           byte_stream_name(source->data));
-}
-
 status vtk_unstructured_open(mesh_source *source,
                              status (*scan)(vtk_unstructured *g, byte_stream *data), void **state) {
     vtk_unstructured *g = mem_zalloc(source->m, sizeof *g);
@@ -146,18 +114,10 @@ status vtk_unstructured_open(mesh_source *source,
     *state = g;
     g->m = source->m;
     g->source = source;
-    status st = check_regular(source);
+    status st = vtk_array_check_file(source->path);
     if (st == ST_OK)
         st = scan(g, source->data);
     return st == ST_OK ? choose(g) : st;
-}
-
-static void release_piece(vtk_unstructured *g, vtk_piece *p) {
-    for (int o = 0; o < VTK_OWNERS; o++) {
-        for (size_t i = 0; i < p->count[o]; i++)
-            mem_free(g->m, p->fields[o][i].name);
-        mem_free(g->m, p->fields[o]);
-    }
 }
 
 void vtk_unstructured_close(void *state) {
@@ -165,7 +125,7 @@ void vtk_unstructured_close(void *state) {
     if (!g)
         return;
     for (size_t i = 0; i < g->count; i++)
-        release_piece(g, &g->pieces[i]);
+        vtk_fields_release(&g->pieces[i].fields, g->m);
     mem_free(g->m, g->pieces);
     mem_free(g->m, g);
 }
@@ -265,7 +225,7 @@ void vtk_unstructured_fields(const void *state, void (*take)(void *ctx, const ch
                              void *ctx) {
     const vtk_unstructured *g = state;
     for (size_t i = 0; i < g->count; i++)
-        for (size_t k = 0; k < g->pieces[i].count[g->owner]; k++)
-            if (is_numeric(&g->pieces[i].fields[g->owner][k]))
-                take(ctx, g->pieces[i].fields[g->owner][k].name);
+        for (size_t k = 0; k < g->pieces[i].fields.count[g->owner]; k++)
+            if (is_numeric(&g->pieces[i].fields.items[g->owner][k]))
+                take(ctx, g->pieces[i].fields.items[g->owner][k].name);
 }

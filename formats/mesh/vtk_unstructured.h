@@ -9,17 +9,14 @@
 
 #include "formats/mesh/mesh_feed.h"
 #include "formats/mesh/mesh_reader.h"
-#include "formats/mesh/vtk_array.h"
 #include "formats/mesh/vtk_cells.h"
-
-typedef enum vtk_owner { VTK_OF_POINTS, VTK_OF_CELLS, VTK_OWNERS } vtk_owner;
+#include "formats/vtk/vtk_fields.h"
 
 typedef struct vtk_piece {
     uint64_t points;
     vtk_array position;
     vtk_cells_source cells;
-    vtk_array *fields[VTK_OWNERS];
-    size_t count[VTK_OWNERS], room[VTK_OWNERS];
+    vtk_fields fields;
     const vtk_array *field; /* the one chosen; NULL for none */
 } vtk_piece;
 
@@ -34,11 +31,6 @@ typedef struct vtk_unstructured {
 
 /* vtk_unstructured_add_piece() - an empty piece, valid until the next one. */
 CHECKED status vtk_unstructured_add_piece(vtk_unstructured *g, vtk_piece **out);
-
-/* vtk_unstructured_add_field() - one more array of the points or of the cells; its name is taken
- * over in any case. */
-CHECKED status vtk_unstructured_add_field(vtk_unstructured *g, vtk_piece *p, vtk_owner owner,
-                                          const vtk_array *field);
 
 /* vtk_unstructured_open() - the grid of a file, as a reader's state: scanned, its pieces checked,
  * the field of the hints taken. ST_UNSUPPORTED for what is no regular file; ST_USAGE, naming what

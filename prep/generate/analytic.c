@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "prep/generate/portable_math.h"
+#include "formats/base/portable_math.h"
 
 /* The table of an axis from column c on. */
 static const double *column(const analytic *a, int axis, int c) {

@@ -6,9 +6,9 @@
 #include <unistd.h>
 
 #include "formats/base/pool.h"
+#include "formats/base/portable_math.h"
 #include "formats/base/sequence.h"
 #include "formats/mesh/mesh_stream.h"
-#include "prep/generate/portable_math.h"
 
 enum {
     BLOCK_BYTES = 4 << 20,  /* of points and tets: they stay in a cache until they are written */

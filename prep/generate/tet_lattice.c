@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "formats/base/num.h"
+#include "formats/base/portable_math.h"
 #include "formats/mesh/mesh_input.h"
-#include "prep/generate/portable_math.h"
 
 /* Beyond these a product with a number of cells might leave the range of floats. */
 #define SPACING_LEAST 1e-30

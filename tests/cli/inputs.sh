@@ -180,12 +180,16 @@ write("JPEG", (0, b"\xff\xd8\xff\xe0"))
 write("OpenEXR", (0, b"\x76\x2f\x31\x01"))
 write("gzip", (0, b"\x1f\x8b\x08"))
 write("zstd", (0, b"\x28\xb5\x2f\xfd"))
-write("VTK image data", (0, b'<?xml version="1.0"?>\n<VTKFile type="ImageData">'))
-write("structured points", (0, b"# vtk DataFile Version 3.0\nt\nBINARY\nDATASET STRUCTURED_POINTS\n"))
+for name, type in (("VTK structured grid", "StructuredGrid"), ("VTK surface", "PolyData"),
+                   ("parallel VTK mesh", "PUnstructuredGrid"), ("several blocks", "vtkMultiBlockDataSet"),
+                   ("collection of VTK files", "Collection")):
+    write(name, (0, b'<?xml version="1.0"?>\n<VTKFile type="%s">' % type.encode()))
+write("legacy VTK surface", (0, b"# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\n"))
+write("legacy VTK structured grid", (0, b"# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_GRID\n"))
 open(folder + "PLOT3D", "wb").write(b"\0\0\0\2\0\0\0\3\0\0\0\4" + bytes(24 * 12))
 open(folder + "x.dcm", "wb").write(b"not at all")
 PY
-for format in NIfTI-1 NIfTI-2 Analyze MRC NumPy gzip zstd "VTK image data" "structured points" PLOT3D; do
+for format in Analyze gzip zstd "VTK structured grid" "VTK surface" "parallel VTK mesh" "several blocks" "collection of VTK files" "legacy VTK surface" "legacy VTK structured grid" PLOT3D; do
     exits "$format" 3 "$leafcast" convert "$tmp/$format" -o "$tmp/x.leaf" --force
     ok "is named" says "/$format: this is .*$format"
 done
@@ -341,8 +345,8 @@ ok "reads no values" json '"value_min" not in x and "histogram" not in x and x["
 head -c 300 "$tmp/a.nrrd" >"$tmp/cut.nrrd"
 exits "info of a cut file" 3 "$leafcast" info "$tmp/cut.nrrd" --json
 exits "info of a cut mesh" 3 sh -c 'head -c 3000 "$2" | "$1" info -' sh "$leafcast" "$tmp/a.mesh"
-exits "info of NIfTI-1" 3 "$leafcast" info "$tmp/NIfTI-1"
-ok "is named" says "this is NIfTI-1"
+exits "info of Analyze" 3 "$leafcast" info "$tmp/Analyze"
+ok "is named" says "this is Analyze"
 exits "info within too little memory" 4 "$leafcast" info "$tmp/g.nrrd" --memory 1M
 # Options of info, and the inputs that can use them: l(eaf), r(aw), h(eader), m(esh).
 cat >"$tmp/options" <<TABLE

@@ -32,6 +32,7 @@ static void put_sample(sample_type type, void *samples, size_t i, double unit) {
     case SAMPLE_I32: ((int32_t *)samples)[i] = (int32_t)(unit * 4e9 - 2e9); break;
     case SAMPLE_F32: ((float *)samples)[i] = (float)(unit * 3 - 1); break;
     case SAMPLE_F64: ((double *)samples)[i] = unit * 3 - 1; break;
+    default: break;
     }
 }
 

@@ -52,6 +52,16 @@ skip() {
     echo "ok $tap_count - $1 # SKIP $2"
 }
 
+# python_with MODULE - the Python that has it: the system's own, where another goes before it; else nothing.
+python_with() {
+    for python in python3 /usr/bin/python3; do
+        if "$python" -c "import $1" 2>/dev/null; then
+            echo "$python"
+            return
+        fi
+    done
+}
+
 # finish - the last line of every script.
 finish() {
     echo "1..$tap_count"

@@ -33,6 +33,7 @@ size_t volumes_samples(sample_type type, bool big_endian, void *out) {
     case SAMPLE_U32: PUT_ALL(uint32_t) break;
     case SAMPLE_I32: PUT_ALL(int32_t) break;
     case SAMPLE_F64: PUT_ALL(double) break;
+    default: break;
     }
     /* Each sample's bytes turned around by hand. */
     size_t width = sample_size(type);

@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <zlib.h>
 
 #include "formats/mesh/mesh_split.h"
 #include "tests/support/scratch.h"
@@ -42,249 +41,74 @@ static double cell_value(const char *field, int cell, int component) {
     return strcmp(field, "q") == 0 ? 0.75 * cell + 1 : component ? 3 * cell : -4 * cell;
 }
 
-/* ---- numbers ---- */
-
-static void put_bytes(FILE *out, const void *value, size_t width, bool big) {
-    const uint8_t *bytes = value; /* little endian, as all machines the tests run on */
-    for (size_t i = 0; i < width; i++)
-        fputc(bytes[big ? width - 1 - i : i], out);
-}
-
-#define PUT(name, type_name)               \
-    if (strcmp(type, name) == 0) {         \
-        type_name v = (type_name)number;   \
-        put_bytes(out, &v, sizeof v, big); \
-    }
-
-static void put_number(FILE *out, const char *type, double number, bool big) {
-    PUT("Float32", float)
-    PUT("Float64", double)
-    PUT("Int8", int8_t)
-    PUT("UInt8", uint8_t)
-    PUT("Int16", int16_t)
-    PUT("UInt16", uint16_t)
-    PUT("Int32", int32_t)
-    PUT("UInt32", uint32_t)
-    PUT("Int64", int64_t)
-    PUT("UInt64", uint64_t)
-}
-
-/* ---- XML ---- */
-
-typedef struct bytes {
-    char *data;
-    size_t size;
-    FILE *out;
-} bytes;
-
-static void bytes_begin(bytes *b) {
-    b->out = open_memstream(&b->data, &b->size);
-    assert_non_null(b->out);
-}
-
-static void bytes_end(bytes *b) {
-    fclose(b->out);
-}
-
-/* Base64 of bytes, a line end after each 20 letters: readers have to pass over them. */
-static void put_base64(FILE *out, const uint8_t *data, size_t size) {
-    static const char letters[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < size; i += 3) {
-        uint32_t bits = (uint32_t)data[i] << 16;
-        bits |= i + 1 < size ? (uint32_t)data[i + 1] << 8 : 0;
-        bits |= i + 2 < size ? data[i + 2] : 0;
-        fputc(letters[bits >> 18], out);
-        fputc(letters[bits >> 12 & 63], out);
-        fputc(i + 1 < size ? letters[bits >> 6 & 63] : '=', out);
-        fputc(i + 2 < size ? letters[bits & 63] : '=', out);
-        if (i % 15 == 12)
-            fputc('\n', out);
-    }
-}
-
-static void put_head(FILE *out, const vtk_xml_style *s, uint64_t number) {
-    put_bytes(out, &number, s->head64 ? 8 : 4, s->big_endian);
-}
-
-/* The head, and the blocks behind it. */
-static void pack(const vtk_xml_style *s, const bytes *plain, FILE *head, FILE *body) {
-    if (!s->block) {
-        put_head(head, s, plain->size);
-        fwrite(plain->data, 1, plain->size, body);
-        return;
-    }
-    size_t blocks = (plain->size + s->block - 1) / s->block;
-    put_head(head, s, blocks);
-    put_head(head, s, s->block);
-    put_head(head, s, plain->size % s->block);
-    for (size_t i = 0; i < blocks; i++) {
-        uint8_t packed[8192];
-        uLongf size = sizeof packed;
-        size_t at = i * s->block, left = plain->size - at;
-        assert_int_equal(compress2(packed, &size, (const Bytef *)plain->data + at,
-                                   left < s->block ? left : s->block, 9),
-                         Z_OK);
-        put_head(head, s, size);
-        fwrite(packed, 1, size, body);
-    }
-}
-
-/* Numbers as they stand in the file. */
-static void put_coded(FILE *out, const vtk_xml_style *s, const bytes *plain) {
-    bytes head, body;
-    bytes_begin(&head);
-    bytes_begin(&body);
-    pack(s, plain, head.out, body.out);
-    bytes_end(&head);
-    bytes_end(&body);
-    if (s->appended && s->raw) {
-        fwrite(head.data, 1, head.size, out);
-        fwrite(body.data, 1, body.size, out);
-    } else if (s->block || s->split_head) {
-        put_base64(out, (const uint8_t *)head.data, head.size);
-        put_base64(out, (const uint8_t *)body.data, body.size);
-    } else {
-        head.data = realloc(head.data, head.size + body.size);
-        memcpy(head.data + head.size, body.data, body.size);
-        put_base64(out, (const uint8_t *)head.data, head.size + body.size);
-    }
-    free(head.data);
-    free(body.data);
-}
-
-typedef struct xml {
-    const vtk_xml_style *s;
-    FILE *out;
-    bytes appended;
-    int piece;
-} xml;
-
-static void put_array(xml *x, const char *name, const char *type, int components, size_t count,
-                      const double *numbers) {
-    const vtk_xml_style *s = x->s;
-    fprintf(x->out, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" ", type, name,
-            components);
-    if (s->text) {
-        fprintf(x->out, "format=\"ascii\">\n");
-        for (size_t i = 0; i < count; i++)
-            fprintf(x->out, "%.17g%c", numbers[i], i % 6 == 5 ? '\n' : ' ');
-    } else {
-        bytes plain;
-        bytes_begin(&plain);
-        for (size_t i = 0; i < count; i++)
-            put_number(plain.out, type, numbers[i], s->big_endian);
-        bytes_end(&plain);
-        fflush(x->appended.out);
-        if (s->appended)
-            fprintf(x->out, "format=\"appended\" offset=\"%zu\">", x->appended.size);
-        else
-            fprintf(x->out, "format=\"binary\">\n ");
-        put_coded(s->appended ? x->appended.out : x->out, s, &plain);
-        free(plain.data);
-    }
-    fprintf(x->out, "\n</DataArray>\n");
-}
-
-static void put_point_field(xml *x, const char *name, const char *type, int components) {
+static void put_point_field(vtk_writer *x, int piece, const char *name, const char *type,
+                            int components) {
     double numbers[3 * VTK_FILES_POINTS];
     for (int p = 0; p < VTK_FILES_POINTS; p++)
         for (int c = 0; c < components; c++)
-            numbers[components * p + c] = point_value(name, p, c) + 100 * x->piece;
-    put_array(x, name, type, components, (size_t)components * VTK_FILES_POINTS, numbers);
+            numbers[components * p + c] = point_value(name, p, c) + 100 * piece;
+    vtk_writer_array(x, name, type, components, (size_t)components * VTK_FILES_POINTS, numbers);
 }
 
-static void put_cell_field(xml *x, const char *name, const char *type, int components) {
+static void put_cell_field(vtk_writer *x, int piece, const char *name, const char *type,
+                           int components) {
     double numbers[2 * VTK_FILES_CELLS];
     for (int p = 0; p < VTK_FILES_CELLS; p++)
         for (int c = 0; c < components; c++)
-            numbers[components * p + c] = cell_value(name, p, c) + 100 * x->piece;
-    put_array(x, name, type, components, (size_t)components * VTK_FILES_CELLS, numbers);
+            numbers[components * p + c] = cell_value(name, p, c) + 100 * piece;
+    vtk_writer_array(x, name, type, components, (size_t)components * VTK_FILES_CELLS, numbers);
 }
 
-static void put_cells(xml *x, const char *whole) {
+static void put_cells(vtk_writer *x, const char *whole) {
     double numbers[IDS];
     for (int i = 0; i < IDS; i++)
         numbers[i] = ids[i];
-    put_array(x, "connectivity", whole, 1, IDS, numbers);
+    vtk_writer_array(x, "connectivity", whole, 1, IDS, numbers);
     int end = 0;
     for (int i = 0; i < VTK_FILES_CELLS; i++)
         numbers[i] = end += cell_size[i];
-    put_array(x, "offsets", whole, 1, VTK_FILES_CELLS, numbers);
+    vtk_writer_array(x, "offsets", whole, 1, VTK_FILES_CELLS, numbers);
     for (int i = 0; i < VTK_FILES_CELLS; i++)
         numbers[i] = cell_type[i];
-    put_array(x, "types", "UInt8", 1, VTK_FILES_CELLS, numbers);
+    vtk_writer_array(x, "types", "UInt8", 1, VTK_FILES_CELLS, numbers);
 }
 
-static void put_piece(xml *x) {
-    const char *real = x->s->real ? x->s->real : "Float64";
-    const char *whole = x->s->whole ? x->s->whole : "Int32";
+static void put_piece(vtk_writer *x, int piece) {
+    const char *real = x->style->real ? x->style->real : "Float64";
+    const char *whole = x->style->whole ? x->style->whole : "Int32";
     double where[VTK_FILES_POINTS][3];
     memcpy(where, position, sizeof where);
     for (int p = 0; p < VTK_FILES_POINTS; p++)
-        where[p][0] += 10 * x->piece;
+        where[p][0] += 10 * piece;
     fprintf(x->out, "<Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">\n<PointData>\n",
             VTK_FILES_POINTS, VTK_FILES_CELLS);
-    put_point_field(x, "alpha", real, 1);
-    put_point_field(x, "v", real, 3);
-    put_point_field(x, "n", whole, 1);
+    put_point_field(x, piece, "alpha", real, 1);
+    put_point_field(x, piece, "v", real, 3);
+    put_point_field(x, piece, "n", whole, 1);
     fprintf(x->out, "</PointData>\n<CellData>\n");
-    put_cell_field(x, "q", real, 1);
-    put_cell_field(x, "w", real, 2);
+    put_cell_field(x, piece, "q", real, 1);
+    put_cell_field(x, piece, "w", real, 2);
     fprintf(x->out, "</CellData>\n<Points>\n");
-    put_array(x, "Points", real, 3, (size_t)3 * VTK_FILES_POINTS, where[0]);
+    vtk_writer_array(x, "Points", real, 3, (size_t)3 * VTK_FILES_POINTS, where[0]);
     fprintf(x->out, "</Points>\n<Cells>\n");
     put_cells(x, whole);
     fprintf(x->out, "</Cells>\n</Piece>\n");
 }
 
-static const char *finish(bytes *file, const char *name) {
-    bytes_end(file);
-    const char *path = scratch_write(name, file->data, file->size);
-    free(file->data);
-    return path;
-}
-
 const char *vtk_files_xml(const char *name, const vtk_xml_style *style) {
-    bytes file;
-    bytes_begin(&file);
-    xml x = {.s = style, .out = file.out};
-    bytes_begin(&x.appended);
-    fprintf(file.out,
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
-            "byte_order=\"%s\" header_type=\"%s\"%s>\n<UnstructuredGrid>\n<FieldData>"
-            "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" "
-            "format=\"ascii\">3.5</DataArray></FieldData>\n",
-            style->big_endian ? "BigEndian" : "LittleEndian", style->head64 ? "UInt64" : "UInt32",
-            style->block ? " compressor=\"vtkZLibDataCompressor\"" : "");
+    vtk_writer w;
+    vtk_writer_begin(&w, "UnstructuredGrid", style);
+    fprintf(w.out, "<UnstructuredGrid>\n<FieldData>"
+                   "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" "
+                   "format=\"ascii\">3.5</DataArray></FieldData>\n");
     int pieces = style->pieces ? style->pieces : 1;
-    for (x.piece = 0; x.piece < pieces; x.piece++)
-        put_piece(&x);
-    fprintf(file.out, "</UnstructuredGrid>\n");
-    bytes_end(&x.appended);
-    if (style->appended) {
-        fprintf(file.out, "<AppendedData encoding=\"%s\">\n _", style->raw ? "raw" : "base64");
-        fwrite(x.appended.data, 1, x.appended.size, file.out);
-        fprintf(file.out, "\n</AppendedData>\n");
-    }
-    free(x.appended.data);
-    fprintf(file.out, "</VTKFile>\n");
-    return finish(&file, name);
+    for (int i = 0; i < pieces; i++)
+        put_piece(&w, i);
+    fprintf(w.out, "</UnstructuredGrid>\n");
+    return vtk_writer_end(&w, name);
 }
 
 /* ---- legacy ---- */
-
-/* Numbers of a legacy file; its name for the type comes from the caller. */
-static void put_legacy(FILE *out, bool text, const char *type, size_t count,
-                       const double *numbers) {
-    for (size_t i = 0; i < count; i++) {
-        if (text)
-            fprintf(out, "%.17g%s", numbers[i], i % 9 == 8 ? " \n" : " ");
-        else
-            put_number(out, type, numbers[i], true);
-    }
-    fprintf(out, "\n");
-}
 
 static void put_legacy_cells(FILE *out, int major, bool text) {
     double numbers[IDS + VTK_FILES_CELLS + 1];
@@ -294,11 +118,11 @@ static void put_legacy_cells(FILE *out, int major, bool text) {
         numbers[count++] = 0;
         for (int i = 0; i < VTK_FILES_CELLS; i++, count++)
             numbers[count] = numbers[count - 1] + cell_size[i];
-        put_legacy(out, text, "Int64", count, numbers);
+        vtk_writer_numbers(out, text, "Int64", count, numbers);
         fprintf(out, "CONNECTIVITY vtktypeint64\n");
         for (int i = 0; i < IDS; i++)
             numbers[i] = ids[i];
-        put_legacy(out, text, "Int64", IDS, numbers);
+        vtk_writer_numbers(out, text, "Int64", IDS, numbers);
     } else {
         fprintf(out, "CELLS %d %d\n", VTK_FILES_CELLS, IDS + VTK_FILES_CELLS);
         for (int i = 0, at = 0; i < VTK_FILES_CELLS; i++) {
@@ -306,12 +130,12 @@ static void put_legacy_cells(FILE *out, int major, bool text) {
             for (int k = 0; k < cell_size[i]; k++)
                 numbers[count++] = ids[at++];
         }
-        put_legacy(out, text, "Int32", count, numbers);
+        vtk_writer_numbers(out, text, "Int32", count, numbers);
     }
     for (int i = 0; i < VTK_FILES_CELLS; i++)
         numbers[i] = cell_type[i];
     fprintf(out, "\nCELL_TYPES %d\n", VTK_FILES_CELLS);
-    put_legacy(out, text, "Int32", VTK_FILES_CELLS, numbers);
+    vtk_writer_numbers(out, text, "Int32", VTK_FILES_CELLS, numbers);
 }
 
 static void put_legacy_points(FILE *out, bool text) {
@@ -319,17 +143,17 @@ static void put_legacy_points(FILE *out, bool text) {
     fprintf(out, "POINT_DATA %d\nSCALARS alpha double\nLOOKUP_TABLE default\n", VTK_FILES_POINTS);
     for (int p = 0; p < VTK_FILES_POINTS; p++)
         numbers[p] = point_value("alpha", p, 0);
-    put_legacy(out, text, "Float64", VTK_FILES_POINTS, numbers);
+    vtk_writer_numbers(out, text, "Float64", VTK_FILES_POINTS, numbers);
     fprintf(out, "METADATA\nINFORMATION 0\n\nVECTORS v float\n");
     for (int p = 0; p < 3 * VTK_FILES_POINTS; p++)
         numbers[p] = point_value("v", p / 3, p % 3);
-    put_legacy(out, text, "Float32", 3 * VTK_FILES_POINTS, numbers);
+    vtk_writer_numbers(out, text, "Float32", 3 * VTK_FILES_POINTS, numbers);
     fprintf(out, "FIELD FieldData 2\nother%%20one 2 %d unsigned_char\n", VTK_FILES_POINTS);
-    put_legacy(out, text, "UInt8", 2 * VTK_FILES_POINTS, (double[2 * VTK_FILES_POINTS]){0});
+    vtk_writer_numbers(out, text, "UInt8", 2 * VTK_FILES_POINTS, (double[2 * VTK_FILES_POINTS]){0});
     fprintf(out, "METADATA\nINFORMATION 0\n\nn 1 %d short\n", VTK_FILES_POINTS);
     for (int p = 0; p < VTK_FILES_POINTS; p++)
         numbers[p] = point_value("n", p, 0);
-    put_legacy(out, text, "Int16", VTK_FILES_POINTS, numbers);
+    vtk_writer_numbers(out, text, "Int16", VTK_FILES_POINTS, numbers);
 }
 
 static void put_legacy_cell_data(FILE *out, bool text) {
@@ -337,29 +161,29 @@ static void put_legacy_cell_data(FILE *out, bool text) {
     fprintf(out, "CELL_DATA %d\nSCALARS q float 1\nLOOKUP_TABLE default\n", VTK_FILES_CELLS);
     for (int i = 0; i < VTK_FILES_CELLS; i++)
         numbers[i] = cell_value("q", i, 0);
-    put_legacy(out, text, "Float32", VTK_FILES_CELLS, numbers);
+    vtk_writer_numbers(out, text, "Float32", VTK_FILES_CELLS, numbers);
     fprintf(out, "FIELD FieldData 1\nw 2 %d int\n", VTK_FILES_CELLS);
     for (int i = 0; i < 2 * VTK_FILES_CELLS; i++)
         numbers[i] = cell_value("w", i / 2, i % 2);
-    put_legacy(out, text, "Int32", 2 * VTK_FILES_CELLS, numbers);
+    vtk_writer_numbers(out, text, "Int32", 2 * VTK_FILES_CELLS, numbers);
 }
 
 const char *vtk_files_legacy(const char *name, int major, int minor, bool text) {
-    bytes file;
-    bytes_begin(&file);
-    fprintf(file.out,
+    vtk_writer w;
+    vtk_writer_open(&w);
+    fprintf(w.out,
             "# vtk DataFile Version %d.%d\nall kinds of cells\n%s\nDATASET UNSTRUCTURED_GRID\n",
             major, minor, text ? "ASCII" : "BINARY");
     if (major >= 4) {
-        fprintf(file.out, "FIELD FieldData 1\nTIME 1 1 double\n");
-        put_legacy(file.out, text, "Float64", 1, (double[]){2.5});
+        fprintf(w.out, "FIELD FieldData 1\nTIME 1 1 double\n");
+        vtk_writer_numbers(w.out, text, "Float64", 1, (double[]){2.5});
     }
-    fprintf(file.out, "POINTS %d float\n", VTK_FILES_POINTS);
-    put_legacy(file.out, text, "Float32", (size_t)3 * VTK_FILES_POINTS, position[0]);
-    put_legacy_cells(file.out, major, text);
-    put_legacy_points(file.out, text);
-    put_legacy_cell_data(file.out, text);
-    return finish(&file, name);
+    fprintf(w.out, "POINTS %d float\n", VTK_FILES_POINTS);
+    vtk_writer_numbers(w.out, text, "Float32", (size_t)3 * VTK_FILES_POINTS, position[0]);
+    put_legacy_cells(w.out, major, text);
+    put_legacy_points(w.out, text);
+    put_legacy_cell_data(w.out, text);
+    return vtk_writer_close(&w, name);
 }
 
 /* ---- changed files ---- */

@@ -13,21 +13,9 @@
 #include <stddef.h>
 
 #include "tests/support/mesh_files.h"
+#include "tests/support/vtk_writer.h"
 
 enum { VTK_FILES_POINTS = 16, VTK_FILES_CELLS = 9, VTK_FILES_TETS = 6 + 6 + 2 + 3 + 1 };
-
-/* How an XML file is written. */
-typedef struct vtk_xml_style {
-    bool text;     /* else bytes: in base64, unless appended and raw */
-    bool appended; /* else inline */
-    bool raw;      /* appended: without base64 */
-    bool big_endian, head64;
-    bool split_head;   /* base64: head and numbers encoded one by one, as some writers do */
-    size_t block;      /* bytes of a zlib block; 0: not compressed */
-    const char *real;  /* type of positions and fields; NULL: Float64 */
-    const char *whole; /* of ids, offsets and "n"; NULL: Int32 */
-    int pieces;        /* 0: 1; the mesh again and again, 10 further along x, values 100 higher */
-} vtk_xml_style;
 
 /* vtk_files_xml(), vtk_files_legacy() - the mesh in a file of the scratch folder; its path. */
 const char *vtk_files_xml(const char *name, const vtk_xml_style *style);

@@ -2,11 +2,11 @@
  *
  * Holds fixed buffers, never the array. Several cursors read several places of a file at once.
  */
-#ifndef FORMATS_MESH_VTK_CURSOR_H
-#define FORMATS_MESH_VTK_CURSOR_H
+#ifndef FORMATS_VTK_VTK_CURSOR_H
+#define FORMATS_VTK_VTK_CURSOR_H
 
 #include "formats/base/mem.h"
-#include "formats/mesh/vtk_array.h"
+#include "formats/vtk/vtk_array.h"
 
 typedef struct vtk_cursor vtk_cursor;
 
@@ -24,6 +24,11 @@ void vtk_cursor_close(vtk_cursor *c); /* NULL is fine */
  * they are no such numbers. */
 CHECKED status vtk_cursor_doubles(vtk_cursor *c, size_t count, double *out);
 CHECKED status vtk_cursor_whole(vtk_cursor *c, size_t count, uint64_t *out);
+
+/* vtk_cursor_raw() - the next count numbers as they are: of the array's own type, in native byte
+ * order. Not for a cursor that the others were used on. ST_CORRUPT as there, and for text that is
+ * no number of the type. */
+CHECKED status vtk_cursor_raw(vtk_cursor *c, size_t count, void *out);
 
 /* vtk_cursor_finish() - check that nothing is left. */
 CHECKED status vtk_cursor_finish(vtk_cursor *c);

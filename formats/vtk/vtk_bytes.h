@@ -1,14 +1,15 @@
-/* vtk_bytes.h - the bytes of an XML array behind its head: plain, in base64, in zlib blocks, or
- * both.
+/* vtk_bytes.h - the bytes of an XML array behind its head: plain, in base64, in blocks of a
+ * compressor, or both.
  *
- * Through fixed buffers, front to back. The head says how many bytes there are; the table of the
- * blocks is read beside them, so its length costs nothing.
+ * Through fixed buffers, front to back; of LZ4 and LZMA there is a block in memory, packed and not.
+ * The head says how many bytes there are; the table of the blocks is read beside them, so its
+ * length costs nothing.
  */
-#ifndef FORMATS_MESH_VTK_BYTES_H
-#define FORMATS_MESH_VTK_BYTES_H
+#ifndef FORMATS_VTK_VTK_BYTES_H
+#define FORMATS_VTK_VTK_BYTES_H
 
 #include "formats/base/mem.h"
-#include "formats/mesh/vtk_array.h"
+#include "formats/vtk/vtk_array.h"
 
 typedef struct vtk_bytes vtk_bytes;
 
@@ -17,7 +18,8 @@ typedef struct vtk_bytes vtk_bytes;
 CHECKED status vtk_bytes_open(mem *m, const vtk_array *a, vtk_bytes **out);
 void vtk_bytes_close(vtk_bytes *b); /* NULL is fine */
 
-/* vtk_bytes_size() - of the whole array, decompressed, as its head has it. */
+/* vtk_bytes_size() - of the whole array, decompressed, as its head has it; the file has room for
+ * it. */
 uint64_t vtk_bytes_size(const vtk_bytes *b);
 
 /* vtk_bytes_read() - the next size bytes; not more than there are. ST_CORRUPT when the file has

@@ -5,8 +5,8 @@
  * tests/test_portable_math.c: sine and cosine below 2^-52, and below 2 ulp of results above 0.1;
  * the exponential below 1 ulp.
  */
-#ifndef PREP_GENERATE_PORTABLE_MATH_H
-#define PREP_GENERATE_PORTABLE_MATH_H
+#ifndef FORMATS_BASE_PORTABLE_MATH_H
+#define FORMATS_BASE_PORTABLE_MATH_H
 
 /* portable_sincos() - sine and cosine of 2 pi t: the argument counts turns, so that its reduction
  * is exact. |t| < 2^40. */

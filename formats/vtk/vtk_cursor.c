@@ -1,4 +1,4 @@
-#include "formats/mesh/vtk_cursor.h"
+#include "formats/vtk/vtk_cursor.h"
 
 #include <assert.h>
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "formats/input/byte_stream.h"
 #include "formats/input/text_number.h"
 #include "formats/input/text_tokens.h"
-#include "formats/mesh/vtk_bytes.h"
+#include "formats/vtk/vtk_bytes.h"
 
 enum { CURSOR_BYTES = 1 << 14 };
 
@@ -49,10 +49,12 @@ static status open_plain(vtk_cursor *c, uint64_t count) {
         st = byte_stream_skip(c->from, c->array->at);
     c->left = count;
     c->text = (text_tokens){.s = c->from, .stop = '<'};
-    if (st != ST_OK || c->array->coding == VTK_TEXT)
+    if (st != ST_OK)
         return st;
-    uint64_t room = byte_stream_left(c->from) / c->width;
-    return count > room ? too_few(c, room, count) : ST_OK;
+    /* A digit and a blank, but for the last one. */
+    const uint64_t left = byte_stream_left(c->from);
+    uint64_t room = c->array->coding == VTK_TEXT ? left / 2 + 1 : left / c->width;
+    return count != VTK_CURSOR_ANY && count > room ? too_few(c, room, count) : ST_OK;
 }
 
 static status open_array(vtk_cursor *c, uint64_t count) {
@@ -115,6 +117,54 @@ static status text_numbers(vtk_cursor *c, size_t count, bool whole, void *out) {
     return ST_OK;
 }
 
+#define WHOLE(type, lo, hi)                                \
+    {                                                      \
+        int64_t i;                                         \
+        bool good = text_number_int(word, (lo), (hi), &i); \
+        type v = good ? (type)i : 0;                       \
+        memcpy(out, &v, sizeof v);                         \
+        return good;                                       \
+    }
+
+/* A word as a number of the type; false when it is none. */
+static bool word_of_type(vtk_type type, const char *word, void *out) {
+    double real = 0;
+    uint64_t whole = 0;
+    switch (type) {
+    case VTK_I8: WHOLE(int8_t, INT8_MIN, INT8_MAX)
+    case VTK_U8: WHOLE(uint8_t, 0, UINT8_MAX)
+    case VTK_I16: WHOLE(int16_t, INT16_MIN, INT16_MAX)
+    case VTK_U16: WHOLE(uint16_t, 0, UINT16_MAX)
+    case VTK_I32: WHOLE(int32_t, INT32_MIN, INT32_MAX)
+    case VTK_U32: WHOLE(uint32_t, 0, UINT32_MAX)
+    case VTK_I64: WHOLE(int64_t, INT64_MIN, INT64_MAX)
+    case VTK_U64:
+        if (*word == '-' || !text_number_whole(word, &whole))
+            return false;
+        memcpy(out, &whole, sizeof whole);
+        return true;
+    default: break;
+    }
+    if (!text_number_double(word, &real))
+        return false;
+    const float single = (float)real;
+    memcpy(out, type == VTK_F32 ? (const void *)&single : &real, vtk_array_width(type));
+    return true;
+}
+
+static status text_raw(vtk_cursor *c, size_t count, uint8_t *out) {
+    for (size_t i = 0; i < count; i++, c->taken++, out += c->width) {
+        status st = next_word(c);
+        if (st == ST_OK && !word_of_type(c->array->type, c->text.token, out))
+            st = vtk_array_fault(c->array, ST_CORRUPT,
+                                 "before byte %llu: \"%.60s\", expected a number of its type",
+                                 (unsigned long long)byte_stream_position(c->from), c->text.token);
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
 /* ---- bytes ---- */
 
 static void swap(uint8_t *bytes, size_t width, size_t count) {
@@ -126,23 +176,29 @@ static void swap(uint8_t *bytes, size_t width, size_t count) {
         }
 }
 
-/* Fill the empty buffer, native byte order. */
-static status refill(vtk_cursor *c) {
-    size_t room = CURSOR_BYTES / c->width;
-    size_t count = c->left < room ? (size_t)c->left : room, got;
-    size_t size = count * c->width;
+/* count of the numbers that are left, native byte order. */
+static status read_bytes(vtk_cursor *c, size_t count, void *out) {
+    size_t size = count * c->width, got;
     status st;
     if (c->bytes)
-        st = vtk_bytes_read(c->bytes, c->buffer, size);
+        st = vtk_bytes_read(c->bytes, out, size);
     else {
-        st = byte_stream_read(c->from, c->buffer, size, &got);
+        st = byte_stream_read(c->from, out, size, &got);
         if (st == ST_OK && got < size)
             st = too_few(c, c->taken + got / c->width, c->taken + c->left);
     }
+    if (st == ST_OK && c->array->big_endian)
+        swap(out, c->width, count);
+    return st;
+}
+
+/* Fill the empty buffer. */
+static status refill(vtk_cursor *c) {
+    size_t room = CURSOR_BYTES / c->width;
+    size_t count = c->left < room ? (size_t)c->left : room;
+    status st = read_bytes(c, count, c->buffer);
     if (st != ST_OK)
         return st;
-    if (c->array->big_endian)
-        swap(c->buffer, c->width, count);
     c->begin = 0;
     c->end = count;
     return ST_OK;
@@ -233,6 +289,18 @@ status vtk_cursor_doubles(vtk_cursor *c, size_t count, double *out) {
 status vtk_cursor_whole(vtk_cursor *c, size_t count, uint64_t *out) {
     assert(vtk_array_whole(c->array->type));
     return read_numbers(c, count, true, out);
+}
+
+status vtk_cursor_raw(vtk_cursor *c, size_t count, void *out) {
+    assert(c->begin == c->end);
+    const bool is_text = c->array->coding == VTK_TEXT;
+    const uint64_t before = c->left;
+    status st = check_left(c, count);
+    if (st == ST_OK)
+        st = is_text ? text_raw(c, count, out) : read_bytes(c, count, out);
+    c->left -= before == VTK_CURSOR_ANY ? 0 : count;
+    c->taken += is_text ? 0 : count;
+    return st;
 }
 
 status vtk_cursor_finish(vtk_cursor *c) {

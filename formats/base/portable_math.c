@@ -1,4 +1,4 @@
-#include "prep/generate/portable_math.h"
+#include "formats/base/portable_math.h"
 
 #include <assert.h>
 #include <float.h>

@@ -1,0 +1,49 @@
+/* stored_samples.h - how an input stores the samples of a grid, and how they become the grid's.
+ *
+ * A sample is one or several numbers of a type, side by side. Of several, one is taken, or all
+ * together: the magnitude of a vector, the luminance of a colour. Numbers may be scaled. All of it
+ * is computed in double and rounded once; one number that is not scaled keeps its type, but for
+ * f16 (f32), u64 and i64 (f64).
+ */
+#ifndef FORMATS_GRID_STORED_SAMPLES_H
+#define FORMATS_GRID_STORED_SAMPLES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/base/sample.h"
+#include "formats/base/status.h"
+#include "formats/grid/grid.h"
+#include "formats/grid/volume_hints.h"
+
+enum { STORED_SAMPLES_COMPONENTS = 256 };
+
+/* Zeros but for the type: one number a sample, as it is. */
+typedef struct stored_samples {
+    sample_type type;        /* of a number: any */
+    uint32_t components;     /* numbers a sample, at most STORED_SAMPLES_COMPONENTS; 0: 1 */
+    uint32_t component;      /* the one to take, from 1; 0: all together */
+    bool colours;            /* red, green, blue, and what follows: together, their luminance */
+    double slope, intercept; /* value = slope * number + intercept; slope 0: not scaled */
+} stored_samples;
+
+/* stored_samples_choose() - what the hints and the numbers make of a grid: s->component, g->type
+ * and g->source. The component is left as it is where the hints name none. ST_USAGE for one that is
+ * not there, ST_UNSUPPORTED for too many; file: for messages. */
+CHECKED status stored_samples_choose(stored_samples *s, const char *file, const volume_hints *hints,
+                                     grid *g);
+
+/* stored_samples_bytes() - of one sample, as it is stored. */
+size_t stored_samples_bytes(const stored_samples *s);
+
+/* stored_samples_plain() - whether a grid has the samples as they are stored. */
+bool stored_samples_plain(const stored_samples *s);
+
+/* stored_samples_take() - count samples of native byte order to those of a grid of type `to`, which
+ * stored_samples_choose() set. Destroys in. Returns the first sample with a number that a double
+ * cannot hold (u64, i64); count when there is none. */
+size_t stored_samples_take(const stored_samples *s, void *in, sample_type to, void *out,
+                           size_t count);
+
+#endif

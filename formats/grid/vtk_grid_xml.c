@@ -1,0 +1,254 @@
+#include "formats/grid/vtk_grid_xml.h"
+
+#include <string.h>
+
+#include "formats/base/file.h"
+#include "formats/base/text.h"
+#include "formats/grid/vtk_grid.h"
+#include "formats/vtk/vtk_xml.h"
+
+/* What an element is to us; its children are read accordingly. */
+enum {
+    ELEMENT_GRID = VTK_XML_OWN,
+    ELEMENT_PIECE,
+    ELEMENT_POINT_DATA,
+    ELEMENT_CELL_DATA,
+    ELEMENT_COORDINATES,
+    ELEMENT_PARALLEL, /* a grid whose pieces are files */
+    ELEMENT_SOURCE,   /* one of them */
+};
+
+/* The types of a VTKFile that are grids. */
+typedef struct grid_kind {
+    const char *type, *suffix;
+    const char *format; /* for messages */
+    const char *pieces; /* the type of the pieces' files; NULL: they are in this one */
+    bool rectilinear;
+} grid_kind;
+
+static const grid_kind kinds[] = {
+    {"ImageData", ".vti", "VTK image data", NULL, false},
+    {"RectilinearGrid", ".vtr", "VTK rectilinear grid", NULL, true},
+    {"PImageData", ".pvti", "VTK image data in pieces", "ImageData", false},
+    {"PRectilinearGrid", ".pvtr", "VTK rectilinear grid in pieces", "RectilinearGrid", true},
+};
+
+enum { KINDS = sizeof kinds / sizeof *kinds };
+
+/* A piece that is a file. */
+typedef struct source {
+    const char *path; /* the grid's */
+    vtk_extent extent;
+} source;
+
+typedef struct scan {
+    vtk_grid *g;
+    const char *path; /* of this file */
+    vtk_frame frame;
+    bool framed;   /* the grid's element was there */
+    bool in_piece; /* the last of the grid's pieces; else one without nodes */
+    source *sources;
+    size_t count, room;
+} scan;
+
+/* ---- elements ---- */
+
+static status parse_extent(const vtk_xml *x, const char **attributes, const char *name,
+                           vtk_extent *out) {
+    int64_t e[6];
+    status st = vtk_xml_whole(x, attributes, name, 6, -VTK_EXTENT_MAX, VTK_EXTENT_MAX, e);
+    for (int a = 0; st == ST_OK && a < 3; a++) {
+        out->lo[a] = e[2 * a];
+        out->hi[a] = e[2 * a + 1];
+    }
+    return st;
+}
+
+static status on_grid(vtk_xml *x, const char **attributes) {
+    scan *s = vtk_xml_user(x);
+    if (s->framed)
+        return vtk_xml_fault(x, ST_CORRUPT, "the grid comes twice");
+    s->framed = true;
+    vtk_frame_init(&s->frame);
+    status st = parse_extent(x, attributes, "WholeExtent", &s->frame.whole);
+    if (st == ST_OK)
+        st = vtk_xml_numbers(x, attributes, "Origin", 3, s->frame.origin, NULL);
+    if (st == ST_OK)
+        st = vtk_xml_numbers(x, attributes, "Spacing", 3, s->frame.spacing, NULL);
+    if (st == ST_OK)
+        st = vtk_xml_numbers(x, attributes, "Direction", 9, s->frame.direction[0],
+                             &s->frame.has_direction);
+    return st;
+}
+
+static status on_piece(vtk_xml *x, const char **attributes) {
+    scan *s = vtk_xml_user(x);
+    vtk_extent extent;
+    vtk_grid_piece *p;
+    status st = parse_extent(x, attributes, "Extent", &extent);
+    s->in_piece = st == ST_OK && !vtk_extent_is_empty(&extent);
+    if (!s->in_piece)
+        return st;
+    st = vtk_grid_add_piece(s->g, &p);
+    if (st == ST_OK)
+        *p = (vtk_grid_piece){.path = s->path, .extent = extent};
+    return st;
+}
+
+static status on_source(vtk_xml *x, const char **attributes) {
+    scan *s = vtk_xml_user(x);
+    const char *name = vtk_xml_attribute(attributes, "Source");
+    source new = {0};
+    status st = parse_extent(x, attributes, "Extent", &new.extent);
+    if (st == ST_OK && !name)
+        st = vtk_xml_fault(x, ST_CORRUPT, "expected the attribute Source");
+    if (st != ST_OK || vtk_extent_is_empty(&new.extent))
+        return st;
+    char *path = file_beside(s->g->m, s->path, name);
+    st = path ? vtk_grid_add_path(s->g, path, &new.path) : ST_NOMEM;
+    mem_free(s->g->m, path);
+    if (st == ST_OK)
+        st = mem_grow(s->g->m, &s->sources, sizeof new, s->count, 16, &s->room);
+    if (st == ST_OK)
+        s->sources[s->count++] = new;
+    return st;
+}
+
+/* They come in order: x, y, z. */
+static status on_coordinates(vtk_xml *x, vtk_grid_piece *p, const vtk_array *a) {
+    static const char *const roles[] = {"x coordinates", "y coordinates", "z coordinates"};
+    for (int i = 0; i < 3; i++)
+        if (p->axis[i].type == VTK_ABSENT) {
+            p->axis[i] = *a;
+            p->axis[i].role = roles[i];
+            return ST_OK;
+        }
+    return vtk_xml_fault(x, ST_CORRUPT, "coordinates of more than three axes");
+}
+
+static status on_array(vtk_xml *x, int element, const char *name, const vtk_array *a) {
+    const scan *s = vtk_xml_user(x);
+    if (!s->in_piece)
+        return ST_OK;
+    vtk_grid_piece *p = &s->g->pieces[s->g->count - 1];
+    switch (element) {
+    case ELEMENT_POINT_DATA: return vtk_fields_add(&p->fields, s->g->m, VTK_OF_POINTS, name, a);
+    case ELEMENT_CELL_DATA: return vtk_fields_add(&p->fields, s->g->m, VTK_OF_CELLS, name, a);
+    case ELEMENT_COORDINATES: return on_coordinates(x, p, a);
+    default: return ST_OK;
+    }
+}
+
+static const vtk_xml_element elements[] = {
+    {VTK_XML_FILE, "ImageData", ELEMENT_GRID, on_grid},
+    {VTK_XML_FILE, "RectilinearGrid", ELEMENT_GRID, on_grid},
+    {ELEMENT_GRID, "Piece", ELEMENT_PIECE, on_piece},
+    {ELEMENT_PIECE, "PointData", ELEMENT_POINT_DATA, NULL},
+    {ELEMENT_PIECE, "CellData", ELEMENT_CELL_DATA, NULL},
+    {ELEMENT_PIECE, "Coordinates", ELEMENT_COORDINATES, NULL},
+    {VTK_XML_FILE, "PImageData", ELEMENT_PARALLEL, on_grid},
+    {VTK_XML_FILE, "PRectilinearGrid", ELEMENT_PARALLEL, on_grid},
+    {ELEMENT_PARALLEL, "Piece", ELEMENT_SOURCE, on_source},
+    {0, NULL, 0, NULL},
+};
+
+/* ---- files ---- */
+
+/* One file: its pieces go to the grid, its frame and sources to s. */
+static status scan_file(scan *s, byte_stream *data, const char *type) {
+    const vtk_xml_reader reader = {type, elements, on_array};
+    const size_t before = s->g->count;
+    vtk_appended appended;
+    status st = vtk_xml_scan(s->g->m, s->path, data, &reader, s, &appended);
+    if (st == ST_OK && !s->framed)
+        st = status_describe(ST_CORRUPT, "%s: expected an element %s", s->path, type);
+    for (size_t i = before; st == ST_OK && i < s->g->count; i++) {
+        vtk_xml_locate_fields(&appended, &s->g->pieces[i].fields);
+        for (int a = 0; a < 3; a++)
+            vtk_xml_locate(&appended, &s->g->pieces[i].axis[a]);
+    }
+    return st;
+}
+
+/* The file of a piece; it tells the directions where the parallel one, as VTK writes it, does not.
+ */
+static status scan_source(vtk_grid *g, const source *from, const char *type) {
+    scan s = {.g = g, .path = from->path};
+    const size_t before = g->count;
+    byte_stream *data;
+    status st = byte_stream_open(g->m, from->path, &data);
+    if (st != ST_OK)
+        return st;
+    st = vtk_array_check_file(from->path);
+    if (st == ST_OK)
+        st = scan_file(&s, data, type);
+    byte_stream_close(data);
+    for (size_t i = before; st == ST_OK && i < g->count; i++)
+        if (!vtk_extent_holds(&from->extent, &g->pieces[i].extent))
+            st = status_describe(ST_CORRUPT, "%s: its extent is not the one that %s says", s.path,
+                                 g->paths[0]);
+    if (st == ST_OK && !g->frame.has_direction) {
+        g->frame.has_direction = true;
+        memcpy(g->frame.direction, s.frame.direction, sizeof s.frame.direction);
+    }
+    return st;
+}
+
+static status scan_all(vtk_grid *g, byte_stream *data, const grid_kind *kind) {
+    scan s = {.g = g, .path = g->paths[0]};
+    status st = scan_file(&s, data, kind->type);
+    g->frame = s.frame;
+    for (size_t i = 0; st == ST_OK && i < s.count; i++)
+        st = scan_source(g, &s.sources[i], kind->pieces);
+    mem_free(g->m, s.sources);
+    return st;
+}
+
+/* ---- the reader ---- */
+
+/* By what the file says itself, else by its name: then it is broken, and the reader tells. */
+static const grid_kind *find_kind(const char *path, const uint8_t *start, size_t size) {
+    char type[VTK_XML_TYPE_MAX];
+    const bool says = vtk_xml_type(start, size, type);
+    for (int i = 0; i < KINDS; i++)
+        if (says ? strcmp(type, kinds[i].type) == 0 : text_ends_in(path, kinds[i].suffix))
+            return &kinds[i];
+    return NULL;
+}
+
+static bool known(const char *path, const uint8_t *start, size_t size) {
+    return find_kind(path, start, size) != NULL;
+}
+
+static status open_grid(vtk_grid *g, volume_layout *l, const grid_kind *kind,
+                        const volume_hints *hints, slice_source *out) {
+    const char *path;
+    g->rectilinear = kind->rectilinear;
+    status st = vtk_array_check_file(l->path);
+    if (st == ST_OK)
+        st = vtk_grid_add_path(g, l->path, &path);
+    if (st == ST_OK)
+        st = scan_all(g, l->data, kind);
+    return st == ST_OK ? vtk_grid_open(g, hints, out) : st;
+}
+
+static status open_slices(volume_layout *l, const volume_hints *hints, slice_source *out) {
+    const uint8_t *start;
+    size_t size;
+    vtk_grid *g;
+    status st = byte_stream_peek(l->data, GRID_READER_PEEK, &start, &size);
+    if (st != ST_OK)
+        return st;
+    const grid_kind *kind = find_kind(byte_stream_kind(l->data), start, size);
+    st = vtk_grid_create(l->m, &g);
+    if (st != ST_OK)
+        return st;
+    st = open_grid(g, l, kind, hints, out);
+    if (st != ST_OK)
+        vtk_grid_close(g);
+    out->format = kind->format;
+    return st;
+}
+
+const grid_reader vtk_grid_xml_reader = {
+    .format = "VTK grid", .known = known, .slices = open_slices};

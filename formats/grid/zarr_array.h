@@ -1,0 +1,38 @@
+/* zarr_array.h - what the JSONs of a Zarr folder say: which array, how it is stored, where its
+ * nodes lie. */
+#ifndef FORMATS_GRID_ZARR_ARRAY_H
+#define FORMATS_GRID_ZARR_ARRAY_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+#include "formats/grid/sample_order.h"
+#include "formats/grid/stored_samples.h"
+#include "formats/grid/volume_hints.h"
+#include "formats/grid/zarr_chunk.h"
+
+enum { ZARR_AXES = 8, ZARR_PATH = 4096 };
+
+typedef struct zarr_array {
+    char path[ZARR_PATH]; /* of the array's folder */
+    char name[GRID_NAME_MAX];
+    int axes;
+    uint32_t shape[ZARR_AXES], chunk[ZARR_AXES];
+    int role[ZARR_AXES];  /* ORDER_X .. ORDER_STEP; -1: of one sample, none */
+    int axis[ORDER_AXES]; /* which axis has a role; -1: none */
+    double scale[ZARR_AXES], translation[ZARR_AXES]; /* node i of an axis */
+    stored_samples stored;
+    bool big_endian, fortran;
+    char separator;
+    zarr_codec codec;
+    uint8_t fill[8]; /* one number, native */
+} zarr_array;
+
+/* zarr_array_read() - of a folder. ST_CORRUPT, ST_UNSUPPORTED, ST_IO, naming the JSON. About 5 KB.
+ */
+CHECKED status zarr_array_read(mem *m, const char *folder, const volume_hints *hints,
+                               zarr_array *out);
+
+#endif

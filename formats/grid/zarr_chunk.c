@@ -1,0 +1,152 @@
+#include "formats/grid/zarr_chunk.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "formats/base/file.h"
+#include "formats/input/binary_fields.h"
+#include "formats/input/unpack_stream.h"
+
+zarr_codec zarr_codec_find(const char *id) {
+    static const struct {
+        const char *id;
+        zarr_codec codec;
+    } codecs[] = {{"zlib", ZARR_STREAM}, {"gzip", ZARR_STREAM}, {"zstd", ZARR_STREAM},
+                  {"bz2", ZARR_STREAM},  {"lzma", ZARR_STREAM}, {"blosc", ZARR_BLOSC},
+                  {"lz4", ZARR_LZ4}};
+    for (size_t i = 0; i < sizeof codecs / sizeof *codecs; i++)
+        if (strcmp(id, codecs[i].id) == 0)
+            return codecs[i].codec;
+    return (zarr_codec)0;
+}
+
+static status wrong_size(const char *path, size_t size) {
+    return status_describe(ST_CORRUPT, "%s: this chunk does not hold the %zu bytes expected", path,
+                           size);
+}
+
+/* ---- as a stream ---- */
+
+static status read_stream(byte_stream *s, unpack_stream *packed, void *to, size_t size,
+                          size_t *got) {
+    return packed ? unpack_stream_read(packed, to, size, got) : byte_stream_read(s, to, size, got);
+}
+
+static status read_exactly(byte_stream *s, unpack_stream *packed, void *to, size_t size) {
+    char more;
+    size_t got = 0, rest = 0;
+    status st = read_stream(s, packed, to, size, &got);
+    if (st == ST_OK && got == size)
+        st = read_stream(s, packed, &more, 1, &rest);
+    return st == ST_OK && (got < size || rest) ? wrong_size(byte_stream_name(s), size) : st;
+}
+
+static status take_stream(mem *m, bool is_packed, const char *path, void *to, size_t size) {
+    byte_stream *s = NULL;
+    unpack_stream *packed = NULL;
+    const uint8_t *start;
+    size_t held = 0;
+    status st = byte_stream_open_stored(m, path, &s);
+    if (st == ST_OK && is_packed) {
+        st = byte_stream_peek(s, PACKER_PEEK, &start, &held);
+        const packer *how = st == ST_OK ? packer_find(start, held) : NULL;
+        if (st == ST_OK)
+            st = unpack_stream_open(m, how ? how : &packer_zlib, s, &packed);
+    }
+    if (st == ST_OK)
+        st = read_exactly(s, packed, to, size);
+    unpack_stream_close(packed);
+    byte_stream_close(s);
+    return st;
+}
+
+/* ---- by libraries that are loaded where a file asks for them ---- */
+
+typedef int blosc_validate(const void *from, size_t bytes, size_t *unpacked);
+typedef int blosc_unpack(const void *from, void *to, size_t room, int threads);
+typedef int lz4_unpack(const char *from, char *to, int bytes, int room);
+
+static status find_symbol(const char *path, const char *library, const char *symbol, void **out) {
+    void *handle = dlopen(library, RTLD_NOW); /* stays: one of them, however often */
+    *out = handle ? dlsym(handle, symbol) : NULL;
+    if (*out)
+        return ST_OK;
+    return status_describe(ST_UNSUPPORTED,
+                           "%s: %s, which unpacks this chunk, is not there: install it "
+                           "(scripts/setup-debian)",
+                           path, library);
+}
+
+/* ISO C has no conversion from an object's pointer to a function's. */
+#define AS_FUNCTION(to, symbol) memcpy(&(to), &(symbol), sizeof(to))
+
+static status take_blosc(const char *path, const uint8_t *bytes, size_t count, void *to,
+                         size_t size) {
+    void *validate_symbol, *unpack_symbol;
+    blosc_validate *validate;
+    blosc_unpack *unpack;
+    size_t unpacked = 0;
+    status st = find_symbol(path, "libblosc.so.1", "blosc_cbuffer_validate", &validate_symbol);
+    if (st == ST_OK)
+        st = find_symbol(path, "libblosc.so.1", "blosc_decompress_ctx", &unpack_symbol);
+    if (st != ST_OK)
+        return st;
+    AS_FUNCTION(validate, validate_symbol);
+    AS_FUNCTION(unpack, unpack_symbol);
+    if (count < 16 || validate(bytes, count, &unpacked) != 0)
+        return status_describe(ST_CORRUPT, "%s: damaged blosc data", path);
+    if (unpacked != size)
+        return wrong_size(path, size);
+    const int result = unpack(bytes, to, size, 1);
+    if (result < 0 || (size_t)result != size)
+        return status_describe(ST_CORRUPT, "%s: damaged blosc data", path);
+    return ST_OK;
+}
+
+/* The length, then one block. */
+static status take_lz4(const char *path, const uint8_t *bytes, size_t count, void *to,
+                       size_t size) {
+    void *symbol;
+    lz4_unpack *unpack;
+    status st = find_symbol(path, "liblz4.so.1", "LZ4_decompress_safe", &symbol);
+    if (st != ST_OK)
+        return st;
+    AS_FUNCTION(unpack, symbol);
+    if (count < 4 || count > INT_MAX || size > INT_MAX || binary_unsigned(bytes, 4, false) != size)
+        return wrong_size(path, size);
+    const int result = unpack((const char *)bytes + 4, to, (int)count - 4, (int)size);
+    if (result < 0 || (size_t)result != size)
+        return status_describe(ST_CORRUPT, "%s: damaged lz4 data", path);
+    return ST_OK;
+}
+
+static status take_whole(mem *m, zarr_codec codec, const char *path, void *to, size_t size) {
+    file *f = NULL;
+    status st = file_open(m, path, &f);
+    if (st != ST_OK)
+        return st;
+    const size_t count = (size_t)file_size(f);
+    uint8_t *bytes = mem_alloc(m, count);
+    st = bytes ? file_read_at(f, 0, bytes, count) : ST_NOMEM;
+    if (st == ST_OK)
+        st = codec == ZARR_BLOSC ? take_blosc(path, bytes, count, to, size)
+                                 : take_lz4(path, bytes, count, to, size);
+    mem_free(m, bytes);
+    file_close(f);
+    return st;
+}
+
+status zarr_chunk_read(mem *m, zarr_codec codec, const char *path, void *to, size_t size,
+                       bool *there) {
+    struct stat info;
+    *there = stat(path, &info) == 0 || (errno != ENOENT && errno != ENOTDIR);
+    if (!*there)
+        return ST_OK;
+    if (codec == ZARR_RAW || codec == ZARR_STREAM)
+        return take_stream(m, codec == ZARR_STREAM, path, to, size);
+    return take_whole(m, codec, path, to, size);
+}

@@ -1,0 +1,82 @@
+/* vtk_xml.h - one pass over a VTK XML file: its elements, and where its arrays lie.
+ *
+ * A data set's reader gives a table of the elements that it knows and gets their attributes. No
+ * array is held. The XML ends where appended data begin: their arrays are told by offsets, and find
+ * their places when the pass is over.
+ */
+#ifndef FORMATS_VTK_VTK_XML_H
+#define FORMATS_VTK_VTK_XML_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/input/byte_stream.h"
+#include "formats/vtk/vtk_array.h"
+#include "formats/vtk/vtk_fields.h"
+
+typedef struct vtk_xml vtk_xml;
+
+/* What an element is, so that its children are read accordingly. A reader's own follow. */
+enum { VTK_XML_OTHER, VTK_XML_FILE, VTK_XML_OWN };
+
+/* attributes: name, value, name, .., NULL */
+typedef struct vtk_xml_element {
+    int parent;
+    const char *name;
+    int element;
+    status (*start)(vtk_xml *x, const char **attributes); /* NULL: nothing to do */
+} vtk_xml_element;
+
+typedef struct vtk_xml_reader {
+    const char *type;                /* of the VTKFile: "UnstructuredGrid" */
+    const vtk_xml_element *elements; /* up to one without a name */
+    /* An array in an element of the table. Its name ("": none) is not kept; a->name is NULL. */
+    status (*array)(vtk_xml *x, int element, const char *name, const vtk_array *a);
+} vtk_xml_reader;
+
+/* Where the appended arrays lie. */
+typedef struct vtk_appended {
+    bool base64;
+    uint64_t at; /* the byte that offsets are counted from */
+} vtk_appended;
+
+/* vtk_xml_type() - the type of the VTKFile whose first bytes these are, into type; false when there
+ * is no such tag, or it has no type (""), or a longer one. */
+enum { VTK_XML_TYPE_MAX = 32 };
+bool vtk_xml_type(const uint8_t *start, size_t size, char type[VTK_XML_TYPE_MAX]);
+
+/* vtk_xml_scan() - data: at the start of the file `path`, which must outlive the arrays. out: for
+ * vtk_xml_locate(), which every array that was found needs. ST_CORRUPT, ST_UNSUPPORTED, ST_IO,
+ * ST_NOMEM, naming file and line. */
+CHECKED status vtk_xml_scan(mem *m, const char *path, byte_stream *data, const vtk_xml_reader *r,
+                            void *user, vtk_appended *out);
+void vtk_xml_locate(const vtk_appended *p, vtk_array *a);
+void vtk_xml_locate_fields(const vtk_appended *p, const vtk_fields *f);
+
+/* ---- for a reader, during the pass ---- */
+
+void *vtk_xml_user(const vtk_xml *x);
+
+/* vtk_xml_fault() - describe what is wrong: "file: line 7: ..."; returns st. */
+status vtk_xml_fault(const vtk_xml *x, status st, const char *fmt, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* vtk_xml_attribute() - the value of an attribute; NULL when it is not there. */
+const char *vtk_xml_attribute(const char **attributes, const char *name);
+
+/* vtk_xml_count() - a whole number from `least` on, below 2^47; `absent` when it is not there,
+ * which is ST_CORRUPT for a negative one. */
+CHECKED status vtk_xml_count(const vtk_xml *x, const char **attributes, const char *name,
+                             int64_t absent, int64_t least, uint64_t *out);
+
+/* vtk_xml_numbers() - exactly count numbers; *found, which may be NULL, is false and out as it was
+ * when the attribute is not there. vtk_xml_whole() - whole ones in lo .. hi, which must be there.
+ */
+CHECKED status vtk_xml_numbers(const vtk_xml *x, const char **attributes, const char *name,
+                               int count, double *out, bool *found);
+CHECKED status vtk_xml_whole(const vtk_xml *x, const char **attributes, const char *name, int count,
+                             int64_t lo, int64_t hi, int64_t *out);
+
+#endif
