@@ -89,6 +89,7 @@ typedef struct facts {
     uint64_t histogram[HISTOGRAM_MAX]; /* payloads by log2 of their stored size */
     leaf_activity (*activity)[LEAF_LEVELS_MAX];
     char id[LEAF_ID_TEXT];
+    uint32_t implied;      /* payloads of no bytes */
     leaf_mesh_parts parts; /* of a mesh */
     histogram values;      /* of the first set */
 } facts;
@@ -102,9 +103,10 @@ static double raw_bytes(const leaf_file *f) {
     const leaf_header *h = &f->header;
     if (f->mesh)
         return (double)h->vertices *
-                   (12 * (1 + (double)f->layout.moved_steps) + 4 * (double)f->mesh->sets) +
+                   (12 * (1 + (double)f->layout.moved_steps) + 4 * (double)f->layout.sets) +
                16 * (double)h->tets;
-    return (double)h->dims[0] * h->dims[1] * h->dims[2] * (double)sample_size(f->layout.type);
+    return (double)h->dims[0] * h->dims[1] * h->dims[2] * (double)sample_size(f->layout.type) *
+           f->layout.sets;
 }
 
 static void collect(facts *x, const leaf_file *f) {
@@ -113,8 +115,10 @@ static void collect(facts *x, const leaf_file *f) {
     x->raw_bytes = raw_bytes(f);
     leaf_id_text(h, x->id);
     for (uint32_t p = 0; p < f->layout.payloads; p++) {
-        x->level_bytes[f->mesh ? 0 : f->layout.level_of[p]] += f->sizes[p];
-        x->histogram[log2_of(f->sizes[p]) % HISTOGRAM_MAX]++;
+        x->level_bytes[f->layout.level_of[p % f->layout.treelets]] += f->sizes[p];
+        x->implied += leaf_file_is_implied(f, p);
+        if (f->sizes[p])
+            x->histogram[log2_of(f->sizes[p]) % HISTOGRAM_MAX]++;
     }
     if (f->mesh)
         x->parts = leaf_stats_mesh(f);
@@ -144,7 +148,47 @@ static void print_bytes(const facts *x) {
     const leaf_header *h = &x->f->header;
     printf("directory   %llu bytes, %.1f a treelet\n", (unsigned long long)x->f->directory_bytes,
            (double)x->f->directory_bytes / (double)h->treelets);
-    printf("payloads    %llu bytes\n", (unsigned long long)h->payload_bytes);
+    printf("payloads    %llu bytes", (unsigned long long)h->payload_bytes);
+    if (x->implied)
+        printf("; %u of %u treelets have one value, and none", x->implied, x->f->layout.payloads);
+    printf("\n");
+}
+
+static void field_range(const leaf_file *f, uint32_t field, double range[2]) {
+    range[0] = (double)INFINITY;
+    range[1] = -(double)INFINITY;
+    for (uint32_t step = 0; step < f->header.steps; step++) {
+        double own[2];
+        leaf_histogram_range(f, leaf_layout_set(&f->layout, field, step), own);
+        range[0] = fmin(range[0], own[0]);
+        range[1] = fmax(range[1], own[1]);
+    }
+}
+
+/* The name of a lone field; of several, their ranges too. */
+static void print_fields(const facts *x) {
+    const leaf_file *f = x->f;
+    if (f->header.fields == 1) {
+        if (f->names[0][0])
+            printf("field       %s\n", f->names[0]);
+        return;
+    }
+    for (uint32_t i = 0; i < f->header.fields; i++) {
+        char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
+        double range[2];
+        field_range(f, i, range);
+        printf("%s%s: %s .. %s\n", i ? "            " : "fields      ", f->names[i],
+               num_print(range[0], a), num_print(range[1], b));
+    }
+}
+
+static void print_steps(const facts *x) {
+    const leaf_file *f = x->f;
+    char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
+    if (f->header.steps > 1)
+        printf("steps       %u, times %s .. %s%s\n", f->header.steps, num_print(f->times[0], a),
+               num_print(f->times[f->header.steps - 1], b),
+               f->layout.moved_steps ? ", vertices move" : "");
 }
 
 static void print_header(const facts *x) {
@@ -154,7 +198,9 @@ static void print_header(const facts *x) {
     printf("grid        %u x %u x %u %s%s%s\n", h->dims[0], h->dims[1], h->dims[2],
            sample_name(x->f->layout.type), h->source_type != h->sample_type ? " from " : "",
            h->source_type != h->sample_type ? sample_name((sample_type)h->source_type) : "");
+    print_fields(x);
     print_values(h, "samples");
+    print_steps(x);
     if (h->source_type != h->sample_type)
         printf("rounding    at most %s\n", num_print(h->rounding_error, a));
     for (int r = 0; r < 3; r++) {
@@ -204,46 +250,9 @@ static void print_mesh_tets(const leaf_header *h) {
                (unsigned long long)h->repeated, (unsigned long long)h->bad);
 }
 
-static void field_range(const leaf_file *f, uint32_t field, double range[2]) {
-    range[0] = (double)INFINITY;
-    range[1] = -(double)INFINITY;
-    for (uint32_t step = 0; step < f->mesh->steps; step++) {
-        double own[2];
-        leaf_histogram_range(f, leaf_layout_set(&f->layout, field, step), own);
-        range[0] = fmin(range[0], own[0]);
-        range[1] = fmax(range[1], own[1]);
-    }
-}
-
-/* The name of a lone field; of several, their ranges too. */
-static void print_fields(const facts *x) {
-    const mesh_directory *d = x->f->mesh;
-    if (d->fields == 1) {
-        if (d->names[0][0])
-            printf("field       %s\n", d->names[0]);
-        return;
-    }
-    for (uint32_t i = 0; i < d->fields; i++) {
-        char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
-        double range[2];
-        field_range(x->f, i, range);
-        printf("%s%s: %s .. %s\n", i ? "            " : "fields      ", d->names[i],
-               num_print(range[0], a), num_print(range[1], b));
-    }
-}
-
-static void print_steps(const facts *x) {
-    const mesh_directory *d = x->f->mesh;
-    char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
-    if (d->steps > 1)
-        printf("steps       %u, times %s .. %s%s\n", d->steps, num_print(d->times[0], a),
-               num_print(d->times[d->steps - 1], b),
-               x->f->layout.moved_steps ? ", vertices move" : "");
-}
-
 static uint32_t coarse_sets(const leaf_file *f) {
     uint32_t sets = 0;
-    for (uint32_t set = 0; set < f->mesh->sets; set++)
+    for (uint32_t set = 0; set < f->layout.sets; set++)
         sets += leaf_file_has_coarse(f, set);
     return sets;
 }
@@ -264,7 +273,7 @@ static void print_mesh_header(const facts *x) {
         printf("gradients   of every field and step\n");
     if (x->f->header.file_bytes > x->f->payloads_end)
         printf("coarse      grids of %u of %u sets, %llu bytes, %.2f a tet\n", coarse_sets(x->f),
-               x->f->mesh->sets, coarse_bytes(x->f), (double)coarse_bytes(x->f) / (double)h->tets);
+               x->f->layout.sets, coarse_bytes(x->f), (double)coarse_bytes(x->f) / (double)h->tets);
     for (int i = 0; i < 3; i++)
         printf("%s%s .. %s\n", i ? "            " : "bounds      ",
                num_print((double)h->bounds[i], a), num_print((double)h->bounds[i + 3], b));
@@ -358,6 +367,38 @@ static void print_activity(const facts *x, double iso,
 
 /* ---- JSON ---- */
 
+/* Per field: name, and range of its values at each step. */
+static json_t *fields_json(const leaf_file *f) {
+    json_t *fields = json_array();
+    for (uint32_t i = 0; i < f->header.fields; i++) {
+        json_t *ranges = json_array();
+        for (uint32_t step = 0; step < f->header.steps; step++) {
+            double range[2];
+            leaf_histogram_range(f, leaf_layout_set(&f->layout, i, step), range);
+            json_array_append_new(
+                ranges, json_pack("[o, o]", cli_json_real(range[0]), cli_json_real(range[1])));
+        }
+        json_array_append_new(fields,
+                              json_pack("{s:s, s:o}", "name", f->names[i], "step_ranges", ranges));
+    }
+    return fields;
+}
+
+static json_t *times_json(const leaf_file *f) {
+    json_t *times = json_array();
+    for (uint32_t step = 0; step < f->header.steps; step++)
+        json_array_append_new(times, json_real(f->times[step]));
+    return times;
+}
+
+/* What a file of several sets says of them, and of a mesh's any. */
+static void add_sets(json_t *json, const leaf_file *f) {
+    json_object_set_new(json, "field_count", json_integer(f->header.fields));
+    json_object_set_new(json, "steps", json_integer(f->header.steps));
+    json_object_set_new(json, "fields", fields_json(f));
+    json_object_set_new(json, "times", times_json(f));
+}
+
 static json_t *header_json(const facts *x) {
     const leaf_header *h = &x->f->header;
     json_t *world = json_array();
@@ -380,6 +421,9 @@ static json_t *header_json(const facts *x) {
         (double)h->file_bytes / x->raw_bytes);
     json_object_update(json, sizes);
     json_decref(sizes);
+    json_object_set_new(json, "implied_payloads", json_integer(x->implied));
+    if (x->f->layout.sets > 1)
+        add_sets(json, x->f);
     return json;
 }
 
@@ -403,40 +447,15 @@ static json_t *parts_json(const facts *x) {
     return json;
 }
 
-/* Per field: name, and range of its values at each step. */
-static json_t *fields_json(const leaf_file *f) {
-    json_t *fields = json_array();
-    for (uint32_t i = 0; i < f->mesh->fields; i++) {
-        json_t *ranges = json_array();
-        for (uint32_t step = 0; step < f->mesh->steps; step++) {
-            double range[2];
-            leaf_histogram_range(f, leaf_layout_set(&f->layout, i, step), range);
-            json_array_append_new(
-                ranges, json_pack("[o, o]", cli_json_real(range[0]), cli_json_real(range[1])));
-        }
-        json_array_append_new(
-            fields, json_pack("{s:s, s:o}", "name", f->mesh->names[i], "step_ranges", ranges));
-    }
-    return fields;
-}
-
-static json_t *times_json(const leaf_file *f) {
-    json_t *times = json_array();
-    for (uint32_t step = 0; step < f->mesh->steps; step++)
-        json_array_append_new(times, json_real(f->mesh->times[step]));
-    return times;
-}
-
 static json_t *mesh_json(const facts *x) {
     const leaf_header *h = &x->f->header;
     json_t *json = json_pack(
-        "{s:s, s:s, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:I}", "name",
+        "{s:s, s:s, s:s, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:o, s:o, s:o, s:I}", "name",
         x->f->name, "provenance", h->provenance, "id", x->id, "field", h->field, "tets",
         (json_int_t)h->tets, "vertices", (json_int_t)h->vertices, "flat", (json_int_t)h->flat,
         "inverted", (json_int_t)h->inverted, "repeated", (json_int_t)h->repeated, "bad",
-        (json_int_t)h->bad, "field_count", (json_int_t)h->fields, "steps", (json_int_t)h->steps,
-        "bounds", bounds_json(h), "value_min", cli_json_real(h->value_min), "value_max",
-        cli_json_real(h->value_max), "non_finite", (json_int_t)h->non_finite);
+        (json_int_t)h->bad, "bounds", bounds_json(h), "value_min", cli_json_real(h->value_min),
+        "value_max", cli_json_real(h->value_max), "non_finite", (json_int_t)h->non_finite);
     json_t *sizes = json_pack(
         "{s:I, s:I, s:i, s:s, s:I, s:I, s:I, s:I, s:f, s:f, s:I, s:I, s:I, s:o}", "treelet_tets",
         (json_int_t)h->treelet_tets, "leaf_tets", (json_int_t)h->leaf_tets, "run_align",
@@ -451,8 +470,7 @@ static json_t *mesh_json(const facts *x) {
     json_decref(sizes);
     json_object_set_new(json, "gradients", json_boolean(h->gradients));
     json_object_set_new(json, "moving", json_boolean(h->moving));
-    json_object_set_new(json, "fields", fields_json(x->f));
-    json_object_set_new(json, "times", times_json(x->f));
+    add_sets(json, x->f);
     json_object_set_new(json, "coarse_sets", json_integer(coarse_sets(x->f)));
     json_object_set_new(json, "coarse_bytes", json_integer((json_int_t)coarse_bytes(x->f)));
     return json;

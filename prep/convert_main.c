@@ -140,7 +140,6 @@ static const cli_use uses[] = {{KEY_TREELET, GRID},
                                {KEY_AXIS_Z, GRID},
                                {KEY_FIELD, FIELDS | MESH},
                                {KEY_FIELDS, MESH},
-                               {KEY_TIMES, MESH},
                                {KEY_COMPONENT, FIELDS | MESH},
                                {KEY_STEP, FIELDS},
                                {KEY_CELLS_TO_POINTS, MESH},
@@ -291,9 +290,9 @@ static const cli_verb verb = {
            "bzip2, xz or zstd; or - for any of these on standard input that takes one file and one "
            "pass. OpenVDB, images (a file of several, a folder), DICOM series (a folder), HDF5 and "
            "NetCDF are read by the verbs import-vdb, import-images and so on, if they are there. "
-           "Several meshes are the steps "
-           "of a time series: of the same "
-           "tets, whose points may move."
+           "Several inputs are the steps "
+           "of a time series: grids of the same sizes and place; meshes of the same tets, whose "
+           "points may move."
            "\vExample:\n  leafcast convert bonsai_256x256x256_uint8.raw -o bonsai.leaf\v"
            "The input is read once (a mesh: once for each field). Memory stays below --memory "
            "(default 2G) whatever its size; "
@@ -321,14 +320,14 @@ static json_t *plan_json(const convert_plan *plan, const grid *g) {
                      "spilled_levels", (int)plan->spilled_levels);
 }
 
-static void print_plan(const convert_plan *plan, const grid *g, bool compressed) {
-    uint64_t raw = grid_samples(g) * sample_size(plan->layout.type);
+static void print_plan(const convert_plan *plan, const grid *g) {
+    uint64_t raw = grid_samples(g) * sample_size(plan->layout.type) * plan->layout.sets;
     printf("input       %u x %u x %u %s, %.1f MiB\n", g->dims[0], g->dims[1], g->dims[2],
            sample_name(grid_source(g)),
            (double)(grid_samples(g) * sample_size(grid_source(g))) / 0x1p20);
     printf("levels      %u, %u treelets\n", plan->layout.levels, plan->layout.treelets);
-    printf("file        %s%.1f MiB, %.3f of raw\n", compressed ? "at most " : "",
-           (double)plan->file_bytes / 0x1p20, (double)plan->file_bytes / (double)raw);
+    printf("file        at most %.1f MiB, %.3f of raw\n", (double)plan->file_bytes / 0x1p20,
+           (double)plan->file_bytes / (double)raw);
     printf("memory      %.1f MiB, at least %.1f MiB\n", (double)plan->memory / 0x1p20,
            (double)plan->memory_least / 0x1p20);
     if (plan->spilled_levels)
@@ -346,7 +345,7 @@ typedef struct outcome {
 
 static void print_outcome(const outcome *o, const convert_plan *plan, const grid *g) {
     const leaf_header *h = &o->result.header;
-    double raw = (double)(grid_samples(g) * sample_size(plan->layout.type));
+    double raw = (double)(grid_samples(g) * sample_size(plan->layout.type)) * plan->layout.sets;
     char lo[NUM_TEXT_MAX], hi[NUM_TEXT_MAX], error[NUM_TEXT_MAX], id[LEAF_ID_TEXT];
     printf("file        %.1f MiB, %.3f of raw\n", (double)h->file_bytes / 0x1p20,
            (double)h->file_bytes / raw);
@@ -369,7 +368,7 @@ static void print_outcome(const outcome *o, const convert_plan *plan, const grid
 static void add_outcome(json_t *json, const outcome *o) {
     const leaf_header *h = &o->result.header;
     double raw = (double)h->dims[0] * h->dims[1] * h->dims[2] *
-                 (double)sample_size((sample_type)h->sample_type);
+                 (double)sample_size((sample_type)h->sample_type) * h->fields * h->steps;
     char id[LEAF_ID_TEXT];
     json_t *more = json_pack(
         "{s:I, s:I, s:f, s:o, s:o, s:I, s:o, s:I, s:s, s:f, s:f, s:I}", "file_bytes",
@@ -398,7 +397,7 @@ static status report(const arguments *a, const convert_plan *plan, const grid *g
         if (o)
             print_outcome(o, plan, g);
         else
-            print_plan(plan, g, a->file.codec != LEAF_CODEC_RAW);
+            print_plan(plan, g);
         return ST_OK;
     }
     json_t *json = plan_json(plan, g);
@@ -409,8 +408,10 @@ static status report(const arguments *a, const convert_plan *plan, const grid *g
     return cli_print_json(&a->common, json);
 }
 
-static status convert_volume(arguments *a, mem *m, volume *v, double start) {
+static status convert_grid(arguments *a, mem *m, volume *v, const grid_series *series,
+                           double start) {
     convert_options o = {.file = a->file,
+                         .series = series,
                          .memory = m->limit,
                          .threads = a->common.threads,
                          .force = a->common.force,
@@ -626,6 +627,23 @@ static status convert_series(arguments *a, mem *m, mesh_input *x, double start, 
     return st == ST_OK ? convert_mesh(a, m, x, &series, start) : st;
 }
 
+static status convert_volumes(arguments *a, mem *m, volume *v, double start) {
+    double *times = NULL;
+    status st = a->times ? parse_times(a, m, &times) : ST_OK;
+    const grid_series series = {.paths = (const char *const *)a->common.inputs,
+                                .sets = {.fields = a->field_count ? (uint32_t)a->field_count : 1,
+                                         .steps = (uint32_t)a->common.input_count,
+                                         .names = a->field_count ? a->fields : NULL,
+                                         .times = times},
+                                .hints = a->hints};
+    if (st == ST_OK)
+        st = grid_series_check(m, &series, v);
+    if (st == ST_OK)
+        st = convert_grid(a, m, v, &series, start);
+    mem_free(m, times);
+    return st;
+}
+
 static status convert_meshes(arguments *a, mem *m, mesh_input *x, double start) {
     double *times = NULL;
     status st = a->times ? parse_times(a, m, &times) : ST_OK;
@@ -647,14 +665,12 @@ static status convert_opened(arguments *a, mem *m, const input *in, double start
                                                                : HEADED;
     status st =
         cli_check_uses(&a->common, uses, sizeof uses / sizeof *uses, kind, input_names, format);
-    if (st == ST_OK && !in->x && a->common.input_count > 1)
-        st = status_describe(ST_USAGE, "%s: only meshes have several steps yet", a->common.input);
     if (st != ST_OK)
         return st;
     if (in->v && volume_importer(in->v))
         cli_note(&a->common, 1, "%s: %s, read by leafcast import-%s", a->common.input, format,
                  volume_importer(in->v));
-    return in->x ? convert_meshes(a, m, in->x, start) : convert_volume(a, m, in->v, start);
+    return in->x ? convert_meshes(a, m, in->x, start) : convert_volumes(a, m, in->v, start);
 }
 
 /* Before an input is opened, for hours perhaps. */

@@ -176,13 +176,13 @@ static uint8_t held_siblings(const uint8_t *lo, const uint8_t *hi, const interes
     return (uint8_t)mask;
 }
 
-void active_compute(active_masks *masks, const leaf_file *f, uint32_t t, const void *payload,
+void active_compute(active_masks *masks, const leaf_file *f, uint32_t p, const void *payload,
                     const interest *in) {
-    const leaf_payload shape = leaf_layout_payload(&f->layout, t);
+    const leaf_payload shape = leaf_layout_payload(&f->layout, p % f->layout.treelets);
     const uint32_t levels = shape.node_levels, blocks = 1u << (3 * levels);
     const uint8_t *bytes = payload;
-    const bool non_finite = f->flags[t] & LEAF_FLAG_NON_FINITE;
-    const quantizer q = quantizer_of(f->own[t][0], f->own[t][1], f->layout.type);
+    const bool non_finite = f->flags[p] & LEAF_FLAG_NON_FINITE;
+    const quantizer q = quantizer_of(f->own[p][0], f->own[p][1], f->layout.type);
     interest_part part;
     interest_within(&part, in, &q);
 

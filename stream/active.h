@@ -34,9 +34,9 @@ size_t active_bytes(uint32_t node_levels);
 /* active_init() - lay the masks out in a block of active_bytes(); everything inactive. */
 active_masks *active_init(void *block, uint32_t node_levels);
 
-/* active_compute() - masks of treelet t for an interest, from its payload. Of the samples only
- * those of blocks whose codes meet it decide. */
-typedef void active_fn(active_masks *masks, const leaf_file *f, uint32_t t, const void *payload,
+/* active_compute() - masks of a grid's payload p (leaf_layout_samples()) for an interest. Of the
+ * samples only those of blocks whose codes meet it decide. */
+typedef void active_fn(active_masks *masks, const leaf_file *f, uint32_t p, const void *payload,
                        const interest *in);
 active_fn active_compute;
 

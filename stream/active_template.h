@@ -522,12 +522,12 @@ static void word_of_cells(active_masks *masks, const sample_rows *s, const leaf_
     }
 }
 
-void SIMD_NAME(active_compute)(active_masks *masks, const leaf_file *f, uint32_t t,
+void SIMD_NAME(active_compute)(active_masks *masks, const leaf_file *f, uint32_t p,
                                const void *payload, const interest *in) {
-    const leaf_payload shape = leaf_layout_payload(&f->layout, t);
+    const leaf_payload shape = leaf_layout_payload(&f->layout, p % f->layout.treelets);
     const uint32_t levels = shape.node_levels, blocks = 1u << (3 * levels);
     const uint32_t side = BLOCK << levels, halo = f->layout.halo;
-    const quantizer q = quantizer_of(f->own[t][0], f->own[t][1], f->layout.type);
+    const quantizer q = quantizer_of(f->own[p][0], f->own[p][1], f->layout.type);
     interest_part part;
     uint8_t held[GROUPS_MAX];
     interest_within(&part, in, &q);
@@ -545,7 +545,7 @@ void SIMD_NAME(active_compute)(active_masks *masks, const leaf_file *f, uint32_t
     wanted_rows wanted;
     for (uint32_t x = 0; x < shape.cells[0]; x += ROW)
         if (want_rows(held, side, x, wanted))
-            word_of_cells(masks, &s, &shape, x, wanted, f->flags[t] & LEAF_FLAG_NON_FINITE, &part);
+            word_of_cells(masks, &s, &shape, x, wanted, f->flags[p] & LEAF_FLAG_NON_FINITE, &part);
     sum_up(masks, levels, held);
 }
 

@@ -29,14 +29,14 @@ static size_t shared_bytes(const resident_store *s, uint32_t t) {
 }
 
 static uint64_t stored(const resident_store *s, uint32_t set, uint32_t t) {
-    (void)set;
-    return s->file->sizes[t];
+    return s->file->sizes[leaf_layout_samples(&s->file->layout, set, t)];
 }
 
 static status load(const resident_store *s, uint32_t t, uint32_t set, const void *shared,
                    resident_scratch *scratch, treelet **out, uint64_t *read) {
     const leaf_layout *layout = &s->file->layout;
     const leaf_payload shape = leaf_layout_payload(layout, t);
+    const uint32_t p = leaf_layout_samples(layout, set, t);
     const size_t block = HEAD + active_bytes(shape.node_levels);
     (void)shared;
     resident_grid *tr = mem_zalloc(s->m, block);
@@ -50,30 +50,34 @@ static status load(const resident_store *s, uint32_t t, uint32_t set, const void
     tr->shape = shape;
     tr->masks = active_init((char *)tr + HEAD, shape.node_levels);
     tr->head.bytes = block + shape.bytes + source_overhead_bytes(s->source) + 128;
-    status st = source_load(s->source, t, &scratch->source, &tr->head.payload);
+    status st = source_load(s->source, p, &scratch->source, &tr->head.payload);
     if (st != ST_OK) {
         mem_free(s->m, tr);
         return st;
     }
-    *read += s->file->sizes[t];
+    *read += s->file->sizes[p];
     tr->samples = (const char *)tr->head.payload + shape.samples_at;
     *out = &tr->head;
     return ST_OK;
 }
 
-/* There is one set: what has it keeps it. */
+static uint32_t payload_of(const resident_store *s, const treelet *tr) {
+    return leaf_layout_samples(&s->file->layout, tr->set, tr->id);
+}
+
+/* Sets share nothing: what has one keeps it. */
 static void strip(const resident_store *s, treelet *tr) {
     (void)s;
     (void)tr;
 }
 
 static void destroy(const resident_store *s, treelet *tr) {
-    source_evict(s->source, tr->id, tr->payload);
+    source_evict(s->source, payload_of(s, tr), tr->payload);
     mem_free(s->m, tr);
 }
 
 static void mask(const resident_store *s, treelet *tr, const interest *in) {
-    s->compute(resident_grid_of(tr)->masks, s->file, tr->id, tr->payload, in);
+    s->compute(resident_grid_of(tr)->masks, s->file, payload_of(s, tr), tr->payload, in);
 }
 
 const resident_kind grid_resident = {.shares = false,

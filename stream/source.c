@@ -21,9 +21,9 @@ struct source {
     mem *m;
     leaf_file *file;
     source_kind kind;
-    const backend *backend;
-    uint8_t *map;         /* mapped: the whole file */
-    const uint8_t *bytes; /* in place: the whole file, the caller's */
+    const backend *backend; /* of payloads that have bytes in the file */
+    uint8_t *map;           /* mapped: the whole file */
+    const uint8_t *bytes;   /* in place: the whole file, the caller's */
     size_t page;
 };
 
@@ -98,6 +98,11 @@ static void arena_evict(source *s, uint32_t p, const void *payload) {
 static const backend arena_backend = {arena_load, arena_evict};
 
 /* ---- all ---- */
+
+/* What has no bytes in the file is made. */
+static const backend *backend_of(const source *s, uint32_t p) {
+    return leaf_file_is_implied(s->file, p) ? &arena_backend : s->backend;
+}
 
 static status map_file(source *s) {
     const leaf_file *f = s->file;
@@ -180,7 +185,7 @@ status source_scratch_init(source *s, source_scratch *scratch) {
     uint64_t largest = 0;
     for (uint32_t p = 0; p < s->file->layout.payloads; p++)
         largest = s->file->sizes[p] > largest ? s->file->sizes[p] : largest;
-    scratch->stored = mem_alloc(s->m, (size_t)largest);
+    scratch->stored = mem_alloc(s->m, largest ? (size_t)largest : 1);
     return scratch->stored ? ST_OK : ST_NOMEM;
 }
 
@@ -190,11 +195,11 @@ void source_scratch_release(source *s, source_scratch *scratch) {
 }
 
 status source_load(source *s, uint32_t p, source_scratch *scratch, const void **payload) {
-    return s->backend->load(s, p, scratch, payload);
+    return backend_of(s, p)->load(s, p, scratch, payload);
 }
 
 void source_evict(source *s, uint32_t p, const void *payload) {
-    s->backend->evict(s, p, payload);
+    backend_of(s, p)->evict(s, p, payload);
 }
 
 status source_read(source *s, uint32_t p, uint32_t from, uint32_t bytes, void *to) {

@@ -133,9 +133,21 @@ static void test_places(void **state) {
         bool first = t == 0;
         for (uint32_t p = 0; p < l.treelets; p++)
             first |= l.first_child[p] == t;
-        assert_int_equal(leaf_layout_payload_at(&l, t, 5000, 12), first ? 8192 : 5056);
-        assert_int_equal(leaf_layout_payload_at(&l, t, 8192, 12), 8192);
+        leaf_placing x = {.end = 5000};
+        assert_int_equal(leaf_placing_next(&x, &l, t, 100, 12), first ? 8192 : 5056);
+        assert_int_equal(x.end, first ? 8292 : 5156);
+        x = (leaf_placing){.end = 8192};
+        assert_int_equal(leaf_placing_next(&x, &l, t, 1, 12), 8192);
+        /* One of no bytes is at the end of what is there, and hands on that a run begins. */
+        x = (leaf_placing){.end = 5000};
+        assert_int_equal(leaf_placing_next(&x, &l, t, 0, 12), 5000);
+        assert_int_equal(x.end, 5000);
+        assert_int_equal(x.run, first);
     }
+    leaf_placing x = {.end = 5000};
+    assert_int_equal(leaf_placing_next(&x, &l, 1, 0, 12), 5000);
+    assert_int_equal(leaf_placing_next(&x, &l, 2, 64, 12), 8192);
+    assert_int_equal(leaf_placing_next(&x, &l, 3, 64, 12), 8256);
     leaf_layout_release(&l);
 }
 

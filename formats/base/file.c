@@ -369,6 +369,13 @@ status out_file_write_at(out_file *f, uint64_t offset, const void *data, size_t 
     return file_write_all(f->fd, f->path, &offset, data, size);
 }
 
+status out_file_cut(out_file *f, uint64_t size) {
+    errno = 0;
+    if (fault_hit(FAULT_WRITE) || ftruncate(f->fd, (off_t)size) != 0)
+        return file_failed(errno ? errno : EIO, f->path, "cannot be shortened");
+    return ST_OK;
+}
+
 status out_file_append(out_file *f, const void *data, size_t size) {
     status st = out_file_write_at(f, f->end, data, size);
     if (st == ST_OK)

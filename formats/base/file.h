@@ -65,6 +65,8 @@ CHECKED status out_file_scratch(mem *m, const char *path, out_file **out);
 CHECKED status out_file_write_at(out_file *f, uint64_t offset, const void *data, size_t size);
 CHECKED status out_file_append(out_file *f, const void *data,
                                size_t size); /* at the end of what was appended */
+/* out_file_cut() - it ends at `size`, before where it did. */
+CHECKED status out_file_cut(out_file *f, uint64_t size);
 CHECKED status out_file_read_at(out_file *f, uint64_t offset, void *buffer, size_t size);
 const char *out_file_temporary(const out_file *f); /* where it is now; NULL: nowhere */
 

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "formats/base/sample.h"
+#include "formats/leaf/implied_payload.h"
 
 /* ---- The header ---- */
 
@@ -14,8 +15,8 @@ static status check_parameters(const char *path, const leaf_header *h) {
         LEAF_FIELD(h, halo, 0, 1),
         LEAF_FIELD(h, block_log2, LEAF_BLOCK_LOG2, LEAF_BLOCK_LOG2),
         LEAF_FIELD(h, rectilinear, 0, 1),
-        LEAF_FIELD(h, fields, 1, 1),
-        LEAF_FIELD(h, steps, 1, 1),
+        LEAF_FIELD(h, fields, 1, h->version > 1 ? LEAF_SETS_MAX : 1),
+        LEAF_FIELD(h, steps, 1, h->version > 1 ? LEAF_SETS_MAX / (h->fields ? h->fields : 1) : 1),
     };
     status st = leaf_check_fields(path, fields, sizeof fields / sizeof fields[0]);
     /* Integers with a value for no data are stored as f32, too, which has NaN for it. */
@@ -23,8 +24,9 @@ static status check_parameters(const char *path, const leaf_header *h) {
 }
 
 static status check_values(const char *path, const leaf_header *h) {
-    uint64_t samples = (uint64_t)h->dims[0] * h->dims[1] * h->dims[2];
-    if (h->non_finite > samples || (h->non_finite && h->sample_type != SAMPLE_F32))
+    const uint64_t samples = (uint64_t)h->dims[0] * h->dims[1] * h->dims[2];
+    if ((double)h->non_finite > (double)samples * h->fields * h->steps ||
+        (h->non_finite && h->sample_type != SAMPLE_F32))
         return leaf_check_corrupt(path, offsetof(leaf_header, non_finite),
                                   "%llu samples cannot be NaN or infinite",
                                   (unsigned long long)h->non_finite);
@@ -53,6 +55,11 @@ static status check_layout(const char *path, const leaf_header *h, leaf_layout *
         return leaf_check_corrupt(path, offsetof(leaf_header, treelets),
                                   "expected %u treelets, found %llu", l->treelets,
                                   (unsigned long long)h->treelets);
+    if (!leaf_layout_repeat(l, h->fields, h->steps))
+        return leaf_check_corrupt(
+            path, offsetof(leaf_header, fields),
+            "expected less than 2^32 - 1 payloads, found %u treelets, %u fields and %u steps",
+            l->treelets, h->fields, h->steps);
     if (leaf_check_directory_bytes(h) > h->file_bytes)
         return leaf_check_corrupt(path, offsetof(leaf_header, dims),
                                   "a grid of %u x %u x %u has a directory of %llu bytes, "
@@ -64,19 +71,28 @@ static status check_layout(const char *path, const leaf_header *h, leaf_layout *
 }
 
 static status check_rest(const char *path, const leaf_header *h) {
-    const size_t rest = offsetof(leaf_header, tets);
-    return leaf_check_zero(path, (const char *)h + rest, sizeof *h - rest, rest);
+    const size_t tets = offsetof(leaf_header, tets), field = offsetof(leaf_header, field);
+    const size_t rest = offsetof(leaf_header, gradients);
+    status st = leaf_check_zero(path, (const char *)h + tets, field - tets, tets);
+    if (st == ST_OK)
+        st = h->version > 1 ? leaf_check_text(path, h->field, sizeof h->field, field)
+                            : leaf_check_zero(path, h->field, sizeof h->field, field);
+    return st == ST_OK ? leaf_check_zero(path, (const char *)h + rest, sizeof *h - rest, rest) : st;
 }
 
 /* ---- The directory ---- */
 
 static uint64_t sets(const leaf_header *h) {
-    (void)h;
-    return 1;
+    return (uint64_t)h->fields * h->steps;
 }
 
 static uint64_t payloads(const leaf_header *h) {
-    return h->treelets;
+    return h->treelets * sets(h);
+}
+
+/* Version 1 has one set, without a name. */
+static bool labels(const leaf_header *h) {
+    return h->version > 1;
 }
 
 static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
@@ -104,8 +120,10 @@ static void release(leaf_file *f) {
 static status lay_out(leaf_file *f, leaf_directory *d) {
     const leaf_header *h = &f->header;
     (void)d;
-    return leaf_layout_init(&f->layout, f->m, h->dims, h->cells_log2, h->halo,
-                            (sample_type)h->sample_type);
+    status st = leaf_layout_init(&f->layout, f->m, h->dims, h->cells_log2, h->halo,
+                                 (sample_type)h->sample_type);
+    (void)leaf_layout_repeat(&f->layout, h->fields, h->steps); /* has been checked */
+    return st;
 }
 
 /* What integer samples can have as their range. */
@@ -120,12 +138,13 @@ static bool of_type(sample_type type, const float range[2]) {
            range[0] == floorf(range[0]) && range[1] == floorf(range[1]);
 }
 
-/* One treelet's own and merged range. A merged range is compared by value, so that -0 and 0 are the
- * same. */
+/* Of a set; one treelet's own and merged range. A merged range is compared by value, so that -0 and
+ * 0 are the same. */
 static status check_ranges(const char *path, const leaf_layout *l, const leaf_directory *d,
-                           uint32_t t) {
-    const float *own = d->own[t], *merged = d->ranges[t];
-    uint64_t entry = (uint64_t)t * sizeof(float[2]);
+                           uint32_t set, uint32_t t) {
+    const size_t first = leaf_layout_samples(l, set, 0);
+    const float *own = d->own[first + t], *merged = d->ranges[first + t];
+    uint64_t entry = (first + t) * sizeof(float[2]);
     if (!leaf_check_well_formed((double)own[0], (double)own[1]) || !of_type(l->type, own))
         return leaf_check_corrupt(path, d->at[LEAF_SECTION_OWN - 1] + entry,
                                   "treelet %u's own range %g .. %g is none of %s samples", t,
@@ -134,8 +153,8 @@ static status check_ranges(const char *path, const leaf_layout *l, const leaf_di
     uint32_t child = l->first_child[t];
     for (unsigned n = (unsigned)__builtin_popcount(leaf_layout_children(l, t)); n > 0;
          n--, child++) {
-        lo = fminf(lo, d->ranges[child][0]);
-        hi = fmaxf(hi, d->ranges[child][1]);
+        lo = fminf(lo, d->ranges[first + child][0]);
+        hi = fmaxf(hi, d->ranges[first + child][1]);
     }
     if (merged[0] != lo || merged[1] != hi)
         return leaf_check_corrupt(
@@ -150,15 +169,16 @@ static status check_directory(const char *path, const leaf_header *h, const leaf
                               const leaf_directory *d) {
     double range[2] = {(double)INFINITY, -(double)INFINITY};
     unsigned level0_flags = 0;
-    for (uint32_t t = l->treelets; t-- > 0;) {
-        status st = check_ranges(path, l, d, t);
+    for (uint32_t p = l->payloads; p-- > 0;) {
+        const uint32_t t = p % l->treelets;
+        status st = check_ranges(path, l, d, p / l->treelets, t);
         if (st == ST_OK)
-            st = leaf_check_flags(path, h, d, t);
+            st = leaf_check_flags(path, h, d, p);
         if (st != ST_OK)
             return st;
         if (l->level_of[t] == 0) {
-            leaf_check_widen(range, d->own[t]);
-            level0_flags |= d->flags[t];
+            leaf_check_widen(range, d->own[p]);
+            level0_flags |= d->flags[p];
         }
     }
     return leaf_check_union(path, h, range, level0_flags);
@@ -167,18 +187,21 @@ static status check_directory(const char *path, const leaf_header *h, const leaf
 /* ---- Payloads ---- */
 
 static uint32_t payload_bytes(const leaf_layout *l, uint32_t p) {
-    return leaf_layout_payload(l, p).bytes;
+    return leaf_layout_payload(l, p % l->treelets).bytes;
 }
 
 /* The child in octant 0, which every parent has. */
 static bool begins_run(const leaf_layout *l, uint32_t p) {
-    const uint32_t *place = l->place[p];
+    const uint32_t *place = l->place[p % l->treelets];
     return !((place[0] | place[1] | place[2]) & 1);
 }
 
 static const char *payload_name(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]) {
-    (void)l;
-    snprintf(text, LEAF_NAME_MAX, "treelet %u's payload", p);
+    if (l->sets == 1)
+        snprintf(text, LEAF_NAME_MAX, "treelet %u's payload", p);
+    else
+        snprintf(text, LEAF_NAME_MAX, "treelet %u's payload of set %u", p % l->treelets,
+                 p / l->treelets);
     return text;
 }
 
@@ -189,6 +212,7 @@ const leaf_geometry grid_geometry = {.holds_indices = false,
                                      .check_layout = check_layout,
                                      .sets = sets,
                                      .payloads = payloads,
+                                     .labels = labels,
                                      .section_bytes = section_bytes,
                                      .allocate = allocate,
                                      .section = section,
@@ -197,4 +221,7 @@ const leaf_geometry grid_geometry = {.holds_indices = false,
                                      .check_directory = check_directory,
                                      .payload_bytes = payload_bytes,
                                      .begins_run = begins_run,
-                                     .payload_name = payload_name};
+                                     .payload_name = payload_name,
+                                     .may_imply = implied_payload_may,
+                                     .implies = implied_payload_is,
+                                     .imply = implied_payload_fill};

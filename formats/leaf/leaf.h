@@ -26,7 +26,7 @@
 #include <stdio.h>
 
 enum {
-    LEAF_VERSION = 1,
+    LEAF_VERSION = 2, /* the last one; a file has 1 where it has nothing that came with 2 */
     LEAF_HEADER_BYTES = 4096,
     LEAF_ALIGN_LOG2 = 6,
     LEAF_ALIGN = 1 << LEAF_ALIGN_LOG2, /* of sections, and of payloads inside a run */
@@ -58,7 +58,7 @@ enum {
 /* A mesh has 0 in what is of grids alone, and the other way round. */
 typedef struct leaf_header {   /* offset size */
     char magic[8];             /*    0    8  LEAF_MAGIC, without its NUL */
-    uint32_t version;          /*    8    4  LEAF_VERSION */
+    uint32_t version;          /*    8    4  1, or 2 for implied payloads */
     uint32_t kind;             /*   12    4  leaf_kind */
     uint32_t sample_type;      /*   16    4  sample_type, one that sample_stored() yields; mesh: f32 */
     uint32_t source_type;      /*   20    4  sample_type of the input */
@@ -70,8 +70,8 @@ typedef struct leaf_header {   /* offset size */
     uint32_t run_align_log2;   /*   52    4  12: 4096 */
     uint32_t codec;            /*   56    4  leaf_codec */
     uint32_t rectilinear;      /*   60    4  grid: 1: section AXES is there */
-    uint32_t fields;           /*   64    4  grid: 1 for now; mesh: section FIELDS has their names */
-    uint32_t steps;            /*   68    4  grid: 1 for now; mesh: section TIMES has their times */
+    uint32_t fields;           /*   64    4  section FIELDS has their names */
+    uint32_t steps;            /*   68    4  section TIMES has their times */
     uint32_t sections;         /*   72    4  entries of the section table */
     uint32_t reserved0;        /*   76    4 */
     uint64_t treelets;         /*   80    8  grid: of all levels; implied by dims and B */
@@ -138,13 +138,14 @@ static inline uint32_t leaf_aligned(uint32_t at) {
 }
 
 /* Sections follow the table in its order, each at the first multiple of LEAF_ALIGN behind the one
- * before; payloads follow the sections in order (leaf_layout_payload_at()). So sizes alone fix
+ * before; payloads follow the sections in order (leaf_placing_next()). So sizes alone fix
  * every offset, and no byte is unaccounted for.
  *
  * Directory sections: one array each, an element a treelet (grids; they have a payload a treelet),
  * in treelet order: coarsest level first; within a level by the parent's index, then by octant x +
  * 2y + 4z. So siblings are neighbours, and the root is treelet 0. Which children exist, and every
- * treelet's place, follows from dims and B alone.
+ * treelet's place, follows from dims and B alone. Of several sets, set after set
+ * (leaf_layout_samples()).
  *
  * Meshes: n treelets in the order of their tets, fields * steps sets of values; set = field * steps
  * + step. Payloads come in blocks of n, payload block * n + t being treelet t's: one block of
@@ -166,15 +167,15 @@ typedef enum leaf_section_kind {
                                  space, level 0 */
     LEAF_SECTION_BOUNDS = 8,  /* mesh: float[6]: lo x y z, hi x y z of the treelet's vertices */
     LEAF_SECTION_COUNTS = 9,  /* mesh: uint32_t[4]: tets, vertices, nodes, leaves */
-    LEAF_SECTION_FIELDS = 10, /* mesh, may be missing: char[64]: name of a field, as header.field */
-    LEAF_SECTION_TIMES = 11,  /* mesh of two steps or more, may be missing: double: time of a step,
+    LEAF_SECTION_FIELDS = 10, /* may be missing: char[64]: name of a field, as header.field */
+    LEAF_SECTION_TIMES = 11,  /* of two steps or more, may be missing: double: time of a step,
                                  ascending */
     LEAF_SECTION_COARSE = 12, /* mesh, may be missing: leaf_part: a set's coarse grid */
     LEAF_SECTION_LAST = 12,   /* of those known here */
     LEAF_SECTION_ANCILLARY =
         1 << 30, /* set in kinds that a reader may pass over; others it must know */
     LEAF_SECTION_HISTOGRAMS = LEAF_SECTION_ANCILLARY | 1 /* histogram (histogram.h): an element a
-                                                            set; a grid is one set */
+                                                            set */
 } leaf_section_kind;
 /* A treelet without a finite sample has lo = +inf, hi = -inf. */
 

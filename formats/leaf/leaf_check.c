@@ -44,10 +44,11 @@ hash_id leaf_header_id(const leaf_header *h, const leaf_section *table) {
 static status check_frame(const char *path, const leaf_header *h, uint64_t file_bytes) {
     if (memcmp(h->magic, LEAF_MAGIC, sizeof h->magic) != 0)
         return leaf_check_corrupt(path, 0, "expected the mark of a treelet file; this is none");
-    if (h->version != LEAF_VERSION)
+    if (h->version < 1 || h->version > LEAF_VERSION)
         return status_describe(
-            ST_UNSUPPORTED, "%s: a treelet file of version %u, where this program reads version %d",
-            path, h->version, LEAF_VERSION);
+            ST_UNSUPPORTED,
+            "%s: a treelet file of version %u, where this program reads versions 1 to %d", path,
+            h->version, LEAF_VERSION);
     if (h->checksum != leaf_header_checksum(h))
         return leaf_check_corrupt(path, offsetof(leaf_header, checksum),
                                   "expected the header's checksum %016llx, found %016llx",
@@ -185,6 +186,8 @@ uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
     case LEAF_SECTION_OFFSETS:
     case LEAF_SECTION_SIZES:
     case LEAF_SECTION_CHECKSUMS: return g->payloads(h) * sizeof(uint64_t);
+    case LEAF_SECTION_FIELDS: return g->labels(h) ? h->fields * sizeof(char[64]) : 0;
+    case LEAF_SECTION_TIMES: return g->labels(h) && h->steps > 1 ? h->steps * sizeof(double) : 0;
     case LEAF_SECTION_HISTOGRAMS: return sets <= LEAF_HISTOGRAMS_MAX ? sets * sizeof(histogram) : 0;
     default: return g->section_bytes(h, kind);
     }
@@ -253,10 +256,17 @@ status leaf_check_sections(const char *path, const leaf_header *h, const leaf_se
 
 /* ---- directory ---- */
 
-/* Payload p, when the one before it ends at `end`. */
+/* Whether the directory can tell a payload of no bytes. */
+static bool may_be_empty(const leaf_header *h, const leaf_layout *l, const leaf_directory *d,
+                         uint32_t p) {
+    return h->version > 1 && l->geometry->may_imply &&
+           l->geometry->may_imply(d->own[p], d->flags[p]);
+}
+
+/* Payload p; *place moves on. */
 static status check_payload(const char *path, const leaf_header *h, const leaf_layout *l,
-                            const leaf_directory *d, uint32_t p, uint64_t end) {
-    const uint64_t at = leaf_layout_payload_at(l, p, end, h->run_align_log2);
+                            const leaf_directory *d, uint32_t p, leaf_placing *place) {
+    const uint64_t at = leaf_placing_next(place, l, p, d->sizes[p], h->run_align_log2);
     const uint64_t entry = (uint64_t)p * sizeof(uint64_t);
     const uint64_t bytes = leaf_layout_payload_bytes(l, p), size = d->sizes[p];
     char name[LEAF_NAME_MAX];
@@ -265,6 +275,8 @@ static status check_payload(const char *path, const leaf_header *h, const leaf_l
                                   "expected %s at byte %llu, found %llu",
                                   leaf_layout_payload_name(l, p, name), (unsigned long long)at,
                                   (unsigned long long)d->offsets[p]);
+    if (!size && may_be_empty(h, l, d, p))
+        return ST_OK;
     if (!size || size > bytes || (h->codec == LEAF_CODEC_RAW && size != bytes))
         return leaf_check_corrupt(path, d->at[LEAF_SECTION_SIZES - 1] + entry,
                                   "expected %s to have %s%llu bytes, found %llu",
@@ -303,15 +315,21 @@ static status check_parts(const char *path, const leaf_header *h, const leaf_dir
 
 static status check_payloads(const char *path, const leaf_header *h, const leaf_layout *l,
                              const leaf_directory *d) {
-    uint64_t end = d->end, sum = 0;
+    leaf_placing place = {.end = d->end};
+    uint64_t sum = 0;
+    bool implied = false;
     for (uint32_t p = 0; p < l->payloads; p++) {
-        status st = check_payload(path, h, l, d, p, end);
+        status st = check_payload(path, h, l, d, p, &place);
         if (st != ST_OK)
             return st;
-        end = d->offsets[p] + d->sizes[p];
         sum += d->sizes[p];
+        implied |= !d->sizes[p];
     }
-    end = leaf_layout_aligned(end, h->run_align_log2);
+    if (h->version > 1 && !implied && l->sets == 1)
+        return leaf_check_corrupt(path, offsetof(leaf_header, version),
+                                  "expected version 1: there is one set, and no payload is "
+                                  "implied");
+    uint64_t end = leaf_layout_aligned(place.end, h->run_align_log2);
     status st = d->parts ? check_parts(path, h, d, &end) : ST_OK;
     if (st != ST_OK)
         return st;

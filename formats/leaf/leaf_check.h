@@ -47,7 +47,7 @@ typedef struct leaf_directory {
     uint64_t end;                   /* of the sections */
 } leaf_directory;
 
-/* leaf_check_directory() - payloads follow one another in treelet order as leaf_layout_payload_at()
+/* leaf_check_directory() - payloads follow one another in treelet order as leaf_placing_next()
  * says, up to the parts and the end of the file; ranges are well formed, and each merged one is
  * exactly the union of its own and its children's merged ones. Of a mesh: bounds too, and their
  * union. Each kind's part: leaf_geometry.h. */

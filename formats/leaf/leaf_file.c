@@ -119,6 +119,18 @@ static status read_histograms(leaf_file *f, const leaf_section *s) {
     return st;
 }
 
+/* As they are where the file does not say. */
+static status allocate_labels(leaf_file *f) {
+    f->names = mem_array(f->m, f->header.fields, sizeof *f->names);
+    f->times = mem_array(f->m, f->header.steps, sizeof *f->times);
+    if (!f->names || !f->times)
+        return ST_NOMEM;
+    memcpy(f->names[0], f->header.field, sizeof *f->names);
+    for (uint32_t s = 0; s < f->header.steps; s++)
+        f->times[s] = s;
+    return ST_OK;
+}
+
 static status allocate_directory(leaf_file *f) {
     const size_t payloads = f->layout.payloads;
     const size_t ranges = (size_t)f->layout.treelets * f->geometry->sets(&f->header);
@@ -130,7 +142,8 @@ static status allocate_directory(leaf_file *f) {
     f->checksums = mem_array(f->m, payloads, sizeof *f->checksums);
     if (!f->ranges || !f->own || !f->flags || !f->offsets || !f->sizes || !f->checksums)
         return ST_NOMEM;
-    return f->geometry->allocate(f);
+    status st = allocate_labels(f);
+    return st == ST_OK ? f->geometry->allocate(f) : st;
 }
 
 static status read_sections(opening *o) {
@@ -139,9 +152,11 @@ static status read_sections(opening *o) {
         [LEAF_SECTION_RANGES] = f->ranges, [LEAF_SECTION_OWN] = f->own,
         [LEAF_SECTION_FLAGS] = f->flags,   [LEAF_SECTION_OFFSETS] = f->offsets,
         [LEAF_SECTION_SIZES] = f->sizes,   [LEAF_SECTION_CHECKSUMS] = f->checksums,
+        [LEAF_SECTION_FIELDS] = f->names,  [LEAF_SECTION_TIMES] = f->times,
     };
     for (uint32_t kind = LEAF_SECTION_AXES; kind <= LEAF_SECTION_LAST; kind++)
-        arrays[kind] = f->geometry->section(f, kind);
+        if (!arrays[kind])
+            arrays[kind] = f->geometry->section(f, kind);
     uint64_t end = LEAF_HEADER_BYTES + f->header.sections * sizeof *o->table;
     const leaf_section *axes = NULL;
     for (uint32_t i = 0; i < f->header.sections; i++) {
@@ -166,6 +181,32 @@ static status read_sections(opening *o) {
     return read_axes(f, axes);
 }
 
+static status check_names(const char *path, const leaf_header *h, const char (*names)[64],
+                          uint64_t at) {
+    for (uint32_t i = 0; i < h->fields; i++) {
+        status st = leaf_check_text(path, names[i], sizeof names[i], at + i * sizeof names[i]);
+        if (st != ST_OK)
+            return st;
+    }
+    if (memcmp(names[0], h->field, sizeof h->field) == 0)
+        return ST_OK;
+    return leaf_check_corrupt(path, at, "expected the header's first field \"%s\", found \"%s\"",
+                              h->field, names[0]);
+}
+
+/* Names and times, where the file has them. */
+static status check_labels(leaf_file *f, const leaf_directory *d) {
+    const char *path = file_path(f->source);
+    const uint64_t names = d->at[LEAF_SECTION_FIELDS - 1], times = d->at[LEAF_SECTION_TIMES - 1];
+    f->has_times = times > 0;
+    status st = ST_OK;
+    if (names)
+        st = check_names(path, &f->header, (const char(*)[64])f->names, names);
+    for (uint32_t i = 0; i < f->header.fields; i++)
+        text_name(f->names[i], sizeof *f->names, f->names[i]);
+    return st == ST_OK && times ? leaf_check_axis(path, f->times, f->header.steps, times) : st;
+}
+
 static status check_directory(const opening *o) {
     leaf_file *f = o->f;
     const char *path = file_path(f->source);
@@ -178,7 +219,9 @@ static status check_directory(const opening *o) {
         .end = o->end,
     };
     memcpy(d.at, o->at, sizeof d.at);
-    status st = f->geometry->lay_out(f, &d);
+    status st = check_labels(f, &d);
+    if (st == ST_OK)
+        st = f->geometry->lay_out(f, &d);
     return st == ST_OK ? leaf_check_directory(path, &f->header, &f->layout, &d) : st;
 }
 
@@ -282,6 +325,8 @@ void leaf_file_close(leaf_file *f) {
     mem_free(f->m, f->checksums);
     mem_free(f->m, f->histograms);
     mem_free(f->m, f->axis[0]);
+    mem_free(f->m, f->names);
+    mem_free(f->m, f->times);
     if (f->geometry)
         f->geometry->release(f);
     file_close(f->source);
@@ -318,7 +363,15 @@ static status decompress(const leaf_file *f, uint32_t p, const void *stored, voi
                            ZSTD_isError(got) ? ZSTD_getErrorName(got) : "it is shorter");
 }
 
+bool leaf_file_is_implied(const leaf_file *f, uint32_t p) {
+    return !f->sizes[p];
+}
+
 status leaf_file_load(leaf_file *f, uint32_t p, void *stored, void *payload) {
+    if (leaf_file_is_implied(f, p)) {
+        f->geometry->imply(&f->layout, p % f->layout.treelets, f->own[p], payload);
+        return ST_OK;
+    }
     bool raw = leaf_file_is_raw(f, p);
     assert(raw || stored);
     void *into = raw ? payload : stored;
@@ -350,9 +403,9 @@ bool leaf_file_holds_indices(const leaf_file *f) {
 }
 
 const char *leaf_file_field_name(const leaf_file *f, uint32_t field) {
-    return f->mesh && field < f->header.fields ? f->mesh->names[field] : "";
+    return field < f->header.fields ? f->names[field] : "";
 }
 
 double leaf_file_step_time(const leaf_file *f, uint32_t step) {
-    return f->mesh && step < f->header.steps ? f->mesh->times[step] : (double)step;
+    return step < f->header.steps ? f->times[step] : (double)step;
 }

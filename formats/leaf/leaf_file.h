@@ -22,12 +22,7 @@ typedef struct mesh_directory {
                               treelet (leaf_layout_bounds()), so that those of step 0 are first */
     uint32_t (*counts)[4]; /* for mesh_leaf_shape() */
     uint64_t *first_tet;   /* treelets + 1: number in the whole mesh of a treelet's first tet */
-    uint32_t sets;         /* of values: fields * steps; set = field * steps + step */
-    uint32_t fields, steps;
-    char (*names)[64]; /* of fields; without FIELDS the first has the header's, others "" */
-    double *times;     /* of steps; without TIMES 0, 1, 2 .. */
-    bool has_times;    /* section TIMES was there */
-    leaf_part *coarse; /* of sets; zeros without section COARSE */
+    leaf_part *coarse;     /* of sets; zeros without section COARSE */
 } mesh_directory;
 
 typedef struct leaf_file {
@@ -35,8 +30,8 @@ typedef struct leaf_file {
     const struct leaf_geometry *geometry; /* the row of its kind */
     char name[64]; /* to show: the header's, or the file's own without its suffix */
     leaf_layout layout;
-    /* The directory, an element a treelet; of a mesh: ranges, own, flags an element set * treelets
-     * + treelet; offsets, sizes, checksums an element a payload (leaf_layout_values()). */
+    /* The directory: ranges, own, flags an element set * treelets + treelet; offsets, sizes,
+     * checksums an element a payload (leaf_layout_samples(), leaf_layout_values()). */
     float (*ranges)[2]; /* merged */
     float (*own)[2];
     uint8_t *flags;
@@ -45,9 +40,12 @@ typedef struct leaf_file {
     uint64_t *checksums;
     /* Level-0 node coordinates in grid space, always there (0, 1, 2, ... for a regular grid). */
     double *axis[3];
+    char (*names)[64];     /* of fields; without FIELDS the first has the header's, others "" */
+    double *times;         /* of steps; without TIMES 0, 1, 2 .. */
+    bool has_times;        /* section TIMES was there */
     mesh_directory *mesh;  /* NULL: no mesh */
     void *besides;         /* what the directory of another kind has */
-    histogram *histograms; /* of each set, a grid being one; NULL: the file has none */
+    histogram *histograms; /* of each set; NULL: the file has none */
     file *source;
     file_mark mark; /* of the file, or of the one that this is a part of, when it was opened; of
                        bytes in memory: 0 */
@@ -73,21 +71,25 @@ bool leaf_file_has_coarse(const leaf_file *f, uint32_t set);
 CHECKED status leaf_file_open_coarse(mem *m, const leaf_file *f, uint32_t set, leaf_file **out);
 
 /* leaf_file_is_raw() - whether payload p's stored bytes are it as they are: always with the raw
- * codec, and with a compressed one for payloads that would not have got smaller. Of a grid, p is
- * the treelet; of a mesh, a topology or values (leaf_layout_values()). */
+ * codec, and with a compressed one for payloads that would not have got smaller. */
 bool leaf_file_is_raw(const leaf_file *f, uint32_t p);
+
+/* leaf_file_is_implied() - whether payload p has no bytes in the file, as the directory tells it
+ * (implied_payload.h). */
+bool leaf_file_is_implied(const leaf_file *f, uint32_t p);
 
 /* leaf_file_load() - read payload p's stored bytes, check them, and decode into payload
  * (leaf_layout_payload_bytes(p); 64-byte aligned). stored: room for sizes[p] bytes; may be NULL
- * when leaf_file_is_raw(), bytes are then read straight into payload. ST_CORRUPT names file, byte
+ * when leaf_file_is_raw(), bytes are then read straight into payload,
+ * and when leaf_file_is_implied(). ST_CORRUPT names file, byte
  * and treelet. A mesh's topology is to pass mesh_leaf_check_loaded() before it is used, positions
  * mesh_leaf_check_moved(). Thread-safe.
  */
 CHECKED status leaf_file_load(leaf_file *f, uint32_t p, void *stored, void *payload);
 
-/* leaf_file_decode() - the same from bytes that are in memory already (a mapping): check, and
- * unless leaf_file_is_raw() decode into payload; *view becomes the payload (stored itself when
- * raw). Thread-safe. */
+/* leaf_file_decode() - the same from bytes that are in memory already (a mapping), of a payload
+ * that is not implied: check, and unless leaf_file_is_raw() decode into payload; *view becomes the
+ * payload (stored itself when raw). Thread-safe. */
 CHECKED status leaf_file_decode(const leaf_file *f, uint32_t p, const void *stored, void *payload,
                                 const void **view);
 

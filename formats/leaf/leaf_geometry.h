@@ -24,9 +24,11 @@ typedef struct leaf_geometry {
     /* ---- The directory ---- */
 
     /* Elements a treelet of RANGES, OWN, FLAGS; elements of OFFSETS, SIZES, CHECKSUMS; bytes of the
-     * sections from AXES on, 0: it has none of that kind. */
+     * sections of its own, 0: it has none of that kind. */
     uint64_t (*sets)(const leaf_header *h);
     uint64_t (*payloads)(const leaf_header *h);
+    /* Whether there can be sections FIELDS and TIMES. */
+    bool (*labels)(const leaf_header *h);
     uint64_t (*section_bytes)(const leaf_header *h, uint32_t kind);
     /* Room for what the directory has besides, to which section() points: where one of its own is
      * read to. release() gives back what there is of it. NULL: nothing. */
@@ -45,6 +47,13 @@ typedef struct leaf_geometry {
     uint32_t (*payload_bytes)(const leaf_layout *l, uint32_t p);
     bool (*begins_run)(const leaf_layout *l, uint32_t p);
     const char *(*payload_name)(const leaf_layout *l, uint32_t p, char text[LEAF_NAME_MAX]);
+
+    /* Payloads that the directory tells, and which have no bytes: whether one of this own range and
+     * these flags can be; whether this one is; and its bytes. NULL, all three: there are none. */
+    bool (*may_imply)(const float own[2], uint8_t flags);
+    bool (*implies)(const leaf_layout *l, uint32_t p, const float own[2], uint8_t flags,
+                    const void *payload);
+    void (*imply)(const leaf_layout *l, uint32_t p, const float own[2], void *payload);
 } leaf_geometry;
 
 /* leaf_geometry_of() - the row of a leaf_kind; NULL: this program knows none. */

@@ -75,6 +75,7 @@ status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32_t cells
     }
     const uint32_t b = 1u << cells_log2;
     l->treelets = l->payloads = (uint32_t)total;
+    l->sets = l->steps = 1;
     l->payload_max = payload_of(l, (uint32_t[3]){b, b, b}).bytes;
     return ST_OK;
 }
@@ -130,6 +131,14 @@ status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t
     return ST_OK;
 }
 
+bool leaf_layout_repeat(leaf_layout *l, uint32_t fields, uint32_t steps) {
+    const uint64_t payloads = (uint64_t)l->treelets * fields * steps;
+    l->sets = fields * steps;
+    l->steps = steps;
+    l->payloads = (uint32_t)payloads;
+    return payloads < LEAF_NO_TREELET;
+}
+
 uint64_t leaf_blocks_payloads(const leaf_blocks *b) {
     const uint64_t sets = (uint64_t)b->fields * b->steps;
     return b->treelets * (1 + sets + (b->gradients ? sets : 0) + (b->moving ? b->steps - 1 : 0));
@@ -143,6 +152,7 @@ void leaf_layout_flat(leaf_layout *l, const leaf_geometry *geometry, uint32_t tr
     l->type = SAMPLE_F32;
     l->treelets = l->level[0].count = treelets;
     l->payloads = payloads;
+    l->sets = l->steps = 1;
 }
 
 status leaf_layout_init_flat(leaf_layout *l, mem *m) {
@@ -233,7 +243,7 @@ bool leaf_layout_begins_run(const leaf_layout *l, uint32_t p) {
 
 leaf_block leaf_layout_block_of(const leaf_layout *l, uint32_t p, uint32_t *index) {
     const uint32_t block = p / l->treelets;
-    assert(l->sets && p < l->payloads);
+    assert(p < l->payloads);
     *index = 0;
     if (block == 0)
         return LEAF_BLOCK_TOPOLOGY;

@@ -30,10 +30,10 @@ typedef struct leaf_layout {
     const struct leaf_geometry *geometry;
     uint32_t cells_log2, halo, levels;
     sample_type type;
-    uint32_t treelets;           /* of all levels */
-    uint32_t payloads;           /* of a mesh treelets * blocks, else as many as treelets */
-    uint32_t sets;               /* mesh: fields * steps; else 0 */
-    uint32_t steps;              /* mesh; else 0 */
+    uint32_t treelets; /* of all levels */
+    uint32_t payloads; /* of a grid treelets * sets, of a mesh treelets * blocks */
+    uint32_t sets;     /* fields * steps */
+    uint32_t steps;
     uint32_t gradient_sets;      /* mesh: sets, or 0 where there are no gradients */
     uint32_t moved_steps;        /* mesh: steps - 1, or 0 where vertices stay in place */
     const uint32_t (*counts)[4]; /* section COUNTS, or NULL; of the file or the writer */
@@ -57,6 +57,10 @@ CHECKED status leaf_layout_levels(leaf_layout *l, const uint32_t dims[3], uint32
 CHECKED status leaf_layout_init(leaf_layout *l, mem *m, const uint32_t dims[3], uint32_t cells_log2,
                                 uint32_t halo, sample_type type);
 void leaf_layout_release(leaf_layout *l);
+
+/* leaf_layout_repeat() - of a grid: with so many fields and steps, payloads set after set. False:
+ * there were 2^32 - 1 payloads or more. */
+bool leaf_layout_repeat(leaf_layout *l, uint32_t fields, uint32_t steps);
 
 /* What there is of a mesh, in blocks of a payload a treelet (leaf.h). */
 typedef struct leaf_blocks {
@@ -99,8 +103,14 @@ typedef struct leaf_payload {
 
 leaf_payload leaf_layout_payload(const leaf_layout *l, uint32_t treelet);
 
+/* leaf_layout_samples() - the payload of a grid's treelet in a set; as an element of RANGES, OWN
+ * and FLAGS, too. */
+static inline uint32_t leaf_layout_samples(const leaf_layout *l, uint32_t set, uint32_t treelet) {
+    return l->treelets * set + treelet;
+}
+
 /* leaf_layout_payload_bytes() - of payload p before compression; p as in the directory: a grid's
- * treelet, a mesh's blocks of topologies, values, gradients, positions. */
+ * treelets set after set, a mesh's blocks of topologies, values, gradients, positions. */
 uint32_t leaf_layout_payload_bytes(const leaf_layout *l, uint32_t p);
 
 /* leaf_layout_payload_max() - bytes of a full treelet's payload (mesh: of the largest); no other's
@@ -156,14 +166,24 @@ static inline uint64_t leaf_layout_aligned(uint64_t at, uint32_t log2) {
 /* leaf_layout_begins_run() - whether payload p is the first of a run. */
 bool leaf_layout_begins_run(const leaf_layout *l, uint32_t p);
 
-/* leaf_layout_payload_at() - where payload p lies when the one before it (for p = 0: the last
- * section) ends at `end`: at the next multiple of LEAF_ALIGN, or of 2^run_align_log2 for the first
- * of a run. That is, in a grid, the child in octant 0, which every parent has; in a mesh the first
- * treelet's payload in each block. */
-static inline uint64_t leaf_layout_payload_at(const leaf_layout *l, uint32_t p, uint64_t end,
-                                              uint32_t run_align_log2) {
-    return leaf_layout_aligned(end,
-                               leaf_layout_begins_run(l, p) ? run_align_log2 : LEAF_ALIGN_LOG2);
+/* Payloads get their places one after the other. */
+typedef struct leaf_placing {
+    uint64_t end; /* of the payload before, or of the last section */
+    bool run;     /* a run has begun of which there is no byte yet */
+} leaf_placing;
+
+/* leaf_placing_next() - where payload p of so many stored bytes lies: behind the one before it, at
+ * the next multiple of LEAF_ALIGN, or of 2^run_align_log2 if it is the first of a run that has any.
+ * A run begins, in a grid, with the child in octant 0, which every parent has; in a mesh with the
+ * first treelet's payload in each block. One of no bytes lies where the one before it ends. */
+static inline uint64_t leaf_placing_next(leaf_placing *x, const leaf_layout *l, uint32_t p,
+                                         uint64_t bytes, uint32_t run_align_log2) {
+    x->run |= leaf_layout_begins_run(l, p);
+    if (!bytes)
+        return x->end;
+    const uint64_t at = leaf_layout_aligned(x->end, x->run ? run_align_log2 : LEAF_ALIGN_LOG2);
+    *x = (leaf_placing){.end = at + bytes};
+    return at;
 }
 
 /* Where the codes of tree level k (1 .. K) lie in the payload: lo[8^k] there, hi[8^k] behind it. */

@@ -168,7 +168,7 @@ status leaf_stats_activity(mem *m, leaf_file *f, double iso, int threads, const 
 /* ---- what a mesh's payloads are made of ---- */
 
 leaf_mesh_parts leaf_stats_mesh(const leaf_file *f) {
-    const uint64_t sets = f->mesh->sets;
+    const uint64_t sets = f->layout.sets;
     leaf_mesh_parts parts = {0};
     uint64_t bytes = 0;
     for (uint32_t t = 0; t < f->layout.treelets; t++) {

@@ -23,9 +23,10 @@ typedef struct shared {
 typedef struct verification {
     leaf_file *f;
     const progress *p;
-    shared *edges;        /* per treelet */
-    uint64_t *non_finite; /* per treelet of level 0: of the samples that no treelet behind it has;
-                             of a mesh: of all its vertices' values */
+    uint32_t set;         /* of a grid: the one that is looked at */
+    shared *edges;        /* per treelet of the set */
+    uint64_t *non_finite; /* per treelet of level 0: of the samples that no treelet behind it has,
+                             in all sets; of a mesh: of all its vertices' values */
     /* Per thread; of a mesh, behind a payload's room: that of values, of positions, then scratch.
      */
     char **payloads, **stored;
@@ -39,7 +40,7 @@ typedef struct verification {
 /* One treelet while it is looked at. */
 typedef struct subject {
     const leaf_file *f;
-    uint32_t t;
+    uint32_t t, element; /* of payloads, and of OWN and FLAGS */
     leaf_payload p;
     const uint8_t *bytes;
     const void *samples;
@@ -55,9 +56,9 @@ __attribute__((format(printf, 3, 4))) static status wrong(const subject *s, uint
     vsnprintf(text, sizeof text, fmt, args);
     va_end(args);
     const char *path = file_path(s->f->source);
-    if (leaf_file_is_raw(s->f, s->t))
+    if (leaf_file_is_raw(s->f, s->element))
         return status_describe(ST_CORRUPT, "%s: byte %llu: treelet %u: %s", path,
-                               (unsigned long long)(s->f->offsets[s->t] + at), s->t, text);
+                               (unsigned long long)(s->f->offsets[s->element] + at), s->t, text);
     return status_describe(ST_CORRUPT, "%s: treelet %u: byte %llu of its payload: %s", path, s->t,
                            (unsigned long long)at, text);
 }
@@ -99,11 +100,11 @@ static status check_own_range(const subject *s) {
     float range[2];
     bool non_finite = false;
     range_of(s, origin, s->p.cells, range, &non_finite);
-    const float *own = s->f->own[s->t];
+    const float *own = s->f->own[s->element];
     if (range[0] != own[0] || range[1] != own[1])
         return wrong(s, s->p.samples_at, "expected samples in exactly %g .. %g, found %g .. %g",
                      (double)own[0], (double)own[1], (double)range[0], (double)range[1]);
-    if (non_finite != ((s->f->flags[s->t] & LEAF_FLAG_NON_FINITE) != 0))
+    if (non_finite != ((s->f->flags[s->element] & LEAF_FLAG_NON_FINITE) != 0))
         return wrong(s, s->p.samples_at, "expected %s non-finite samples, as its flags say",
                      non_finite ? "no" : "some");
     return ST_OK;
@@ -151,7 +152,7 @@ static status check_node(const subject *s, uint32_t k, uint32_t m) {
 }
 
 static status check_codes(const subject *s) {
-    const float *own = s->f->own[s->t];
+    const float *own = s->f->own[s->element];
     quantizer q = quantizer_of(own[0], own[1], s->type);
     for (uint32_t m = 0; m < 1u << (3 * s->p.node_levels); m++) {
         status st = check_block(s, &q, m);
@@ -241,21 +242,24 @@ static uint32_t count_non_finite(const subject *s) {
 }
 
 static status report(const verification *v, uint32_t t) {
-    return t % PROGRESS_STEP ? ST_OK
-                             : progress_step(v->p, "verify", (double)t / v->f->layout.treelets);
+    const leaf_layout *l = &v->f->layout;
+    const double done = v->f->mesh ? t : (double)v->set * l->treelets + t;
+    const double all = v->f->mesh ? l->treelets : l->payloads;
+    return t % PROGRESS_STEP ? ST_OK : progress_step(v->p, "verify", done / all);
 }
 
 static status verify_treelet(void *ctx, size_t index, int worker) {
     const verification *v = ctx;
     leaf_file *f = v->f;
-    uint32_t t = (uint32_t)index;
-    status st = leaf_file_load(f, t, v->stored[worker], v->payloads[worker]);
+    const uint32_t t = (uint32_t)index, p = leaf_layout_samples(&f->layout, v->set, t);
+    status st = leaf_file_load(f, p, v->stored[worker], v->payloads[worker]);
     if (st == ST_OK)
         st = report(v, t);
     if (st != ST_OK)
         return st;
     subject s = {.f = f,
                  .t = t,
+                 .element = p,
                  .p = leaf_layout_payload(&f->layout, t),
                  .type = f->layout.type,
                  .halo = f->layout.halo};
@@ -276,9 +280,10 @@ static status verify_treelet(void *ctx, size_t index, int worker) {
         return st;
     note_shared(&s, &v->edges[t]);
     if (v->cells && f->layout.level_of[t] == 0)
-        leaf_histogram_take(&f->layout, &v->draw, &v->space, t, s.bytes, v->cells);
-    if (f->layout.level_of[t] == 0 && (f->flags[t] & LEAF_FLAG_NON_FINITE))
-        v->non_finite[t] = count_non_finite(&s);
+        leaf_histogram_take(&f->layout, &v->draw, &v->space, t, s.bytes,
+                            v->cells + (size_t)v->set * v->draw.count);
+    if (f->layout.level_of[t] == 0 && (f->flags[p] & LEAF_FLAG_NON_FINITE))
+        v->non_finite[t] += count_non_finite(&s);
     return ST_OK;
 }
 
@@ -298,7 +303,7 @@ static status look_at_tets(const verification *v, uint32_t set, uint32_t t, cons
     leaf_file *f = v->f;
     const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
     const float(*points)[3] = mesh_leaf_positions(&s, topology);
-    const uint32_t step = set % f->mesh->steps;
+    const uint32_t step = set % f->header.steps;
     if (!v->cells)
         return ST_OK;
     if (step > 0 && f->layout.moved_steps > 0) {
@@ -376,8 +381,9 @@ static status check_neighbours(const verification *v) {
                 return status_describe(
                     ST_CORRUPT,
                     "%s: byte %llu: treelets %u and %u differ in samples that both hold, along %c",
-                    file_path(v->f->source), (unsigned long long)v->f->offsets[other], t, other,
-                    "xyz"[a]);
+                    file_path(v->f->source),
+                    (unsigned long long)v->f->offsets[leaf_layout_samples(l, v->set, other)], t,
+                    other, "xyz"[a]);
         }
     return ST_OK;
 }
@@ -432,7 +438,7 @@ static bool holds(const histogram *h, const double range[2]) {
 /* The same cells in the same bins; sums of floats in the same order are the same bits. */
 static status check_histograms(const verification *v) {
     const leaf_file *f = v->f;
-    const uint32_t sets = v->cells ? f->mesh ? f->mesh->sets : 1 : 0;
+    const uint32_t sets = v->cells ? f->layout.sets : 0;
     const uint32_t count = f->mesh ? v->run.count : v->draw.count;
     const uint64_t total =
         f->mesh ? v->run.total
@@ -453,12 +459,20 @@ static status check_histograms(const verification *v) {
     return ST_OK;
 }
 
+/* Of a grid. */
+static status verify_sets(verification *v, pool *workers) {
+    status st = ST_OK;
+    for (v->set = 0; v->set < v->f->layout.sets && st == ST_OK; v->set++) {
+        st = pool_run(workers, v->f->layout.treelets, verify_treelet, v);
+        if (st == ST_OK)
+            st = check_neighbours(v);
+    }
+    return st;
+}
+
 static status verify_all(verification *v, pool *workers) {
-    const bool mesh = v->f->mesh != NULL;
-    status st =
-        pool_run(workers, v->f->layout.treelets, mesh ? verify_mesh_treelet : verify_treelet, v);
-    if (st == ST_OK && !mesh)
-        st = check_neighbours(v);
+    status st = v->f->mesh ? pool_run(workers, v->f->layout.treelets, verify_mesh_treelet, v)
+                           : verify_sets(v, workers);
     if (st == ST_OK)
         st = check_count(v);
     if (st == ST_OK)
@@ -487,14 +501,14 @@ static status allocate_histograms(verification *v, mem *m) {
     if (!f->histograms)
         return ST_OK;
     if (f->mesh) {
-        v->run = histogram_draw_tets(f->header.tets, f->mesh->sets);
-        v->cells = mem_array(m, (size_t)v->run.count * f->mesh->sets, sizeof *v->cells);
+        v->run = histogram_draw_tets(f->header.tets, f->layout.sets);
+        v->cells = mem_array(m, (size_t)v->run.count * f->layout.sets, sizeof *v->cells);
     } else {
         v->draw = histogram_draw_grid(f->header.dims);
         v->space = histogram_space_of(f->header.to_world);
         for (int a = 0; a < 3 && f->header.rectilinear; a++)
             v->space.axis[a] = f->axis[a];
-        v->cells = mem_array(m, v->draw.count, sizeof *v->cells);
+        v->cells = mem_array(m, (size_t)v->draw.count * f->layout.sets, sizeof *v->cells);
     }
     return v->cells ? ST_OK : ST_NOMEM;
 }
@@ -545,7 +559,7 @@ static status verify_file(mem *m, leaf_file *f, int threads, const progress *p) 
 
 status leaf_verify(mem *m, leaf_file *f, int threads, const progress *p) {
     status st = verify_file(m, f, threads, p);
-    for (uint32_t set = 0; f->mesh && set < f->mesh->sets && st == ST_OK; set++) {
+    for (uint32_t set = 0; f->mesh && set < f->layout.sets && st == ST_OK; set++) {
         leaf_file *coarse = NULL;
         if (!leaf_file_has_coarse(f, set))
             continue;

@@ -4,12 +4,12 @@
 #include <math.h>
 #include <pthread.h>
 #include <string.h>
-#include <zstd.h>
 
 #include "formats/base/file.h"
 #include "formats/base/hash.h"
 #include "formats/base/text.h"
 #include "formats/leaf/leaf_check.h"
+#include "formats/leaf/leaf_geometry.h"
 #include "formats/mesh/mesh_leaf.h"
 
 struct leaf_writer {
@@ -41,20 +41,12 @@ struct leaf_writer {
     pthread_mutex_t lock;
     uint64_t scratch_end;
     uint32_t placed;   /* payloads whose place is known, as all before them have been put */
-    uint64_t next_end; /* where the last of these ends */
+    leaf_placing next; /* behind the last of these */
+    bool implied;      /* some payloads have no bytes */
 };
 
 #define NOT_THERE UINT64_MAX
-
-struct leaf_packer {
-    ZSTD_CCtx *context;
-    int level;
-};
-
-leaf_parameters leaf_parameters_default(void) {
-    return (leaf_parameters){
-        .cells_log2 = 5, .halo = 1, .run_align_log2 = 12, .codec = LEAF_CODEC_RAW};
-}
+#define UNKNOWN   UINT64_MAX /* a size */
 
 /* Of each treelet in the layout, of each of its ranges, of each payload in the directory. */
 enum {
@@ -65,7 +57,7 @@ enum {
 };
 
 uint64_t leaf_writer_memory(const leaf_layout *l, leaf_codec codec) {
-    uint64_t each = LAYOUT_BYTES + RANGE_BYTES + PAYLOAD_BYTES;
+    uint64_t each = RANGE_BYTES + PAYLOAD_BYTES;
     uint64_t bytes = sizeof(leaf_writer) + sizeof(histogram) + 4096;
     if (codec != LEAF_CODEC_RAW) {
         each += sizeof(uint64_t);
@@ -73,7 +65,9 @@ uint64_t leaf_writer_memory(const leaf_layout *l, leaf_codec codec) {
     }
     for (int a = 0; a < 3; a++)
         bytes += l->level[0].dims[a] * sizeof(double);
-    return bytes + l->treelets * each;
+    if (l->sets > 1)
+        bytes += l->sets * (sizeof(histogram) + sizeof(char[64]) + sizeof(double));
+    return bytes + l->treelets * (uint64_t)LAYOUT_BYTES + l->payloads * each;
 }
 
 static leaf_blocks blocks_of(const leaf_mesh *mesh) {
@@ -107,7 +101,7 @@ static void copy_text(char *to, size_t size, const char *text) {
 static void fill_common(leaf_writer *w) {
     leaf_header *h = &w->header;
     memcpy(h->magic, LEAF_MAGIC, sizeof h->magic);
-    h->version = LEAF_VERSION;
+    h->version = 1;
     h->sample_type = w->layout.type;
     h->levels = w->layout.levels;
     h->run_align_log2 = w->p.run_align_log2;
@@ -115,7 +109,7 @@ static void fill_common(leaf_writer *w) {
     h->treelets = w->layout.treelets;
 }
 
-static void fill_grid(leaf_writer *w, const grid *g) {
+static void fill_grid(leaf_writer *w, const grid *g, const leaf_sets *sets) {
     leaf_header *h = &w->header;
     fill_common(w);
     h->kind = LEAF_KIND_GRID;
@@ -125,8 +119,12 @@ static void fill_grid(leaf_writer *w, const grid *g) {
     h->halo = w->p.halo;
     h->block_log2 = LEAF_BLOCK_LOG2;
     h->rectilinear = grid_is_rectilinear(g);
-    h->fields = 1;
-    h->steps = 1;
+    h->fields = sets->fields;
+    h->steps = sets->steps;
+    if (w->layout.sets > 1) {
+        h->version = 2;
+        copy_text(h->field, sizeof h->field, sets->names ? sets->names[0] : "");
+    }
     memcpy(h->to_world, g->to_world, sizeof h->to_world);
     copy_text(h->name, sizeof h->name, g->name);
 }
@@ -180,23 +178,22 @@ static void place_sections(leaf_writer *w) {
         w->table[i].offset = leaf_layout_aligned(end, LEAF_ALIGN_LOG2);
         end = w->table[i].offset + w->table[i].bytes;
     }
-    w->next_end = end;
+    w->next = (leaf_placing){.end = end};
 }
 
 /* With all sizes known, the payloads' places. */
 static void place_payloads(leaf_writer *w) {
-    uint64_t end = sections_end(w);
+    leaf_placing next = {.end = sections_end(w)};
     w->header.payload_bytes = 0;
     for (uint32_t p = 0; p < w->layout.payloads; p++) {
-        w->offsets[p] = leaf_layout_payload_at(&w->layout, p, end, w->p.run_align_log2);
-        end = w->offsets[p] + w->sizes[p];
+        w->offsets[p] = leaf_placing_next(&next, &w->layout, p, w->sizes[p], w->p.run_align_log2);
         w->header.payload_bytes += w->sizes[p];
     }
-    w->header.file_bytes = leaf_layout_aligned(end, w->p.run_align_log2);
+    w->header.file_bytes = leaf_layout_aligned(next.end, w->p.run_align_log2);
 }
 
 static status allocate_histograms(leaf_writer *w) {
-    const uint32_t sets = w->layout.sets ? w->layout.sets : 1;
+    const uint32_t sets = w->layout.sets;
     if (!w->p.histograms || sets > LEAF_HISTOGRAMS_MAX)
         return ST_OK;
     w->histograms = mem_array(w->m, sets, sizeof *w->histograms);
@@ -237,20 +234,24 @@ static status allocate_mesh(leaf_writer *w) {
     return w->bounds && w->counts ? ST_OK : ST_NOMEM;
 }
 
-static status copy_labels(leaf_writer *w, const leaf_mesh *mesh) {
-    if (mesh->names) {
-        w->names = mem_array(w->m, mesh->fields, sizeof *w->names);
+static status copy_labels(leaf_writer *w, const leaf_sets *sets) {
+    if (sets->names) {
+        w->names = mem_array(w->m, sets->fields, sizeof *w->names);
         if (!w->names)
             return ST_NOMEM;
-        for (uint32_t i = 0; i < mesh->fields; i++)
-            copy_text(w->names[i], sizeof w->names[i], mesh->names[i]);
+        for (uint32_t i = 0; i < sets->fields; i++)
+            copy_text(w->names[i], sizeof w->names[i], sets->names[i]);
     }
-    if (mesh->times && mesh->steps > 1) {
-        w->times = mem_array(w->m, mesh->steps, sizeof *w->times);
+    if (sets->times && sets->steps > 1) {
+        w->times = mem_array(w->m, sets->steps, sizeof *w->times);
         if (!w->times)
             return ST_NOMEM;
-        memcpy(w->times, mesh->times, mesh->steps * sizeof *w->times);
+        memcpy(w->times, sets->times, sets->steps * sizeof *w->times);
     }
+    return ST_OK;
+}
+
+static status allocate_parts(leaf_writer *w, const leaf_mesh *mesh) {
     if (mesh->coarse) {
         w->parts = mem_array(w->m, w->layout.sets, sizeof *w->parts);
         if (!w->parts)
@@ -262,6 +263,8 @@ static status copy_labels(leaf_writer *w, const leaf_mesh *mesh) {
 /* A scratch file, for payloads whose sizes place them only in the end. */
 static status create_scratch(leaf_writer *w, const char *path) {
     w->scratch_at = mem_array(w->m, w->layout.payloads, sizeof *w->scratch_at);
+    for (uint32_t p = 0; p < w->layout.payloads; p++)
+        w->sizes[p] = UNKNOWN;
     return w->scratch_at ? out_file_scratch(w->m, path, &w->scratch) : ST_NOMEM;
 }
 
@@ -281,15 +284,28 @@ static leaf_writer *new_writer(mem *m, const leaf_parameters *p) {
     return w;
 }
 
+static status lay_out_grid(leaf_writer *w, const grid *g, const leaf_sets *sets) {
+    status st = leaf_layout_init(&w->layout, w->m, g->dims, w->p.cells_log2, w->p.halo,
+                                 sample_stored(g->type));
+    if (st == ST_OK && !leaf_layout_repeat(&w->layout, sets->fields, sets->steps))
+        st = status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
+    return st;
+}
+
 status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
-                          const leaf_parameters *p, leaf_writer **out) {
+                          const leaf_sets *sets, const leaf_parameters *p, leaf_writer **out) {
+    static const leaf_sets one = {.fields = 1, .steps = 1};
     leaf_writer *w = new_writer(m, p);
     if (!w)
         return ST_NOMEM;
-    status st =
-        leaf_layout_init(&w->layout, m, g->dims, p->cells_log2, p->halo, sample_stored(g->type));
+    sets = sets ? sets : &one;
+    assert(sets->fields > 0 && sets->steps > 0);
+    assert((uint64_t)sets->fields * sets->steps <= LEAF_SETS_MAX);
+    status st = lay_out_grid(w, g, sets);
     if (st == ST_OK)
-        st = allocate(w, w->layout.treelets);
+        st = allocate(w, w->layout.payloads);
+    if (st == ST_OK && w->layout.sets > 1)
+        st = copy_labels(w, sets);
     if (st == ST_OK)
         st = allocate_axes(w, g);
     if (st == ST_OK)
@@ -302,11 +318,11 @@ status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
         leaf_writer_discard(w);
         return st;
     }
-    fill_grid(w, g);
+    fill_grid(w, g, sets);
     place_sections(w);
     if (!w->scratch) {
-        for (uint32_t t = 0; t < w->layout.treelets; t++)
-            w->sizes[t] = leaf_layout_payload(&w->layout, t).bytes;
+        for (uint32_t i = 0; i < w->layout.payloads; i++)
+            w->sizes[i] = leaf_layout_payload_bytes(&w->layout, i);
         place_payloads(w);
     }
     *out = w;
@@ -332,7 +348,9 @@ status leaf_writer_create_mesh(mem *m, const char *path, bool force, const leaf_
     if (st == ST_OK)
         st = allocate_mesh(w);
     if (st == ST_OK)
-        st = copy_labels(w, mesh);
+        st = copy_labels(w, &(leaf_sets){mesh->fields, mesh->steps, mesh->names, mesh->times});
+    if (st == ST_OK)
+        st = allocate_parts(w, mesh);
     if (st == ST_OK)
         st = out_file_create(m, path, force, &w->out);
     if (st == ST_OK)
@@ -399,64 +417,6 @@ size_t leaf_writer_pack_bytes(const leaf_layout *l, leaf_codec codec) {
     return codec == LEAF_CODEC_RAW ? 0 : leaf_layout_payload_max(l);
 }
 
-static ZSTD_CCtx *new_context(void) {
-    ZSTD_CCtx *context = ZSTD_createCCtx();
-    if (!context)
-        (void)status_describe(ST_NOMEM, "no room for a compressor");
-    return context;
-}
-
-status leaf_packer_create(const leaf_writer *w, leaf_packer **out) {
-    *out = NULL;
-    if (w->p.codec == LEAF_CODEC_RAW)
-        return ST_OK;
-    leaf_packer *k = mem_zalloc(w->m, sizeof *k);
-    if (!k)
-        return ST_NOMEM;
-    k->level = w->p.zstd_level;
-    k->context = new_context();
-    if (!k->context) {
-        mem_free(w->m, k);
-        return ST_NOMEM;
-    }
-    *out = k;
-    return ST_OK;
-}
-
-void leaf_packer_destroy(const leaf_writer *w, leaf_packer *k) {
-    if (!k)
-        return;
-    ZSTD_freeCCtx(k->context);
-    mem_free(w->m, k);
-}
-
-/* zstd tells the size of a context that has done the work, not beforehand; so let one do it. */
-status leaf_packer_memory(mem *m, size_t payload_max, const leaf_parameters *p, uint64_t *out) {
-    *out = 0;
-    if (p->codec == LEAF_CODEC_RAW)
-        return ST_OK;
-    const size_t bytes = payload_max;
-    char *sample = mem_zalloc(m, 2 * bytes);
-    if (!sample)
-        return ST_NOMEM;
-    ZSTD_CCtx *context = new_context();
-    if (context) {
-        (void)ZSTD_compressCCtx(context, sample + bytes, bytes - 1, sample, bytes, p->zstd_level);
-        *out = ZSTD_sizeof_CCtx(context);
-    }
-    ZSTD_freeCCtx(context);
-    mem_free(m, sample);
-    return context ? ST_OK : ST_NOMEM;
-}
-
-/* Compress where that makes it smaller; `stored` becomes the packed bytes or the payload itself. */
-static size_t pack_payload(leaf_packer *k, const void *payload, size_t bytes, void *pack,
-                           const void **stored) {
-    size_t size = ZSTD_compressCCtx(k->context, pack, bytes - 1, payload, bytes, k->level);
-    *stored = ZSTD_isError(size) ? payload : pack;
-    return ZSTD_isError(size) ? bytes : size;
-}
-
 /* Where a payload of this size goes: true: to offsets[p], as all before it have been put; false: to
  * scratch_at[p]. Places become known in order; that of one that waits in the scratch file is only
  * needed for those behind it. */
@@ -464,12 +424,12 @@ static bool place_put(leaf_writer *w, uint32_t p, size_t size) {
     pthread_mutex_lock(&w->lock);
     const bool direct = p == w->placed;
     w->sizes[p] = size;
-    w->scratch_at[p] = direct ? NOT_THERE : w->scratch_end;
+    w->scratch_at[p] = direct || !size ? NOT_THERE : w->scratch_end;
     if (!direct)
         w->scratch_end += size;
-    for (uint32_t n = w->placed; n < w->layout.payloads && w->sizes[n]; n++) {
-        w->offsets[n] = leaf_layout_payload_at(&w->layout, n, w->next_end, w->p.run_align_log2);
-        w->next_end = w->offsets[n] + w->sizes[n];
+    for (uint32_t n = w->placed; n < w->layout.payloads && w->sizes[n] != UNKNOWN; n++) {
+        w->offsets[n] =
+            leaf_placing_next(&w->next, &w->layout, n, w->sizes[n], w->p.run_align_log2);
         w->placed = n + 1;
     }
     pthread_mutex_unlock(&w->lock);
@@ -480,7 +440,7 @@ static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void
                           size_t size, void *pack) {
     const void *stored = payload;
     if (k)
-        size = pack_payload(k, payload, size, pack, &stored);
+        size = leaf_packer_pack(k, payload, size, pack, &stored);
     w->checksums[p] = hash_bytes(stored, size);
     if (!w->scratch)
         return out_file_write_at(w->out, w->offsets[p], stored, size);
@@ -489,12 +449,28 @@ static status put_payload(leaf_writer *w, leaf_packer *k, uint32_t p, const void
     return out_file_write_at(w->scratch, w->scratch_at[p], stored, size);
 }
 
-status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t t, const leaf_entry *entry,
-                       const void *payload, void *pack) {
-    assert(t < w->layout.treelets && !w->layout.sets);
-    memcpy(w->own[t], entry->own, sizeof entry->own);
-    w->flags[t] = entry->flags;
-    return put_payload(w, k, t, payload, leaf_layout_payload(&w->layout, t).bytes, pack);
+/* The directory tells it. */
+static void put_implied(leaf_writer *w, uint32_t p) {
+    if (w->scratch)
+        place_put(w, p, 0);
+    pthread_mutex_lock(&w->lock);
+    w->sizes[p] = w->checksums[p] = 0;
+    w->implied = true;
+    pthread_mutex_unlock(&w->lock);
+}
+
+status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
+                       const leaf_entry *entry, const void *payload, void *pack) {
+    const uint32_t p = leaf_layout_samples(&w->layout, set, t);
+    assert(t < w->layout.treelets && set < w->layout.sets && !w->counts);
+    memcpy(w->own[p], entry->own, sizeof entry->own);
+    w->flags[p] = entry->flags;
+    const leaf_geometry *g = w->layout.geometry;
+    if (g->implies && g->implies(&w->layout, t, entry->own, entry->flags, payload)) {
+        put_implied(w, p);
+        return ST_OK;
+    }
+    return put_payload(w, k, p, payload, leaf_layout_payload_bytes(&w->layout, p), pack);
 }
 
 /* -0 becomes +0, as readers may compare bytes. */
@@ -505,7 +481,7 @@ static void copy_floats(float *to, const float *from, int count) {
 
 status leaf_writer_put_topology(leaf_writer *w, leaf_packer *k, uint32_t t, const float bounds[6],
                                 const uint32_t counts[4], const void *payload, void *pack) {
-    assert(t < w->layout.treelets && w->layout.sets);
+    assert(t < w->layout.treelets && w->counts);
     assert(!mesh_leaf_counts_fault(counts, w->header.treelet_tets, w->header.leaf_tets));
     copy_floats(w->bounds[t], bounds, 6);
     memcpy(w->counts[t], counts, sizeof w->counts[t]);
@@ -556,25 +532,71 @@ static status copy_payloads(leaf_writer *w) {
     return ST_OK;
 }
 
-/* Children come behind their parents, so the last treelet goes first. */
-static void merge_ranges(leaf_writer *w) {
+static status write_zeros(leaf_writer *w, uint64_t from, uint64_t to) {
+    static const char zeros[512];
+    status st = ST_OK;
+    for (uint64_t size; st == ST_OK && from < to; from += size) {
+        size = to - from < sizeof zeros ? to - from : sizeof zeros;
+        st = out_file_write_at(w->out, from, zeros, (size_t)size);
+    }
+    return st;
+}
+
+/* Payload p from where it was written to its place, which ends the gap that begins at `end`. */
+static status move_payload(leaf_writer *w, uint32_t p, uint64_t from, uint64_t end) {
+    status st = out_file_read_at(w->out, from, w->copy_buffer, (size_t)w->sizes[p]);
+    if (st == ST_OK)
+        st = write_zeros(w, end, w->offsets[p]);
+    return st == ST_OK
+               ? out_file_write_at(w->out, w->offsets[p], w->copy_buffer, (size_t)w->sizes[p])
+               : st;
+}
+
+/* Raw payloads lie where they would if none were implied. They move down, the first one first: none
+ * is written over before it has moved. */
+static status close_ranks(leaf_writer *w) {
+    leaf_placing next = {.end = sections_end(w)};
+    status st = allocate_copy(w);
+    w->header.payload_bytes = 0;
+    for (uint32_t p = 0; st == ST_OK && p < w->layout.payloads; p++) {
+        const uint64_t from = w->offsets[p], end = next.end;
+        w->offsets[p] = leaf_placing_next(&next, &w->layout, p, w->sizes[p], w->p.run_align_log2);
+        w->header.payload_bytes += w->sizes[p];
+        if (w->sizes[p] && w->offsets[p] != from)
+            st = move_payload(w, p, from, end);
+    }
+    w->header.file_bytes = leaf_layout_aligned(next.end, w->p.run_align_log2);
+    return st == ST_OK ? out_file_cut(w->out, w->header.file_bytes) : st;
+}
+
+/* Of a set of a grid. Children come behind their parents, so the last treelet goes first. */
+static void merge_ranges(leaf_writer *w, uint32_t set) {
     const leaf_layout *l = &w->layout;
-    double lo = (double)INFINITY, hi = -(double)INFINITY;
+    const size_t first = leaf_layout_samples(l, set, 0);
+    float(*ranges)[2] = w->ranges + first;
     for (uint32_t t = l->treelets; t-- > 0;) {
-        float *merged = w->ranges[t];
-        memcpy(merged, w->own[t], sizeof w->own[t]);
+        float *merged = ranges[t];
+        memcpy(merged, w->own[first + t], sizeof w->own[first + t]);
         uint32_t child = l->first_child[t];
         for (int n = __builtin_popcount(leaf_layout_children(l, t)); n > 0; n--, child++) {
-            merged[0] = w->ranges[child][0] < merged[0] ? w->ranges[child][0] : merged[0];
-            merged[1] = w->ranges[child][1] > merged[1] ? w->ranges[child][1] : merged[1];
-        }
-        if (l->level_of[t] == 0) {
-            lo = fmin(lo, (double)w->own[t][0]);
-            hi = fmax(hi, (double)w->own[t][1]);
+            merged[0] = ranges[child][0] < merged[0] ? ranges[child][0] : merged[0];
+            merged[1] = ranges[child][1] > merged[1] ? ranges[child][1] : merged[1];
         }
     }
-    w->header.value_min = lo;
-    w->header.value_max = hi;
+}
+
+/* What the header says of a grid follows from its treelets. */
+static void sum_up_grid(leaf_writer *w) {
+    leaf_header *h = &w->header;
+    h->value_min = (double)INFINITY;
+    h->value_max = -(double)INFINITY;
+    for (uint32_t set = 0; set < w->layout.sets; set++) {
+        double range[2];
+        merge_ranges(w, set);
+        leaf_writer_range(w, set, range);
+        h->value_min = fmin(h->value_min, range[0]);
+        h->value_max = fmax(h->value_max, range[1]);
+    }
 }
 
 /* What the header says of a mesh follows from its treelets. */
@@ -617,17 +639,8 @@ static status write_sections(leaf_writer *w) {
 /* Nothing but zeros between the last payload and the end; the gaps before are holes, which read as
  * zeros. */
 static status write_end(leaf_writer *w) {
-    static const char zeros[512];
-    uint32_t last = w->layout.payloads - 1;
-    for (uint64_t at = w->offsets[last] + w->sizes[last]; at < w->header.file_bytes;) {
-        uint64_t left = w->header.file_bytes - at;
-        size_t size = left < sizeof zeros ? (size_t)left : sizeof zeros;
-        status st = out_file_write_at(w->out, at, zeros, size);
-        if (st != ST_OK)
-            return st;
-        at += size;
-    }
-    return ST_OK;
+    const uint32_t last = w->layout.payloads - 1;
+    return write_zeros(w, w->offsets[last] + w->sizes[last], w->header.file_bytes);
 }
 
 static void note_facts(leaf_writer *w, const leaf_facts *facts) {
@@ -639,6 +652,7 @@ static void note_facts(leaf_writer *w, const leaf_facts *facts) {
     h->inverted = facts->inverted;
     h->repeated = facts->repeated;
     h->bad = facts->bad;
+    h->version = w->implied ? 2 : h->version;
     copy_text(h->provenance, sizeof h->provenance, facts->provenance);
 }
 
@@ -655,18 +669,20 @@ static status write_header(leaf_writer *w) {
 
 static status write_all(leaf_writer *w, const leaf_facts *facts) {
     status st = ST_OK;
-    if (w->layout.sets) {
+    if (w->counts) {
         leaf_layout_set_counts(&w->layout, (const uint32_t(*)[4])w->counts);
         st = allocate_copy(w);
     }
     if (st == ST_OK && w->scratch)
         st = copy_payloads(w);
+    else if (st == ST_OK && w->implied)
+        st = close_ranks(w);
     if (st != ST_OK)
         return st;
-    if (w->layout.sets)
+    if (w->counts)
         sum_up_mesh(w);
     else
-        merge_ranges(w);
+        sum_up_grid(w);
     note_facts(w, facts);
     st = write_sections(w);
     if (st == ST_OK)
@@ -675,7 +691,7 @@ static status write_all(leaf_writer *w, const leaf_facts *facts) {
 }
 
 status leaf_writer_settle(leaf_writer *w, const leaf_facts *facts) {
-    assert(w->layout.sets && !w->settled);
+    assert(w->counts && !w->settled);
     w->settled = true;
     return write_all(w, facts);
 }

@@ -23,21 +23,9 @@
 #include "formats/leaf/histogram.h"
 #include "formats/leaf/leaf.h"
 #include "formats/leaf/leaf_layout.h"
+#include "formats/leaf/leaf_packer.h"
 
 typedef struct leaf_writer leaf_writer;
-
-/* What a file is to be like. */
-typedef struct leaf_parameters {
-    uint32_t cells_log2;     /* LEAF_CELLS_LOG2_MIN .. MAX; 5 */
-    uint32_t halo;           /* 0, 1 */
-    uint32_t run_align_log2; /* 12 */
-    leaf_codec codec;
-    int zstd_level;  /* 1 .. ZSTD_maxCLevel() */
-    bool histograms; /* a histogram of each set: leaf_writer_histograms() */
-} leaf_parameters;
-
-/* leaf_parameters_default() - B = 32, h = 1, runs at 4096, raw, no histograms. */
-leaf_parameters leaf_parameters_default(void);
 
 /* What a treelet brings to the directory. */
 typedef struct leaf_entry {
@@ -54,6 +42,13 @@ typedef struct leaf_facts {
     uint64_t vertices, flat, inverted, repeated, bad;
 } leaf_facts;
 
+/* The sets of values of a grid's file: set = field * steps + step. */
+typedef struct leaf_sets {
+    uint32_t fields, steps;   /* 1 or more; their product up to LEAF_SETS_MAX */
+    const char *const *names; /* of all fields; NULL: untold; cut if too long */
+    const double *times;      /* of all steps, ascending; NULL: untold */
+} leaf_sets;
+
 /* What a mesh file is to be; of leaf_parameters, cells_log2 and halo do not matter then. */
 typedef struct leaf_mesh {
     const char *name, *field; /* of the data set, of the first field; cut if too long */
@@ -69,10 +64,12 @@ typedef struct leaf_mesh {
 } leaf_mesh;
 
 /* leaf_writer_create() - begin a file at path; ST_EXISTS unless force. g: as the input has it
- * (checked; copied as far as needed). leaf_writer_discard() removes what was begun; NULL is fine.
+ * (checked; copied as far as needed). sets: NULL is one, without a name. leaf_writer_discard()
+ * removes what was begun; NULL is fine.
  */
 CHECKED status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
-                                  const leaf_parameters *p, leaf_writer **out);
+                                  const leaf_sets *sets, const leaf_parameters *p,
+                                  leaf_writer **out);
 void leaf_writer_discard(leaf_writer *w);
 
 /* leaf_writer_create_mesh() - begin the file of a mesh; else the same. ST_UNSUPPORTED when there
@@ -91,27 +88,17 @@ size_t leaf_writer_pack_bytes(const leaf_layout *l, leaf_codec codec);
 
 const leaf_layout *leaf_writer_layout(const leaf_writer *w);
 
-/* leaf_writer_histograms() - the file's, one for each set (a grid is one set), to be filled before
+/* leaf_writer_histograms() - the file's, one for each set, to be filled before
  * leaf_writer_settle() and leaf_writer_finish(); NULL where it is to have none, or too many sets.
  * leaf_writer_range() - of the finite values of a set, once all is put; lo > hi: there are none. */
 histogram *leaf_writer_histograms(leaf_writer *w);
 void leaf_writer_range(const leaf_writer *w, uint32_t set, double range[2]);
 
-/* What one thread keeps between puts: a compressor, whose state lives outside `mem`; NULL for the
- * raw codec. */
-typedef struct leaf_packer leaf_packer;
-CHECKED status leaf_packer_create(const leaf_writer *w, leaf_packer **out);
-void leaf_packer_destroy(const leaf_writer *w, leaf_packer *k); /* NULL is fine */
-
-/* leaf_packer_memory() - bytes that a packer comes to hold outside `mem` for payloads of up to
- * payload_max bytes; m lends two payloads' room to find out. */
-CHECKED status leaf_packer_memory(mem *m, size_t payload_max, const leaf_parameters *p,
-                                  uint64_t *out);
-
-/* leaf_writer_put() - treelet t: its directory entry and its payload, leaf_layout_payload(t).bytes.
- * Each treelet exactly once; any thread, with a packer and a pack buffer of its own. */
-CHECKED status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t t, const leaf_entry *entry,
-                               const void *payload, void *pack);
+/* leaf_writer_put() - treelet t of a grid in a set: its directory entry and its payload,
+ * leaf_layout_payload(t).bytes, of which nothing is kept if it is implied. Each exactly once; any
+ * thread, with a packer and a pack buffer of its own. */
+CHECKED status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
+                               const leaf_entry *entry, const void *payload, void *pack);
 
 /* leaf_writer_put_topology() - treelet t of a mesh: its bounds (exact), its counts (without a
  * mesh_leaf_counts_fault()), and its topology, mesh_leaf_shape(counts).topology_bytes.

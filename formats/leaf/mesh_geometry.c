@@ -106,12 +106,15 @@ static uint64_t payloads(const leaf_header *h) {
     return leaf_blocks_payloads(&blocks);
 }
 
+static bool labels(const leaf_header *h) {
+    (void)h;
+    return true;
+}
+
 static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
     switch (kind) {
     case LEAF_SECTION_BOUNDS: return h->treelets * (h->moving ? h->steps : 1) * sizeof(float[6]);
     case LEAF_SECTION_COUNTS: return h->treelets * sizeof(uint32_t[4]);
-    case LEAF_SECTION_FIELDS: return h->fields * sizeof(char[64]);
-    case LEAF_SECTION_TIMES: return h->steps > 1 ? h->steps * sizeof(double) : 0;
     case LEAF_SECTION_COARSE: return sets(h) * sizeof(leaf_part);
     default: return 0;
     }
@@ -122,23 +125,11 @@ static status allocate(leaf_file *f) {
     mesh_directory *mesh = f->mesh = mem_zalloc(f->m, sizeof *f->mesh);
     if (!mesh)
         return ST_NOMEM;
-    mesh->sets = f->layout.sets;
-    mesh->fields = f->header.fields;
-    mesh->steps = f->header.steps;
     mesh->bounds = mem_array(f->m, count * (1 + f->layout.moved_steps), sizeof *mesh->bounds);
     mesh->counts = mem_array(f->m, count, sizeof *mesh->counts);
     mesh->first_tet = mem_array(f->m, count + 1, sizeof *mesh->first_tet);
-    mesh->names = mem_array(f->m, mesh->fields, sizeof *mesh->names);
-    mesh->times = mem_array(f->m, mesh->steps, sizeof *mesh->times);
-    if (!mesh->bounds || !mesh->counts || !mesh->first_tet || !mesh->names || !mesh->times)
-        return ST_NOMEM;
-    mesh->coarse = mem_array(f->m, mesh->sets, sizeof *mesh->coarse);
-    if (!mesh->coarse)
-        return ST_NOMEM;
-    memcpy(mesh->names[0], f->header.field, sizeof *mesh->names);
-    for (uint32_t s = 0; s < mesh->steps; s++)
-        mesh->times[s] = s;
-    return ST_OK;
+    mesh->coarse = mem_array(f->m, f->layout.sets, sizeof *mesh->coarse);
+    return mesh->bounds && mesh->counts && mesh->first_tet && mesh->coarse ? ST_OK : ST_NOMEM;
 }
 
 static void release(leaf_file *f) {
@@ -147,8 +138,6 @@ static void release(leaf_file *f) {
     mem_free(f->m, f->mesh->bounds);
     mem_free(f->m, f->mesh->counts);
     mem_free(f->m, f->mesh->first_tet);
-    mem_free(f->m, f->mesh->names);
-    mem_free(f->m, f->mesh->times);
     mem_free(f->m, f->mesh->coarse);
     mem_free(f->m, f->mesh);
 }
@@ -157,8 +146,6 @@ static void *section(const leaf_file *f, uint32_t kind) {
     switch (kind) {
     case LEAF_SECTION_BOUNDS: return f->mesh->bounds;
     case LEAF_SECTION_COUNTS: return f->mesh->counts;
-    case LEAF_SECTION_FIELDS: return f->mesh->names;
-    case LEAF_SECTION_TIMES: return f->mesh->times;
     case LEAF_SECTION_COARSE: return f->mesh->coarse;
     default: return NULL;
     }
@@ -192,25 +179,12 @@ static status check_counts(const char *path, const leaf_header *h, const leaf_di
     return ST_OK;
 }
 
-static status check_names(const char *path, const leaf_header *h, const char (*names)[64],
-                          uint64_t at) {
-    for (uint32_t i = 0; i < h->fields; i++) {
-        status st = leaf_check_text(path, names[i], sizeof names[i], at + i * sizeof names[i]);
-        if (st != ST_OK)
-            return st;
-    }
-    if (memcmp(names[0], h->field, sizeof h->field) == 0)
-        return ST_OK;
-    return leaf_check_corrupt(path, at, "expected the header's first field \"%s\", found \"%s\"",
-                              h->field, names[0]);
-}
-
 /* The layout of a mesh, once its counts are known to be sound. */
 static status init_layout(leaf_file *f) {
     mesh_directory *mesh = f->mesh;
     const leaf_blocks blocks = {.treelets = f->layout.treelets,
-                                .fields = mesh->fields,
-                                .steps = mesh->steps,
+                                .fields = f->header.fields,
+                                .steps = f->header.steps,
                                 .gradients = f->layout.gradient_sets > 0,
                                 .moving = f->layout.moved_steps > 0};
     status st = leaf_layout_init_mesh(&f->layout, f->m, &blocks);
@@ -222,27 +196,11 @@ static status init_layout(leaf_file *f) {
     return ST_OK;
 }
 
-/* Names and times, where the file has them. */
-static status check_labels(const leaf_file *f, const leaf_directory *d) {
-    mesh_directory *mesh = f->mesh;
-    const char *path = file_path(f->source);
-    const uint64_t names = d->at[LEAF_SECTION_FIELDS - 1], times = d->at[LEAF_SECTION_TIMES - 1];
-    mesh->has_times = times > 0;
-    status st = ST_OK;
-    if (names)
-        st = check_names(path, &f->header, (const char(*)[64])mesh->names, names);
-    for (uint32_t i = 0; i < mesh->fields; i++)
-        text_name(mesh->names[i], sizeof *mesh->names, mesh->names[i]);
-    return st == ST_OK && times ? leaf_check_axis(path, mesh->times, mesh->steps, times) : st;
-}
-
 static status lay_out(leaf_file *f, leaf_directory *d) {
     d->bounds = (const float(*)[6])f->mesh->bounds;
     d->counts = (const uint32_t(*)[4])f->mesh->counts;
     d->parts = d->at[LEAF_SECTION_COARSE - 1] ? f->mesh->coarse : NULL;
-    status st = check_labels(f, d);
-    if (st == ST_OK)
-        st = check_counts(file_path(f->source), &f->header, d);
+    status st = check_counts(file_path(f->source), &f->header, d);
     return st == ST_OK ? init_layout(f) : st;
 }
 
@@ -332,6 +290,7 @@ const leaf_geometry mesh_geometry = {.holds_indices = true,
                                      .check_layout = check_layout,
                                      .sets = sets,
                                      .payloads = payloads,
+                                     .labels = labels,
                                      .section_bytes = section_bytes,
                                      .allocate = allocate,
                                      .section = section,

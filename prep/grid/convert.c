@@ -1,5 +1,6 @@
 #include "prep/grid/convert.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -37,6 +38,7 @@ typedef struct conversion {
     const progress *p;
     leaf_writer *writer;
     const leaf_layout *layout;
+    uint32_t set; /* under way */
     pool *workers;
     bench *benches; /* one a worker */
     stage stages[LEAF_LEVELS_MAX];
@@ -62,7 +64,7 @@ static status make_treelet(const conversion *c, const bench *b, const sample_box
     leaf_entry entry = {.own = {summary.own[0], summary.own[1]}, .flags = summary.flags};
     if (c->cells && c->layout->level_of[t] == 0)
         leaf_histogram_take(c->layout, &c->draw, &c->space, t, b->payload, c->cells);
-    return leaf_writer_put(c->writer, b->packer, t, &entry, b->payload, b->pack);
+    return leaf_writer_put(c->writer, b->packer, c->set, t, &entry, b->payload, b->pack);
 }
 
 static status make_family(void *ctx, size_t index, int worker) {
@@ -85,11 +87,15 @@ static status make_family(void *ctx, size_t index, int worker) {
     return ST_OK;
 }
 
+/* The share of all sets. */
+static double done(const conversion *c) {
+    return (c->set + (double)c->slices_done / c->layout->level[0].dims[2]) / c->layout->sets;
+}
+
 static status take_slab(conversion *c, uint32_t level) {
     slab *s = c->stages[level].slab;
-    double fraction = (double)c->slices_done / c->layout->level[0].dims[2];
     for (uint32_t i = 0; i < slab_boxes(s); i++) {
-        status st = progress_step(c->p, "convert", fraction);
+        status st = progress_step(c->p, "convert", done(c));
         slab_box box;
         if (st == ST_OK)
             st = slab_take(s, i, &box);
@@ -149,8 +155,7 @@ static status convert_slices(conversion *c) {
         st = push(c, slices, count);
         c->slices_done += count;
         if (st == ST_OK)
-            st = progress_step(c->p, "convert",
-                               (double)c->slices_done / c->layout->level[0].dims[2]);
+            st = progress_step(c->p, "convert", done(c));
         if (st != ST_OK)
             return st;
     }
@@ -171,7 +176,7 @@ static status create_benches(conversion *c) {
             return ST_NOMEM;
         if (pack_bytes && !(b->pack = mem_alloc(c->m, pack_bytes)))
             return ST_NOMEM;
-        status st = leaf_packer_create(c->writer, &b->packer);
+        status st = leaf_packer_create(c->m, &c->o->file, &b->packer);
         if (st != ST_OK)
             return st;
     }
@@ -202,14 +207,18 @@ static status create_stages(conversion *c, const char *output) {
 
 /* All samples have been put. */
 static status check_empty(const conversion *c, const grid *g) {
-    double range[2];
-    leaf_writer_range(c->writer, 0, range);
-    if (!c->o->refuse_empty || range[0] <= range[1])
+    bool empty = c->o->refuse_empty;
+    for (uint32_t set = 0; set < c->layout->sets && empty; set++) {
+        double range[2];
+        leaf_writer_range(c->writer, set, range);
+        empty = range[0] > range[1];
+    }
+    if (!empty)
         return ST_OK;
     return status_describe(ST_UNSUPPORTED,
                            "none of the volume's %llu samples is a finite number: there is nothing "
                            "to draw (--allow-empty converts it all the same)",
-                           (unsigned long long)grid_samples(g));
+                           (unsigned long long)grid_samples(g) * c->layout->sets);
 }
 
 static status begin_histogram(conversion *c, const grid *g) {
@@ -227,13 +236,13 @@ static void end_histogram(conversion *c, const grid *g) {
     double range[2];
     if (!c->cells)
         return;
-    leaf_writer_range(c->writer, 0, range);
-    histogram_build(leaf_writer_histograms(c->writer), c->cells, c->draw.count, c->layout->type,
-                    range, grid_samples(g));
+    leaf_writer_range(c->writer, c->set, range);
+    histogram_build(leaf_writer_histograms(c->writer) + c->set, c->cells, c->draw.count,
+                    c->layout->type, range, grid_samples(g));
 }
 
-/* Everything but the writer, which leaf_writer_finish() consumes. */
-static void release(conversion *c) {
+/* What one set has for itself. */
+static void release_set(conversion *c) {
     mem_free(c->m, c->cells);
     read_ahead_destroy(c->input);
     for (uint32_t level = 0; level < LEAF_LEVELS_MAX; level++) {
@@ -241,11 +250,19 @@ static void release(conversion *c) {
         pyramid_destroy(c->stages[level].up);
         mem_free(c->m, c->stages[level].coarse);
     }
+    memset(c->stages, 0, sizeof c->stages);
+    c->cells = NULL;
+    c->input = NULL;
+}
+
+/* Everything but the writer, which leaf_writer_finish() consumes. */
+static void release(conversion *c) {
+    release_set(c);
     for (int i = 0; c->benches && i < c->o->threads; i++) {
         mem_free(c->m, c->benches[i].scratch);
         mem_free(c->m, c->benches[i].payload);
         mem_free(c->m, c->benches[i].pack);
-        leaf_packer_destroy(c->writer, c->benches[i].packer);
+        leaf_packer_destroy(c->m, c->benches[i].packer);
     }
     mem_free(c->m, c->benches);
     pool_destroy(c->workers);
@@ -259,11 +276,49 @@ static void describe_origin(const convert_options *o, sample_type source, char *
              LEAFCAST_VERSION, sample_name(source), 1 << o->file.cells_log2, o->file.halo, codec);
 }
 
+/* All of v, the samples of c->set; facts: what was seen is added. */
+static status convert_set(conversion *c, volume *v, const char *output, read_ahead_facts *facts) {
+    const grid *g = volume_grid(v);
+    c->slices_done = 0;
+    status st = create_stages(c, output);
+    if (st == ST_OK)
+        st = begin_histogram(c, g);
+    if (st == ST_OK)
+        st = read_ahead_create(c->m, v, c->plan->batch, &c->input);
+    if (st == ST_OK)
+        st = convert_slices(c);
+    if (st == ST_OK) {
+        const read_ahead_facts seen = read_ahead_end(c->input);
+        end_histogram(c, g);
+        facts->non_finite += seen.non_finite;
+        facts->rounding_error = fmax(facts->rounding_error, seen.rounding_error);
+        facts->trailing_bytes += seen.trailing_bytes;
+    }
+    release_set(c);
+    return st;
+}
+
+/* first: the first set's; others are opened here, one at a time. */
+static status convert_sets(conversion *c, volume *first, const char *output,
+                           read_ahead_facts *facts) {
+    status st = convert_set(c, first, output, facts);
+    for (c->set = 1; c->set < c->layout->sets && st == ST_OK; c->set++) {
+        volume *v = NULL;
+        st = grid_series_open(c->m, c->o->series, c->set, &v);
+        if (st == ST_OK)
+            st = convert_set(c, v, output, facts);
+        volume_close(v);
+    }
+    return st;
+}
+
 status convert_run(mem *m, volume *v, const char *output, const convert_options *o,
                    const convert_plan *plan, const progress *p, convert_result *result) {
     conversion c = {.m = m, .o = o, .plan = plan, .p = p};
+    read_ahead_facts seen = {0};
     const grid *g = volume_grid(v);
-    status st = leaf_writer_create(m, output, o->force, g, &o->file, &c.writer);
+    const leaf_sets *sets = o->series ? &o->series->sets : NULL;
+    status st = leaf_writer_create(m, output, o->force, g, sets, &o->file, &c.writer);
     if (st != ST_OK)
         return st;
     c.layout = leaf_writer_layout(c.writer);
@@ -271,23 +326,14 @@ status convert_run(mem *m, volume *v, const char *output, const convert_options 
     if (st == ST_OK)
         st = create_benches(&c);
     if (st == ST_OK)
-        st = create_stages(&c, output);
-    if (st == ST_OK)
-        st = begin_histogram(&c, g);
-    if (st == ST_OK)
-        st = read_ahead_create(m, v, plan->batch, &c.input);
-    if (st == ST_OK)
-        st = convert_slices(&c);
+        st = convert_sets(&c, v, output, &seen);
     if (st == ST_OK)
         st = check_empty(&c, g);
+    release(&c);
     if (st != ST_OK) {
-        release(&c);
         leaf_writer_discard(c.writer);
         return st;
     }
-    read_ahead_facts seen = read_ahead_end(c.input);
-    end_histogram(&c, g);
-    release(&c);
     char provenance[256];
     describe_origin(o, grid_source(g), provenance, sizeof provenance);
     leaf_facts facts = {.non_finite = seen.non_finite,

@@ -93,20 +93,37 @@ static uint64_t family_size(const leaf_layout *l, const sort *x, const sort *y, 
     return bytes;
 }
 
+/* Where the payloads begin. */
+static uint64_t directory_size(const leaf_layout *l, const grid *g, const convert_options *o) {
+    const leaf_sets *sets = o->series ? &o->series->sets : NULL;
+    const leaf_header h = {.kind = LEAF_KIND_GRID,
+                           .version = l->sets > 1 ? 2 : 1,
+                           .treelets = l->treelets,
+                           .dims = {g->dims[0], g->dims[1], g->dims[2]},
+                           .rectilinear = grid_is_rectilinear(g),
+                           .fields = l->sets / l->steps,
+                           .steps = l->steps};
+    const bool there[LEAF_SECTION_LAST + 1] = {
+        [LEAF_SECTION_FIELDS] = sets && sets->names, [LEAF_SECTION_TIMES] = sets && sets->times};
+    uint64_t bytes = 0, sections = 0;
+    for (uint32_t kind = 1; kind <= LEAF_SECTION_LAST; kind++)
+        if (leaf_section_bytes(&h, kind) && (!leaf_section_optional(kind) || there[kind])) {
+            bytes += leaf_layout_aligned(leaf_section_bytes(&h, kind), LEAF_ALIGN_LOG2);
+            sections++;
+        }
+    if (o->file.histograms && leaf_section_bytes(&h, LEAF_SECTION_HISTOGRAMS)) {
+        bytes +=
+            leaf_layout_aligned(leaf_section_bytes(&h, LEAF_SECTION_HISTOGRAMS), LEAF_ALIGN_LOG2);
+        sections++;
+    }
+    bytes +=
+        leaf_layout_aligned(LEAF_HEADER_BYTES + sections * sizeof(leaf_section), LEAF_ALIGN_LOG2);
+    return leaf_layout_aligned(bytes, o->file.run_align_log2);
+}
+
 static void plan_sizes(convert_plan *plan, const grid *g, const convert_options *o) {
     const leaf_layout *l = &plan->layout;
-    leaf_header h = {.kind = LEAF_KIND_GRID,
-                     .treelets = l->treelets,
-                     .dims = {g->dims[0], g->dims[1], g->dims[2]}};
-    h.rectilinear = grid_is_rectilinear(g);
-    h.sections = h.rectilinear ? LEAF_SECTION_AXES : LEAF_SECTION_AXES - 1;
-    uint64_t bytes = LEAF_HEADER_BYTES + (h.sections + o->file.histograms) * sizeof(leaf_section);
-    for (uint32_t kind = 1; kind <= h.sections; kind++)
-        bytes = leaf_layout_aligned(bytes, LEAF_ALIGN_LOG2) + leaf_section_bytes(&h, kind);
-    if (o->file.histograms)
-        bytes = leaf_layout_aligned(bytes, LEAF_ALIGN_LOG2) +
-                leaf_section_bytes(&h, LEAF_SECTION_HISTOGRAMS);
-    bytes = leaf_layout_aligned(bytes, o->file.run_align_log2);
+    uint64_t bytes = 0;
     for (uint32_t level = 0; level < l->levels; level++) {
         sort sorts[3][3];
         int n[3];
@@ -120,7 +137,8 @@ static void plan_sizes(convert_plan *plan, const grid *g, const convert_options 
             bytes += count * leaf_layout_aligned(family, o->file.run_align_log2);
         }
     }
-    plan->file_bytes = bytes;
+    plan->payload_bytes *= l->sets;
+    plan->file_bytes = directory_size(l, g, o) + bytes * l->sets;
 }
 
 /* ---- choosing ---- */
@@ -167,6 +185,9 @@ status convert_plan_make(mem *m, const grid *g, const convert_options *o, conver
     status st = leaf_layout_levels(&plan->layout, g->dims, o->file.cells_log2, o->file.halo,
                                    sample_stored(g->type));
     uint64_t packer = 0;
+    if (st == ST_OK && o->series &&
+        !leaf_layout_repeat(&plan->layout, o->series->sets.fields, o->series->sets.steps))
+        st = status_describe(ST_UNSUPPORTED, "more than 2^32 - 2 payloads; use larger treelets");
     if (st == ST_OK)
         st = leaf_packer_memory(m, leaf_layout_payload_max(&plan->layout), &o->file, &packer);
     if (st != ST_OK)

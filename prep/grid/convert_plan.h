@@ -14,15 +14,17 @@
 #include "formats/grid/grid.h"
 #include "formats/leaf/leaf_layout.h"
 #include "formats/leaf/leaf_writer.h"
+#include "prep/grid/grid_series.h"
 #include "prep/grid/slab.h"
 
 /* What the user asks for. */
 typedef struct convert_options {
     leaf_parameters file;
-    uint64_t memory;   /* budget in bytes */
-    int threads;       /* >= 1, beside the one that reads */
-    bool force;        /* replace an existing output */
-    bool refuse_empty; /* without any sample that is a number: ST_UNSUPPORTED */
+    uint64_t memory;           /* budget in bytes */
+    int threads;               /* >= 1, beside the one that reads */
+    bool force;                /* replace an existing output */
+    bool refuse_empty;         /* without any sample that is a number: ST_UNSUPPORTED */
+    const grid_series *series; /* checked; NULL: the volume alone */
 } convert_options;
 
 typedef struct convert_plan {
@@ -35,7 +37,7 @@ typedef struct convert_plan {
     uint64_t memory_least;    /* the smallest budget that would do, with these threads */
     uint64_t spill_bytes;     /* size of the scratch files of slabs */
     uint64_t payload_bytes;   /* before compression */
-    uint64_t file_bytes;      /* raw codec: exactly; else at most */
+    uint64_t file_bytes;      /* at most; raw codec: exactly, but for payloads that are implied */
 } convert_plan;
 
 /* convert_plan_make() - the fastest plan within o->memory; m is where the budget is taken from, and

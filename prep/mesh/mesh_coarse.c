@@ -70,7 +70,7 @@ static char *beside(mem *m, const char *output, const char *suffix) {
 
 static status embed_sets(embedding *e, leaf_writer *w) {
     status st = leaf_file_open(e->m, leaf_writer_path(w), &e->f);
-    for (uint32_t set = 0; st == ST_OK && set < e->f->mesh->sets; set++) {
+    for (uint32_t set = 0; st == ST_OK && set < e->f->layout.sets; set++) {
         st = resample(e, set);
         if (st == ST_OK)
             st = convert(e);

@@ -338,7 +338,7 @@ static status create_benches(conversion *c) {
         if (st == ST_OK && o->gradients)
             st = mesh_pages_init(&k->gradients, &c->gradients, c->plan.gradients_window);
         if (st == ST_OK)
-            st = leaf_packer_create(c->writer, &k->packer);
+            st = leaf_packer_create(c->m, &c->o->file, &k->packer);
         if (st == ST_OK && k->packer) {
             k->pack = mem_alloc(c->m, mesh_treelet_payload_max(o->treelet_tets, o->leaf_tets));
             st = k->pack ? ST_OK : ST_NOMEM;
@@ -362,7 +362,7 @@ static void release_benches(conversion *c, leaf_facts *facts) {
         mesh_pages_release(&k->values);
         mesh_pages_release(&k->gradients);
         if (k->packer)
-            leaf_packer_destroy(c->writer, k->packer);
+            leaf_packer_destroy(c->m, k->packer);
         mem_free(c->m, k->pack);
     }
     mem_free(c->m, c->benches);

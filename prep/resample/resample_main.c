@@ -150,19 +150,18 @@ static status append(void *ctx, const float *samples, size_t count) {
 
 /* The set of values that is asked for. */
 static status find_set(const arguments *a, const leaf_file *f, uint32_t *set) {
-    const mesh_directory *d = f->mesh;
     /* A mesh that was converted for this has the one field that was asked for. */
     const char *name = resample_input_is_leaf(a->source.path) ? a->source.hints.field : NULL;
     const uint32_t step = a->step > 0 ? (uint32_t)a->step : 0;
     uint32_t i = 0;
-    if (step >= d->steps)
+    if (step >= f->header.steps)
         return status_describe(ST_USAGE, "--step %u: there are %u steps, from 0 on", step,
-                               d->steps);
-    while (name && i < d->fields && strcmp(d->names[i], name) != 0)
+                               f->header.steps);
+    while (name && i < f->header.fields && strcmp(f->names[i], name) != 0)
         i++;
-    if (i == d->fields)
+    if (i == f->header.fields)
         return status_describe(ST_USAGE, "--field %s: there is none; the first is %s", name,
-                               d->names[0]);
+                               f->names[0]);
     *set = leaf_layout_set(&f->layout, i, step);
     return ST_OK;
 }

@@ -74,7 +74,7 @@ static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Many pictures (-o out.png becomes out_0000.png ...):", 50},
     {"iso-list", ISO_LIST, "V1,V2,...", 0, "a picture for each isovalue; V:V is a picture with two",
      0},
-    {"steps", STEPS, "A:B", 0, "a picture for each time step of a mesh from A to B", 0},
+    {"steps", STEPS, "A:B", 0, "a picture for each time step from A to B", 0},
     {"camera-path", CAMERA_PATH, "FILE", 0,
      "a picture for each entry of a JSON array: [{\"eye\": [1,2,3]}, ...]", 0},
     {"turntable", TURNTABLE, "N", 0,

@@ -95,9 +95,9 @@ const struct argp_option view_options_table[] = {
      0},
 
     {NULL, 0, NULL, 0, "What is drawn:", 40},
-    {"field", FIELD, "NAME", 0,
-     "meshes with several fields: draw this one, by name or number (the first)", 0},
-    {"step", STEP, "K", 0, "meshes with time steps: draw this one, counted from 0 (0)", 0},
+    {"field", FIELD, "NAME", 0, "of several fields: draw this one, by name or number (the first)",
+     0},
+    {"step", STEP, "K", 0, "of several time steps: draw this one, counted from 0 (0)", 0},
     {"clip-box", CLIP_BOX, "X0,Y0,Z0,X1,Y1,Z1", 0, "draw only what is inside this box", 0},
     {"clip-plane", CLIP_PLANE, "A,B,C,D", 0, "draw only where Ax + By + Cz + D >= 0. Repeatable",
      0},
@@ -530,14 +530,7 @@ static bool normals_of_meshes(const view_options *v) {
     return v->normals >= 2;
 }
 
-static bool never(const view_options *v) {
-    (void)v;
-    return false;
-}
-
 static const flag_need GRID_NEEDS[] = {
-    {FIELD, never, "--field: a grid has one field"},
-    {STEP, never, "--step: a grid has one step"},
     {NORMALS, normals_of_grids, "--normals: a grid's are central or analytic"}};
 static const flag_need MESH_NEEDS[] = {
     {LOD, lod_is_exact, "--lod: a mesh has no coarse levels"},

@@ -64,8 +64,8 @@ static void grid_describe(const leafcast *v, leafcast_info *info) {
 /* ---- The box of what is active ---- */
 
 /* Of the cells that the histogram has seen in the isovalue's bin and the next one: nodes. */
-static void widen_by_histogram(const leafcast *v, double isovalue, double box[2][3]) {
-    const histogram *h = v->file->histograms;
+static void widen_by_histogram(const leafcast *v, uint32_t set, double isovalue, double box[2][3]) {
+    const histogram *h = &v->file->histograms[set];
     const uint32_t *dims = v->file->header.dims;
     for (uint32_t k = 0; k < h->bins; k++) {
         const bool near = h->edges[k + 1] > isovalue && (k == 0 || h->edges[k - 1] <= isovalue);
@@ -82,13 +82,14 @@ static void widen_by_histogram(const leafcast *v, double isovalue, double box[2]
 }
 
 /* Of the treelets of level 0: nodes. */
-static void widen_by_treelets(const leafcast *v, const double *isovalues, int count,
+static void widen_by_treelets(const leafcast *v, uint32_t set, const double *isovalues, int count,
                               double box[2][3]) {
     const interest in = interest_of_isovalues(isovalues, count);
     const leaf_layout *l = &v->file->layout;
+    const float(*own)[2] = (const float(*)[2])v->file->own + leaf_layout_samples(l, set, 0);
     for (uint32_t t = l->level[0].first; t < l->treelets; t++) {
         double lo[3], hi[3];
-        if (!interest_meets(&in, v->file->own[t][0], v->file->own[t][1]))
+        if (!interest_meets(&in, own[t][0], own[t][1]))
             continue;
         for (int a = 0; a < 3; a++) {
             lo[a] = (double)l->place[t][a] * (1u << l->cells_log2);
@@ -107,13 +108,12 @@ static double axis_at(const leafcast *v, int a, double node) {
 static void grid_active_box(const leafcast *v, uint32_t set, const double *isovalues, int count,
                             double corners[8][3]) {
     double box[2][3];
-    (void)set;
     box3_begin(box);
     if (v->file->histograms)
         for (int i = 0; i < count; i++)
-            widen_by_histogram(v, isovalues[i], box);
+            widen_by_histogram(v, set, isovalues[i], box);
     else
-        widen_by_treelets(v, isovalues, count, box);
+        widen_by_treelets(v, set, isovalues, count, box);
     for (int a = 0; a < 3; a++) {
         const bool any = box[0][a] <= box[1][a];
         box[0][a] = axis_at(v, a, any ? box[0][a] : 0.0);
@@ -171,7 +171,7 @@ static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
                      .halo = layout->halo,
                      .intersector = how,
                      .intersect = v->intersect ? v->intersect : intersector_find(how)->next_hit,
-                     .walk = v->kernels.walk,
+                     .walk = v->kernels.grid_walk,
                      .analytic_normals = scene->analytic_normals};
     tr->own = &g->scene;
     for (int a = 0; a < 3; a++) {
@@ -194,11 +194,11 @@ static status grid_project(leafcast *v, const camera *c, projection *out) {
 }
 
 static tile_fn grid_tile(const kernels *k) {
-    return k->tile;
+    return k->grid_tile;
 }
 
 static batch_fn grid_batch(const kernels *k) {
-    return k->batch;
+    return k->grid_batch;
 }
 
 /* ---- The order of treelets ---- */

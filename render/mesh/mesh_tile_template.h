@@ -11,11 +11,11 @@
 
 #include "render/lane_counts.h"
 #include "render/mesh/isopolygon_cache.h"
+#include "render/mesh/isopolygon_template.h"
 #include "render/mesh/mesh_box_template.h"
 #include "render/mesh/mesh_shade_template.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/mesh_tracer.h"
-#include "render/mesh/tet_sight_template.h"
 #include "render/tile_rects_template.h"
 #include "stream/interest.h"
 
@@ -258,9 +258,9 @@ SIMD bool polygon_of(const mesh_tile *w, const resident_mesh *at, unsigned lane,
     const uint32_t local = w->lanes.local[lane];
     if (!at->derived) {
         const near_tet x = lane_tet(&w->lanes, at, lane);
-        const polygon_sight sight = isopolygon_near(&x, isovalue, out);
-        if (sight != DOUBTFUL_POLYGON)
-            return sight == SURE_POLYGON;
+        const polygon_certainty found = isopolygon_near(&x, isovalue, out);
+        if (found != DOUBTFUL_POLYGON)
+            return found == SURE_POLYGON;
         const tet exact = mesh_walk_tet(at, local);
         return isopolygon_of(&exact, isovalue, out);
     }

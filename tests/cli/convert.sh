@@ -105,7 +105,7 @@ for verb in convert verify info; do
     ok "is on standard output" [ ! -s "$tmp/err" ]
     exits "$verb without a file" 2 "$leafcast" $verb
 done
-for wrong in "$in" "$in $in -o $out" "$in -o $out --compress lzma" "$in -o $out --compress zstd:99" \
+for wrong in "$in" "$in $in --times 1 -o $out" "$in -o $out --compress lzma" "$in -o $out --compress zstd:99" \
     "$in -o $out --treelet 48" "$in -o $out --treelet 128" "$in -o $out --halo 2" "$in -o $out --dims 3,4" \
     "$in -o $out --type u7" "$in -o $out --spacing 0,1,1" "$in -o $out --threads 0" "$in -o $out --memory x"; do
     # shellcheck disable=SC2086 # split on purpose

@@ -65,7 +65,7 @@ axis-y=$tmp/axis rh
 axis-z=$tmp/axis rh
 field=sphere m
 fields=all m
-times=7 m
+times=7 rhm
 component=1 m
 step=0 -
 cells-to-points -

@@ -101,10 +101,10 @@ refused "bench" "$leafcast" bench time "$fifo" --iso 1
 for axis in x y z; do
     refused "--axis-$axis" "$leafcast" convert "$tmp/a.nrrd" --axis-$axis "$fifo" -o "$tmp/x.leaf"
 done
-exits "a folder" 1 "$leafcast" convert "$tmp" -o "$tmp/x.leaf"
-ok "is named as one" says "is a folder"
+exits "a folder" 3 "$leafcast" convert "$tmp" -o "$tmp/x.leaf"
+ok "is named as one" says "a folder without a file of a known format"
 exits "a device" 1 "$leafcast" convert /dev/zero -o "$tmp/x.leaf"
 ok "is named as one" says "is a device"
-exits "a folder as a treelet file" 1 "$leafcast" info "$tmp"
-ok "is named as one" says "is a folder"
+exits "a folder as a treelet file" 3 "$leafcast" info "$tmp"
+ok "is named as one" says "a folder without a file of a known format"
 finish

@@ -6,24 +6,23 @@ command -v python3 >/dev/null || { skip "a terminal" "no python3 here"; finish; 
 cat >"$tmp/screen.py" <<'PY'
 """screen.py RAW SCREEN COMMAND...: run it on a terminal of its own. RAW: the bytes it got; SCREEN:
 what stands there in the end."""
-import os, pty, sys
+import os, pty, subprocess, sys, threading
+
+# A terminal whose last writer is gone may end before all that was written has been read. So this end
+# of it stays open, and behind the command's last byte it gets one of ours: what comes before that
+# byte is all there is.
+END = b"\0"
 
 
 def run(command):
-    pid, terminal = pty.fork()
-    if pid == 0:
-        os.environ["TERM"] = "xterm"
-        os.execvp(command[0], command)
+    ours, its = pty.openpty()
+    child = subprocess.Popen(command, stdin=its, stdout=its, stderr=its, start_new_session=True,
+                             env={**os.environ, "TERM": "xterm"})
+    threading.Thread(target=lambda: (child.wait(), os.write(its, END))).start()
     raw = b""
-    while True:
-        try:
-            part = os.read(terminal, 65536)
-        except OSError:
-            break
-        if not part:
-            break
-        raw += part
-    return raw, os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+    while not raw.endswith(END):
+        raw += os.read(ours, 65536)
+    return raw[:-len(END)], child.returncode
 
 
 def screen(raw):
@@ -52,7 +51,10 @@ open(sys.argv[1], "wb").write(raw)
 open(sys.argv[2], "w").write(screen(raw))
 sys.exit(code)
 PY
-on_terminal() { run python3 "$tmp/screen.py" "$tmp/raw" "$tmp/screen" "$@"; }
+on_terminal() { # what stands there in the end is shown if a test fails
+    run python3 "$tmp/screen.py" "$tmp/raw" "$tmp/screen" "$@"
+    cp "$tmp/screen" "$tmp/out"
+}
 bars() { grep -c '\[[#.]*\] *[0-9]*%' "$1"; }
 
 # A job that takes as long as it must for a bar to be drawn, which is after 0.3 s.
@@ -65,7 +67,7 @@ while :; do
 done
 ok "a long job draws a bar" [ "$(bars "$tmp/raw")" -gt 0 ]
 ok "no bar stays" [ "$(bars "$tmp/screen")" = 0 ]
-ok "results begin their line" grep -q '^{$' "$tmp/screen"
+ok "results begin their line" [ "$rc" = 0 -a "$(grep -c '^{$' "$tmp/screen")" = 1 ]
 on_terminal "$leafcast" convert "$tmp/v.nrrd" -o "$tmp/v.leaf" --threads 1
 ok "convert: results, and no bar" [ "$rc" = 0 -a "$(bars "$tmp/screen")" = 0 -a \
     "$(grep -c '^file ' "$tmp/screen")" = 1 ]

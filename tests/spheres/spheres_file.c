@@ -14,7 +14,7 @@ static const uint32_t kinds[] = {LEAF_SECTION_RANGES,  LEAF_SECTION_OWN,   LEAF_
 enum { SECTIONS = sizeof kinds / sizeof *kinds };
 
 static leaf_header header_of(uint32_t treelets) {
-    leaf_header h = {.version = LEAF_VERSION,
+    leaf_header h = {.version = 1,
                      .kind = SPHERES_KIND,
                      .sample_type = SAMPLE_F32,
                      .source_type = SAMPLE_F32,

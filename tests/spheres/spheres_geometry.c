@@ -58,6 +58,11 @@ static uint64_t payloads(const leaf_header *h) {
     return h->treelets;
 }
 
+static bool labels(const leaf_header *h) {
+    (void)h;
+    return false;
+}
+
 static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
     return kind == LEAF_SECTION_BOUNDS   ? h->treelets * sizeof(float[6])
            : kind == LEAF_SECTION_COUNTS ? h->treelets * sizeof(uint32_t[4])
@@ -171,6 +176,7 @@ const leaf_geometry spheres_geometry = {.holds_indices = false,
                                         .check_layout = check_layout,
                                         .sets = sets,
                                         .payloads = payloads,
+                                        .labels = labels,
                                         .section_bytes = section_bytes,
                                         .allocate = allocate,
                                         .section = section,

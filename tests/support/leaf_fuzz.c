@@ -24,7 +24,7 @@ static bool is_described(status st) {
 /* Each histogram for people and for programs, as `leafcast info` does: before anything is verified.
  */
 static status print_histograms(mem *m, const leaf_file *f) {
-    const uint32_t sets = f->mesh ? f->mesh->sets : 1;
+    const uint32_t sets = f->layout.sets;
     status st = ST_OK;
     for (uint32_t set = 0; set < sets && set < SETS_SEEN && st == ST_OK; set++) {
         char *text = NULL;

@@ -51,9 +51,9 @@ static bool read_text(naive_leaf *leaf, uint64_t offset, uint64_t size, char *ou
 
 static bool read_header(naive_leaf *leaf) {
     static const unsigned char magic[8] = {0x89, 0x4c, 0x45, 0x41, 0x46, 0x0d, 0x0a, 0x1a};
-    /* offset, lowest and highest value of what a version 1 file of a grid may say */
+    /* offset, lowest and highest value of what the file of a grid may say */
     static const uint64_t ranges[][3] = {
-        {8, 1, 1},        {12, 1, 1},  {16, 1, 5}, {20, 1, 8}, {24, 2, 1 << 20}, {28, 2, 1 << 20},
+        {8, 1, 2},        {12, 1, 1},  {16, 1, 5}, {20, 1, 8}, {24, 2, 1 << 20}, {28, 2, 1 << 20},
         {32, 2, 1 << 20}, {36, 1, 24}, {40, 4, 6}, {44, 0, 1}, {48, 2, 2},       {52, 6, 21},
         {56, 0, 1},       {60, 0, 1},  {64, 1, 1}, {68, 1, 1}, {72, 1, 64},      {76, 0, 0},
     };
@@ -66,6 +66,7 @@ static bool read_header(naive_leaf *leaf) {
             return wrong(leaf, "header field at %d is %llu", (int)ranges[i][0],
                          (unsigned long long)value);
     }
+    leaf->version = (int)naive_number(b + 8, 4);
     leaf->sample_type = (int)naive_number(b + 16, 4);
     leaf->source_type = (int)naive_number(b + 20, 4);
     for (int a = 0; a < 3; a++)
@@ -404,6 +405,25 @@ static uint64_t codes_size(const naive_leaf *leaf) {
     return 2 * ((UINT64_C(1) << (3 * (leaf->cells_log2 - 1))) - 8) / 7;
 }
 
+/* The samples of a payload of no bytes. */
+static void imply_samples(const naive_treelet *t, uint64_t count, float *samples) {
+    for (uint64_t i = 0; i < count; i++)
+        samples[i] = t->own[0] > t->own[1] ? NAN : t->own[0];
+}
+
+/* Whether the directory would tell a payload that has bytes: it should have none then. */
+static bool is_needless(const naive_leaf *leaf, const naive_treelet *t, const unsigned char *bytes,
+                        uint64_t count) {
+    const size_t width = (size_t)sample_bytes(leaf->sample_type);
+    for (uint64_t i = 1; i < count; i++)
+        if (memcmp(bytes, bytes + i * width, width) != 0)
+            return false;
+    const float value = sample_at(bytes, leaf->sample_type, 0);
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return t->has_non_finite ? bits == 0x7fc00000 : bits != 0x80000000;
+}
+
 /* One payload: in the first pass (own) all that it says of itself, in the second its halo. */
 static bool read_payload(naive_leaf *leaf, const naive_treelet *t, bool own) {
     window w;
@@ -412,13 +432,22 @@ static bool read_payload(naive_leaf *leaf, const naive_treelet *t, bool own) {
         w.size[a] = t->cells[a] + 1 + 2 * leaf->halo;
         count *= (uint64_t)w.size[a];
     }
-    unsigned char *payload = payload_of(leaf, t);
+    unsigned char *payload = t->size ? payload_of(leaf, t) : NULL;
     float *samples = malloc(count * sizeof samples[0]);
-    bool good = (payload && samples) || wrong(leaf, "a payload that cannot be decoded");
-    for (uint64_t i = 0; good && i < count; i++)
+    bool good =
+        ((payload || !t->size) && samples) || wrong(leaf, "a payload that cannot be decoded");
+    for (uint64_t i = 0; good && payload && i < count; i++)
         samples[i] = sample_at(payload + start, leaf->sample_type, i);
+    if (good && !payload)
+        imply_samples(t, count, samples);
     w.samples = samples;
-    if (good && own) {
+    if (good && own && !payload)
+        good = check_own_range(leaf, t, &w);
+    if (good && own && payload) {
+        good = leaf->version == 1 || !is_needless(leaf, t, payload + start, count) ||
+               wrong(leaf, "a payload that the directory tells");
+    }
+    if (good && own && payload) {
         good = check_own_range(leaf, t, &w) && check_codes(leaf, t, &w, payload, &used);
         for (uint64_t i = codes_size(leaf); good && i < start; i++)
             good = payload[i] == 0 || wrong(leaf, "bytes behind the codes");
@@ -436,7 +465,8 @@ static bool read_payload(naive_leaf *leaf, const naive_treelet *t, bool own) {
 
 static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KINDS],
                            uint64_t end) {
-    uint64_t stored = 0;
+    uint64_t stored = 0, implied = 0;
+    bool run = false;
     for (long i = 0; i < leaf->treelet_count; i++) {
         naive_treelet *t = &leaf->treelets[i];
         for (int n = 0; n < 2; n++) {
@@ -459,8 +489,19 @@ static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KI
         bool even = t->at[0] % 2 == 0 && t->at[1] % 2 == 0 && t->at[2] % 2 == 0;
         if (first != even)
             return wrong(leaf, "treelet %ld: first of its family or not", i);
-        if (t->offset != naive_up_to(end, first ? UINT64_C(1) << leaf->run_align_log2 : 64))
+        run = run || first;
+        if (t->size == 0) {
+            const bool one = t->own[0] == t->own[1] && !t->has_non_finite;
+            const bool none = t->own[0] > t->own[1] && t->has_non_finite;
+            if (t->offset != end || !(one || none) ||
+                naive_number(where[CHECKSUMS] + 8 * i, 8) != 0)
+                return wrong(leaf, "treelet %ld: a payload of no bytes", i);
+            implied++;
+            continue;
+        }
+        if (t->offset != naive_up_to(end, run ? UINT64_C(1) << leaf->run_align_log2 : 64))
             return wrong(leaf, "treelet %ld: offset", i);
+        run = false;
         if (t->size > t->payload_size || (leaf->codec == 0 && t->size != t->payload_size))
             return wrong(leaf, "treelet %ld: size", i);
         if (t->offset > leaf->size || t->size > leaf->size - t->offset ||
@@ -472,6 +513,9 @@ static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KI
         end = t->offset + t->size;
         stored += t->size;
     }
+    if (leaf->version != (implied ? 2 : 1))
+        return wrong(leaf, "version %d, %llu implied payloads", leaf->version,
+                     (unsigned long long)implied);
     if (stored != naive_number(leaf->bytes + 88, 8))
         return wrong(leaf, "payload_bytes");
     if (leaf->size != naive_up_to(end, UINT64_C(1) << leaf->run_align_log2) ||

@@ -27,10 +27,11 @@ typedef struct naive_treelet {
     long parent; /* -1: the root */
     float own[2], merged[2];
     bool has_non_finite;
-    uint64_t offset, size, payload_size; /* size as stored */
+    uint64_t offset, size, payload_size; /* size as stored; 0: implied */
 } naive_treelet;
 
 typedef struct naive_leaf {
+    int version;
     int sample_type, source_type; /* 1 u8 2 i8 3 u16 4 i16 5 f32 6 u32 7 i32 8 f64 */
     long dims[3];
     int levels, cells_log2, halo, run_align_log2, codec;

@@ -1,0 +1,79 @@
+#!/bin/sh
+# convert_grids.sh - leafcast convert of grids with several steps and fields: each set is what it is alone, whatever the
+# codec, the budget and the threads; what cannot be one file.
+. tests/support/tap.sh
+
+out=$tmp/a.leaf
+says() { grep -q -- "$1" "$tmp/$2"; }
+same() { cmp -s "$tmp/$1" "$tmp/$2"; }
+left() { [ "$(find "$tmp" -name '*.leaf*' | wc -l)" = "$1" ]; }
+json() { python3 -c "import json, sys; x = json.load(open(sys.argv[1])); assert $1, x" "$tmp/out"; }
+
+# Three steps: fields of other values, one of them a sphere in much empty space.
+step=0
+for field in gyroid sphere marschner-lobb; do
+    run "$leafcast" generate $field --dims 50,45,40 --type f32 --spacing 1,0.5,2 -o "$tmp/s$step.nrrd"
+    run "$leafcast" convert "$tmp/s$step.nrrd" -o "$tmp/s$step.leaf" -q
+    step=$((step + 1))
+done
+exits "a series" 0 "$leafcast" convert "$tmp"/s?.nrrd -o "$out" --times 1,2,4.5
+exits "verify" 0 "$leafcast" verify "$out"
+exits "info" 0 "$leafcast" info "$out"
+ok "steps and times" says '^steps  *3, times 1 .. 4.5$' out
+exits "info --json" 0 "$leafcast" info "$out" --json
+ok "has the times" json 'x["times"] == [1, 2, 4.5] and x["steps"] == 3 and x["field_count"] == 1'
+ok "has a range a step" json 'len(x["fields"][0]["step_ranges"]) == 3'
+for step in 0 1 2; do
+    for how in "" "--memory 24M" "--backend=mapped" "--isa scalar"; do
+        # shellcheck disable=SC2086 # split on purpose
+        run "$leafcast" render "$out" --step $step --iso 0.3 --size 64x48 --depth-f64 "$tmp/of" -o "$tmp/p.ppm" --force -q $how
+        run "$leafcast" render "$tmp/s$step.leaf" --iso 0.3 --size 64x48 --depth-f64 "$tmp/alone" -o "$tmp/q.ppm" --force -q
+        ok "step $step $how is what it is alone" same of alone
+        ok "and looks so" same p.ppm q.ppm
+    done
+    exits "probe --step $step" 0 "$leafcast" probe "$out" --point 20,10,30 --step $step
+    value=$(sed -n 's/^value: //p' "$tmp/out")
+    exits "probe of it alone" 0 "$leafcast" probe "$tmp/s$step.leaf" --point 20,10,30
+    ok "has the same value" [ "$value" = "$(sed -n 's/^value: //p' "$tmp/out")" ]
+done
+view="--eye 120,60,140 --look-at 25,11,40"
+# shellcheck disable=SC2086
+{
+    exits "pictures of all steps" 0 "$leafcast" render "$out" --steps 0:2 --iso 0.3 --size 64x48 $view -o "$tmp/t_%d.ppm" -q
+    run "$leafcast" render "$tmp/s2.leaf" --iso 0.3 --size 64x48 $view -o "$tmp/q.ppm" --force -q
+}
+ok "the last is that of the last" same t_2.ppm q.ppm
+for how in "--threads 1" "--threads 3 --memory 4M" "--memory 3M --threads 1"; do
+    # shellcheck disable=SC2086
+    exits "convert $how" 0 "$leafcast" convert "$tmp"/s?.nrrd -o "$tmp/b.leaf" --force --times 1,2,4.5 $how
+    ok "gives the same bytes" same a.leaf b.leaf
+done
+exits "compressed" 0 "$leafcast" convert "$tmp"/s?.nrrd -o "$tmp/z.leaf" --compress zstd
+exits "verify" 0 "$leafcast" verify "$tmp/z.leaf"
+run "$leafcast" render "$tmp/z.leaf" --step 2 --iso 0.3 --size 64x48 --depth-f64 "$tmp/of" -o "$tmp/p.ppm" --force -q
+ok "is drawn alike" same of alone
+exits "a step that is not there" 2 "$leafcast" render "$out" --step 3 --iso 0.3 -o "$tmp/x.png"
+exits "one volume needs no more" 2 "$leafcast" render "$tmp/s0.leaf" --step 1 --iso 0.3 -o "$tmp/x.png"
+size=$(wc -c <"$out")
+for at in 8 64 68 1424 4200 $((size / 3)); do
+    cp "$out" "$tmp/x.leaf"
+    printf '\377' | dd of="$tmp/x.leaf" bs=1 seek="$at" conv=notrunc 2>/dev/null
+    exits "byte $at altered" 3 "$leafcast" verify "$tmp/x.leaf"
+done
+
+# What cannot be.
+rm "$tmp"/*.leaf
+run "$leafcast" generate gyroid --dims 50,45,41 --type f32 --spacing 1,0.5,2 -o "$tmp/taller.nrrd"
+run "$leafcast" generate gyroid --dims 50,45,40 --type f32 --spacing 1,0.5,3 -o "$tmp/longer.nrrd"
+run "$leafcast" generate gyroid --dims 50,45,40 --type u8 --spacing 1,0.5,2 -o "$tmp/bytes.nrrd"
+for other in taller:"50 x 45 x 41" longer:elsewhere bytes:"type u8"; do
+    exits "${other%%:*}" 3 "$leafcast" convert "$tmp/s0.nrrd" "$tmp/${other%%:*}.nrrd" -o "$out"
+    ok "is named, and what is unlike" says "/${other%%:*}.nrrd: .*${other#*:}" err
+done
+exits "one that is not there" 1 "$leafcast" convert "$tmp/s0.nrrd" "$tmp/none.nrrd" -o "$out"
+for wrong in "--times 1,2" "--times 1,2,2" "--times 1,x,3" "--field gyroid" "--fields all" "-"; do
+    # shellcheck disable=SC2086
+    exits "$wrong" 2 "$leafcast" convert "$tmp"/s?.nrrd $wrong -o "$out"
+done
+ok "nothing is left" left 0
+finish
