@@ -136,7 +136,7 @@ static void test_json_refused(void **state) {
 static void test_missing(void **state) {
     (void)state;
     volumes_refused(scratch_path("none.raw"), NULL, ST_IO, "none.raw");
-    volumes_refused("/", NULL, ST_IO, "/");
+    volumes_refused("/", NULL, ST_UNSUPPORTED, "/: a folder without a file of a known format");
     volumes_refused(scratch_text("empty.raw", ""), NULL, ST_CORRUPT, "is empty");
 }
 

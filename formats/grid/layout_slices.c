@@ -141,10 +141,23 @@ static status read_chunks(layout_slices *s, uint32_t first, uint32_t count, char
 
 /* ---- slices of another order ---- */
 
+/* Runs are short: through the stream's buffer, which byte_stream_read() passes by. */
+static status read_buffered(layout_slices *s, void *to, size_t bytes, size_t *got) {
+    const uint8_t *data;
+    status st = byte_stream_peek(data_of(s), bytes, &data, got);
+    if (st != ST_OK)
+        return st;
+    *got = *got < bytes ? *got : bytes;
+    memcpy(to, data, *got);
+    byte_stream_take(data_of(s), *got);
+    return ST_OK;
+}
+
 static status read_exactly(void *ctx, void *to, size_t bytes) {
     layout_slices *s = ctx;
+    const bool small = s->layout.encoding == VOLUME_RAW && bytes <= BYTE_STREAM_BUFFER / 4;
     size_t got = 0;
-    status st = read_encoded(s, to, bytes, &got);
+    status st = small ? read_buffered(s, to, bytes, &got) : read_encoded(s, to, bytes, &got);
     return st == ST_OK && got < bytes ? ends_early(s, s->held.first) : st;
 }
 

@@ -18,9 +18,17 @@ static status skip_to(gathering *g, uint64_t number) {
     return count ? g->from->skip(g->from->ctx, count * g->o->width) : ST_OK;
 }
 
+#define SCATTER(bytes)                 \
+    for (size_t i = 0; i < count; i++) \
+        memcpy(to + i * step, run + i * (bytes), bytes);
+
 static void scatter(const char *run, size_t width, size_t count, size_t step, char *to) {
-    for (size_t i = 0; i < count; i++)
-        memcpy(to + i * step, run + i * width, width);
+    switch (width) {
+    case 1: SCATTER(1) break;
+    case 2: SCATTER(2) break;
+    case 4: SCATTER(4) break;
+    default: SCATTER(8) break;
+    }
 }
 
 /* What is wanted of a run along the input's fastest axis, which starts at a number and goes to `to`

@@ -17,7 +17,10 @@
 #define CONVERT  "`leafcast convert' takes it"
 #define MESH     "`leafcast convert' takes it, and `resample' makes a grid of it"
 #define UNPACK   "it is unpacked on the way where its name ends in .gz, .bz2, .xz or .zst"
-#define SURFACE  "`leafcast tetrahedralize' fills a surface with tets"
+#define HEIGHTS                                                                                   \
+    "heights are no volume, but z - height(x, y) on a grid is one (as .npy, with Python), whose " \
+    "surface at 0 is the ground"
+#define SURFACE "`leafcast tetrahedralize' fills a surface with tets"
 
 typedef struct row {
     foreign_format format;
@@ -42,21 +45,25 @@ enum { ANYWHERE = FOREIGN_PEEK };
  * their bytes alone: a broken one is not to be sent to and fro. */
 static const row rows[] = {
     KNOWN("a treelet file", "render or info take it as it is", 0, BYTES(LEAF_MAGIC), ""),
-    KNOWN("NRRD, a grid", "`leafcast convert' takes it", 0, BYTES("NRRD000"), ""),
-    KNOWN("MetaImage, a grid", "`leafcast convert' takes it", 0, BYTES("ObjectType"), ""),
+    KNOWN("NRRD, a grid", CONVERT, 0, BYTES("NRRD000"), ""),
+    KNOWN("MetaImage, a grid", CONVERT, 0, BYTES("ObjectType"), ""),
+    KNOWN("NIfTI-1, a grid", CONVERT, 344, BYTES("n+1\0"), ""),
+    KNOWN("NIfTI-1, a grid", CONVERT, 344, BYTES("ni1\0"), ""),
+    KNOWN("NIfTI-2, a grid", CONVERT, 4, BYTES("n+2\0\r\n\x1a\n"), ""),
+    KNOWN("NIfTI-2, a grid", CONVERT, 4, BYTES("ni2\0\r\n\x1a\n"), ""),
+    KNOWN("a NumPy array", CONVERT, 0, BYTES("\x93NUMPY"), ""),
+    KNOWN("MRC, a grid", CONVERT, 208, BYTES("MAP"), ""),
+    KNOWN("PVM, a grid", CONVERT, 0, BYTES("PVM\n"), ""),
+    KNOWN("PVM, a grid", CONVERT, 0, BYTES("PVM2\n"), ""),
+    KNOWN("PVM, a grid", CONVERT, 0, BYTES("PVM3\n"), ""),
+    KNOWN("PVM, a grid", CONVERT, 0, BYTES("DDS v3"), ""),
     KNOWN("a mesh stream", MESH, 0, BYTES("LEAFCAST MESH "), ""),
     KNOWN("Gmsh", MESH, 0, BYTES("$MeshFormat"), ""),
     KNOWN("a VTK mesh", MESH, ANYWHERE, BYTES("type=\"UnstructuredGrid\""), ""),
     KNOWN("a legacy VTK mesh", MESH, ANYWHERE, BYTES("DATASET UNSTRUCTURED_GRID"), ""),
-    KNOWN("NIfTI-1", TO_NRRD, 344, BYTES("n+1\0"), ".nii "),
-    KNOWN("NIfTI-1 (header alone)", TO_NRRD, 344, BYTES("ni1\0"), ""),
-    KNOWN("NIfTI-2", TO_NRRD, 4, BYTES("n+2\0\r\n\x1a\n"), ""),
-    KNOWN("NIfTI-2 (header alone)", TO_NRRD, 4, BYTES("ni2\0\r\n\x1a\n"), ""),
     KNOWN("Analyze 7.5", TO_NRRD, 0, BYTES("\x5c\x01\0\0"), ""),
     KNOWN("Analyze 7.5", TO_NRRD, 0, BYTES("\0\0\x01\x5c"), ""),
     IMPORTED("DICOM", "dicom", 128, BYTES("DICM"), ".dcm .ima "),
-    KNOWN("MRC", "write its data with Python (mrcfile) as raw samples", 208, BYTES("MAP "),
-          ".mrc .map "),
     IMPORTED("TIFF", "images", 0, BYTES("II*\0"), ".tif .tiff "),
     IMPORTED("TIFF", "images", 0, BYTES("MM\0*"), ""),
     IMPORTED("BigTIFF", "images", 0, BYTES("II+\0"), ""),
@@ -72,10 +79,6 @@ static const row rows[] = {
     IMPORTED("NetCDF", "netcdf", 0, BYTES("CDF\x01"), ".nc .cdf "),
     IMPORTED("NetCDF", "netcdf", 0, BYTES("CDF\x02"), ""),
     IMPORTED("NetCDF", "netcdf", 0, BYTES("CDF\x05"), ""),
-    KNOWN("a NumPy array",
-          "numpy.load(F).tofile(\"F.raw\") makes raw samples; give --dims X,Y,Z (its shape "
-          "from the back) and --type",
-          0, BYTES("\x93NUMPY"), ".npy "),
     KNOWN("a MATLAB file", ARRAY, 0, BYTES("MATLAB 5.0 MAT"), ".mat "),
     KNOWN("FITS", ARRAY " and --big-endian", 0, BYTES("SIMPLE  ="), ".fits .fit "),
     KNOWN("GRIB", ARRAY, 0, BYTES("GRIB"), ".grib .grb .grib2 "),
@@ -102,6 +105,7 @@ static const row rows[] = {
     KNOWN("a legacy VTK structured grid", PARAVIEW, ANYWHERE, BYTES("DATASET STRUCTURED_GRID"), ""),
     KNOWN("legacy VTK surface data", SURFACE " of .ply or .stl, which ParaView writes", ANYWHERE,
           BYTES("DATASET POLYDATA"), ""),
+    KNOWN("a USGS DEM, heights over a map", HEIGHTS, 0, NO_BYTES, ".dem "),
     KNOWN("EnSight", PARAVIEW, 0, BYTES("EnSight"), ".case "),
     KNOWN("CGNS", PARAVIEW, 0, NO_BYTES, ".cgns "),
     KNOWN("Exodus", PARAVIEW, 0, NO_BYTES, ".exo .ex2 "),

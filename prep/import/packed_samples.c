@@ -78,6 +78,7 @@ static void load(sample_type type, const void *in, size_t stride, double *out, s
     case SAMPLE_I32: LOAD_ALL(int32_t) break;
     case SAMPLE_F32: LOAD_ALL(float) break;
     case SAMPLE_F64: LOAD_ALL(double) break;
+    default: break; /* no importer has others */
     }
 }
 
@@ -156,6 +157,7 @@ static void put(sample_type type, const double *v, void *out, size_t count) {
     case SAMPLE_I32: PUT_ALL(int32_t) break;
     case SAMPLE_F32: PUT_ALL(float) break;
     case SAMPLE_F64: memcpy(out, v, count * sizeof *v); break;
+    default: break; /* no importer has others */
     }
 }
 

@@ -194,6 +194,10 @@ for format in Analyze gzip zstd "VTK structured grid" "VTK surface" "parallel VT
     ok "is named" says "/$format: this is .*$format"
 done
 
+printf 'HEIGHTS OF HILLS' >"$tmp/hills.dem"
+exits "a USGS DEM" 3 "$leafcast" convert "$tmp/hills.dem" -o "$tmp/x.leaf" --force
+ok "is named, with what to do" says "this is a USGS DEM, heights over a map.*z - height"
+
 # ---- what a library of its own reads: the verb import-X, run by the others ----
 
 # A door of our own: what import-vdb and import-dicom do is played.

@@ -64,8 +64,8 @@ static hid_t native(number n) {
     case SAMPLE_I32: return H5T_NATIVE_INT32;
     case SAMPLE_F32: return H5T_NATIVE_FLOAT;
     case SAMPLE_F64: return H5T_NATIVE_DOUBLE;
+    default: return H5I_INVALID_HID;
     }
-    return H5I_INVALID_HID;
 }
 
 /* Numbers of a compound, all alike: {r, i} of complex ones. */
