@@ -66,7 +66,7 @@ ALL_C   = -std=c17 -D_GNU_SOURCE $(COMMON) $(WARN) $(WARN_C) $(DEPS_CFLAGS) $(CP
 # The helpers in C++ go without sanitizers: OpenImageIO and TetGen are not built for them.
 ALL_CXX = -std=c++17 -D_GNU_SOURCE $(filter-out -fsanitize=%,$(COMMON)) $(WARN) \
           $(CPPFLAGS) $(CXXFLAGS)
-ALL_LIBS = $(DEPS_LIBS) -lm
+ALL_LIBS = $(DEPS_LIBS) $(DOOR_LIBS)
 
 # ---- what there is -------------------------------------------------------------------------------
 SOURCES  := $(sort $(wildcard $(foreach d,formats prep stream render,$d/*.c $d/*/*.c)))
@@ -121,9 +121,10 @@ RUN   := $(call only,$(LONG),$(ASKED))
 RUN   += $(filter-out $(RUN),$(ASKED))
 
 # ---- libraries -----------------------------------------------------------------------------------
-# What the library for others needs, and what the verbs need besides.
-DOOR_PC := zlib libzstd jansson libxxhash expat
-LIBS_PC := zlib libzstd jansson libxxhash expat libpng
+# What the library for others needs, and what the verbs need besides. bzip2 has no module there.
+DOOR_LIBS := -lbz2 -lm
+DOOR_PC := zlib libzstd liblzma jansson libxxhash expat
+LIBS_PC := $(DOOR_PC) libpng
 ifneq ($(filter-out list help clean setup test demo,$(or $(MAKECMDGOALS),all)),)
 MISSING := $(if $(shell command -v pkg-config),,pkg-config) \
            $(foreach p,$(LIBS_PC),$(shell $(PKG_CONFIG) --exists $p 2>/dev/null || echo $p))
@@ -215,7 +216,7 @@ $(SHARED): $B/app/leafcast.o scripts/leafcast.map
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(ALL_C) -shared -Wl,-soname,$(SONAME) -Wl,--version-script,scripts/leafcast.map \
-	    -Wl,-z,defs $(LDFLAGS) -o $@ $< $(shell $(PKG_CONFIG) --libs $(DOOR_PC)) -lm
+	    -Wl,-z,defs $(LDFLAGS) -o $@ $< $(shell $(PKG_CONFIG) --libs $(DOOR_PC)) $(DOOR_LIBS)
 	@ln -sfn $(notdir $@) $(@D)/$(SONAME) && ln -sfn $(SONAME) $(@D)/libleafcast.so
 
 define verb_rule

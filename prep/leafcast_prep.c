@@ -10,8 +10,9 @@
 #include "formats/base/file.h"
 #include "formats/base/pool.h"
 #include "formats/base/text.h"
+#include "formats/input_open.h"
 #include "formats/public_status.h"
-#include "prep/convert_input.h"
+#include "prep/convert_defaults.h"
 #include "prep/grid/convert.h"
 #include "prep/mesh/mesh_convert.h"
 
@@ -364,7 +365,7 @@ static status clean_fields(job *j, field_names *f) {
     return ST_OK;
 }
 
-static status convert_input_of(job *j, const convert_input *in, const mesh_series *series) {
+static status convert_input_of(job *j, const input *in, const mesh_series *series) {
     if (in->x) {
         status st = mesh_series_check(series);
         return st == ST_OK ? convert_mesh(j, in->x, series) : st;
@@ -386,7 +387,7 @@ static status check_paths(const char *const *paths, uint32_t steps) {
 static status convert_files(job *j, const char *const *paths, uint32_t steps, const double *times) {
     const volume_hints of_grids = hints_of(j);
     field_names fields = {0};
-    convert_input in = {0};
+    input in = {0};
     status st = check_paths(paths, steps);
     if (st == ST_OK)
         st = clean_fields(j, &fields);
@@ -400,10 +401,10 @@ static status convert_files(job *j, const char *const *paths, uint32_t steps, co
                                           .cells_to_points = j->o.cells_to_points,
                                           .name = j->o.name}};
     if (st == ST_OK)
-        st = convert_input_open(&j->m, paths[0], &of_grids, &series.hints, &in);
+        st = input_open(&j->m, paths[0], &of_grids, &series.hints, &in);
     if (st == ST_OK)
         st = convert_input_of(j, &in, &series);
-    convert_input_close(&in);
+    input_close(&in);
     mem_free(&j->m, fields.text);
     mem_free(&j->m, fields.names);
     return st;

@@ -3,12 +3,12 @@
 #include <endian.h>
 
 #include "formats/grid/volume.h"
-#include "formats/input/inflate_stream.h"
 #include "formats/input/text_stream.h"
+#include "formats/input/unpack_stream.h"
 
 typedef struct layout_slices {
     volume_layout layout; /* its grid has gone to the source, but for sizes and type */
-    inflate_stream *inflate;
+    unpack_stream *packed;
 } layout_slices;
 
 static const char *name_of(const layout_slices *s) {
@@ -24,7 +24,7 @@ static status read_encoded(layout_slices *s, void *buffer, size_t size, size_t *
     status st = ST_OK;
     switch (l->encoding) {
     case VOLUME_RAW: return byte_stream_read(l->data, buffer, size, got);
-    case VOLUME_DEFLATE: return inflate_stream_read(s->inflate, buffer, size, got);
+    case VOLUME_DEFLATE: return unpack_stream_read(s->packed, buffer, size, got);
     case VOLUME_TEXT:
         st = text_stream_read(l->data, l->g.type, buffer, size / width, got);
         *got *= width;
@@ -60,8 +60,8 @@ static status read_slices(void *ctx, uint32_t first, uint32_t count, void *slice
 static status drain(layout_slices *s, uint64_t *count) {
     uint8_t waste[4096];
     for (size_t got = 1; got > 0; *count += got) {
-        status st = s->inflate ? inflate_stream_read(s->inflate, waste, sizeof waste, &got)
-                               : byte_stream_read(s->layout.data, waste, sizeof waste, &got);
+        status st = s->packed ? unpack_stream_read(s->packed, waste, sizeof waste, &got)
+                              : byte_stream_read(s->layout.data, waste, sizeof waste, &got);
         if (st != ST_OK)
             return st;
         if (*count > VOLUME_TRAILING_MAX)
@@ -75,7 +75,7 @@ static status finish(void *ctx, uint64_t *trailing) {
     layout_slices *s = ctx;
     *trailing = 0;
     const uint64_t left = byte_stream_left(s->layout.data);
-    if (s->inflate || left == UINT64_MAX)
+    if (s->packed || left == UINT64_MAX)
         return drain(s, trailing);
     *trailing = left;
     return ST_OK;
@@ -88,7 +88,7 @@ static status skip_decoded(layout_slices *s) {
     uint8_t waste[4096];
     for (uint64_t left = s->layout.skip_decoded; left > 0;) {
         size_t got = 0, want = left < sizeof waste ? (size_t)left : sizeof waste;
-        status st = inflate_stream_read(s->inflate, waste, want, &got);
+        status st = unpack_stream_read(s->packed, waste, want, &got);
         if (st != ST_OK)
             return st;
         if (got < want)
@@ -101,7 +101,7 @@ static status skip_decoded(layout_slices *s) {
 
 static void close_slices(void *ctx) {
     layout_slices *s = ctx;
-    inflate_stream_close(s->inflate);
+    unpack_stream_close(s->packed);
     byte_stream_close(s->layout.data);
     mem_free(s->layout.m, s);
 }
@@ -113,7 +113,7 @@ status layout_slices_open(volume_layout *l, slice_source *out) {
     s->layout = *l;
     status st = ST_OK;
     if (l->encoding == VOLUME_DEFLATE) {
-        st = inflate_stream_open(l->m, l->data, &s->inflate);
+        st = unpack_stream_open(l->m, &packer_zlib, l->data, &s->packed);
         if (st == ST_OK)
             st = skip_decoded(s);
     }

@@ -7,6 +7,7 @@
 #ifndef FORMATS_GRID_SLICE_SOURCE_H
 #define FORMATS_GRID_SLICE_SOURCE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "formats/base/mem.h"
@@ -15,10 +16,12 @@
 
 /* Zeros: none. */
 typedef struct slice_source {
-    const char *format; /* "NRRD"; constant */
-    const char *name;   /* for messages: the file; lives as long as the source */
-    mem *m;             /* the grid's axes are of it */
-    grid g;             /* passes grid_check() */
+    const char *format;   /* "NRRD"; constant */
+    const char *importer; /* the verb's end, "vdb", where it reads the file; NULL: this process */
+    const char *name;     /* for messages: the file; lives as long as the source */
+    bool has_fields;      /* hints' field, component and step were looked at */
+    mem *m;               /* the grid's axes are of it */
+    grid g;               /* passes grid_check() */
     /* Slices first, first + 1, .. of g.type in native byte order, count * grid_slice_bytes() of
      * them. Called for all slices in order, from 0 on, by one thread. What is not ST_OK ends the
      * reading, and is what volume_read() returns. */

@@ -2,11 +2,13 @@
 
 #include <math.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "formats/base/file.h"
 #include "formats/base/num.h"
 #include "formats/base/text.h"
 #include "formats/grid/grid_reader.h"
+#include "formats/grid/imported.h"
 #include "formats/grid/layout_slices.h"
 #include "formats/grid/metaimage.h"
 #include "formats/grid/nrrd.h"
@@ -22,7 +24,8 @@ struct volume {
 };
 
 /* What the formats are told by; the first that knows the file reads it. Raw samples know any. */
-static const grid_reader *const readers[] = {&nrrd_reader, &metaimage_reader, &raw_reader};
+static const grid_reader *const readers[] = {&nrrd_reader, &metaimage_reader, &imported_reader,
+                                             &raw_reader};
 
 /* ---- hints ---- */
 
@@ -102,9 +105,11 @@ static status apply_missing(volume *v, const volume_hints *hints) {
 
 /* ---- opening ---- */
 
-static const grid_reader *find_reader(const char *path, const uint8_t *start, size_t size) {
+/* Whoever gives sizes says that it is raw samples, whatever they begin with. */
+static const grid_reader *find_reader(const char *path, const uint8_t *start, size_t size,
+                                      const volume_hints *hints) {
     const grid_reader *const *r = readers;
-    while (!(*r)->known(path, start, size))
+    while ((hints->dims[0] && *r == &imported_reader) || !(*r)->known(path, start, size))
         r++;
     return *r;
 }
@@ -115,12 +120,12 @@ static status open_reader(volume_layout *l, const volume_hints *hints, slice_sou
     status st = byte_stream_peek(l->data, GRID_READER_PEEK, &start, &size);
     if (st != ST_OK)
         return st;
-    const grid_reader *r = find_reader(l->path, start, size);
+    const grid_reader *r = find_reader(byte_stream_kind(l->data), start, size, hints);
     if (r->slices)
         st = r->slices(l, hints, out);
     else if ((st = r->layout(l, hints)) == ST_OK && (st = volume_layout_check(l)) == ST_OK)
         st = layout_slices_open(l, out);
-    out->format = r->format;
+    out->format = out->format ? out->format : r->format;
     return st;
 }
 
@@ -168,8 +173,22 @@ status volume_open_stream(mem *m, byte_stream *s, const volume_hints *hints, vol
     return volume_open_slices(m, &from, hints, out);
 }
 
+static status open_folder(mem *m, const char *path, const volume_hints *hints, volume **out) {
+    slice_source from = {0};
+    status st = imported_folder(m, path, hints, &from);
+    return st == ST_OK ? volume_open_slices(m, &from, hints, out) : st;
+}
+
+bool volume_is_folder(const char *path) {
+    struct stat info;
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
 status volume_open(mem *m, const char *path, const volume_hints *hints, volume **out) {
+    static const volume_hints none;
     byte_stream *s;
+    if (volume_is_folder(path))
+        return open_folder(m, path, hints ? hints : &none, out);
     status st = byte_stream_open(m, path, &s);
     return st == ST_OK ? volume_open_stream(m, s, hints, out) : st;
 }
@@ -187,6 +206,14 @@ const grid *volume_grid(const volume *v) {
 
 const char *volume_format(const volume *v) {
     return v->from.format;
+}
+
+bool volume_has_fields(const volume *v) {
+    return v->from.has_fields;
+}
+
+const char *volume_importer(const volume *v) {
+    return v->from.importer;
 }
 
 /* ---- reading ---- */

@@ -22,10 +22,13 @@
 
 typedef struct volume volume;
 
-/* volume_open() - path, or "-" for standard input: NRRD, MetaImage, or raw samples whose sizes and
- * type the hints give. hints may be NULL. ST_CORRUPT,
+/* volume_open() - path, or "-" for standard input, or a folder: of any format in volume.c's table.
+ * hints may be NULL. ST_CORRUPT,
  * ST_UNSUPPORTED (also for a file of no known format) or ST_IO, naming file and line. */
 CHECKED status volume_open(mem *m, const char *path, const volume_hints *hints, volume **out);
+
+/* volume_is_folder() - whether a path is that of a folder, whose files may be the slices. */
+bool volume_is_folder(const char *path);
 
 /* volume_open_stream() - the same of a stream of which nothing was taken; it is taken over, and
  * closed in any case. */
@@ -42,6 +45,13 @@ const grid *volume_grid(const volume *v);
 /* volume_format() - what it was read as: "NRRD", VOLUME_RAW_SAMPLES. */
 #define VOLUME_RAW_SAMPLES "raw samples"
 const char *volume_format(const volume *v);
+
+/* volume_has_fields() - whether its format has several of them, or steps or components, of which
+ * the hints choose. */
+bool volume_has_fields(const volume *v);
+
+/* volume_importer() - "vdb" where leafcast-import-vdb reads it; NULL: this process does. */
+const char *volume_importer(const volume *v);
 
 /* volume_read() - the next `count` z slices, native byte order, type volume_grid()->type, into
  * buffer (count * grid_slice_bytes()). ST_CORRUPT when the data ends early, naming slice and byte.

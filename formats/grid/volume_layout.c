@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "formats/base/num.h"
-#include "formats/input/inflate_stream.h"
+#include "formats/input/unpack_stream.h"
 
 void volume_layout_release(volume_layout *l) {
     byte_stream_close(l->data);
@@ -24,7 +24,7 @@ status volume_layout_open(volume_layout *l, const char *header, const char *name
     memcpy(path, header, folder);
     memcpy(path + folder, name, length);
     byte_stream *data = NULL;
-    status st = byte_stream_open(l->m, path, &data);
+    status st = byte_stream_open_stored(l->m, path, &data);
     mem_free(l->m, path);
     if (st != ST_OK)
         return st;
@@ -87,7 +87,7 @@ status volume_layout_check(const volume_layout *l) {
     uint64_t left = byte_stream_left(l->data);
     uint64_t least = sample_bytes(l);
     if (l->encoding == VOLUME_DEFLATE)
-        least /= INFLATE_STREAM_RATIO;
+        least /= UNPACK_ZLIB_RATIO;
     else if (l->encoding == VOLUME_TEXT)
         least = 2 * grid_samples(&l->g) - 1;
     if (left < least)
