@@ -50,7 +50,8 @@ typedef struct importer {
 } importer;
 
 /* importer_main() - all of main(): NRRD to -o, which by default is standard output; its exit code.
- */
+ * A crash of the library ends it as a malformed input does; see crash.h. The budget is 2 GiB where
+ * --memory says no other. */
 int importer_main(const importer *x, int argc, char **argv);
 
 #endif

@@ -28,12 +28,12 @@ status vdb_told(const std::string &path) {
     } catch (const vdb_failure &f) {
         return f.st;
     } catch (const std::bad_alloc &) {
-        return status_describe(ST_NOMEM,
-                               "%s: OpenVDB's tree does not fit in what --memory leaves for it",
-                               name);
+        return status_describe(
+            ST_NOMEM, "%s: OpenVDB's tree does not fit in what --memory leaves for it", name);
     } catch (const std::ios_base::failure &) {
-        return status_describe(ST_CORRUPT, "%s: malformed OpenVDB: it ends early, or points behind "
-                                           "its end",
+        return status_describe(ST_CORRUPT,
+                               "%s: malformed OpenVDB: it ends early, or points behind "
+                               "its end",
                                name);
     } catch (const openvdb::LookupError &e) {
         return status_describe(ST_UNSUPPORTED, "%s: OpenVDB does not know what is in it: %s", name,

@@ -280,8 +280,8 @@ void place(const vdb_tree &t, double to_world[3][4]) {
     for (int row = 0; row < 3; row++) {
         for (int a = 0; a < 3; a++)
             to_world[row][a] = m(a, row);
-        to_world[row][3] = m(3, row) + low.x() * m(0, row) + low.y() * m(1, row) +
-                           low.z() * m(2, row);
+        to_world[row][3] =
+            m(3, row) + low.x() * m(0, row) + low.y() * m(1, row) + low.z() * m(2, row);
     }
 }
 
