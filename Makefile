@@ -315,10 +315,18 @@ $B/flags-link: FORCE
 	$(call remember,$(LDFLAGS) $(DEPS_LIBS))
 $(SHARED) $(VERBS) $(IMPORTERS) $(IMAGE) $(TETGEN_BIN) $(TESTS) $(TOOLS) $(FUZZERS): $B/flags-link
 
-tests: all $(TESTS) $(TOOLS)
+# Files of a library's own making, and what it reads of them.
+TOOL_VDB = $(if $(LIB_vdb),$B/tests/tool_vdb)
+$B/tests/tool_vdb: tests/tool_vdb.cpp $B/flags-c++
+	@mkdir -p $(@D) $B/obj/$(<D)
+	$(call say,C++ ,$<)
+	$(Q)$(CXX) $(filter-out -fvisibility=hidden,$(ALL_CXX)) -O0 -Wno-deprecated-declarations -MMD -MP \
+	    -MF $B/obj/$(<:.cpp=.d) -o $@ $< $(LDFLAGS) $(LIB_vdb)
+
+tests: all $(TESTS) $(TOOLS) $(TOOL_VDB)
 TEST_ENV = LEAFCAST_BUILD=$(CURDIR)/$B LEAFCAST=$(CURDIR)/$(or $(EMULATED),$(FRONT)) \
            LEAFCAST_COMPILE=$(call quoted,$(CC) $(ALL_C)) LEAFCAST_LIBS='$(ALL_LIBS) -lcmocka'
-run-tests: all $(EMULATED) $(if $(CROSS),,$(TOOLS)) $(filter $B/%,$(RUN))
+run-tests: all $(EMULATED) $(if $(CROSS),,$(TOOLS) $(TOOL_VDB)) $(filter $B/%,$(RUN))
 	@$(TEST_ENV) scripts/run-tests --timeout $(TIMEOUT) $(if $(RUNNER),--under $(call quoted,$(RUNNER))) $(RUN)
 quick:
 	@scripts/check_layers

@@ -25,7 +25,7 @@ static uint8_t next(reader *r) {
         r->bytes = left < WINDOW ? (uint32_t)left : WINDOW;
         r->st = r->bytes ? file_read_at(r->file, r->at, r->window, r->bytes)
                          : status_describe(ST_CORRUPT,
-                                           "%s: cut off: it ends at byte %llu, before "
+                                           "%s: cut off or malformed: it ends at byte %llu, before "
                                            "its picture does",
                                            file_path(r->file), (unsigned long long)r->at);
     }

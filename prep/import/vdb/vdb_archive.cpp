@@ -69,14 +69,15 @@ vdb_archive::vdb_archive(const std::string &file) : path(file), size(0) {
         read_all();
 }
 
-/* The i-th grid's extent, or a failure: in order, inside the file, behind its entry. */
+/* In order, inside the file, behind its entry. An instance has no blocks: its tree is another's. */
 static void check_extent(const GridDescriptor &d, std::streamoff from, std::streamoff size,
                          const std::string &path, const std::string &name) {
     const int64_t grid = d.getGridPos(), block = d.getBlockPos(), end = d.getEndPos();
     if (end > size)
         vdb_fail(ST_CORRUPT, "%s: cut off: grid \"%s\" ends at byte %lld, the file at byte %lld",
                  path.c_str(), name.c_str(), (long long)end, (long long)size);
-    if (!(from <= grid && grid <= block && block <= end))
+    const bool ordered = d.isInstance() || (grid <= block && block <= end);
+    if (!(ordered && from <= grid && grid <= end))
         vdb_fail(ST_CORRUPT, "%s: malformed OpenVDB: grid \"%s\" lies at bytes %lld, %lld to %lld",
                  path.c_str(), name.c_str(), (long long)grid, (long long)block, (long long)end);
 }
