@@ -130,7 +130,7 @@ else
     exits "the empty grid in a box" 0 "$leafcast" import-vdb "$tmp/v/empty.vdb" --box 0,0,0,3,3,3 -o "$tmp/e.nrrd"
     refused_code=4
     refused "a tree beyond --memory" "no room\|--memory leaves" none.vdb --memory 300K
-    exits "a budget below the tree's size" 0 "$leafcast" import-vdb "$tmp/v/none.vdb" --field vec3d --memory 4M \
+    exits "a budget below the tree's size" 0 "$leafcast" import-vdb "$tmp/v/none.vdb" --field vec3d --memory 10M \
         -o "$tmp/small.nrrd"
     ok "gives the same" same "$tmp/v/none.vdb" vec3d 0
     ok "byte by byte" cmp -s "$tmp/small.nrrd" "$tmp/same.nrrd"
@@ -146,7 +146,7 @@ else
         up=$(echo $axis | awk -F, '{ print $2 "," $3 "," $1 }')
         run "$leafcast" probe "$tmp/sphere.leaf" --iso 0 --size 101x101 --fov 20 --eye="$eye" \
             --look-at 1,2,3 --up="$up" --at 50,50 --json
-        distance=$(grep -o '"distance": [0-9.]*' "$tmp/out" | head -n 1 | grep -o '[0-9.]*$')
+        distance=$(grep -o '"t": [0-9.]*' "$tmp/out" | head -n 1 | grep -o '[0-9.]*$')
         ok "a sphere of radius 3 along $axis (${distance:-no hit})" \
             awk -v d="$distance" 'BEGIN { exit !(d > 5.999 && d < 6.001) }'
     done

@@ -26,6 +26,10 @@ struct vdb_failure {
 /* Describe and throw. */
 [[noreturn]] void vdb_fail(status st, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
 
+/* To be called before anything is read. OpenVDB allocates where it may not throw: a budget that ends
+ * there ends the program, with the exit status of that. */
+void vdb_begin();
+
 /* The status of the exception that is being handled, described with the file's path. */
 status vdb_told(const std::string &path);
 

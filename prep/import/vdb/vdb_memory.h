@@ -20,7 +20,9 @@ extern "C" {
 void vdb_memory_join(mem *m);
 #endif
 
+/* vdb_memory_take() - false: no room. vdb_memory_refused() - whether that ever was so. */
 bool vdb_memory_take(size_t bytes);
+bool vdb_memory_refused(void);
 void vdb_memory_give(size_t bytes);
 
 #ifdef __cplusplus

@@ -332,7 +332,7 @@ status list_grid(vdb_archive &archive, const vdb_grid &g,
 status vdb_tree_open(const vdb_request *q, vdb_facts *facts, vdb_tree **out) {
     try {
         std::unique_ptr<vdb_tree> t;
-        openvdb::initialize();
+        vdb_begin();
         open_tree(*q, *facts, t);
         *out = t.release();
         return ST_OK;
@@ -359,7 +359,7 @@ void vdb_tree_close(vdb_tree *t) {
 
 status vdb_tree_list(const char *path, status (*take)(void *ctx, const vdb_entry *e), void *ctx) {
     try {
-        openvdb::initialize();
+        vdb_begin();
         vdb_archive archive(path);
         for (const vdb_grid &g : archive.grids()) {
             const status st = list_grid(archive, g, take, ctx);
