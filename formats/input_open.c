@@ -9,16 +9,16 @@ status input_open(mem *m, const char *path, const volume_hints *of_grids,
         return volume_open(m, path, of_grids, &out->v);
     status st = byte_stream_open(m, path, &s);
     if (st == ST_OK)
-        st = mesh_recognise_stream(s, &is_mesh);
+        st = mesh_input_recognise_stream(s, &is_mesh);
     if (st != ST_OK) {
         byte_stream_close(s);
         return st;
     }
-    return is_mesh ? mesh_open_stream(m, s, of_meshes, &out->x)
+    return is_mesh ? mesh_input_open_stream(m, s, of_meshes, &out->x)
                    : volume_open_stream(m, s, of_grids, &out->v);
 }
 
 void input_close(input *in) {
-    mesh_close(in->x);
+    mesh_input_close(in->x);
     volume_close(in->v);
 }

@@ -253,7 +253,7 @@ static status set_mesh(arguments *a, int key, const char *text) {
     }
 }
 
-static status set(void *own, int key, const char *text) {
+static status set_option(void *own, int key, const char *text) {
     arguments *a = own;
     switch (key) {
     case KEY_COMPRESS: return set_compress(a, text);
@@ -280,7 +280,7 @@ static status check(void *own) {
 
 static const cli_verb verb = {
     .options = options,
-    .set = set,
+    .set_option = set_option,
     .check = check,
     .inputs_max = LEAF_SETS_MAX,
     .args_doc = "INPUT... -o F.leaf",
@@ -553,7 +553,8 @@ static status report_mesh(const arguments *a, const mesh_result *r, double secon
     return ST_OK;
 }
 
-static status convert_mesh(arguments *a, mem *m, mesh *x, const mesh_series *series, double start) {
+static status convert_mesh(arguments *a, mem *m, mesh_input *x, const mesh_series *series,
+                           double start) {
     const mesh_options o = {.file = a->file,
                             .series = series,
                             .treelet_tets = a->treelet_tets,
@@ -613,7 +614,7 @@ static status parse_times(const arguments *a, mem *m, double **times) {
     return ST_OK;
 }
 
-static status convert_series(arguments *a, mem *m, mesh *x, double start, double *times) {
+static status convert_series(arguments *a, mem *m, mesh_input *x, double start, double *times) {
     const mesh_series series = {.paths = (const char *const *)a->common.inputs,
                                 .steps = (uint32_t)a->common.input_count,
                                 .names = a->field_count ? a->fields : NULL,
@@ -624,11 +625,11 @@ static status convert_series(arguments *a, mem *m, mesh *x, double start, double
     return st == ST_OK ? convert_mesh(a, m, x, &series, start) : st;
 }
 
-static status convert_meshes(arguments *a, mem *m, mesh *x, double start) {
+static status convert_meshes(arguments *a, mem *m, mesh_input *x, double start) {
     double *times = NULL;
     status st = a->times ? parse_times(a, m, &times) : ST_OK;
     if (a->all_fields)
-        mesh_fields(x, take_field, a);
+        mesh_input_fields(x, take_field, a);
     if (st == ST_OK)
         st = convert_series(a, m, x, start, times);
     mem_free(m, times);
@@ -638,7 +639,7 @@ static status convert_meshes(arguments *a, mem *m, mesh *x, double start) {
 /* ---- what it is ---- */
 
 static status convert_opened(arguments *a, mem *m, const input *in, double start) {
-    const char *format = in->x ? mesh_format(in->x) : volume_format(in->v);
+    const char *format = in->x ? mesh_input_format(in->x) : volume_format(in->v);
     const int kind = in->x                                     ? MESH
                      : strcmp(format, VOLUME_RAW_SAMPLES) == 0 ? RAW
                      : volume_has_fields(in->v)                ? FIELDS

@@ -28,7 +28,7 @@ typedef struct arguments {
 
 /* ---- options ---- */
 
-static status set(void *own, int key, const char *text) {
+static status set_option(void *own, int key, const char *text) {
     arguments *a = own;
     switch (key) {
     case IMPORT_KEY_FIELD: a->q.field = text; return ST_OK;
@@ -36,7 +36,7 @@ static status set(void *own, int key, const char *text) {
         return cli_uint(text, "--component", 1, COMPONENT_MAX, &a->q.component);
     case IMPORT_KEY_STEP: return cli_uint(text, "--step", 0, STEP_MAX, &a->q.step);
     case IMPORT_KEY_LIST: a->list = true; return ST_OK;
-    default: return a->importer->set ? a->importer->set(key, text) : ST_AGAIN;
+    default: return a->importer->set_option ? a->importer->set_option(key, text) : ST_AGAIN;
     }
 }
 
@@ -166,7 +166,7 @@ int importer_main(const importer *x, int argc, char **argv) {
                            .doc = x->doc,
                            .input = "input",
                            .inputs_max = x->inputs_max,
-                           .set = set,
+                           .set_option = set_option,
                            .check = check};
     cli_parse(&verb, &a.common, argc, argv);
     mem m;

@@ -43,7 +43,7 @@ typedef struct importer {
     const char *doc;    /* as cli_verb's */
     /* Options of its own, and what takes them; see cli_verb. NULL: none. */
     const struct argp_option *options;
-    status (*set)(int key, const char *text);
+    status (*set_option)(int key, const char *text);
     /* Both: ST_CORRUPT, ST_UNSUPPORTED, ST_IO, ST_NOMEM; no exception of C++ leaves them. */
     status (*open)(mem *m, const import_request *q, slice_source *out);
     status (*list)(mem *m, const import_request *q, const import_list *to);
