@@ -32,7 +32,7 @@ static status set_spacing(const char *text) {
     return st;
 }
 
-static status set(int key, const char *text) {
+static status set_option(int key, const char *text) {
     switch (key) {
     case KEY_SPACING: return set_spacing(text);
     case KEY_AS_GIVEN: wish.as_given = true; return ST_OK;
@@ -60,7 +60,7 @@ int main(int argc, char **argv) {
                "Examples:\n  leafcast import-images scan/ --spacing 0.1,0.1,0.5 -o scan.nrrd\n"
                "  leafcast import-images cells.tif | leafcast convert - -o cells.leaf",
         .options = options,
-        .set = set,
+        .set_option = set_option,
         .open = open_images,
         .list = list_images};
     return importer_main(&row, argc, argv);

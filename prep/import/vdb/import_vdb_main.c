@@ -36,7 +36,7 @@ static status set_box(const char *text) {
     return st;
 }
 
-static status set(int key, const char *text) {
+static status set_option(int key, const char *text) {
     switch (key) {
     case KEY_BOX: return set_box(text);
     case KEY_PAD: return cli_uint(text, "--pad", 0, PAD_MAX, &asked.pad);
@@ -116,7 +116,7 @@ int main(int argc, char **argv) {
                "Examples:\n  leafcast import-vdb smoke.vdb | leafcast convert - -o smoke.leaf\n"
                "  leafcast import-vdb fire.vdb --field temperature --pad 1 -o fire.nrrd",
         .options = options,
-        .set = set,
+        .set_option = set_option,
         .open = open_vdb,
         .list = list_vdb};
     return importer_main(&row, argc, argv);
