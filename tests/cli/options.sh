@@ -21,7 +21,7 @@ files() {
     "$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" -o "$tmp/m.leaf" -q --gradients
     echo '[{"fov": 30}, {"fov": 50}]' >"$tmp/path.json"
     echo '{"size": [8, 8]}' >"$tmp/script.json"
-    for i in 2 10; do printf "P6 3 2 255\n$i$i%s" 12345678901234 | head -c 29 >"$tmp/s$i.ppm"; done
+    for i in 2 10; do printf "P6 3 2 255\n$i$i%s" 123456789012345678 | head -c 29 >"$tmp/s$i.ppm"; done
     mkdir "$tmp/v"
     tool_vdb=${LEAFCAST_BUILD:-build/release}/tests/tool_vdb
     [ ! -x "$tool_vdb" ] || "$tool_vdb" make "$tmp/v"
