@@ -145,7 +145,7 @@ EMBREE      := $(call has,libembree-dev)
 TETGEN      := $(if $(CXX_HERE),$(call has,libtet1.5-dev))
 OIIO        := $(if $(CXX_HERE),$(call has,libopenimageio-dev))
 # What importers are compiled and linked with; empty: left out. `make LIB_vdb=` does without, too.
-LIB_vdb     := $(if $(CXX_HERE),$(if $(call has,libopenvdb-dev),-lopenvdb -ltbb))
+LIB_vdb     := $(if $(CXX_HERE),$(if $(call has,libopenvdb-dev),-lopenvdb -ltbb $(shell $(PKG_CONFIG) --libs Imath)))
 LIB_images  := $(if $(OIIO),$(shell $(PKG_CONFIG) --cflags --libs OpenImageIO))
 LIB_dicom   := $(if $(CXX_HERE),$(if $(call has,libdcmtk-dev),-ldcmjpeg -lijg8 -lijg12 -lijg16 -ldcmjpls -ldcmtkcharls -ldcmimgle -ldcmdata -loflog -lofstd))
 LIB_hdf5    := $(if $(call has,libhdf5-dev),$(shell $(PKG_CONFIG) --cflags --libs hdf5-serial))
@@ -315,10 +315,18 @@ $B/flags-link: FORCE
 	$(call remember,$(LDFLAGS) $(DEPS_LIBS))
 $(SHARED) $(VERBS) $(IMPORTERS) $(IMAGE) $(TETGEN_BIN) $(TESTS) $(TOOLS) $(FUZZERS): $B/flags-link
 
-tests: all $(TESTS) $(TOOLS)
+# Files of a library's own making, and what it reads of them.
+TOOL_VDB = $(if $(LIB_vdb),$B/tests/tool_vdb)
+$B/tests/tool_vdb: tests/tool_vdb.cpp $B/flags-c++
+	@mkdir -p $(@D) $B/obj/$(<D)
+	$(call say,C++ ,$<)
+	$(Q)$(CXX) $(filter-out -fvisibility=hidden,$(ALL_CXX)) -O0 -Wno-deprecated-declarations -MMD -MP \
+	    -MF $B/obj/$(<:.cpp=.d) -o $@ $< $(LDFLAGS) $(LIB_vdb)
+
+tests: all $(TESTS) $(TOOLS) $(TOOL_VDB)
 TEST_ENV = LEAFCAST_BUILD=$(CURDIR)/$B LEAFCAST=$(CURDIR)/$(or $(EMULATED),$(FRONT)) \
            LEAFCAST_COMPILE=$(call quoted,$(CC) $(ALL_C)) LEAFCAST_LIBS='$(ALL_LIBS) -lcmocka'
-run-tests: all $(EMULATED) $(if $(CROSS),,$(TOOLS)) $(filter $B/%,$(RUN))
+run-tests: all $(EMULATED) $(if $(CROSS),,$(TOOLS) $(TOOL_VDB)) $(filter $B/%,$(RUN))
 	@$(TEST_ENV) scripts/run-tests --timeout $(TIMEOUT) $(if $(RUNNER),--under $(call quoted,$(RUNNER))) $(RUN)
 quick:
 	@scripts/check_layers

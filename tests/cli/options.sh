@@ -21,6 +21,10 @@ files() {
     "$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" -o "$tmp/m.leaf" -q --gradients
     echo '[{"fov": 30}, {"fov": 50}]' >"$tmp/path.json"
     echo '{"size": [8, 8]}' >"$tmp/script.json"
+    for i in 2 10; do printf "P6 3 2 255\n$i$i%s" 123456789012345678 | head -c 29 >"$tmp/s$i.ppm"; done
+    mkdir "$tmp/v"
+    tool_vdb=${LEAFCAST_BUILD:-build/release}/tests/tool_vdb
+    [ ! -x "$tool_vdb" ] || "$tool_vdb" make "$tmp/v"
 }
 
 # once NAME KIND VERB ARGUMENT...: run it; what the kind looks at is in $tmp/NAME.
@@ -435,6 +439,37 @@ import-dicom|--help|shown help|
 import-dicom|--help-all|shown help|
 import-dicom|--usage|taken||--usage
 import-dicom|--version|taken||--version
+import-images|--spacing|output|@s2.ppm @s10.ppm|--spacing 2,3,4
+import-images|--field|output|@s2.ppm @s10.ppm|--field G
+import-images|--component|output|@s2.ppm @s10.ppm|--component 1
+import-images|--step|shown import_images|
+import-images|--as-given|output|@s10.ppm @s2.ppm|--as-given
+import-images|--list|says|@s2.ppm @s10.ppm|--list
+import-images|--memory|exit 4|@s2.ppm @s10.ppm -o @si.nrrd --force|--memory 100
+import-images|--json|says|@s2.ppm @s10.ppm -o @sj.nrrd --force|--json
+import-images|--force|exit 0|@s2.ppm @s10.ppm -o @sf.nrrd --force|
+import-images|--output|makes so.nrrd|@s2.ppm @s10.ppm|--output @so.nrrd
+import-images|--quiet|fewer|@s2.ppm @s10.ppm -o @sq.nrrd --force --verbose|--quiet
+import-images|--verbose|more|@s2.ppm @s10.ppm -o @sv.nrrd --force|--verbose
+import-images|--help|shown help|
+import-images|--help-all|shown help|
+import-images|--usage|says|@s2.ppm @s10.ppm -o @su.nrrd --force|--usage
+import-images|--version|says|@s2.ppm @s10.ppm -o @su.nrrd --force|--version
+import-vdb|--field|output|@v/blosc.vdb|--field int32
+import-vdb|--component|output|@v/blosc.vdb --field vec3s|--component 3
+import-vdb|--box|output|@v/blosc.vdb|--box 0,0,0,4,4,4
+import-vdb|--pad|output|@v/blosc.vdb|--pad 1
+import-vdb|--list|says|@v/sphere.vdb|--list
+import-vdb|--memory|exit 4|@v/none.vdb -o @vi.nrrd --force|--memory 100K
+import-vdb|--json|says|@v/sphere.vdb -o @vj.nrrd --force|--json
+import-vdb|--force|exit 0|@v/sphere.vdb -o @vf.nrrd --force|
+import-vdb|--output|makes vo.nrrd|@v/sphere.vdb|--output @vo.nrrd
+import-vdb|--quiet|fewer|@v/sphere.vdb -o @vq.nrrd --force --verbose|--quiet
+import-vdb|--verbose|more|@v/sphere.vdb -o @vv.nrrd --force|--verbose
+import-vdb|--help|shown help|
+import-vdb|--help-all|shown help|
+import-vdb|--usage|says|@v/sphere.vdb -o @vu.nrrd --force|--usage
+import-vdb|--version|says|@v/sphere.vdb -o @vu.nrrd --force|--version
 TABLE
 for kind in picture stats; do
     # shellcheck disable=SC2086 # arguments
@@ -444,6 +479,7 @@ for kind in picture stats; do
     ok "$kind: the same when nothing is added" cmp -s "$tmp/without" "$tmp/with"
 done
 "$leafcast" --list-verbs own >"$tmp/own"
+[ -e "$tmp/v/sphere.vdb" ] || sed -i '/^import-vdb$/d' "$tmp/own"
 while IFS='|' read -r verb option kind base added; do
     if ! grep -qx "${verb%% *}" "$tmp/own"; then
         skip "$verb $option" "its library is not here"

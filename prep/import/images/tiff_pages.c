@@ -1,0 +1,75 @@
+#include "prep/import/images/tiff_pages.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+#include "formats/base/file.h"
+
+typedef struct tiff {
+    file *file;
+    const char *path;
+    bool big_endian; /* "MM" */
+    bool big;        /* BigTIFF: counts and offsets of 8 bytes */
+} tiff;
+
+static status read_number(const tiff *t, uint64_t offset, int bytes, uint64_t *out) {
+    unsigned char raw[8];
+    const status st = file_read_at(t->file, offset, raw, (size_t)bytes);
+    *out = 0;
+    for (int i = 0; i < bytes && st == ST_OK; i++)
+        *out = *out << 8 | raw[t->big_endian ? i : bytes - 1 - i];
+    return st;
+}
+
+static status read_header(tiff *t, uint64_t *first) {
+    unsigned char order[2];
+    uint64_t version;
+    status st = file_read_at(t->file, 0, order, sizeof order);
+    if (st != ST_OK)
+        return st;
+    t->big_endian = order[0] == 'M';
+    st = read_number(t, 2, 2, &version);
+    t->big = version == 43;
+    return st == ST_OK ? read_number(t, t->big ? 8 : 4, t->big ? 8 : 4, first) : st;
+}
+
+/* A directory: how many entries, the entries, where the next one is. */
+static status follow(const tiff *t, uint64_t at, uint64_t *next) {
+    const uint64_t size = file_size(t->file), entry = t->big ? 20 : 12;
+    const int head = t->big ? 8 : 2, link = t->big ? 8 : 4;
+    uint64_t entries;
+    if (at > size)
+        return status_describe(ST_CORRUPT,
+                               "%s: cut off: a page's directory is at byte %llu, the file ends at "
+                               "byte %llu",
+                               t->path, (unsigned long long)at, (unsigned long long)size);
+    const status st = read_number(t, at, head, &entries);
+    if (st != ST_OK)
+        return st;
+    if (entries > size / entry)
+        return status_describe(ST_CORRUPT, "%s: the directory at byte %llu has %llu entries",
+                               t->path, (unsigned long long)at, (unsigned long long)entries);
+    return read_number(t, at + (uint64_t)head + entries * entry, link, next);
+}
+
+static status count_pages(tiff *t, uint64_t *pages) {
+    const uint64_t most = file_size(t->file) / 6; /* bytes of a directory without entries */
+    uint64_t at;
+    status st = read_header(t, &at);
+    for (*pages = 0; at && st == ST_OK; ++*pages) {
+        if (*pages > most)
+            return status_describe(ST_CORRUPT, "%s: its pages' directories go round in a circle",
+                                   t->path);
+        st = follow(t, at, &at);
+    }
+    return st;
+}
+
+status tiff_pages_count(mem *m, const char *path, uint64_t *pages) {
+    tiff t = {.path = path};
+    status st = file_open(m, path, &t.file);
+    if (st == ST_OK)
+        st = count_pages(&t, pages);
+    file_close(t.file);
+    return st;
+}
