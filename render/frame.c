@@ -15,12 +15,12 @@ typedef struct tally {
     work_hand hand;
 } tally;
 
-/* What a thread draws a tile in; then come records of rays that go on together, room for a batch of
- * rays, and the tile's kernel has the rest of the scratch. */
+/* What a thread draws a tile in; then comes room for a batch of rays. The tile's kernel has the rest
+ * of the scratch, and when it has done rays that go on together have it, with their records. */
 typedef struct easel {
     _Alignas(64) tile_outcome todo;
+    ray_company *rays;
     char *records; /* WORK_BATCH */
-    ray_company rays;
 } easel;
 _Static_assert((int)WORK_BATCH == (int)RAY_BATCH, "an item's rays go on together");
 
@@ -43,8 +43,8 @@ static size_t up_to_64(size_t bytes) {
     return (bytes + 63) / 64 * 64;
 }
 
-static size_t records_bytes(const frame *f) {
-    return up_to_64(WORK_BATCH * f->integrator->record_bytes);
+static size_t company_bytes(const frame *f) {
+    return up_to_64(sizeof(ray_company) + WORK_BATCH * f->integrator->record_bytes);
 }
 
 uint32_t frame_records_min(const frame *f) {
@@ -55,8 +55,10 @@ size_t frame_record_bytes(const frame *f) {
     return f->integrator->record_bytes;
 }
 
-static size_t tile_scratch(const frame *f) {
-    return up_to_64(f->tracer->kind->tile_scratch);
+/* What a tile's kernel and rays that go on together have in turn. */
+static size_t shared_scratch(const frame *f) {
+    const size_t tile = up_to_64(f->tracer->kind->tile_scratch), company = company_bytes(f);
+    return tile > company ? tile : company;
 }
 
 static size_t batch_scratch(const frame *f) {
@@ -67,19 +69,19 @@ static size_t batch_scratch(const frame *f) {
 }
 
 size_t frame_scratch_bytes(const frame *f) {
-    return sizeof(easel) + records_bytes(f) + up_to_64(sizeof(ray_batch)) + batch_scratch(f) +
-           tile_scratch(f);
+    return sizeof(easel) + up_to_64(sizeof(ray_batch)) + batch_scratch(f) + shared_scratch(f);
 }
 
 static easel *easel_of(const frame *f, int worker) {
     char *own = (char *)f->scratch + (size_t)worker * frame_scratch_bytes(f);
     easel *e = (easel *)own;
-    e->records = own + sizeof *e;
-    char *batch = e->records + records_bytes(f);
-    char *batch_scratch_at = batch + up_to_64(sizeof(ray_batch));
+    char *batch = own + sizeof *e, *batch_scratch_at = batch + up_to_64(sizeof(ray_batch));
+    char *shared = batch_scratch_at + batch_scratch(f);
     e->todo.batch = (ray_batch *)batch;
     e->todo.batch_scratch = batch_scratch_at;
-    e->todo.scratch = batch_scratch_at + batch_scratch(f);
+    e->todo.scratch = shared;
+    e->rays = (ray_company *)shared;
+    e->records = shared + sizeof *e->rays;
     return e;
 }
 
@@ -145,7 +147,7 @@ static uint32_t pixels_of(const tile_row rows[], uint32_t side) {
 }
 
 static void advance(const drawing *d, easel *e, tally *mine) {
-    ray_advance(d->f, &e->rays, e->todo.batch, e->todo.batch_scratch, &mine->counters);
+    ray_advance(d->f, e->rays, e->todo.batch, e->todo.batch_scratch, &mine->counters);
 }
 
 /* Those that are blocked wait for their treelets; a record was promised to each. */
@@ -181,7 +183,7 @@ _Static_assert(SQUARE *SQUARE == WORK_BATCH && TILE_MAX % SQUARE == 0, "a square
 static void begin_square(const drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t x,
                          uint32_t y) {
     const frame *f = d->f;
-    ray_company *rays = &e->rays;
+    ray_company *rays = e->rays;
     const uint32_t end = y + SQUARE < d->side ? y + SQUARE : d->side;
     rays->count = 0;
     for (uint32_t row = y; row < end; row++) {
@@ -205,7 +207,7 @@ static status draw_rest(drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t
             uint32_t count = 0;
             begin_square(d, e, x0, y0, x, y);
             advance(d, e, mine);
-            st = keep_blocked(d, &e->rays, &count, &mine->hand);
+            st = keep_blocked(d, e->rays, &count, &mine->hand);
             *kept += count;
         }
     }
@@ -229,12 +231,12 @@ static status draw_tile(drawing *d, uint32_t tile, easel *e, tally *mine) {
 
 static void resume_rays(drawing *d, const work_item *item, easel *e, tally *mine) {
     uint32_t left[WORK_BATCH], count = 0;
-    e->rays.count = item->count;
+    e->rays->count = item->count;
     for (uint32_t i = 0; i < item->count; i++)
-        e->rays.record[i] = ray_records_at(&d->records, item->rays[i]);
+        e->rays->record[i] = ray_records_at(&d->records, item->rays[i]);
     advance(d, e, mine);
     for (uint32_t i = 0; i < item->count; i++) {
-        if (e->rays.blocked[i])
+        if (e->rays->blocked[i])
             left[count++] = item->rays[i];
         else
             ray_records_give(&d->records, &mine->hand.reserve, item->rays[i]);

@@ -21,8 +21,8 @@ static const ray_look *look_of(const frame *f) {
 
 static void own_begin(const frame *f, uint32_t pixel, ray_record *r) {
     own_ray *p = own_ray_of(r);
-    *p = (own_ray){.head = {.pixel = pixel}, .search = surface_search_first()};
-    p->search.any = !look_of(f)->hits;
+    p->head = (ray_record){.pixel = pixel};
+    surface_search_begin(&p->search, !look_of(f)->hits);
 }
 
 /* How far t may be off. */

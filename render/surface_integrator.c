@@ -1,6 +1,7 @@
 #include "render/surface_integrator.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "render/kind.h"
 #include "render/shade.h"
@@ -26,8 +27,13 @@ static surface_ray *surface_ray_of(ray_record *r) {
 }
 
 static void surface_begin(const frame *f, uint32_t pixel, ray_record *r) {
+    surface_ray *p = surface_ray_of(r);
     (void)f;
-    *surface_ray_of(r) = (surface_ray){.head = {.pixel = pixel}, .search = surface_search_first()};
+    p->head = (ray_record){.pixel = pixel};
+    p->layers = 0;
+    p->provisional = p->shadow = false;
+    memset(p->rgba, 0, sizeof p->rgba);
+    surface_search_begin(&p->search, false);
 }
 
 /* The current surface, for lights. */

@@ -25,10 +25,14 @@ typedef struct surface_search {
     trace_state state; /* in that volume */
 } surface_search;
 
-/* surface_search_first() - before all surfaces. surface_search_behind() - then: behind the one that
- * was found. Each ray begins with the first: it is made where it stays, and not copied. */
-static inline surface_search surface_search_first(void) {
-    return (surface_search){.behind = hit_before_all(), .found = hit_none()};
+/* surface_search_begin() - before all surfaces; any: see above. What need not be set is not: rays
+ * that meet nothing are many. surface_search_behind() - then: behind the one that was found. */
+static inline void surface_search_begin(surface_search *s, bool any) {
+    s->behind = hit_before_all();
+    s->found = hit_none();
+    s->behind_volume = s->found_volume = 0;
+    s->any = any;
+    s->searching = s->stand_in = s->provisional = false;
 }
 
 static inline void surface_search_behind(surface_search *s) {
