@@ -59,7 +59,7 @@ typedef struct batch_walk {
     ray_set pending; /* of these: a cell waits in the batch, */
     ray_set queued;  /* or in the queue before it */
     ray_set single;  /* met an absent treelet */
-    ray_set level;   /* have a component of 0: their cells are the scalar kernel's */
+    ray_set level;   /* have a component of 0 */
     hit best[RAY_BATCH];
     const resident_grid *at[RAY_BATCH]; /* in which; NULL: what it was given */
     cell_queue queue;
@@ -218,7 +218,7 @@ static void add_to_batch(batch_walk *w, const resident_grid *at, const uint32_t 
     cell_batch *b = &w->batch;
     const unsigned k = w->waiting++;
     for (int a = 0; a < 3; a++) {
-        b->d[a][k] = r->d[a];
+        b->d[a][k] = r->d[a] != 0.0 ? r->d[a] : CELL_ALONG;
         b->lo[a][k] = planes->at[a][cell[a]] - r->o[a];
         b->hi[a][k] = planes->at[a][cell[a] + 1] - r->o[a];
         b->inv[a][k] = planes->inverse[a][cell[a]];
@@ -235,6 +235,19 @@ static void add_to_batch(batch_walk *w, const resident_grid *at, const uint32_t 
     set_add(&w->pending, i);
     if (w->waiting == CELL_BATCH)
         flush(w);
+}
+
+/* Whether a ray with a component of 0 is what the batch can do with in a cell: see CELL_ALONG. */
+static bool goes_along(const batch_walk *w, const resident_grid *at, const uint32_t cell[3],
+                       unsigned i) {
+    const level_planes *planes = &w->scene->levels[at->level];
+    const ray *r = ray_at(w, i);
+    bool along = fabs(w->rays.t_in[i]) <= CELL_ALONG_T && fabs(w->rays.t_out[i]) <= CELL_ALONG_T;
+    for (int a = 0; a < 3; a++) {
+        const double lo = planes->at[a][cell[a]] - r->o[a], hi = planes->at[a][cell[a] + 1] - r->o[a];
+        along &= r->d[a] != 0.0 || (fabs(lo) >= CELL_ALONG_NEAR && fabs(hi) >= CELL_ALONG_NEAR);
+    }
+    return along;
 }
 
 /* ---- The filter ---- */
@@ -331,7 +344,7 @@ static void queue_flush(batch_walk *w) {
             flush(w);
         if (!set_has(&w->open, i))
             continue;
-        if (set_has(&w->level, i))
+        if (set_has(&w->level, i) && !goes_along(w, q->at[c], q->cells[c], i))
             take_scalar_hit(w, i, q->at[c], q->cells[c], samples[c]);
         else
             add_to_batch(w, q->at[c], q->cells[c], samples[c], i);
