@@ -15,8 +15,9 @@ typedef struct tally {
     work_hand hand;
 } tally;
 
-/* What a thread draws a tile in; then comes room for a batch of rays. The tile's kernel has the rest
- * of the scratch, and when it has done rays that go on together have it, with their records. */
+/* What a thread draws a tile in; then comes room for a batch of rays. The tile's kernel has the
+ * rest of the scratch, and when it has done rays that go on together have it, with their records.
+ */
 typedef struct easel {
     _Alignas(64) tile_outcome todo;
     ray_company *rays;

@@ -42,7 +42,8 @@ typedef struct integrator {
     /* The bundle of all rays on a leg of their way. */
     ray_bundle (*bundle)(const frame *f, uint32_t leg);
 
-    /* Returns what begins whole tiles of pixels, or NULL: nothing does. The row may leave it out. */
+    /* Returns what begins whole tiles of pixels, or NULL: nothing does. The row may leave it out.
+     */
     tile_fn (*tile)(const frame *f);
 } integrator;
 

@@ -10,8 +10,7 @@ static uint32_t turn_of(const ray_record *r) {
 static unsigned next_of(const ray_company *c) {
     unsigned next = c->count;
     for (unsigned i = 0; i < c->count; i++)
-        if (c->asks[i] &&
-            (next == c->count || turn_of(c->record[i]) < turn_of(c->record[next])))
+        if (c->asks[i] && (next == c->count || turn_of(c->record[i]) < turn_of(c->record[next])))
             next = i;
     return next;
 }

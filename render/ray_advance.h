@@ -10,16 +10,16 @@
 #include "render/ray_batch.h"
 
 typedef struct ray_company {
-    unsigned count;                      /* at most RAY_BATCH */
-    ray_record *record[RAY_BATCH];       /* the caller's */
-    bool blocked[RAY_BATCH];             /* needs a treelet: the head says which. Else it is done */
-    bool asks[RAY_BATCH];                /* these and the rest: while they go on */
+    unsigned count;                /* at most RAY_BATCH */
+    ray_record *record[RAY_BATCH]; /* the caller's */
+    bool blocked[RAY_BATCH];       /* needs a treelet: the head says which. Else it is done */
+    bool asks[RAY_BATCH];          /* these and the rest: while they go on */
     ray_question question[RAY_BATCH];
-    uint8_t place[RAY_BATCH];            /* of those that are asked together */
+    uint8_t place[RAY_BATCH]; /* of those that are asked together */
 } ray_company;
 
-/* ray_advance() - all rays go on until their pixels are written or they are blocked; also those that
- * were blocked. *b and scratch: room, see ray_batch.h. */
+/* ray_advance() - all rays go on until their pixels are written or they are blocked; also those
+ * that were blocked. *b and scratch: room, see ray_batch.h. */
 void ray_advance(const frame *f, ray_company *c, ray_batch *b, void *scratch,
                  ray_counters *counters);
 

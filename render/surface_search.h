@@ -41,9 +41,9 @@ static inline void surface_search_behind(surface_search *s) {
     s->found = hit_none();
 }
 
-/* surface_search_ask() - the next question. False: s->found is certain, hit_none() if there is none.
- * *volume: 0 to begin with, and again at the end. coarse: a volume, what stands in for it where a
- * preview's treelets are absent, or NULL. */
+/* surface_search_ask() - the next question. False: s->found is certain, hit_none() if there is
+ * none. *volume: 0 to begin with, and again at the end. coarse: a volume, what stands in for it
+ * where a preview's treelets are absent, or NULL. */
 bool surface_search_ask(const frame *f, const world_ray *ray, const tracer *const coarse[],
                         uint16_t *volume, surface_search *s, ray_question *q);
 

@@ -26,7 +26,8 @@ typedef struct cell_batch {
 
 /* For a component of 0, of a ray that goes along an axis' planes: these are met so far away that
  * nothing comes of it, and t times it is lost beside them, so that the answer is that of 0, to the
- * bit. That takes planes no nearer to the ray than CELL_ALONG_NEAR, and |t| of CELL_ALONG_T at most.
+ * bit. That takes planes no nearer to the ray than CELL_ALONG_NEAR, and |t| of CELL_ALONG_T at
+ * most.
  */
 #define CELL_ALONG      0x1p-960
 #define CELL_ALONG_NEAR 0x1p-500

@@ -244,7 +244,8 @@ static bool goes_along(const batch_walk *w, const resident_grid *at, const uint3
     const ray *r = ray_at(w, i);
     bool along = fabs(w->rays.t_in[i]) <= CELL_ALONG_T && fabs(w->rays.t_out[i]) <= CELL_ALONG_T;
     for (int a = 0; a < 3; a++) {
-        const double lo = planes->at[a][cell[a]] - r->o[a], hi = planes->at[a][cell[a] + 1] - r->o[a];
+        const double lo = planes->at[a][cell[a]] - r->o[a],
+                     hi = planes->at[a][cell[a] + 1] - r->o[a];
         along &= r->d[a] != 0.0 || (fabs(lo) >= CELL_ALONG_NEAR && fabs(hi) >= CELL_ALONG_NEAR);
     }
     return along;
