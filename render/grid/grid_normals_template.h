@@ -44,7 +44,7 @@ static const known_cell *corners_of(const tile_walk *w, const tile_layer *l, uns
                                     known_cell *known) {
     const resident_grid *at = resident_grid_of(surface_of(l, i)->at);
     uint32_t cell[3];
-    cell_at_place(at, surface_of(l, i)->place, cell);
+    cell_of_local(at, surface_of(l, i)->local, cell);
     known_cell *k = &known[(cell[0] + 5 * cell[1] + 11 * cell[2]) % KNOWN_CELLS];
     if (k->at == at && k->cell[0] == cell[0] && k->cell[1] == cell[1] && k->cell[2] == cell[2])
         return k;
@@ -66,10 +66,10 @@ SIMD void gradients_at(const tile_walk *w, const tile_layer *l, unsigned i, unsi
         const resident_grid *in = has ? resident_grid_of(surface_of(l, i + k)->at) : NULL;
         const level_planes *planes = &scene->levels[in ? in->level : 0];
         if (in)
-            cell_at_place(in, surface_of(l, i + k)->place, cell[k]);
+            cell_of_local(in, surface_of(l, i + k)->local, cell[k]);
         t[k] = has ? surface_of(l, i + k)->t : 0.0;
         for (int a = 0; a < 3; a++) {
-            lo[a][k] = planes->at[a][cell[k][a]] - w->place.p->eye[a];
+            lo[a][k] = planes->at[a][cell[k][a]] - w->view.p->eye[a];
             inverse[a][k] = planes->inverse[a][cell[k][a]];
         }
     }
@@ -90,11 +90,11 @@ SIMD void gradients_at(const tile_walk *w, const tile_layer *l, unsigned i, unsi
             const four mixed = mix_four(low, high, z);
             memcpy(g, &mixed, sizeof g);
         } else if (hits >> k & 1u) {
-            const double place[3] = {x, y, z};
+            const double point[3] = {x, y, z};
             const double widths[3] = {inverse[0][k], inverse[1][k], inverse[2][k]};
             float samples[8];
             walk_cell_samples(scene, resident_grid_of(surface_of(l, i + k)->at), cell[k], samples);
-            surface_trilinear(samples, place, widths, g);
+            surface_trilinear(samples, point, widths, g);
         }
         for (int a = 0; a < 3; a++)
             gradient[a][k] = g[a];

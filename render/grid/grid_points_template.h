@@ -30,7 +30,7 @@ static void point_columns_put(point_columns *c, unsigned lane, const tile_walk *
         c->samples[i][lane] = samples[i];
     for (int a = 0; a < 3; a++) {
         const double lo = planes->at[a][cell[a]];
-        c->lo[a][lane] = lo - w->place.p->eye[a];
+        c->lo[a][lane] = lo - w->view.p->eye[a];
         c->size[a][lane] = planes->at[a][cell[a] + 1] - lo;
         c->inverse[a][lane] = planes->inverse[a][cell[a]];
     }

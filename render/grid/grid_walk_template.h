@@ -17,7 +17,7 @@
 
 typedef struct tile_walk {
     tile_state s;
-    tile_place place;
+    tile_view view;
     tile_row pending[ROWS]; /* rays of s.open that look for one surface and of which a cell waits
                                in the batch */
     bool filter;            /* the intersector is the one that the filter knows */
@@ -38,22 +38,22 @@ SIMD const walk_scene *scene_of(const tile_walk *w) {
 
 /* ---- The batch ---- */
 
-/* A cell's place in its treelet: ten bits an axis. */
-static uint32_t place_of(const resident_grid *at, const uint32_t cell[3]) {
+/* A cell's local number: ten bits an axis. */
+static uint32_t local_of(const resident_grid *at, const uint32_t cell[3]) {
     return (cell[0] - at->first_cell[0]) | (cell[1] - at->first_cell[1]) << 10 |
            (cell[2] - at->first_cell[2]) << 20;
 }
 
-static void cell_at_place(const resident_grid *at, uint32_t place, uint32_t cell[3]) {
+static void cell_of_local(const resident_grid *at, uint32_t local, uint32_t cell[3]) {
     for (int a = 0; a < 3; a++)
-        cell[a] = at->first_cell[a] + (place >> 10 * a & 1023u);
+        cell[a] = at->first_cell[a] + (local >> 10 * a & 1023u);
 }
 
 static hit grid_hit_of(const frame *f, const tile_surface *s) {
     const walk_scene *scene = f->tracer->own;
     const resident_grid *at = resident_grid_of(s->at);
     uint32_t cell[3];
-    cell_at_place(at, s->place, cell);
+    cell_of_local(at, s->local, cell);
     return (hit){s->t, walk_cell_index(&scene->levels[at->level], cell), s->iso, s->entering};
 }
 
@@ -69,7 +69,7 @@ static const tile_order grid_order = {grid_hit_of, hit_less, grid_same};
 static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool entering, bool at_exit) {
     const unsigned i = w->ray_of[k];
     const resident_grid *at = w->treelet_of[k];
-    const tile_surface found = {t, &at->head, place_of(at, w->cell_of[k]), iso, entering};
+    const tile_surface found = {t, &at->head, local_of(at, w->cell_of[k]), iso, entering};
     if (!tile_state_take(&w->s, i, &found) || !(w->s.reach[i] < (double)INFINITY))
         return;
     if (!at_exit && w->s.reach[i] <= t)
@@ -135,8 +135,8 @@ static void add_to_batch(tile_walk *w, const resident_grid *at, const uint32_t c
     const unsigned k = w->waiting++;
     for (int a = 0; a < 3; a++) {
         b->d[a][k] = w->s.rays.d[a][i];
-        b->lo[a][k] = planes->at[a][cell[a]] - w->place.p->eye[a];
-        b->hi[a][k] = planes->at[a][cell[a] + 1] - w->place.p->eye[a];
+        b->lo[a][k] = planes->at[a][cell[a]] - w->view.p->eye[a];
+        b->hi[a][k] = planes->at[a][cell[a] + 1] - w->view.p->eye[a];
         b->inv[a][k] = planes->inverse[a][cell[a]];
         w->cell_of[k][a] = cell[a];
     }
@@ -288,7 +288,7 @@ SIMD unsigned stage_window(tile_walk *w, unsigned x, unsigned y, unsigned open) 
 static __attribute__((noinline)) void walk_cell(tile_walk *w, const resident_grid *at,
                                                 const uint32_t cell[3], tile_rect r) {
     cell_stage *s = &w->stage;
-    const plane_projection *const *planes = w->place.p->at[at->level];
+    const plane_projection *const *planes = w->view.p->at[at->level];
     unsigned visited = 0;
     queue_flush(w); /* its cells are nearer */
     if (s->cells == STAGE_CELLS)
@@ -344,7 +344,7 @@ enum { GROUP_RAYS_MAX = 8 };
 static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t first_cell[3],
                        unsigned active, unsigned first, tile_rect r) {
     enum { VECTORS_OF_8 = VF_N < 8 ? 8 / VF_N : 1 };
-    const plane_projection *const *projected = w->place.p->at[at->level];
+    const plane_projection *const *projected = w->view.p->at[at->level];
     group_planes planes[VECTORS_OF_8];
     stage_flush(w); /* its cells are nearer */
     for (unsigned v = 0; v < VECTORS_OF_8; v++)
@@ -359,9 +359,9 @@ static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t fir
                                         t_out + v * VF_N)
                            << v * VF_N;
             LANE_COUNT(groups, visited & active);
-            for (unsigned places = octants_in_order(visited & active, first); places;
-                 places &= places - 1) {
-                const unsigned o = (unsigned)__builtin_ctz(places) ^ first;
+            for (unsigned order = octants_in_order(visited & active, first); order;
+                 order &= order - 1) {
+                const unsigned o = (unsigned)__builtin_ctz(order) ^ first;
                 const uint32_t cell[3] = {first_cell[0] + (o & 1u), first_cell[1] + (o >> 1 & 1u),
                                           first_cell[2] + (o >> 2)};
                 queue_add(w, at, projected, cell, TILE * y + x, t_in[o], t_out[o]);
@@ -378,7 +378,7 @@ static unsigned first_octant(const tile_walk *w, const level_planes *planes,
                              const uint32_t first[3], uint32_t half) {
     unsigned octant = 0;
     for (int a = 0; a < 3; a++)
-        octant |= (unsigned)(planes->at[a][first[a] + half] <= w->place.p->eye[a]) << a;
+        octant |= (unsigned)(planes->at[a][first[a] + half] <= w->view.p->eye[a]) << a;
     return octant;
 }
 
@@ -437,7 +437,7 @@ static unsigned open_rays(const tile_walk *w, tile_rect r) {
 
 static void walk_tree(tile_walk *w, const resident_grid *at, tile_rect rect) {
     const level_planes *planes = &scene_of(w)->levels[at->level];
-    const plane_projection *const *projected = w->place.p->at[at->level];
+    const plane_projection *const *projected = w->view.p->at[at->level];
     tree_node stack[TREE_STACK_MAX];
     int top = 0;
     stack[top++] = (tree_node){{at->first_cell[0], at->first_cell[1], at->first_cell[2]},
@@ -460,21 +460,21 @@ static void walk_tree(tile_walk *w, const resident_grid *at, tile_rect rect) {
         }
         tile_rects rects;
         w->s.counters->nodes++;
-        tile_rects_of(&w->place, projected, node.cell, half, &node.rect, &rects);
+        tile_rects_of(&w->view, projected, node.cell, half, &node.rect, &rects);
         const unsigned children = walk_children(at, node.size, node.morton) & rects.alive;
         const unsigned first = first_octant(w, planes, node.cell, half);
-        unsigned places = octants_in_order(children, first);
+        unsigned order = octants_in_order(children, first);
         if (half == 1) {
-            for (; places; places &= places - 1) {
-                const unsigned o = (unsigned)__builtin_ctz(places) ^ first;
+            for (; order; order &= order - 1) {
+                const unsigned o = (unsigned)__builtin_ctz(order) ^ first;
                 const uint32_t cell[3] = {node.cell[0] + (o & 1u), node.cell[1] + (o >> 1 & 1u),
                                           node.cell[2] + (o >> 2)};
                 walk_cell(w, at, cell, rects.of[o]);
             }
             continue;
         }
-        for (; places; places ^= 1u << octants_last(places)) {
-            const unsigned o = octants_last(places) ^ first;
+        for (; order; order ^= 1u << octants_last(order)) {
+            const unsigned o = octants_last(order) ^ first;
             stack[top++] =
                 (tree_node){{node.cell[0] + (o & 1u) * half, node.cell[1] + (o >> 1 & 1u) * half,
                              node.cell[2] + (o >> 2) * half},
@@ -498,7 +498,7 @@ static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect 
                                                                            : w->s.rays.t0[i],
                t_out = w->s.reach[i] < w->s.rays.t1[i] ? w->s.reach[i] : w->s.rays.t1[i];
         for (int a = 0; a < 3; a++) {
-            const double d = w->s.rays.d[a][i], eye = w->place.p->eye[a];
+            const double d = w->s.rays.d[a][i], eye = w->view.p->eye[a];
             /* The last treelet's cells end before it does. */
             const uint32_t first = layout->place[t][a] << layout->cells_log2;
             const uint32_t end = first + (1u << layout->cells_log2);
@@ -580,13 +580,13 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
             first[a] = layout->place[node.t][a] << layout->cells_log2;
         tile_rects rects;
         w->s.counters->nodes++;
-        tile_rects_of(&w->place, w->place.p->at[level], first, half, &node.rect, &rects);
+        tile_rects_of(&w->view, w->view.p->at[level], first, half, &node.rect, &rects);
         const unsigned children = tr->treelets->children[node.t] & rects.alive;
         const unsigned existing = leaf_layout_children(layout, node.t);
         const unsigned eye = first_octant(w, &scene_of(w)->levels[level], first, half);
-        for (unsigned places = octants_in_order(children, eye); places;
-             places ^= 1u << octants_last(places)) {
-            const unsigned o = octants_last(places) ^ eye;
+        for (unsigned order = octants_in_order(children, eye); order;
+             order ^= 1u << octants_last(order)) {
+            const unsigned o = octants_last(order) ^ eye;
             const uint32_t rank = (uint32_t)__builtin_popcount(existing & ((1u << o) - 1u));
             stack[top++] = (directory_node){layout->first_child[node.t] + rank, rects.of[o]};
         }
@@ -599,7 +599,7 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
 static void tile_walk_begin(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0,
                             const tile_row asked[], tile_outcome *out, ray_counters *counters) {
     tile_state_begin(&w->s, f, &grid_order, TILE_LAYERS, x0, y0, asked, out, counters);
-    w->place = tile_place_of(f, x0, y0);
+    w->view = tile_view_of(f, x0, y0);
     w->filter = scene_of(w)->intersector == LEAFCAST_MARMITT;
     w->several = w->s.layers != 1;
     w->waiting = 0;

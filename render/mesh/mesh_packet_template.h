@@ -193,12 +193,12 @@ SIMD tet_known known_by(packet_view view) {
                                         : TET_UNKNOWN;
 }
 
-static void packet_tet(packet *w, const resident_mesh *at, uint32_t place, int first, int end) {
+static void packet_tet(packet *w, const resident_mesh *at, uint32_t local, int first, int end) {
     const frame *f = w->s.f;
     const isovalue_list *isos = &f->tracer->isos;
     for (int i = 0; i < isos->count; i++) {
         isopolygon own;
-        const isopolygon *g = isopolygon_cache_find(at, place, isos->isovalues[i], &own);
+        const isopolygon *g = isopolygon_cache_find(at, local, isos->isovalues[i], &own);
         if (!g)
             continue;
         w->counters->isopolygons++;
@@ -209,7 +209,7 @@ static void packet_tet(packet *w, const resident_mesh *at, uint32_t place, int f
             continue;
         if (view == PACKET_DIFFERS)
             w->counters->polygon_tests += (uint64_t)(end - first);
-        f->kernels->tets(g, at->first_tet + place, i, known_by(view), &w->rays, first, end);
+        f->kernels->tets(g, at->first_tet + local, i, known_by(view), &w->rays, first, end);
         w->lowered = true;
     }
 }
@@ -377,8 +377,8 @@ static int packet_begin(packet *w) {
     const hit before = hit_before_all();
     const int padded = (w->count + 15) / 16 * 16;
     int first = w->count;
-    const tile_place place = tile_place_of(w->s.f, w->s.x0 + w->x, w->s.y0 + w->y);
-    packet_frustum_begin(&w->sight, place.p, place.x, place.y, (int)w->side);
+    const tile_view view = tile_view_of(w->s.f, w->s.x0 + w->x, w->s.y0 + w->y);
+    packet_frustum_begin(&w->sight, view.p, view.x, view.y, (int)w->side);
     for (int i = padded; i-- > 0;) {
         const unsigned y = w->y + (unsigned)i / w->side, x = w->x + (unsigned)i % w->side;
         const unsigned from = TILE * y + x;

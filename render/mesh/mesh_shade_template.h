@@ -43,7 +43,7 @@ typedef struct mesh_shading {
 
 static hit mesh_hit_of(const frame *f, const tile_surface *s) {
     (void)f;
-    return (hit){s->t, resident_mesh_of(s->at)->first_tet + s->place, s->iso, s->entering};
+    return (hit){s->t, resident_mesh_of(s->at)->first_tet + s->local, s->iso, s->entering};
 }
 
 static bool mesh_less(const hit *a, const hit *b) {
@@ -63,9 +63,9 @@ static void list_tets(const tile_layer *s, hit_tets *l) {
         if (!in_layer(s, i))
             continue;
         const tile_surface *x = surface_of(s, i);
-        uint16_t *k = &known[(x->place + (unsigned)x->iso) % KNOWN_TETS];
+        uint16_t *k = &known[(x->local + (unsigned)x->iso) % KNOWN_TETS];
         const tile_surface *first = *k < l->count ? surface_of(s, l->ray[*k]) : NULL;
-        if (!first || first->place != x->place || first->at != x->at || first->iso != x->iso) {
+        if (!first || first->local != x->local || first->at != x->at || first->iso != x->iso) {
             *k = (uint16_t)l->count;
             l->ray[l->count++] = (uint16_t)i;
         }
@@ -74,7 +74,7 @@ static void list_tets(const tile_layer *s, hit_tets *l) {
 }
 
 static tet tet_of(const tile_layer *s, unsigned i) {
-    return mesh_walk_tet(resident_mesh_of(surface_of(s, i)->at), surface_of(s, i)->place);
+    return mesh_walk_tet(resident_mesh_of(surface_of(s, i)->at), surface_of(s, i)->local);
 }
 
 /* Of VD_N tets of the list, from the one at `from` on. */
@@ -99,21 +99,21 @@ SIMD void faceted_normals(const tracer *tr, const tile_layer *s, const hit_tets 
 /* Where gradients at the vertices give normals, they take the place of faceted ones. */
 static void smooth_normals(mesh_shading *m, const tile_layer *l, tile_normals normal) {
     const tile_state *s = m->s;
-    uint16_t place[KNOWN_TETS];
+    uint16_t made[KNOWN_TETS];
     bool has[KNOWN_TETS];
-    memset(place, 0xff, sizeof place);
+    memset(made, 0xff, sizeof made);
     for (unsigned i = 0; i < TILE_RAYS; i++) {
         if (!in_layer(l, i))
             continue;
         const unsigned k = m->tets.of[i] % KNOWN_TETS;
-        if (place[k] != m->tets.of[i]) {
+        if (made[k] != m->tets.of[i]) {
             const tet x = tet_of(l, i);
             const double iso = s->f->tracer->isos.isovalues[surface_of(l, i)->iso];
             isopolygon g;
             float gradients[4][3];
             const tile_surface *y = surface_of(l, i);
-            mesh_walk_gradients(resident_mesh_of(y->at), y->place, gradients);
-            place[k] = m->tets.of[i];
+            mesh_walk_gradients(resident_mesh_of(y->at), y->local, gradients);
+            made[k] = m->tets.of[i];
             has[k] = isopolygon_of(&x, iso, &g);
             if (has[k])
                 tet_smooth_of(&x, iso, &g, (const float(*)[3])gradients, &m->known[k]);

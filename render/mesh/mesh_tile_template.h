@@ -26,13 +26,13 @@ void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_r
 typedef struct tet_lanes {
     uint32_t vertex[4][VF_N]; /* in the treelet */
     tile_rect within[VF_N];   /* those of their leaves */
-    uint32_t place[VF_N];
+    uint32_t local[VF_N];
     unsigned count;
 } tet_lanes;
 
 typedef struct mesh_tile {
     tile_state s;
-    tile_place place;
+    tile_view view;
     double eye[3];
     tet_lanes lanes;
     float far2[TILE_RAYS + VF_N]; /* squares of how far rays look; below 0: they do not */
@@ -106,7 +106,7 @@ SIMD void leave_idle(near_boxes *b, unsigned from) {
 
 SIMD void rects_of_boxes(const mesh_tile *w, const near_boxes *b, const tile_rect *parent,
                          box_rects *out) {
-    const projection *p = w->place.p;
+    const projection *p = w->view.p;
     out->rects.alive = 0;
     for (unsigned lane = 0; lane < 8; lane += VF_N) {
         const vf zero = f_set(0.0f);
@@ -125,7 +125,7 @@ SIMD void rects_of_boxes(const mesh_tile *w, const near_boxes *b, const tile_rec
             c.far = c.far + f_max(f_abs(lo), f_abs(hi)) * f_set(p->axis[a][3]);
         }
         f_store(out->near2 + lane, near2);
-        tile_rects_of_entries(&w->place, &c, lane, parent, &out->rects);
+        tile_rects_of_entries(&w->view, &c, lane, parent, &out->rects);
     }
     out->rects.alive &= 255u;
 }
@@ -255,16 +255,16 @@ SIMD near_tet lane_tet(const tet_lanes *l, const resident_mesh *at, unsigned lan
 SIMD bool polygon_of(const mesh_tile *w, const resident_mesh *at, unsigned lane, int32_t iso,
                      isopolygon *out) {
     const double isovalue = w->s.f->tracer->isos.isovalues[iso];
-    const uint32_t place = w->lanes.place[lane];
+    const uint32_t local = w->lanes.local[lane];
     if (!at->derived) {
         const near_tet x = lane_tet(&w->lanes, at, lane);
         const polygon_sight sight = isopolygon_near(&x, isovalue, out);
         if (sight != DOUBTFUL_POLYGON)
             return sight == SURE_POLYGON;
-        const tet exact = mesh_walk_tet(at, place);
+        const tet exact = mesh_walk_tet(at, local);
         return isopolygon_of(&exact, isovalue, out);
     }
-    const isopolygon *g = isopolygon_cache_find(at, place, isovalue, out);
+    const isopolygon *g = isopolygon_cache_find(at, local, isovalue, out);
     if (g && g != out)
         *out = *g;
     return g;
@@ -285,7 +285,7 @@ static void walk_tet(mesh_tile *w, const resident_mesh *at, unsigned lane, int32
                      tile_rect r) {
     seen_polygon s; /* large */
     s.at = at;
-    s.tet = w->lanes.place[lane];
+    s.tet = w->lanes.local[lane];
     s.iso = iso;
     LANE_COUNT(looked_at, 1u);
     if (!polygon_of(w, at, lane, iso, &s.g))
@@ -308,7 +308,7 @@ typedef struct tets_in_view {
  * a few units of 2^-24 of the distance and of the treelet's size. */
 SIMD void view_tets(const mesh_tile *w, const resident_mesh *at, tets_in_view *v) {
     const tet_lanes *l = &w->lanes;
-    const projection *p = w->place.p;
+    const projection *p = w->view.p;
     const float *positions = at->positions[0];
     const float *values = mesh_leaf_values(&at->mesh, at->values);
     float size = 0.0f;
@@ -382,7 +382,7 @@ SIMD unsigned covers_of(const mesh_tile *w, const tets_in_view *v, double iso, t
     const mf whole = mf_or(v->odd, f_lt(e.w0, v->far * f_set(projection_depth_share)));
     mf alive;
     const vi packed =
-        rects_of_extent(&w->place, &e, 2.0f * w->place.p->margin, whole, within, &alive);
+        rects_of_extent(&w->view, &e, 2.0f * w->view.p->margin, whole, within, &alive);
     memcpy(out->rect, &packed, sizeof packed);
     f_store(out->depth, f_select(whole, f_set(0.0f), e.w0 - f_set(0x1p-19f) * v->far));
     LANE_COUNT(covers, mf_bits(alive) & ((1u << l->count) - 1u));
@@ -411,8 +411,8 @@ static void walk_lanes(mesh_tile *w, const resident_mesh *at) {
     l->count = 0;
 }
 
-static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t place, const tile_rect *r) {
-    const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[place];
+static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t local, const tile_rect *r) {
+    const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[local];
     const float *values = mesh_leaf_values(&at->mesh, at->values);
     tet_lanes *l = &w->lanes;
     for (int k = 0; k < 4; k++) {
@@ -421,7 +421,7 @@ static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t place, cons
         l->vertex[k][l->count] = v[k];
     }
     l->within[l->count] = *r;
-    l->place[l->count++] = place;
+    l->local[l->count++] = local;
     if (l->count == VF_N)
         walk_lanes(w, at);
 }
@@ -630,7 +630,7 @@ void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_r
     mesh_work *work = out->scratch;
     mesh_tile *w = &work->tile;
     tile_state_begin(&w->s, f, &mesh_order, TILE_LAYERS, x0, y0, asked, out, counters);
-    w->place = tile_place_of(f, x0, y0);
+    w->view = tile_view_of(f, x0, y0);
     w->lanes = (tet_lanes){.count = 0};
     for (int a = 0; a < 3; a++)
         w->eye[a] = f->projection->eye[a];
