@@ -66,7 +66,7 @@ ALL_C   = -std=c17 -D_GNU_SOURCE $(COMMON) $(WARN) $(WARN_C) $(DEPS_CFLAGS) $(CP
 # The helpers in C++ go without sanitizers: OpenImageIO and TetGen are not built for them.
 ALL_CXX = -std=c++17 -D_GNU_SOURCE $(filter-out -fsanitize=%,$(COMMON)) $(WARN) \
           $(CPPFLAGS) $(CXXFLAGS)
-ALL_LIBS = $(DEPS_LIBS) -lm
+ALL_LIBS = $(DEPS_LIBS) $(DOOR_LIBS)
 
 # ---- what there is -------------------------------------------------------------------------------
 SOURCES  := $(sort $(wildcard $(foreach d,formats prep stream render,$d/*.c $d/*/*.c)))
@@ -84,6 +84,9 @@ HEADERS  := $(wildcard render/leafcast.h render/leafcast_experimental.h prep/lea
 STATIC   := $B/lib/libleafcast.a
 SONAME   := libleafcast.so.$(firstword $(subst ., ,$(VERSION)))
 SHARED   := $B/lib/libleafcast.so.$(VERSION)
+# A verb import-X is the folder prep/import/X, linked with the library that it is for.
+IMPORTS   = $(patsubst prep/import/%/,%,$(wildcard prep/import/*/))
+IMPORTERS = $(foreach x,$(IMPORTS),$(if $(LIB_$x),$B/libexec/leafcast-import-$x))
 VERBS_C   = $(if $(TETGEN),$(MAINS),$(filter-out $(TETGEN_C),$(MAINS)))
 verb      = $B/libexec/leafcast-$(subst _,-,$(patsubst %_main.c,%,$(notdir $1)))
 VERBS     = $(foreach m,$(VERBS_C),$(call verb,$m))
@@ -118,9 +121,10 @@ RUN   := $(call only,$(LONG),$(ASKED))
 RUN   += $(filter-out $(RUN),$(ASKED))
 
 # ---- libraries -----------------------------------------------------------------------------------
-# What the library for others needs, and what the verbs need besides.
-DOOR_PC := zlib libzstd jansson libxxhash expat
-LIBS_PC := zlib libzstd jansson libxxhash expat libpng
+# What the library for others needs, and what the verbs need besides. bzip2 has no module there.
+DOOR_LIBS := -lbz2 -lm
+DOOR_PC := zlib libzstd liblzma jansson libxxhash expat
+LIBS_PC := $(DOOR_PC) libpng
 ifneq ($(filter-out list help clean setup test demo,$(or $(MAKECMDGOALS),all)),)
 MISSING := $(if $(shell command -v pkg-config),,pkg-config) \
            $(foreach p,$(LIBS_PC),$(shell $(PKG_CONFIG) --exists $p 2>/dev/null || echo $p))
@@ -140,6 +144,12 @@ ifeq ($(CROSS),)
 EMBREE      := $(call has,libembree-dev)
 TETGEN      := $(if $(CXX_HERE),$(call has,libtet1.5-dev))
 OIIO        := $(if $(CXX_HERE),$(call has,libopenimageio-dev))
+# What importers are compiled and linked with; empty: left out. `make LIB_vdb=` does without, too.
+LIB_vdb     := $(if $(CXX_HERE),$(if $(call has,libopenvdb-dev),-lopenvdb -ltbb))
+LIB_images  := $(if $(OIIO),$(shell $(PKG_CONFIG) --cflags --libs OpenImageIO))
+LIB_dicom   := $(if $(CXX_HERE),$(if $(call has,libdcmtk-dev),-ldcmjpeg -lijg8 -lijg12 -lijg16 -ldcmjpls -ldcmtkcharls -ldcmimgle -ldcmdata -loflog -lofstd))
+LIB_hdf5    := $(if $(call has,libhdf5-dev),$(shell $(PKG_CONFIG) --cflags --libs hdf5-serial))
+LIB_netcdf  := $(if $(call has,libnetcdf-dev),$(shell $(PKG_CONFIG) --cflags --libs netcdf))
 endif
 endif
 
@@ -152,7 +162,7 @@ Q   := $(if $(V),,@)
 say  = $(if $(V),,@echo "  $1  $2")
 link = $(Q)$(CC) $(ALL_C) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(ALL_LIBS)
 
-all: $(if $(filter release,$(CONFIG)),$(STATIC) $(SHARED)) $(VERBS) $(IMAGE) $(TETGEN_BIN) $(FRONT) $(if $(filter build/release,$B),build/leafcast) $(FUZZERS)
+all: $(if $(filter release,$(CONFIG)),$(STATIC) $(SHARED)) $(VERBS) $(IMPORTERS) $(LEFT_OUT) $(IMAGE) $(TETGEN_BIN) $(FRONT) $(if $(filter build/release,$B),build/leafcast) $(FUZZERS)
 
 # What make cannot see (the flags, the list of objects) lies in files that change only when their
 # content does.
@@ -179,7 +189,11 @@ $B/obj/tests/test_tet_sight.o: ISA := -Wno-psabi
 $B/obj/%.o: %.c $B/flags
 	@mkdir -p $(@D)
 	$(call say,CC  ,$<)
-	$(Q)$(CC) $(ALL_C) $(ISA) $(if $(filter tests/%,$<),,$(FRAMES)) -MMD -MP -c -o $@ $<
+	$(Q)$(CC) $(ALL_C) $(ISA) $(IMPORT) $(if $(filter tests/%,$<),,$(FRAMES)) -MMD -MP -c -o $@ $<
+$B/obj/%.o: %.cpp $B/flags-c++
+	@mkdir -p $(@D)
+	$(call say,C++ ,$<)
+	$(Q)$(CXX) $(ALL_CXX) $(IMPORT) -MMD -MP -c -o $@ $<
 
 define archive_rule
 $1: $(patsubst %.c,$B/obj/%.o,$2) $B/objects
@@ -202,7 +216,7 @@ $(SHARED): $B/app/leafcast.o scripts/leafcast.map
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(ALL_C) -shared -Wl,-soname,$(SONAME) -Wl,--version-script,scripts/leafcast.map \
-	    -Wl,-z,defs $(LDFLAGS) -o $@ $< $(shell $(PKG_CONFIG) --libs $(DOOR_PC)) -lm
+	    -Wl,-z,defs $(LDFLAGS) -o $@ $< $(shell $(PKG_CONFIG) --libs $(DOOR_PC)) $(DOOR_LIBS)
 	@ln -sfn $(notdir $@) $(@D)/$(SONAME) && ln -sfn $(SONAME) $(@D)/libleafcast.so
 
 define verb_rule
@@ -240,6 +254,22 @@ $(TETGEN_BIN):
 	@rm -f $@ $(call verb,$(TETGEN_C))
 	@echo "no TetGen here (libtet1.5-dev and $(CXX)): leafcast tetrahedralize is left out"
 endif
+
+# C++ only where the library is; linked as C++ is. A folder whose library is not here leaves nothing behind.
+define importer_rule
+$B/libexec/leafcast-import-$1: $(patsubst %,$B/obj/%.o,$(basename $(wildcard prep/import/$1/*.c prep/import/$1/*.cpp))) $(INTERNAL)
+	@mkdir -p $$(@D)
+	$$(call say,LINK,$$@)
+	$(Q)$(if $(wildcard prep/import/$1/*.cpp),$(CXX),$(CC)) $(COMMON) $(LDFLAGS) -o $$@ $$(filter %.o,$$^) \
+	    $$(filter %.a,$$^) $(filter-out -I% -D%,$(LIB_$1)) $(ALL_LIBS)
+$B/obj/prep/import/$1/%.o: IMPORT := $(filter -I% -D%,$(LIB_$1))
+endef
+$(foreach x,$(IMPORTS),$(if $(LIB_$x),$(eval $(call importer_rule,$x))))
+LEFT_OUT = $(foreach x,$(IMPORTS),$(if $(LIB_$x),,$B/libexec/leafcast-import-$x))
+.PHONY: $(LEFT_OUT)
+$(LEFT_OUT):
+	@rm -f $@
+	@echo "leafcast $(@:$B/libexec/leafcast-%=%) is left out: its library is not here (scripts/setup-debian --list)"
 
 PEERS    := $(call verb,render/bench/bench_peers_main.c)
 PEER_VTK := $B/libexec/leafcast-peer-vtk
@@ -283,7 +313,7 @@ $(TESTS) $(TOOLS) $(FUZZERS): $B/tests/%: $B/obj/tests/%.o $(SUPPORT) $(ARCHIVES
 
 $B/flags-link: FORCE
 	$(call remember,$(LDFLAGS) $(DEPS_LIBS))
-$(SHARED) $(VERBS) $(IMAGE) $(TETGEN_BIN) $(TESTS) $(TOOLS) $(FUZZERS): $B/flags-link
+$(SHARED) $(VERBS) $(IMPORTERS) $(IMAGE) $(TETGEN_BIN) $(TESTS) $(TOOLS) $(FUZZERS): $B/flags-link
 
 tests: all $(TESTS) $(TOOLS)
 TEST_ENV = LEAFCAST_BUILD=$(CURDIR)/$B LEAFCAST=$(CURDIR)/$(or $(EMULATED),$(FRONT)) \
@@ -347,7 +377,7 @@ D := $(DESTDIR)$(PREFIX)
 install: all $(STATIC) $(SHARED)
 	install -d $D/bin $D/libexec/leafcast $D/lib/pkgconfig $D/include/leafcast $D/share/man/man1
 	install -m 755 $(FRONT) $D/bin
-	install -m 755 $(VERBS) $(PEER_VTK) $(if $(OIIO),$(IMAGE)) $(if $(TETGEN),$(TETGEN_BIN)) \
+	install -m 755 $(VERBS) $(IMPORTERS) $(PEER_VTK) $(if $(OIIO),$(IMAGE)) $(if $(TETGEN),$(TETGEN_BIN)) \
 	    $D/libexec/leafcast
 	install -m 644 $(STATIC) $(SHARED) $D/lib
 	ln -sfn $(notdir $(SHARED)) $D/lib/$(SONAME)
@@ -378,7 +408,7 @@ list help:
 	@echo "CC=$(CC) CXX=$(CXX) CPPFLAGS= CFLAGS= CXXFLAGS= LDFLAGS="
 	@echo "WERROR=1        warnings are errors"
 	@echo "CROSS=aarch64-linux-gnu   build for another machine; its tests are begun by RUNNER=$(or $(RUNNER),qemu-aarch64-static)"
-	@echo "EMBREE= TETGEN= OIIO=   build without one, though it is here"
+	@echo "EMBREE= TETGEN= OIIO= LIB_vdb= LIB_..=   build without one, though it is here"
 	@echo "TIMEOUT=$(TIMEOUT)     seconds a test program may take"
 	@echo "V=1             show the commands"
 

@@ -34,7 +34,8 @@ static const struct argp_option options[] = {
      "of a treelet file: count what this isovalue needs; may be repeated", 0},
     {NULL, 0, NULL, 0, "Other inputs:", 1},
     {"quick", KEY_QUICK, NULL, CLI_BASIC, "tell what the header says; do not read the values", 1},
-    {"field", KEY_FIELD, "NAME", CLI_BASIC, "of a mesh: this array (default: the first)", 1},
+    {"field", KEY_FIELD, "NAME", CLI_BASIC,
+     "of several: this array, grid, data set or variable (default: the first)", 1},
     {"dims", KEY_DIMS, "X,Y,Z", CLI_BASIC, "of raw samples: how many per axis", 1},
     {"type", KEY_TYPE, "TYPE", CLI_BASIC, "of raw samples: u8 i8 u16 i16 u32 i32 f32 f64", 1},
     {"big-endian", KEY_BIG_ENDIAN, NULL, 0, "of raw samples: most significant byte first", 1},
@@ -53,7 +54,7 @@ static status set_option(void *own, int key, const char *text) {
     switch (key) {
     case KEY_ISO: return add_iso(a, text);
     case KEY_QUICK: q->header_only = true; return ST_OK;
-    case KEY_FIELD: q->mesh.field = text; return ST_OK;
+    case KEY_FIELD: q->mesh.field = q->grid.field = text; return ST_OK;
     case KEY_DIMS: return cli_dims(text, "--dims", 1, GRID_DIM_MAX, q->grid.dims);
     case KEY_TYPE: return cli_sample_type(text, &q->grid.type);
     case KEY_BIG_ENDIAN: q->grid.big_endian = true; return ST_OK;
@@ -599,14 +600,14 @@ static status report(arguments *a, mem *m, leaf_file *f) {
 /* ---- an input that is no treelet file ---- */
 
 /* What an input is, and which inputs can use an option. */
-enum { LEAF = 1, RAW = 2, HEADED = 4, MESH = 8 };
+enum { LEAF = 1, RAW = 2, HEADED = 4, MESH = 8, FIELDS = 16, INPUT = RAW | HEADED | MESH | FIELDS };
 static const char *const input_names[] = {[LEAF] = "treelet files",
                                           [RAW] = "raw samples",
                                           [MESH] = "meshes",
-                                          [RAW | HEADED | MESH] = "inputs of convert"};
-static const cli_use uses[] = {{KEY_ISO, LEAF},   {KEY_QUICK, RAW | HEADED | MESH},
-                               {KEY_FIELD, MESH}, {KEY_DIMS, RAW},
-                               {KEY_TYPE, RAW},   {KEY_BIG_ENDIAN, RAW},
+                                          [MESH | FIELDS] = "formats that have several",
+                                          [INPUT] = "inputs of convert"};
+static const cli_use uses[] = {{KEY_ISO, LEAF}, {KEY_QUICK, INPUT}, {KEY_FIELD, MESH | FIELDS},
+                               {KEY_DIMS, RAW}, {KEY_TYPE, RAW},    {KEY_BIG_ENDIAN, RAW},
                                {KEY_SKIP, RAW}};
 
 /* Options that the input cannot use are refused. */
@@ -629,7 +630,12 @@ static status report_input(arguments *a, const input_facts *x) {
 }
 
 static status check_opened(void *ctx, const input_facts *x) {
-    return check_uses(ctx, x->is_mesh ? MESH : x->is_raw ? RAW : HEADED, x->format);
+    return check_uses(ctx,
+                      x->is_mesh      ? MESH
+                      : x->is_raw     ? RAW
+                      : x->has_fields ? FIELDS
+                                      : HEADED,
+                      x->format);
 }
 
 static status run_input(arguments *a, mem *m) {

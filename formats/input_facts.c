@@ -10,6 +10,7 @@
 #include "formats/base/num.h"
 #include "formats/base/shell_line.h"
 #include "formats/base/text.h"
+#include "formats/input_open.h"
 #include "formats/leaf/histogram_draw.h"
 #include "formats/leaf/histogram_text.h"
 
@@ -127,15 +128,14 @@ static void set_name(input_facts *x, const char *own) {
         text_file_name(x->name, sizeof x->name, x->path);
 }
 
-static status ask_volume(mem *m, byte_stream *s, const input_question *q, const progress *p,
+static status ask_volume(mem *m, volume *v, const input_question *q, const progress *p,
                          input_facts *x) {
-    volume *v = NULL;
-    status st = volume_open_stream(m, s, &q->grid, &v);
-    if (st != ST_OK)
-        return st;
+    status st = ST_OK;
     const grid *g = volume_grid(v);
     x->format = volume_format(v);
     x->is_raw = strcmp(x->format, VOLUME_RAW_SAMPLES) == 0;
+    x->has_fields = volume_has_fields(v);
+    x->importer = volume_importer(v);
     x->type = g->type;
     x->rectilinear = grid_is_rectilinear(g);
     memcpy(x->dims, g->dims, sizeof x->dims);
@@ -145,7 +145,6 @@ static status ask_volume(mem *m, byte_stream *s, const input_question *q, const 
         st = q->opened(q->ctx, x);
     if (st == ST_OK && !q->header_only)
         st = count_volume(m, v, p, x);
-    volume_close(v);
     return st;
 }
 
@@ -270,12 +269,9 @@ static void take_name(void *ctx, const char *name) {
     x->field_count++;
 }
 
-static status ask_mesh(mem *m, byte_stream *s, const input_question *q, const progress *p,
+static status ask_mesh(mem *m, mesh_input *found, const input_question *q, const progress *p,
                        input_facts *x) {
-    mesh_input *found = NULL;
-    status st = mesh_input_open_stream(m, s, &q->mesh, &found);
-    if (st != ST_OK)
-        return st;
+    status st = ST_OK;
     x->is_mesh = true;
     x->format = mesh_input_format(found);
     set_name(x, mesh_input_name(found));
@@ -284,28 +280,22 @@ static status ask_mesh(mem *m, byte_stream *s, const input_question *q, const pr
         st = q->opened(q->ctx, x);
     if (st == ST_OK && !q->header_only)
         st = count_mesh(m, found, p, x);
-    mesh_input_close(found);
     return st;
 }
 
 /* ---- either ---- */
 
 status input_facts_read(mem *m, const input_question *q, const progress *p, input_facts *out) {
-    byte_stream *s = NULL;
-    bool is_mesh = false;
+    input in;
     *out = (input_facts){.path = q->path,
                          .read = !q->header_only,
                          .range = {DBL_MAX, -DBL_MAX},
                          .bounds = {FLT_MAX, FLT_MAX, FLT_MAX, -FLT_MAX, -FLT_MAX, -FLT_MAX}};
-    status st = byte_stream_open(m, q->path, &s);
-    if (st != ST_OK)
-        return st;
-    st = mesh_input_recognise_stream(s, &is_mesh);
-    if (st != ST_OK) {
-        byte_stream_close(s);
-        return st;
-    }
-    return is_mesh ? ask_mesh(m, s, q, p, out) : ask_volume(m, s, q, p, out);
+    status st = input_open(m, q->path, &q->grid, &q->mesh, &in);
+    if (st == ST_OK)
+        st = in.x ? ask_mesh(m, in.x, q, p, out) : ask_volume(m, in.v, q, p, out);
+    input_close(&in);
+    return st;
 }
 
 /* ---- for people ---- */

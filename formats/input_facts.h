@@ -26,7 +26,9 @@ typedef struct input_facts {
     const char *path;   /* as given */
     const char *format; /* "NRRD"; constant */
     bool is_mesh;
-    bool is_raw; /* samples whose sizes the hints, a JSON or the name told */
+    bool is_raw;          /* samples whose sizes the hints, a JSON or the name told */
+    bool has_fields;      /* of a grid: see volume_has_fields() */
+    const char *importer; /* of a grid: see volume_importer(); constant */
     char name[MESH_NAME_MAX + 1];
     /* a grid */
     uint32_t dims[3];

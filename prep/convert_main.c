@@ -12,7 +12,8 @@
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/base/text.h"
-#include "prep/convert_input.h"
+#include "formats/input_open.h"
+#include "prep/convert_defaults.h"
 #include "prep/grid/convert.h"
 #include "prep/mesh/mesh_convert.h"
 
@@ -54,6 +55,7 @@ enum {
     KEY_FIELDS,
     KEY_TIMES,
     KEY_COMPONENT,
+    KEY_STEP,
     KEY_CELLS_TO_POINTS,
     KEY_TREELET_TETS,
     KEY_LEAF_TETS,
@@ -91,12 +93,16 @@ static const struct argp_option options[] = {
      "text file with one coordinate per sample: a rectilinear grid", 2},
     {"axis-y", KEY_AXIS_Y, "FILE", 0, NULL, 2},
     {"axis-z", KEY_AXIS_Z, "FILE", 0, NULL, 2},
-    {NULL, 0, NULL, 0, "Meshes:", 3},
+    {NULL, 0, NULL, 0, "Inputs with several fields, and meshes:", 3},
     {"field", KEY_FIELD, "NAME", CLI_BASIC,
-     "an array to take (default: the first of the points); may be repeated", 3},
+     "an array, grid, data set or variable to take (default: the first; of a mesh, of its points, "
+     "where it may be repeated)",
+     3},
+    {"step", KEY_STEP, "N", 0, "of several time steps in one file, from 0 on (default 0)", 3},
     {"fields", KEY_FIELDS, "all", CLI_BASIC, "take all arrays of the points (or cells)", 3},
     {"times", KEY_TIMES, "T0,T1,..", 0, "times of the steps (default: 0, 1, ..)", 3},
-    {"component", KEY_COMPONENT, "N", 0, "of vectors: 1, 2, ..; default: their magnitude", 3},
+    {"component", KEY_COMPONENT, "N", 0,
+     "of vectors and colours: 1, 2, ..; default: their magnitude, or luminance", 3},
     {"cells-to-points", KEY_CELLS_TO_POINTS, NULL, 0,
      "take an array of the cells, averaged to the points", 3},
     {"coarse", KEY_COARSE, "N", OPTION_ARG_OPTIONAL,
@@ -114,9 +120,12 @@ static const struct argp_option options[] = {
     {NULL, 0, NULL, 0, NULL, 0}};
 
 /* What an input is, and which inputs can use an option. Those that are not here serve all. */
-enum { RAW = 1, HEADED = 2, GRID = RAW | HEADED, MESH = 4 };
-static const char *const input_names[] = {
-    [RAW] = "raw samples", [GRID] = "grids", [MESH] = "meshes"};
+enum { RAW = 1, HEADED = 2, FIELDS = 4, GRID = RAW | HEADED | FIELDS, MESH = 8 };
+static const char *const input_names[] = {[RAW] = "raw samples",
+                                          [GRID] = "grids",
+                                          [FIELDS] = "grids of formats that have several",
+                                          [MESH] = "meshes",
+                                          [FIELDS | MESH] = "formats that have several"};
 static const cli_use uses[] = {{KEY_TREELET, GRID},
                                {KEY_HALO, GRID},
                                {KEY_DIMS, RAW},
@@ -129,10 +138,11 @@ static const cli_use uses[] = {{KEY_TREELET, GRID},
                                {KEY_AXIS_X, GRID},
                                {KEY_AXIS_Y, GRID},
                                {KEY_AXIS_Z, GRID},
-                               {KEY_FIELD, MESH},
+                               {KEY_FIELD, FIELDS | MESH},
                                {KEY_FIELDS, MESH},
                                {KEY_TIMES, MESH},
-                               {KEY_COMPONENT, MESH},
+                               {KEY_COMPONENT, FIELDS | MESH},
+                               {KEY_STEP, FIELDS},
                                {KEY_CELLS_TO_POINTS, MESH},
                                {KEY_COARSE, MESH},
                                {KEY_TREELET_TETS, MESH},
@@ -185,8 +195,10 @@ static status add_field(arguments *a, const char *name) {
         return status_describe(ST_USAGE, "more than %d fields", FIELDS_MAX);
     char *clean = a->field_names[a->field_count];
     text_name(clean, sizeof a->field_names[0], name);
-    if (a->field_count == 0)
+    if (a->field_count == 0) {
         a->mesh.field = clean;
+        a->hints.field = name;
+    }
     a->fields[a->field_count++] = clean;
     return ST_OK;
 }
@@ -214,12 +226,19 @@ static status set_grid(volume_hints *h, int key, const char *text) {
     }
 }
 
+static status set_component(arguments *a, const char *text) {
+    status st = cli_int(text, "--component", 1, INT_MAX, &a->mesh.component);
+    a->hints.component = (uint32_t)a->mesh.component;
+    return st;
+}
+
 static status set_mesh(arguments *a, int key, const char *text) {
     switch (key) {
     case KEY_FIELD: return add_field(a, text);
     case KEY_FIELDS: return set_fields(a, text);
     case KEY_TIMES: a->times = text; return ST_OK;
-    case KEY_COMPONENT: return cli_int(text, "--component", 1, INT_MAX, &a->mesh.component);
+    case KEY_COMPONENT: return set_component(a, text);
+    case KEY_STEP: return cli_uint(text, "--step", 0, INT_MAX, &a->hints.step);
     case KEY_CELLS_TO_POINTS: a->mesh.cells_to_points = true; return ST_OK;
     case KEY_TREELET_TETS:
         return cli_uint(text, "--treelet-tets", 1, LEAF_TREELET_TETS_MAX, &a->treelet_tets);
@@ -267,8 +286,11 @@ static const cli_verb verb = {
     .args_doc = "INPUT... -o F.leaf",
     .doc = "Convert a volume or a mesh to a treelet file. INPUT: NRRD, MHD/MHA, raw samples "
            "(dimensions in the file's name, in a JSON beside it, or given); a mesh of tetrahedra: "
-           "TetGen (.node, .ele), VTK (.vtk, .vtu), Gmsh (.msh), a mesh stream; or - for any of "
-           "these on standard input that takes one file and one pass. Several meshes are the steps "
+           "TetGen (.node, .ele), VTK (.vtk, .vtu), Gmsh (.msh), a mesh stream; packed by gzip, "
+           "bzip2, xz or zstd; or - for any of these on standard input that takes one file and one "
+           "pass. OpenVDB, images (a file of several, a folder), DICOM series (a folder), HDF5 and "
+           "NetCDF are read by the verbs import-vdb, import-images and so on, if they are there. "
+           "Several meshes are the steps "
            "of a time series: of the same "
            "tets, whose points may move."
            "\vExample:\n  leafcast convert bonsai_256x256x256_uint8.raw -o bonsai.leaf\v"
@@ -616,15 +638,21 @@ static status convert_meshes(arguments *a, mem *m, mesh_input *x, double start) 
 
 /* ---- what it is ---- */
 
-static status convert_opened(arguments *a, mem *m, const convert_input *in, double start) {
+static status convert_opened(arguments *a, mem *m, const input *in, double start) {
     const char *format = in->x ? mesh_input_format(in->x) : volume_format(in->v);
-    const int input = in->x ? MESH : strcmp(format, VOLUME_RAW_SAMPLES) == 0 ? RAW : HEADED;
+    const int kind = in->x                                     ? MESH
+                     : strcmp(format, VOLUME_RAW_SAMPLES) == 0 ? RAW
+                     : volume_has_fields(in->v)                ? FIELDS
+                                                               : HEADED;
     status st =
-        cli_check_uses(&a->common, uses, sizeof uses / sizeof *uses, input, input_names, format);
+        cli_check_uses(&a->common, uses, sizeof uses / sizeof *uses, kind, input_names, format);
     if (st == ST_OK && !in->x && a->common.input_count > 1)
         st = status_describe(ST_USAGE, "%s: only meshes have several steps yet", a->common.input);
     if (st != ST_OK)
         return st;
+    if (in->v && volume_importer(in->v))
+        cli_note(&a->common, 1, "%s: %s, read by leafcast import-%s", a->common.input, format,
+                 volume_importer(in->v));
     return in->x ? convert_meshes(a, m, in->x, start) : convert_volume(a, m, in->v, start);
 }
 
@@ -647,13 +675,13 @@ static status run(arguments *a) {
     mem m;
     mem_init(&m, a->common.memory ? a->common.memory : CONVERT_MEMORY_DEFAULT);
     const double start = clock_seconds();
-    convert_input in = {0};
+    input in = {0};
     status st = guard_files(a);
     if (st == ST_OK)
-        st = convert_input_open(&m, a->common.input, &a->hints, &a->mesh, &in);
+        st = input_open(&m, a->common.input, &a->hints, &a->mesh, &in);
     if (st == ST_OK)
         st = convert_opened(a, &m, &in, start);
-    convert_input_close(&in);
+    input_close(&in);
     return st;
 }
 

@@ -10,8 +10,9 @@
 #include "formats/base/file.h"
 #include "formats/base/pool.h"
 #include "formats/base/text.h"
+#include "formats/input_open.h"
 #include "formats/public_status.h"
-#include "prep/convert_input.h"
+#include "prep/convert_defaults.h"
 #include "prep/grid/convert.h"
 #include "prep/mesh/mesh_convert.h"
 
@@ -192,18 +193,18 @@ static status make_grid(mem *m, const leafcast_grid *from, grid *g) {
     return st == ST_CORRUPT || st == ST_UNSUPPORTED ? ST_USAGE : st;
 }
 
-static status convert_source(job *j, const leafcast_grid *from, const volume_source *source) {
+/* source: the grid is not set yet. */
+static status convert_source(job *j, const leafcast_grid *from, slice_source *source) {
     const volume_hints hints = hints_of(j);
     volume *v = NULL;
-    grid g;
-    status st = make_grid(&j->m, from, &g);
-    if (st != ST_OK) {
-        grid_release(&g, &j->m);
-        return st;
-    }
-    st = volume_open_source(&j->m, &g, source, &hints, &v);
+    source->format = source->name = "slices";
+    source->m = &j->m;
+    status st = make_grid(&j->m, from, &source->g);
+    if (st == ST_OK)
+        st = volume_open_slices(&j->m, source, &hints, &v);
     if (st == ST_OK)
         st = convert_volume(j, v);
+    slice_source_close(source);
     volume_close(v);
     return st;
 }
@@ -211,10 +212,14 @@ static status convert_source(job *j, const leafcast_grid *from, const volume_sou
 typedef struct slices {
     leafcast_slice slice;
     void *ctx;
+    size_t bytes; /* of a slice */
 } slices;
 
-static status call_slice(void *ctx, uint32_t z, void *to) {
-    const slices *s = ctx;
+static size_t slice_bytes(const leafcast_grid *g) {
+    return (size_t)g->dims[0] * g->dims[1] * sample_size((sample_type)g->type);
+}
+
+static status call_slice(const slices *s, uint32_t z, void *to) {
     const leafcast_status st = s->slice(s->ctx, z, to);
     const bool known = st >= LEAFCAST_USAGE && st <= LEAFCAST_FAILED;
     if (st == LEAFCAST_OK)
@@ -223,11 +228,19 @@ static status call_slice(void *ctx, uint32_t z, void *to) {
                            "slice %u: the caller's function ended with status %d", z, (int)st);
 }
 
+static status call_slices(void *ctx, uint32_t first, uint32_t count, void *to) {
+    const slices *s = ctx;
+    status st = ST_OK;
+    for (uint32_t i = 0; i < count && st == ST_OK; i++)
+        st = call_slice(s, first + i, (char *)to + i * s->bytes);
+    return st;
+}
+
 leafcast_status leafcast_convert_slices(const leafcast_grid *from, leafcast_slice slice, void *ctx,
                                         const char *out, const leafcast_convert_options *options) {
     job j;
-    slices s = {slice, ctx};
-    const volume_source source = {call_slice, &s};
+    slices s = {.slice = slice, .ctx = ctx, .bytes = slice_bytes(from)};
+    slice_source source = {.read = call_slices, .ctx = &s};
     status st = job_begin(&j, out, options);
     if (st == ST_OK)
         st = convert_source(&j, from, &source);
@@ -241,9 +254,7 @@ typedef struct array {
     ptrdiff_t strides[3];
 } array;
 
-static status copy_slice(void *ctx, uint32_t z, void *to) {
-    const array *a = ctx;
-    char *at = to;
+static char *copy_slice(const array *a, uint32_t z, char *at) {
     for (uint32_t y = 0; y < a->dims[1]; y++) {
         const char *row = a->samples + (ptrdiff_t)z * a->strides[2] + (ptrdiff_t)y * a->strides[1];
         if (a->strides[0] == (ptrdiff_t)a->width) {
@@ -254,6 +265,12 @@ static status copy_slice(void *ctx, uint32_t z, void *to) {
         for (uint32_t x = 0; x < a->dims[0]; x++, at += a->width)
             memcpy(at, row + (ptrdiff_t)x * a->strides[0], a->width);
     }
+    return at;
+}
+
+static status copy_slices(void *ctx, uint32_t first, uint32_t count, void *to) {
+    for (uint32_t i = 0; i < count; i++)
+        to = copy_slice(ctx, first + i, to);
     return ST_OK;
 }
 
@@ -262,7 +279,7 @@ leafcast_status leafcast_convert_array(const leafcast_grid *from, const void *sa
                                        const leafcast_convert_options *options) {
     job j;
     array a = {.samples = samples, .width = sample_size((sample_type)from->type)};
-    const volume_source source = {copy_slice, &a};
+    slice_source source = {.read = copy_slices, .ctx = &a};
     ptrdiff_t tight = (ptrdiff_t)a.width;
     for (int i = 0; i < 3; i++) {
         a.dims[i] = from->dims[i];
@@ -348,7 +365,7 @@ static status clean_fields(job *j, field_names *f) {
     return ST_OK;
 }
 
-static status convert_input_of(job *j, const convert_input *in, const mesh_series *series) {
+static status convert_input_of(job *j, const input *in, const mesh_series *series) {
     if (in->x) {
         status st = mesh_series_check(series);
         return st == ST_OK ? convert_mesh(j, in->x, series) : st;
@@ -370,7 +387,7 @@ static status check_paths(const char *const *paths, uint32_t steps) {
 static status convert_files(job *j, const char *const *paths, uint32_t steps, const double *times) {
     const volume_hints of_grids = hints_of(j);
     field_names fields = {0};
-    convert_input in = {0};
+    input in = {0};
     status st = check_paths(paths, steps);
     if (st == ST_OK)
         st = clean_fields(j, &fields);
@@ -384,10 +401,10 @@ static status convert_files(job *j, const char *const *paths, uint32_t steps, co
                                           .cells_to_points = j->o.cells_to_points,
                                           .name = j->o.name}};
     if (st == ST_OK)
-        st = convert_input_open(&j->m, paths[0], &of_grids, &series.hints, &in);
+        st = input_open(&j->m, paths[0], &of_grids, &series.hints, &in);
     if (st == ST_OK)
         st = convert_input_of(j, &in, &series);
-    convert_input_close(&in);
+    input_close(&in);
     mem_free(&j->m, fields.text);
     mem_free(&j->m, fields.names);
     return st;

@@ -15,6 +15,10 @@
 /* wait_stop_when() - asked now and then while something waits, on any thread. */
 void wait_stop_when(bool (*asked)(void));
 
+/* wait_stopped() - ST_STOPPED where a stop was asked for, else ST_OK; `name` is for the
+ * description. */
+CHECKED status wait_stopped(const char *name);
+
 /* wait_ready() - until fd can be read (events: POLLIN) or written (POLLOUT) without waiting, is at
  * its end, or has an error, which the read or write will then tell. ST_STOPPED within about a tenth
  * of a second after a stop is asked for; `name` is for the description. */

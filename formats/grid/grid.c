@@ -124,3 +124,44 @@ void grid_release(grid *g, mem *m) {
         g->axis[a] = NULL;
     }
 }
+
+static status parse_coordinates(const char *what, const char *text, uint32_t count, double *out) {
+    static const char gaps[] = " \t\r\n,";
+    for (uint32_t i = 0;; i++) {
+        text += strspn(text, gaps);
+        size_t length = strcspn(text, gaps);
+        if (length == 0 && i == count)
+            return ST_OK;
+        char token[64];
+        if (length == 0 || i == count)
+            return status_describe(ST_CORRUPT, "%s: %s than %u coordinates", what,
+                                   length == 0 ? "fewer" : "more", count);
+        size_t kept = length < sizeof token ? length : sizeof token - 1;
+        memcpy(token, text, kept);
+        token[kept] = 0;
+        if (num_double(token, what, &out[i]) != ST_OK)
+            return ST_CORRUPT;
+        text += length;
+    }
+}
+
+static void make_unit(grid *g, int a) {
+    double x = g->to_world[0][a], y = g->to_world[1][a], z = g->to_world[2][a];
+    double length = sqrt(x * x + y * y + z * z);
+    for (int row = 0; row < 3; row++)
+        g->to_world[row][a] /= length;
+}
+
+status grid_set_axis_text(grid *g, mem *m, const char *what, int a, const char *text) {
+    uint32_t count = g->dims[a];
+    double *coordinates = mem_array(m, count, sizeof *coordinates);
+    if (!coordinates)
+        return ST_NOMEM;
+    status st = parse_coordinates(what, text, count, coordinates);
+    if (st == ST_OK) {
+        make_unit(g, a);
+        st = grid_set_axis(g, m, what, a, coordinates);
+    }
+    mem_free(m, coordinates);
+    return st;
+}

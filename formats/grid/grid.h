@@ -40,6 +40,11 @@ void grid_init(grid *g, const uint32_t dims[3], sample_type type);
  * grid_release() as always. */
 CHECKED status grid_set_axis(grid *g, mem *m, const char *what, int a, const double *coordinates);
 
+/* grid_set_axis_text() - the same of a text with exactly dims[a] numbers, split by blanks, line
+ * ends or commas. Its column of to_world becomes a unit vector: coordinates replace a spacing.
+ * `what` names the source. */
+CHECKED status grid_set_axis_text(grid *g, mem *m, const char *what, int a, const char *text);
+
 /* grid_check() - dims in range (a one-sample axis is refused with a clear text), finite invertible
  * to_world; ST_CORRUPT or ST_UNSUPPORTED naming `what`. Every importer ends with it. */
 CHECKED status grid_check(const grid *g, const char *what);

@@ -12,7 +12,7 @@ typedef struct metaimage {
     int axes;
 } metaimage;
 
-bool metaimage_known(const char *path, const uint8_t *start, size_t size) {
+static bool known(const char *path, const uint8_t *start, size_t size) {
     return text_ends_in(path, ".mhd") || text_ends_in(path, ".mha") ||
            (size >= 10 && memcmp(start, "ObjectType", 10) == 0);
 }
@@ -170,7 +170,8 @@ static status find_samples(metaimage *h) {
     return st == ST_OK ? volume_layout_skip(h->l, 0, header_size) : st;
 }
 
-status metaimage_open(volume_layout *l) {
+static status open_layout(volume_layout *l, const volume_hints *hints) {
+    (void)hints;
     static const header_style style = {.separator = '=', .end_key = "ElementDataFile"};
     static status (*const steps[])(metaimage *) = {read_sizes,    read_type,      read_channels,
                                                    read_encoding, read_placement, find_samples};
@@ -183,3 +184,5 @@ status metaimage_open(volume_layout *l) {
     header_fields_release(&h.fields);
     return st;
 }
+
+const grid_reader metaimage_reader = {.format = "MetaImage", .known = known, .layout = open_layout};

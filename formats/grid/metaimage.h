@@ -10,18 +10,8 @@
 #ifndef FORMATS_GRID_METAIMAGE_H
 #define FORMATS_GRID_METAIMAGE_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "formats/grid/grid_reader.h"
 
-#include "formats/base/status.h"
-#include "formats/grid/volume_layout.h"
-
-/* metaimage_known() - whether a file of this name that starts with these bytes is a MetaImage. */
-bool metaimage_known(const char *path, const uint8_t *start, size_t size);
-
-/* metaimage_open() - read the header in l->data, which is exchanged for a data file of its own.
- * l->m and l->data are set; release l in any case. */
-CHECKED status metaimage_open(volume_layout *l);
+extern const grid_reader metaimage_reader;
 
 #endif

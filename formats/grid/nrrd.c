@@ -51,7 +51,8 @@ static const char *const known_fields[] = {
     "measurement frame",
 };
 
-bool nrrd_known(const uint8_t *start, size_t size) {
+static bool known(const char *path, const uint8_t *start, size_t size) {
+    (void)path;
     return size >= 4 && memcmp(start, "NRRD", 4) == 0;
 }
 
@@ -310,7 +311,7 @@ static status read_axes(const nrrd *n) {
         if (!f)
             continue;
         snprintf(what, sizeof what, "%s: line %u: %s", n->fields.name, f->line, key);
-        status st = volume_layout_axis(n->l, what, a, f->value);
+        status st = grid_set_axis_text(&n->l->g, n->l->m, what, a, f->value);
         if (st != ST_OK)
             return st;
     }
@@ -357,7 +358,8 @@ static status interpret(nrrd *n) {
     return st;
 }
 
-status nrrd_open(volume_layout *l) {
+static status open_layout(volume_layout *l, const volume_hints *hints) {
+    (void)hints;
     byte_stream *header = l->data;
     status st = check_magic(header);
     if (st != ST_OK)
@@ -374,3 +376,5 @@ status nrrd_open(volume_layout *l) {
     header_fields_release(&n.fields);
     return st;
 }
+
+const grid_reader nrrd_reader = {.format = "NRRD", .known = known, .layout = open_layout};

@@ -11,18 +11,8 @@
 #ifndef FORMATS_GRID_NRRD_H
 #define FORMATS_GRID_NRRD_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "formats/grid/grid_reader.h"
 
-#include "formats/base/status.h"
-#include "formats/grid/volume_layout.h"
-
-/* nrrd_known() - whether a file that starts with these bytes is NRRD. */
-bool nrrd_known(const uint8_t *start, size_t size);
-
-/* nrrd_open() - read the header in l->data, which is exchanged for a detached data file. l->m and
- * l->data are set; release l in any case. */
-CHECKED status nrrd_open(volume_layout *l);
+extern const grid_reader nrrd_reader;
 
 #endif

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 
 #include "formats/base/text.h"
+#include "formats/grid/volume.h"
 #include "formats/input/foreign.h"
 
 enum { PATH_ROOM = 4096, JSON_MAX = 1 << 20 };
@@ -226,7 +227,8 @@ static status find_encoding(volume_layout *l, const facts *known) {
     return ST_OK;
 }
 
-status rawfile_open(volume_layout *l, const char *path, const volume_hints *hints) {
+static status open_layout(volume_layout *l, const volume_hints *hints) {
+    const char *path = l->path;
     facts known = {.spacing = {1, 1, 1}};
     grid_init(&l->g, known.dims, SAMPLE_U8);
     status st = gather(l, path, &known);
@@ -255,3 +257,11 @@ status rawfile_open(volume_layout *l, const char *path, const volume_hints *hint
                                (unsigned long long)known.skip);
     return volume_layout_skip(l, 0, (int64_t)known.skip);
 }
+
+static bool known(const char *path, const uint8_t *start, size_t size) {
+    (void)path, (void)start, (void)size;
+    return true;
+}
+
+const grid_reader raw_reader = {
+    .format = VOLUME_RAW_SAMPLES, .known = known, .layout = open_layout};

@@ -14,15 +14,10 @@
 #ifndef FORMATS_GRID_RAWFILE_H
 #define FORMATS_GRID_RAWFILE_H
 
-#include <stdbool.h>
+#include "formats/grid/grid_reader.h"
 
-#include "formats/base/status.h"
-#include "formats/grid/volume.h"
-#include "formats/grid/volume_layout.h"
-
-/* rawfile_open() - describe the samples of path, the file l->data (exchanged for the samples when
- * path is the JSON). Spacing and origin hints are not looked at. l->m and l->data are set; release
- * l in any case. ST_UNSUPPORTED when sizes or type stay unknown. */
-CHECKED status rawfile_open(volume_layout *l, const char *path, const volume_hints *hints);
+/* Knows any file: the last row. Of hints, spacing and origin are not looked at. ST_UNSUPPORTED when
+ * sizes or type stay unknown: what the file is, where that can be told. */
+extern const grid_reader raw_reader;
 
 #endif

@@ -1,55 +1,33 @@
 #include "formats/grid/volume.h"
 
-#include <endian.h>
 #include <math.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "formats/base/file.h"
 #include "formats/base/num.h"
 #include "formats/base/text.h"
+#include "formats/grid/grid_reader.h"
+#include "formats/grid/imported.h"
+#include "formats/grid/layout_slices.h"
 #include "formats/grid/metaimage.h"
 #include "formats/grid/nrrd.h"
 #include "formats/grid/rawfile.h"
-#include "formats/grid/volume_layout.h"
-#include "formats/input/byte_stream.h"
-#include "formats/input/inflate_stream.h"
-#include "formats/input/text_stream.h"
 
 struct volume {
     mem *m;
-    volume_layout layout;
-    const char *format;
-    sample_type type;        /* of the samples in the file; layout.g.type: as they are handed out */
-    inflate_stream *inflate; /* VOLUME_DEFLATE */
-    volume_source from;      /* instead of layout.data */
-    uint32_t slice;          /* the next one */
+    slice_source from;
+    grid g;         /* as slices are handed out; its axes are those of from.g */
+    uint32_t slice; /* the next one */
     bool has_missing;
     double missing; /* read as NaN */
 };
 
-/* For messages. */
-static const char *name_of(const volume *v) {
-    return v->layout.data ? byte_stream_name(v->layout.data) : "slices";
-}
+/* What the formats are told by; the first that knows the file reads it. Raw samples know any. */
+static const grid_reader *const readers[] = {&nrrd_reader, &metaimage_reader, &imported_reader,
+                                             &raw_reader};
 
-/* ---- opening ---- */
-
-static status open_header(volume *v, const char *path, const volume_hints *hints) {
-    volume_layout *l = &v->layout;
-    const uint8_t *start;
-    size_t size;
-    status st = byte_stream_peek(l->data, 16, &start, &size);
-    if (st != ST_OK)
-        return st;
-    v->format = "NRRD";
-    if (nrrd_known(start, size))
-        return nrrd_open(l);
-    v->format = "MetaImage";
-    if (metaimage_known(path, start, size))
-        return metaimage_open(l);
-    v->format = VOLUME_RAW_SAMPLES;
-    return rawfile_open(l, path, hints);
-}
+/* ---- hints ---- */
 
 static void apply_spacing(grid *g, int a, double spacing) {
     double x = g->to_world[0][a], y = g->to_world[1][a], z = g->to_world[2][a];
@@ -82,34 +60,33 @@ static status read_text(mem *m, const char *path, char **out) {
     return ST_OK;
 }
 
-static status apply_axis_file(volume_layout *l, int a, const char *path) {
+static status apply_axis_file(slice_source *from, int a, const char *path) {
     char *text = NULL;
-    status st = read_text(l->m, path, &text);
+    status st = read_text(from->m, path, &text);
     if (st == ST_OK)
-        st = volume_layout_axis(l, path, a, text);
-    mem_free(l->m, text);
+        st = grid_set_axis_text(&from->g, from->m, path, a, text);
+    mem_free(from->m, text);
     return st;
 }
 
-static status apply_hints(volume_layout *l, const volume_hints *hints) {
+static status apply_hints(slice_source *from, const volume_hints *hints) {
     for (int a = 0; a < 3; a++) {
         /* Coordinates first: they set the axis' step, which the hint replaces. */
-        status st = hints->axis_file[a] ? apply_axis_file(l, a, hints->axis_file[a]) : ST_OK;
+        status st = hints->axis_file[a] ? apply_axis_file(from, a, hints->axis_file[a]) : ST_OK;
         if (st != ST_OK)
             return st;
         if (hints->spacing[a] != 0)
-            apply_spacing(&l->g, a, hints->spacing[a]);
+            apply_spacing(&from->g, a, hints->spacing[a]);
         if (hints->has_origin)
-            l->g.to_world[a][3] = hints->origin[a];
+            from->g.to_world[a][3] = hints->origin[a];
     }
     return ST_OK;
 }
 
 /* Integers have no NaN: with a value for missing data they are handed out as floats. */
 static status apply_missing(volume *v, const volume_hints *hints) {
-    grid *g = &v->layout.g;
+    grid *g = &v->g;
     char value[NUM_TEXT_MAX];
-    v->type = g->type;
     v->has_missing = hints->has_missing;
     v->missing = hints->missing;
     if (!v->has_missing)
@@ -118,238 +95,170 @@ static status apply_missing(volume *v, const volume_hints *hints) {
         return status_describe(ST_USAGE,
                                "%s: its samples are of type %s: none can be %s, the value for "
                                "missing data",
-                               name_of(v), sample_name(g->type), num_print(v->missing, value));
+                               v->from.name, sample_name(g->type), num_print(v->missing, value));
     if (sample_is_integer(g->type)) {
-        g->source = g->type;
+        g->source = grid_source(g);
         g->type = SAMPLE_F32;
     }
     return ST_OK;
 }
 
-/* Decompressed bytes in front of the samples go. */
-static status skip_decoded(volume *v) {
-    uint8_t waste[4096];
-    for (uint64_t left = v->layout.skip_decoded; left > 0;) {
-        size_t got = 0, want = left < sizeof waste ? (size_t)left : sizeof waste;
-        status st = inflate_stream_read(v->inflate, waste, want, &got);
-        if (st != ST_OK)
-            return st;
-        if (got < want)
-            return status_describe(ST_CORRUPT, "%s: the data ends %llu bytes before the samples",
-                                   byte_stream_name(v->layout.data),
-                                   (unsigned long long)(left - got));
-        left -= got;
-    }
-    return ST_OK;
+/* ---- opening ---- */
+
+/* Whoever gives sizes says that it is raw samples, whatever they begin with. */
+static const grid_reader *find_reader(const char *path, const uint8_t *start, size_t size,
+                                      const volume_hints *hints) {
+    const grid_reader *const *r = readers;
+    while ((hints->dims[0] && *r == &imported_reader) || !(*r)->known(path, start, size))
+        r++;
+    return *r;
 }
 
-static status open_volume(volume *v, const char *path, const volume_hints *hints) {
-    volume_layout *l = &v->layout;
-    status st = open_header(v, path, hints);
-    if (st == ST_OK)
-        st = volume_layout_check(l);
-    if (st == ST_OK)
-        st = apply_hints(l, hints);
-    if (st == ST_OK)
-        st = apply_missing(v, hints);
-    if (st == ST_OK)
-        st = grid_check(&l->g, byte_stream_name(l->data));
+static status open_reader(volume_layout *l, const volume_hints *hints, slice_source *out) {
+    const uint8_t *start;
+    size_t size;
+    status st = byte_stream_peek(l->data, GRID_READER_PEEK, &start, &size);
     if (st != ST_OK)
         return st;
-    /* Never the file's: the same samples are the same data set. */
-    text_name(l->g.name, sizeof l->g.name, hints->name ? hints->name : l->g.name);
-    if (l->encoding != VOLUME_DEFLATE)
-        return ST_OK;
-    st = inflate_stream_open(v->m, l->data, &v->inflate);
-    return st == ST_OK ? skip_decoded(v) : st;
-}
-
-/* path: s may be closed for another one, of the file that a header names. */
-static status open_named(mem *m, const char *path, byte_stream *s, const volume_hints *hints,
-                         volume **out) {
-    static const volume_hints none;
-    volume *v = mem_zalloc(m, sizeof *v);
-    if (!v) {
-        byte_stream_close(s);
-        return ST_NOMEM;
-    }
-    v->m = m;
-    v->layout.m = m;
-    v->layout.data = s;
-    status st = open_volume(v, path, hints ? hints : &none);
-    if (st != ST_OK) {
-        volume_close(v);
-        return st;
-    }
-    *out = v;
-    return ST_OK;
-}
-
-status volume_open(mem *m, const char *path, const volume_hints *hints, volume **out) {
-    byte_stream *s;
-    status st = byte_stream_open(m, path, &s);
-    return st == ST_OK ? open_named(m, path, s, hints, out) : st;
-}
-
-status volume_open_stream(mem *m, byte_stream *s, const volume_hints *hints, volume **out) {
-    char *path = mem_copy_text(m, byte_stream_path(s));
-    if (!path) {
-        byte_stream_close(s);
-        return ST_NOMEM;
-    }
-    status st = open_named(m, path, s, hints, out);
-    mem_free(m, path);
+    const grid_reader *r = find_reader(byte_stream_kind(l->data), start, size, hints);
+    if (r->slices)
+        st = r->slices(l, hints, out);
+    else if ((st = r->layout(l, hints)) == ST_OK && (st = volume_layout_check(l)) == ST_OK)
+        st = layout_slices_open(l, out);
+    out->format = out->format ? out->format : r->format;
     return st;
 }
 
-status volume_open_source(mem *m, grid *g, const volume_source *from, const volume_hints *hints,
-                          volume **out) {
+/* The hints' part: v->from is set. */
+static status begin(volume *v, const volume_hints *hints) {
+    status st = apply_hints(&v->from, hints);
+    v->g = v->from.g;
+    if (st == ST_OK)
+        st = apply_missing(v, hints);
+    if (st == ST_OK)
+        st = grid_check(&v->g, v->from.name);
+    /* Never the file's: the same samples are the same data set. */
+    text_name(v->g.name, sizeof v->g.name, hints->name ? hints->name : v->from.g.name);
+    return st;
+}
+
+status volume_open_slices(mem *m, slice_source *from, const volume_hints *hints, volume **out) {
     static const volume_hints none;
     volume *v = mem_zalloc(m, sizeof *v);
     if (!v) {
-        grid_release(g, m);
+        slice_source_close(from);
         return ST_NOMEM;
     }
-    const volume_hints *h = hints ? hints : &none;
-    *v = (volume){.m = m, .layout = {.m = m, .g = *g}, .format = "slices", .from = *from};
-    status st = apply_missing(v, h);
+    *v = (volume){.m = m, .from = *from};
+    *from = (slice_source){0};
+    status st = begin(v, hints ? hints : &none);
     if (st != ST_OK) {
         volume_close(v);
         return st;
     }
-    text_name(v->layout.g.name, sizeof v->layout.g.name, h->name ? h->name : v->layout.g.name);
     *out = v;
     return ST_OK;
+}
+
+status volume_open_stream(mem *m, byte_stream *s, const volume_hints *hints, volume **out) {
+    static const volume_hints none;
+    slice_source from = {0};
+    volume_layout l = {.m = m, .data = s, .path = mem_copy_text(m, byte_stream_path(s))};
+    status st = l.path ? open_reader(&l, hints ? hints : &none, &from) : ST_NOMEM;
+    volume_layout_release(&l);
+    if (st != ST_OK) {
+        slice_source_close(&from);
+        return st;
+    }
+    return volume_open_slices(m, &from, hints, out);
+}
+
+static status open_folder(mem *m, const char *path, const volume_hints *hints, volume **out) {
+    slice_source from = {0};
+    status st = imported_folder(m, path, hints, &from);
+    return st == ST_OK ? volume_open_slices(m, &from, hints, out) : st;
+}
+
+bool volume_is_folder(const char *path) {
+    struct stat info;
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
+status volume_open(mem *m, const char *path, const volume_hints *hints, volume **out) {
+    static const volume_hints none;
+    byte_stream *s;
+    if (volume_is_folder(path))
+        return open_folder(m, path, hints ? hints : &none, out);
+    status st = byte_stream_open(m, path, &s);
+    return st == ST_OK ? volume_open_stream(m, s, hints, out) : st;
 }
 
 void volume_close(volume *v) {
     if (!v)
         return;
-    inflate_stream_close(v->inflate);
-    volume_layout_release(&v->layout);
+    slice_source_close(&v->from);
     mem_free(v->m, v);
 }
 
 const grid *volume_grid(const volume *v) {
-    return &v->layout.g;
+    return &v->g;
 }
 
 const char *volume_format(const volume *v) {
-    return v->format;
+    return v->from.format;
+}
+
+bool volume_has_fields(const volume *v) {
+    return v->from.has_fields;
+}
+
+const char *volume_importer(const volume *v) {
+    return v->from.importer;
 }
 
 /* ---- reading ---- */
 
-/* Samples of the file's byte order, native for VOLUME_TEXT; *got counts bytes. */
-static status read_encoded(volume *v, void *buffer, size_t size, size_t *got) {
-    const volume_layout *l = &v->layout;
-    size_t width = sample_size(v->type);
-    status st = ST_OK;
-    switch (l->encoding) {
-    case VOLUME_RAW: return byte_stream_read(l->data, buffer, size, got);
-    case VOLUME_DEFLATE: return inflate_stream_read(v->inflate, buffer, size, got);
-    case VOLUME_TEXT:
-        st = text_stream_read(l->data, v->type, buffer, size / width, got);
-        *got *= width;
-        break;
-    }
-    return st;
-}
-
-static bool is_foreign(const volume_layout *l) {
-    bool big_here = __BYTE_ORDER == __BIG_ENDIAN;
-    return l->encoding != VOLUME_TEXT && l->big_endian != big_here;
-}
-
 /* Missing data is NaN from here on. Compared in the samples' own precision, as it was written.
  * at: the samples, at the end of buffer. */
 static status mark_missing(const volume *v, const void *at, void *buffer, size_t count) {
-    if (v->type == SAMPLE_F32) {
+    if (v->from.g.type == SAMPLE_F32) {
         float *f = buffer, missing = (float)v->missing;
         for (size_t i = 0; i < count; i++)
             f[i] = f[i] == missing ? NAN : f[i];
-    } else if (v->type == SAMPLE_F64) {
+    } else if (v->from.g.type == SAMPLE_F64) {
         double *d = buffer;
         for (size_t i = 0; i < count; i++)
             d[i] = d[i] == v->missing ? (double)NAN : d[i];
     } else {
-        const grid *g = &v->layout.g;
-        const uint64_t slice = (uint64_t)g->dims[0] * g->dims[1];
-        const size_t bad = sample_to_floats(v->type, at, buffer, count, v->missing);
+        const uint64_t slice = (uint64_t)v->g.dims[0] * v->g.dims[1];
+        const sample_type type = v->from.g.type;
+        const size_t bad = sample_to_floats(type, at, buffer, count, v->missing);
         if (bad < count)
             return status_describe(ST_UNSUPPORTED,
                                    "%s: slice %u (counted from 0): with a value for missing data, "
                                    "samples of type %s are kept as f32, which cannot hold the one "
                                    "with index %llu, near %.0f",
-                                   name_of(v), v->slice + (uint32_t)(bad / slice),
-                                   sample_name(v->type), (unsigned long long)(bad % slice),
+                                   v->from.name, v->slice + (uint32_t)(bad / slice),
+                                   sample_name(type), (unsigned long long)(bad % slice),
                                    (double)((const float *)buffer)[bad]);
     }
     return ST_OK;
 }
 
-/* Slices of `bytes` bytes as the file has them, in native byte order. */
-static status read_file(volume *v, uint32_t count, size_t bytes, char *at) {
-    const size_t size = count * bytes;
-    size_t got = 0;
-    status st = read_encoded(v, at, size, &got);
-    if (st != ST_OK)
-        return st;
-    if (got < size)
-        return status_describe(ST_CORRUPT,
-                               "%s: ends at byte %llu, inside slice %u of %u (counted from 0)",
-                               name_of(v), (unsigned long long)byte_stream_position(v->layout.data),
-                               v->slice + (uint32_t)(got / bytes), v->layout.g.dims[2]);
-    if (is_foreign(&v->layout))
-        sample_swap(v->type, at, size / sample_size(v->type));
-    return ST_OK;
-}
-
-static status read_source(const volume *v, uint32_t count, size_t bytes, char *at) {
-    status st = ST_OK;
-    for (uint32_t i = 0; i < count && st == ST_OK; i++)
-        st = v->from.read(v->from.ctx, v->slice + i, at + i * bytes);
-    return st;
-}
-
 status volume_read(volume *v, uint32_t count, void *buffer) {
-    const grid *g = &v->layout.g;
-    const size_t slice = (size_t)g->dims[0] * g->dims[1], width = sample_size(v->type);
-    const size_t samples = slice * count;
-    char *at = (char *)buffer + samples * (sample_size(g->type) - width);
-    status st = v->from.read ? read_source(v, count, slice * width, at)
-                             : read_file(v, count, slice * width, at);
-    if (st != ST_OK)
-        return st;
-    if (v->has_missing)
+    const size_t samples = (size_t)v->g.dims[0] * v->g.dims[1] * count;
+    const size_t wider = sample_size(v->g.type) - sample_size(v->from.g.type);
+    char *at = (char *)buffer + samples * wider;
+    status st = v->from.read(v->from.ctx, v->slice, count, at);
+    if (st == ST_OK && v->has_missing)
         st = mark_missing(v, at, buffer, samples);
     v->slice += count;
     return st;
 }
 
-/* Bytes that are left, taken and counted. */
-static status drain(volume *v, uint64_t *count) {
-    uint8_t waste[4096];
-    bool deflate = v->layout.encoding == VOLUME_DEFLATE;
-    for (size_t got = 1; got > 0; *count += got) {
-        status st = deflate ? inflate_stream_read(v->inflate, waste, sizeof waste, &got)
-                            : byte_stream_read(v->layout.data, waste, sizeof waste, &got);
-        if (st != ST_OK)
-            return st;
-        if (*count > VOLUME_TRAILING_MAX)
-            return status_describe(ST_CORRUPT, "%s: more than %d bytes behind the last sample",
-                                   byte_stream_name(v->layout.data), VOLUME_TRAILING_MAX);
-    }
-    return ST_OK;
-}
-
 status volume_finish(volume *v, uint64_t *trailing) {
-    uint64_t count = 0, left = v->from.read ? 0 : byte_stream_left(v->layout.data);
-    status st = ST_OK;
-    if (v->layout.encoding == VOLUME_DEFLATE || left == UINT64_MAX)
-        st = drain(v, &count);
-    else
-        count = left;
+    uint64_t count = 0;
+    status st = v->from.finish ? v->from.finish(v->from.ctx, &count) : ST_OK;
     if (st == ST_OK && trailing)
         *trailing = count;
     return st;

@@ -16,59 +16,42 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/grid/grid.h"
+#include "formats/grid/slice_source.h"
+#include "formats/grid/volume_hints.h"
 #include "formats/input/byte_stream.h"
 
 typedef struct volume volume;
 
-/* What the command line says about inputs that do not say it themselves. Zero/NULL = not given. */
-typedef struct volume_hints {
-    uint32_t dims[3]; /* raw: samples per axis */
-    sample_type type; /* raw: sample type */
-    bool big_endian;  /* raw */
-    uint64_t skip;    /* raw: header bytes to skip */
-    double
-        spacing[3];   /* overrides the input's spacing, scales an axis' coordinates; may be negative
-                       */
-    double origin[3]; /* world position of node (0, 0, 0) */
-    bool has_origin;
-    bool has_missing; /* samples equal to `missing` are read as NaN, no data; integers are then
-                         handed out as f32, and one that f32 cannot hold is ST_UNSUPPORTED */
-    double missing;
-    const char *axis_file[3]; /* rectilinear: a text file with one coordinate a line (or split by
-                                 white space), per axis */
-    const char *name;         /* of the data set, in place of the input's own */
-} volume_hints;
-
-/* volume_open() - path, or "-" for standard input: NRRD, MetaImage, or raw samples whose sizes and
- * type the hints give. hints may be NULL. ST_CORRUPT,
+/* volume_open() - path, or "-" for standard input, or a folder: of any format in volume.c's table.
+ * hints may be NULL. ST_CORRUPT,
  * ST_UNSUPPORTED (also for a file of no known format) or ST_IO, naming file and line. */
 CHECKED status volume_open(mem *m, const char *path, const volume_hints *hints, volume **out);
+
+/* volume_is_folder() - whether a path is that of a folder, whose files may be the slices. */
+bool volume_is_folder(const char *path);
 
 /* volume_open_stream() - the same of a stream of which nothing was taken; it is taken over, and
  * closed in any case. */
 CHECKED status volume_open_stream(mem *m, byte_stream *s, const volume_hints *hints, volume **out);
 
-/* Samples that come from elsewhere than a file. */
-typedef struct volume_source {
-    /* Slice z, grid_slice_bytes() of them: called for 0, 1, .. in order, by the thread that reads.
-     * What is not ST_OK ends the reading, and is what volume_read() returns. */
-    status (*read)(void *ctx, uint32_t z, void *slice);
-    void *ctx;
-} volume_source;
-
-/* volume_open_source() - of such a grid, which passes grid_check(); it and its axes are taken over
- * (m: theirs, too), and released in any case. Of hints, which may be NULL, the missing value and
- * the name count. */
-CHECKED status volume_open_source(mem *m, grid *g, const volume_source *from,
-                                  const volume_hints *hints, volume **out);
+/* volume_open_slices() - of any source, which is taken over, and closed in any case. Of hints,
+ * which may be NULL, all count but those of raw samples. */
+CHECKED status volume_open_slices(mem *m, slice_source *from, const volume_hints *hints,
+                                  volume **out);
 void volume_close(volume *v); /* NULL is fine */
 
 const grid *volume_grid(const volume *v);
 
-/* volume_format() - what it was read as: "NRRD", "MetaImage", VOLUME_RAW_SAMPLES, or "slices" of a
- * volume_source. */
+/* volume_format() - what it was read as: "NRRD", VOLUME_RAW_SAMPLES. */
 #define VOLUME_RAW_SAMPLES "raw samples"
 const char *volume_format(const volume *v);
+
+/* volume_has_fields() - whether its format has several of them, or steps or components, of which
+ * the hints choose. */
+bool volume_has_fields(const volume *v);
+
+/* volume_importer() - "vdb" where leafcast-import-vdb reads it; NULL: this process does. */
+const char *volume_importer(const volume *v);
 
 /* volume_read() - the next `count` z slices, native byte order, type volume_grid()->type, into
  * buffer (count * grid_slice_bytes()). ST_CORRUPT when the data ends early, naming slice and byte.

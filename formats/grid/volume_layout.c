@@ -4,11 +4,13 @@
 #include <string.h>
 
 #include "formats/base/num.h"
-#include "formats/input/inflate_stream.h"
+#include "formats/input/unpack_stream.h"
 
 void volume_layout_release(volume_layout *l) {
     byte_stream_close(l->data);
+    mem_free(l->m, l->path);
     l->data = NULL;
+    l->path = NULL;
     grid_release(&l->g, l->m);
 }
 
@@ -22,7 +24,7 @@ status volume_layout_open(volume_layout *l, const char *header, const char *name
     memcpy(path, header, folder);
     memcpy(path + folder, name, length);
     byte_stream *data = NULL;
-    status st = byte_stream_open(l->m, path, &data);
+    status st = byte_stream_open_stored(l->m, path, &data);
     mem_free(l->m, path);
     if (st != ST_OK)
         return st;
@@ -85,7 +87,7 @@ status volume_layout_check(const volume_layout *l) {
     uint64_t left = byte_stream_left(l->data);
     uint64_t least = sample_bytes(l);
     if (l->encoding == VOLUME_DEFLATE)
-        least /= INFLATE_STREAM_RATIO;
+        least /= UNPACK_ZLIB_RATIO;
     else if (l->encoding == VOLUME_TEXT)
         least = 2 * grid_samples(&l->g) - 1;
     if (left < least)
@@ -105,45 +107,4 @@ void volume_layout_place(volume_layout *l, double direction[3][3], const double 
             l->g.to_world[row][a] = direction[a][row] * spacing[a];
         l->g.to_world[row][3] = origin[row];
     }
-}
-
-static status parse_coordinates(const char *what, const char *text, uint32_t count, double *out) {
-    static const char gaps[] = " \t\r\n,";
-    for (uint32_t i = 0;; i++) {
-        text += strspn(text, gaps);
-        size_t length = strcspn(text, gaps);
-        if (length == 0 && i == count)
-            return ST_OK;
-        char token[64];
-        if (length == 0 || i == count)
-            return status_describe(ST_CORRUPT, "%s: %s than %u coordinates", what,
-                                   length == 0 ? "fewer" : "more", count);
-        size_t kept = length < sizeof token ? length : sizeof token - 1;
-        memcpy(token, text, kept);
-        token[kept] = 0;
-        if (num_double(token, what, &out[i]) != ST_OK)
-            return ST_CORRUPT;
-        text += length;
-    }
-}
-
-static void make_unit(grid *g, int a) {
-    double x = g->to_world[0][a], y = g->to_world[1][a], z = g->to_world[2][a];
-    double length = sqrt(x * x + y * y + z * z);
-    for (int row = 0; row < 3; row++)
-        g->to_world[row][a] /= length;
-}
-
-status volume_layout_axis(volume_layout *l, const char *what, int a, const char *text) {
-    uint32_t count = l->g.dims[a];
-    double *coordinates = mem_array(l->m, count, sizeof *coordinates);
-    if (!coordinates)
-        return ST_NOMEM;
-    status st = parse_coordinates(what, text, count, coordinates);
-    if (st == ST_OK) {
-        make_unit(&l->g, a);
-        st = grid_set_axis(&l->g, l->m, what, a, coordinates);
-    }
-    mem_free(l->m, coordinates);
-    return st;
 }

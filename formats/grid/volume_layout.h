@@ -18,6 +18,7 @@ typedef enum volume_encoding { VOLUME_RAW, VOLUME_DEFLATE, VOLUME_TEXT } volume_
 
 typedef struct volume_layout {
     mem *m;
+    char *path; /* of the input, "-" for standard input: NRRD's header, say; owned */
     grid g;
     volume_encoding encoding;
     bool big_endian;       /* of samples wider than a byte; VOLUME_TEXT has none */
@@ -44,10 +45,5 @@ CHECKED status volume_layout_check(const volume_layout *l);
  * of axis a) and the position of node (0, 0, 0). */
 void volume_layout_place(volume_layout *l, double direction[3][3], const double spacing[3],
                          const double origin[3]);
-
-/* volume_layout_axis() - make axis a rectilinear: the text holds exactly dims[a] numbers, split by
- * blanks, line ends or commas. Its column of to_world becomes a unit vector: coordinates replace a
- * spacing. `what` names the source. */
-CHECKED status volume_layout_axis(volume_layout *l, const char *what, int a, const char *text);
 
 #endif

@@ -9,48 +9,76 @@
 #include "formats/base/fault.h"
 #include "formats/base/file.h"
 #include "formats/base/file_guard.h"
+#include "formats/base/text.h"
 #include "formats/base/wait.h"
+#include "formats/input/unpack_stream.h"
 
 struct byte_stream {
     mem *m;
-    file *f; /* a regular file; NULL for a pipe */
-    int fd;  /* the pipe's descriptor; -1 for a regular file */
-    char *name;
+    file *f;          /* a regular file; NULL for all else */
+    int fd;           /* a pipe's descriptor, else -1 */
+    byte_source from; /* another source */
+    char *path, *kind;
     uint64_t taken;    /* bytes handed out: the position of buffer[begin] */
     size_t begin, end; /* what the buffer holds */
-    bool ended;        /* a pipe has said so */
+    bool ended;        /* a pipe or a source has said so */
     uint8_t buffer[BYTE_STREAM_BUFFER];
 };
+
+/* ---- opening ---- */
 
 static bool is_regular(const char *path) {
     struct stat info;
     return stat(path, &info) == 0 && S_ISREG(info.st_mode);
 }
 
-static status open_source(byte_stream *s, const char *path) {
-    if (strcmp(path, "-") == 0) {
+static status open_path(byte_stream *s) {
+    if (strcmp(s->path, "-") == 0) {
         s->fd = STDIN_FILENO;
-        return file_guard_opened(s->fd, s->name);
+        return file_guard_opened(s->fd, byte_stream_name(s));
     }
-    if (is_regular(path))
-        return file_open(s->m, path, &s->f);
-    return file_open_pipe(path, &s->fd);
+    if (is_regular(s->path))
+        return file_open(s->m, s->path, &s->f);
+    return file_open_pipe(s->path, &s->fd);
 }
 
-status byte_stream_open(mem *m, const char *path, byte_stream **out) {
+/* A stream of that name, of which nothing is open. */
+static status make(mem *m, const char *path, byte_stream **out) {
+    *out = NULL;
     byte_stream *s = mem_zalloc(m, sizeof *s);
     if (!s)
         return ST_NOMEM;
     s->m = m;
     s->fd = -1;
-    s->name = mem_copy_text(m, strcmp(path, "-") == 0 ? "standard input" : path);
-    status st = s->name ? open_source(s, path) : ST_NOMEM;
-    if (st != ST_OK) {
+    s->path = mem_copy_text(m, path);
+    s->kind = mem_copy_text(m, path);
+    if (!s->path || !s->kind) {
         byte_stream_close(s);
-        return st;
+        return ST_NOMEM;
     }
     *out = s;
     return ST_OK;
+}
+
+status byte_stream_open_stored(mem *m, const char *path, byte_stream **out) {
+    status st = make(m, path, out);
+    if (st == ST_OK)
+        st = open_path(*out);
+    if (st != ST_OK) {
+        byte_stream_close(*out);
+        *out = NULL;
+    }
+    return st;
+}
+
+status byte_stream_open_source(mem *m, const char *name, const byte_source *from,
+                               byte_stream **out) {
+    status st = make(m, name, out);
+    if (st == ST_OK)
+        (*out)->from = *from;
+    else
+        from->close(from->ctx);
+    return st;
 }
 
 void byte_stream_close(byte_stream *s) {
@@ -59,16 +87,82 @@ void byte_stream_close(byte_stream *s) {
     file_close(s->f);
     if (s->fd > STDERR_FILENO)
         close(s->fd);
-    mem_free(s->m, s->name);
+    if (s->from.close)
+        s->from.close(s->from.ctx);
+    mem_free(s->m, s->path);
+    mem_free(s->m, s->kind);
     mem_free(s->m, s);
 }
 
+/* ---- packed files ---- */
+
+/* A source of unpacked bytes. */
+typedef struct unpacked {
+    mem *m;
+    byte_stream *packed;
+    unpack_stream *bytes;
+} unpacked;
+
+static status read_unpacked(void *ctx, void *to, size_t size, size_t *got) {
+    return unpack_stream_read(((unpacked *)ctx)->bytes, to, size, got);
+}
+
+static void close_unpacked(void *ctx) {
+    unpacked *u = ctx;
+    unpack_stream_close(u->bytes);
+    byte_stream_close(u->packed);
+    mem_free(u->m, u);
+}
+
+/* packed is taken over. */
+static status unpack(mem *m, const packer *how, byte_stream *packed, byte_stream **out) {
+    *out = NULL;
+    unpacked *u = mem_zalloc(m, sizeof *u);
+    if (!u) {
+        byte_stream_close(packed);
+        return ST_NOMEM;
+    }
+    *u = (unpacked){.m = m, .packed = packed};
+    const byte_source from = {read_unpacked, close_unpacked, u};
+    status st = unpack_stream_open(m, how, packed, &u->bytes);
+    if (st != ST_OK) {
+        close_unpacked(u);
+        return st;
+    }
+    st = byte_stream_open_source(m, byte_stream_path(packed), &from, out);
+    if (st == ST_OK && packer_is_suffix((*out)->kind))
+        *strrchr((*out)->kind, '.') = 0;
+    return st;
+}
+
+status byte_stream_open(mem *m, const char *path, byte_stream **out) {
+    const uint8_t *start;
+    size_t size = 0;
+    status st = byte_stream_open_stored(m, path, out);
+    if (st != ST_OK || !((*out)->fd >= 0 || packer_is_suffix(path)))
+        return st;
+    st = byte_stream_peek(*out, PACKER_PEEK, &start, &size);
+    if (st != ST_OK) {
+        byte_stream_close(*out);
+        *out = NULL;
+        return st;
+    }
+    const packer *how = packer_find(start, size);
+    return how ? unpack(m, how, *out, out) : ST_OK;
+}
+
+/* ---- reading ---- */
+
 const char *byte_stream_name(const byte_stream *s) {
-    return s->name;
+    return strcmp(s->path, "-") == 0 ? "standard input" : s->path;
 }
 
 const char *byte_stream_path(const byte_stream *s) {
-    return s->fd == STDIN_FILENO ? "-" : s->name;
+    return s->path;
+}
+
+const char *byte_stream_kind(const byte_stream *s) {
+    return s->kind;
 }
 
 uint64_t byte_stream_position(const byte_stream *s) {
@@ -92,17 +186,22 @@ static status fetch(byte_stream *s, void *to, size_t size, size_t *got) {
     }
     if (s->ended)
         return ST_OK;
+    if (s->from.read) {
+        status st = s->from.read(s->from.ctx, to, size, got);
+        s->ended = st == ST_OK && *got == 0;
+        return st;
+    }
     if (fault_hit(FAULT_READ))
-        return file_failed(EIO, s->name, "cannot read");
+        return file_failed(EIO, byte_stream_name(s), "cannot read");
     ssize_t count;
     do {
-        status st = wait_ready(s->fd, POLLIN, s->name);
+        status st = wait_ready(s->fd, POLLIN, byte_stream_name(s));
         if (st != ST_OK)
             return st;
         count = read(s->fd, to, size);
     } while (count < 0 && (errno == EINTR || errno == EAGAIN));
     if (count < 0)
-        return file_failed(errno, s->name, "cannot read");
+        return file_failed(errno, byte_stream_name(s), "cannot read");
     s->ended = count == 0;
     *got = (size_t)count;
     return ST_OK;
@@ -158,9 +257,9 @@ status byte_stream_read(byte_stream *s, void *buffer, size_t size, size_t *got) 
 
 status byte_stream_skip(byte_stream *s, uint64_t size) {
     if (size > byte_stream_left(s))
-        return status_describe(ST_CORRUPT, "%s: ends at byte %llu, expected %llu bytes to skip",
-                               s->name, (unsigned long long)(s->taken + byte_stream_left(s)),
-                               (unsigned long long)size);
+        return status_describe(
+            ST_CORRUPT, "%s: ends at byte %llu, expected %llu bytes to skip", byte_stream_name(s),
+            (unsigned long long)(s->taken + byte_stream_left(s)), (unsigned long long)size);
     if (s->f && size > s->end - s->begin) {
         s->taken += size;
         s->begin = s->end = 0;
@@ -174,7 +273,8 @@ status byte_stream_skip(byte_stream *s, uint64_t size) {
             return st;
         if (held == 0)
             return status_describe(ST_CORRUPT, "%s: ends at byte %llu, %llu bytes too early",
-                                   s->name, (unsigned long long)s->taken, (unsigned long long)size);
+                                   byte_stream_name(s), (unsigned long long)s->taken,
+                                   (unsigned long long)size);
         size -= take_buffered(s, NULL, held < size ? held : (size_t)size);
     }
     return ST_OK;
@@ -183,7 +283,7 @@ status byte_stream_skip(byte_stream *s, uint64_t size) {
 /* Append to a line; doubling keeps the cost linear. */
 static status grow_line(byte_stream *s, text_line *line, const uint8_t *data, size_t size) {
     if (line->length + size > TEXT_LINE_MAX || memchr(data, 0, size))
-        return status_describe(ST_CORRUPT, "%s: no text around byte %llu", s->name,
+        return status_describe(ST_CORRUPT, "%s: no text around byte %llu", byte_stream_name(s),
                                (unsigned long long)s->taken);
     if (line->length + size + 1 > line->room) {
         size_t room = 2 * line->room + size + 80;

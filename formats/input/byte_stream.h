@@ -1,7 +1,8 @@
-/* byte_stream.h - bytes in order, from a regular file, a pipe or standard input, through a fixed
- * buffer.
+/* byte_stream.h - bytes in order, from a regular file, a pipe, standard input or another source,
+ * through a fixed buffer.
  *
- * One thread per stream.
+ * A packed file (see unpack_stream.h) is unpacked on the way: who reads a format need not know. One
+ * thread per stream.
  */
 #ifndef FORMATS_INPUT_BYTE_STREAM_H
 #define FORMATS_INPUT_BYTE_STREAM_H
@@ -18,18 +19,36 @@ typedef struct byte_stream byte_stream;
 enum { BYTE_STREAM_BUFFER = 1 << 16 };
 
 /* byte_stream_open() - a path, or "-" for standard input (which is not closed). A named
- * pipe is waited for (see wait.h); folders, devices and sockets are refused. */
+ * pipe is waited for (see wait.h); folders, devices and sockets are refused. What begins as packed
+ * files do is unpacked, if its name says so or has none: bytes of raw samples might begin so, too.
+ * byte_stream_open_stored() - the bytes as they are. */
 CHECKED status byte_stream_open(mem *m, const char *path, byte_stream **out);
+CHECKED status byte_stream_open_stored(mem *m, const char *path, byte_stream **out);
+
+/* Bytes that something else gives. */
+typedef struct byte_source {
+    /* At least one byte and up to size of them; *got = 0 is the end. */
+    status (*read)(void *ctx, void *to, size_t size, size_t *got);
+    void (*close)(void *ctx);
+    void *ctx;
+} byte_source;
+
+/* byte_stream_open_source() - the source is taken over, and closed in any case. name: for messages,
+ * and what byte_stream_path() gives. */
+CHECKED status byte_stream_open_source(mem *m, const char *name, const byte_source *from,
+                                       byte_stream **out);
 void byte_stream_close(byte_stream *s); /* NULL is fine */
 
 /* byte_stream_name() - for messages: the path, or "standard input". */
 const char *byte_stream_name(const byte_stream *s);
 
-/* byte_stream_path() - as it was opened: the path, or "-". */
+/* byte_stream_path() - as it was opened: the path, or "-". byte_stream_kind() - the path as it
+ * tells a format: without the suffix of packed files. */
 const char *byte_stream_path(const byte_stream *s);
+const char *byte_stream_kind(const byte_stream *s);
 
 /* byte_stream_position() - bytes taken so far. byte_stream_left() - bytes still to come; UINT64_MAX
- * when a pipe does not tell. */
+ * when a pipe or a packed file does not tell. */
 uint64_t byte_stream_position(const byte_stream *s);
 uint64_t byte_stream_left(const byte_stream *s);
 

@@ -14,7 +14,9 @@
 #define PARAVIEW "save it as .nrrd or .vtu, for example with ParaView"
 #define SLICES   "join the slices to one NRRD, for example with Fiji (File > Save As > NRRD)"
 #define ARRAY    "write the array as raw samples and give --dims X,Y,Z and --type"
+#define CONVERT  "`leafcast convert' takes it"
 #define MESH     "`leafcast convert' takes it, and `resample' makes a grid of it"
+#define UNPACK   "it is unpacked on the way where its name ends in .gz, .bz2, .xz or .zst"
 #define SURFACE  "`leafcast tetrahedralize' fills a surface with tets"
 
 typedef struct row {
@@ -23,120 +25,94 @@ typedef struct row {
     const char *bytes;
     size_t size;
     const char *suffixes; /* each with a blank behind; hints where the bytes say nothing */
+    bool both;            /* the bytes are others', too: a suffix must say so besides */
 } row;
 
 enum { ANYWHERE = FOREIGN_PEEK, ANYWHERE_MESH };
 
+#define NO_BYTES NULL, 0
+#define KNOWN(name, advice, at, bytes, suffixes) \
+    { {name, advice, NULL}, at, bytes, suffixes, false }
+#define IMPORTED(name, importer, at, bytes, suffixes) \
+    { {name, CONVERT, importer}, at, bytes, suffixes, false }
+#define IMPORTED_IF_NAMED(name, importer, at, bytes, suffixes) \
+    { {name, CONVERT, importer}, at, bytes, suffixes, true }
+
 /* What the formats are told by; the first that fits. Formats that another verb reads, first, go by
  * their bytes alone: a broken one is not to be sent to and fro. */
 static const row rows[] = {
-    {{"a treelet file", "render or info take it as it is"}, 0, BYTES(LEAF_MAGIC), ""},
-    {{"NRRD, a grid", "`leafcast convert' takes it"}, 0, BYTES("NRRD000"), ""},
-    {{"MetaImage, a grid", "`leafcast convert' takes it"}, 0, BYTES("ObjectType"), ""},
-    {{"a mesh stream", MESH}, 0, BYTES("LEAFCAST MESH "), ""},
-    {{"Gmsh", MESH}, 0, BYTES("$MeshFormat"), ""},
-    {{"a VTK mesh", MESH}, ANYWHERE_MESH, BYTES("type=\"UnstructuredGrid\""), ""},
-    {{"a legacy VTK mesh", MESH}, ANYWHERE_MESH, BYTES("DATASET UNSTRUCTURED_GRID"), ""},
-    {{"NIfTI-1", TO_NRRD}, 344, BYTES("n+1\0"), ".nii "},
-    {{"NIfTI-1 (header alone)", TO_NRRD}, 344, BYTES("ni1\0"), ""},
-    {{"NIfTI-2", TO_NRRD}, 4, BYTES("n+2\0\r\n\x1a\n"), ""},
-    {{"NIfTI-2 (header alone)", TO_NRRD}, 4, BYTES("ni2\0\r\n\x1a\n"), ""},
-    {{"Analyze 7.5", TO_NRRD}, 0, BYTES("\x5c\x01\0\0"), ""},
-    {{"Analyze 7.5", TO_NRRD}, 0, BYTES("\0\0\x01\x5c"), ""},
-    {{"DICOM", TO_NRRD}, 128, BYTES("DICM"), ".dcm .ima "},
-    {{"MRC", "write its data with Python (mrcfile) as raw samples"},
-     208,
-     BYTES("MAP "),
-     ".mrc .map "},
-    {{"TIFF", SLICES}, 0, BYTES("II*\0"), ".tif .tiff "},
-    {{"TIFF", SLICES}, 0, BYTES("MM\0*"), ""},
-    {{"BigTIFF", SLICES}, 0, BYTES("II+\0"), ""},
-    {{"BigTIFF", SLICES}, 0, BYTES("MM\0+"), ""},
-    {{"PNG", SLICES}, 0, BYTES("\x89PNG\r\n"), ".png "},
-    {{"JPEG", SLICES}, 0, BYTES("\xff\xd8\xff"), ".jpg .jpeg "},
-    {{"OpenEXR", SLICES}, 0, BYTES("\x76\x2f\x31\x01"), ".exr "},
-    {{"JPEG 2000", SLICES}, 0, BYTES("\0\0\0\x0cjP  \r\n"), ".jp2 "},
-    {{"OpenVDB",
-      "resample it to a dense grid and save that as NRRD or raw samples, for example with "
-      "Python (pyopenvdb: copyToArray)"},
-     0,
-     BYTES(" BDV\0\0\0\0"),
-     ".vdb "},
-    {{"HDF5", ARRAY " (h5dump -d NAME -b LE -o F.raw)"},
-     0,
-     BYTES("\x89HDF\r\n\x1a\n"),
-     ".h5 .hdf5 .nc4 "},
-    {{"HDF4", ARRAY}, 0, BYTES("\x0e\x03\x13\x01"), ".hdf "},
-    {{"NetCDF", ARRAY " (with Python: netCDF4 or xarray, .tofile())"},
-     0,
-     BYTES("CDF\x01"),
-     ".nc .cdf "},
-    {{"NetCDF", ARRAY " (with Python: netCDF4 or xarray, .tofile())"}, 0, BYTES("CDF\x02"), ""},
-    {{"NetCDF", ARRAY " (with Python: netCDF4 or xarray, .tofile())"}, 0, BYTES("CDF\x05"), ""},
-    {{"a NumPy array",
-      "numpy.load(F).tofile(\"F.raw\") makes raw samples; give --dims X,Y,Z (its shape "
-      "from the back) and --type"},
-     0,
-     BYTES("\x93NUMPY"),
-     ".npy "},
-    {{"a MATLAB file", ARRAY}, 0, BYTES("MATLAB 5.0 MAT"), ".mat "},
-    {{"FITS", ARRAY " and --big-endian"}, 0, BYTES("SIMPLE  ="), ".fits .fit "},
-    {{"GRIB", ARRAY}, 0, BYTES("GRIB"), ".grib .grb .grib2 "},
-    {{"VTK image data (.vti)", PARAVIEW}, ANYWHERE, BYTES("type=\"ImageData\""), ".vti "},
-    {{"a VTK rectilinear grid", PARAVIEW}, ANYWHERE, BYTES("type=\"RectilinearGrid\""), ".vtr "},
-    {{"a VTK structured grid", PARAVIEW}, ANYWHERE, BYTES("type=\"StructuredGrid\""), ".vts "},
-    {{"VTK surface data", SURFACE " of .ply or .stl, which ParaView writes"},
-     ANYWHERE,
-     BYTES("type=\"PolyData\""),
-     ".vtp "},
-    {{"a parallel VTK file", "ParaView joins its pieces (File > Save Data)"},
-     ANYWHERE,
-     BYTES("type=\"PUnstructuredGrid\""),
-     ".pvtu .pvti .pvd .vtm "},
-    {{"legacy VTK of structured points", PARAVIEW},
-     ANYWHERE,
-     BYTES("DATASET STRUCTURED_POINTS"),
-     ""},
-    {{"a legacy VTK rectilinear grid", PARAVIEW}, ANYWHERE, BYTES("DATASET RECTILINEAR_GRID"), ""},
-    {{"a legacy VTK structured grid", PARAVIEW}, ANYWHERE, BYTES("DATASET STRUCTURED_GRID"), ""},
-    {{"legacy VTK surface data", SURFACE " of .ply or .stl, which ParaView writes"},
-     ANYWHERE,
-     BYTES("DATASET POLYDATA"),
-     ""},
-    {{"EnSight", PARAVIEW}, 0, BYTES("EnSight"), ".case "},
-    {{"CGNS", PARAVIEW}, 0, NULL, 0, ".cgns "},
-    {{"Exodus", PARAVIEW}, 0, NULL, 0, ".exo .ex2 "},
-    {{"PLOT3D", PARAVIEW}, 0, NULL, 0, ".p3d .q "},
-    {{"XDMF", PARAVIEW}, 0, NULL, 0, ".xdmf .xmf "},
-    {{"PLY", SURFACE}, 0, BYTES("ply\n"), ".ply "},
-    {{"PLY", SURFACE}, 0, BYTES("ply\r"), ""},
-    {{"OFF", SURFACE}, 0, BYTES("OFF\n"), ".off "},
-    {{"STL", SURFACE}, 0, BYTES("solid "), ".stl "},
-    {{"a surface for TetGen", "`leafcast tetrahedralize' takes it"}, 0, NULL, 0, ".poly .smesh "},
-    {{"a table", "`leafcast tetrahedralize' makes tets of points"}, 0, NULL, 0, ".csv .xyz "},
-    {{"Wavefront OBJ", "save it as .ply; " SURFACE}, 0, NULL, 0, ".obj "},
-    {{"gzip",
-      "`gzip -dc F | leafcast convert - -o F.leaf', for raw samples with --dims and --type"},
-     0,
-     BYTES("\x1f\x8b\x08"),
-     ".gz "},
-    {{"zstd",
-      "`zstd -dc F | leafcast convert - -o F.leaf', for raw samples with --dims and --type"},
-     0,
-     BYTES("\x28\xb5\x2f\xfd"),
-     ".zst "},
-    {{"xz", "`xz -dc F | leafcast convert - -o F.leaf', for raw samples with --dims and --type"},
-     0,
-     BYTES("\xfd\x37zXZ\0"),
-     ".xz "},
-    {{"bzip2",
-      "`bzip2 -dc F | leafcast convert - -o F.leaf', for raw samples with --dims and --type"},
-     0,
-     BYTES("BZh"),
-     ".bz2 "},
-    {{"a zip archive", "unpack it first"}, 0, BYTES("PK\x03\x04"), ".zip .npz "},
-    {{"a tar archive", "unpack it first"}, 257, BYTES("ustar"), ".tar "},
-    {{"PDF", "it holds no volume"}, 0, BYTES("%PDF"), ".pdf "},
+    KNOWN("a treelet file", "render or info take it as it is", 0, BYTES(LEAF_MAGIC), ""),
+    KNOWN("NRRD, a grid", "`leafcast convert' takes it", 0, BYTES("NRRD000"), ""),
+    KNOWN("MetaImage, a grid", "`leafcast convert' takes it", 0, BYTES("ObjectType"), ""),
+    KNOWN("a mesh stream", MESH, 0, BYTES("LEAFCAST MESH "), ""),
+    KNOWN("Gmsh", MESH, 0, BYTES("$MeshFormat"), ""),
+    KNOWN("a VTK mesh", MESH, ANYWHERE_MESH, BYTES("type=\"UnstructuredGrid\""), ""),
+    KNOWN("a legacy VTK mesh", MESH, ANYWHERE_MESH, BYTES("DATASET UNSTRUCTURED_GRID"), ""),
+    KNOWN("NIfTI-1", TO_NRRD, 344, BYTES("n+1\0"), ".nii "),
+    KNOWN("NIfTI-1 (header alone)", TO_NRRD, 344, BYTES("ni1\0"), ""),
+    KNOWN("NIfTI-2", TO_NRRD, 4, BYTES("n+2\0\r\n\x1a\n"), ""),
+    KNOWN("NIfTI-2 (header alone)", TO_NRRD, 4, BYTES("ni2\0\r\n\x1a\n"), ""),
+    KNOWN("Analyze 7.5", TO_NRRD, 0, BYTES("\x5c\x01\0\0"), ""),
+    KNOWN("Analyze 7.5", TO_NRRD, 0, BYTES("\0\0\x01\x5c"), ""),
+    IMPORTED("DICOM", "dicom", 128, BYTES("DICM"), ".dcm .ima "),
+    KNOWN("MRC", "write its data with Python (mrcfile) as raw samples", 208, BYTES("MAP "),
+          ".mrc .map "),
+    IMPORTED("TIFF", "images", 0, BYTES("II*\0"), ".tif .tiff "),
+    IMPORTED("TIFF", "images", 0, BYTES("MM\0*"), ""),
+    IMPORTED("BigTIFF", "images", 0, BYTES("II+\0"), ""),
+    IMPORTED("BigTIFF", "images", 0, BYTES("MM\0+"), ""),
+    IMPORTED("PNG", "images", 0, BYTES("\x89PNG\r\n"), ".png "),
+    IMPORTED("JPEG", "images", 0, BYTES("\xff\xd8\xff"), ".jpg .jpeg "),
+    IMPORTED("OpenEXR", "images", 0, BYTES("\x76\x2f\x31\x01"), ".exr "),
+    KNOWN("JPEG 2000", SLICES, 0, BYTES("\0\0\0\x0cjP  \r\n"), ".jp2 "),
+    IMPORTED("OpenVDB", "vdb", 0, BYTES(" BDV\0\0\0\0"), ".vdb "),
+    IMPORTED_IF_NAMED("NetCDF-4", "netcdf", 0, BYTES("\x89HDF\r\n\x1a\n"), ".nc .nc4 .cdf "),
+    IMPORTED("HDF5", "hdf5", 0, BYTES("\x89HDF\r\n\x1a\n"), ".h5 .hdf5 .he5 "),
+    KNOWN("HDF4", ARRAY, 0, BYTES("\x0e\x03\x13\x01"), ".hdf "),
+    IMPORTED("NetCDF", "netcdf", 0, BYTES("CDF\x01"), ".nc .cdf "),
+    IMPORTED("NetCDF", "netcdf", 0, BYTES("CDF\x02"), ""),
+    IMPORTED("NetCDF", "netcdf", 0, BYTES("CDF\x05"), ""),
+    KNOWN("a NumPy array",
+          "numpy.load(F).tofile(\"F.raw\") makes raw samples; give --dims X,Y,Z (its shape "
+          "from the back) and --type",
+          0, BYTES("\x93NUMPY"), ".npy "),
+    KNOWN("a MATLAB file", ARRAY, 0, BYTES("MATLAB 5.0 MAT"), ".mat "),
+    KNOWN("FITS", ARRAY " and --big-endian", 0, BYTES("SIMPLE  ="), ".fits .fit "),
+    KNOWN("GRIB", ARRAY, 0, BYTES("GRIB"), ".grib .grb .grib2 "),
+    KNOWN("VTK image data (.vti)", PARAVIEW, ANYWHERE, BYTES("type=\"ImageData\""), ".vti "),
+    KNOWN("a VTK rectilinear grid", PARAVIEW, ANYWHERE, BYTES("type=\"RectilinearGrid\""), ".vtr "),
+    KNOWN("a VTK structured grid", PARAVIEW, ANYWHERE, BYTES("type=\"StructuredGrid\""), ".vts "),
+    KNOWN("VTK surface data", SURFACE " of .ply or .stl, which ParaView writes", ANYWHERE,
+          BYTES("type=\"PolyData\""), ".vtp "),
+    KNOWN("a parallel VTK file", "ParaView joins its pieces (File > Save Data)", ANYWHERE,
+          BYTES("type=\"PUnstructuredGrid\""), ".pvtu .pvti .pvd .vtm "),
+    KNOWN("legacy VTK of structured points", PARAVIEW, ANYWHERE, BYTES("DATASET STRUCTURED_POINTS"),
+          ""),
+    KNOWN("a legacy VTK rectilinear grid", PARAVIEW, ANYWHERE, BYTES("DATASET RECTILINEAR_GRID"),
+          ""),
+    KNOWN("a legacy VTK structured grid", PARAVIEW, ANYWHERE, BYTES("DATASET STRUCTURED_GRID"), ""),
+    KNOWN("legacy VTK surface data", SURFACE " of .ply or .stl, which ParaView writes", ANYWHERE,
+          BYTES("DATASET POLYDATA"), ""),
+    KNOWN("EnSight", PARAVIEW, 0, BYTES("EnSight"), ".case "),
+    KNOWN("CGNS", PARAVIEW, 0, NO_BYTES, ".cgns "),
+    KNOWN("Exodus", PARAVIEW, 0, NO_BYTES, ".exo .ex2 "),
+    KNOWN("PLOT3D", PARAVIEW, 0, NO_BYTES, ".p3d .q "),
+    KNOWN("XDMF", PARAVIEW, 0, NO_BYTES, ".xdmf .xmf "),
+    KNOWN("PLY", SURFACE, 0, BYTES("ply\n"), ".ply "),
+    KNOWN("PLY", SURFACE, 0, BYTES("ply\r"), ""),
+    KNOWN("OFF", SURFACE, 0, BYTES("OFF\n"), ".off "),
+    KNOWN("STL", SURFACE, 0, BYTES("solid "), ".stl "),
+    KNOWN("a surface for TetGen", "`leafcast tetrahedralize' takes it", 0, NO_BYTES,
+          ".poly .smesh "),
+    KNOWN("a table", "`leafcast tetrahedralize' makes tets of points", 0, NO_BYTES, ".csv .xyz "),
+    KNOWN("Wavefront OBJ", "save it as .ply; " SURFACE, 0, NO_BYTES, ".obj "),
+    KNOWN("gzip", UNPACK, 0, BYTES("\x1f\x8b\x08"), ""),
+    KNOWN("zstd", UNPACK, 0, BYTES("\x28\xb5\x2f\xfd"), ""),
+    KNOWN("xz", UNPACK, 0, BYTES("\xfd\x37zXZ\0"), ""),
+    KNOWN("bzip2", UNPACK, 0, BYTES("BZh"), ""),
+    KNOWN("a zip archive", "unpack it first", 0, BYTES("PK\x03\x04"), ".zip .npz "),
+    KNOWN("a tar archive", "unpack it first", 257, BYTES("ustar"), ".tar "),
+    KNOWN("PDF", "it holds no volume", 0, BYTES("%PDF"), ".pdf "),
 };
 
 enum { ROWS = sizeof rows / sizeof *rows };
@@ -191,9 +167,9 @@ static bool is_plot3d(const uint8_t *start, size_t size, uint64_t bytes) {
 
 const foreign_format *foreign_find(const char *path, const uint8_t *start, size_t size,
                                    uint64_t bytes) {
-    static const foreign_format plot3d = {"PLOT3D", PARAVIEW};
+    static const foreign_format plot3d = {"PLOT3D", PARAVIEW, NULL};
     for (int i = 0; i < ROWS; i++)
-        if (has_bytes(&rows[i], start, size))
+        if (has_bytes(&rows[i], start, size) && (!rows[i].both || has_suffix(&rows[i], path)))
             return &rows[i].format;
     if (is_plot3d(start, size, bytes))
         return &plot3d;
@@ -219,7 +195,7 @@ status foreign_refuse(byte_stream *s, const char *expected) {
         return st;
     if (size == 0)
         return status_describe(ST_CORRUPT, "%s: is empty", byte_stream_name(s));
-    const foreign_format *f = foreign_find(byte_stream_path(s), start, size, byte_stream_left(s));
+    const foreign_format *f = foreign_find(byte_stream_kind(s), start, size, byte_stream_left(s));
     if (f)
         return status_describe(ST_UNSUPPORTED, "%s: this is %s, which is not read here: %s",
                                byte_stream_name(s), f->name, f->advice);

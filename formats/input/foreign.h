@@ -11,8 +11,9 @@
 #include "formats/input/byte_stream.h"
 
 typedef struct foreign_format {
-    const char *name;   /* "NIfTI-1" */
-    const char *advice; /* what to do, as the end of a sentence */
+    const char *name;     /* "NIfTI-1" */
+    const char *advice;   /* what to do, as the end of a sentence */
+    const char *importer; /* "vdb": leafcast-import-vdb reads it, and convert by that; or NULL */
 } foreign_format;
 
 /* foreign_find() - by the first bytes (FOREIGN_PEEK, or all there are); else by the end of the path

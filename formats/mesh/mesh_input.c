@@ -63,7 +63,7 @@ status mesh_input_recognise_stream(byte_stream *s, bool *known) {
     size_t size;
     status st = byte_stream_peek(s, MESH_READER_PEEK, &start, &size);
     if (st == ST_OK)
-        *known = find_reader(byte_stream_path(s), start, size) != NULL;
+        *known = find_reader(byte_stream_kind(s), start, size) != NULL;
     return st;
 }
 
@@ -76,7 +76,7 @@ static status open_reader(mesh_input *x) {
     status st = byte_stream_peek(source->data, MESH_READER_PEEK, &start, &size);
     if (st != ST_OK)
         return st;
-    x->reader = find_reader(source->path, start, size);
+    x->reader = find_reader(byte_stream_kind(source->data), start, size);
     if (!x->reader)
         return foreign_refuse(source->data, "expected a mesh: TetGen (.node and .ele), VTK (.vtk, "
                                             ".vtu), Gmsh (.msh) or a mesh stream");

@@ -113,15 +113,16 @@ static status choose_field(tetgen_state *s) {
 
 /* ---- opening ---- */
 
-/* F.ele for F.node, and the other way round. */
-static status open_other(tetgen_state *s, const char *path) {
-    size_t stem = strlen(path) - (text_ends_in(path, ".node") ? 5 : 4);
-    size_t room = strlen(path) + 2;
+/* F.ele for F.node, and the other way round; packed alike. kind: the path without the suffix of
+ * packed files. */
+static status open_other(tetgen_state *s, const char *path, const char *kind) {
+    const bool nodes = text_ends_in(kind, ".node");
+    const size_t stem = strlen(kind) - (nodes ? 5 : 4), room = strlen(path) + 2;
     s->other_path = mem_alloc(s->m, room);
     if (!s->other_path)
         return ST_NOMEM;
-    snprintf(s->other_path, room, "%.*s%s", (int)stem, path,
-             text_ends_in(path, ".node") ? ".ele" : ".node");
+    snprintf(s->other_path, room, "%.*s%s%s", (int)stem, path, nodes ? ".ele" : ".node",
+             path + strlen(kind));
     return byte_stream_open(s->m, s->other_path, &s->other);
 }
 
@@ -132,10 +133,10 @@ static status tetgen_open(mesh_source *source, void **state) {
     *state = s;
     s->m = source->m;
     s->hints = &source->hints;
-    status st = open_other(s, source->path);
+    status st = open_other(s, source->path, byte_stream_kind(source->data));
     if (st != ST_OK)
         return st;
-    bool node = text_ends_in(source->path, ".node");
+    bool node = text_ends_in(byte_stream_kind(source->data), ".node");
     s->nodes = (text_tokens){
         .s = node ? source->data : s->other, .line = 1, .comment = '#', .commas = true};
     s->tets = s->nodes;

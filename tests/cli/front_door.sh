@@ -32,6 +32,12 @@ exits "help VERB" 0 "$door" help convert
 ok "is the verb's own" says 'own. More.' out
 exits "version" 0 "$door" --version
 ok "says it" says '^leafcast [0-9]*\.[0-9]*\.[0-9]*$' out
+ok "and what is left out" says '^without: .*import-vdb (OpenVDB)' out
+: >"$tmp/libexec/leafcast-import-vdb"
+chmod +x "$tmp/libexec/leafcast-import-vdb"
+exits "version with a library" 0 "$door" --version
+ok "says what is in" says '^with: import-vdb (OpenVDB)$' out
+rm "$tmp/libexec/leafcast-import-vdb"
 exits "a slip" 2 "$door" covnert
 ok "is told" says "no verb 'covnert'; did you mean 'convert'" err
 exits "an unknown verb" 2 "$door" zzz

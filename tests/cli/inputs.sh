@@ -67,6 +67,7 @@ field=sphere m
 fields=all m
 times=7 m
 component=1 m
+step=0 -
 cells-to-points -
 coarse=4 m
 treelet-tets=64 m
@@ -123,15 +124,27 @@ exits "--skip, --spacing" 0 sh -c '"$1" convert - --dims 8,8,7 --type u8 --skip 
 exits "an empty pipe" 3 "$leafcast" convert - -o "$tmp/x.leaf"
 ok "is told" says "standard input: is empty"
 
-# Files of them may be packed by gzip.
-gzip -c "$tmp/a_8x8x8_uint8.raw" >"$tmp/a_8x8x8_uint8.raw.gz"
-exits "raw samples in gzip" 0 "$leafcast" convert "$tmp/a_8x8x8_uint8.raw.gz" -o "$tmp/gz.leaf"
+prints() { grep -q -- "$1" "$tmp/out"; }
+
+# Any of them may be packed, in a file or a pipe: the same treelet file.
 "$leafcast" convert "$tmp/a_8x8x8_uint8.raw" -o "$tmp/raw.leaf" >/dev/null
-"$leafcast" info --json "$tmp/gz.leaf" | grep '"value' >"$tmp/piped"
-"$leafcast" info --json "$tmp/raw.leaf" | grep '"value' >"$tmp/plain"
-ok "are those of the file" cmp "$tmp/piped" "$tmp/plain"
-head -c 100 "$tmp/a_8x8x8_uint8.raw.gz" >"$tmp/cut_8x8x8_uint8.raw.gz"
-exits "cut gzip" 3 "$leafcast" convert "$tmp/cut_8x8x8_uint8.raw.gz" -o "$tmp/x.leaf" --force
+"$leafcast" convert "$tmp/a.nrrd" -o "$tmp/nrrd.leaf" >/dev/null
+for packer in gzip:gz bzip2:bz2 xz:xz zstd:zst; do
+    suffix=${packer#*:} packer=${packer%:*}
+    command -v "$packer" >/dev/null || { skip "$packer" "no $packer here"; continue; }
+    "$packer" -qc "$tmp/a_8x8x8_uint8.raw" >"$tmp/a_8x8x8_uint8.raw.$suffix"
+    "$packer" -qc "$tmp/a.nrrd" >"$tmp/a.nrrd.$suffix"
+    exits "raw samples in $packer" 0 "$leafcast" convert "$tmp/a_8x8x8_uint8.raw.$suffix" -o "$tmp/x.leaf" --force
+    ok "are those of the file" cmp "$tmp/x.leaf" "$tmp/raw.leaf"
+    # shellcheck disable=SC2016
+    exits "NRRD in $packer in a pipe" 0 sh -c '"$1" convert - -o "$3" --force <"$2"' sh "$leafcast" "$tmp/a.nrrd.$suffix" "$tmp/x.leaf"
+    ok "is that of the file" cmp "$tmp/x.leaf" "$tmp/nrrd.leaf"
+    exits "info of it" 0 "$leafcast" info "$tmp/a.nrrd.$suffix"
+    ok "tells the format" prints '^format  *NRRD$'
+    head -c 100 "$tmp/a_8x8x8_uint8.raw.$suffix" >"$tmp/cut_8x8x8_uint8.raw.$suffix"
+    exits "cut $packer" 3 "$leafcast" convert "$tmp/cut_8x8x8_uint8.raw.$suffix" -o "$tmp/x.leaf" --force
+    ok "is told" says "damaged $packer data"
+done
 
 # generate: a seed is for fields that have one.
 exits "generate noise --seed" 0 "$leafcast" generate noise --dims 8 --seed 3 -o "$tmp/x.nrrd"
@@ -172,13 +185,87 @@ write("structured points", (0, b"# vtk DataFile Version 3.0\nt\nBINARY\nDATASET 
 open(folder + "PLOT3D", "wb").write(b"\0\0\0\2\0\0\0\3\0\0\0\4" + bytes(24 * 12))
 open(folder + "x.dcm", "wb").write(b"not at all")
 PY
-for format in NIfTI-1 NIfTI-2 Analyze DICOM MRC TIFF BigTIFF HDF5 NetCDF NumPy OpenVDB PNG JPEG OpenEXR gzip zstd \
-    "VTK image data" "structured points" PLOT3D; do
+for format in NIfTI-1 NIfTI-2 Analyze MRC NumPy gzip zstd "VTK image data" "structured points" PLOT3D; do
     exits "$format" 3 "$leafcast" convert "$tmp/$format" -o "$tmp/x.leaf" --force
     ok "is named" says "/$format: this is .*$format"
 done
-exits "a suffix" 3 "$leafcast" convert "$tmp/x.dcm" -o "$tmp/x.leaf" --force
-ok "is a hint" says "this is DICOM"
+
+# ---- what a library of its own reads: the verb import-X, run by the others ----
+
+# A door of our own: what import-vdb and import-dicom do is played.
+mkdir "$tmp/door"
+for verb in convert info; do cp "${LEAFCAST_BUILD:?}/libexec/leafcast-$verb" "$tmp/door/$verb"; done
+play() { # play VERB: its lines on standard input
+    { echo "#!/bin/sh"; cat; } >"$tmp/door/leafcast-$1"
+    chmod +x "$tmp/door/leafcast-$1"
+}
+bare() { # bare VERB ARGUMENT...: with no other verb in reach
+    verb=$1
+    shift
+    PATH=/usr/bin:/bin "$tmp/door/$verb" "$@"
+}
+exits "OpenVDB without import-vdb" 3 bare convert "$tmp/OpenVDB" -o "$tmp/x.leaf" --force
+ok "is named, with what to do" says "this is OpenVDB, and leafcast-import-vdb, which reads it, is not there"
+exits "a suffix alone" 3 bare convert "$tmp/x.dcm" -o "$tmp/x.leaf" --force
+ok "is a hint" says "this is DICOM, and leafcast-import-dicom"
+for format in DICOM:dicom TIFF:images BigTIFF:images PNG:images JPEG:images OpenEXR:images HDF5:hdf5 NetCDF:netcdf; do
+    play "import-${format#*:}" <<'X'
+echo "leafcast $(basename "$0"): F: refused on purpose" >&2
+exit 3
+X
+    exits "${format%:*}" 3 bare convert "$tmp/${format%:*}" -o "$tmp/x.leaf" --force
+    ok "what the verb says is said" says "^leafcast convert: F: refused on purpose"
+done
+play import-vdb <<X
+for word; do echo "\$word"; done >"$tmp/asked"
+cat "$tmp/a.nrrd"
+X
+exits "OpenVDB with it" 0 bare convert "$tmp/OpenVDB" -o "$tmp/x.leaf" --force
+ok "is what it writes" cmp "$tmp/x.leaf" "$tmp/nrrd.leaf"
+ok "is said" says "OpenVDB, read by leafcast import-vdb"
+exits "with hints" 0 bare convert "$tmp/OpenVDB" --field=-a --component 2 --step 3 -o "$tmp/x.leaf" --force
+ok "hands them on" [ "$(tr '\n' ' ' <"$tmp/asked")" = "-q -o - --field -a --component 2 --step 3 -- $tmp/OpenVDB " ]
+exits "info of it" 0 bare info "$tmp/OpenVDB"
+ok "tells the format" prints '^format  *OpenVDB$'
+ok "and the values" prints '^values  *[0-9]* \.\. [0-9]*$'
+gzip -c "$tmp/OpenVDB" >"$tmp/p.vdb.gz"
+exits "packed" 3 bare convert "$tmp/p.vdb.gz" -o "$tmp/x.leaf" --force
+ok "is refused" says "a file that is not packed"
+exits "in a pipe" 3 sh -c '"$1" convert - -o "$3" --force <"$2"' sh "$leafcast" "$tmp/OpenVDB" "$tmp/x.leaf"
+ok "too" says "standard input: this is OpenVDB"
+play import-vdb <<X
+head -c 300 "$tmp/a.nrrd"
+kill -SEGV \$\$
+X
+exits "a verb that crashes" 3 bare convert "$tmp/OpenVDB" -o "$tmp/y.leaf"
+ok "is told" says "OpenVDB: leafcast-import-vdb was ended by signal 11"
+ok "leaves nothing" [ ! -e "$tmp/y.leaf" ]
+play import-vdb <<X
+cat "$tmp/a.nrrd"
+exit 4
+X
+exits "one that fails at its end" 4 bare convert "$tmp/OpenVDB" -o "$tmp/y.leaf"
+ok "leaves nothing, too" [ ! -e "$tmp/y.leaf" ]
+play import-vdb <<X
+exit 0
+X
+exits "one that writes nothing" 3 bare convert "$tmp/OpenVDB" -o "$tmp/y.leaf"
+
+# A folder goes to the verb of its first file that tells a format.
+mkdir "$tmp/series" "$tmp/empty"
+echo notes >"$tmp/series/a.txt"
+cp "$tmp/DICOM" "$tmp/series/b"
+play import-dicom <<X
+for word; do echo "\$word"; done >"$tmp/asked"
+cat "$tmp/a.nrrd"
+X
+exits "a folder of DICOM" 0 bare convert "$tmp/series" -o "$tmp/x.leaf" --force
+ok "goes to import-dicom" [ "$(tail -n 1 "$tmp/asked")" = "$tmp/series" ]
+ok "and is what it writes" cmp "$tmp/x.leaf" "$tmp/nrrd.leaf"
+exits "info of a folder" 0 bare info "$tmp/series"
+exits "a folder of nothing" 3 bare convert "$tmp/empty" -o "$tmp/x.leaf" --force
+ok "is told what was expected" says "expected the slices of"
+
 for verb in resample tetrahedralize; do
     exits "$verb of NIfTI-1" 3 "$leafcast" $verb "$tmp/NIfTI-1" -o "$tmp/x.out"
     ok "is named" says "this is NIfTI-1"
@@ -187,9 +274,6 @@ exits "a grid resampled" 3 "$leafcast" resample "$tmp/a.nrrd" -o "$tmp/x.nrrd"
 ok "is sent to convert" says "this is NRRD.*convert"
 exits "a treelet file converted" 3 "$leafcast" convert "$tmp/plain.leaf" -o "$tmp/x.leaf" --force
 ok "is named" says "this is a treelet file"
-cp "$tmp/zstd" "$tmp/z_64x64x64_uint8.raw.zst"
-exits "packed raw samples" 3 "$leafcast" convert "$tmp/z_64x64x64_uint8.raw.zst" -o "$tmp/x.leaf" --force
-ok "are named, with what to do" says "this is zstd.*zstd -dc"
 printf 'hello, world' >"$tmp/hello"
 exits "no known format" 3 "$leafcast" convert "$tmp/hello" -o "$tmp/x.leaf" --force
 ok "is shown" says "begins with 68 65 6c 6c 6f"
@@ -198,7 +282,6 @@ ok "and what is expected" says "raw samples need --dims and --type"
 # ---- info of inputs ----
 
 json() { python3 -c 'import json, sys; x = json.load(open(sys.argv[1])); sys.exit(not ('"$1"'))' "$tmp/out"; }
-prints() { grep -q -- "$1" "$tmp/out"; }
 exits "info of a grid" 0 "$leafcast" info "$tmp/a.nrrd"
 ok "tells the format" prints '^format  *NRRD$'
 ok "tells dims and type" prints '^grid  *8 x 8 x 8 u8'

@@ -1,16 +1,12 @@
-#include "prep/convert_input.h"
+#include "formats/input_open.h"
 
-leaf_parameters convert_parameters_default(void) {
-    leaf_parameters p = leaf_parameters_default();
-    p.histograms = true;
-    return p;
-}
-
-status convert_input_open(mem *m, const char *path, const volume_hints *of_grids,
-                          const mesh_hints *of_meshes, convert_input *out) {
+status input_open(mem *m, const char *path, const volume_hints *of_grids,
+                  const mesh_hints *of_meshes, input *out) {
     byte_stream *s = NULL;
     bool is_mesh = false;
-    *out = (convert_input){0};
+    *out = (input){0};
+    if (volume_is_folder(path))
+        return volume_open(m, path, of_grids, &out->v);
     status st = byte_stream_open(m, path, &s);
     if (st == ST_OK)
         st = mesh_input_recognise_stream(s, &is_mesh);
@@ -22,7 +18,7 @@ status convert_input_open(mem *m, const char *path, const volume_hints *of_grids
                    : volume_open_stream(m, s, of_grids, &out->v);
 }
 
-void convert_input_close(convert_input *in) {
+void input_close(input *in) {
     mesh_input_close(in->x);
     volume_close(in->v);
 }

@@ -1,0 +1,44 @@
+/* slice_source.h - samples as z slices, wherever they come from: what every reader of grids gives.
+ *
+ * A reader whose samples lie in order in one stream fills in a volume_layout, and
+ * layout_slices_open() makes a source of that; others (chunks, one file a slice, a library) fill in
+ * a source themselves. volume.h hands the slices out, with what hints say done to them.
+ */
+#ifndef FORMATS_GRID_SLICE_SOURCE_H
+#define FORMATS_GRID_SLICE_SOURCE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+#include "formats/grid/grid.h"
+
+/* Zeros: none. */
+typedef struct slice_source {
+    const char *format;   /* "NRRD"; constant */
+    const char *importer; /* the verb's end, "vdb", where it reads the file; NULL: this process */
+    const char *name;     /* for messages: the file; lives as long as the source */
+    bool has_fields;      /* hints' field, component and step were looked at */
+    mem *m;               /* the grid's axes are of it */
+    grid g;               /* passes grid_check() */
+    /* Slices first, first + 1, .. of g.type in native byte order, count * grid_slice_bytes() of
+     * them. Called for all slices in order, from 0 on, by one thread. What is not ST_OK ends the
+     * reading, and is what volume_read() returns. */
+    status (*read)(void *ctx, uint32_t first, uint32_t count, void *slices);
+    /* Behind the last slice: check what follows, and count it; see volume_finish(). NULL: nothing
+     * can follow. */
+    status (*finish)(void *ctx, uint64_t *trailing);
+    void (*close)(void *ctx); /* NULL: nothing to do */
+    void *ctx;
+} slice_source;
+
+/* slice_source_close() - and release its grid. Zeros are fine. */
+static inline void slice_source_close(slice_source *s) {
+    if (s->close)
+        s->close(s->ctx);
+    grid_release(&s->g, s->m);
+    *s = (slice_source){0};
+}
+
+#endif

@@ -1,0 +1,33 @@
+/* volume_hints.h - what the command line says about a grid that its file does not say, or says
+ * wrong. */
+#ifndef FORMATS_GRID_VOLUME_HINTS_H
+#define FORMATS_GRID_VOLUME_HINTS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "formats/base/sample.h"
+
+/* Zero/NULL = not given. */
+typedef struct volume_hints {
+    uint32_t dims[3];  /* raw: samples per axis */
+    sample_type type;  /* raw: sample type */
+    bool big_endian;   /* raw */
+    uint64_t skip;     /* raw: header bytes to skip */
+    double spacing[3]; /* overrides the input's spacing, scales an axis' coordinates; may be
+                          negative */
+    double origin[3];  /* world position of node (0, 0, 0) */
+    bool has_origin;
+    bool has_missing; /* samples equal to `missing` are read as NaN, no data; integers are then
+                         handed out as f32, and one that f32 cannot hold is ST_UNSUPPORTED */
+    double missing;
+    const char *axis_file[3]; /* rectilinear: a text file with one coordinate a line (or split by
+                                 white space), per axis */
+    const char *name;         /* of the data set, in place of the input's own */
+    const char *field;        /* which of several: an array, a grid, a data set, a variable */
+    uint32_t component;       /* of several numbers a sample: 1, 2, ..; 0: their magnitude, or of
+                                 colours the luminance */
+    uint32_t step;            /* of several time steps, from 0 on */
+} volume_hints;
+
+#endif

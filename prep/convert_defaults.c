@@ -1,0 +1,7 @@
+#include "prep/convert_defaults.h"
+
+leaf_parameters convert_parameters_default(void) {
+    leaf_parameters p = leaf_parameters_default();
+    p.histograms = true;
+    return p;
+}

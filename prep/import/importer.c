@@ -1,0 +1,169 @@
+#include "prep/import/importer.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "formats/base/cli.h"
+#include "formats/base/cli_value.h"
+#include "formats/base/clock.h"
+#include "formats/base/text.h"
+#include "formats/grid/nrrd_writer.h"
+#include "prep/import/importer_options.h"
+
+enum { BLOCK_BYTES = 16 << 20, COMPONENT_MAX = 1 << 16, STEP_MAX = INT32_MAX };
+
+typedef struct arguments {
+    cli_common common;
+    const importer *importer;
+    import_request q;
+    bool list;
+} arguments;
+
+/* ---- options ---- */
+
+static status set_option(void *own, int key, const char *text) {
+    arguments *a = own;
+    switch (key) {
+    case IMPORT_KEY_FIELD: a->q.field = text; return ST_OK;
+    case IMPORT_KEY_COMPONENT:
+        return cli_uint(text, "--component", 1, COMPONENT_MAX, &a->q.component);
+    case IMPORT_KEY_STEP: return cli_uint(text, "--step", 0, STEP_MAX, &a->q.step);
+    case IMPORT_KEY_LIST: a->list = true; return ST_OK;
+    default: return a->importer->set_option ? a->importer->set_option(key, text) : ST_AGAIN;
+    }
+}
+
+static status check(void *own) {
+    arguments *a = own;
+    if (!a->common.input)
+        return status_describe(ST_USAGE, "an input is needed: %s", a->importer->inputs);
+    if (a->common.output && a->list)
+        return status_describe(ST_USAGE, "--list writes no file: -o would change nothing");
+    if (a->common.json && !a->common.output && !a->list)
+        return status_describe(ST_USAGE,
+                               "--json: standard output is taken by the samples: give -o");
+    if (!a->common.output)
+        a->common.output = "-";
+    a->q.paths = a->common.inputs;
+    a->q.path_count = a->common.input_count;
+    return ST_OK;
+}
+
+/* ---- writing ---- */
+
+static status write_slices(mem *m, slice_source *from, const progress *p, nrrd_writer *w) {
+    const grid *g = &from->g;
+    const uint64_t bytes = grid_slice_bytes(g);
+    const uint64_t room = m->limit && m->limit / 4 < BLOCK_BYTES ? m->limit / 4 : BLOCK_BYTES;
+    const uint32_t most = bytes < room ? (uint32_t)(room / bytes) : 1;
+    void *block = mem_alloc(m, most < g->dims[2] ? most * bytes : g->dims[2] * bytes);
+    status st = block ? ST_OK : ST_NOMEM;
+    for (uint32_t z = 0, n; z < g->dims[2] && st == ST_OK; z += n) {
+        n = g->dims[2] - z < most ? g->dims[2] - z : most;
+        st = progress_step(p, "importing", (double)z / g->dims[2]);
+        if (st == ST_OK)
+            st = from->read(from->ctx, z, n, block);
+        if (st == ST_OK)
+            st = nrrd_writer_append(w, block, (size_t)n * g->dims[0] * g->dims[1]);
+    }
+    mem_free(m, block);
+    return st == ST_OK ? progress_step(p, "importing", 1) : st;
+}
+
+static status write_nrrd(mem *m, arguments *a, slice_source *from) {
+    nrrd_writer *w = NULL;
+    uint64_t trailing = 0;
+    status st = nrrd_writer_create(m, a->common.output, a->common.force, &from->g, &w);
+    if (st == ST_OK)
+        st = write_slices(m, from, cli_progress(&a->common), w);
+    if (st == ST_OK && from->finish)
+        st = from->finish(from->ctx, &trailing);
+    if (st == ST_OK)
+        return nrrd_writer_commit(w);
+    nrrd_writer_discard(w);
+    return st;
+}
+
+static status report(const arguments *a, const grid *g, double seconds) {
+    if (!a->common.json)
+        return ST_OK;
+    return cli_print_json(
+        &a->common, json_pack("{s:s, s:s, s:s, s:s, s:[i,i,i], s:s, s:f}", "input", a->common.input,
+                              "output", a->common.output, "format", a->importer->format, "name",
+                              g->name, "dims", (int)g->dims[0], (int)g->dims[1], (int)g->dims[2],
+                              "type", sample_name(g->type), "seconds", seconds));
+}
+
+static status import(mem *m, arguments *a) {
+    slice_source from = {0};
+    if (strcmp(a->common.output, "-") == 0 && isatty(STDOUT_FILENO))
+        return status_describe(ST_USAGE, "samples do not go to a terminal: give -o F.nrrd");
+    const double start = clock_seconds();
+    status st = a->importer->open(m, &a->q, &from);
+    if (st == ST_OK)
+        st = grid_check(&from.g, from.name);
+    if (st == ST_OK)
+        st = write_nrrd(m, a, &from);
+    if (st == ST_OK)
+        st = report(a, &from.g, clock_seconds() - start);
+    slice_source_close(&from);
+    return st;
+}
+
+/* ---- listing ---- */
+
+static json_t *shape_json(const uint64_t shape[4]) {
+    json_t *list = json_array();
+    for (int i = 0; i < 4 && shape[i]; i++)
+        json_array_append_new(list, json_integer((json_int_t)shape[i]));
+    return list;
+}
+
+static status list_json(void *ctx, const import_item *item) {
+    json_t *entry = json_pack("{s:s, s:s, s:o, s:b}", "name", item->name, "type", item->type,
+                              "shape", shape_json(item->shape), "readable", item->refuse == NULL);
+    if (entry && item->refuse)
+        json_object_set_new(entry, "why", json_string(item->refuse));
+    return json_array_append_new(ctx, entry) == 0 ? ST_OK : ST_NOMEM;
+}
+
+static status list_line(void *ctx, const import_item *item) {
+    (void)ctx;
+    char shape[96] = "";
+    for (int i = 0; i < 4 && item->shape[i]; i++)
+        text_add(shape, sizeof shape, "%s%llu", i ? " x " : "", (unsigned long long)item->shape[i]);
+    printf("%-24s %-24s %s%s%s\n", item->name, shape, item->type,
+           item->refuse ? "; not read: " : "", item->refuse ? item->refuse : "");
+    return ST_OK;
+}
+
+static status list(mem *m, const arguments *a) {
+    if (!a->common.json)
+        return a->importer->list(m, &a->q, &(import_list){list_line, NULL});
+    json_t *items = json_array();
+    status st = a->importer->list(m, &a->q, &(import_list){list_json, items});
+    if (st == ST_OK)
+        return cli_print_json(&a->common,
+                              json_pack("{s:s, s:s, s:o}", "input", a->common.input, "format",
+                                        a->importer->format, "fields", items));
+    json_decref(items);
+    return st;
+}
+
+int importer_main(const importer *x, int argc, char **argv) {
+    arguments a = {.common = {.verb = x->verb, .without = "threads"}, .importer = x};
+    char usage[256];
+    snprintf(usage, sizeof usage, "%s [-o F.nrrd]\n%s --list", x->inputs, x->inputs);
+    const cli_verb verb = {.options = x->options,
+                           .args_doc = usage,
+                           .doc = x->doc,
+                           .input = "input",
+                           .inputs_max = x->inputs_max,
+                           .set_option = set_option,
+                           .check = check};
+    cli_parse(&verb, &a.common, argc, argv);
+    mem m;
+    mem_init(&m, a.common.memory);
+    return cli_finish(&a.common, a.list ? list(&m, &a) : import(&m, &a));
+}
