@@ -24,7 +24,7 @@ static void point_columns_put(point_columns *c, unsigned lane, const tile_walk *
     const level_planes *planes = &scene->levels[at->level];
     uint32_t cell[3];
     float samples[8];
-    cell_at_place(at, x->place, cell);
+    cell_of_local(at, x->local, cell);
     walk_cell_samples(scene, at, cell, samples);
     for (int i = 0; i < 8; i++)
         c->samples[i][lane] = samples[i];
