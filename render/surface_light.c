@@ -114,7 +114,7 @@ static void add_rays(const frame *f, lit_batch *b, const leafcast_light *light, 
     double to[3], distance = 0.0;
     rays->count = 0;
     if (!light->point)
-        distance = direction_to(light, NULL, to);
+        distance = direction_to(light, b->at[0], to); /* as from any other */
     for (unsigned i = 0; i < b->count; i++) {
         b->undone[i] = b->needed[i] = b->ill_conditioned[i] = false;
         b->visibility[i] = 0.0f;
