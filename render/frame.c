@@ -6,6 +6,7 @@
 
 #include "render/frame_work.h"
 #include "render/kind.h"
+#include "render/ray_advance.h"
 
 /* What a thread counts and has in its hand, apart from the others' cache lines. */
 typedef struct tally {
@@ -14,13 +15,15 @@ typedef struct tally {
     work_hand hand;
 } tally;
 
-/* What a thread draws a tile in; then come records of rays that have suspended, on their way to
- * their place, room for a batch of rays, and the tile's kernel has the rest of the scratch. */
+/* What a thread draws a tile in; then comes room for a batch of rays. The tile's kernel has the
+ * rest of the scratch, and when it has done rays that go on together have it, with their records.
+ */
 typedef struct easel {
     _Alignas(64) tile_outcome todo;
+    ray_company *rays;
     char *records; /* WORK_BATCH */
-    uint32_t suspended;
 } easel;
+_Static_assert((int)WORK_BATCH == (int)RAY_BATCH, "an item's rays go on together");
 
 struct drawing {
     const frame *f;
@@ -41,8 +44,8 @@ static size_t up_to_64(size_t bytes) {
     return (bytes + 63) / 64 * 64;
 }
 
-static size_t records_bytes(const frame *f) {
-    return up_to_64(WORK_BATCH * f->integrator->record_bytes);
+static size_t company_bytes(const frame *f) {
+    return up_to_64(sizeof(ray_company) + WORK_BATCH * f->integrator->record_bytes);
 }
 
 uint32_t frame_records_min(const frame *f) {
@@ -53,8 +56,10 @@ size_t frame_record_bytes(const frame *f) {
     return f->integrator->record_bytes;
 }
 
-static size_t tile_scratch(const frame *f) {
-    return up_to_64(f->tracer->kind->tile_scratch);
+/* What a tile's kernel and rays that go on together have in turn. */
+static size_t shared_scratch(const frame *f) {
+    const size_t tile = up_to_64(f->tracer->kind->tile_scratch), company = company_bytes(f);
+    return tile > company ? tile : company;
 }
 
 static size_t batch_scratch(const frame *f) {
@@ -65,20 +70,19 @@ static size_t batch_scratch(const frame *f) {
 }
 
 size_t frame_scratch_bytes(const frame *f) {
-    return sizeof(easel) + records_bytes(f) + up_to_64(sizeof(ray_batch)) + batch_scratch(f) +
-           tile_scratch(f);
+    return sizeof(easel) + up_to_64(sizeof(ray_batch)) + batch_scratch(f) + shared_scratch(f);
 }
 
 static easel *easel_of(const frame *f, int worker) {
     char *own = (char *)f->scratch + (size_t)worker * frame_scratch_bytes(f);
     easel *e = (easel *)own;
-    e->records = own + sizeof *e;
-    char *batch = e->records + records_bytes(f);
-    char *batch_scratch_at = batch + up_to_64(sizeof(ray_batch));
+    char *batch = own + sizeof *e, *batch_scratch_at = batch + up_to_64(sizeof(ray_batch));
+    char *shared = batch_scratch_at + batch_scratch(f);
     e->todo.batch = (ray_batch *)batch;
     e->todo.batch_scratch = batch_scratch_at;
-    e->todo.scratch = batch_scratch_at + batch_scratch(f);
-    e->suspended = 0;
+    e->todo.scratch = shared;
+    e->rays = (ray_company *)shared;
+    e->records = shared + sizeof *e->rays;
     return e;
 }
 
@@ -122,7 +126,7 @@ static bool wait_for_treelets(drawing *d, uint32_t tile, const tile_outcome *tod
 static void begin_tile(drawing *d, uint32_t tile, uint32_t x0, uint32_t y0, tile_outcome *todo,
                        tally *mine) {
     const frame *f = d->f;
-    const tile_fn together = f->integrator->tile(f);
+    const tile_fn together = f->integrator->tile ? f->integrator->tile(f) : NULL;
     if (!together) {
         memcpy(todo->open, rows_to_do(d, tile), d->side * sizeof *todo->open);
         memset(todo->waits, 0, sizeof todo->waits);
@@ -143,19 +147,27 @@ static uint32_t pixels_of(const tile_row rows[], uint32_t side) {
     return count;
 }
 
-/* A record was promised to each. */
-static status keep_suspended(drawing *d, easel *e, work_hand *own) {
-    const size_t bytes = d->f->integrator->record_bytes;
+static void advance(const drawing *d, easel *e, tally *mine) {
+    ray_advance(d->f, e->rays, e->todo.batch, e->todo.batch_scratch, &mine->counters);
+}
+
+/* Those that are blocked wait for their treelets; a record was promised to each. */
+static status keep_blocked(drawing *d, const ray_company *rays, uint32_t *count, work_hand *own) {
     uint32_t kept[WORK_BATCH];
     status st = ST_OK;
-    for (uint32_t i = 0; i < e->suspended && st == ST_OK; i++) {
-        st = ray_records_take(&d->records, &own->reserve, &kept[i]);
+    *count = 0;
+    for (uint32_t i = 0; i < rays->count && st == ST_OK; i++) {
+        uint32_t *to = &kept[*count];
+        if (!rays->blocked[i])
+            continue;
+        st = ray_records_take(&d->records, &own->reserve, to);
         if (st == ST_OK)
-            memcpy(ray_records_at(&d->records, kept[i]), e->records + i * bytes, bytes);
+            memcpy(ray_records_at(&d->records, *to), rays->record[i],
+                   d->f->integrator->record_bytes);
+        ++*count;
     }
-    if (st == ST_OK && e->suspended > 0)
-        frame_work_suspend(&d->work, own, kept, e->suspended);
-    e->suspended = 0;
+    if (st == ST_OK && *count > 0)
+        frame_work_suspend(&d->work, own, kept, *count);
     return st;
 }
 
@@ -164,38 +176,52 @@ static void count_finished(tally *t, size_t pixels) {
     atomic_store_explicit(&t->finished, before + pixels, memory_order_relaxed);
 }
 
-/* What tiles have left to single rays of one row. *kept: how many were suspended, by then. */
-static status draw_row(drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t y, uint32_t *kept,
-                       tally *mine) {
+/* Neighbours go on together: a square of pixels, as many as there are records. */
+enum { SQUARE = 16 };
+_Static_assert(SQUARE *SQUARE == WORK_BATCH && TILE_MAX % SQUARE == 0, "a square is an item");
+
+/* Begin what a tile has left over of the square at (x, y); x0, y0: of the tile. */
+static void begin_square(const drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t x,
+                         uint32_t y) {
     const frame *f = d->f;
-    const integrator *in = f->integrator;
-    const tile_outcome *todo = &e->todo;
+    ray_company *rays = e->rays;
+    const uint32_t end = y + SQUARE < d->side ? y + SQUARE : d->side;
+    rays->count = 0;
+    for (uint32_t row = y; row < end; row++) {
+        tile_row left = e->todo.open[row] >> x & ((UINT32_C(1) << SQUARE) - 1);
+        for (; left; left &= left - 1) {
+            const uint32_t column = x0 + x + (uint32_t)__builtin_ctz(left);
+            char *record = e->records + rays->count * f->integrator->record_bytes;
+            rays->record[rays->count] = (ray_record *)record;
+            f->integrator->begin(f, (y0 + row) * f->width + column, (ray_record *)record);
+            rays->count++;
+        }
+    }
+}
+
+/* What a tile has left over. *kept: how many were suspended, by then. */
+static status draw_rest(drawing *d, easel *e, uint32_t x0, uint32_t y0, uint32_t *kept,
+                        tally *mine) {
     status st = ST_OK;
-    for (tile_row left = todo->open[y]; left && st == ST_OK; left &= left - 1) {
-        const uint32_t x = (uint32_t)__builtin_ctz(left);
-        const uint32_t pixel = (y0 + y) * f->width + x0 + x;
-        ray_record *r = (ray_record *)(e->records + e->suspended * in->record_bytes);
-        in->begin(f, pixel, r);
-        if (in->advance(f, r, &mine->counters))
-            continue;
-        ++*kept;
-        if (++e->suspended == WORK_BATCH)
-            st = keep_suspended(d, e, &mine->hand);
+    for (uint32_t y = 0; y < d->side; y += SQUARE) {
+        for (uint32_t x = 0; x < d->side && st == ST_OK; x += SQUARE) {
+            uint32_t count = 0;
+            begin_square(d, e, x0, y0, x, y);
+            advance(d, e, mine);
+            st = keep_blocked(d, e->rays, &count, &mine->hand);
+            *kept += count;
+        }
     }
     return st;
 }
 
-/* Trace a tile's rays, all together as far as that goes. */
+/* Trace a tile's rays, by its kernel as far as that goes. */
 static status draw_tile(drawing *d, uint32_t tile, easel *e, tally *mine) {
     uint32_t kept = 0;
     const uint32_t x0 = tile % d->tiles_x * d->side, y0 = tile / d->tiles_x * d->side;
     const uint32_t asked = pixels_of(rows_to_do(d, tile), d->side);
     begin_tile(d, tile, x0, y0, &e->todo, mine);
-    status st = ST_OK;
-    for (uint32_t y = 0; y < d->side && st == ST_OK; y++)
-        st = draw_row(d, e, x0, y0, y, &kept, mine);
-    if (st == ST_OK)
-        st = keep_suspended(d, e, &mine->hand);
+    const status st = draw_rest(d, e, x0, y0, &kept, mine);
     const uint32_t begun = asked - pixels_of(e->todo.waits, d->side);
     mine->counters.primary_rays += begun;
     count_finished(mine, begun - kept);
@@ -204,14 +230,17 @@ static status draw_tile(drawing *d, uint32_t tile, easel *e, tally *mine) {
     return st;
 }
 
-static void resume_rays(drawing *d, const work_item *item, tally *mine) {
+static void resume_rays(drawing *d, const work_item *item, easel *e, tally *mine) {
     uint32_t left[WORK_BATCH], count = 0;
+    e->rays->count = item->count;
+    for (uint32_t i = 0; i < item->count; i++)
+        e->rays->record[i] = ray_records_at(&d->records, item->rays[i]);
+    advance(d, e, mine);
     for (uint32_t i = 0; i < item->count; i++) {
-        const uint32_t r = item->rays[i];
-        if (d->f->integrator->advance(d->f, ray_records_at(&d->records, r), &mine->counters))
-            ray_records_give(&d->records, &mine->hand.reserve, r);
+        if (e->rays->blocked[i])
+            left[count++] = item->rays[i];
         else
-            left[count++] = r;
+            ray_records_give(&d->records, &mine->hand.reserve, item->rays[i]);
     }
     count_finished(mine, item->count - count);
     frame_work_progress(&d->work);
@@ -230,9 +259,10 @@ static status draw_item(drawing *d, const work_item *item, int worker) {
     tally *mine = &d->tallies[worker];
     if (f->watch && !f->watch(f->watch_ctx, share_done(d)))
         return status_describe(ST_STOPPED, "stopped");
+    easel *e = easel_of(f, worker);
     if (item->is_tile)
-        return draw_tile(d, item->tile, easel_of(f, worker), mine);
-    resume_rays(d, item, mine);
+        return draw_tile(d, item->tile, e, mine);
+    resume_rays(d, item, e, mine);
     return ST_OK;
 }
 

@@ -1,10 +1,10 @@
 /* integrator.h - what makes a pixel of a ray: a row of functions for each way of looking.
  *
- * A frame (frame.h) begins a record for each ray that tiles leave over, advances it until it is
- * done or needs a treelet that is absent, keeps it meanwhile, and knows no more of it than its
- * head. Integrators ask kinds of geometry (kind.h) for what is on a ray's way, and write what comes
- * of it. Whoever makes a frame says which one, and gives it its description: frame.integrator,
- * frame.look.
+ * A frame (frame.h) begins a record for each ray that tiles leave over. An integrator asks what is
+ * on the ray's way and writes what comes of it; the frame has the questions of many rays answered
+ * together (ray_advance.h), keeps records that wait for a treelet, and knows no more of them than
+ * their heads. Whoever makes a frame says which integrator, and gives it its description:
+ * frame.integrator, frame.look.
  */
 #ifndef RENDER_INTEGRATOR_H
 #define RENDER_INTEGRATOR_H
@@ -22,17 +22,28 @@ typedef struct ray_record {
     uint16_t leg;     /* on this leg of its way; treelets for lower ones come first */
 } ray_record;
 
+/* The next hit on a way through a volume: tracer_next() is to answer. */
+typedef struct ray_question {
+    const tracer *tracer;
+    trace_state *state; /* of the record */
+    ray ray;
+} ray_question;
+
 typedef struct integrator {
     size_t record_bytes; /* head and part */
 
     /* The ray of a pixel before anything is traced. */
     void (*begin)(const frame *f, uint32_t pixel, ray_record *r);
-    /* Go on until the pixel is written (true), or a treelet is needed: the head says which. */
-    bool (*advance)(const frame *f, ray_record *r, ray_counters *counters);
+    /* Go on to the next question, or until the pixel is written (false). Until it is answered the
+     * question stays the same. */
+    bool (*ask)(const frame *f, ray_record *r, ray_question *q, ray_counters *counters);
+    /* Its state has been answered: TRACE_HIT or TRACE_MISS. */
+    void (*answer)(const frame *f, ray_record *r, trace_result result);
     /* The bundle of all rays on a leg of their way. */
     ray_bundle (*bundle)(const frame *f, uint32_t leg);
 
-    /* Returns what begins whole tiles of pixels, or NULL: ray by ray. */
+    /* Returns what begins whole tiles of pixels, or NULL: nothing does. The row may leave it out.
+     */
     tile_fn (*tile)(const frame *f);
 } integrator;
 

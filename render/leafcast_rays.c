@@ -33,8 +33,8 @@ static status check_rays(const leafcast_ray *rays, size_t count) {
 static status trace_rays(turn *t, ray_look *look) {
     frame *f = &t->f;
     ray_counters counters = {0};
-    /* A picture one tile wide: neighbours in the caller's order are in one tile. */
-    const size_t row = f->tracer->kind->tile_side;
+    /* A narrow picture: neighbours in the caller's order are in one tile, and go on together. */
+    const size_t row = f->tracer->kind->tile_side < 16 ? f->tracer->kind->tile_side : 16;
     f->integrator = &ray_integrator;
     f->look = look;
     f->stride = f->width = (uint32_t)(look->count < row ? look->count : row);

@@ -1,6 +1,7 @@
 #include "render/surface_integrator.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "render/kind.h"
 #include "render/shade.h"
@@ -14,7 +15,8 @@ typedef struct surface_ray {
     ray_record head;       /* volume: the one that is being searched */
     int32_t layers;        /* surfaces composited so far */
     bool provisional;      /* something on the way was drawn coarser than asked for */
-    float visibility;      /* of the leg's light */
+    bool shadow;           /* a ray towards the leg's light is under way */
+    float visibility;      /* of that light */
     float rgb[3];          /* shading of the current surface so far */
     float rgba[4];         /* composited so far, premultiplied */
     surface_search search; /* for the current surface, and for what hides it from a light */
@@ -25,8 +27,13 @@ static surface_ray *surface_ray_of(ray_record *r) {
 }
 
 static void surface_begin(const frame *f, uint32_t pixel, ray_record *r) {
+    surface_ray *p = surface_ray_of(r);
     (void)f;
-    *surface_ray_of(r) = (surface_ray){.head = {.pixel = pixel}, .search = surface_search_first()};
+    p->head = (ray_record){.pixel = pixel};
+    p->layers = 0;
+    p->provisional = p->shadow = false;
+    memset(p->rgba, 0, sizeof p->rgba);
+    surface_search_begin(&p->search, false);
 }
 
 /* The current surface, for lights. */
@@ -34,16 +41,12 @@ static lit_surface current(const surface_ray *p) {
     return (lit_surface){p->head.pixel, p->search.found_volume, &p->search.found, &p->search.point};
 }
 
-/* The next surface. False: blocked. */
-static bool find_next(const frame *f, surface_ray *p, ray_counters *counters) {
+/* What is to be known before the next surface is certain. */
+static bool ask_for_surface(const frame *f, surface_ray *p, ray_question *q) {
     world_ray w = {.t1 = INFINITY};
     const uint32_t pixel = p->head.pixel;
     camera_ray(&f->camera, pixel % f->width + 0.5, pixel / f->width + 0.5, w.origin, w.direction);
-    if (!surface_search_next(f, &w, surface_look_of(f)->coarse, &p->head.volume, &p->search,
-                             counters))
-        return false;
-    p->provisional |= p->search.provisional;
-    return true;
+    return surface_search_ask(f, &w, surface_look_of(f)->coarse, &p->head.volume, &p->search, q);
 }
 
 bool surface_opaque(const frame *f) {
@@ -56,42 +59,37 @@ bool surface_opaque(const frame *f) {
 
 /* ---- Lights ---- */
 
-/* What one volume lets through. False: blocked. */
-static bool shadow_volume(const frame *f, surface_ray *p, const double at[3], const double to[3],
-                          double distance, ray_counters *counters) {
-    const uint16_t v = p->head.volume;
-    ray r;
-    if (!tracer_ray(&f->tracer[v], at, to, 0.0, distance, &r))
+/* What is to be known before the visibility is. */
+static bool ask_for_shadow(const frame *f, surface_ray *p, const double at[3], const double to[3],
+                           double distance, ray_question *q) {
+    for (; p->head.volume < f->volumes && p->visibility > 0.0f; p->head.volume++) {
+        const uint16_t v = p->head.volume;
+        q->tracer = &f->tracer[v];
+        q->state = &p->search.state;
+        if (!tracer_ray(q->tracer, at, to, 0.0, distance, &q->ray))
+            continue;
+        if (!p->search.searching) {
+            const lit_surface s = current(p);
+            p->search.state = lit_search(f, &s, v, to);
+            p->search.searching = true;
+        }
         return true;
-    if (!p->search.searching) {
-        const lit_surface s = current(p);
-        p->search.state = lit_search(f, &s, v, to);
-        p->search.searching = true;
     }
-    for (;;) {
-        const trace_result result = tracer_next(&f->tracer[v], &r, &p->search.state, counters);
-        if (result == TRACE_BLOCKED)
-            return false;
-        p->provisional |= p->search.state.provisional;
-        if (result == TRACE_MISS)
-            break;
-        if (!lit_dim(f, v, &p->search.state.best, &p->visibility))
-            break;
-        const hit behind = p->search.state.best;
-        p->search.state = trace_begin(&behind);
-    }
-    p->search.searching = false;
-    return true;
+    p->head.volume = 0;
+    p->shadow = false;
+    return false;
 }
 
-/* Returns false when blocked; true when the light's visibility is known. */
-static bool trace_shadow(const frame *f, surface_ray *p, const double at[3], const double to[3],
-                         double distance, ray_counters *counters) {
-    for (; p->head.volume < f->volumes && p->visibility > 0.0f; p->head.volume++)
-        if (!shadow_volume(f, p, at, to, distance, counters))
-            return false;
-    p->head.volume = 0;
-    return true;
+static void answer_shadow(const frame *f, surface_ray *p, trace_result result) {
+    trace_state *state = &p->search.state;
+    p->provisional |= state->provisional;
+    if (result == TRACE_HIT && lit_dim(f, p->head.volume, &state->best, &p->visibility)) {
+        const hit behind = state->best;
+        trace_begin_at(state, &behind);
+        return;
+    }
+    p->search.searching = false;
+    p->head.volume++;
 }
 
 /* Whether a light needs a shadow ray, which counts then. */
@@ -104,23 +102,25 @@ static bool begin_shadow(const frame *f, const lit_surface *s, const double to[3
     return true;
 }
 
-/* All lights from that of the leg on. Returns false when blocked. */
-static bool light_surface(const frame *f, surface_ray *p, bool resumed, ray_counters *counters) {
+/* All lights from that of the leg on; what is to be known before the next. */
+static bool ask_for_lights(const frame *f, surface_ray *p, ray_question *q,
+                           ray_counters *counters) {
     const leafcast_scene *scene = surface_look_of(f)->scene;
     const lit_surface s = current(p);
-    for (; p->head.leg <= scene->light_count; p->head.leg++, resumed = false) {
+    for (; p->head.leg <= scene->light_count; p->head.leg++) {
         const leafcast_light *light = &scene->lights[p->head.leg - 1];
         double at[3], to[3];
         const double distance = light_towards(f, s.pixel, s.found->t, light, at, to);
-        if ((resumed || begin_shadow(f, &s, to, &p->visibility, counters)) &&
-            !trace_shadow(f, p, at, to, distance, counters))
-            return false;
+        if (!p->shadow)
+            p->shadow = begin_shadow(f, &s, to, &p->visibility, counters);
+        if (p->shadow && ask_for_shadow(f, p, at, to, distance, q))
+            return true;
         const float to_light[3] = {(float)to[0], (float)to[1], (float)to[2]};
         const shade_point shading = lit_shading(f, &s);
         shade_light(&shading, to_light, light->rgb, p->visibility, p->rgb);
     }
     p->head.leg = PRIMARY;
-    return true;
+    return false;
 }
 
 static void begin_lighting(const frame *f, surface_ray *p) {
@@ -177,30 +177,40 @@ static bool composite(const frame *f, surface_ray *p) {
            p->layers != surface_look_of(f)->scene->layers_max;
 }
 
-static bool blocked(surface_ray *p) {
-    p->head.blocked = p->search.state.blocked;
+/* The next surface is certain. False: there is none. */
+static bool take_surface(const frame *f, surface_ray *p, ray_counters *counters) {
+    p->provisional |= p->search.provisional;
+    if (p->layers == 0)
+        write_first(f, p, counters);
+    if (!hit_exists(&p->search.found))
+        return false;
+    begin_lighting(f, p);
+    return true;
+}
+
+static bool surface_ask(const frame *f, ray_record *record, ray_question *q,
+                        ray_counters *counters) {
+    surface_ray *p = surface_ray_of(record);
+    do {
+        if (p->head.leg == PRIMARY) {
+            if (ask_for_surface(f, p, q))
+                return true;
+            if (!take_surface(f, p, counters))
+                break;
+        }
+        if (ask_for_lights(f, p, q, counters))
+            return true;
+    } while (composite(f, p));
+    write_colour(f, p, counters);
     return false;
 }
 
-static bool surface_advance(const frame *f, ray_record *record, ray_counters *counters) {
+static void surface_answer(const frame *f, ray_record *record, trace_result result) {
     surface_ray *p = surface_ray_of(record);
-    bool resumed = p->head.leg != PRIMARY, more = true;
-    for (; more; resumed = false) {
-        if (!resumed) {
-            if (!find_next(f, p, counters))
-                return blocked(p);
-            if (p->layers == 0)
-                write_first(f, p, counters);
-            if (!hit_exists(&p->search.found))
-                break;
-            begin_lighting(f, p);
-        }
-        if (!light_surface(f, p, resumed, counters))
-            return blocked(p);
-        more = composite(f, p);
-    }
-    write_colour(f, p, counters);
-    return true;
+    if (p->head.leg == PRIMARY)
+        surface_search_answer(surface_look_of(f)->coarse, &p->head.volume, &p->search, result);
+    else
+        answer_shadow(f, p, result);
 }
 
 static ray_bundle surface_bundle(const frame *f, uint32_t leg) {
@@ -219,6 +229,7 @@ static tile_fn surface_tile(const frame *f) {
 
 const integrator surface_integrator = {.record_bytes = sizeof(surface_ray),
                                        .begin = surface_begin,
-                                       .advance = surface_advance,
+                                       .ask = surface_ask,
+                                       .answer = surface_answer,
                                        .bundle = surface_bundle,
                                        .tile = surface_tile};

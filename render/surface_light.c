@@ -13,7 +13,8 @@ void lit_at(const frame *f, uint32_t pixel, double t, double at[3]) {
         at[a] = origin[a] + t * direction[a];
 }
 
-/* The unit direction from a point to a light; returns its distance. */
+/* The unit direction from a point to a light, which is the same from everywhere unless it is a
+ * point itself; returns its distance. */
 static double direction_to(const leafcast_light *light, const double at[3], double to[3]) {
     double length = 0.0;
     for (int a = 0; a < 3; a++) {
@@ -94,16 +95,10 @@ bool lit_dim(const frame *f, uint16_t v, const hit *met, float *visibility) {
 
 /* ---- Many surfaces ---- */
 
-/* Put the shadow ray of surface i with the others, if it needs one. */
-static void add_ray(const frame *f, lit_batch *b, unsigned i, const leafcast_light *light,
+/* Put the shadow ray of surface i with the others, if it needs one: so far, in direction `to`. */
+static void add_ray(const frame *f, lit_batch *b, unsigned i, const double to[3], double distance,
                     ray_batch *rays) {
     const lit_surface s = {.found = &b->found[i], .point = &b->point[i]};
-    double to[3];
-    b->undone[i] = b->needed[i] = b->ill_conditioned[i] = false;
-    b->visibility[i] = 0.0f;
-    if (!b->reaches[i])
-        return;
-    const double distance = direction_to(light, b->at[i], to);
     if (!lit_faces(&s, to))
         return;
     b->needed[i] = true;
@@ -113,6 +108,22 @@ static void add_ray(const frame *f, lit_batch *b, unsigned i, const leafcast_lig
         return;
     rays->states[rays->count] = lit_search(f, &s, 0, to);
     b->of[rays->count++] = (uint8_t)i;
+}
+
+static void add_rays(const frame *f, lit_batch *b, const leafcast_light *light, ray_batch *rays) {
+    double to[3], distance = 0.0;
+    rays->count = 0;
+    if (!light->point)
+        distance = direction_to(light, b->at[0], to); /* as from any other */
+    for (unsigned i = 0; i < b->count; i++) {
+        b->undone[i] = b->needed[i] = b->ill_conditioned[i] = false;
+        b->visibility[i] = 0.0f;
+        if (!b->reaches[i])
+            continue;
+        if (light->point)
+            distance = direction_to(light, b->at[i], to);
+        add_ray(f, b, i, to, distance, rays);
+    }
 }
 
 /* Whether ray k has to go on behind what it has met. */
@@ -146,9 +157,7 @@ static void keep_going(const frame *f, lit_batch *b, ray_batch *rays) {
 
 void lit_batch_trace(const frame *f, lit_batch *b, const leafcast_light *light, ray_batch *rays,
                      void *scratch, ray_counters *counters) {
-    rays->count = 0;
-    for (unsigned i = 0; i < b->count; i++)
-        add_ray(f, b, i, light, rays);
+    add_rays(f, b, light, rays);
     while (rays->count > 0) {
         ray_batch_next(f->tracer, f->kernels, rays, scratch, counters);
         keep_going(f, b, rays);

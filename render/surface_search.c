@@ -18,44 +18,37 @@ static void begin(surface_search *s, uint16_t volume) {
     s->searching = true;
 }
 
-static trace_result trace(const tracer *tr, const world_ray *w, surface_search *s,
-                          ray_counters *counters) {
-    ray r;
-    /* Clip planes may leave nothing of it. */
-    return tracer_ray(tr, w->origin, w->direction, w->t0, w->t1, &r)
-               ? tracer_next(tr, &r, &s->state, counters)
-               : TRACE_MISS;
-}
-
-/* In one volume. */
-static trace_result search(const tracer *tr, const tracer *coarse, const world_ray *w, uint16_t v,
-                           surface_search *s, ray_counters *counters) {
-    if (!s->searching)
-        begin(s, v);
-    trace_result result = trace(tr, w, s, counters);
-    if (coarse && s->state.provisional) {
-        begin(s, v);
-        result = trace(coarse, w, s, counters);
-        s->state.provisional = true;
-    }
-    return result;
-}
-
-bool surface_search_next(const frame *f, const world_ray *w, const tracer *const coarse[],
-                         uint16_t *volume, surface_search *s, ray_counters *counters) {
+bool surface_search_ask(const frame *f, const world_ray *w, const tracer *const coarse[],
+                        uint16_t *volume, surface_search *s, ray_question *q) {
     for (; *volume < f->volumes; ++*volume) {
-        const tracer *stand_in = coarse ? coarse[*volume] : NULL;
-        const trace_result result = search(&f->tracer[*volume], stand_in, w, *volume, s, counters);
-        if (result == TRACE_BLOCKED)
-            return false;
-        s->searching = false;
-        s->provisional |= s->state.provisional;
-        if (result == TRACE_MISS || hit_is_bound(&s->state.best))
+        if (s->any && hit_exists(&s->found))
             continue;
+        if (!s->searching)
+            begin(s, *volume);
+        q->tracer = s->stand_in ? coarse[*volume] : &f->tracer[*volume];
+        q->state = &s->state;
+        /* Clip planes may leave nothing of it. */
+        if (tracer_ray(q->tracer, w->origin, w->direction, w->t0, w->t1, &q->ray))
+            return true;
+        s->searching = s->stand_in = false;
+    }
+    *volume = 0;
+    return false;
+}
+
+void surface_search_answer(const tracer *const coarse[], uint16_t *volume, surface_search *s,
+                           trace_result result) {
+    s->provisional |= s->state.provisional;
+    if (coarse && coarse[*volume] && !s->stand_in && s->state.provisional) {
+        s->stand_in = true;
+        begin(s, *volume);
+        return;
+    }
+    s->searching = s->stand_in = false;
+    if (result == TRACE_HIT && !hit_is_bound(&s->state.best)) {
         s->found = s->state.best;
         s->point = s->state.point;
         s->found_volume = *volume;
     }
-    *volume = 0;
-    return true;
+    ++*volume;
 }

@@ -63,21 +63,27 @@ SIMD void box_rays(const tracer *tr, const double eye[3], const vd d[3], vd *t0,
         ray_slabs(d_set(tr->box[0][a] - eye[a]), d_set(tr->box[1][a] - eye[a]), d[a], t0, t1);
 }
 
+/* The unit directions of rays through the picture at (u, v): camera_ray() in the same order of
+ * operations. */
+SIMD void ray_directions(const camera *c, vd u, vd v, vd unit[3]) {
+    vd d[3];
+    for (int a = 0; a < 3; a++)
+        d[a] = d_set(c->forward[a]) + u * d_set(c->right[a]) + v * d_set(c->up[a]);
+    const vd shrink = d_set(1.0) / d_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    for (int a = 0; a < 3; a++)
+        unit[a] = d[a] * shrink + d_set(0.0);
+}
+
 /* VD_N rays of a row, through the picture at (u, v); camera_ray() and tracer_ray() in the same
  * order of operations. Returns which of them are for single rays to do. */
 SIMD unsigned make_rays(const frame *f, bool boxed, vd u, vd v, unsigned at, tile_rays *rays) {
     const camera *c = &f->camera;
     const tracer *tr = f->tracer;
     const vd scale = d_set(f->projection->scale), unscale = d_set(f->projection->unscale);
-    vd d[3], world[3], grid[3];
+    vd world[3], grid[3], t0 = d_set(0.0), t1 = d_set(INFINITY);
+    ray_directions(c, u, v, world);
     for (int a = 0; a < 3; a++)
-        d[a] = d_set(c->forward[a]) + u * d_set(c->right[a]) + v * d_set(c->up[a]);
-    const vd shrink = d_set(1.0) / d_sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    vd t0 = d_set(0.0), t1 = d_set(INFINITY);
-    for (int a = 0; a < 3; a++) {
-        world[a] = d[a] * shrink + d_set(0.0);
         d_store_floats(rays->towards_eye[a] + at, d_set(-0.0) - world[a]);
-    }
     for (int i = 0; i < tr->clip_count; i++)
         clip_rays(tr->clip[i], c->eye, world, &t0, &t1);
     for (int a = 0; a < 3; a++) {

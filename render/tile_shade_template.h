@@ -36,11 +36,12 @@ typedef struct tile_pixels {
     float rgba[4][TILE_RAYS];
 } tile_pixels;
 
-/* A kind's part. normals: of a layer's surfaces, of unit length; of other pixels anything. start:
- * what else shadows need of a surface, its point but for the normal. */
+/* A kind's part. normals: of a layer's surfaces, of unit length; of other pixels anything. starts:
+ * what else shadows need of surfaces, their points but for the normals, one behind the other;
+ * which: of VD_N rays from i on, a bit each. */
 typedef struct tile_kind {
     void (*normals)(void *work, const tile_layer *l, tile_normals normal);
-    surface_point (*start)(void *work, const tile_layer *l, unsigned i);
+    void (*starts)(void *work, const tile_layer *l, unsigned i, unsigned which, surface_point to[]);
 } tile_kind;
 
 SIMD vf dot_f(const vf a[3], const vf b[3]) {
@@ -176,23 +177,52 @@ static void find_reached(const tile_state *s, const tile_layer *l, int light, ti
     }
 }
 
+/* The places of surfaces of VD_N rays: lit_at() in the same order of operations. */
+SIMD void surfaces_at(const tile_state *s, const tile_layer *l, unsigned i, unsigned which,
+                      double at[3][VD_N]) {
+    const camera *c = &s->f->camera;
+    const double y = s->y0 + i / TILE + 0.5;
+    double u[VD_N], t[VD_N];
+    vd unit[3];
+    for (unsigned k = 0; k < VD_N; k++) {
+        u[k] = (2.0 * (s->x0 + i % TILE + k + 0.5) - c->middle[0]) / c->height;
+        t[k] = which >> k & 1u ? surface_of(l, i + k)->t : 0.0;
+    }
+    ray_directions(c, d_load(u), d_set((c->middle[1] - 2.0 * y) / c->height), unit);
+    for (int a = 0; a < 3; a++)
+        d_store(at[a], d_set(c->eye[a]) + d_load(t) * unit[a]);
+}
+
+/* Put surfaces of VD_N rays into the list. */
+static void list_surfaces(const tile_state *s, const tile_kind *kind, void *work,
+                          const tile_layer *l, unsigned i, unsigned which, tile_pixels *p) {
+    lit_batch *b = &p->lit;
+    double at[3][VD_N];
+    surfaces_at(s, l, i, which, at);
+    kind->starts(work, l, i, which, b->point + b->count);
+    for (unsigned left = which; left; left &= left - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(left), n = b->count++;
+        p->ray[n] = (uint16_t)(i + k);
+        b->found[n] = s->order->hit_of(s->f, surface_of(l, i + k));
+        for (int a = 0; a < 3; a++)
+            b->at[n][a] = at[a][k];
+    }
+}
+
 /* Surfaces of a square whose pixels still wait for nothing, and which some light reaches. */
 static void list_square(const tile_state *s, const tile_kind *kind, void *work, const tile_layer *l,
                         unsigned first, tile_pixels *p) {
     const int lights = surface_look_of(s->f)->scene->light_count;
-    lit_batch *b = &p->lit;
-    b->count = 0;
+    p->lit.count = 0;
     for (unsigned y = first / TILE; y < first / TILE + SQUARE; y++) {
         tile_row left = 0;
         for (int k = 0; k < lights; k++)
             left |= p->reaches[k][y];
         left &= ~s->out->waits[y] & (((1u << SQUARE) - 1u) << first % TILE);
-        for (; left; left &= left - 1) {
-            const unsigned i = TILE * y + (unsigned)__builtin_ctz(left), n = b->count++;
-            p->ray[n] = (uint16_t)i;
-            b->found[n] = s->order->hit_of(s->f, surface_of(l, i));
-            b->point[n] = kind->start(work, l, i);
-            lit_at(s->f, pixel_of(s, i), b->found[n].t, b->at[n]);
+        for (unsigned x = first % TILE; x < first % TILE + SQUARE; x += VD_N) {
+            const unsigned which = left >> x & ((1u << VD_N) - 1u);
+            if (which)
+                list_surfaces(s, kind, work, l, TILE * y + x, which, p);
         }
     }
 }

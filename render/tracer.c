@@ -39,8 +39,8 @@ bool tracer_ray(const tracer *tr, const double origin[3], const double direction
     affine_vector_to_grid(&tr->space, direction, out->d);
     for (int a = 0; a < 3; a++) {
         out->d[a] += 0.0; /* -0 becomes +0 */
-        const double below_end = nextafter(tr->box[1][a], tr->box[0][a]);
-        out->held[a] = out->o[a] < below_end ? out->o[a] : below_end;
+        const double end = tr->box[1][a];
+        out->held[a] = out->o[a] < end ? out->o[a] : nextafter(end, tr->box[0][a]);
     }
     /* Coarse levels reach past the volume: there the box is a clip interval like any other. */
     if (tr->boxed && !tracer_box(tr, out, &t0, &t1))

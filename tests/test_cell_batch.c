@@ -60,7 +60,7 @@ static void batch_of(const ray_cells *c, int lanes, cell_batch *b) {
         b->t0[k] = r->t0;
         b->t1[k] = r->t1;
         for (int a = 0; a < 3; a++) {
-            b->d[a][k] = r->d[a];
+            b->d[a][k] = r->d[a] != 0.0 ? r->d[a] : CELL_ALONG;
             b->lo[a][k] = c->box[from].lo[a] - r->o[a];
             b->hi[a][k] = c->box[from].hi[a] - r->o[a];
             b->inv[a][k] = c->box[from].inv[a];
@@ -325,6 +325,52 @@ static void vanishing_visits_are_the_same_bits(void **state) {
     assert_true(found > 0);
 }
 
+/* A ray that goes along one or two axes' planes; it is beside the cell now and then. */
+static void level(ray *r, const cell_box *box, field_random *random) {
+    const int kept = (int)field_random_below(random, 3);
+    const int gone = (kept + 1 + (int)field_random_below(random, 2)) % 3;
+    const bool both = field_random_below(random, 4) == 0;
+    for (int a = 0; a < 3; a++) {
+        const double size = box->hi[a] - box->lo[a];
+        if (a == kept || (a != gone && !both))
+            continue;
+        r->d[a] = 0.0;
+        r->o[a] = box->lo[a] + size * field_random_in(random, -0.02, 1.02);
+        if (field_random_below(random, 8) == 0)
+            r->o[a] = box->lo[a] + size * (field_random_below(random, 2) ? 1e-15 : 1 - 1e-15);
+    }
+}
+
+/* Whether the batch may have it: see CELL_ALONG. */
+static bool is_along(const ray *r, const cell_box *box) {
+    bool along = true;
+    for (int a = 0; a < 3; a++)
+        along &= r->d[a] != 0.0 || (fabs(box->lo[a] - r->o[a]) >= CELL_ALONG_NEAR &&
+                                    fabs(box->hi[a] - r->o[a]) >= CELL_ALONG_NEAR);
+    return along;
+}
+
+/* What stands for a component of 0 has its answers, wherever the ray begins and ends. */
+static void rays_along_planes_are_the_same_bits(void **state) {
+    (void)state;
+    field_random random = {SEED + 9};
+    int found = 0, lanes = 0;
+    for (int n = 0; n < 25 * batches(); n++) {
+        ray_cells c;
+        for (int k = 0; k < CELL_BATCH; k++) {
+            do {
+                const double begin = field_random_in(&random, -3, 0);
+                make_lane(0, SEED + 10, (uint64_t)(CELL_BATCH * n + k), k, &c);
+                c.r[k].t0 = field_random_below(&random, 4) ? begin : -INFINITY;
+                level(&c.r[k], &c.box[k], &random);
+            } while (!is_along(&c.r[k], &c.box[k]));
+            lanes++;
+        }
+        found += check(&c, CELL_BATCH, c.isovalues, CELL_BATCH, "along", n);
+    }
+    assert_true(found > lanes / 10);
+}
+
 /* A lane says the same whatever stands beside it and wherever it stands. */
 static void lanes_do_not_see_each_other(void **state) {
     (void)state;
@@ -417,6 +463,7 @@ int main(void) {
         cmocka_unit_test(full_batches_are_the_same_bits),
         cmocka_unit_test(corners_are_the_same_bits),
         cmocka_unit_test(vanishing_visits_are_the_same_bits),
+        cmocka_unit_test(rays_along_planes_are_the_same_bits),
         cmocka_unit_test(lanes_do_not_see_each_other),
         cmocka_unit_test(roots_are_right_to_the_last_bits),
         cmocka_unit_test(many_cells_have_several_roots),

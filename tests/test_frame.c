@@ -225,7 +225,7 @@ static void stage_open(stage *s, const subject *of, int threads, uint32_t slots,
     s->f.scratch = mem_alloc(s->v->m, (size_t)threads * frame_scratch_bytes(&s->f));
     assert_non_null(s->f.scratch);
     loader_set_capacity(s->v->treelets, slots, 0);
-    if (s->f.integrator->tile(&s->f)) {
+    if (s->v->kind->tile && s->v->kind->tile(&s->v->kernels)) {
         assert_int_equal(s->v->kind->project(s->v, &s->f.camera, &s->projection), ST_OK);
         s->f.projection = s->projection.usable ? &s->projection : NULL;
     }

@@ -15,6 +15,7 @@
 
 #include "render/mesh/isopolygon_template.h"
 #include "render/mesh/tet_normals_template.h"
+#include "render/mesh/tet_points_template.h"
 #include "tests/support/fields.h"
 
 enum { TETS = 400000 };
@@ -152,11 +153,78 @@ static void test_same_normals(void **state) {
     assert_true(sure > TETS / 4 && unsure > TETS / 20);
 }
 
+/* A ray from o to a point of the polygon: inside, on an edge, a corner. */
+static ray ray_to(const isopolygon *g, const double o[3], field_random *r) {
+    ray x = {.t1 = INFINITY};
+    double weight[4], sum = 0.0;
+    for (int i = 0; i < 4; i++) {
+        weight[i] = field_random_below(r, 6) == 0 ? 0.0 : field_random_unit(r);
+        sum += weight[i];
+    }
+    for (int k = 0; k < 3; k++) {
+        double at = g->p[0][k];
+        for (int i = 0; i < 4 && sum > 0.0; i++)
+            at += weight[i] / sum * (g->p[i][k] - g->p[0][k]);
+        x.o[k] = o[k];
+        x.d[k] = at - o[k];
+    }
+    return x;
+}
+
+/* The errors of rays' hits, and the lanes that are left to the kernel. */
+static void test_same_points(void **state) {
+    (void)state;
+    field_random r = {41};
+    int same = 0, left = 0, quads = 0;
+    for (int i = 0; i < TETS / 4; i++) {
+        point_columns c;
+        tet_facts facts[VD_N];
+        ray rays[VD_N];
+        hit hits[VD_N];
+        double o[3], error[VD_N];
+        unsigned some = 0;
+        for (int k = 0; k < 3; k++)
+            o[k] = field_random_in(&r, -3.0, 3.0);
+        point_columns_begin(&c);
+        for (unsigned k = 0; k < VD_N; k++) {
+            const hit before = hit_before_all();
+            tet x = any_tet(&r);
+            for (int v = 0; v < 4; v++)
+                x.f[v] = (float)field_random_in(&r, -1.0, 1.0);
+            facts[k] = tet_facts_of(&x, 0.0);
+            if (!facts[k].any)
+                continue;
+            rays[k] = ray_to(&facts[k].g, o, &r);
+            if (!isopolygon_hit(&facts[k].g, &rays[k], 5, 0, &before, &hits[k]))
+                continue;
+            some |= 1u << k;
+            point_columns_put(&c, k, &facts[k]);
+            c.t[k] = hits[k].t;
+            for (int a = 0; a < 3; a++)
+                c.d[a][k] = rays[k].d[a];
+        }
+        const unsigned doubtful = point_errors(&c, o, error);
+        for (unsigned k = 0; k < VD_N; k++) {
+            if (!(some >> k & 1u) || (doubtful >> k & 1u)) {
+                left += some >> k & 1u;
+                continue;
+            }
+            const surface_point want = tet_surface_at(&facts[k], &rays[k], &hits[k]);
+            assert_memory_equal(&error[k], &want.error, sizeof error[k]);
+            quads += facts[k].g.count == 4;
+            same++;
+        }
+    }
+    assert_true(same > TETS / 4 && quads > TETS / 20);
+    assert_true(left > 100 && left < same);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_same_polygon),
         cmocka_unit_test(test_same_edges),
         cmocka_unit_test(test_same_normals),
+        cmocka_unit_test(test_same_points),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

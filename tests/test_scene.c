@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/base/cpu.h"
 #include "tests/support/fixture.h"
 #include "tests/support/lab_leaf.h"
 #include "tests/support/leaf_files.h"
@@ -470,6 +471,43 @@ static void orthographic_is_what_the_reference_says(void **state) {
     close_pair(&v);
 }
 
+/* ---- Batches ---- */
+
+/* By the kernels of an ISA, NULL: the best; which of the two volumes, 2: both. Treelets are all
+ * there. Returns the nodes that it took. */
+static uint64_t draw_by(const stage *s, const char *isa, int which, const leafcast_camera *c,
+                        picture *p) {
+    const leafcast_options o = {.size = sizeof o, .threads = 2, .isa = isa};
+    leafcast_stats stats;
+    pair v;
+    open_pair(&v, s, &o, 0);
+    leafcast_scene scene = lit(&v);
+    scene.volumes = which < 2 ? &v.shown[which] : v.shown;
+    scene.volume_count = which < 2 ? 1 : 2;
+    pictures_draw(v.volume[which % 2], &scene, c, p, NULL);
+    stats.size = sizeof stats;
+    pictures_draw(v.volume[which % 2], &scene, c, p, &stats);
+    close_pair(&v);
+    return stats.nodes;
+}
+
+/* Parallel rays, and those through two volumes, visit nodes together. */
+static void no_ray_goes_alone(void **state) {
+    const stage *s = *state;
+    static picture alone, together;
+    for (int which = 0; which < 3; which++) {
+        leafcast_camera c = view_of(68);
+        c.ortho_height = which < 2 ? 44 : 0;
+        const uint64_t most = draw_by(s, "scalar", which, &c, &alone);
+        const uint64_t nodes = draw_by(s, NULL, which, &c, &together);
+        same_picture(&alone, &together);
+        assert_true(most > 0);
+        if (cpu_best() != CPU_SCALAR && 3 * nodes > most)
+            fail_msg("volume %d: %llu nodes, one by one %llu", which, (unsigned long long)nodes,
+                     (unsigned long long)most);
+    }
+}
+
 /* ---- Rays of the caller's own ---- */
 
 enum { RAYS = 2500 };
@@ -665,6 +703,7 @@ int main(void) {
         cmocka_unit_test(slices_make_the_whole),
         cmocka_unit_test(a_cancelled_frame_stops),
         cmocka_unit_test(orthographic_is_what_the_reference_says),
+        cmocka_unit_test(no_ray_goes_alone),
         cmocka_unit_test(rays_meet_what_pixels_see),
         cmocka_unit_test(rays_are_checked),
         cmocka_unit_test(points_are_sampled),

@@ -17,12 +17,21 @@ enum { CELL_BATCH = 16 };
 
 /* Ray-cells, one a lane. Planes are relative to the ray's origin: plane - o, in double. */
 typedef struct cell_batch {
-    _Alignas(64) double d[3][CELL_BATCH];        /* none is 0: such rays take the scalar way */
+    _Alignas(64) double d[3][CELL_BATCH];        /* none is 0: see CELL_ALONG */
     double t0[CELL_BATCH], t1[CELL_BATCH];       /* of the ray */
     double lo[3][CELL_BATCH], hi[3][CELL_BATCH]; /* planes, lo < hi */
     double inv[3][CELL_BATCH];                   /* 1 / (hi - lo), as in cell_box */
     float samples[8][CELL_BATCH];                /* corner x + 2y + 4z, finite */
 } cell_batch;
+
+/* For a component of 0, of a ray that goes along an axis' planes: these are met so far away that
+ * nothing comes of it, and t times it is lost beside them, so that the answer is that of 0, to the
+ * bit. That takes planes no nearer to the ray than CELL_ALONG_NEAR, and |t| of CELL_ALONG_T at
+ * most.
+ */
+#define CELL_ALONG      0x1p-960
+#define CELL_ALONG_NEAR 0x1p-500
+#define CELL_ALONG_T    0x1p400
 
 /* Bit k of a mask is lane k. */
 typedef struct cell_batch_hits {

@@ -59,7 +59,7 @@ typedef struct batch_walk {
     ray_set pending; /* of these: a cell waits in the batch, */
     ray_set queued;  /* or in the queue before it */
     ray_set single;  /* met an absent treelet */
-    ray_set level;   /* have a component of 0: their cells are the scalar kernel's */
+    ray_set level;   /* have a component of 0 */
     hit best[RAY_BATCH];
     const resident_grid *at[RAY_BATCH]; /* in which; NULL: what it was given */
     cell_queue queue;
@@ -119,12 +119,16 @@ static void take_scalar_hit(batch_walk *w, unsigned i, const resident_grid *at,
     }
 }
 
-/* Of lane k, whose first hit is not behind what it is to be behind. */
-static void take_later_hit(batch_walk *w, unsigned k) {
-    float samples[8];
-    for (int s = 0; s < 8; s++)
-        samples[s] = w->batch.samples[s][k];
-    take_scalar_hit(w, w->ray_of[k], w->treelet_of[k], w->cell_of[k], samples);
+/* Of lanes whose first hits are not behind what they are to be behind, by an intersector that knows
+ * one hit a cell. */
+static void take_scalar_hits(batch_walk *w, unsigned lanes) {
+    for (; lanes; lanes &= lanes - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(lanes);
+        float samples[8];
+        for (int s = 0; s < 8; s++)
+            samples[s] = w->batch.samples[s][k];
+        take_scalar_hit(w, w->ray_of[k], w->treelet_of[k], w->cell_of[k], samples);
+    }
 }
 
 /* ---- The batch ---- */
@@ -151,10 +155,36 @@ SIMD void drop_starts(batch_walk *w) {
     w->starts = 0;
 }
 
+/* Of these roots of an isosurface the first of lane k that is behind what it is to be behind. */
+static void take_later_root(batch_walk *w, unsigned k, int32_t iso, const cell_batch_roots *roots) {
+    const unsigned i = w->ray_of[k];
+    const resident_grid *at = w->treelet_of[k];
+    const uint64_t index = walk_cell_index(&w->scene->levels[at->level], w->cell_of[k]);
+    for (int n = 0; n < CELL_ROOTS_MAX && (roots->found[n] >> k & 1u); n++) {
+        const hit h = {roots->t[n][k], index, iso, roots->entering[n] >> k & 1u};
+        if (!hit_less(&state_at(w, i)->after, &h))
+            continue;
+        take_hit(w, i, at, &h, roots->at_exit[n] >> k & 1u);
+        return;
+    }
+}
+
+/* Of such lanes, by all roots that there are. */
+static void take_later_hits(batch_walk *w, unsigned lanes) {
+    const walk_scene *scene = w->scene;
+    cell_batch_roots roots;
+    for (int32_t iso = 0; iso < scene->count && lanes; iso++) {
+        w->kernels->roots(&w->batch, (int)w->waiting, scene->isovalues[iso], &roots);
+        for (unsigned left = lanes; left; left &= left - 1)
+            take_later_root(w, (unsigned)__builtin_ctz(left), iso, &roots);
+    }
+}
+
 /* Let the cell kernel answer what waits. */
 static void flush(batch_walk *w) {
     const walk_scene *scene = w->scene;
     cell_batch_hits hits;
+    unsigned later = 0;
     if (w->waiting == 0)
         return;
     if (w->filter)
@@ -169,8 +199,12 @@ static void flush(batch_walk *w) {
         if (hit_less(&state_at(w, i)->after, &h))
             take_hit(w, i, at, &h, hits.at_exit >> k & 1u);
         else
-            take_later_hit(w, k);
+            later |= 1u << k;
     }
+    if (w->filter)
+        take_later_hits(w, later);
+    else
+        take_scalar_hits(w, later);
     w->counters->roots += (unsigned)__builtin_popcount(hits.found);
     w->waiting = 0;
     w->pending = (ray_set){{0}};
@@ -184,7 +218,7 @@ static void add_to_batch(batch_walk *w, const resident_grid *at, const uint32_t 
     cell_batch *b = &w->batch;
     const unsigned k = w->waiting++;
     for (int a = 0; a < 3; a++) {
-        b->d[a][k] = r->d[a];
+        b->d[a][k] = r->d[a] != 0.0 ? r->d[a] : CELL_ALONG;
         b->lo[a][k] = planes->at[a][cell[a]] - r->o[a];
         b->hi[a][k] = planes->at[a][cell[a] + 1] - r->o[a];
         b->inv[a][k] = planes->inverse[a][cell[a]];
@@ -201,6 +235,20 @@ static void add_to_batch(batch_walk *w, const resident_grid *at, const uint32_t 
     ray_set_add(&w->pending, i);
     if (w->waiting == CELL_BATCH)
         flush(w);
+}
+
+/* Whether a ray with a component of 0 is what the batch can do with in a cell: see CELL_ALONG. */
+static bool goes_along(const batch_walk *w, const resident_grid *at, const uint32_t cell[3],
+                       unsigned i) {
+    const level_planes *planes = &w->scene->levels[at->level];
+    const ray *r = ray_at(w, i);
+    bool along = fabs(w->rays.t_in[i]) <= CELL_ALONG_T && fabs(w->rays.t_out[i]) <= CELL_ALONG_T;
+    for (int a = 0; a < 3; a++) {
+        const double lo = planes->at[a][cell[a]] - r->o[a],
+                     hi = planes->at[a][cell[a] + 1] - r->o[a];
+        along &= r->d[a] != 0.0 || (fabs(lo) >= CELL_ALONG_NEAR && fabs(hi) >= CELL_ALONG_NEAR);
+    }
+    return along;
 }
 
 /* ---- The filter ---- */
@@ -297,7 +345,7 @@ static void queue_flush(batch_walk *w) {
             flush(w);
         if (!ray_set_has(&w->open, i))
             continue;
-        if (ray_set_has(&w->level, i))
+        if (ray_set_has(&w->level, i) && !goes_along(w, q->at[c], q->cells[c], i))
             take_scalar_hit(w, i, q->at[c], q->cells[c], samples[c]);
         else
             add_to_batch(w, q->at[c], q->cells[c], samples[c], i);

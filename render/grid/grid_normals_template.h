@@ -9,6 +9,7 @@
 
 #ifdef SIMD_NAME
 
+#include "render/grid/grid_points_template.h"
 #include "render/grid/grid_walk_template.h"
 #include "render/grid/surface.h"
 #include "render/tile_shade_template.h"
@@ -130,15 +131,6 @@ static ray ray_of(const tile_state *s, unsigned i) {
     return r;
 }
 
-static surface_point grid_start(void *work, const tile_layer *l, unsigned i) {
-    const tile_state *s = &((const tile_walk *)work)->s;
-    const tracer *tr = s->f->tracer;
-    const tile_surface *x = surface_of(l, i);
-    const hit h = grid_hit_of(s->f, x);
-    const ray r = ray_of(s, i);
-    return surface_start(tr->own, &tr->space, resident_grid_of(x->at), &r, &h);
-}
-
 /* surface_at() by itself, where neighbours do not give a normal. */
 static void normal_of_its_own(const tile_walk *w, const tile_layer *l, unsigned i,
                               tile_normals normal) {
@@ -171,7 +163,7 @@ static void grid_normals(void *work, const tile_layer *l, tile_normals normal) {
     }
 }
 
-static const tile_kind grid_kind_of_tile = {grid_normals, grid_start};
+static const tile_kind grid_kind_of_tile = {grid_normals, grid_starts};
 
 #endif
 #endif

@@ -167,6 +167,7 @@ static cell_hit cell_hit_of(const walk_scene *scene, const resident_grid *tr, co
     return c;
 }
 
+/* All but the normal. */
 static surface_point start_of(const walk_scene *scene, const affine *space, const resident_grid *tr,
                               const ray *r, const hit *h, const cell_hit *c) {
     double position_error[3], gradient[3], magnitude = 0.0;
@@ -185,12 +186,6 @@ static surface_point start_of(const walk_scene *scene, const affine *space, cons
     }
     affine_gradient_to_world(space, gradient, point.gradient);
     return point;
-}
-
-surface_point surface_start(const walk_scene *scene, const affine *space, const resident_grid *tr,
-                            const ray *r, const hit *h) {
-    const cell_hit c = cell_hit_of(scene, tr, r, h);
-    return start_of(scene, space, tr, r, h, &c);
 }
 
 surface_point surface_at(const walk_scene *scene, const affine *space, const resident_grid *tr,

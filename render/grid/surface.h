@@ -26,8 +26,4 @@ void surface_cell_of(const level_planes *planes, uint64_t index, uint32_t cell[3
 double surface_trilinear(const float samples[8], const double at[3], const double inverse[3],
                          double gradient[3]);
 
-/* surface_start() - the same but for the normal: where secondary rays start. */
-surface_point surface_start(const walk_scene *scene, const affine *space, const resident_grid *tr,
-                            const ray *r, const hit *h);
-
 #endif

@@ -155,19 +155,23 @@ typedef struct weights {
     md above, below; /* surely */
 } weights;
 
-/* The edge function is taken from the lower tet edge's point; from where to where only changes its
- * sign, to the bit. */
-SIMD void see_edge(const isopolygon *g, int i, int j, const vd a[4][3], seen_edge *out) {
-    const vd *from = a[g->edge[i] > g->edge[j] ? j : i];
-    vd e[3];
-    for (int k = 0; k < 3; k++)
-        e[k] = d_set(g->p[j][k]) - d_set(g->p[i][k]);
+/* An edge e that begins at `from`. */
+SIMD void see_line(const vd from[3], const vd e[3], seen_edge *out) {
     for (int k = 0; k < 3; k++) {
         const int l = (k + 1) % 3, m = (k + 2) % 3;
         const vd up = from[l] * e[m], down = from[m] * e[l];
         out->normal[k] = up - down;
         out->terms[k] = d_abs(up) + d_abs(down);
     }
+}
+
+/* The edge function is taken from the lower tet edge's point; from where to where only changes its
+ * sign, to the bit. */
+SIMD void see_edge(const isopolygon *g, int i, int j, const vd a[4][3], seen_edge *out) {
+    vd e[3];
+    for (int k = 0; k < 3; k++)
+        e[k] = d_set(g->p[j][k]) - d_set(g->p[i][k]);
+    see_line(a[g->edge[i] > g->edge[j] ? j : i], e, out);
 }
 
 SIMD void see(const isopolygon *g, const vd o[3], seen *out) {

@@ -11,6 +11,7 @@
 #include "render/mesh/mesh_tracer.h"
 #include "render/mesh/mesh_walk.h"
 #include "render/mesh/tet_normals_template.h"
+#include "render/mesh/tet_points_template.h"
 #include "render/mesh/tet_smooth.h"
 #include "render/tile.h"
 
@@ -157,20 +158,55 @@ static const tet_facts *facts_of(mesh_shading *m, const tile_layer *l, unsigned 
     return &m->facts[k];
 }
 
-/* mesh_normals() has listed the layer's tets. */
-static surface_point mesh_start(void *work, const tile_layer *l, unsigned i) {
-    mesh_shading *m = work;
-    const tile_state *s = m->s;
-    const hit h = mesh_hit_of(s->f, surface_of(l, i));
+/* A ray of the tile, as the scalar code has it. */
+static ray mesh_ray_of(const tile_state *s, unsigned i) {
     ray r = {.t0 = s->rays.t0[i], .t1 = s->rays.t1[i]};
     for (int a = 0; a < 3; a++) {
         r.o[a] = r.held[a] = s->f->projection->eye[a];
         r.d[a] = s->rays.d[a][i];
     }
+    return r;
+}
+
+/* The point of a surface by itself. */
+static surface_point mesh_start(mesh_shading *m, const tile_layer *l, unsigned i) {
+    const hit h = mesh_hit_of(m->s->f, surface_of(l, i));
+    const ray r = mesh_ray_of(m->s, i);
     return tet_surface_at(facts_of(m, l, i), &r, &h);
 }
 
-static const tile_kind mesh_kind_of_tile = {mesh_normals, mesh_start};
+/* mesh_normals() has listed the layer's tets. */
+static void mesh_starts(void *work, const tile_layer *l, unsigned i, unsigned which,
+                        surface_point to[]) {
+    mesh_shading *m = work;
+    const tile_state *s = m->s;
+    double error[VD_N];
+    unsigned n = 0, any = 0;
+    point_columns c;
+    point_columns_begin(&c);
+    for (unsigned left = which; left; left &= left - 1, n++) {
+        const unsigned k = (unsigned)__builtin_ctz(left);
+        const tet_facts *f = facts_of(m, l, i + k);
+        to[n] = f->point;
+        any |= (unsigned)f->any << k;
+        if (f->any)
+            point_columns_put(&c, k, f);
+        c.t[k] = surface_of(l, i + k)->t;
+    }
+    for (int a = 0; a < 3; a++)
+        d_store(c.d[a], d_load(s->rays.d[a] + i));
+    const unsigned alone = point_errors(&c, s->f->projection->eye, error) | ~any;
+    n = 0;
+    for (unsigned left = which; left; left &= left - 1, n++) {
+        const unsigned k = (unsigned)__builtin_ctz(left);
+        if (alone >> k & 1u)
+            to[n] = mesh_start(m, l, i + k);
+        else
+            to[n].error = error[k];
+    }
+}
+
+static const tile_kind mesh_kind_of_tile = {mesh_normals, mesh_starts};
 
 /* Before the first walk. */
 static void mesh_shade_begin(mesh_shading *m, const tile_state *s) {

@@ -158,6 +158,7 @@ void luminance(sample_type type, const void *rgb, void *out, size_t count) {
     case SAMPLE_I32: mix<int32_t>(rgb, out, count); break;
     case SAMPLE_F32: mix<float>(rgb, out, count); break;
     case SAMPLE_F64: mix<double>(rgb, out, count); break;
+    default: break; /* images have no others */
     }
 }
 

@@ -1,0 +1,26 @@
+/* ray_advance.h - rays of pixels go on side by side: what several ask is answered by batches.
+ *
+ * Each goes its own way: its answers are those that it would have alone, to the bit, whatever the
+ * others ask.
+ */
+#ifndef RENDER_RAY_ADVANCE_H
+#define RENDER_RAY_ADVANCE_H
+
+#include "render/integrator.h"
+#include "render/ray_batch.h"
+
+typedef struct ray_company {
+    unsigned count;                /* at most RAY_BATCH */
+    ray_record *record[RAY_BATCH]; /* the caller's */
+    bool blocked[RAY_BATCH];       /* needs a treelet: the head says which. Else it is done */
+    bool asks[RAY_BATCH];          /* these and the rest: while they go on */
+    ray_question question[RAY_BATCH];
+    uint8_t place[RAY_BATCH]; /* of those that are asked together */
+} ray_company;
+
+/* ray_advance() - all rays go on until their pixels are written or they are blocked; also those
+ * that were blocked. *b and scratch: room, see ray_batch.h. */
+void ray_advance(const frame *f, ray_company *c, ray_batch *b, void *scratch,
+                 ray_counters *counters);
+
+#endif
