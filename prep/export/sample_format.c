@@ -2,7 +2,7 @@
 
 #include "formats/grid/nrrd_writer.h"
 #include "prep/export/nifti_head.h"
-#include "prep/export/vtk_grid.h"
+#include "prep/export/vtk_head.h"
 
 static status nrrd_head(mem *m, out_stream *out, const grid *g) {
     (void)m;
@@ -16,7 +16,7 @@ const sample_format sample_formats[] = {
     {"nifti", ".nii", nifti_check2, nifti_head, NULL},
     {"nifti1", NULL, nifti_check1, nifti_head1, NULL},
     {"nifti2", NULL, nifti_check2, nifti_head2, NULL},
-    {"vti", ".vti", vtk_image_check, vtk_image_head, vtk_grid_tail},
-    {"vtr", ".vtr", vtk_axes_check, vtk_axes_head, vtk_grid_tail},
+    {"vti", ".vti", vtk_head_image_check, vtk_head_image, vtk_head_tail},
+    {"vtr", ".vtr", vtk_head_axes_check, vtk_head_axes, vtk_head_tail},
 };
 const int sample_format_count = sizeof sample_formats / sizeof *sample_formats;

@@ -79,8 +79,8 @@ refused "their exponent" "phong" "$g" --iso 120 --shininess 5
 refused "layers of opaque surfaces" "without --opacity" "$g" --iso 120 --layers 2
 refused "a light on flat colours" "flat" "$g" --iso 120 --shading flat --light 1,1,1
 refused "and the ambient one" "flat" "$g" --iso 120 --shading flat --ambient 0.5
-refused "a grid's step" "one step" "$g" --iso 120 --step 0
-refused "a grid's field" "one field" "$g" --iso 120 --field 0
+refused "a grid's step" "1 steps" "$g" --iso 120 --step 1
+refused "a grid's field" "no field is called" "$g" --iso 120 --field 1
 refused "a grid's smooth normals" "central or analytic" "$g" --iso 120 --normals smooth
 refused "a mesh's central normals" "faceted or smooth" "$m" --iso 0.3 --normals central
 refused "a mesh's level of detail" "no coarse levels" "$m" --iso 0.3 --lod 1

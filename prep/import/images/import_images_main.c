@@ -57,8 +57,7 @@ int main(int argc, char **argv) {
         .doc = "Write a stack of images as NRRD, to standard output or -o: the pages of a TIFF, or "
                "the files of a folder, or those that are named, sorted so that img2 comes before "
                "img10. All have one size and type; the top row has y = 0.\v"
-               "Examples:\n  leafcast import-images scan/ --spacing 0.1,0.1,0.5 -o scan.nrrd\n"
-               "  leafcast import-images cells.tif | leafcast convert - -o cells.leaf",
+               "Example:\n  leafcast import-images scan/ --spacing 0.1,0.1,0.5 -o scan.nrrd",
         .options = options,
         .set_option = set_option,
         .open = open_images,

@@ -113,8 +113,7 @@ int main(int argc, char **argv) {
         .inputs = "F.vdb",
         .doc = "Write a grid of an OpenVDB file as NRRD, to standard output or -o: level sets, fog "
                "volumes and other grids of numbers, active or not, in the box of what is active.\v"
-               "Examples:\n  leafcast import-vdb smoke.vdb | leafcast convert - -o smoke.leaf\n"
-               "  leafcast import-vdb fire.vdb --field temperature --pad 1 -o fire.nrrd",
+               "Example:\n  leafcast import-vdb fire.vdb --field temperature --pad 1 -o fire.nrrd",
         .options = options,
         .set_option = set_option,
         .open = open_vdb,

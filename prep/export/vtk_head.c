@@ -1,4 +1,4 @@
-#include "prep/export/vtk_grid.h"
+#include "prep/export/vtk_head.h"
 
 #include <endian.h>
 #include <math.h>
@@ -61,7 +61,7 @@ static status write_head(head_text *h, out_stream *out) {
 
 /* ---- images ---- */
 
-status vtk_image_check(const grid *g) {
+status vtk_head_image_check(const grid *g) {
     if (!grid_is_rectilinear(g))
         return ST_OK;
     return status_describe(ST_UNSUPPORTED,
@@ -90,7 +90,7 @@ static void part_map(const grid *g, double spacing[3], double direction[9], doub
     }
 }
 
-status vtk_image_head(mem *m, out_stream *out, const grid *g) {
+status vtk_head_image(mem *m, out_stream *out, const grid *g) {
     head_text h = {.m = m};
     double spacing[3], direction[9], origin[3];
     part_map(g, spacing, direction, origin);
@@ -110,7 +110,7 @@ status vtk_image_head(mem *m, out_stream *out, const grid *g) {
 
 /* ---- rectilinear grids ---- */
 
-status vtk_axes_check(const grid *g) {
+status vtk_head_axes_check(const grid *g) {
     for (int a = 0; a < 3; a++)
         for (int row = 0; row < 3; row++)
             if (row != a && g->to_world[row][a] != 0)
@@ -137,7 +137,7 @@ static void put_axes(head_text *h, const grid *g) {
     }
 }
 
-status vtk_axes_head(mem *m, out_stream *out, const grid *g) {
+status vtk_head_axes(mem *m, out_stream *out, const grid *g) {
     head_text h = {.m = m};
     uint64_t offset = 0;
     begin(&h, "RectilinearGrid");
@@ -159,6 +159,6 @@ status vtk_axes_head(mem *m, out_stream *out, const grid *g) {
     return write_head(&h, out);
 }
 
-status vtk_grid_tail(out_stream *out) {
+status vtk_head_tail(out_stream *out) {
     return out_stream_text(out, "\n</AppendedData>\n</VTKFile>\n");
 }
