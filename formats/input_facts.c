@@ -10,6 +10,7 @@
 #include "formats/base/num.h"
 #include "formats/base/shell_line.h"
 #include "formats/base/text.h"
+#include "formats/input/unpack_stream.h"
 #include "formats/input_open.h"
 #include "formats/leaf/histogram_draw.h"
 #include "formats/leaf/histogram_text.h"
@@ -369,11 +370,21 @@ void input_facts_print(FILE *to, const input_facts *x) {
         print_values(to, x);
 }
 
+/* A path without the slashes behind a folder and the suffix of a packed file. Cut if too long. */
+static const char *unpacked_path(const char *path, char copy[PATH_MAX]) {
+    snprintf(copy, PATH_MAX, "%s", path);
+    for (size_t n = strlen(copy); n > 1 && copy[n - 1] == '/'; n--)
+        copy[n - 1] = 0;
+    if (packer_is_suffix(copy))
+        *strrchr(copy, '.') = 0;
+    return copy;
+}
+
 /* NAME.leaf in the folder where one is, of the input's name without its last suffix. */
 static void put_leaf_name(shell_line *c, const char *path) {
-    char name[PATH_MAX];
+    char name[PATH_MAX], copy[PATH_MAX];
     size_t length;
-    const char *stem = text_stem(path, &length);
+    const char *stem = text_stem(unpacked_path(path, copy), &length);
     if (strcmp(path, "-") == 0)
         shell_line_put(c, "F.leaf");
     else if (snprintf(name, sizeof name, "%.*s.leaf", (int)length, stem) < (int)sizeof name)

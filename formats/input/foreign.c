@@ -110,6 +110,8 @@ static const row rows[] = {
     KNOWN("CGNS", PARAVIEW, 0, NO_BYTES, ".cgns "),
     KNOWN("Exodus", PARAVIEW, 0, NO_BYTES, ".exo .ex2 "),
     KNOWN("PLOT3D", PARAVIEW, 0, NO_BYTES, ".p3d .q "),
+    KNOWN("a mesh of DOLFIN", "save it as .vtu, for example with Python (meshio)", ANYWHERE,
+          BYTES("<dolfin"), ""),
     KNOWN("XDMF", PARAVIEW, 0, NO_BYTES, ".xdmf .xmf "),
     KNOWN("PLY", SURFACE, 0, BYTES("ply\n"), ".ply "),
     KNOWN("PLY", SURFACE, 0, BYTES("ply\r"), ""),
@@ -149,6 +151,8 @@ static bool has_suffix(const row *r, const char *path) {
     return false;
 }
 
+enum { PLOT3D_PADDING = 512 };
+
 static uint64_t word(const uint8_t *at, bool big) {
     uint64_t value = 0;
     for (int i = 0; i < 4; i++)
@@ -157,7 +161,7 @@ static uint64_t word(const uint8_t *at, bool big) {
 }
 
 /* PLOT3D has no magic: three sizes, then as many floats as they say (positions, or four numbers and
- * a solution of five), and not a byte more. */
+ * a solution of five), and at most some padding. */
 static bool is_plot3d(const uint8_t *start, size_t size, uint64_t bytes) {
     for (int big = 0; big < 2 && size >= 12; big++) {
         uint64_t nodes = 1;
@@ -165,7 +169,9 @@ static bool is_plot3d(const uint8_t *start, size_t size, uint64_t bytes) {
             const uint64_t n = word(start + 4 * (ptrdiff_t)a, big);
             nodes = n >= 2 && n < 1 << 16 ? nodes * n : 0;
         }
-        if (nodes && (bytes == 12 + 12 * nodes || bytes == 28 + 20 * nodes))
+        const uint64_t points = 12 + 12 * nodes, solution = 28 + 20 * nodes;
+        if (nodes && ((bytes >= points && bytes < points + PLOT3D_PADDING) ||
+                      (bytes >= solution && bytes < solution + PLOT3D_PADDING)))
             return true;
     }
     return false;

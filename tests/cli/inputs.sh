@@ -140,6 +140,7 @@ for packer in gzip:gz bzip2:bz2 xz:xz zstd:zst; do
     exits "NRRD in $packer in a pipe" 0 sh -c '"$1" convert - -o "$3" --force <"$2"' sh "$leafcast" "$tmp/a.nrrd.$suffix" "$tmp/x.leaf"
     ok "is that of the file" cmp "$tmp/x.leaf" "$tmp/nrrd.leaf"
     exits "info of it" 0 "$leafcast" info "$tmp/a.nrrd.$suffix"
+    ok "tells what comes next, by its name unpacked" prints "^next .*/a.nrrd.$suffix -o a.leaf$"
     ok "tells the format" prints '^format  *NRRD$'
     head -c 100 "$tmp/a_8x8x8_uint8.raw.$suffix" >"$tmp/cut_8x8x8_uint8.raw.$suffix"
     exits "cut $packer" 3 "$leafcast" convert "$tmp/cut_8x8x8_uint8.raw.$suffix" -o "$tmp/x.leaf" --force
@@ -282,6 +283,9 @@ exits "a grid resampled" 3 "$leafcast" resample "$tmp/a.nrrd" -o "$tmp/x.nrrd"
 ok "is sent to convert" says "this is NRRD.*convert"
 exits "a treelet file converted" 3 "$leafcast" convert "$tmp/plain.leaf" -o "$tmp/x.leaf" --force
 ok "is named" says "this is a treelet file"
+{ cat "$tmp/PLOT3D" && head -c 484 /dev/zero; } >"$tmp/padded"
+exits "PLOT3D with padding" 3 "$leafcast" convert "$tmp/padded" -o "$tmp/x.leaf" --force
+ok "is named" says "this is PLOT3D"
 printf 'hello, world' >"$tmp/hello"
 exits "no known format" 3 "$leafcast" convert "$tmp/hello" -o "$tmp/x.leaf" --force
 ok "is shown" says "begins with 68 65 6c 6c 6f"
