@@ -103,6 +103,8 @@ static status check_also(const render_job *job, const view_options *first) {
 
 status render_job_check(const render_job *job, script_frame *frame) {
     status st = choose_isovalue(job->volume, &frame->view, frame->suggested, &frame->suggestions);
+    for (int i = 0; i < job->also_count; i++)
+        frame->view.others_transparent |= view_options_transparent(&job->also[i].view);
     if (st == ST_OK)
         st = view_options_check(&frame->view);
     if (st == ST_OK)

@@ -470,11 +470,15 @@ static bool is_phong(const view_options *v) {
     return v->scene.shading == LEAFCAST_SHADING_PHONG;
 }
 
-static bool is_transparent(const view_options *v) {
+bool view_options_transparent(const view_options *v) {
     for (int i = 0; i < v->opacities; i++)
         if (v->surfaces[i].opacity < 1.0f)
             return true;
     return false;
+}
+
+static bool is_transparent(const view_options *v) {
+    return v->others_transparent || view_options_transparent(v);
 }
 
 typedef struct flag_need {

@@ -31,6 +31,7 @@ typedef struct view_options {
     char field[VIEW_FIELD_MAX];  /* "": the first */
     uint32_t step;
     int painted; /* surfaces of other volumes in the picture: colours begin behind theirs */
+    bool others_transparent; /* some of theirs are: view_options_transparent() */
 } view_options;
 
 /* The table, for argp. */
@@ -65,6 +66,9 @@ void view_options_inherit(view_options *v);
 /* view_options_key() - a flag's key by its long name, '_' for '-' allowed; 0 when there is none
  * such. *repeats: it may be given several times; *flag: it takes no value. */
 int view_options_key(const char *name, bool *repeats, bool *flag);
+
+/* view_options_transparent() - whether --opacity makes a surface transparent. */
+bool view_options_transparent(const view_options *v);
 
 /* view_options_check() - what must hold over all flags: at least one isovalue, no more colours or
  * opacities than isovalues, no flag that would change nothing. */

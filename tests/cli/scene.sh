@@ -34,6 +34,8 @@ ok "is the same, too" cmp "$tmp/both.f64" "$tmp/limited.f64"
 exits "without isovalues" 0 "$leafcast" render "$tmp/grid.leaf" --and "$tmp/tets.leaf" --color red $view -o "$tmp/both.png"
 exits "a volume that is not there" 1 "$leafcast" render "$tmp/grid.leaf" --iso 0.2 --and "$tmp/none.leaf" --iso 1 $view -o "$tmp/x.png"
 ok "is named" says 'none.leaf' err
+exits "layers of the other alone" 0 "$leafcast" render "$tmp/grid.leaf" --iso 0.2 --layers 2 --and "$tmp/tets.leaf" --iso "$mesh_iso" --opacity 0.4 $view -o "$tmp/layers.png"
+exits "layers of none" 2 "$leafcast" render "$tmp/grid.leaf" --iso 0.2 --layers 2 --and "$tmp/tets.leaf" --iso "$mesh_iso" $view -o "$tmp/x.png"
 exits "more colours than isovalues" 2 "$leafcast" render "$tmp/grid.leaf" --iso 0.2 --and "$tmp/tets.leaf" --iso 1 --color red --color blue $view -o "$tmp/x.png"
 exits "the same volume twice is two volumes" 0 "$leafcast" render "$tmp/grid.leaf" --iso 0.2 --and "$tmp/grid.leaf" --iso 0.2 $view --depth-f64 "$tmp/twice.f64"
 ok "with the same surface" cmp "$tmp/grid.f64" "$tmp/twice.f64"
