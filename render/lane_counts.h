@@ -21,14 +21,14 @@
     X(batches, 16)         /* ray-cells that go to the cell kernel together */ \
     X(roots, 16)           /* ... that have a hit */
 
-#define MESH_LANES(X)                                                          \
-    X(tets, VF)        /* active ones, gathered */                             \
-    X(covers, VF)      /* ... whose isopolygon covers pixels */                \
-    X(covering, VF)    /* ... or their centres, where it is small */           \
-    X(looked_at, 1)    /* ... and are in sight */                              \
-    X(polygons, VD)    /* isopolygons made of them together */                 \
-    X(rays, VD)        /* that look at one together, or at one each */         \
-    X(centres, VD)     /* ... and hit it; a quadrilateral's triangles apart */ \
+#define MESH_LANES(X)                                                           \
+    X(tets, VF)         /* active ones, gathered */                             \
+    X(covers, VF)       /* ... whose isopolygon covers pixels */                \
+    X(covering, VF)     /* ... or their centres, where it is small */           \
+    X(looked_at, 1)     /* ... and are in sight */                              \
+    X(polygons, VD)     /* isopolygons made of them together */                 \
+    X(rays, VD)         /* that look at one together, or at one each */         \
+    X(centres, VD)      /* ... and hit it; a quadrilateral's triangles apart */ \
     X(polygons_hit, VD) /* isopolygons that any ray hits, in sight or not */
 
 typedef struct lane_stage {

@@ -9,8 +9,9 @@
  *   vi       VF_N 32-bit integers, for operators alone
  *
  * f_load_rows() takes VF_N / 4 rows of four floats, `stride` apart; f_load_triples() the three
- * floats from + 3 at[k] of lane k, and nothing behind them; d_load_rows() VD_N / D_ROW rows of D_ROW
- * doubles; d_load_at() from[at[k]] of lane k; f_of_bytes() VF_N bytes, but eight at most and zeros.
+ * floats from + 3 at[k] of lane k, and nothing behind them; d_load_rows() VD_N / D_ROW rows of
+ * D_ROW doubles; d_load_at() from[at[k]] of lane k; f_of_bytes() VF_N bytes, but eight at most and
+ * zeros.
  *
  * Arithmetic is written with + - * /, which the compilers know for vectors. min(a, b) is a < b ? a
  * : b and max(a, b) is a > b ? a : b, also for NaN. Comparisons with NaN are false. Loads and
@@ -346,8 +347,8 @@ SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
     out[2] = _mm_shuffle_ps(high, high2, 0x44);
 }
 SIMD vf f_of_bytes(const uint8_t *from) {
-    return _mm_cvtepi32_ps(_mm_cvtepu8_epi32(
-        _mm_cvtsi32_si128(from[0] | from[1] << 8 | from[2] << 16 | (int)((uint32_t)from[3] << 24))));
+    return _mm_cvtepi32_ps(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(
+        from[0] | from[1] << 8 | from[2] << 16 | (int)((uint32_t)from[3] << 24))));
 }
 SIMD vd d_load_rows(const double *from, int stride) {
     (void)stride;

@@ -204,10 +204,9 @@ static void polygon_alone(mesh_tile *w, unsigned lane) {
         polygon_lanes_put(&q->polygons, lane, g);
 }
 
-#ifndef FEW_
-#define FEW_ 2
-#endif
-enum { FEW = FEW_ };
+/* Rays of a polygon that are taken one by one, beside those of others. */
+enum { FEW = 2 };
+
 /* Make the polygons of the queue, and let rays meet them. */
 static void walk_queue(mesh_tile *w) {
     tet_queue *q = &w->queue;

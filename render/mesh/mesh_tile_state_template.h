@@ -1,5 +1,5 @@
-/* mesh_tile_state_template.h - what a tile through a mesh holds, and how far its rays look; included
- * by the units of an ISA (see formats/base/simd.h). */
+/* mesh_tile_state_template.h - what a tile through a mesh holds, and how far its rays look;
+ * included by the units of an ISA (see formats/base/simd.h). */
 #ifndef RENDER_MESH_MESH_TILE_STATE_TEMPLATE_H
 #define RENDER_MESH_MESH_TILE_STATE_TEMPLATE_H
 
@@ -34,9 +34,9 @@ typedef struct tet_queue {
     const resident_mesh *at[VD_N];
     uint32_t place[VD_N];
     int32_t iso[VD_N];
-    tile_rect rect[VD_N];    /* where the polygon can be */
-    uint32_t centres[VD_N];  /* which pixels of it are looked at, as tet_covers has them */
-    unsigned count, pixels;  /* those of their rectangles */
+    tile_rect rect[VD_N];   /* where the polygon can be */
+    uint32_t centres[VD_N]; /* which pixels of it are looked at, as tet_covers has them */
+    unsigned count, pixels; /* those of their rectangles */
     polygon_lanes polygons; /* while they are met */
 } tet_queue;
 

@@ -135,13 +135,16 @@ typedef struct flat_lines {
 static const float CENTRES_REACH = 8.0f;
 
 /* A pixel's centre c within a polygon that is where it should be passes its edges on one side. Its
- * corners are off by m = 2 margin a coordinate at most, which moves the edge function of P and Q at
- * c by (b - a) x (c - P) - (Q - P) x a - (b - a) x a, |a|, |b| <= m: with S the sum of the moduli
- * of all edges' coordinates, so that c - P has S / 2 at most, by less than m S + m S / 2 + 2 m^2.
- * Seen from the wrong corners S is wrong itself, by 16 m. Together 1.5 m S + 26 m^2. What edge
- * functions are rounded by is less than 2^-22 (S / 2)^2 < m S / 4, as m > 2e-4 and S < 128. */
-SIMD flat_lines lines_around(const tile_place *tile, const cut_points *c) {
-    const float m = 2.0f * tile->p->margin;
+ * corners are off by m a coordinate at most, twice the margin at far / w (deep), which moves the
+ * edge function of P and Q at c by (b - a) x (c - P) - (Q - P) x a - (b - a) x a, |a|, |b| <= m:
+ * with S the sum of the moduli of all edges' coordinates, so that c - P has S / 2 at most, by less
+ * than m S + m S / 2 + 2 m^2. Seen from the wrong corners S is wrong itself, by 16 m. Together 1.5
+ * m S + 26 m^2. What edge functions are rounded by is less than 2^-22 (S / 2)^2 < m S / 4, as m >
+ * 2e-4 and S < 128. */
+SIMD flat_lines lines_around(const tile_place *tile, const cut_points *c, vf deep) {
+    const float least = tile->p->margin_least;
+    const float slope = (tile->p->margin - least) * projection_depth_share;
+    const vf m = f_set(2.0f * least) + f_set(2.0f * slope) * deep;
     flat_lines l = {.from = flatten(tile, c)};
     vf sum = f_set(0.0f);
     for (int i = 0; i < 4; i++) {
@@ -149,7 +152,7 @@ SIMD flat_lines lines_around(const tile_place *tile, const cut_points *c) {
         l.y[i] = l.from.y[i + 1] - l.from.y[i];
         sum = sum + (f_abs(l.x[i]) + f_abs(l.y[i]));
     }
-    l.error = f_set(2.0f * m) * sum + f_set(32.0f * m * m);
+    l.error = (f_set(2.0f) * m) * sum + (f_set(32.0f) * m) * m;
     return l;
 }
 
@@ -163,37 +166,37 @@ SIMD mf is_beside(const vf side[4], vf error) {
 typedef struct tet_covers {
     tile_rect rect[VF_N];
     _Alignas(64) float depth[VF_N]; /* none of their points is nearer */
-    /* Of a small rectangle: the pixels whose centres may be covered, a bit each of a window of 4 x 4
-     * from its corner on, row by row. 0: it is not small. */
+    /* Of a small rectangle: the pixels whose centres may be covered, a bit each of a window of 4 x
+     * 4 from its corner on, row by row. 0: it is not small. */
     uint32_t centres[VF_N];
 } tet_covers;
 
 /* Small rectangles of small polygons: those lanes of which none of the pixels is covered. */
 SIMD mf cover_no_centre(const tile_place *tile, const cut_points *c, const children_extent *e,
-                        mf alive, tet_covers *out) {
+                        vf far, mf alive, tet_covers *out) {
     const rect_lanes r = rect_lanes_load(out->rect);
     const vf wide = r.x1 - r.x0, high = r.y1 - r.y0, last = f_set(CENTRES - 1);
     const vf reach = f_max(e->x1 - e->x0, e->y1 - e->y0), zero = f_set(0.0f);
-    const mf small = mf_and(alive, mf_and(f_le(reach, f_set(CENTRES_REACH)),
-                                          f_le(f_max(wide, high), last)));
+    const mf small =
+        mf_and(alive, mf_and(f_le(reach, f_set(CENTRES_REACH)), f_le(f_max(wide, high), last)));
     vf centres = zero;
     if (mf_bits(small)) {
-        const flat_lines l = lines_around(tile, c);
+        const flat_lines l = lines_around(tile, c, far / e->w0);
         for (int y = 0; y < CENTRES; y++) {
             const mf row = mf_and(small, f_ge(high, f_set((float)y)));
             vf side[4];
             if (!mf_bits(row))
                 break;
             for (int i = 0; i < 4; i++)
-                side[i] = l.x[i] * (r.y0 + f_set((float)y) - l.from.y[i]) -
-                          l.y[i] * (r.x0 - l.from.x[i]);
+                side[i] =
+                    l.x[i] * (r.y0 + f_set((float)y) - l.from.y[i]) - l.y[i] * (r.x0 - l.from.x[i]);
             for (int x = 0; x < CENTRES; x++) {
                 const mf there = mf_and(row, f_ge(wide, f_set((float)x)));
                 const float bit = (float)(1 << (CENTRES * y + x));
                 if (!mf_bits(there))
                     break;
-                centres = centres + f_select(mf_and_not(there, is_beside(side, l.error)),
-                                             f_set(bit), zero);
+                centres = centres +
+                          f_select(mf_and_not(there, is_beside(side, l.error)), f_set(bit), zero);
                 for (int i = 0; i < 4; i++)
                     side[i] = side[i] - l.y[i];
             }
@@ -220,7 +223,7 @@ SIMD unsigned covers_of(const mesh_tile *w, const tets_in_view *v, double iso, t
     f_store(out->depth, f_select(whole, f_set(0.0f), e.w0 - f_set(0x1p-19f) * v->far));
     alive = mf_and(alive, mf_of_bits(lanes));
     LANE_COUNT(covers, mf_bits(alive));
-    const mf none = cover_no_centre(&w->place, &c, &e, mf_and_not(alive, whole), out);
+    const mf none = cover_no_centre(&w->place, &c, &e, v->far, mf_and_not(alive, whole), out);
     LANE_COUNT(covering, mf_bits(mf_and_not(alive, none)));
     return mf_bits(mf_and_not(alive, none));
 }
