@@ -27,7 +27,7 @@ typedef struct tet_lanes {
 /* What waits hides nothing: so many pixels at most. */
 enum { QUEUE_PIXELS = 64 };
 
-/* Tets of any treelets that rays may hit, a lane each, on their way to polygons. */
+/* Tets of a treelet that rays may hit, a lane each, on their way to polygons. */
 typedef struct tet_queue {
     tet_columns tets;
     double isovalue[VD_N];

@@ -216,6 +216,9 @@ static void walk_treelet_of_mesh(mesh_tile *w, const resident_mesh *at, tile_rec
         walk_next_leaf(w, at, &leaves);
     if (w->lanes.count > 0)
         walk_lanes(w, at);
+    /* What it hides, no other treelet is brought in for. */
+    if (w->queue.count > 0)
+        walk_queue(w);
 }
 
 /* ---- Treelets ---- */
@@ -343,8 +346,6 @@ void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_r
     do {
         look_at_all(w);
         walk_mesh(w, (tile_rect){0, TILE - 1, 0, TILE - 1});
-        if (w->queue.count > 0)
-            walk_queue(w);
         mesh_shade(&work->shading);
     } while (tile_state_again(&w->s, TILE_LAYERS, work->shading.pixels.rgba[3]));
     mesh_shade_end(&work->shading);
