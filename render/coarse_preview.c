@@ -43,17 +43,17 @@ static status open_coarse(leafcast *v, uint32_t set) {
 }
 
 /* As many treelets as its share holds; false: not even one. */
-static bool make_places(const leafcast *v) {
+static bool make_slots(const leafcast *v) {
     const leafcast *coarse = v->coarse;
-    const size_t place = loader_place_bytes(coarse->treelets), share = share_of(v);
-    size_t places = coarse->file->layout.treelets;
+    const size_t slot = loader_slot_bytes(coarse->treelets), share = share_of(v);
+    size_t slots = coarse->file->layout.treelets;
     if (share) {
-        const size_t room = share > coarse->base_bytes ? (share - coarse->base_bytes) / place : 0;
-        places = room < places ? room : places;
+        const size_t room = share > coarse->base_bytes ? (share - coarse->base_bytes) / slot : 0;
+        slots = room < slots ? room : slots;
     }
-    if (places > 0)
-        loader_set_capacity(coarse->treelets, (uint32_t)places, 0);
-    return places > 0;
+    if (slots > 0)
+        loader_set_capacity(coarse->treelets, (uint32_t)slots, 0);
+    return slots > 0;
 }
 
 /* The coarsest level, which is one treelet, at once; the others behind it. */
@@ -84,7 +84,7 @@ status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, const leaf
     if (st != ST_OK)
         return st;
     leafcast *coarse = v->coarse;
-    if (!make_places(v)) {
+    if (!make_slots(v)) {
         coarse_preview_end(v);
         return ST_OK;
     }

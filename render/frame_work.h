@@ -8,7 +8,7 @@
  * treelets give way to others, which they cannot while rays are traced; or when the time is over.
  * No thread waits for another, so threads may also come into a round one after the other.
  *
- * Why a frame ends, with any number of places and records from frame_records_min() on:
+ * Why a frame ends, with any number of slots and records from frame_records_min() on:
  *
  *   - A round ends. A thread gives its reserve of records back, and hangs up the tiles in its hand,
  *     before it sleeps or leaves. The last one awake of those inside sees every record that is no
@@ -20,9 +20,9 @@
  *     there while holding the lock; who takes arrivals holds it, too, and looks through the bucket
  *     then. A treelet is READY before it is an arrival: if the first did not see it, the second
  *     comes later and finds what hangs there.
- *   - A tile waits only where its treelets had places at that time. If others were quicker and
- *     places ran out, the tile is taken up again at the end of the round; as the queue of the
- *     loader is not empty then, and places are not free, it does not wait again but suspends its
+ *   - A tile waits only where its treelets had slots at that time. If others were quicker and
+ *     slots ran out, the tile is taken up again at the end of the round; as the queue of the
+ *     loader is not empty then, and slots are not free, it does not wait again but suspends its
  *     rays one by one.
  *   - If tiles are left at the end of a round for want of records, then rays have these, and wait:
  *     one tile needs no more than there are in all. loader_admit() makes at least one of the
@@ -129,7 +129,7 @@ bool frame_work_take(frame_work *w, work_hand *own, work_item *item);
 void frame_work_suspend(frame_work *w, work_hand *own, const uint32_t rays[], uint32_t count);
 
 /* frame_work_wait() - a tile goes on when these treelets of the first volume have come, and asks
- * for them; at most TILE_ABSENT_MAX. False: it had better not wait, since there may be no places
+ * for them; at most TILE_ABSENT_MAX. False: it had better not wait, since there may be no slots
  * for them. */
 bool frame_work_wait(frame_work *w, work_hand *own, uint32_t tile, const tile_treelet absent[],
                      int count);

@@ -54,10 +54,10 @@ static size_t fixed_bytes(const turn *t) {
 }
 
 /* One treelet of each volume. */
-static size_t least_places(const turn *t) {
+static size_t least_slots(const turn *t) {
     size_t bytes = 0;
     for (int i = 0; i < t->volumes; i++)
-        bytes += loader_place_bytes(t->shown[i].volume->treelets);
+        bytes += loader_slot_bytes(t->shown[i].volume->treelets);
     return bytes;
 }
 
@@ -65,7 +65,7 @@ static size_t least_places(const turn *t) {
 static status check_budget(const turn *t, size_t fixed) {
     const size_t limit = t->device->budget.limit;
     const size_t records = t->begun ? t->f.records_max : frame_records_min(&t->f);
-    const size_t needed = fixed + records * frame_record_bytes(&t->f) + least_places(t);
+    const size_t needed = fixed + records * frame_record_bytes(&t->f) + least_slots(t);
     if (limit == 0 || needed <= limit)
         return ST_OK;
     return status_describe(
@@ -76,7 +76,7 @@ static status check_budget(const turn *t, size_t fixed) {
 
 /* All that it might bring in. */
 static size_t wanted_bytes(const leafcast *v) {
-    return v->treelets->treelets_active * loader_place_bytes(v->treelets);
+    return v->treelets->treelets_active * loader_slot_bytes(v->treelets);
 }
 
 static bool is_shown(const turn *t, const leafcast *v) {
@@ -105,21 +105,21 @@ static size_t others_bytes(turn *t, size_t rest) {
 }
 
 /* So many bytes for a volume's treelets. */
-static void give_places(leafcast *v, size_t bytes) {
+static void give_slots(leafcast *v, size_t bytes) {
     const uint32_t treelets = v->file->layout.treelets, limit = v->experiments.treelet_limit;
-    const size_t place = loader_place_bytes(v->treelets);
-    size_t places = bytes / place < treelets ? bytes / place : treelets;
-    size_t cached = bytes == SIZE_MAX ? SIZE_MAX : bytes - places * place;
+    const size_t slot = loader_slot_bytes(v->treelets);
+    size_t slots = bytes / slot < treelets ? bytes / slot : treelets;
+    size_t cached = bytes == SIZE_MAX ? SIZE_MAX : bytes - slots * slot;
     if (limit) {
-        places = places < limit ? places : limit;
+        slots = slots < limit ? slots : limit;
         cached = 0;
     }
-    loader_set_capacity(v->treelets, (uint32_t)places, cached);
+    loader_set_capacity(v->treelets, (uint32_t)slots, cached);
 }
 
 /* To each volume one treelet, and of the rest as much as it has of all that is active. */
 static void share_treelets(turn *t, size_t bytes) {
-    size_t spare = bytes - least_places(t);
+    size_t spare = bytes - least_slots(t);
     double wanted = 0.0;
     for (int i = 0; i < t->volumes; i++)
         wanted += (double)wanted_bytes(t->shown[i].volume);
@@ -130,7 +130,7 @@ static void share_treelets(turn *t, size_t bytes) {
         const size_t more = last ? spare : (size_t)(share * (double)spare);
         wanted -= (double)wanted_bytes(v);
         spare -= more;
-        give_places(v, loader_place_bytes(v->treelets) + more);
+        give_slots(v, loader_slot_bytes(v->treelets) + more);
     }
 }
 
@@ -143,15 +143,15 @@ status budget_share(turn *t) {
     size_t records = t->begun ? f->records_max : records_wanted(f);
     if (d->budget.limit == 0) {
         for (int i = 0; i < t->volumes; i++)
-            give_places(t->shown[i].volume, SIZE_MAX);
+            give_slots(t->shown[i].volume, SIZE_MAX);
     } else {
-        const size_t fixed = fixed_bytes(t), places = least_places(t);
+        const size_t fixed = fixed_bytes(t), slots = least_slots(t);
         status st = check_budget(t, fixed);
         if (st != ST_OK)
             return st;
         size_t rest = d->budget.limit - fixed;
         rest -= others_bytes(t, rest);
-        const size_t beside = rest - places;
+        const size_t beside = rest - slots;
         const size_t most = (rest / 4 < beside ? rest / 4 : beside) / frame_record_bytes(f);
         if (!t->begun)
             records = most < least ? least : most < records ? most : records;

@@ -82,7 +82,7 @@ void device_clear(leafcast_device *d) {
 void device_make_room(leafcast *v) {
     const mem *m = v->m;
     const size_t used = mem_used(m), room = m->limit > used ? m->limit - used : 0;
-    if (m->limit && room < loader_place_bytes(v->treelets))
+    if (m->limit && room < loader_slot_bytes(v->treelets))
         device_clear(v->device);
 }
 

@@ -34,7 +34,7 @@ struct loader_private {
     atomic_uchar *state;   /* residence, a treelet; ABSENT or not can be seen without the lock */
     loader_request *queue; /* binary heap, smallest priority first */
     size_t queued;
-    treelet **places;    /* READY ones, oldest first */
+    treelet **slots;     /* READY ones, oldest first */
     treelet_cache cache; /* ABSENT ones, as long as nothing else needs their memory */
     shared *shared;      /* a treelet; NULL: nothing is shared */
     uint32_t filled, loading, capacity;
@@ -54,7 +54,7 @@ struct loader_private {
     uint8_t *held;       /* whether a treelet's subtree meets the interest: room for a sweep */
     treelet_tree tree;   /* where treelets overlap */
     uint32_t set;        /* selected */
-    size_t place_bytes;
+    size_t slot_bytes;
     readers *readers, *own_readers; /* the second NULL: they are the caller's */
     reader_customer customer;
     bool joined;
@@ -116,13 +116,13 @@ static residence state_of(const struct loader_private *h, uint32_t t) {
     return (residence)atomic_load_explicit(&h->state[t], memory_order_relaxed);
 }
 
-static bool claims_place(residence r) {
+static bool claims_slot(residence r) {
     return r == QUEUED || r == LOADING || r == READY;
 }
 
 static void set_state(struct loader_private *h, uint32_t t, residence to) {
     const uint32_t claimed = atomic_load_explicit(&h->claimed, memory_order_relaxed);
-    const int more = claims_place(to) - claims_place(state_of(h, t));
+    const int more = claims_slot(to) - claims_slot(state_of(h, t));
     atomic_store_explicit(&h->state[t], (unsigned char)to, memory_order_relaxed);
     atomic_store_explicit(&h->claimed, claimed + (uint32_t)more, memory_order_relaxed);
 }
@@ -130,7 +130,7 @@ static void set_state(struct loader_private *h, uint32_t t, residence to) {
 static void publish(loader *l, treelet *tr) {
     struct loader_private *h = l->hidden;
     set_state(h, tr->id, READY);
-    h->places[h->filled++] = tr;
+    h->slots[h->filled++] = tr;
     h->published++;
     atomic_store_explicit(&l->resident[tr->id], tr, memory_order_release);
     arrivals_add(&l->arrivals, tr->id);
@@ -146,7 +146,7 @@ static void discard(loader *l, treelet *tr) {
         release_payload(h, t);
 }
 
-/* Take a treelet out of the rays' sight; its place is the caller's to close. */
+/* Take a treelet out of the rays' sight; its slot is the caller's to close. */
 static void withdraw(loader *l, treelet *tr) {
     atomic_store_explicit(&l->resident[tr->id], NULL, memory_order_relaxed);
     set_state(l->hidden, tr->id, ABSENT);
@@ -155,7 +155,7 @@ static void withdraw(loader *l, treelet *tr) {
 /* Empty the cache until so many more treelets have room. */
 static void make_room(loader *l, uint32_t more) {
     struct loader_private *h = l->hidden;
-    const size_t wanted = (size_t)(h->loading + more) * h->place_bytes;
+    const size_t wanted = (size_t)(h->loading + more) * h->slot_bytes;
     while (h->cache.oldest && (h->bytes > h->room || h->room - h->bytes < wanted)) {
         treelet *tr = h->cache.oldest;
         treelet_cache_remove(&h->cache, tr);
@@ -166,11 +166,11 @@ static void make_room(loader *l, uint32_t more) {
 static void evict_oldest(loader *l, uint32_t count) {
     struct loader_private *h = l->hidden;
     for (uint32_t i = 0; i < count; i++) {
-        withdraw(l, h->places[i]);
-        discard(l, h->places[i]);
+        withdraw(l, h->slots[i]);
+        discard(l, h->slots[i]);
     }
     h->filled -= count;
-    memmove(h->places, h->places + count, h->filled * sizeof *h->places);
+    memmove(h->slots, h->slots + count, h->filled * sizeof *h->slots);
 }
 
 /* What the cache has of a treelet in the selected set: READY then. */
@@ -310,7 +310,7 @@ static uint8_t *existing_octants(mem *m, const leaf_layout *layout) {
 }
 
 /* What a resident treelet costs at most. */
-static size_t place_bytes_of(const loader *l) {
+static size_t slot_bytes_of(const loader *l) {
     const struct loader_private *h = l->hidden;
     size_t most = 0;
     for (uint32_t t = 0; t < l->file->layout.treelets; t++) {
@@ -400,12 +400,12 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, readers *giv
     l->resident = mem_array(m, n, sizeof *l->resident);
     h->state = mem_array(m, n, sizeof *h->state);
     h->queue = mem_array(m, n, sizeof *h->queue);
-    h->places = mem_array(m, n, sizeof *h->places);
+    h->slots = mem_array(m, n, sizeof *h->slots);
     treelet_cache_init(&h->cache, m, (uint32_t)n);
     h->existing = existing_octants(m, &f->layout);
     h->held = mem_array(m, n, 1);
     st = arrivals_init(&l->arrivals, m, (uint32_t)n);
-    if (!l->own || !l->children || !l->resident || !h->state || !h->queue || !h->places ||
+    if (!l->own || !l->children || !l->resident || !h->state || !h->queue || !h->slots ||
         !h->cache.of || !h->existing || !h->held)
         st = ST_NOMEM;
     if (st == ST_OK)
@@ -420,7 +420,7 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, readers *giv
                                 .compute = active_for(o->isa),
                                 .schema = o->schema,
                                 .derived = o->derived};
-    h->room = h->place_bytes = place_bytes_of(l);
+    h->room = h->slot_bytes = slot_bytes_of(l);
     st = make_seats(l, o->workers);
     if (st == ST_OK)
         st = join_readers(l, given, o->workers);
@@ -443,7 +443,7 @@ void loader_destroy(loader *l) {
         readers_destroy(h->own_readers);
         for (int i = 0; i < h->seats_made; i++)
             scratch_release(h, &h->seats[i].scratch);
-        if (h->places)
+        if (h->slots)
             evict_oldest(l, h->filled);
         h->room = 0;
         if (h->cache.of)
@@ -457,7 +457,7 @@ void loader_destroy(loader *l) {
         mem_free(l->m, h->existing);
         treelet_cache_release(&h->cache, l->m);
         mem_free(l->m, h->shared);
-        mem_free(l->m, h->places);
+        mem_free(l->m, h->slots);
         mem_free(l->m, h->queue);
         mem_free(l->m, h->state);
         mem_free(l->m, h);
@@ -529,9 +529,9 @@ static void sort_resident(loader *l) {
     const uint32_t filled = h->filled;
     h->filled = 0;
     for (uint32_t i = 0; i < filled; i++) {
-        treelet *tr = h->places[i];
+        treelet *tr = h->slots[i];
         if (l->own[tr->id] && tr->set == h->set) {
-            h->places[h->filled++] = tr;
+            h->slots[h->filled++] = tr;
             continue;
         }
         withdraw(l, tr);
@@ -594,13 +594,13 @@ void loader_select_gradients(loader *l, bool needed) {
     rest(h);
     if (needed != h->store.gradients) {
         for (uint32_t i = 0; i < h->filled; i++) {
-            withdraw(l, h->places[i]);
-            treelet_cache_put(&h->cache, h->places[i]);
+            withdraw(l, h->slots[i]);
+            treelet_cache_put(&h->cache, h->slots[i]);
         }
         h->filled = 0;
         strip_cache(l);
         h->store.gradients = needed;
-        h->place_bytes = place_bytes_of(l);
+        h->slot_bytes = slot_bytes_of(l);
         sweep_ranges(l);
     }
     pthread_mutex_unlock(&h->lock);
@@ -610,16 +610,16 @@ readers *loader_readers(const loader *l) {
     return l->hidden->readers;
 }
 
-size_t loader_place_bytes(const loader *l) {
-    return l->hidden->place_bytes;
+size_t loader_slot_bytes(const loader *l) {
+    return l->hidden->slot_bytes;
 }
 
-void loader_set_capacity(loader *l, uint32_t places, size_t beside) {
+void loader_set_capacity(loader *l, uint32_t slots, size_t beside) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
     rest(h);
-    h->capacity = places > 0 ? places : 1;
-    h->room = h->capacity * h->place_bytes;
+    h->capacity = slots > 0 ? slots : 1;
+    h->room = h->capacity * h->slot_bytes;
     h->room = beside < SIZE_MAX - h->room ? h->room + beside : SIZE_MAX;
     evict_oldest(l, h->filled > h->capacity ? h->filled - h->capacity : 0);
     make_room(l, 0);
@@ -633,7 +633,7 @@ void loader_clear(loader *l) {
     evict_oldest(l, h->filled);
     h->room = 0;
     make_room(l, 0);
-    h->room = h->capacity * h->place_bytes;
+    h->room = h->capacity * h->slot_bytes;
     pthread_mutex_unlock(&h->lock);
 }
 

@@ -3,14 +3,14 @@
  *
  * The sweep (M08 4.4.1) over the directory says which treelets' ranges meet the interest; those
  * that are wanted are read, checked, given their masks of active cells and published by threads
- * (readers.h) that several loaders may share, most urgent first, into at most `capacity` places. A
+ * (readers.h) that several loaders may share, most urgent first, into at most `capacity` slots. A
  * treelet goes ABSENT -> QUEUED -> LOADING -> READY, or to FAILED. READY treelets stay until
  * loader_admit(), loader_set_capacity() or another selection takes them away, which only happens
  * while no ray is being traced.
  *
  * Another selection costs no more than its sweep: whoever looks a READY treelet up first makes its
  * new masks, and treelets that do not meet the new interest go to a cache, where they keep what
- * they have read until their place is needed or they are of interest again. So do those of a mesh's
+ * they have read until their slot is needed or they are of interest again. So do those of a mesh's
  * other fields and time steps, with their masks (schema trees); or a step's vertices give way to
  * the next one's, and the tree is refit (mesh_resident.h).
  *
@@ -86,7 +86,7 @@ void loader_select_set(loader *l, uint32_t set);
 
 /* loader_follow() - after another set was selected: bring in the active treelets among those that
  * rays touched last, and wait for them. What was seen of one step is mostly what will be of the
- * next, and rays need not wait for it one by one. As far as there are places; trouble is
+ * next, and rays need not wait for it one by one. As far as there are slots; trouble is
  * loader_failure()'s. Only while nothing is traced. */
 void loader_follow(loader *l, const atomic_uchar touched[]);
 
@@ -94,15 +94,15 @@ void loader_follow(loader *l, const atomic_uchar touched[]);
  * file must have then. What is resident gives its values back when that changes. */
 void loader_select_gradients(loader *l, bool needed);
 
-/* loader_place_bytes() - memory that one resident treelet costs; with this the caller turns a
- * budget into places. loader_stored_bytes() - what the file holds of a treelet in the selected set.
+/* loader_slot_bytes() - memory that one resident treelet costs; with this the caller turns a
+ * budget into slots. loader_stored_bytes() - what the file holds of a treelet in the selected set.
  */
-size_t loader_place_bytes(const loader *l);
+size_t loader_slot_bytes(const loader *l);
 uint64_t loader_stored_bytes(const loader *l, uint32_t t);
 
 /* loader_set_capacity() - at most so many treelets that are drawn, at least 1, and the cache in
  * what they leave of their memory and `beside` bytes; evicts what is too many. */
-void loader_set_capacity(loader *l, uint32_t places, size_t beside);
+void loader_set_capacity(loader *l, uint32_t slots, size_t beside);
 
 /* loader_clear() - give all treelets back. Only while nothing is traced. */
 void loader_clear(loader *l);
@@ -149,7 +149,7 @@ typedef struct loader_request {
     uint64_t priority;
 } loader_request;
 
-/* loader_want() - bring them in when places are free; smaller priority first. A load for each, and
+/* loader_want() - bring them in when slots are free; smaller priority first. A load for each, and
  * no lock, when all were asked for before. Any thread. */
 void loader_want(loader *l, const loader_request *requests, size_t count);
 
@@ -159,7 +159,7 @@ void loader_want(loader *l, const loader_request *requests, size_t count);
  * that failed. */
 CHECKED status loader_admit(loader *l, loader_request *requests, size_t count);
 
-/* loader_has_room() - whether there would be a place for one more treelet when all that is wanted
+/* loader_has_room() - whether there would be a slot for one more treelet when all that is wanted
  * has come. Any thread, no lock. */
 bool loader_has_room(const loader *l);
 
@@ -172,7 +172,7 @@ void loader_listen(loader *l, sleepers *listeners);
  * before: what is said to be listened for. Any thread, no lock. */
 bool loader_is_reading(const loader *l);
 
-/* loader_settle() - wait until nothing that has a place is still being read. */
+/* loader_settle() - wait until nothing that has a slot is still being read. */
 CHECKED status loader_settle(loader *l);
 
 /* loader_failure() - ST_OK, or the error of a treelet whose load failed. Stays until

@@ -1,5 +1,5 @@
 /* test_frame.c - how a frame's threads share what there is to do: no round ends while treelets
- * come, few records and few places suffice, a frame can be drawn in slices, and a tile takes no
+ * come, few records and few slots suffice, a frame can be drawn in slices, and a tile takes no
  * lock.
  */
 /* marks: threads */
@@ -88,11 +88,11 @@ static leafcast_scene lit_scene(void) {
     return scene;
 }
 
-static leafcast *open_volume(const subject *s, int threads, uint32_t places) {
+static leafcast *open_volume(const subject *s, int threads, uint32_t slots) {
     return fixture_open(s->path,
                         &(leafcast_options){.size = sizeof(leafcast_options),
                                             .threads = threads,
-                                            .experiments = EXPERIMENTS(.treelet_limit = places)});
+                                            .experiments = EXPERIMENTS(.treelet_limit = slots)});
 }
 
 static void choose(leafcast *v, double iso) {
@@ -198,7 +198,7 @@ static void stage_select(stage *s, double iso) {
 }
 
 /* Records as few, or twice as many, as can be. */
-static void stage_open(stage *s, const subject *of, int threads, uint32_t places, shot *into) {
+static void stage_open(stage *s, const subject *of, int threads, uint32_t slots, shot *into) {
     *s = (stage){.v = open_volume(of, threads, 0), .scene = lit_scene()};
     choose(s->v, of->iso);
     stage_select(s, of->iso);
@@ -221,10 +221,10 @@ static void stage_open(stage *s, const subject *of, int threads, uint32_t places
                    .stride = SIDE};
     assert_int_equal(camera_init(&s->f.camera, &view), ST_OK);
     assert_int_equal(volume_tracer(s->v, &s->scene, &s->f.camera, &s->tr), ST_OK);
-    s->f.records_max = frame_records_min(&s->f) * (1 + places % 2);
+    s->f.records_max = frame_records_min(&s->f) * (1 + slots % 2);
     s->f.scratch = mem_alloc(s->v->m, (size_t)threads * frame_scratch_bytes(&s->f));
     assert_non_null(s->f.scratch);
-    loader_set_capacity(s->v->treelets, places, 0);
+    loader_set_capacity(s->v->treelets, slots, 0);
     if (s->f.integrator->tile(&s->f)) {
         assert_int_equal(s->v->kind->project(s->v, &s->f.camera, &s->projection), ST_OK);
         s->f.projection = s->projection.usable ? &s->projection : NULL;
@@ -237,21 +237,21 @@ static void stage_close(stage *s) {
     leafcast_close(s->v);
 }
 
-/* The fewest records, few places: it ends, and is the same picture. */
+/* The fewest records, few slots: it ends, and is the same picture. */
 static void check_scarcity(const subject *of, bool tiles) {
     shot *want = reference(of), *got = calloc(1, sizeof *got);
     for (int c = 0; c < CROWDS; c++)
-        for (uint32_t places = 1; places < 4; places++) {
+        for (uint32_t slots = 1; slots < 4; slots++) {
             stage s;
             ray_counters counters = {0};
             memset(got, 0, sizeof *got);
-            stage_open(&s, of, crowds[c], places, got);
+            stage_open(&s, of, crowds[c], slots, got);
             if (!tiles)
                 s.f.projection = NULL;
             const size_t before = mem_used(s.f.m);
             assert_int_equal(frame_render(&s.f, &counters), ST_OK);
             assert_memory_equal(got, want, sizeof *got);
-            assert_true(mem_used(s.f.m) <= before + places * loader_place_bytes(s.v->treelets));
+            assert_true(mem_used(s.f.m) <= before + slots * loader_slot_bytes(s.v->treelets));
             stage_close(&s);
         }
     free(got);
@@ -267,13 +267,13 @@ static void test_scarcity(void **state) {
 }
 
 /* In the smallest slices, with another frame between them on the same loader. */
-static void check_slices(const subject *of, int threads, uint32_t places, bool between) {
+static void check_slices(const subject *of, int threads, uint32_t slots, bool between) {
     shot *want = reference(of), *got = calloc(1, sizeof *got), *other = calloc(1, sizeof *other);
     stage s;
     drawing *d = NULL;
     bool done = false;
     int calls = 0;
-    stage_open(&s, of, threads, places, got);
+    stage_open(&s, of, threads, slots, got);
     assert_int_equal(frame_begin(&s.f, &d), ST_OK);
     for (; !done; calls++) {
         assert_true(calls < 100000);
@@ -282,7 +282,7 @@ static void check_slices(const subject *of, int threads, uint32_t places, bool b
             choose(s.v, of->other);
             assert_int_equal(draw(s.v, 1.6, other, NULL), LEAFCAST_OK);
             stage_select(&s, of->iso);
-            loader_set_capacity(s.v->treelets, places, 0);
+            loader_set_capacity(s.v->treelets, slots, 0);
         }
     }
     frame_end(d, NULL);

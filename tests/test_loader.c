@@ -314,7 +314,7 @@ static void test_kept(void **state) {
     for (uint32_t t = 0; t < s.f->layout.treelets; t++)
         if (s.l->own[t])
             assert_true_masks(&s, loader_lookup(s.l, t), &in);
-    /* Fewer places: the spare ones go first, and memory with them. */
+    /* Fewer slots: the spare ones go first, and memory with them. */
     select_isovalues(s.l, &nowhere, 1);
     assert_int_equal(loader_admit(s.l, &request, 1), ST_OK);
     const size_t before = mem_used(&s.m);
@@ -326,24 +326,24 @@ static void test_kept(void **state) {
     stage_close(&s);
 }
 
-/* What is spare makes room for what is wanted, and never more is held than there are places. */
+/* What is spare makes room for what is wanted, and never more is held than there are slots. */
 static void test_room(void **state) {
     (void)state;
     stage s;
     stage_open(&s, SAMPLE_U8, cpu_best());
     const size_t bare = mem_used(&s.m);
-    enum { PLACES = 5 };
-    loader_set_capacity(s.l, PLACES, 0);
+    enum { SLOTS = 5 };
+    loader_set_capacity(s.l, SLOTS, 0);
     field_random r = {FIELD_SEED};
     for (int i = 0; i < 200; i++) {
         const double iso = 5.0 * (double)field_random_below(&r, 51);
         select_isovalues(s.l, &iso, 1);
         load_all(&s);
         const uint32_t active = s.l->treelets_active;
-        assert_int_equal(ready(&s), active < PLACES ? active : PLACES);
-        assert_true(mem_used(&s.m) <= bare + PLACES * loader_place_bytes(s.l));
+        assert_int_equal(ready(&s), active < SLOTS ? active : SLOTS);
+        assert_true(mem_used(&s.m) <= bare + SLOTS * loader_slot_bytes(s.l));
     }
-    assert_true(loader_statistics(s.l).loads > PLACES);
+    assert_true(loader_statistics(s.l).loads > SLOTS);
     stage_close(&s);
 }
 

@@ -352,7 +352,7 @@ static void test_loader(void **state) {
             ready += assert_sound(&own, l, set);
             const size_t held = loader_statistics(l).bytes_resident;
             assert_true(mem_used(&m) - bare <= held);
-            assert_true(held <= n * loader_place_bytes(l) + beside);
+            assert_true(held <= n * loader_slot_bytes(l) + beside);
         }
         assert_true(ready > 60);
         loader_destroy(l);

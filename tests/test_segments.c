@@ -98,11 +98,11 @@ static void check_ray(segment_tally *sum, stage *s, const segment_truth *truth, 
     segment_judge(sum, truth, name, &in_grid, got, count);
     /* No room to speak of; and now and then, no place for more than one treelet. */
     loader *l = s->v->treelets;
-    const uint32_t places = l->file->layout.treelets, room = 1 + (uint32_t)(sum->rays % 9);
-    loader_set_capacity(l, sum->rays % 8 ? places : 1, 0);
+    const uint32_t slots = l->file->layout.treelets, room = 1 + (uint32_t)(sum->rays % 9);
+    loader_set_capacity(l, sum->rays % 8 ? slots : 1, 0);
     assert_int_equal(follow(s, &r, room, again), count);
     assert_memory_equal(got, again, count * sizeof *got);
-    loader_set_capacity(l, places, 0);
+    loader_set_capacity(l, slots, 0);
     if (sum->rays % 4 == 0)
         check_interest(s, truth, &r, got, count, random);
 }

@@ -5,7 +5,7 @@
  * Opens the file anew for each frame, so that nothing is resident, and then delays every read:
  *
  *   --us N         by so many microseconds (1000)
- *   --places N     treelets at a time; several times for several rows (0: all that there are, and a
+ *   --slots N      treelets at a time; several times for several rows (0: all that there are, and a
  *                  quarter and a sixteenth of what the frame reads)
  *   --threads N    that render; several times for several rows (2 and 16)
  *   --size N       pixels on a side (512)
@@ -13,7 +13,7 @@
  *   --light        one, from the side, that casts shadows
  *   --runs N       frames of each row, of which the table has the medians (5)
  *
- * Prints a table: places, threads, milliseconds of the frame, treelets read, how often all threads
+ * Prints a table: slots, threads, milliseconds of the frame, treelets read, how often all threads
  * came together, and how often one found a lock taken (of any kind: pthread_mutex_lock() of this
  * program counts). A depth that differs from that of the first frame is an error.
  */
@@ -53,9 +53,9 @@ typedef struct slow {
     const char *path;
     double iso, distance;
     long us;
-    int size, runs, places_count, threads_count;
+    int size, runs, slots_count, threads_count;
     bool light;
-    uint32_t places[ROWS_MAX];
+    uint32_t slots[ROWS_MAX];
     int threads[ROWS_MAX];
     double *depth, *first;
 } slow;
@@ -75,9 +75,9 @@ static void must(leafcast_status st) {
 }
 
 /* A frame of a volume that nobody has looked at. */
-static void draw(slow *s, uint32_t places, int threads, row *r, int run) {
+static void draw(slow *s, uint32_t slots, int threads, row *r, int run) {
     leafcast *v = NULL;
-    const leafcast_experiments e = {.size = sizeof e, .treelet_limit = places};
+    const leafcast_experiments e = {.size = sizeof e, .treelet_limit = slots};
     const leafcast_options options = {
         .size = sizeof options, .threads = threads, .experiments = &e};
     const size_t bytes = (size_t)s->size * (size_t)s->size * sizeof *s->depth;
@@ -120,30 +120,30 @@ static double median(double *of, int count) {
     return of[count / 2];
 }
 
-static void measure(slow *s, uint32_t places, int threads) {
+static void measure(slow *s, uint32_t slots, int threads) {
     row r;
     for (int run = 0; run < s->runs; run++)
-        draw(s, places, threads, &r, run);
-    printf("%8u %8d %10.1f %8.0f %8.0f %10.0f\n", places, threads, median(r.ms, s->runs),
+        draw(s, slots, threads, &r, run);
+    printf("%8u %8d %10.1f %8.0f %8.0f %10.0f\n", slots, threads, median(r.ms, s->runs),
            median(r.reads, s->runs), median(r.rounds, s->runs), median(r.waits, s->runs));
     fflush(stdout);
 }
 
-/* Without --places: all that there are, and shares of what a frame reads. */
-static void choose_places(slow *s) {
+/* Without --slots: all that there are, and shares of what a frame reads. */
+static void choose_slots(slow *s) {
     row r;
     const long us = s->us;
     s->us = 0;
     draw(s, 0, 2, &r, 0);
     s->us = us;
-    s->places[s->places_count++] = 0;
-    s->places[s->places_count++] = (uint32_t)r.reads[0] / 4 + 1;
-    s->places[s->places_count++] = (uint32_t)r.reads[0] / 16 + 1;
+    s->slots[s->slots_count++] = 0;
+    s->slots[s->slots_count++] = (uint32_t)r.reads[0] / 4 + 1;
+    s->slots[s->slots_count++] = (uint32_t)r.reads[0] / 16 + 1;
 }
 
 static void read_options(slow *s, int argc, char **argv) {
     static const struct option names[] = {
-        {"iso", 1, NULL, 'i'},     {"us", 1, NULL, 'u'},    {"places", 1, NULL, 'p'},
+        {"iso", 1, NULL, 'i'},     {"us", 1, NULL, 'u'},    {"slots", 1, NULL, 'p'},
         {"threads", 1, NULL, 't'}, {"size", 1, NULL, 's'},  {"distance", 1, NULL, 'd'},
         {"runs", 1, NULL, 'r'},    {"light", 0, NULL, 'l'}, {NULL, 0, NULL, 0}};
     for (int c; (c = getopt_long(argc, argv, "", names, NULL)) != -1;) {
@@ -151,8 +151,8 @@ static void read_options(slow *s, int argc, char **argv) {
         case 'i': s->iso = atof(optarg); break;
         case 'u': s->us = atol(optarg); break;
         case 'p':
-            if (s->places_count < ROWS_MAX)
-                s->places[s->places_count++] = (uint32_t)atol(optarg);
+            if (s->slots_count < ROWS_MAX)
+                s->slots[s->slots_count++] = (uint32_t)atol(optarg);
             break;
         case 't':
             if (s->threads_count < ROWS_MAX)
@@ -181,12 +181,12 @@ int main(int argc, char **argv) {
         s.threads[s.threads_count++] = 2;
         s.threads[s.threads_count++] = 16;
     }
-    if (s.places_count == 0)
-        choose_places(&s);
-    printf("  places  threads         ms    reads   rounds lock waits\n");
-    for (int p = 0; p < s.places_count; p++)
+    if (s.slots_count == 0)
+        choose_slots(&s);
+    printf("   slots  threads         ms    reads   rounds lock waits\n");
+    for (int p = 0; p < s.slots_count; p++)
         for (int t = 0; t < s.threads_count; t++)
-            measure(&s, s.places[p], s.threads[t]);
+            measure(&s, s.slots[p], s.threads[t]);
     free(s.first);
     free(s.depth);
     return 0;
