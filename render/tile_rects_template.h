@@ -28,14 +28,14 @@ typedef struct tile_rects {
 } tile_rects;
 
 /* A tile in the picture: its first pixel's centre, from where the camera looks. */
-typedef struct tile_place {
+typedef struct tile_view {
     const projection *p;
     float x, y;
-} tile_place;
+} tile_view;
 
-SIMD tile_place tile_place_of(const frame *f, uint32_t x0, uint32_t y0) {
-    return (tile_place){f->projection, (float)(x0 + 0.5 - 0.5 * f->camera.middle[0]),
-                        (float)(y0 + 0.5 - 0.5 * f->camera.middle[1])};
+SIMD tile_view tile_view_of(const frame *f, uint32_t x0, uint32_t y0) {
+    return (tile_view){f->projection, (float)(x0 + 0.5 - 0.5 * f->camera.middle[0]),
+                       (float)(y0 + 0.5 - 0.5 * f->camera.middle[1])};
 }
 
 /* One coordinate of the eight children: at their lower and at their upper planes. */
@@ -73,7 +73,7 @@ SIMD mf outside(const children_planes *x, const children_planes *w, float c, flo
 
 /* Children that reach behind the eye or past its sides cover no rectangle of their own: all of the
  * parent's, unless they are outside the tile's pyramid. */
-SIMD mf outside_tile(const tile_place *tile, const children_entries *e) {
+SIMD mf outside_tile(const tile_view *tile, const children_entries *e) {
     const float m = 0.5f;
     const vf error = f_set(tile->p->plane_error) * e->far;
     mf out = outside(&e->x, &e->w, tile->x - m, 1.0f, error);
@@ -135,7 +135,7 @@ SIMD rect_lanes rect_lanes_load(const tile_rect *from) {
 
 /* The rectangles of what reaches that far in the picture, give or take the margin, within others;
  * *alive: those that are not empty. Where `whole`, they are the others. */
-SIMD vi rects_of_extent(const tile_place *tile, const children_extent *e, float margin, mf whole,
+SIMD vi rects_of_extent(const tile_view *tile, const children_extent *e, float margin, mf whole,
                         rect_lanes within, mf *alive) {
     vf x0 = f_max(f_ceil(e->x0 - f_set(tile->x + margin)), within.x0);
     vf x1 = f_min(f_floor(e->x1 - f_set(tile->x - margin)), within.x1);
@@ -153,7 +153,7 @@ SIMD vi rects_of_extent(const tile_place *tile, const children_extent *e, float 
 }
 
 /* The rectangles of VF_N children, from `lane` on. */
-SIMD void tile_rects_of_entries(const tile_place *tile, const children_entries *c, unsigned lane,
+SIMD void tile_rects_of_entries(const tile_view *tile, const children_entries *c, unsigned lane,
                                 const tile_rect *parent, tile_rects *rects) {
     const children_extent e = extent_of(&c->x, &c->y, &c->w);
     const mf whole = f_lt(e.w0, c->far * f_set(projection_depth_share));
@@ -169,7 +169,7 @@ SIMD void tile_rects_of_entries(const tile_place *tile, const children_entries *
 }
 
 /* The children of the node whose planes of a level begin at `first` and are half a node apart. */
-SIMD void tile_rects_of(const tile_place *tile, const plane_projection *const planes[3],
+SIMD void tile_rects_of(const tile_view *tile, const plane_projection *const planes[3],
                         const uint32_t first[3], uint32_t half, const tile_rect *parent,
                         tile_rects *rects) {
     const plane_projection *node[3][3];

@@ -68,7 +68,7 @@ SIMD void gradients_at(const tile_walk *w, const tile_layer *l, unsigned i, unsi
             cell_at_place(in, surface_of(l, i + k)->place, cell[k]);
         t[k] = has ? surface_of(l, i + k)->t : 0.0;
         for (int a = 0; a < 3; a++) {
-            lo[a][k] = planes->at[a][cell[k][a]] - w->place.p->eye[a];
+            lo[a][k] = planes->at[a][cell[k][a]] - w->view.p->eye[a];
             inverse[a][k] = planes->inverse[a][cell[k][a]];
         }
     }

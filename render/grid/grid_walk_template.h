@@ -17,7 +17,7 @@
 
 typedef struct tile_walk {
     tile_state s;
-    tile_place place;
+    tile_view view;
     tile_row pending[ROWS]; /* rays of s.open that look for one surface and of which a cell waits
                                in the batch */
     bool filter;            /* the intersector is the one that the filter knows */
@@ -135,8 +135,8 @@ static void add_to_batch(tile_walk *w, const resident_grid *at, const uint32_t c
     const unsigned k = w->waiting++;
     for (int a = 0; a < 3; a++) {
         b->d[a][k] = w->s.rays.d[a][i];
-        b->lo[a][k] = planes->at[a][cell[a]] - w->place.p->eye[a];
-        b->hi[a][k] = planes->at[a][cell[a] + 1] - w->place.p->eye[a];
+        b->lo[a][k] = planes->at[a][cell[a]] - w->view.p->eye[a];
+        b->hi[a][k] = planes->at[a][cell[a] + 1] - w->view.p->eye[a];
         b->inv[a][k] = planes->inverse[a][cell[a]];
         w->cell_of[k][a] = cell[a];
     }
@@ -288,7 +288,7 @@ SIMD unsigned stage_window(tile_walk *w, unsigned x, unsigned y, unsigned open) 
 static __attribute__((noinline)) void walk_cell(tile_walk *w, const resident_grid *at,
                                                 const uint32_t cell[3], tile_rect r) {
     cell_stage *s = &w->stage;
-    const plane_projection *const *planes = w->place.p->at[at->level];
+    const plane_projection *const *planes = w->view.p->at[at->level];
     unsigned visited = 0;
     queue_flush(w); /* its cells are nearer */
     if (s->cells == STAGE_CELLS)
@@ -344,7 +344,7 @@ enum { GROUP_RAYS_MAX = 8 };
 static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t first_cell[3],
                        unsigned active, unsigned first, tile_rect r) {
     enum { VECTORS_OF_8 = VF_N < 8 ? 8 / VF_N : 1 };
-    const plane_projection *const *projected = w->place.p->at[at->level];
+    const plane_projection *const *projected = w->view.p->at[at->level];
     group_planes planes[VECTORS_OF_8];
     stage_flush(w); /* its cells are nearer */
     for (unsigned v = 0; v < VECTORS_OF_8; v++)
@@ -378,7 +378,7 @@ static unsigned first_octant(const tile_walk *w, const level_planes *planes,
                              const uint32_t first[3], uint32_t half) {
     unsigned octant = 0;
     for (int a = 0; a < 3; a++)
-        octant |= (unsigned)(planes->at[a][first[a] + half] <= w->place.p->eye[a]) << a;
+        octant |= (unsigned)(planes->at[a][first[a] + half] <= w->view.p->eye[a]) << a;
     return octant;
 }
 
@@ -437,7 +437,7 @@ static unsigned open_rays(const tile_walk *w, tile_rect r) {
 
 static void walk_tree(tile_walk *w, const resident_grid *at, tile_rect rect) {
     const level_planes *planes = &scene_of(w)->levels[at->level];
-    const plane_projection *const *projected = w->place.p->at[at->level];
+    const plane_projection *const *projected = w->view.p->at[at->level];
     tree_node stack[TREE_STACK_MAX];
     int top = 0;
     stack[top++] = (tree_node){{at->first_cell[0], at->first_cell[1], at->first_cell[2]},
@@ -460,7 +460,7 @@ static void walk_tree(tile_walk *w, const resident_grid *at, tile_rect rect) {
         }
         tile_rects rects;
         w->s.counters->nodes++;
-        tile_rects_of(&w->place, projected, node.cell, half, &node.rect, &rects);
+        tile_rects_of(&w->view, projected, node.cell, half, &node.rect, &rects);
         const unsigned children = walk_children(at, node.size, node.morton) & rects.alive;
         const unsigned first = first_octant(w, planes, node.cell, half);
         unsigned places = octants_in_order(children, first);
@@ -498,7 +498,7 @@ static unsigned rays_into(const tile_walk *w, uint32_t t, unsigned y, tile_rect 
                                                                            : w->s.rays.t0[i],
                t_out = w->s.reach[i] < w->s.rays.t1[i] ? w->s.reach[i] : w->s.rays.t1[i];
         for (int a = 0; a < 3; a++) {
-            const double d = w->s.rays.d[a][i], eye = w->place.p->eye[a];
+            const double d = w->s.rays.d[a][i], eye = w->view.p->eye[a];
             /* The last treelet's cells end before it does. */
             const uint32_t first = layout->place[t][a] << layout->cells_log2;
             const uint32_t end = first + (1u << layout->cells_log2);
@@ -580,7 +580,7 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
             first[a] = layout->place[node.t][a] << layout->cells_log2;
         tile_rects rects;
         w->s.counters->nodes++;
-        tile_rects_of(&w->place, w->place.p->at[level], first, half, &node.rect, &rects);
+        tile_rects_of(&w->view, w->view.p->at[level], first, half, &node.rect, &rects);
         const unsigned children = tr->treelets->children[node.t] & rects.alive;
         const unsigned existing = leaf_layout_children(layout, node.t);
         const unsigned eye = first_octant(w, &scene_of(w)->levels[level], first, half);
@@ -599,7 +599,7 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
 static void tile_walk_begin(tile_walk *w, const frame *f, uint32_t x0, uint32_t y0,
                             const tile_row asked[], tile_outcome *out, ray_counters *counters) {
     tile_state_begin(&w->s, f, &grid_order, TILE_LAYERS, x0, y0, asked, out, counters);
-    w->place = tile_place_of(f, x0, y0);
+    w->view = tile_view_of(f, x0, y0);
     w->filter = scene_of(w)->intersector == LEAFCAST_MARMITT;
     w->several = w->s.layers != 1;
     w->waiting = 0;

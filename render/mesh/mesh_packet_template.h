@@ -377,8 +377,8 @@ static int packet_begin(packet *w) {
     const hit before = hit_before_all();
     const int padded = (w->count + 15) / 16 * 16;
     int first = w->count;
-    const tile_place place = tile_place_of(w->s.f, w->s.x0 + w->x, w->s.y0 + w->y);
-    packet_frustum_begin(&w->sight, place.p, place.x, place.y, (int)w->side);
+    const tile_view view = tile_view_of(w->s.f, w->s.x0 + w->x, w->s.y0 + w->y);
+    packet_frustum_begin(&w->sight, view.p, view.x, view.y, (int)w->side);
     for (int i = padded; i-- > 0;) {
         const unsigned y = w->y + (unsigned)i / w->side, x = w->x + (unsigned)i % w->side;
         const unsigned from = TILE * y + x;

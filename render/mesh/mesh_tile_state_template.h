@@ -42,7 +42,7 @@ typedef struct tet_queue {
 
 typedef struct mesh_tile {
     tile_state s;
-    tile_place place;
+    tile_view view;
     double eye[3];
     tet_lanes lanes;
     tet_queue queue;

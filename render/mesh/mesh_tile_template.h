@@ -44,7 +44,7 @@ SIMD void leave_idle(near_boxes *b, unsigned from) {
 /* VF_N boxes, from `lane` on. */
 SIMD void rects_of_planes(const mesh_tile *w, const vf lo[3], const vf hi[3], unsigned lane,
                           const tile_rect *parent, box_rects *out) {
-    const projection *p = w->place.p;
+    const projection *p = w->view.p;
     const vf zero = f_set(0.0f);
     children_entries c = {.far = zero};
     vf near2 = zero;
@@ -60,7 +60,7 @@ SIMD void rects_of_planes(const mesh_tile *w, const vf lo[3], const vf hi[3], un
         c.far = c.far + f_max(f_abs(lo[a]), f_abs(hi[a])) * f_set(p->axis[a][3]);
     }
     f_store(out->near2 + lane, near2);
-    tile_rects_of_entries(&w->place, &c, lane, parent, &out->rects);
+    tile_rects_of_entries(&w->view, &c, lane, parent, &out->rects);
 }
 
 SIMD void rects_of_boxes(const mesh_tile *w, const near_boxes *b, const tile_rect *parent,
@@ -336,7 +336,7 @@ void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_r
     mesh_work *work = out->scratch;
     mesh_tile *w = &work->tile;
     tile_state_begin(&w->s, f, &mesh_order, TILE_LAYERS, x0, y0, asked, out, counters);
-    w->place = tile_place_of(f, x0, y0);
+    w->view = tile_view_of(f, x0, y0);
     w->lanes = (tet_lanes){.count = 0};
     memset(&w->queue.tets, 0, sizeof w->queue.tets);
     w->queue.count = w->queue.pixels = 0;

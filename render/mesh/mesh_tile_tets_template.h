@@ -23,7 +23,7 @@ typedef struct tets_in_view {
  * a few units of 2^-24 of the distance and of the treelet's size. */
 SIMD void view_tets(const mesh_tile *w, const resident_mesh *at, tets_in_view *v) {
     const tet_lanes *l = &w->lanes;
-    const projection *p = w->place.p;
+    const projection *p = w->view.p;
     const float *positions = at->positions[0];
     const float *values = mesh_leaf_values(&at->mesh, at->values);
     float size = 0.0f;
@@ -103,7 +103,7 @@ typedef struct flat_polygons {
 
 /* A triangle has a corner on one edge of each pair that have no vertex in common (01 23, 02 13, 03
  * 12); a quadrilateral has opposite corners on both of two such pairs. */
-SIMD flat_polygons flatten(const tile_place *tile, const cut_points *c) {
+SIMD flat_polygons flatten(const tile_view *tile, const cut_points *c) {
     enum { E01, E02, E03, E12, E13, E23 };
     const mf both = mf_and(c->cut[E01], c->cut[E23]), any = mf_or(c->cut[E01], c->cut[E23]);
     const mf triangle = mf_and_not(any, both);
@@ -141,7 +141,7 @@ static const float CENTRES_REACH = 8.0f;
  * than m S + m S / 2 + 2 m^2. Seen from the wrong corners S is wrong itself, by 16 m. Together 1.5
  * m S + 26 m^2. What edge functions are rounded by is less than 2^-22 (S / 2)^2 < m S / 4, as m >
  * 2e-4 and S < 128. */
-SIMD flat_lines lines_around(const tile_place *tile, const cut_points *c, vf deep) {
+SIMD flat_lines lines_around(const tile_view *tile, const cut_points *c, vf deep) {
     const float least = tile->p->margin_least;
     const float slope = (tile->p->margin - least) * projection_depth_share;
     const vf m = f_set(2.0f * least) + f_set(2.0f * slope) * deep;
@@ -172,7 +172,7 @@ typedef struct tet_covers {
 } tet_covers;
 
 /* Small rectangles of small polygons: those lanes of which none of the pixels is covered. */
-SIMD mf cover_no_centre(const tile_place *tile, const cut_points *c, const children_extent *e,
+SIMD mf cover_no_centre(const tile_view *tile, const cut_points *c, const children_extent *e,
                         vf far, mf alive, tet_covers *out) {
     const rect_lanes r = rect_lanes_load(out->rect);
     const vf wide = r.x1 - r.x0, high = r.y1 - r.y0, last = f_set(CENTRES - 1);
@@ -218,12 +218,12 @@ SIMD unsigned covers_of(const mesh_tile *w, const tets_in_view *v, double iso, t
     const mf whole = mf_or(v->odd, f_lt(e.w0, v->far * f_set(projection_depth_share)));
     mf alive;
     const vi packed =
-        rects_of_extent(&w->place, &e, 2.0f * w->place.p->margin, whole, within, &alive);
+        rects_of_extent(&w->view, &e, 2.0f * w->view.p->margin, whole, within, &alive);
     memcpy(out->rect, &packed, sizeof packed);
     f_store(out->depth, f_select(whole, f_set(0.0f), e.w0 - f_set(0x1p-19f) * v->far));
     alive = mf_and(alive, mf_of_bits(lanes));
     LANE_COUNT(covers, mf_bits(alive));
-    const mf none = cover_no_centre(&w->place, &c, &e, v->far, mf_and_not(alive, whole), out);
+    const mf none = cover_no_centre(&w->view, &c, &e, v->far, mf_and_not(alive, whole), out);
     LANE_COUNT(covering, mf_bits(mf_and_not(alive, none)));
     return mf_bits(mf_and_not(alive, none));
 }
