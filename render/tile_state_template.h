@@ -23,7 +23,7 @@ enum { TILE_LAYERS = 8 };
 typedef struct tile_surface {
     double t;
     const treelet *at;
-    uint32_t place; /* of its cell in the treelet, as the kind counts them */
+    uint32_t local; /* its cell in the treelet, as the kind counts them */
     int32_t iso;
     bool entering;
 } tile_surface;

@@ -43,7 +43,7 @@ static const known_cell *corners_of(const tile_walk *w, const tile_layer *l, uns
                                     known_cell *known) {
     const resident_grid *at = resident_grid_of(surface_of(l, i)->at);
     uint32_t cell[3];
-    cell_at_place(at, surface_of(l, i)->place, cell);
+    cell_of_local(at, surface_of(l, i)->local, cell);
     known_cell *k = &known[(cell[0] + 5 * cell[1] + 11 * cell[2]) % KNOWN_CELLS];
     if (k->at == at && k->cell[0] == cell[0] && k->cell[1] == cell[1] && k->cell[2] == cell[2])
         return k;
@@ -65,7 +65,7 @@ SIMD void gradients_at(const tile_walk *w, const tile_layer *l, unsigned i, unsi
         const resident_grid *in = has ? resident_grid_of(surface_of(l, i + k)->at) : NULL;
         const level_planes *planes = &scene->levels[in ? in->level : 0];
         if (in)
-            cell_at_place(in, surface_of(l, i + k)->place, cell[k]);
+            cell_of_local(in, surface_of(l, i + k)->local, cell[k]);
         t[k] = has ? surface_of(l, i + k)->t : 0.0;
         for (int a = 0; a < 3; a++) {
             lo[a][k] = planes->at[a][cell[k][a]] - w->view.p->eye[a];

@@ -38,22 +38,22 @@ SIMD const walk_scene *scene_of(const tile_walk *w) {
 
 /* ---- The batch ---- */
 
-/* A cell's place in its treelet: ten bits an axis. */
-static uint32_t place_of(const resident_grid *at, const uint32_t cell[3]) {
+/* A cell's local number: ten bits an axis. */
+static uint32_t local_of(const resident_grid *at, const uint32_t cell[3]) {
     return (cell[0] - at->first_cell[0]) | (cell[1] - at->first_cell[1]) << 10 |
            (cell[2] - at->first_cell[2]) << 20;
 }
 
-static void cell_at_place(const resident_grid *at, uint32_t place, uint32_t cell[3]) {
+static void cell_of_local(const resident_grid *at, uint32_t local, uint32_t cell[3]) {
     for (int a = 0; a < 3; a++)
-        cell[a] = at->first_cell[a] + (place >> 10 * a & 1023u);
+        cell[a] = at->first_cell[a] + (local >> 10 * a & 1023u);
 }
 
 static hit grid_hit_of(const frame *f, const tile_surface *s) {
     const walk_scene *scene = f->tracer->own;
     const resident_grid *at = resident_grid_of(s->at);
     uint32_t cell[3];
-    cell_at_place(at, s->place, cell);
+    cell_of_local(at, s->local, cell);
     return (hit){s->t, walk_cell_index(&scene->levels[at->level], cell), s->iso, s->entering};
 }
 
@@ -69,7 +69,7 @@ static const tile_order grid_order = {grid_hit_of, hit_less, grid_same};
 static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool entering, bool at_exit) {
     const unsigned i = w->ray_of[k];
     const resident_grid *at = w->treelet_of[k];
-    const tile_surface found = {t, &at->head, place_of(at, w->cell_of[k]), iso, entering};
+    const tile_surface found = {t, &at->head, local_of(at, w->cell_of[k]), iso, entering};
     if (!tile_state_take(&w->s, i, &found) || !(w->s.reach[i] < (double)INFINITY))
         return;
     if (!at_exit && w->s.reach[i] <= t)

@@ -45,8 +45,8 @@ static void count_active(isopolygon_cache *k, const resident_mesh *tr) {
     }
 }
 
-static void make_polygon(const resident_mesh *tr, uint32_t place, double isovalue, isopolygon *g) {
-    const tet x = mesh_walk_tet(tr, place);
+static void make_polygon(const resident_mesh *tr, uint32_t local, double isovalue, isopolygon *g) {
+    const tet x = mesh_walk_tet(tr, local);
     if (!isopolygon_of(&x, isovalue, g))
         g->count = 0;
 }
@@ -87,16 +87,16 @@ mesh_derived isopolygon_cache_kind(bool precomputed) {
 }
 
 /* Its number among the kept ones; room: none. */
-static uint32_t number_of(const isopolygon_cache *k, const resident_mesh *tr, uint32_t place,
+static uint32_t number_of(const isopolygon_cache *k, const resident_mesh *tr, uint32_t local,
                           double isovalue) {
     int i = 0;
     while (i < k->in->count && k->in->of[i].lo != isovalue)
         i++;
     if (i == k->in->count)
         return k->room;
-    const uint64_t below = tr->active->tets[place / 64] & ((UINT64_C(1) << place % 64) - 1);
+    const uint64_t below = tr->active->tets[local / 64] & ((UINT64_C(1) << local % 64) - 1);
     const uint64_t n =
-        (k->before[place / 64] + (uint64_t)__builtin_popcountll(below)) * (uint64_t)k->in->count +
+        (k->before[local / 64] + (uint64_t)__builtin_popcountll(below)) * (uint64_t)k->in->count +
         (uint64_t)i;
     return n < k->room ? (uint32_t)n : k->room;
 }
@@ -111,16 +111,16 @@ static void offer_polygon(isopolygon_cache *k, uint32_t n, const isopolygon *own
     atomic_store_explicit(&k->state[n], THERE, memory_order_release);
 }
 
-const isopolygon *isopolygon_cache_find(const resident_mesh *tr, uint32_t place, double isovalue,
+const isopolygon *isopolygon_cache_find(const resident_mesh *tr, uint32_t local, double isovalue,
                                         isopolygon *own) {
     isopolygon_cache *k = tr->derived;
-    const uint32_t n = k ? number_of(k, tr, place, isovalue) : 0;
+    const uint32_t n = k ? number_of(k, tr, local, isovalue) : 0;
     const isopolygon *g = own;
     if (k && n < k->room &&
         (k->precomputed || atomic_load_explicit(&k->state[n], memory_order_acquire) == THERE)) {
         g = &k->polygons[n];
     } else {
-        make_polygon(tr, place, isovalue, own);
+        make_polygon(tr, local, isovalue, own);
         if (k && n < k->room)
             offer_polygon(k, n, own);
     }

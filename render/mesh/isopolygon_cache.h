@@ -23,7 +23,7 @@ mesh_derived isopolygon_cache_kind(bool precomputed);
 
 /* isopolygon_cache_find() - the isopolygon of an active tet of the treelet, or NULL where it has
  * none. Kept, or made in *own. */
-const isopolygon *isopolygon_cache_find(const resident_mesh *tr, uint32_t place, double isovalue,
+const isopolygon *isopolygon_cache_find(const resident_mesh *tr, uint32_t local, double isovalue,
                                         isopolygon *own);
 
 #endif

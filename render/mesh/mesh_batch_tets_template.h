@@ -23,7 +23,7 @@ enum { RAY_WORDS = TET_RAYS / 64 };
 /* Active tets of a treelet, a lane each. */
 typedef struct batch_tets {
     uint32_t vertex[4][VF_N]; /* in the treelet */
-    uint32_t place[VF_N];
+    uint32_t local[VF_N];
     uint32_t beams[BEAM_BOXES];
     uint32_t any; /* beams */
     unsigned count;
@@ -173,9 +173,9 @@ SIMD bool rays_of_beams(const mesh_batch *w, uint32_t beams, uint64_t rays[RAY_W
 /* Made, or kept with the treelet; false: none. */
 SIMD bool batch_polygon(const mesh_batch *w, const resident_mesh *at, unsigned lane,
                         double isovalue, isopolygon *out) {
-    const uint32_t place = w->tets.place[lane];
+    const uint32_t local = w->tets.local[lane];
     if (at->derived) {
-        const isopolygon *g = isopolygon_cache_find(at, place, isovalue, out);
+        const isopolygon *g = isopolygon_cache_find(at, local, isovalue, out);
         if (g && g != out)
             *out = *g;
         return g;
@@ -190,7 +190,7 @@ SIMD bool batch_polygon(const mesh_batch *w, const resident_mesh *at, unsigned l
     const polygon_sight sight = isopolygon_near(&x, isovalue, out);
     if (sight != DOUBTFUL_POLYGON)
         return sight == SURE_POLYGON;
-    const tet exact = mesh_walk_tet(at, place);
+    const tet exact = mesh_walk_tet(at, local);
     return isopolygon_of(&exact, isovalue, out);
 }
 
@@ -206,7 +206,7 @@ SIMD void meet_polygon(mesh_batch *w, const resident_mesh *at, const isopolygon 
 static void walk_tet(mesh_batch *w, const resident_mesh *at, const framed_tets *x, unsigned lane,
                      int32_t iso, uint32_t beams) {
     enum { FLOATS = (1u << VF_N) - 1, DOUBLES = (1u << VD_N) - 1 };
-    const hit_of of = {at->first_tet + w->tets.place[lane], iso};
+    const hit_of of = {at->first_tet + w->tets.local[lane], iso};
     const bool even = !(x->odd >> lane & 1u);
     uint64_t rays[RAY_WORDS];
     polygon_lines lines;
@@ -323,8 +323,8 @@ static void walk_tets(mesh_batch *w, const resident_mesh *at) {
     l->count = 0;
 }
 
-static void add_tet(mesh_batch *w, const resident_mesh *at, uint32_t place, uint32_t beams) {
-    const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[place];
+static void add_tet(mesh_batch *w, const resident_mesh *at, uint32_t local, uint32_t beams) {
+    const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[local];
     batch_tets *l = &w->tets;
     for (int k = 0; k < 4; k++) {
         __builtin_prefetch(at->positions[v[k]]);
@@ -332,7 +332,7 @@ static void add_tet(mesh_batch *w, const resident_mesh *at, uint32_t place, uint
     }
     l->any |= beams;
     l->beams[l->count] = beams;
-    l->place[l->count++] = place;
+    l->local[l->count++] = local;
     if (l->count == VF_N)
         walk_tets(w, at);
 }

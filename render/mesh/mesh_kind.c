@@ -188,9 +188,9 @@ static uint32_t treelet_of_tet(const leaf_file *f, uint64_t number) {
     return lo;
 }
 
-static void copy_tet(const resident_mesh *at, uint32_t place, float vertices[4][3],
+static void copy_tet(const resident_mesh *at, uint32_t local, float vertices[4][3],
                      float values[4]) {
-    const tet x = mesh_walk_tet(at, place);
+    const tet x = mesh_walk_tet(at, local);
     memcpy(vertices, x.p, sizeof x.p);
     memcpy(values, x.f, sizeof x.f);
 }
@@ -223,17 +223,17 @@ static void mesh_cell_of_segment(const tracer *tr, const segment *s, leafcast_se
 static status find_in_treelet(leafcast *v, uint32_t t, const double point[3],
                               leafcast_sample *sample) {
     const treelet *found;
-    uint32_t place;
+    uint32_t local;
     double weights[4];
     status st = volume_treelet(v, t, &found);
     if (st != ST_OK)
         return st;
     const resident_mesh *at = resident_mesh_of(found);
-    if (!mesh_walk_find(at, point, &place, weights))
+    if (!mesh_walk_find(at, point, &local, weights))
         return ST_OK;
-    const tet x = mesh_walk_tet(at, place);
-    *sample = (leafcast_sample){.inside = true, .treelet = t, .tet = at->first_tet + place};
-    copy_tet(at, place, sample->vertices, sample->values);
+    const tet x = mesh_walk_tet(at, local);
+    *sample = (leafcast_sample){.inside = true, .treelet = t, .tet = at->first_tet + local};
+    copy_tet(at, local, sample->vertices, sample->values);
     for (int k = 0; k < 4; k++)
         if (weights[k] > 0.0)
             sample->value += weights[k] * (isfinite(x.f[k]) ? (double)x.f[k] : (double)NAN);

@@ -193,12 +193,12 @@ SIMD tet_known known_by(packet_view view) {
                                         : TET_UNKNOWN;
 }
 
-static void packet_tet(packet *w, const resident_mesh *at, uint32_t place, int first, int end) {
+static void packet_tet(packet *w, const resident_mesh *at, uint32_t local, int first, int end) {
     const frame *f = w->s.f;
     const isovalue_list *isos = &f->tracer->isos;
     for (int i = 0; i < isos->count; i++) {
         isopolygon own;
-        const isopolygon *g = isopolygon_cache_find(at, place, isos->isovalues[i], &own);
+        const isopolygon *g = isopolygon_cache_find(at, local, isos->isovalues[i], &own);
         if (!g)
             continue;
         w->counters->isopolygons++;
@@ -209,7 +209,7 @@ static void packet_tet(packet *w, const resident_mesh *at, uint32_t place, int f
             continue;
         if (view == PACKET_DIFFERS)
             w->counters->polygon_tests += (uint64_t)(end - first);
-        f->kernels->tets(g, at->first_tet + place, i, known_by(view), &w->rays, first, end);
+        f->kernels->tets(g, at->first_tet + local, i, known_by(view), &w->rays, first, end);
         w->lowered = true;
     }
 }

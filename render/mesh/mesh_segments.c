@@ -63,9 +63,9 @@ static void cut(const tet_piece *p, const ray *r, segment *s) {
     }
 }
 
-static void visit_tet(void *ctx, const resident_mesh *at, uint32_t place, const tet *x) {
+static void visit_tet(void *ctx, const resident_mesh *at, uint32_t local, const tet *x) {
     const collector *c = ctx;
-    segment s = {.cell = at->first_tet + place, .treelet = at->head.id, .degree = 1};
+    segment s = {.cell = at->first_tet + local, .treelet = at->head.id, .degree = 1};
     tet_piece p;
     if (!tet_segment(x, c->r, &p) || !(p.t[0] < p.t[1]))
         return;

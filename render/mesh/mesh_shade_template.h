@@ -42,7 +42,7 @@ typedef struct mesh_shading {
 
 static hit mesh_hit_of(const frame *f, const tile_surface *s) {
     (void)f;
-    return (hit){s->t, resident_mesh_of(s->at)->first_tet + s->place, s->iso, s->entering};
+    return (hit){s->t, resident_mesh_of(s->at)->first_tet + s->local, s->iso, s->entering};
 }
 
 static bool mesh_less(const hit *a, const hit *b) {
@@ -62,9 +62,9 @@ static void list_tets(const tile_layer *s, hit_tets *l) {
         if (!in_layer(s, i))
             continue;
         const tile_surface *x = surface_of(s, i);
-        uint16_t *k = &known[(x->place + (unsigned)x->iso) % KNOWN_TETS];
+        uint16_t *k = &known[(x->local + (unsigned)x->iso) % KNOWN_TETS];
         const tile_surface *first = *k < l->count ? surface_of(s, l->ray[*k]) : NULL;
-        if (!first || first->place != x->place || first->at != x->at || first->iso != x->iso) {
+        if (!first || first->local != x->local || first->at != x->at || first->iso != x->iso) {
             *k = (uint16_t)l->count;
             l->ray[l->count++] = (uint16_t)i;
         }
@@ -73,7 +73,7 @@ static void list_tets(const tile_layer *s, hit_tets *l) {
 }
 
 static tet tet_of(const tile_layer *s, unsigned i) {
-    return mesh_walk_tet(resident_mesh_of(surface_of(s, i)->at), surface_of(s, i)->place);
+    return mesh_walk_tet(resident_mesh_of(surface_of(s, i)->at), surface_of(s, i)->local);
 }
 
 /* Of VD_N tets of the list, from the one at `from` on. */
@@ -111,7 +111,7 @@ static void smooth_normals(mesh_shading *m, const tile_layer *l, tile_normals no
             isopolygon g;
             float gradients[4][3];
             const tile_surface *y = surface_of(l, i);
-            mesh_walk_gradients(resident_mesh_of(y->at), y->place, gradients);
+            mesh_walk_gradients(resident_mesh_of(y->at), y->local, gradients);
             place[k] = m->tets.of[i];
             has[k] = isopolygon_of(&x, iso, &g);
             if (has[k])

@@ -38,15 +38,15 @@ trace_result mesh_tracer_next(const tracer *tr, const ray *r, trace_state *state
 surface_point mesh_tracer_surface(const tracer *tr, const treelet *found, const ray *r,
                                   const hit *h) {
     const resident_mesh *at = resident_mesh_of(found);
-    const uint32_t place = (uint32_t)(h->cell - at->first_tet);
+    const uint32_t local = (uint32_t)(h->cell - at->first_tet);
     const double iso = tr->isos.isovalues[h->iso];
-    const tet x = mesh_walk_tet(at, place);
+    const tet x = mesh_walk_tet(at, local);
     surface_point point = tet_surface(&x, r, iso, h);
     isopolygon g;
     if (mesh_rays_of(tr)->smooth && isopolygon_of(&x, iso, &g)) {
         float gradients[4][3];
         tet_smooth s;
-        mesh_walk_gradients(at, place, gradients);
+        mesh_walk_gradients(at, local, gradients);
         tet_smooth_of(&x, iso, &g, (const float(*)[3])gradients, &s);
         (void)tet_smooth_normal(&s, r->o, r->d, h->t, point.normal);
     }

@@ -54,8 +54,8 @@ double mesh_walk_behind(const float bounds[6], const ray *r, const hit *after) {
     return after->t - 0x1p-30 * (fabs(after->t) + t_across(bounds, r));
 }
 
-tet mesh_walk_tet(const resident_mesh *tr, uint32_t place) {
-    const uint16_t *v = mesh_leaf_tets(&tr->mesh, tr->head.payload)[place];
+tet mesh_walk_tet(const resident_mesh *tr, uint32_t local) {
+    const uint16_t *v = mesh_leaf_tets(&tr->mesh, tr->head.payload)[local];
     const float(*at)[3] = tr->positions;
     const float *values = mesh_leaf_values(&tr->mesh, tr->values);
     tet x;
@@ -67,8 +67,8 @@ tet mesh_walk_tet(const resident_mesh *tr, uint32_t place) {
     return x;
 }
 
-void mesh_walk_gradients(const resident_mesh *tr, uint32_t place, float gradients[4][3]) {
-    const uint16_t *v = mesh_leaf_tets(&tr->mesh, tr->head.payload)[place];
+void mesh_walk_gradients(const resident_mesh *tr, uint32_t local, float gradients[4][3]) {
+    const uint16_t *v = mesh_leaf_tets(&tr->mesh, tr->head.payload)[local];
     for (int k = 0; k < 4; k++)
         memcpy(gradients[k], tr->gradients[v[k]], sizeof gradients[k]);
 }
@@ -105,10 +105,10 @@ static bool passes_box(const mesh_slabs *line, const tet *x) {
     return mesh_interval_in(line, lo, hi, &in);
 }
 
-static bool test_tet(const isovalue_list *isos, const resident_mesh *tr, uint32_t place,
+static bool test_tet(const isovalue_list *isos, const resident_mesh *tr, uint32_t local,
                      const ray *r, const mesh_slabs *line, const hit *after, hit *best,
                      ray_counters *counters) {
-    const tet x = mesh_walk_tet(tr, place);
+    const tet x = mesh_walk_tet(tr, local);
     bool changed = false, active = false;
     if (!passes_box(line, &x))
         return false;
@@ -118,7 +118,7 @@ static bool test_tet(const isovalue_list *isos, const resident_mesh *tr, uint32_
         if (!isopolygon_of(&x, isos->isovalues[i], &g))
             continue;
         active = true;
-        if (!next_hit(&g, r, tr->first_tet + place, i, after, &found))
+        if (!next_hit(&g, r, tr->first_tet + local, i, after, &found))
             continue;
         counters->roots++;
         if (tet_less(&found, best)) {
@@ -217,7 +217,7 @@ static int push_children(const code_slabs *s, const resident_mesh *tr, uint32_t 
     return top;
 }
 
-/* The active tets from place `first` on. */
+/* The active tets from `first` on. */
 static bool walk_leaf(const isovalue_list *isos, const resident_mesh *tr, uint32_t first,
                       uint32_t end, const ray *r, const mesh_slabs *line, const hit *after,
                       hit *best, ray_counters *counters) {
@@ -325,12 +325,12 @@ static uint32_t find_in_leaf(const resident_mesh *tr, uint32_t from, uint32_t en
     return from;
 }
 
-bool mesh_walk_find(const resident_mesh *tr, const double point[3], uint32_t *place,
+bool mesh_walk_find(const resident_mesh *tr, const double point[3], uint32_t *local,
                     double weights[4]) {
     const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->head.payload);
     uint16_t stack[STACK_MAX];
     int top = 0;
-    *place = tr->mesh.tets;
+    *local = tr->mesh.tets;
     stack[top++] = 0;
     while (top > 0) {
         const uint16_t child = stack[--top];
@@ -342,13 +342,13 @@ bool mesh_walk_find(const resident_mesh *tr, const double point[3], uint32_t *pl
         }
         /* Tets of other leaves may hold it, too: the first of all is asked for. */
         const uint32_t leaf = child & ~MESH_LEAF;
-        const uint32_t end = first[leaf + 1] < *place ? first[leaf + 1] : *place;
+        const uint32_t end = first[leaf + 1] < *local ? first[leaf + 1] : *local;
         double w[4];
         const uint32_t found = find_in_leaf(tr, first[leaf], end, point, w);
         if (found >= end)
             continue;
-        *place = found;
+        *local = found;
         memcpy(weights, w, sizeof w);
     }
-    return *place < tr->mesh.tets;
+    return *local < tr->mesh.tets;
 }

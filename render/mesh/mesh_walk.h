@@ -22,20 +22,20 @@ bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r,
 
 /* mesh_walk_each() - visit() with every active tet of the treelet whose box the ray meets, as far
  * as it is not left before `after` or entered behind `nearest`; in no order. */
-typedef void mesh_walk_visit(void *ctx, const resident_mesh *tr, uint32_t place, const tet *x);
+typedef void mesh_walk_visit(void *ctx, const resident_mesh *tr, uint32_t local, const tet *x);
 void mesh_walk_each(const resident_mesh *tr, const ray *r, const hit *after, double nearest,
                     mesh_walk_visit *visit, void *ctx, ray_counters *counters);
 
-/* mesh_walk_tet() - a tet of the treelet by its place there. */
-tet mesh_walk_tet(const resident_mesh *tr, uint32_t place);
+/* mesh_walk_tet() - a tet of the treelet by its local number. */
+tet mesh_walk_tet(const resident_mesh *tr, uint32_t local);
 
 /* mesh_walk_gradients() - those at its vertices; for treelets that have them. */
-void mesh_walk_gradients(const resident_mesh *tr, uint32_t place, float gradients[4][3]);
+void mesh_walk_gradients(const resident_mesh *tr, uint32_t local, float gradients[4][3]);
 
 /* mesh_walk_find() - the first tet that holds a point of its treelet's box, boundary included, by
  * exact signs, and the point's barycentric coordinates there: 0 exactly for vertices that have no
  * part in it. Flat tets hold none. */
-bool mesh_walk_find(const resident_mesh *tr, const double point[3], uint32_t *place,
+bool mesh_walk_find(const resident_mesh *tr, const double point[3], uint32_t *local,
                     double weights[4]);
 
 /* Kernel and boxes round differently; what is given away is a millionth of the distance
