@@ -387,22 +387,21 @@ static void walk_tree(batch_walk *w, const resident_grid *at, const ray_set *ray
         ray_set met[8];
         w->counters->nodes++;
         children_met(&w->rays, &n, &node.rays, met);
-        unsigned places = octants_in_order(walk_children(at, node.size, node.morton), back);
-        for (; places;) {
-            const unsigned place =
-                half == 1 ? (unsigned)__builtin_ctz(places) : octants_last(places);
-            const unsigned o = place ^ back;
-            places ^= 1u << place;
-            if (set_is_empty(&met[place], w->rays.words))
+        unsigned order = octants_in_order(walk_children(at, node.size, node.morton), back);
+        for (; order;) {
+            const unsigned nth = half == 1 ? (unsigned)__builtin_ctz(order) : octants_last(order);
+            const unsigned o = nth ^ back;
+            order ^= 1u << nth;
+            if (set_is_empty(&met[nth], w->rays.words))
                 continue;
             const uint32_t cell[3] = {node.cell[0] + (o & 1u) * half,
                                       node.cell[1] + (o >> 1 & 1u) * half,
                                       node.cell[2] + (o >> 2) * half};
             if (half == 1)
-                walk_cell(w, at, cell, &met[place]);
+                walk_cell(w, at, cell, &met[nth]);
             else
                 stack[top++] = (tree_node){
-                    met[place], {cell[0], cell[1], cell[2]}, node.morton << 3 | o, node.size - 1};
+                    met[nth], {cell[0], cell[1], cell[2]}, node.morton << 3 | o, node.size - 1};
         }
     }
 }
@@ -535,12 +534,12 @@ static void walk_directory(batch_walk *w) {
         w->counters->nodes++;
         children_met(&w->rays, &n, &node.rays, met);
         const unsigned existing = leaf_layout_children(layout, node.t);
-        for (unsigned places = octants_in_order(tr->treelets->children[node.t], back); places;
-             places ^= 1u << octants_last(places)) {
-            const unsigned place = octants_last(places), o = place ^ back;
+        for (unsigned order = octants_in_order(tr->treelets->children[node.t], back); order;
+             order ^= 1u << octants_last(order)) {
+            const unsigned nth = octants_last(order), o = nth ^ back;
             const uint32_t rank = (uint32_t)__builtin_popcount(existing & ((1u << o) - 1u));
-            if (!set_is_empty(&met[place], w->rays.words))
-                stack[top++] = (directory_node){met[place], layout->first_child[node.t] + rank};
+            if (!set_is_empty(&met[nth], w->rays.words))
+                stack[top++] = (directory_node){met[nth], layout->first_child[node.t] + rank};
         }
     }
     queue_flush(w);

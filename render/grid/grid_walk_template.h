@@ -359,9 +359,9 @@ static void walk_group(tile_walk *w, const resident_grid *at, const uint32_t fir
                                         t_out + v * VF_N)
                            << v * VF_N;
             LANE_COUNT(groups, visited & active);
-            for (unsigned places = octants_in_order(visited & active, first); places;
-                 places &= places - 1) {
-                const unsigned o = (unsigned)__builtin_ctz(places) ^ first;
+            for (unsigned order = octants_in_order(visited & active, first); order;
+                 order &= order - 1) {
+                const unsigned o = (unsigned)__builtin_ctz(order) ^ first;
                 const uint32_t cell[3] = {first_cell[0] + (o & 1u), first_cell[1] + (o >> 1 & 1u),
                                           first_cell[2] + (o >> 2)};
                 queue_add(w, at, projected, cell, TILE * y + x, t_in[o], t_out[o]);
@@ -463,18 +463,18 @@ static void walk_tree(tile_walk *w, const resident_grid *at, tile_rect rect) {
         tile_rects_of(&w->view, projected, node.cell, half, &node.rect, &rects);
         const unsigned children = walk_children(at, node.size, node.morton) & rects.alive;
         const unsigned first = first_octant(w, planes, node.cell, half);
-        unsigned places = octants_in_order(children, first);
+        unsigned order = octants_in_order(children, first);
         if (half == 1) {
-            for (; places; places &= places - 1) {
-                const unsigned o = (unsigned)__builtin_ctz(places) ^ first;
+            for (; order; order &= order - 1) {
+                const unsigned o = (unsigned)__builtin_ctz(order) ^ first;
                 const uint32_t cell[3] = {node.cell[0] + (o & 1u), node.cell[1] + (o >> 1 & 1u),
                                           node.cell[2] + (o >> 2)};
                 walk_cell(w, at, cell, rects.of[o]);
             }
             continue;
         }
-        for (; places; places ^= 1u << octants_last(places)) {
-            const unsigned o = octants_last(places) ^ first;
+        for (; order; order ^= 1u << octants_last(order)) {
+            const unsigned o = octants_last(order) ^ first;
             stack[top++] =
                 (tree_node){{node.cell[0] + (o & 1u) * half, node.cell[1] + (o >> 1 & 1u) * half,
                              node.cell[2] + (o >> 2) * half},
@@ -584,9 +584,9 @@ static void walk_directory(tile_walk *w, tile_rect rect) {
         const unsigned children = tr->treelets->children[node.t] & rects.alive;
         const unsigned existing = leaf_layout_children(layout, node.t);
         const unsigned eye = first_octant(w, &scene_of(w)->levels[level], first, half);
-        for (unsigned places = octants_in_order(children, eye); places;
-             places ^= 1u << octants_last(places)) {
-            const unsigned o = octants_last(places) ^ eye;
+        for (unsigned order = octants_in_order(children, eye); order;
+             order ^= 1u << octants_last(order)) {
+            const unsigned o = octants_last(order) ^ eye;
             const uint32_t rank = (uint32_t)__builtin_popcount(existing & ((1u << o) - 1u));
             stack[top++] = (directory_node){layout->first_child[node.t] + rank, rects.of[o]};
         }

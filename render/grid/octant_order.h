@@ -4,7 +4,7 @@
 #ifndef RENDER_GRID_OCTANT_ORDER_H
 #define RENDER_GRID_OCTANT_ORDER_H
 
-/* octants_in_order() - a mask of octants o as one of places o ^ first. */
+/* octants_in_order() - a mask of octants o in order: o is bit o ^ first. */
 static inline unsigned octants_in_order(unsigned octants, unsigned first) {
     unsigned m = octants;
     m = first & 1u ? (m & 0x55u) << 1 | (m & 0xaau) >> 1 : m;
@@ -12,9 +12,9 @@ static inline unsigned octants_in_order(unsigned octants, unsigned first) {
     return first & 4u ? (m & 0x0fu) << 4 | (m & 0xf0u) >> 4 : m;
 }
 
-/* octants_last() - the last place of a mask, which is not 0. */
-static inline unsigned octants_last(unsigned places) {
-    return 31u - (unsigned)__builtin_clz(places);
+/* octants_last() - the last one of such a mask, which is not 0. */
+static inline unsigned octants_last(unsigned order) {
+    return 31u - (unsigned)__builtin_clz(order);
 }
 
 #endif
