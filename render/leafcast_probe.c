@@ -54,12 +54,12 @@ static status describe_hit(leafcast *v, const tracer *tr, const ray *r, const do
 }
 
 static status check_ray(const double origin[3], const double direction[3]) {
-    double length = 0.0, place = 0.0;
+    double length = 0.0, distance = 0.0;
     for (int a = 0; a < 3; a++) {
         length += fabs(direction[a]);
-        place += fabs(origin[a]);
+        distance += fabs(origin[a]);
     }
-    if (!(length > 0.0 && length < INFINITY && place < INFINITY))
+    if (!(length > 0.0 && length < INFINITY && distance < INFINITY))
         return status_describe(ST_USAGE, "a ray needs a finite origin and a finite direction that "
                                          "is not 0,0,0");
     return ST_OK;

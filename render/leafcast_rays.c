@@ -14,12 +14,12 @@ static status check_rays(const leafcast_ray *rays, size_t count) {
         return status_describe(ST_USAGE, "%zu rays: at most %d at a time", count, RAYS_MAX);
     for (size_t i = 0; i < count; i++) {
         const leafcast_ray *r = &rays[i];
-        double length = 0.0, place = 0.0;
+        double length = 0.0, distance = 0.0;
         for (int a = 0; a < 3; a++) {
             length += fabs(r->direction[a]);
-            place += fabs(r->origin[a]);
+            distance += fabs(r->origin[a]);
         }
-        if (!(length > 0.0 && length < INFINITY && place < INFINITY))
+        if (!(length > 0.0 && length < INFINITY && distance < INFINITY))
             return status_describe(ST_USAGE,
                                    "ray %zu needs a finite origin and a finite direction that is "
                                    "not 0,0,0",

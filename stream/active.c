@@ -159,7 +159,7 @@ static uint64_t valid_cells(const uint32_t cells[3], const uint32_t at[3]) {
     return mask;
 }
 
-static void morton_place(uint32_t code, uint32_t levels, uint32_t at[3]) {
+static void morton_decode(uint32_t code, uint32_t levels, uint32_t at[3]) {
     at[0] = at[1] = at[2] = 0;
     for (uint32_t l = 0; l < levels; l++)
         for (int a = 0; a < 3; a++)
@@ -195,7 +195,7 @@ void active_compute(active_masks *masks, const leaf_file *f, uint32_t t, const v
             uint64_t mask = 0;
             if (held >> c & 1u) {
                 uint32_t at[3], from[3];
-                morton_place(group + c, levels, at);
+                morton_decode(group + c, levels, at);
                 for (int a = 0; a < 3; a++) {
                     at[a] *= BLOCK;
                     from[a] = at[a] + f->layout.halo;

@@ -110,10 +110,10 @@ static int32_t last_edge(const ruler *r, float value) {
     return i;
 }
 
-static void widen(uint8_t box[6], const uint8_t place[3], bool first) {
+static void widen(uint8_t box[6], const uint8_t position[3], bool first) {
     for (int a = 0; a < 3; a++) {
-        box[a] = first || place[a] < box[a] ? place[a] : box[a];
-        box[3 + a] = first || place[a] > box[3 + a] ? place[a] : box[3 + a];
+        box[a] = first || position[a] < box[a] ? position[a] : box[a];
+        box[3 + a] = first || position[a] > box[3 + a] ? position[a] : box[3 + a];
     }
 }
 
@@ -141,7 +141,7 @@ void histogram_count(histogram *h, const histogram_cell *cells, uint32_t count, 
         h->cells++;
         const int32_t from = last_edge(&r, c->lo) + 1, to = last_edge(&r, c->hi);
         for (int32_t k = from; k <= to && k < r.bins; k++) {
-            widen(h->box[k], c->place, h->active[k]++ == 0);
+            widen(h->box[k], c->position, h->active[k]++ == 0);
             slope[k] += (double)c->slope;
             area[k] += (double)c->area;
         }

@@ -21,10 +21,10 @@ typedef struct histogram_cell {
     float value; /* the node's; of a tet the mean of its four; NaN: not finite */
     float lo,
         hi; /* of the cell's corners; lo > hi: no cell begins there, or a corner is NaN or inf */
-    float slope;      /* length of the gradient in the middle of the cell, per world unit */
-    float area;       /* mean area of its surfaces over the isovalues in (lo, hi], world units: its
-                         volume times slope / (hi - lo) */
-    uint8_t place[4]; /* of a grid's cell: 255 * node / cells on x, y, z, rounded down; then 0 */
+    float slope; /* length of the gradient in the middle of the cell, per world unit */
+    float area;  /* mean area of its surfaces over the isovalues in (lo, hi], world units: its
+                    volume times slope / (hi - lo) */
+    uint8_t position[4]; /* of a grid's cell: 255 * node / cells on x, y, z, rounded down; then 0 */
 } histogram_cell;
 
 /* Bin i holds the values with edges[i] <= value < edges[i + 1]. At the isovalue edges[i] a cell is
@@ -47,7 +47,7 @@ typedef struct histogram {            /* offset size */
     float area[HISTOGRAM_BINS];       /* 5184 1024  of the surface at edges[i], about: the sum of
                                                     their areas times total / number drawn */
     uint8_t box[HISTOGRAM_BINS][6];   /* 6208 1536  of the cells counted in active[i]: smallest
-                                                    place on x, y, z, then largest; of a mesh, and
+                                                    position on x, y, z, then largest; of a mesh, and
                                                     where there are none, 0 */
 } histogram;
 _Static_assert(sizeof(histogram) == 7744, "histogram is 7744 bytes");

@@ -135,7 +135,7 @@ static histogram_cell look(const histogram_draw *d, const histogram_space *s,
         if (node[a] + 1 == d->dims[a])
             return c;
     for (int a = 0; a < 3; a++)
-        c.place[a] = (uint8_t)((uint64_t)node[a] * 255 / (d->dims[a] - 1));
+        c.position[a] = (uint8_t)((uint64_t)node[a] * 255 / (d->dims[a] - 1));
     corners_of(b, at, v);
     if (!range_of(v, 8, &c) || c.lo == c.hi)
         return c;

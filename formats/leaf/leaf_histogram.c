@@ -27,13 +27,13 @@ void leaf_histogram_take_tets(const histogram_run *r, uint64_t first_tet, const 
         if (tet < first_tet || tet >= end)
             continue;
         const uint16_t *corner = tets[tet - first_tet];
-        const float *places[4];
+        const float *at[4];
         float value[4];
         for (int c = 0; c < 4; c++) {
-            places[c] = positions[corner[c]];
+            at[c] = positions[corner[c]];
             value[c] = values[corner[c]];
         }
-        cells[i] = histogram_tet(places, value);
+        cells[i] = histogram_tet(at, value);
     }
 }
 

@@ -297,7 +297,7 @@ static status look_at_tets(const verification *v, uint32_t set, uint32_t t, cons
                            const char *values, char *positions, char *stored) {
     leaf_file *f = v->f;
     const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
-    const float(*places)[3] = mesh_leaf_positions(&s, topology);
+    const float(*points)[3] = mesh_leaf_positions(&s, topology);
     const uint32_t step = set % f->mesh->steps;
     if (!v->cells)
         return ST_OK;
@@ -306,10 +306,10 @@ static status look_at_tets(const verification *v, uint32_t set, uint32_t t, cons
             leaf_file_load(f, leaf_layout_positions(&f->layout, step, t), stored, positions);
         if (st != ST_OK)
             return st;
-        places = mesh_leaf_moved(&s, positions);
+        points = mesh_leaf_moved(&s, positions);
     }
     leaf_histogram_take_tets(&v->run, f->mesh->first_tet[t], &s, mesh_leaf_tets(&s, topology),
-                             places, mesh_leaf_values(&s, values),
+                             points, mesh_leaf_values(&s, values),
                              v->cells + (size_t)set * v->run.count);
     return ST_OK;
 }

@@ -27,7 +27,7 @@ static uint32_t *empty_table(mem *m, size_t slots) {
 /* ---- points ---- */
 
 /* The point already there at this place, or NONE; then it is put there as `id`. */
-static uint32_t place_of(uint32_t *table, size_t slots, double (*points)[3], uint32_t id) {
+static uint32_t find_or_add(uint32_t *table, size_t slots, double (*points)[3], uint32_t id) {
     size_t at = hash_bytes(points[id], sizeof *points) & (slots - 1);
     while (table[at] != NONE && memcmp(points[table[at]], points[id], sizeof *points) != 0)
         at = (at + 1) & (slots - 1);
@@ -49,7 +49,7 @@ static void weld_points(plc *x, bool floats, uint32_t *table, size_t slots, uint
         }
         if (x->values.count)
             values[kept] = values[i];
-        const uint32_t found = place_of(table, slots, points, kept);
+        const uint32_t found = find_or_add(table, slots, points, kept);
         new_id[i] = found == NONE ? kept : found;
         kept += found == NONE;
     }

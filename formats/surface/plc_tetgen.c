@@ -130,7 +130,7 @@ static status read_corners(plc *x, text_tokens *t, const nodes *n, int64_t count
 }
 
 /* id x y z, then the rest of the line. */
-static status read_place(const plc_source *s, text_tokens *t, plc_list *list) {
+static status read_hole(const plc_source *s, text_tokens *t, plc_list *list) {
     double id, xyz[3];
     status st = text_tokens_double(t, "the id of a hole", &id);
     for (int a = 0; st == ST_OK && a < 3; a++)
@@ -157,7 +157,7 @@ static status read_poly_facet(const plc_source *s, text_tokens *t, const nodes *
             st = text_tokens_end_line(t);
     }
     for (int64_t h = 0; st == ST_OK && h < holes; h++)
-        st = read_place(s, t, &x->facet_holes);
+        st = read_hole(s, t, &x->facet_holes);
     return st;
 }
 
@@ -210,7 +210,7 @@ static status read_tail(const plc_source *s, text_tokens *t) {
             return text_tokens_fault(t, "the number of %s", part == 0 ? "holes" : "regions");
         st = skip_line(t);
         for (int64_t i = 0; st == ST_OK && i < count; i++)
-            st = part == 0 ? read_place(s, t, &s->out->holes) : read_region(s, t);
+            st = part == 0 ? read_hole(s, t, &s->out->holes) : read_region(s, t);
         if (st == ST_OK)
             st = text_tokens_next(t);
     }

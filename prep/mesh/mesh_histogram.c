@@ -41,19 +41,19 @@ static void sort_ids(const uint32_t from[4], uint32_t to[4]) {
 static status take_tet(const uint32_t ids[4], mesh_pages *points, mesh_pages *values,
                        histogram_cell *out) {
     uint32_t id[4];
-    float place[4][3], value[4];
+    float position[4][3], value[4];
     sort_ids(ids, id);
     for (int c = 0; c < 4; c++) {
         const void *p = mesh_pages_at(points, id[c]);
         if (!p)
             return points->st;
-        memcpy(place[c], p, sizeof place[c]);
+        memcpy(position[c], p, sizeof position[c]);
         const void *v = mesh_pages_at(values, id[c]);
         if (!v)
             return values->st;
         memcpy(&value[c], v, sizeof value[c]);
     }
-    const float *const corners[4] = {place[0], place[1], place[2], place[3]};
+    const float *const corners[4] = {position[0], position[1], position[2], position[3]};
     *out = histogram_tet(corners, value);
     return ST_OK;
 }

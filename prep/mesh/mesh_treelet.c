@@ -137,10 +137,10 @@ static leaf_entry find_range(const float *value, uint32_t count) {
     return e;
 }
 
-/* mesh_leaf_code_lo() and mesh_leaf_code_hi() of a place within the bounds, from a guess instead of
- * a search: one step or two from it. */
-static void code_place(const mesh_frame *f, int axis, double per_step, float at, uint8_t *lo,
-                       uint8_t *hi) {
+/* mesh_leaf_code_lo() and mesh_leaf_code_hi() of a coordinate within the bounds, from a guess
+ * instead of a search: one step or two from it. */
+static void code_coordinate(const mesh_frame *f, int axis, double per_step, float at, uint8_t *lo,
+                            uint8_t *hi) {
     const double guess = ((double)at - (double)f->lo[axis]) * per_step;
     int code = guess < 255 ? (int)guess : 255;
     while (code < 255 && mesh_leaf_plane(f, axis, code) < at)
@@ -155,8 +155,8 @@ static void code_place(const mesh_frame *f, int axis, double per_step, float at,
     *lo = (uint8_t)code;
 }
 
-static void code_places(codes *to, const float (*position)[3], uint32_t count,
-                        const float bounds[6]) {
+static void code_positions(codes *to, const float (*position)[3], uint32_t count,
+                           const float bounds[6]) {
     const mesh_frame f = mesh_leaf_frame(bounds);
     double per_step[3];
     for (int a = 0; a < 3; a++)
@@ -164,7 +164,7 @@ static void code_places(codes *to, const float (*position)[3], uint32_t count,
     for (uint32_t i = 0; i < count; i++)
         for (int a = 0; a < 3; a++) {
             uint8_t hi;
-            code_place(&f, a, per_step[a], position[i][a], &to[i].byte[a], &hi);
+            code_coordinate(&f, a, per_step[a], position[i][a], &to[i].byte[a], &hi);
             to[i].byte[4 + a] = (uint8_t)(255 - hi);
         }
 }
@@ -355,7 +355,7 @@ status mesh_treelet_move(mesh_treelet_builder *b, mesh_pages *points, mesh_treel
     if (st != ST_OK)
         return st;
     find_bounds((const float(*)[3])position, s->vertices, out->moved_bounds);
-    code_places(b->vertex_codes, (const float(*)[3])position, s->vertices, out->moved_bounds);
+    code_positions(b->vertex_codes, (const float(*)[3])position, s->vertices, out->moved_bounds);
     code_nodes(b, b->positions, sizeof(mesh_boxes), NULL);
     out->positions = b->positions;
     return ST_OK;
@@ -372,7 +372,7 @@ status mesh_treelet_build(mesh_treelet_builder *b, const mesh_record *records, s
     if (st != ST_OK)
         return st;
     find_bounds((const float(*)[3])position, b->shape.vertices, out->bounds);
-    code_places(b->vertex_codes, (const float(*)[3])position, b->shape.vertices, out->bounds);
+    code_positions(b->vertex_codes, (const float(*)[3])position, b->shape.vertices, out->bounds);
     count_signs(b, (const float(*)[3])position, out);
     place_leaves(&b->tree, (uint16_t *)(b->topology + b->shape.leaf_first_at), (uint32_t)count);
     place_children(b);

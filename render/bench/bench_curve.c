@@ -85,18 +85,18 @@ static axis axis_of(const bench_table *t, const char *heading, bool log) {
 }
 
 /* In [0, 1] along the axis. */
-static double place(const axis *a, double value) {
+static double share_along(const axis *a, double value) {
     if (a->log)
         value = value > 0.0 ? log10(value) : a->lo;
     return fmin(fmax((value - a->lo) / (a->hi - a->lo), 0.0), 1.0);
 }
 
 static double x_at(const axis *a, double value) {
-    return LEFT + WIDTH * place(a, value);
+    return LEFT + WIDTH * share_along(a, value);
 }
 
 static double y_at(const axis *a, double value) {
-    return TOP + HEIGHT * (1.0 - place(a, value));
+    return TOP + HEIGHT * (1.0 - share_along(a, value));
 }
 
 static void print_tick(const axis *a, double value, bool upright, FILE *out) {

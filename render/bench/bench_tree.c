@@ -54,7 +54,7 @@ static status load_samples(leaf_file *f, bench_tree *t) {
 
 /* ---- ranges ---- */
 
-static void place_of(const bench_tree *t, uint32_t k, size_t index, uint32_t at[3]) {
+static void node_at(const bench_tree *t, uint32_t k, size_t index, uint32_t at[3]) {
     at[0] = (uint32_t)(index % t->n[k][0]);
     at[1] = (uint32_t)(index / t->n[k][0] % t->n[k][1]);
     at[2] = (uint32_t)(index / t->n[k][0] / t->n[k][1]);
@@ -84,7 +84,7 @@ static void fill_ranges(bench_tree *t, uint32_t k) {
         float *range = t->range[k][i];
         range[0] = INFINITY;
         range[1] = -INFINITY;
-        place_of(t, k, i, at);
+        node_at(t, k, i, at);
         if (k == BENCH_TREE_FINEST)
             range_of_samples(t, at, range);
         for (unsigned o = 0; k > BENCH_TREE_FINEST && o < 8; o++)
@@ -121,7 +121,7 @@ static void fill_codes(bench_tree *t, uint32_t k) {
 static void fill_treelet_codes(bench_tree *t, uint32_t k) {
     for (size_t i = 0; i < t->count[k]; i++) {
         uint32_t at[3];
-        place_of(t, k, i, at);
+        node_at(t, k, i, at);
         for (int a = 0; a < 3; a++)
             at[a] >>= BENCH_TREE_TREELET - k;
         t->of_treelet[k][i] =
@@ -139,7 +139,7 @@ static void fill_large(bench_tree *t, uint32_t k, size_t *slot_of, size_t *slot_
     for (size_t slot = 0; slot < t->count[k]; slot++) {
         const size_t i = nodes[slot].exists;
         uint32_t at[3], child[3];
-        place_of(t, k, i, at);
+        node_at(t, k, i, at);
         nodes[slot] = (bench_large_node){t->range[k][i][0], t->range[k][i][1], next, 0};
         for (unsigned o = 0; k > BENCH_TREE_FINEST && o < 8; o++)
             if (bench_tree_child(t, k, at, o, child)) {

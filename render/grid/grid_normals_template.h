@@ -89,11 +89,11 @@ SIMD void gradients_at(const tile_walk *w, const tile_layer *l, unsigned i, unsi
             const four mixed = mix_four(low, high, z);
             memcpy(g, &mixed, sizeof g);
         } else if (hits >> k & 1u) {
-            const double place[3] = {x, y, z};
+            const double point[3] = {x, y, z};
             const double widths[3] = {inverse[0][k], inverse[1][k], inverse[2][k]};
             float samples[8];
             walk_cell_samples(scene, resident_grid_of(surface_of(l, i + k)->at), cell[k], samples);
-            surface_trilinear(samples, place, widths, g);
+            surface_trilinear(samples, point, widths, g);
         }
         for (int a = 0; a < 3; a++)
             gradient[a][k] = g[a];

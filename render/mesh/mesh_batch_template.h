@@ -310,8 +310,8 @@ static void sum_directions(mesh_batch *w, const uint8_t rays[], unsigned count) 
 
 /* Where rays pass by each other: seen along the sum of the directions, in two of the axes; turned a
  * little by their own directions, which tells rays of one origin apart. */
-static void places_of(const mesh_batch *w, const uint8_t rays[], unsigned count,
-                      float place[2][RAY_BATCH]) {
+static void project_rays(const mesh_batch *w, const uint8_t rays[], unsigned count,
+                         float at[2][RAY_BATCH]) {
     const beam_frame *f = &w->frame;
     const int z = w->axis;
     for (int k = 0; k < 2; k++) {
@@ -320,36 +320,36 @@ static void places_of(const mesh_batch *w, const uint8_t rays[], unsigned count,
         for (unsigned i = 0; i < count; i++) {
             const ray *r = &w->b->rays[rays[i]];
             const double size = 1.0 / (fabs(r->d[0]) + fabs(r->d[1]) + fabs(r->d[2]));
-            place[k][i] = (float)((r->o[a] - slope * r->o[z]) * f->scale + r->d[a] * size);
+            at[k][i] = (float)((r->o[a] - slope * r->o[z]) * f->scale + r->d[a] * size);
         }
     }
 }
 
 /* 0 .. 15 of a range, every other bit of it. */
-SIMD unsigned spread_place(float at, float lo, float per) {
-    const unsigned x = (unsigned)((at - lo) * per) & 15u;
-    return (x & 1u) | (x & 2u) << 1 | (x & 4u) << 2 | (x & 8u) << 3;
+SIMD unsigned spread_bits(float x, float lo, float per) {
+    const unsigned n = (unsigned)((x - lo) * per) & 15u;
+    return (n & 1u) | (n & 2u) << 1 | (n & 4u) << 2 | (n & 8u) << 3;
 }
 
-/* Sort a group's rays along a curve through their places (Morton's), so that beams are made of
+/* Sort a group's rays along a curve through their points (Morton's), so that beams are made of
  * neighbours. */
 static void sort_rays(const mesh_batch *w, uint8_t rays[], unsigned count) {
-    float place[2][RAY_BATCH], lo[2], per[2];
+    float at[2][RAY_BATCH], lo[2], per[2];
     uint8_t key[RAY_BATCH], from[RAY_BATCH];
     uint16_t begins[257] = {0};
-    places_of(w, rays, count, place);
+    project_rays(w, rays, count, at);
     for (int k = 0; k < 2; k++) {
-        float hi = place[k][0];
+        float hi = at[k][0];
         lo[k] = hi;
         for (unsigned i = 1; i < count; i++) {
-            lo[k] = place[k][i] < lo[k] ? place[k][i] : lo[k];
-            hi = place[k][i] > hi ? place[k][i] : hi;
+            lo[k] = at[k][i] < lo[k] ? at[k][i] : lo[k];
+            hi = at[k][i] > hi ? at[k][i] : hi;
         }
         per[k] = hi > lo[k] ? 15.99f / (hi - lo[k]) : 0.0f;
     }
     for (unsigned i = 0; i < count; i++) {
-        key[i] = (uint8_t)(spread_place(place[0][i], lo[0], per[0]) |
-                           spread_place(place[1][i], lo[1], per[1]) << 1);
+        key[i] = (uint8_t)(spread_bits(at[0][i], lo[0], per[0]) |
+                           spread_bits(at[1][i], lo[1], per[1]) << 1);
         begins[key[i] + 1]++;
     }
     for (unsigned k = 1; k < 257; k++)

@@ -13,7 +13,7 @@ enum { ELEMENT = 7744 };
 typedef struct draw {
     bool has_value, has_cell;
     float value, lo, hi, slope, area;
-    int place[3];
+    int position[3];
 } draw;
 
 static const unsigned char *find(const unsigned char *bytes, uint64_t *size) {
@@ -67,8 +67,8 @@ static const char *compare(const unsigned char *at, const draw *draws, size_t co
             if (!d->has_cell || !((double)d->lo < from && from <= (double)d->hi))
                 continue;
             for (int a = 0; a < 3; a++) {
-                box[a] = !active || d->place[a] < box[a] ? d->place[a] : box[a];
-                box[a + 3] = !active || d->place[a] > box[a + 3] ? d->place[a] : box[a + 3];
+                box[a] = !active || d->position[a] < box[a] ? d->position[a] : box[a];
+                box[a + 3] = !active || d->position[a] > box[a + 3] ? d->position[a] : box[a + 3];
             }
             active++;
             slope += (double)d->slope;
@@ -150,7 +150,7 @@ static draw draw_node(const naive_leaf *leaf, const long node[3]) {
     d.slope = (float)slope_of(leaf, v, node, &volume);
     d.area = d.hi > d.lo ? (float)(volume * (double)d.slope / ((double)d.hi - (double)d.lo)) : 0;
     for (int a = 0; a < 3; a++)
-        d.place[a] = (int)(255 * node[a] / (leaf->dims[a] - 1));
+        d.position[a] = (int)(255 * node[a] / (leaf->dims[a] - 1));
     return d;
 }
 
