@@ -94,9 +94,9 @@ typedef struct own_batch {
     ray_counters *counters;
     unsigned count;
     uint32_t pixel[RAY_BATCH];
-    uint16_t place[RAY_BATCH]; /* in the tile: TILE_MAX a row */
+    uint16_t in_tile[RAY_BATCH]; /* in the tile: TILE_MAX a row */
     bool blocked[RAY_BATCH];
-    uint16_t asked[RAY_BATCH]; /* by place in out->batch: of those above */
+    uint16_t asked[RAY_BATCH]; /* by index in out->batch: of those above */
 } own_batch;
 
 /* Put ray k into the batch for volume v, if it still looks for something there. */
@@ -153,7 +153,8 @@ static void trace_batch(own_batch *b) {
             take_answer(b, i, v);
     }
     for (unsigned k = 0; k < b->count; k++)
-        b->out->open[b->place[k] / TILE_MAX] |= (tile_row)b->blocked[k] << b->place[k] % TILE_MAX;
+        b->out->open[b->in_tile[k] / TILE_MAX] |= (tile_row)b->blocked[k]
+                                                  << b->in_tile[k] % TILE_MAX;
     b->count = 0;
 }
 
@@ -169,7 +170,7 @@ static void trace_tile(const frame *f, uint32_t x0, uint32_t y0, const tile_row 
             const uint32_t pixel = (y0 + y) * f->width + x0 + x;
             if (pixel >= look_of(f)->count)
                 continue;
-            b.place[b.count] = (uint16_t)(TILE_MAX * y + x);
+            b.in_tile[b.count] = (uint16_t)(TILE_MAX * y + x);
             b.pixel[b.count++] = pixel;
             if (b.count == RAY_BATCH)
                 trace_batch(&b);

@@ -236,7 +236,7 @@ static status load_moved(const resident_store *s, resident_mesh *tr, uint32_t st
 }
 
 /* Which vertices and boxes it has now: those of its topology, or of its own. */
-static void place(resident_mesh *tr) {
+static void point_to_geometry(resident_mesh *tr) {
     tr->nodes = mesh_leaf_nodes(tr->head.payload);
     tr->positions = mesh_leaf_positions(&tr->mesh, tr->head.payload);
     if (!tr->moved)
@@ -270,7 +270,7 @@ static status load_set(const resident_store *s, resident_mesh *tr, uint32_t set,
     }
     tr->head.bytes += values_bytes(s, &tr->mesh) + (tr->moved ? moved_bytes(s, &tr->mesh) : 0) +
                       gradients_bytes(s, &tr->mesh);
-    place(tr);
+    point_to_geometry(tr);
     return ST_OK;
 }
 

@@ -64,16 +64,16 @@ static const backend mapped_backend = {mapped_load, mapped_evict};
 
 /* ---- in place: bytes that are in memory already ---- */
 
-static status place_load(source *s, uint32_t p, source_scratch *scratch, const void **payload) {
+static status memory_load(source *s, uint32_t p, source_scratch *scratch, const void **payload) {
     (void)scratch;
     return leaf_file_decode(s->file, p, s->bytes + s->file->offsets[p], NULL, payload);
 }
 
-static void place_evict(source *s, uint32_t p, const void *payload) {
+static void memory_evict(source *s, uint32_t p, const void *payload) {
     (void)s, (void)p, (void)payload;
 }
 
-static const backend place_backend = {place_load, place_evict};
+static const backend memory_backend = {memory_load, memory_evict};
 
 /* ---- arena ---- */
 
@@ -122,7 +122,7 @@ static status use_bytes(source *s, const uint8_t *bytes) {
     if ((uintptr_t)bytes % LEAF_ALIGN)
         return ST_OK;
     s->bytes = bytes;
-    s->backend = &place_backend;
+    s->backend = &memory_backend;
     return ST_OK;
 }
 

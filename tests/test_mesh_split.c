@@ -65,7 +65,7 @@ static const shape shapes[] = {
 enum { SHAPES = sizeof shapes / sizeof *shapes };
 
 /* Where the vertex of an id lies. */
-static int place_of(const shape *s, const uint32_t *ids, uint32_t id) {
+static int index_of(const shape *s, const uint32_t *ids, uint32_t id) {
     for (int i = 0; i < s->vertices; i++)
         if (ids[i] == id)
             return i;
@@ -121,7 +121,7 @@ static void check_cell(const shape *s, const uint32_t *ids) {
     assert_int_equal(count, s->tets);
     for (int i = 0; i < count; i++) {
         for (int k = 0; k < 4; k++)
-            t[i][k] = place_of(s, ids, tets[i][k]);
+            t[i][k] = index_of(s, ids, tets[i][k]);
         assert_true(volume6(s, t[i]) > 0);
         sum += volume6(s, t[i]);
     }
@@ -179,7 +179,7 @@ static void check_collapsed(const uint32_t six[6]) {
         if (repeats(tets[i]))
             continue;
         for (int k = 0; k < 4; k++)
-            t[kept][k] = place_of(wedge, six, tets[i][k]);
+            t[kept][k] = index_of(wedge, six, tets[i][k]);
         assert_true(volume6(wedge, t[kept]) > 0);
         sum += volume6(wedge, t[kept++]);
     }

@@ -58,13 +58,13 @@ static uintptr_t hexadecimal(const char **text) {
 }
 
 /* Where a page is: in a file, from byte `offset` on. */
-typedef struct place {
+typedef struct mapping {
     const char *path;
     uint64_t offset;
-} place;
+} mapping;
 
 /* "from-to perms offset device inode   /path" of /proc/self/maps: whether it has this page. */
-static bool place_on_line(const char *text, uintptr_t page, place *p) {
+static bool mapping_on_line(const char *text, uintptr_t page, mapping *p) {
     const uintptr_t from = hexadecimal(&text), to = hexadecimal(&text);
     if (page < from || page >= to)
         return false;
@@ -76,7 +76,7 @@ static bool place_on_line(const char *text, uintptr_t page, place *p) {
 }
 
 /* Which file is mapped at a page; false: none. */
-static bool place_of(uintptr_t page, place *p) {
+static bool mapping_of(uintptr_t page, mapping *p) {
     const int fd = open("/proc/self/maps", O_RDONLY | O_CLOEXEC);
     size_t used = 0;
     bool found = false;
@@ -89,7 +89,7 @@ static bool place_of(uintptr_t page, place *p) {
             }
             line[used] = 0;
             used = 0;
-            found = place_on_line(line, page, p);
+            found = mapping_on_line(line, page, p);
         }
     }
     if (fd >= 0)
@@ -97,13 +97,13 @@ static bool place_of(uintptr_t page, place *p) {
     return found;
 }
 
-static bool ends_before(const place *p) {
+static bool ends_before(const mapping *p) {
     struct stat info;
     return stat(p->path, &info) == 0 && (uint64_t)info.st_size <= p->offset;
 }
 
 /* A page of a file is missing: returns, or ends the program. */
-static void tell(const place *p, uintptr_t page) {
+static void tell(const mapping *p, uintptr_t page) {
     if (ends_before(p))
         end(p->path, " became shorter while it was in use\n", ST_CORRUPT);
     /* It may have been cut and have grown again since: then a second look finds it. */
@@ -116,11 +116,11 @@ static void on_bus_error(int number, siginfo_t *info, void *context) {
     const struct timespec moment = {.tv_nsec = 1000000};
     const uintptr_t page = (uintptr_t)info->si_addr & ~(page_bytes - 1);
     const int error = errno;
-    place p;
+    mapping p;
     (void)context;
     while (atomic_flag_test_and_set(&taken))
         nanosleep(&moment, NULL);
-    if (info->si_code == BUS_ADRERR && place_of(page, &p)) {
+    if (info->si_code == BUS_ADRERR && mapping_of(page, &p)) {
         tell(&p, page);
     } else {
         /* Once more, without a handler. */

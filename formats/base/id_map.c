@@ -8,12 +8,12 @@ status id_map_add(id_map *map, uint64_t id) {
     id_run *last = map->count ? &map->runs[map->count - 1] : NULL;
     if (last && id >= last->id && id - last->id == last->count) {
         last->count++;
-        map->places++;
+        map->ids++;
         return ST_OK;
     }
     status st = mem_grow(map->m, &map->runs, sizeof *map->runs, map->count, 64, &map->room);
     if (st == ST_OK)
-        map->runs[map->count++] = (id_run){id, map->places++, 1};
+        map->runs[map->count++] = (id_run){id, map->ids++, 1};
     return st;
 }
 
@@ -64,7 +64,7 @@ uint64_t id_map_find(id_map *map, uint64_t id) {
         map->last = lo;
     }
     const id_run *run = &map->runs[map->last];
-    return id - run->id < run->count ? run->place + (id - run->id) : UINT64_MAX;
+    return id - run->id < run->count ? run->index + (id - run->id) : UINT64_MAX;
 }
 
 void id_map_release(id_map *map) {

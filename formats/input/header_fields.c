@@ -8,7 +8,7 @@
 
 #include "formats/base/num.h"
 
-enum { FIELDS_MAX = 4096, PLACE_MAX = 512 };
+enum { FIELDS_MAX = 4096, WHERE_MAX = 512 };
 
 static const char *skip_blanks(const char *text) {
     return text + strspn(text, " \t");
@@ -51,19 +51,19 @@ const header_field *header_fields_find_pair(const header_fields *h, const char *
     return find(h, key, true);
 }
 
-static void print_place(const header_fields *h, const header_field *f, char place[PLACE_MAX]) {
-    snprintf(place, PLACE_MAX, "%s: line %u: %.60s", h->name, f->line, f->key);
+static void print_where(const header_fields *h, const header_field *f, char where[WHERE_MAX]) {
+    snprintf(where, WHERE_MAX, "%s: line %u: %.60s", h->name, f->line, f->key);
 }
 
 status header_fields_fault(const header_fields *h, const header_field *f, status st,
                            const char *fmt, ...) {
-    char place[PLACE_MAX], text[STATUS_TEXT_MAX];
-    print_place(h, f, place);
+    char where[WHERE_MAX], text[STATUS_TEXT_MAX];
+    print_where(h, f, where);
     va_list args;
     va_start(args, fmt);
     vsnprintf(text, sizeof text, fmt, args);
     va_end(args);
-    return status_describe(st, "%s: %s", place, text);
+    return status_describe(st, "%s: %s", where, text);
 }
 
 status header_fields_missing(const header_fields *h, const char *key) {
@@ -142,16 +142,16 @@ static status blame_file(status st) {
 
 status header_fields_numbers(const header_fields *h, const header_field *f, int count,
                              double *out) {
-    char place[PLACE_MAX];
-    print_place(h, f, place);
-    return blame_file(num_doubles(f->value, place, " ", count, out));
+    char where[WHERE_MAX];
+    print_where(h, f, where);
+    return blame_file(num_doubles(f->value, where, " ", count, out));
 }
 
 status header_fields_int(const header_fields *h, const header_field *f, int64_t lo, int64_t hi,
                          int64_t *out) {
-    char place[PLACE_MAX];
-    print_place(h, f, place);
-    return blame_file(num_int(f->value, place, lo, hi, out));
+    char where[WHERE_MAX];
+    print_where(h, f, where);
+    return blame_file(num_int(f->value, where, lo, hi, out));
 }
 
 status header_fields_sizes(const header_fields *h, const header_field *f, int count,

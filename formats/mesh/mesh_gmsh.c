@@ -150,10 +150,10 @@ static status read_node_block(gmsh_reading *r, gmsh_cursor *c) {
     if (st == ST_OK && (dimensions > 3 || parametric > 1))
         return gmsh_cursor_fault(c, ST_CORRUPT,
                                  "expected a dimension of 0 to 3, parametric 0 or 1");
-    if (st == ST_OK && count > r->feed->points - r->nodes.places)
+    if (st == ST_OK && count > r->feed->points - r->nodes.ids)
         return gmsh_cursor_fault(c, ST_CORRUPT, "a block of %llu nodes, expected at most %llu more",
                                  (unsigned long long)count,
-                                 (unsigned long long)(r->feed->points - r->nodes.places));
+                                 (unsigned long long)(r->feed->points - r->nodes.ids));
     for (uint64_t i = 0; st == ST_OK && i < count; i++) {
         st = gmsh_cursor_size(c, "a node's number", &id);
         if (st == ST_OK)
@@ -182,9 +182,9 @@ static status read_nodes_4(gmsh_reading *r, gmsh_cursor *c) {
         st = mesh_feed_expect(r->feed, count);
     for (uint64_t i = 0; st == ST_OK && i < blocks; i++)
         st = read_node_block(r, c);
-    if (st == ST_OK && r->nodes.places < count)
+    if (st == ST_OK && r->nodes.ids < count)
         return gmsh_cursor_fault(c, ST_CORRUPT, "%llu nodes in all blocks, expected %llu",
-                                 (unsigned long long)r->nodes.places, (unsigned long long)count);
+                                 (unsigned long long)r->nodes.ids, (unsigned long long)count);
     return st;
 }
 
@@ -237,15 +237,15 @@ static status read_node_data(gmsh_reading *r, gmsh_cursor *c) {
         st = gmsh_cursor_int(c, "a node's number", &id);
         if (st == ST_OK)
             st = read_value(r, c, &value);
-        uint64_t place = st == ST_OK ? id_map_find(&r->nodes, id) : UINT64_MAX;
-        if (place != UINT64_MAX) /* views may know more nodes than the mesh */
-            r->values.items[place] = value;
+        uint64_t index = st == ST_OK ? id_map_find(&r->nodes, id) : UINT64_MAX;
+        if (index != UINT64_MAX) /* views may know more nodes than the mesh */
+            r->values.items[index] = value;
     }
     return st == ST_OK ? mesh_feed_values(r->feed, r->values.items, points) : st;
 }
 
 static status push_start(gmsh_reading *r) {
-    size_t row = (size_t)r->rows.places - 1;
+    size_t row = (size_t)r->rows.ids - 1;
     status st = mem_grow(r->file->m, &r->starts, sizeof *r->starts, row, 1024, &r->starts_room);
     if (st == ST_OK)
         r->starts[row] = r->values.count;

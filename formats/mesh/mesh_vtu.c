@@ -16,16 +16,16 @@ enum { TAG_MAX = 1 << 20, DEPTH_MAX = 64 };
 #define COUNT_MAX ((int64_t)1 << 47) /* times components: no overflow */
 
 /* What an element is to us; its children are read accordingly. */
-typedef enum place {
-    PLACE_OTHER,
-    PLACE_FILE,   /* VTKFile */
-    PLACE_GRID,   /* UnstructuredGrid */
-    PLACE_PIECE,  /* Piece */
-    PLACE_POINTS, /* Points */
-    PLACE_CELLS,  /* Cells */
-    PLACE_POINT_DATA,
-    PLACE_CELL_DATA,
-} place;
+typedef enum element {
+    ELEMENT_OTHER,
+    ELEMENT_FILE,   /* VTKFile */
+    ELEMENT_GRID,   /* UnstructuredGrid */
+    ELEMENT_PIECE,  /* Piece */
+    ELEMENT_POINTS, /* Points */
+    ELEMENT_CELLS,  /* Cells */
+    ELEMENT_POINT_DATA,
+    ELEMENT_CELL_DATA,
+} element;
 
 /* The pass over the XML that finds the arrays. */
 typedef struct scan {
@@ -33,7 +33,7 @@ typedef struct scan {
     vtk_piece *piece;
     byte_stream *s;
     XML_Parser parser;
-    place nest[DEPTH_MAX];
+    element nest[DEPTH_MAX];
     int depth;
     status st; /* of a handler that stopped the parser */
     bool big_endian, head64, zlib;
@@ -202,17 +202,17 @@ static status on_cells_array(scan *s, const char *name, const vtk_array *a) {
     return ST_OK;
 }
 
-static status on_array(scan *s, place parent, const char **attributes) {
+static status on_array(scan *s, element parent, const char **attributes) {
     vtk_array a;
     const char *name = find_attribute(attributes, "Name");
-    if (parent < PLACE_POINTS)
+    if (parent < ELEMENT_POINTS)
         return ST_OK; /* of the file as a whole */
     status st = parse_array(s, attributes, &a);
     if (st != ST_OK)
         return st;
-    if (parent == PLACE_CELLS)
+    if (parent == ELEMENT_CELLS)
         return on_cells_array(s, name, &a);
-    if (parent == PLACE_POINTS) {
+    if (parent == ELEMENT_POINTS) {
         if (s->piece->position.type != VTK_ABSENT)
             return fault(s, ST_CORRUPT, "the points come twice");
         s->piece->position = a;
@@ -223,7 +223,7 @@ static status on_array(scan *s, place parent, const char **attributes) {
     if (!a.name)
         return ST_NOMEM;
     return vtk_unstructured_add_field(
-        s->g, s->piece, parent == PLACE_POINT_DATA ? VTK_OF_POINTS : VTK_OF_CELLS, &a);
+        s->g, s->piece, parent == ELEMENT_POINT_DATA ? VTK_OF_POINTS : VTK_OF_CELLS, &a);
 }
 
 /* Whatever follows is no XML any more, or not ours to parse. */
@@ -240,37 +240,40 @@ static status on_appended(scan *s, const char **attributes) {
     return ST_OK;
 }
 
-static place child_place(place parent, const char *name) {
+static element child_element(element parent, const char *name) {
     static const struct {
-        place parent, place;
+        element parent, child;
         const char *name;
     } nests[] = {
-        {PLACE_FILE, PLACE_GRID, "UnstructuredGrid"}, {PLACE_GRID, PLACE_PIECE, "Piece"},
-        {PLACE_PIECE, PLACE_POINTS, "Points"},        {PLACE_PIECE, PLACE_CELLS, "Cells"},
-        {PLACE_PIECE, PLACE_POINT_DATA, "PointData"}, {PLACE_PIECE, PLACE_CELL_DATA, "CellData"},
+        {ELEMENT_FILE, ELEMENT_GRID, "UnstructuredGrid"},
+        {ELEMENT_GRID, ELEMENT_PIECE, "Piece"},
+        {ELEMENT_PIECE, ELEMENT_POINTS, "Points"},
+        {ELEMENT_PIECE, ELEMENT_CELLS, "Cells"},
+        {ELEMENT_PIECE, ELEMENT_POINT_DATA, "PointData"},
+        {ELEMENT_PIECE, ELEMENT_CELL_DATA, "CellData"},
     };
     for (size_t i = 0; i < sizeof nests / sizeof *nests; i++)
         if (nests[i].parent == parent && strcmp(nests[i].name, name) == 0)
-            return nests[i].place;
-    return PLACE_OTHER;
+            return nests[i].child;
+    return ELEMENT_OTHER;
 }
 
 static status start_element(scan *s, const char *name, const char **attributes) {
     if (s->depth == 0) {
-        s->nest[s->depth++] = PLACE_FILE;
+        s->nest[s->depth++] = ELEMENT_FILE;
         return strcmp(name, "VTKFile") == 0
                    ? on_file(s, attributes)
                    : fault(s, ST_CORRUPT, "<%.40s>, expected <VTKFile>", name);
     }
     if (s->depth == DEPTH_MAX)
         return fault(s, ST_CORRUPT, "more than %d elements in each other", DEPTH_MAX);
-    place parent = s->nest[s->depth - 1], inner = child_place(parent, name);
+    element parent = s->nest[s->depth - 1], inner = child_element(parent, name);
     s->nest[s->depth++] = inner;
-    if (inner == PLACE_PIECE)
+    if (inner == ELEMENT_PIECE)
         return on_piece(s, attributes);
     if (strcmp(name, "DataArray") == 0 || strcmp(name, "Array") == 0)
         return on_array(s, parent, attributes);
-    if (parent == PLACE_FILE && strcmp(name, "AppendedData") == 0)
+    if (parent == ELEMENT_FILE && strcmp(name, "AppendedData") == 0)
         return on_appended(s, attributes);
     return ST_OK;
 }

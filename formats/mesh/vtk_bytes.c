@@ -8,16 +8,16 @@
 
 enum { PACKED_BUFFER = 1 << 14 };
 
-/* One place of the file that is read from: base64 or not. */
-typedef struct place {
+/* What is read from one byte of the file on: base64 or not. */
+typedef struct input {
     byte_stream *from;
     base64_stream text;
-} place;
+} input;
 
 struct vtk_bytes {
     mem *m;
     const vtk_array *array;
-    place data, table; /* the table of the blocks' packed sizes; open with zlib alone */
+    input data, table; /* the table of the blocks' packed sizes; open with zlib alone */
     uint64_t size;
 
     uint64_t blocks, block_size, last_size; /* the table; last_size is never 0 */
@@ -30,9 +30,9 @@ struct vtk_bytes {
     uint8_t packed[PACKED_BUFFER];
 };
 
-/* ---- places ---- */
+/* ---- inputs ---- */
 
-static status place_open(vtk_bytes *b, place *p) {
+static status input_open(vtk_bytes *b, input *p) {
     status st = byte_stream_open(b->m, b->array->path, &p->from);
     if (st != ST_OK)
         return st;
@@ -40,20 +40,20 @@ static status place_open(vtk_bytes *b, place *p) {
     return byte_stream_skip(p->from, b->array->at);
 }
 
-static status ends_early(const vtk_bytes *b, const place *p, uint64_t missing, const char *what) {
+static status ends_early(const vtk_bytes *b, const input *p, uint64_t missing, const char *what) {
     return vtk_array_fault(b->array, ST_CORRUPT, "ends before byte %llu, expected %llu more of %s",
                            (unsigned long long)byte_stream_position(p->from),
                            (unsigned long long)missing, what);
 }
 
-static status place_read(vtk_bytes *b, place *p, void *buffer, size_t size, const char *what) {
+static status input_read(vtk_bytes *b, input *p, void *buffer, size_t size, const char *what) {
     size_t got;
     status st = b->array->coding == VTK_BASE64 ? base64_stream_read(&p->text, buffer, size, &got)
                                                : byte_stream_read(p->from, buffer, size, &got);
     return st == ST_OK && got < size ? ends_early(b, p, size - got, what) : st;
 }
 
-static status place_skip(vtk_bytes *b, place *p, uint64_t size, const char *what) {
+static status input_skip(vtk_bytes *b, input *p, uint64_t size, const char *what) {
     if (b->array->coding == VTK_RAW)
         return size > byte_stream_left(p->from) ? ends_early(b, p, size, what)
                                                 : byte_stream_skip(p->from, size);
@@ -61,18 +61,18 @@ static status place_skip(vtk_bytes *b, place *p, uint64_t size, const char *what
     status st = ST_OK;
     while (st == ST_OK && size > 0) {
         size_t count = size < sizeof passed ? (size_t)size : sizeof passed;
-        st = place_read(b, p, passed, count, what);
+        st = input_read(b, p, passed, count, what);
         size -= count;
     }
     return st;
 }
 
 /* One number of the head. */
-static status place_number(vtk_bytes *b, place *p, uint64_t *out) {
+static status input_number(vtk_bytes *b, input *p, uint64_t *out) {
     uint8_t bytes[8];
     bool big = b->array->big_endian;
     size_t width = b->array->head64 ? 8 : 4;
-    status st = place_read(b, p, bytes, width, "its head");
+    status st = input_read(b, p, bytes, width, "its head");
     *out = 0;
     for (size_t i = 0; st == ST_OK && i < width; i++)
         *out = *out << 8 | bytes[big ? i : width - 1 - i];
@@ -89,15 +89,15 @@ static status start_zlib(vtk_bytes *b) {
     return b->ready ? ST_OK : ST_NOMEM;
 }
 
-/* [blocks, bytes a block, bytes of the last one or 0 for a full one]: then both places stand at the
+/* [blocks, bytes a block, bytes of the last one or 0 for a full one]: then both inputs stand at the
  * table. */
 static status read_table(vtk_bytes *b) {
     uint64_t head[3], again;
-    status st = place_open(b, &b->table);
+    status st = input_open(b, &b->table);
     for (int i = 0; st == ST_OK && i < 3; i++) {
-        st = place_number(b, &b->data, &head[i]);
+        st = input_number(b, &b->data, &head[i]);
         if (st == ST_OK)
-            st = place_number(b, &b->table, &again);
+            st = input_number(b, &b->table, &again);
     }
     if (st != ST_OK)
         return st;
@@ -113,7 +113,7 @@ static status read_table(vtk_bytes *b) {
         return vtk_array_fault(
             b->array, ST_CORRUPT, "no sound head: %llu blocks of %llu bytes, the last of %llu",
             (unsigned long long)head[0], (unsigned long long)head[1], (unsigned long long)head[2]);
-    st = place_skip(b, &b->data, b->blocks * (b->array->head64 ? 8 : 4), "its table of blocks");
+    st = input_skip(b, &b->data, b->blocks * (b->array->head64 ? 8 : 4), "its table of blocks");
     return st == ST_OK ? start_zlib(b) : st;
 }
 
@@ -123,9 +123,9 @@ status vtk_bytes_open(mem *m, const vtk_array *a, vtk_bytes **out) {
         return ST_NOMEM;
     b->m = m;
     b->array = a;
-    status st = place_open(b, &b->data);
+    status st = input_open(b, &b->data);
     if (st == ST_OK)
-        st = a->zlib ? read_table(b) : place_number(b, &b->data, &b->size);
+        st = a->zlib ? read_table(b) : input_number(b, &b->data, &b->size);
     if (st != ST_OK) {
         vtk_bytes_close(b);
         return st;
@@ -157,7 +157,7 @@ static status damaged(const vtk_bytes *b, const char *why) {
 }
 
 static status next_block(vtk_bytes *b) {
-    status st = place_number(b, &b->table, &b->packed_left);
+    status st = input_number(b, &b->table, &b->packed_left);
     inflateReset(&b->z);
     b->z.avail_in = 0;
     b->block++;
@@ -170,7 +170,7 @@ static status next_block(vtk_bytes *b) {
 static status inflate_some(vtk_bytes *b, void *to, size_t size, size_t *got) {
     if (b->z.avail_in == 0 && b->packed_left > 0) {
         size_t count = b->packed_left < PACKED_BUFFER ? (size_t)b->packed_left : PACKED_BUFFER;
-        status st = place_read(b, &b->data, b->packed, count, "its blocks");
+        status st = input_read(b, &b->data, b->packed, count, "its blocks");
         if (st != ST_OK)
             return st;
         b->packed_left -= count;
@@ -233,5 +233,5 @@ static status read_blocks(vtk_bytes *b, uint8_t *to, size_t size) {
 
 status vtk_bytes_read(vtk_bytes *b, void *buffer, size_t size) {
     return b->array->zlib ? read_blocks(b, buffer, size)
-                          : place_read(b, &b->data, buffer, size, "its numbers");
+                          : input_read(b, &b->data, buffer, size, "its numbers");
 }

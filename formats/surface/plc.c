@@ -51,13 +51,13 @@ status plc_add(plc *x, plc_list *list, const void *element, size_t size) {
 status plc_add_point(const plc_source *s, const double xyz[3], uint64_t line) {
     for (int a = 0; a < 3; a++)
         if (!isfinite((float)xyz[a])) {
-            char place[40] = "";
+            char where[40] = "";
             if (line > 0)
-                snprintf(place, sizeof place, "line %llu: ", (unsigned long long)line);
+                snprintf(where, sizeof where, "line %llu: ", (unsigned long long)line);
             return status_describe(ST_CORRUPT,
                                    "%s: %spoint %zu (counted from 0): %c is %g, expected a finite "
                                    "number within floats",
-                                   byte_stream_name(s->data), place, s->out->points.count, "xyz"[a],
+                                   byte_stream_name(s->data), where, s->out->points.count, "xyz"[a],
                                    xyz[a]);
         }
     return plc_add(s->out, &s->out->points, xyz, 3 * sizeof *xyz);

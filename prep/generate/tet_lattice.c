@@ -130,23 +130,23 @@ void tet_lattice_release(tet_lattice *l, mem *m) {
 
 /* ---- rows ---- */
 
-/* Where a row lies: its copy, and the place of its first node in it. */
-typedef struct place {
+/* Where a row lies: its copy, and where its first node is in that. */
+typedef struct row_index {
     uint32_t copy;
     uint32_t j, k;
-} place;
+} row_index;
 
-static place place_of(uint64_t row, uint32_t rows, uint32_t slices) {
+static row_index row_index_of(uint64_t row, uint32_t rows, uint32_t slices) {
     uint64_t slice = row / rows;
-    return (place){.copy = (uint32_t)(slice / slices),
-                   .j = (uint32_t)(row % rows),
-                   .k = (uint32_t)(slice % slices)};
+    return (row_index){.copy = (uint32_t)(slice / slices),
+                       .j = (uint32_t)(row % rows),
+                       .k = (uint32_t)(slice % slices)};
 }
 
 void tet_lattice_points(const tet_lattice *l, uint64_t row, float (*xyz)[3]) {
     const tet_lattice_shape *s = &l->shape;
     const uint32_t *dims = s->dims, *copies = s->copies;
-    const place p = place_of(row, dims[1], dims[2]);
+    const row_index p = row_index_of(row, dims[1], dims[2]);
     const double x = (double)(p.copy % copies[0]) * (dims[0] - 1);
     const double y = (double)(p.copy / copies[0] % copies[1]) * (dims[1] - 1) + p.j;
     const double z = (double)(p.copy / copies[0] / copies[1]) * (dims[2] - 1) + p.k;
@@ -166,7 +166,7 @@ void tet_lattice_points(const tet_lattice *l, uint64_t row, float (*xyz)[3]) {
 
 void tet_lattice_tets(const tet_lattice *l, uint64_t row, uint32_t (*ids)[4]) {
     const uint32_t *dims = l->shape.dims;
-    const place p = place_of(row, dims[1] - 1, dims[2] - 1);
+    const row_index p = row_index_of(row, dims[1] - 1, dims[2] - 1);
     uint32_t node = p.copy * l->copy_points + (p.k * dims[1] + p.j) * dims[0];
     for (uint32_t i = 0; i + 1 < dims[0]; i++, node++)
         for (int t = 0; t < 6; t++, ids++)

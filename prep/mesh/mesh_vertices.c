@@ -27,9 +27,9 @@ status mesh_vertices_init(mesh_vertices *v, mem *m, uint32_t tets_max) {
     v->ids = mem_alloc(m, most * sizeof *v->ids);
     v->other = mem_alloc(m, most * sizeof *v->other);
     v->corners = mem_alloc(m, tets_max * sizeof *v->corners);
-    v->places = mem_alloc(m, most * sizeof *v->places);
+    v->local = mem_alloc(m, most * sizeof *v->local);
     v->slots = mem_alloc(m, sizeof *v->slots << v->slots_log2_max);
-    return v->ids && v->other && v->corners && v->places && v->slots ? ST_OK : ST_NOMEM;
+    return v->ids && v->other && v->corners && v->local && v->slots ? ST_OK : ST_NOMEM;
 }
 
 void mesh_vertices_release(mesh_vertices *v) {
@@ -38,7 +38,7 @@ void mesh_vertices_release(mesh_vertices *v) {
     mem_free(v->m, v->ids);
     mem_free(v->m, v->other);
     mem_free(v->m, v->corners);
-    mem_free(v->m, v->places);
+    mem_free(v->m, v->local);
     mem_free(v->m, v->slots);
     *v = (mesh_vertices){0};
 }
@@ -114,8 +114,8 @@ void mesh_vertices_number(mesh_vertices *v, const mesh_record *records, size_t t
     collect(v, records, tets);
     sort_ids(v);
     for (uint32_t i = 0; i < v->count; i++)
-        v->places[v->ids[i] & UINT32_MAX] = (uint16_t)i;
+        v->local[v->ids[i] & UINT32_MAX] = (uint16_t)i;
     for (size_t t = 0; t < tets; t++)
         for (int c = 0; c < 4; c++)
-            v->corners[t][c] = v->places[v->corners[t][c]];
+            v->corners[t][c] = v->local[v->corners[t][c]];
 }

@@ -18,9 +18,9 @@ typedef struct mesh_vertices {
     mem *m;
     uint32_t count;
     uint64_t *ids;          /* [count]: ascending; the ids are the upper 32 bits */
-    uint16_t (*corners)[4]; /* of each tet, in the input's order: its vertices' places in ids */
+    uint16_t (*corners)[4]; /* of each tet, in the input's order: its vertices' local numbers */
     uint64_t *other;
-    uint16_t *places;
+    uint16_t *local;
     mesh_vertex_slot *slots;
     uint32_t slots_log2_max;
 } mesh_vertices;
@@ -33,8 +33,8 @@ uint64_t mesh_vertices_memory(uint32_t tets_max);
 
 void mesh_vertices_number(mesh_vertices *v, const mesh_record *records, size_t tets);
 
-static inline uint32_t mesh_vertices_id(const mesh_vertices *v, uint32_t place) {
-    return (uint32_t)(v->ids[place] >> 32);
+static inline uint32_t mesh_vertices_id(const mesh_vertices *v, uint32_t local) {
+    return (uint32_t)(v->ids[local] >> 32);
 }
 
 #endif

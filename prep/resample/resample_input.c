@@ -56,7 +56,7 @@ static status convert(mem *m, const resample_source *s, const char *path, const 
 }
 
 /* Where temporary files go: beside the output, or in $TMPDIR under a name of this user's. */
-static status find_place(mem *m, const resample_source *s, char **path) {
+static status find_scratch(mem *m, const resample_source *s, char **path) {
     const char *folder = getenv("TMPDIR");
     if (!folder || !*folder)
         folder = "/tmp";
@@ -71,16 +71,16 @@ static status find_place(mem *m, const resample_source *s, char **path) {
     return ST_OK;
 }
 
-/* Convert to PLACE.partial-N.leaf, which nobody else writes as long as PLACE.partial-N is locked.
- * It has a name only until it is open; the next run finds what a killed one left. */
-static status open_scratch(mem *m, const resample_source *s, const char *place, const progress *p,
+/* Convert to SCRATCH.partial-N.leaf, which nobody else writes as long as SCRATCH.partial-N is
+ * locked. It has a name only until it is open; the next run finds what a killed one left. */
+static status open_scratch(mem *m, const resample_source *s, const char *scratch, const progress *p,
                            leaf_file **out) {
-    const size_t size = strlen(place) + PARTIAL_ROOM;
+    const size_t size = strlen(scratch) + PARTIAL_ROOM;
     char *name = mem_alloc(m, size), *path = mem_alloc(m, size);
-    const int fd = name && path ? partial_open(place, name) : -1;
+    const int fd = name && path ? partial_open(scratch, name) : -1;
     status st = name && path ? ST_OK : ST_NOMEM;
     if (st == ST_OK && fd < 0)
-        st = file_failed(errno, place, "cannot create a temporary file beside");
+        st = file_failed(errno, scratch, "cannot create a temporary file beside");
     if (st == ST_OK) {
         snprintf(path, size, "%s.leaf", name);
         st = convert(m, s, path, p);
@@ -97,7 +97,7 @@ static status open_scratch(mem *m, const resample_source *s, const char *place, 
 
 static status open_mesh(mem *m, const resample_source *s, const progress *p, leaf_file **out) {
     char *path = NULL;
-    status st = find_place(m, s, &path);
+    status st = find_scratch(m, s, &path);
     if (st == ST_OK)
         st = open_scratch(m, s, path, p, out);
     mem_free(m, path);

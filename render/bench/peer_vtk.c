@@ -41,13 +41,13 @@ static status share_field(const peer_field *f, int *out) {
 }
 
 static int spawn(const char *program, char *const arguments[], const int fds[3], pid_t *pid) {
-    static const int places[3] = {STDIN_FILENO, STDOUT_FILENO, FIELD_AT};
+    static const int targets[3] = {STDIN_FILENO, STDOUT_FILENO, FIELD_AT};
     posix_spawn_file_actions_t actions;
     int error = posix_spawn_file_actions_init(&actions);
     if (error)
         return error;
     for (int i = 0; i < 3 && !error; i++)
-        error = posix_spawn_file_actions_adddup2(&actions, fds[i], places[i]);
+        error = posix_spawn_file_actions_adddup2(&actions, fds[i], targets[i]);
     if (!error)
         error = posix_spawn(pid, program, &actions, NULL, arguments, environ);
     posix_spawn_file_actions_destroy(&actions);

@@ -248,20 +248,20 @@ static bool holds(const float bounds[6], const double point[3]) {
     return within;
 }
 
-typedef struct tree_place {
+typedef struct tree_node {
     uint32_t level, i;
-} tree_place;
+} tree_node;
 
 /* Treelets are looked at in order, so that of the tets that share a point it is the first: of a
  * node's children the first is pushed last. */
 static status mesh_cell_at(leafcast *v, const double point[3], leafcast_sample *sample) {
     const treelet_tree *tree = v->treelets->tree;
-    tree_place stack[TREELET_TREE_LEVELS_MAX * TREELET_TREE_ARITY];
+    tree_node stack[TREELET_TREE_LEVELS_MAX * TREELET_TREE_ARITY];
     status st = ST_OK;
     int top = 0;
-    stack[top++] = (tree_place){tree->levels - 1, 0};
+    stack[top++] = (tree_node){tree->levels - 1, 0};
     while (top > 0 && st == ST_OK && !sample->inside) {
-        const tree_place p = stack[--top];
+        const tree_node p = stack[--top];
         if (!holds(tree->bounds[p.level][p.i], point))
             continue;
         if (p.level == 0) {
@@ -270,7 +270,7 @@ static status mesh_cell_at(leafcast *v, const double point[3], leafcast_sample *
         }
         uint32_t count, first = treelet_tree_children(tree, p.level, p.i, &count);
         while (count-- > 0)
-            stack[top++] = (tree_place){p.level - 1, first + count};
+            stack[top++] = (tree_node){p.level - 1, first + count};
     }
     return st;
 }

@@ -98,21 +98,21 @@ SIMD void faceted_normals(const tracer *tr, const tile_layer *s, const hit_tets 
 /* Where gradients at the vertices give normals, they take the place of faceted ones. */
 static void smooth_normals(mesh_shading *m, const tile_layer *l, tile_normals normal) {
     const tile_state *s = m->s;
-    uint16_t place[KNOWN_TETS];
+    uint16_t made[KNOWN_TETS];
     bool has[KNOWN_TETS];
-    memset(place, 0xff, sizeof place);
+    memset(made, 0xff, sizeof made);
     for (unsigned i = 0; i < TILE_RAYS; i++) {
         if (!in_layer(l, i))
             continue;
         const unsigned k = m->tets.of[i] % KNOWN_TETS;
-        if (place[k] != m->tets.of[i]) {
+        if (made[k] != m->tets.of[i]) {
             const tet x = tet_of(l, i);
             const double iso = s->f->tracer->isos.isovalues[surface_of(l, i)->iso];
             isopolygon g;
             float gradients[4][3];
             const tile_surface *y = surface_of(l, i);
             mesh_walk_gradients(resident_mesh_of(y->at), y->local, gradients);
-            place[k] = m->tets.of[i];
+            made[k] = m->tets.of[i];
             has[k] = isopolygon_of(&x, iso, &g);
             if (has[k])
                 tet_smooth_of(&x, iso, &g, (const float(*)[3])gradients, &m->known[k]);

@@ -12,13 +12,13 @@
 enum { HITS_MAX = 64, RAYS_A_MESH = 64, SHOWN = 3 };
 
 /* A mesh, and the tetrahedra as the kernel wants them. */
-typedef struct place {
+typedef struct subject {
     lab_mesh m;
     tet_ref *r;
     tet *tets;
     uint64_t *index; /* of each in m */
     size_t count;
-} place;
+} subject;
 
 /* What both say of one ray. */
 typedef struct answer {
@@ -52,7 +52,7 @@ static bool tet_of(const lab_mesh *m, const uint32_t ids[4], tet *x) {
     return true;
 }
 
-static void open_place(place *p, int which, uint64_t seed) {
+static void open_subject(subject *p, int which, uint64_t seed) {
     field_random r = {seed};
     seed = field_random_bits(&r);
     int side = 2 + (int)field_random_below(&r, 3);
@@ -70,7 +70,7 @@ static void open_place(place *p, int which, uint64_t seed) {
             p->index[p->count++] = i;
 }
 
-static void close_place(place *p) {
+static void close_subject(subject *p) {
     tet_ref_destroy(p->r);
     free(p->tets);
     free(p->index);
@@ -84,7 +84,7 @@ static int compare_hits(const void *a, const void *b) {
 }
 
 /* All hits of all tetrahedra, in order, doubles left out. */
-static size_t kernel_hits(const place *p, const ref_ray *from, hit *hits) {
+static size_t kernel_hits(const subject *p, const ref_ray *from, hit *hits) {
     ray r = {.t0 = 0, .t1 = INFINITY};
     size_t count = 0, kept = 0;
     for (int a = 0; a < 3; a++) {
@@ -111,7 +111,7 @@ static size_t kernel_hits(const place *p, const ref_ray *from, hit *hits) {
 }
 
 /* Leave out what both see where the ray begins. */
-static void leave_start(const place *p, answer *x) {
+static void leave_start(const subject *p, answer *x) {
     const double *d = x->ray.d, length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     size_t truths = 0, hits = 0;
     if (x->kind != LAB_RAY_INSIDE && x->kind != LAB_RAY_ON_VERTEX)
@@ -128,7 +128,7 @@ static void leave_start(const place *p, answer *x) {
     x->hit_count = hits;
 }
 
-static void ask(const place *p, uint64_t seed, uint64_t index, answer *x) {
+static void ask(const subject *p, uint64_t seed, uint64_t index, answer *x) {
     field_random r = {seed ^ (index + 1) * UINT64_C(0x9e3779b97f4a7c15)};
     x->kind = (lab_ray)(index % LAB_RAY_KINDS);
     x->ray = lab_mesh_ray(&p->m, x->kind, &r);
@@ -142,7 +142,7 @@ static void ask(const place *p, uint64_t seed, uint64_t index, answer *x) {
 /* ---- judging ---- */
 
 /* Whether a closed surface must stop the ray, and the t before which it must do so. */
-static bool must_stop(const place *p, const answer *x, double *before) {
+static bool must_stop(const subject *p, const answer *x, double *before) {
     if (!p->m.closed || x->on_surface)
         return false;
     size_t n = 0;
@@ -159,7 +159,7 @@ static bool must_stop(const place *p, const answer *x, double *before) {
 }
 
 /* Whether f at t is above iso by more than rounding, in every tetrahedron there. */
-static bool is_above(const place *p, const ref_ray *along, double t, double *edge) {
+static bool is_above(const subject *p, const ref_ray *along, double t, double *edge) {
     tet_ref_mesh raw = lab_mesh_reference(&p->m);
     bool above = false;
     for (size_t i = 0; i < p->count; i++) {
@@ -179,7 +179,7 @@ static bool is_above(const place *p, const ref_ray *along, double t, double *edg
 
 /* The same, and around it: not on a sheet, or a thread, where f = iso between all that is below,
  * nor on the face of a tetrahedron that falls to -1e30 behind it. */
-static bool is_solid(const place *p, const answer *x, double t) {
+static bool is_solid(const subject *p, const answer *x, double t) {
     double edge, unused;
     if (!is_above(p, &x->ray, t, &edge))
         return false;
@@ -198,7 +198,7 @@ static bool is_solid(const place *p, const answer *x, double t) {
 
 /* Whether the way through a surface's tetrahedron is no longer than rounding: which end comes first
  * is then anyone's guess, and with it the reference's side. */
-static bool is_touched(const place *p, const ref_ray *along, const ref_hit *h) {
+static bool is_touched(const subject *p, const ref_ray *along, const ref_hit *h) {
     tet_ref_mesh raw = lab_mesh_reference(&p->m);
     long double at[2], f[2];
     return tet_ref_crossings(&raw, (size_t)h->cell, along, at, f) &&
@@ -207,7 +207,7 @@ static bool is_touched(const place *p, const ref_ray *along, const ref_hit *h) {
 
 /* Whether surfaces i of both lists, of equal length, stand apart from the others and differ in
  * their sides. */
-static bool wrong_side(const place *p, const answer *x, size_t i) {
+static bool wrong_side(const subject *p, const answer *x, size_t i) {
     const ref_hit *h = x->truth;
     for (size_t k = i ? i - 1 : 0; k <= i + 1 && k < x->truth_count; k++)
         if (k != i && fabs(h[k].t - h[i].t) * h[i].cells_per_t < 1e-4)
@@ -215,13 +215,13 @@ static bool wrong_side(const place *p, const answer *x, size_t i) {
     return x->hits[i].entering == h[i].from_inside && !is_touched(p, &x->ray, &h[i]);
 }
 
-static bool is_grazing(const place *p, const answer *x) {
+static bool is_grazing(const subject *p, const answer *x) {
     size_t depth = x->truth_count < HITS_MAX ? x->truth_count + 1 : HITS_MAX;
     return tet_judge_excused(p->r, &x->ray, &p->m.iso, 1, NULL, depth);
 }
 
 /* Whether the kernel's hit lies on a corner of its polygon: where f = iso on an edge. */
-static bool at_corner(const place *p, const answer *x, const hit *h) {
+static bool at_corner(const subject *p, const answer *x, const hit *h) {
     const uint32_t *ids = p->m.tets[h->cell];
     tet_ref_mesh raw = lab_mesh_reference(&p->m);
     const long double near = 1e-7L * tet_ref_local_edge(&raw, h->cell);
@@ -243,7 +243,7 @@ static bool at_corner(const place *p, const answer *x, const hit *h) {
 }
 
 /* Distances, but for corners that the kernel alone sees; returns how many. */
-static size_t without_touches(const place *p, const answer *x, double t[HITS_MAX]) {
+static size_t without_touches(const subject *p, const answer *x, double t[HITS_MAX]) {
     size_t count = 0;
     for (size_t i = 0; i < x->hit_count; i++) {
         bool both = false;
@@ -264,7 +264,7 @@ static bool has_touch(const answer *x) {
 }
 
 /* Numbers and sides of surfaces, where their places are right. */
-static const char *judge_sides(const place *p, const answer *x, tet_lab_row *row) {
+static const char *judge_sides(const subject *p, const answer *x, tet_lab_row *row) {
     if (!p->m.sound || x->on_surface)
         return NULL;
     if (p->m.closed && x->hit_count % 2 != x->truth_count % 2 && !is_grazing(p, x)) {
@@ -284,7 +284,7 @@ static const char *judge_sides(const place *p, const answer *x, tet_lab_row *row
 }
 
 /* Counts; returns what is wrong, or NULL. */
-static const char *judge(const place *p, const answer *x, tet_lab_row *row) {
+static const char *judge(const subject *p, const answer *x, tet_lab_row *row) {
     double t[HITS_MAX], before;
     tet_lab_row once = {0};
     for (size_t i = 0; i < x->hit_count; i++)
@@ -319,15 +319,15 @@ static uint64_t mesh_seed(uint64_t seed, uint64_t index) {
 }
 
 void tet_lab_run(const tet_lab_job *job, tet_lab_row *row) {
-    place p;
+    subject p;
     answer x;
     int shown = 0;
     *row = (tet_lab_row){0};
     for (uint64_t i = job->first; i < job->first + job->count; i++) {
         if (i == job->first || i % RAYS_A_MESH == 0) {
             if (i != job->first)
-                close_place(&p);
-            open_place(&p, job->which, mesh_seed(job->seed, i));
+                close_subject(&p);
+            open_subject(&p, job->which, mesh_seed(job->seed, i));
         }
         ask(&p, job->seed, i, &x);
         const char *fault = judge(&p, &x, row);
@@ -338,7 +338,7 @@ void tet_lab_run(const tet_lab_job *job, tet_lab_row *row) {
                     (unsigned long long)job->seed, (unsigned long long)i);
     }
     if (job->count > 0)
-        close_place(&p);
+        close_subject(&p);
 }
 
 /* ---- telling ---- */
@@ -375,10 +375,10 @@ void tet_lab_print(FILE *out, const char *name, const tet_lab_row *row) {
 }
 
 bool tet_lab_show(int which, uint64_t seed, uint64_t index) {
-    place p;
+    subject p;
     answer x;
     tet_lab_row row = {0};
-    open_place(&p, which, mesh_seed(seed, index));
+    open_subject(&p, which, mesh_seed(seed, index));
     ask(&p, seed, index, &x);
     const char *fault = judge(&p, &x, &row);
     printf("%s: %zu tetrahedra, %s ray from %a %a %a along %a %a %a: %s\n", p.m.name, p.m.tet_count,
@@ -394,6 +394,6 @@ bool tet_lab_show(int which, uint64_t seed, uint64_t index) {
     for (size_t i = 0; i < x.hit_count; i++)
         printf("  kernel:    t %.17g tet %llu from %s\n", x.hits[i].t,
                (unsigned long long)x.hits[i].cell, x.hits[i].entering ? "outside" : "inside");
-    close_place(&p);
+    close_subject(&p);
     return fault != NULL;
 }

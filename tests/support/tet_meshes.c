@@ -73,7 +73,7 @@ static double denormal(const int i[3], const double u[3], field_random *r) {
 
 /* ---- places: of the same node ---- */
 
-typedef void place(const int i[3], const double u[3], field_random *r, float p[3]);
+typedef void placement(const int i[3], const double u[3], field_random *r, float p[3]);
 
 static void put(const int i[3], double x, double y, double z, double origin, float p[3]) {
     p[0] = (float)(origin + x * i[0]);
@@ -175,7 +175,7 @@ static void collapsed(const int i[3], const double u[3], field_random *r, float 
 
 typedef struct recipe {
     const char *name;
-    place *place;
+    placement *place;
     formula *field;
     double iso, outside; /* the boundary's value */
     unsigned damage;
