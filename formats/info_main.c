@@ -47,7 +47,7 @@ static status add_iso(arguments *a, const char *text) {
     return num_double(text, "--iso", &a->isos[a->iso_count++]);
 }
 
-static status set(void *own, int key, const char *text) {
+static status set_option(void *own, int key, const char *text) {
     arguments *a = own;
     input_question *q = &a->question;
     switch (key) {
@@ -69,7 +69,7 @@ static status check(void *own) {
 
 static const cli_verb verb = {
     .options = options,
-    .set = set,
+    .set_option = set_option,
     .check = check,
     .input = "file",
     .args_doc = "INPUT",

@@ -234,7 +234,7 @@ static status set_mesh(arguments *a, int key, const char *text) {
     }
 }
 
-static status set(void *own, int key, const char *text) {
+static status set_option(void *own, int key, const char *text) {
     arguments *a = own;
     switch (key) {
     case KEY_COMPRESS: return set_compress(a, text);
@@ -261,7 +261,7 @@ static status check(void *own) {
 
 static const cli_verb verb = {
     .options = options,
-    .set = set,
+    .set_option = set_option,
     .check = check,
     .inputs_max = LEAF_SETS_MAX,
     .args_doc = "INPUT... -o F.leaf",

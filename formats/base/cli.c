@@ -213,8 +213,8 @@ static error_t parse_verb(int key, char *arg, struct argp_state *state) {
         return 0;
     case ARGP_KEY_END: usage_unless(state, verb->check ? verb->check(c) : ST_OK); return 0;
     default:
-        if (verb->set && key > 0 && key < ARGP_KEY_END)
-            st = verb->set(c, key, arg);
+        if (verb->set_option && key > 0 && key < ARGP_KEY_END)
+            st = verb->set_option(c, key, arg);
         if (st == ST_AGAIN)
             return ARGP_ERR_UNKNOWN;
         usage_unless(state, st);

@@ -39,16 +39,17 @@ typedef struct cli_verb {
     int inputs_max;                    /* 0: one */
     /* One of its options, text NULL where it takes none. ST_AGAIN: it is none of them. own: the
      * struct that begins with the verb's cli_common. NULL: there are none. */
-    status (*set)(void *own, int key, const char *text);
+    status (*set_option)(void *own, int key, const char *text);
     status (*check)(void *own); /* what must hold over all of them */
 } cli_verb;
 
 /* cli_parse() - parse argv for a verb, whose options begin with `common`. Options that ask for
  * help, see cli_options.h, and --version print on stdout and exit 0; a usage error prints a line on
  * stderr, and one that says where help is, and exits 2 (this is a main program's function, it may).
- * Sets the defaults of common but for its verb; set() and check() return usage errors. Installs the
- * handlers for SIGINT, SIGTERM and SIGHUP that make the progress of cli_progress() stop the job; a
- * second signal kills. Ignores SIGPIPE and SIGXFSZ, so that they come back as errors of the write.
+ * Sets the defaults of common but for its verb; set_option() and check() return usage errors.
+ * Installs the handlers for SIGINT, SIGTERM and SIGHUP that make the progress of cli_progress()
+ * stop the job; a second signal kills. Ignores SIGPIPE and SIGXFSZ, so that they come back as
+ * errors of the write.
  */
 void cli_parse(const cli_verb *verb, cli_common *common, int argc, char **argv);
 

@@ -183,10 +183,10 @@ status pool_run(pool *p, size_t count, pool_body body, void *ctx) {
 }
 
 int pool_default_threads(void) {
-    cpu_set_t set;
-    CPU_ZERO(&set);
-    if (sched_getaffinity(0, sizeof set, &set) != 0)
+    cpu_set_t cpus;
+    CPU_ZERO(&cpus);
+    if (sched_getaffinity(0, sizeof cpus, &cpus) != 0)
         return 1;
-    int count = CPU_COUNT(&set);
+    int count = CPU_COUNT(&cpus);
     return count > 0 ? count : 1;
 }

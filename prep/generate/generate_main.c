@@ -92,7 +92,7 @@ static status set_type(arguments *a, const char *name) {
     return status_describe(ST_USAGE, "--type: \"%s\" is not one of u8, u16, f32", name);
 }
 
-static status set(void *own, int key, const char *text) {
+static status set_option(void *own, int key, const char *text) {
     arguments *a = own;
     switch (key) {
     case KEY_DIMS: return set_counts(text, "--dims", 2, GRID_DIM_MAX, a->dims);
@@ -153,7 +153,7 @@ static const char *describe(void) {
 
 static cli_verb verb = {
     .options = options,
-    .set = set,
+    .set_option = set_option,
     .check = check,
     .input = "FIELD",
     .args_doc = "FIELD --dims N[,N,N] -o F.nrrd\nFIELD --tets --dims N[,N,N] -o F.mesh",

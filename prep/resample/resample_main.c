@@ -70,7 +70,7 @@ static status set_bounds(resample_wish *w, const char *text) {
     return st;
 }
 
-static status set(void *own, int key, const char *text) {
+static status set_option(void *own, int key, const char *text) {
     arguments *a = own;
     mesh_hints *hints = &a->source.hints;
     int count;
@@ -98,7 +98,7 @@ static status check(void *own) {
 
 static const cli_verb verb = {
     .options = options,
-    .set = set,
+    .set_option = set_option,
     .check = check,
     .input = "MESH",
     .args_doc = "MESH -o F.nrrd",

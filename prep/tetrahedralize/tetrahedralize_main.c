@@ -74,7 +74,7 @@ static status set_timeout(tetrahedralize_options *how, const char *text) {
     return st;
 }
 
-static status set(void *own, int key, const char *text) {
+static status set_option(void *own, int key, const char *text) {
     tetrahedralize_options *how = &((arguments *)own)->how;
     switch (key) {
     case KEY_QUALITY: return set_quality(how, text);
@@ -97,7 +97,7 @@ static status check(void *own) {
 
 static const cli_verb verb = {
     .options = options,
-    .set = set,
+    .set_option = set_option,
     .check = check,
     .input = "input",
     .args_doc = "INPUT -o F.mesh",

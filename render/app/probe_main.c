@@ -455,7 +455,7 @@ int main(int argc, char **argv) {
     view_options_join(options, OPTIONS, "iso size eye look-at");
     const cli_verb verb = {
         .options = options,
-        .set = set_option,
+        .set_option = set_option,
         .check = check_options,
         .input = "treelet file",
         .args_doc = "F.leaf",

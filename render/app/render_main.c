@@ -599,7 +599,7 @@ int main(int argc, char **argv) {
                       "iso color opacity size eye look-at light shadows clip-box");
     const cli_verb verb = {
         .options = options,
-        .set = set_option,
+        .set_option = set_option,
         .check = check_options,
         .input = "treelet file",
         .args_doc = "F.leaf -o FILE.png",

@@ -39,8 +39,8 @@ static status text_of(const json_t *value, const char *what, const char *key, ch
     return ST_OK;
 }
 
-static status set(view_options *view, int flag_key, const json_t *value, const char *what,
-                  const char *key) {
+static status set_flag(view_options *view, int flag_key, const json_t *value, const char *what,
+                       const char *key) {
     char text[TEXT_MAX], why[STATUS_TEXT_MAX];
     status st = text_of(value, what, key, text);
     if (st)
@@ -74,10 +74,10 @@ static status apply_flag(view_options *view, const char *name, const json_t *val
         return json_is_true(value) ? view_options_set(view, key, NULL) : ST_OK;
     }
     if (!repeats || !is_list(value, name))
-        return set(view, key, value, what, name);
+        return set_flag(view, key, value, what, name);
     status st = ST_OK;
     for (size_t i = 0; i < json_array_size(value) && st == ST_OK; i++)
-        st = set(view, key, json_array_get(value, i), what, name);
+        st = set_flag(view, key, json_array_get(value, i), what, name);
     return st;
 }
 

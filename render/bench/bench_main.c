@@ -382,7 +382,7 @@ int main(int argc, char **argv) {
     struct argp_option options[VIEW_OPTIONS_ROOM];
     view_options_join(options, OPTIONS, "iso size");
     const cli_verb verb = {.options = options,
-                           .set = set_option,
+                           .set_option = set_option,
                            .check = take_arguments,
                            .inputs_max = 2,
                            .args_doc = "[SUITE [F.leaf]]",

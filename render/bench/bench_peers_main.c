@@ -163,7 +163,7 @@ int main(int argc, char **argv) {
     view_options_join(options, OPTIONS, "iso size opacity layers light shadows");
     const cli_verb verb = {
         .options = options,
-        .set = set_option,
+        .set_option = set_option,
         .check = check_options,
         .input = "file",
         .args_doc = "F.leaf --iso V",

@@ -215,7 +215,7 @@ static status generate(const bench_store *s, const bench_volume *v, const char *
 
 /* ---- the data folder ---- */
 
-/* Where a set lies: FILE.zst or FILE; false when neither is there. */
+/* Where a data set lies: FILE.zst or FILE; false when neither is there. */
 static bool find_data(const bench_store *s, const char *name, char path[PATH_MAX], bool *packed) {
     if (!s->data || !name)
         return false;
@@ -291,8 +291,8 @@ static status convert_data(bench_store *s, const bench_volume *v, const char *fr
 
 /* ---- volumes ---- */
 
-/* M08's sets where they are to be had, else the nearest there is: an angiogram for the aneurism, CT
- * heads for the MR brain and the torso. */
+/* M08's data sets where they are to be had, else the nearest there is: an angiogram for the
+ * aneurism, CT heads for the MR brain and the torso. */
 static const bench_volume VOLUMES[] = {
     {"bonsai", "bonsai/bonsai_256x256x256_uint8.raw", 37, "buckyball", "u8", 256, 102, 0},
     {"engine", "engine/engine_256x256x128_uint8.raw", 80, "sphere", "u8", 192, 153, 0},

@@ -95,7 +95,7 @@ static void take_hit(batch_walk *w, unsigned i, const resident_grid *at, const h
         w->at[i] = at;
     }
     if (!at_exit)
-        set_drop(&w->open, i);
+        ray_set_drop(&w->open, i);
     else
         w->rays.t1[i] = w->rays.span_of[i][1] =
             (float)(w->best[i].t - w->rays.t_in[i]) * (1.0f + 4.0f * UNIT);
@@ -198,7 +198,7 @@ static void add_to_batch(batch_walk *w, const resident_grid *at, const uint32_t 
     w->after[k] = state_at(w, i)->after.t;
     w->starts |= (unsigned)(w->after[k] > -INFINITY) << k;
     w->treelet_of[k] = at;
-    set_add(&w->pending, i);
+    ray_set_add(&w->pending, i);
     if (w->waiting == CELL_BATCH)
         flush(w);
 }
@@ -293,11 +293,11 @@ static void queue_flush(batch_walk *w) {
     w->queued = (ray_set){{0}};
     for (; left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left), i = q->ray[k], c = q->cell[k];
-        if (set_has(&w->pending, i))
+        if (ray_set_has(&w->pending, i))
             flush(w);
-        if (!set_has(&w->open, i))
+        if (!ray_set_has(&w->open, i))
             continue;
-        if (set_has(&w->level, i))
+        if (ray_set_has(&w->level, i))
             take_scalar_hit(w, i, q->at[c], q->cells[c], samples[c]);
         else
             add_to_batch(w, q->at[c], q->cells[c], samples[c], i);
@@ -321,7 +321,7 @@ SIMD void queue_ray(batch_walk *w, unsigned i) {
     cell_queue *q = &w->queue;
     q->ray[q->count] = i;
     q->cell[q->count++] = (uint8_t)(q->cell_count - 1);
-    set_add(&w->queued, i);
+    ray_set_add(&w->queued, i);
 }
 
 /* The rays that may visit an active cell: at least one. */
@@ -336,7 +336,7 @@ static void walk_cell(batch_walk *w, const resident_grid *at, const uint32_t cel
         near[a][2] = (float)planes->inverse[a][cell[a]];
     }
     queue_cell(&w->queue, at, cell, near);
-    w->counters->cells += set_count(rays, w->rays.words);
+    w->counters->cells += ray_set_count(rays, w->rays.words);
     for (unsigned word = 0; word < w->rays.words; word++) {
         for (uint64_t left = rays->of[word]; left; left &= left - 1) {
             if (w->queue.count == VF_N) {
@@ -366,7 +366,7 @@ static bool wanted(batch_walk *w, ray_set *rays) {
     flush(w);
     for (unsigned k = 0; k < w->rays.words; k++)
         rays->of[k] &= w->open.of[k];
-    return !set_is_empty(rays, w->rays.words);
+    return !ray_set_is_empty(rays, w->rays.words);
 }
 
 static void walk_tree(batch_walk *w, const resident_grid *at, const ray_set *rays) {
@@ -392,7 +392,7 @@ static void walk_tree(batch_walk *w, const resident_grid *at, const ray_set *ray
             const unsigned nth = half == 1 ? (unsigned)__builtin_ctz(order) : octants_last(order);
             const unsigned o = nth ^ back;
             order ^= 1u << nth;
-            if (set_is_empty(&met[nth], w->rays.words))
+            if (ray_set_is_empty(&met[nth], w->rays.words))
                 continue;
             const uint32_t cell[3] = {node.cell[0] + (o & 1u) * half,
                                       node.cell[1] + (o >> 1 & 1u) * half,
@@ -453,7 +453,7 @@ static void touch(batch_walk *w, uint32_t t, const ray_set *rays) {
     if (atomic_load_explicit(&w->tr->touched[t], memory_order_relaxed))
         return;
     const ray_set some = passing(w, t, rays);
-    if (!set_is_empty(&some, w->rays.words))
+    if (!ray_set_is_empty(&some, w->rays.words))
         tracer_touch(w->tr, t);
 }
 
@@ -503,7 +503,7 @@ static void walk_drawn(batch_walk *w, uint32_t t, const ray_set *rays) {
         return;
     }
     touch(w, t, rays);
-    if (set_count(rays, w->rays.words) <= ALONE_MAX)
+    if (ray_set_count(rays, w->rays.words) <= ALONE_MAX)
         walk_alone(w, t, at, rays);
     else
         walk_tree(w, at, rays);
@@ -538,7 +538,7 @@ static void walk_directory(batch_walk *w) {
              order ^= 1u << octants_last(order)) {
             const unsigned nth = octants_last(order), o = nth ^ back;
             const uint32_t rank = (uint32_t)__builtin_popcount(existing & ((1u << o) - 1u));
-            if (!set_is_empty(&met[nth], w->rays.words))
+            if (!ray_set_is_empty(&met[nth], w->rays.words))
                 stack[top++] = (directory_node){met[nth], layout->first_child[node.t] + rank};
         }
     }
@@ -553,7 +553,7 @@ static void deliver(batch_walk *w) {
     const tracer *tr = w->tr;
     for (unsigned i = 0; i < w->rays.count; i++) {
         trace_state *state = state_at(w, i);
-        if (set_has(&w->single, i)) {
+        if (ray_set_has(&w->single, i)) {
             ray_batch_single(tr, w->b, w->rays.ray[i], w->counters);
             continue;
         }
@@ -572,9 +572,9 @@ static void walk_octant(batch_walk *w) {
     w->queue = (cell_queue){.count = 0};
     for (unsigned i = 0; i < w->rays.count; i++) {
         const double *d = ray_at(w, i)->d;
-        set_add(&w->open, i);
+        ray_set_add(&w->open, i);
         if (d[0] == 0.0 || d[1] == 0.0 || d[2] == 0.0)
-            set_add(&w->level, i);
+            ray_set_add(&w->level, i);
         w->best[i] = state_at(w, i)->best;
         w->at[i] = NULL;
     }

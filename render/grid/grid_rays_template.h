@@ -16,10 +16,10 @@
 #include "render/grid/level_planes.h"
 #include "render/ray_batch.h"
 
-/* A bit a ray, by its place. */
-enum { SET_WORDS = RAY_BATCH / 64 };
+/* A bit a ray, by its place in the batch's order. */
+enum { RAY_SET_WORDS = RAY_BATCH / 64 };
 typedef struct ray_set {
-    uint64_t of[SET_WORDS];
+    uint64_t of[RAY_SET_WORDS];
 } ray_set;
 
 /* Some rays of a batch, and where they come into what is asked of the grid, and leave it. */
@@ -68,29 +68,29 @@ static const double PER_NOTHING = 1e20;
 
 /* ---- Sets ---- */
 
-static bool set_is_empty(const ray_set *s, unsigned words) {
+static bool ray_set_is_empty(const ray_set *s, unsigned words) {
     uint64_t any = 0;
     for (unsigned w = 0; w < words; w++)
         any |= s->of[w];
     return any == 0;
 }
 
-SIMD unsigned set_count(const ray_set *s, unsigned words) {
+SIMD unsigned ray_set_count(const ray_set *s, unsigned words) {
     unsigned count = 0;
     for (unsigned w = 0; w < words; w++)
         count += (unsigned)__builtin_popcountll(s->of[w]);
     return count;
 }
 
-SIMD bool set_has(const ray_set *s, unsigned i) {
+SIMD bool ray_set_has(const ray_set *s, unsigned i) {
     return s->of[i / 64] >> i % 64 & 1u;
 }
 
-SIMD void set_add(ray_set *s, unsigned i) {
+SIMD void ray_set_add(ray_set *s, unsigned i) {
     s->of[i / 64] |= UINT64_C(1) << i % 64;
 }
 
-SIMD void set_drop(ray_set *s, unsigned i) {
+SIMD void ray_set_drop(ray_set *s, unsigned i) {
     s->of[i / 64] &= ~(UINT64_C(1) << i % 64);
 }
 
