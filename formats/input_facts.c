@@ -154,7 +154,7 @@ static status ask_volume(mem *m, byte_stream *s, const input_question *q, const 
 /* Positions and values of all points; of the tets every step-th, few enough for the room. */
 typedef struct gathered {
     mem *m;
-    mesh *mesh;
+    mesh_input *mesh;
     const progress *p;
     input_facts *x;
     float (*xyz)[3];
@@ -194,7 +194,7 @@ static status take_points(void *ctx, uint64_t first, size_t count, const float (
             g->x->bounds[a] = fminf(g->x->bounds[a], xyz[i][a]);
             g->x->bounds[a + 3] = fmaxf(g->x->bounds[a + 3], xyz[i][a]);
         }
-    return progress_step(g->p, "reading", mesh_share(g->mesh));
+    return progress_step(g->p, "reading", mesh_input_share(g->mesh));
 }
 
 static status take_values(void *ctx, uint64_t first, size_t count, const float *values) {
@@ -207,7 +207,7 @@ static status take_values(void *ctx, uint64_t first, size_t count, const float *
     memcpy(g->values + first, values, count * sizeof *values);
     for (size_t i = 0; i < count; i++)
         add_value(g->x, (double)values[i]);
-    return progress_step(g->p, "reading", mesh_share(g->mesh));
+    return progress_step(g->p, "reading", mesh_input_share(g->mesh));
 }
 
 /* Every other one of those kept goes. */
@@ -226,7 +226,7 @@ static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
         if (g->tets % g->step == 0)
             memcpy(g->ids[g->kept++], ids[i], sizeof *g->ids);
     }
-    return progress_step(g->p, "reading", mesh_share(g->mesh));
+    return progress_step(g->p, "reading", mesh_input_share(g->mesh));
 }
 
 static status count_tets(gathered *g) {
@@ -247,11 +247,11 @@ static status count_tets(gathered *g) {
     return ST_OK;
 }
 
-static status count_mesh(mem *m, mesh *x, const progress *p, input_facts *out) {
+static status count_mesh(mem *m, mesh_input *x, const progress *p, input_facts *out) {
     gathered g = {.m = m, .mesh = x, .p = p, .x = out, .step = 1};
     const mesh_sink sink = {&g, take_points, take_values, take_tets};
     g.ids = mem_array(m, HISTOGRAM_TETS, sizeof *g.ids);
-    status st = g.ids ? mesh_read(x, &sink, &out->report) : ST_NOMEM;
+    status st = g.ids ? mesh_input_read(x, &sink, &out->report) : ST_NOMEM;
     if (st == ST_OK)
         st = count_tets(&g);
     mem_free(m, g.ids);
@@ -272,19 +272,19 @@ static void take_name(void *ctx, const char *name) {
 
 static status ask_mesh(mem *m, byte_stream *s, const input_question *q, const progress *p,
                        input_facts *x) {
-    mesh *found = NULL;
-    status st = mesh_open_stream(m, s, &q->mesh, &found);
+    mesh_input *found = NULL;
+    status st = mesh_input_open_stream(m, s, &q->mesh, &found);
     if (st != ST_OK)
         return st;
     x->is_mesh = true;
-    x->format = mesh_format(found);
-    set_name(x, mesh_name(found));
-    mesh_fields(found, take_name, x);
+    x->format = mesh_input_format(found);
+    set_name(x, mesh_input_name(found));
+    mesh_input_fields(found, take_name, x);
     if (q->opened)
         st = q->opened(q->ctx, x);
     if (st == ST_OK && !q->header_only)
         st = count_mesh(m, found, p, x);
-    mesh_close(found);
+    mesh_input_close(found);
     return st;
 }
 
@@ -300,7 +300,7 @@ status input_facts_read(mem *m, const input_question *q, const progress *p, inpu
     status st = byte_stream_open(m, q->path, &s);
     if (st != ST_OK)
         return st;
-    st = mesh_recognise_stream(s, &is_mesh);
+    st = mesh_input_recognise_stream(s, &is_mesh);
     if (st != ST_OK) {
         byte_stream_close(s);
         return st;

@@ -18,7 +18,7 @@
 #include "formats/base/status.h"
 #include "formats/grid/volume.h"
 #include "formats/leaf/histogram.h"
-#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_input.h"
 
 enum { INPUT_FACTS_FIELDS = 256 };
 

@@ -13,16 +13,16 @@ status convert_input_open(mem *m, const char *path, const volume_hints *of_grids
     *out = (convert_input){0};
     status st = byte_stream_open(m, path, &s);
     if (st == ST_OK)
-        st = mesh_recognise_stream(s, &is_mesh);
+        st = mesh_input_recognise_stream(s, &is_mesh);
     if (st != ST_OK) {
         byte_stream_close(s);
         return st;
     }
-    return is_mesh ? mesh_open_stream(m, s, of_meshes, &out->x)
+    return is_mesh ? mesh_input_open_stream(m, s, of_meshes, &out->x)
                    : volume_open_stream(m, s, of_grids, &out->v);
 }
 
 void convert_input_close(convert_input *in) {
-    mesh_close(in->x);
+    mesh_input_close(in->x);
     volume_close(in->v);
 }

@@ -531,7 +531,8 @@ static status report_mesh(const arguments *a, const mesh_result *r, double secon
     return ST_OK;
 }
 
-static status convert_mesh(arguments *a, mem *m, mesh *x, const mesh_series *series, double start) {
+static status convert_mesh(arguments *a, mem *m, mesh_input *x, const mesh_series *series,
+                           double start) {
     const mesh_options o = {.file = a->file,
                             .series = series,
                             .treelet_tets = a->treelet_tets,
@@ -591,7 +592,7 @@ static status parse_times(const arguments *a, mem *m, double **times) {
     return ST_OK;
 }
 
-static status convert_series(arguments *a, mem *m, mesh *x, double start, double *times) {
+static status convert_series(arguments *a, mem *m, mesh_input *x, double start, double *times) {
     const mesh_series series = {.paths = (const char *const *)a->common.inputs,
                                 .steps = (uint32_t)a->common.input_count,
                                 .names = a->field_count ? a->fields : NULL,
@@ -602,11 +603,11 @@ static status convert_series(arguments *a, mem *m, mesh *x, double start, double
     return st == ST_OK ? convert_mesh(a, m, x, &series, start) : st;
 }
 
-static status convert_meshes(arguments *a, mem *m, mesh *x, double start) {
+static status convert_meshes(arguments *a, mem *m, mesh_input *x, double start) {
     double *times = NULL;
     status st = a->times ? parse_times(a, m, &times) : ST_OK;
     if (a->all_fields)
-        mesh_fields(x, take_field, a);
+        mesh_input_fields(x, take_field, a);
     if (st == ST_OK)
         st = convert_series(a, m, x, start, times);
     mem_free(m, times);
@@ -616,7 +617,7 @@ static status convert_meshes(arguments *a, mem *m, mesh *x, double start) {
 /* ---- what it is ---- */
 
 static status convert_opened(arguments *a, mem *m, const convert_input *in, double start) {
-    const char *format = in->x ? mesh_format(in->x) : volume_format(in->v);
+    const char *format = in->x ? mesh_input_format(in->x) : volume_format(in->v);
     const int input = in->x ? MESH : strcmp(format, VOLUME_RAW_SAMPLES) == 0 ? RAW : HEADED;
     status st =
         cli_check_uses(&a->common, uses, sizeof uses / sizeof *uses, input, input_names, format);

@@ -277,7 +277,7 @@ leafcast_status leafcast_convert_array(const leafcast_grid *from, const void *sa
 
 /* ---- Meshes ---- */
 
-static status convert_mesh(job *j, mesh *x, const mesh_series *series) {
+static status convert_mesh(job *j, mesh_input *x, const mesh_series *series) {
     mesh_options o = mesh_options_default();
     mesh_result result;
     o.file = parameters_of(j);
@@ -295,7 +295,7 @@ static status convert_mesh(job *j, mesh *x, const mesh_series *series) {
 }
 
 static status convert_arrays(job *j, const leafcast_tets *tets) {
-    mesh *x = NULL;
+    mesh_input *x = NULL;
     status st = public_size("leafcast_tets", tets->size, sizeof *tets);
     if (st == ST_OK && (tets->vertex_count > MESH_POINTS_MAX || !tets->values))
         st = status_describe(ST_USAGE, "leafcast_tets: %llu vertices%s",
@@ -309,10 +309,10 @@ static status convert_arrays(job *j, const leafcast_tets *tets) {
                                 .values = tets->values,
                                 .ids = tets->tets,
                                 .field = tets->field};
-    st = mesh_open_arrays(&j->m, &arrays, j->o.name, &x);
+    st = mesh_input_open_arrays(&j->m, &arrays, j->o.name, &x);
     if (st == ST_OK)
         st = convert_mesh(j, x, NULL);
-    mesh_close(x);
+    mesh_input_close(x);
     return st;
 }
 

@@ -1,6 +1,6 @@
 /* fuzz_mesh.c - hostile meshes: the first byte chooses the format and what is asked for, the others
  * are the file; of TetGen both, with a $ between .node and .ele. What is handed over must keep the
- * promises of mesh.h.
+ * promises of mesh_input.h.
  */
 #include <math.h>
 #include <stdint.h>
@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_input.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -58,18 +58,18 @@ static void write_file(char path[PATH_ROOM], const char *suffix, const uint8_t *
 static void read_mesh(const char *path, const mesh_hints *hints) {
     const mesh_sink sink = {NULL, take_points, take_values, take_tets};
     mem m;
-    mesh *x = NULL;
+    mesh_input *x = NULL;
     mesh_report report;
     mem_init(&m, (size_t)16 << 20);
     points = values = 0;
-    status st = mesh_open(&m, path, hints, &x);
+    status st = mesh_input_open(&m, path, hints, &x);
     if (st == ST_OK)
-        st = mesh_read(x, &sink, &report);
+        st = mesh_input_read(x, &sink, &report);
     if (st == ST_OK)
         require(report.points == points && values == points);
     else
         require(*status_text());
-    mesh_close(x);
+    mesh_input_close(x);
     require(mem_used(&m) == 0);
 }
 

@@ -227,17 +227,17 @@ static void convert_mesh(const char *const *paths, uint32_t steps, uint64_t memo
     mesh_options o = mesh_options_default();
     const mesh_series series = {.paths = paths, .steps = steps, .fields = 1};
     mesh_result result;
-    mesh *x = NULL;
+    mesh_input *x = NULL;
     o.file.histograms = true;
     o.treelet_tets = 300;
     o.memory = memory;
     o.threads = threads;
     o.force = true;
     o.series = &series;
-    if (mesh_open(&m, paths[0], NULL, &x) != ST_OK ||
+    if (mesh_input_open(&m, paths[0], NULL, &x) != ST_OK ||
         mesh_convert_run(&m, x, scratch_path(name), &o, NULL, &result) != ST_OK)
         fail_msg("%s", status_text());
-    mesh_close(x);
+    mesh_input_close(x);
 }
 
 static void test_meshes(void **state) {

@@ -582,11 +582,11 @@ static void test_stream(void **state) {
     int stopped = 0;
     for (int left = 0;; left = ++stopped) {
         const progress p = {.stop = stop_later, .ctx = &left};
-        mesh *x;
+        mesh_input *x;
         mesh_result r;
-        assert_int_equal(mesh_open(&m, path, NULL, &x), ST_OK);
+        assert_int_equal(mesh_input_open(&m, path, NULL, &x), ST_OK);
         const status st = mesh_convert_run(&m, x, out, &c.options, &p, &r);
-        mesh_close(x);
+        mesh_input_close(x);
         assert_int_equal(mem_used(&m), 0);
         if (st == ST_OK)
             break;
@@ -595,27 +595,27 @@ static void test_stream(void **state) {
     }
     assert_true(stopped > 5);
     check_same("first.leaf", "stream.leaf");
-    mesh *x;
+    mesh_input *x;
     mesh_result r;
     c.options.force = false;
-    assert_int_equal(mesh_open(&m, path, NULL, &x), ST_OK);
+    assert_int_equal(mesh_input_open(&m, path, NULL, &x), ST_OK);
     assert_int_equal(mesh_convert_run(&m, x, out, &c.options, NULL, &r), ST_EXISTS);
     c.options.memory = 1 << 20;
     c.options.force = true;
     assert_int_equal(mesh_convert_run(&m, x, out, &c.options, NULL, &r), ST_NOMEM);
     /* What is said to do then does. */
     const uint64_t least = said_least();
-    mesh_close(x);
-    assert_int_equal(mesh_open(&m, path, NULL, &x), ST_OK);
+    mesh_input_close(x);
+    assert_int_equal(mesh_input_open(&m, path, NULL, &x), ST_OK);
     c.options.memory = least;
     assert_int_equal(mesh_convert_run(&m, x, out, &c.options, NULL, &r), ST_OK);
-    mesh_close(x);
-    assert_int_equal(mesh_open(&m, path, NULL, &x), ST_OK);
+    mesh_input_close(x);
+    assert_int_equal(mesh_input_open(&m, path, NULL, &x), ST_OK);
     c.options.memory = 1 << 28;
     assert_int_equal(mesh_convert_dry(&m, x, &c.options, NULL, &r), ST_OK);
     assert_int_equal(r.report.tets, c.tet_count);
     assert_true(r.plan.memory > c.tet_count * 24 && r.plan.memory_least < r.plan.memory);
-    mesh_close(x);
+    mesh_input_close(x);
     check_same("first.leaf", "stream.leaf");
     mesh_cases_free(&c);
 }
@@ -647,13 +647,13 @@ static void test_progress(void **state) {
     for (int steps = 1; steps <= 3; steps += 2) {
         telling told = {0};
         const progress p = {.report = take_progress, .ctx = &told};
-        mesh *x;
+        mesh_input *x;
         mesh_result r;
         c.options.series = steps > 1 ? &series : NULL;
-        assert_int_equal(mesh_open(&m, path, NULL, &x), ST_OK);
+        assert_int_equal(mesh_input_open(&m, path, NULL, &x), ST_OK);
         if (mesh_convert_run(&m, x, out, &c.options, &p, &r) != ST_OK)
             fail_msg("%s", status_text());
-        mesh_close(x);
+        mesh_input_close(x);
         assert_false(told.falls);
         assert_true(told.last == 1);
         assert_true(told.read == 0.25);

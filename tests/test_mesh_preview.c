@@ -241,18 +241,18 @@ static void make_series(const char *name) {
     }
     const mesh_series series = {.paths = paths, .steps = STEPS, .fields = 1};
     const mesh_hints hints = {0};
-    mesh *first = NULL;
+    mesh_input *first = NULL;
     mesh_result r;
     c.options.treelet_tets = 400;
     c.options.coarse = true;
     c.options.coarse_dims = 37;
     c.options.series = &series;
-    status st = mesh_open(&m, paths[0], &hints, &first);
+    status st = mesh_input_open(&m, paths[0], &hints, &first);
     if (st == ST_OK)
         st = mesh_convert_run(&m, first, scratch_path(name), &c.options, NULL, &r);
     if (st != ST_OK)
         fail_msg("%s", status_text());
-    mesh_close(first);
+    mesh_input_close(first);
     mesh_cases_free(&c);
 }
 

@@ -129,17 +129,17 @@ static void write_all(movie *v) {
 }
 
 static status convert(movie *v, const char *name, mesh_result *r, bool dry) {
-    mesh *x = NULL;
+    mesh_input *x = NULL;
     mesh_hints hints = v->series.hints;
     hints.field = v->series.names ? v->series.names[0] : NULL;
     m.limit = (size_t)v->c.options.memory;
     status st = mesh_series_check(&v->series);
     if (st == ST_OK)
-        st = mesh_open(&m, v->paths[0], &hints, &x);
+        st = mesh_input_open(&m, v->paths[0], &hints, &x);
     if (st == ST_OK)
         st = dry ? mesh_convert_dry(&m, x, &v->c.options, NULL, r)
                  : mesh_convert_run(&m, x, scratch_path(name), &v->c.options, NULL, r);
-    mesh_close(x);
+    mesh_input_close(x);
     assert_int_equal(mem_used(&m), 0);
     m.limit = 0;
     return st;

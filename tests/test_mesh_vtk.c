@@ -33,9 +33,9 @@ static void test_versions(void **state) {
         vtk_files_check(a, 1, "alpha", 0);
         assert_string_equal(a->name, "");
     }
-    assert_true(mesh_recognise(scratch_text("a.dat", "# vtk DataFile Version 2.0\n")));
-    assert_true(mesh_recognise("not/there.VTK"));
-    assert_false(mesh_recognise(scratch_text("b.dat", "# something else\n")));
+    assert_true(mesh_input_recognise(scratch_text("a.dat", "# vtk DataFile Version 2.0\n")));
+    assert_true(mesh_input_recognise("not/there.VTK"));
+    assert_false(mesh_input_recognise(scratch_text("b.dat", "# something else\n")));
 }
 
 static void test_fields(void **state) {
@@ -244,7 +244,7 @@ static void test_cut(void **state) {
     }
 }
 
-/* Any byte changed gives an error or a mesh that keeps mesh.h's promises. */
+/* Any byte changed gives an error or a mesh that keeps mesh_input.h's promises. */
 static void test_damage(void **state) {
     (void)state;
     static const char masks[] = {1, 0x10, (char)0xff};
@@ -332,14 +332,14 @@ static void test_rounds(void **state) {
     assert_int_equal(a->report.tets, LONG_POINTS - 3);
     for (size_t limit = 700000; limit < 1000000; limit += 100000) {
         mem m;
-        mesh *x = NULL;
+        mesh_input *x = NULL;
         mesh_report report;
         mem_init(&m, limit);
         memset(averages, 0, sizeof averages);
-        assert_int_equal(mesh_open(&m, path, &hints, &x), ST_OK);
-        if (mesh_read(x, &sink, &report) != ST_OK)
+        assert_int_equal(mesh_input_open(&m, path, &hints, &x), ST_OK);
+        if (mesh_input_read(x, &sink, &report) != ST_OK)
             fail_msg("%s", status_text());
-        mesh_close(x);
+        mesh_input_close(x);
         assert_int_equal(mem_used(&m), 0);
         assert_memory_equal(averages, a->values, sizeof averages);
     }

@@ -527,14 +527,14 @@ static kept read_back(const char *name) {
     const mesh_sink sink = {&k, keep_points, keep_values, keep_tets};
     mem m;
     mem_init(&m, 0);
-    mesh *x;
+    mesh_input *x;
     mesh_report report;
-    assert_int_equal(mesh_open(&m, scratch_path(name), NULL, &x), ST_OK);
-    assert_string_equal(mesh_name(x), "noise");
-    assert_int_equal(mesh_read(x, &sink, &report), ST_OK);
+    assert_int_equal(mesh_input_open(&m, scratch_path(name), NULL, &x), ST_OK);
+    assert_string_equal(mesh_input_name(x), "noise");
+    assert_int_equal(mesh_input_read(x, &sink, &report), ST_OK);
     assert_string_equal(report.field, "noise");
     assert_int_equal(report.bad_indices + report.repeated, 0);
-    mesh_close(x);
+    mesh_input_close(x);
     return k;
 }
 

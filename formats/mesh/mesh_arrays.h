@@ -1,4 +1,4 @@
-/* mesh_arrays.h - a mesh that lies in memory, for mesh_open_arrays(). */
+/* mesh_arrays.h - a mesh that lies in memory, for mesh_input_open_arrays(). */
 #ifndef FORMATS_MESH_MESH_ARRAYS_H
 #define FORMATS_MESH_MESH_ARRAYS_H
 
@@ -7,7 +7,7 @@
 /* mesh_arrays_state() - what the reader reads from. */
 CHECKED status mesh_arrays_state(mem *m, const mesh_arrays *a, void **state);
 
-/* The reader, for mesh.c; nothing is recognised as arrays. */
+/* The reader, for mesh_input.c; nothing is recognised as arrays. */
 extern const mesh_reader mesh_arrays_reader;
 
 #endif

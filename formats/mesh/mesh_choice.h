@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_input.h"
 
 enum { MESH_CHOICE_TEXT = 400 };
 

@@ -1,19 +1,20 @@
-/* mesh_reader.h - a row of mesh.c's table: how a format is recognised, opened, read and closed.
+/* mesh_reader.h - a row of mesh_input.c's table: how a format is recognised, opened, read and
+ * closed.
  */
 #ifndef FORMATS_MESH_MESH_READER_H
 #define FORMATS_MESH_MESH_READER_H
 
 #include "formats/input/byte_stream.h"
-#include "formats/mesh/mesh.h"
 #include "formats/mesh/mesh_feed.h"
+#include "formats/mesh/mesh_input.h"
 
 enum { MESH_READER_PEEK = 4096 };
 
-/* What a reader gets. mesh.c keeps it as long as the mesh. */
+/* What a reader gets. mesh_input.c keeps it as long as the mesh. */
 typedef struct mesh_source {
     mem *m;
     const char *path;  /* "-": standard input */
-    byte_stream *data; /* at the start of the file; closed by mesh.c */
+    byte_stream *data; /* at the start of the file; closed by mesh_input.c */
     mesh_hints hints;
     char name[MESH_NAME_MAX + 1]; /* of the data set; empty unless open() finds one */
 } mesh_source;
@@ -28,7 +29,7 @@ typedef struct mesh_reader {
     status (*open)(mesh_source *source, void **state);
     status (*read)(void *state, mesh_feed *feed); /* once */
     void (*close)(void *state);                   /* NULL is fine */
-    /* mesh_fields(), of one that is open */
+    /* mesh_input_fields(), of one that is open */
     void (*fields)(const void *state, void (*take)(void *ctx, const char *name), void *ctx);
 } mesh_reader;
 

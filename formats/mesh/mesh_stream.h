@@ -12,7 +12,7 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
-#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_input.h"
 #include "formats/mesh/mesh_reader.h"
 
 typedef struct mesh_stream_header {
@@ -42,7 +42,7 @@ CHECKED status mesh_stream_commit(mesh_stream_writer *w);
 /* mesh_stream_discard() - leave nothing behind. NULL is fine. */
 void mesh_stream_discard(mesh_stream_writer *w);
 
-/* The reader, for mesh.c. */
+/* The reader, for mesh_input.c. */
 extern const mesh_reader mesh_stream_reader;
 
 #endif

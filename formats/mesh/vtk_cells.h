@@ -5,7 +5,7 @@
 #define FORMATS_MESH_VTK_CELLS_H
 
 #include "formats/base/mem.h"
-#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_input.h"
 #include "formats/mesh/vtk_array.h"
 
 /* Where they are written. Without offsets, each cell's number of points stands in front of its ids.
@@ -19,7 +19,7 @@ typedef struct vtk_cells_source {
 
 typedef struct vtk_cell {
     bool volume;    /* else vertices, lines or surfaces, which have no kind and no ids here */
-    mesh_cell kind; /* arranged as mesh.h has it */
+    mesh_cell kind; /* arranged as mesh_input.h has it */
     int count;      /* of ids */
     uint64_t ids[8];
 } vtk_cell;

@@ -14,7 +14,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/input/byte_stream.h"
-#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_input.h"
 
 /* So many points, corners or facets can be handled: TetGen counts in int. */
 #define PLC_MAX ((uint64_t)1 << 26)

@@ -10,7 +10,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
-#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_input.h"
 #include "prep/generate/field.h"
 #include "prep/generate/tet_lattice.h"
 

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "formats/base/num.h"
-#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_input.h"
 #include "prep/generate/portable_math.h"
 
 /* Beyond these a product with a number of cells might leave the range of floats. */

@@ -510,7 +510,7 @@ status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, const cha
     return st;
 }
 
-static status read_all(mem *m, mesh *x, const mesh_options *o, mesh_gather *g, bool count,
+static status read_all(mem *m, mesh_input *x, const mesh_options *o, mesh_gather *g, bool count,
                        mesh_report *report) {
     if (o->series)
         g->steps = o->series->steps;
@@ -520,7 +520,7 @@ static status read_all(mem *m, mesh *x, const mesh_options *o, mesh_gather *g, b
 }
 
 /* Read everything, keep nothing, and plan. */
-static status plan_counted(mem *m, mesh *x, const mesh_options *o, const progress *p,
+static status plan_counted(mem *m, mesh_input *x, const mesh_options *o, const progress *p,
                            mesh_result *result) {
     mesh_gather g;
     mesh_gather_init(&g, m, "", 0, p);
@@ -529,7 +529,7 @@ static status plan_counted(mem *m, mesh *x, const mesh_options *o, const progres
 }
 
 /* A budget that is too small for any mesh cannot even gather this one; what it needs is told. */
-static status check_budget(mem *m, mesh *x, const mesh_options *o, const progress *p,
+static status check_budget(mem *m, mesh_input *x, const mesh_options *o, const progress *p,
                            mesh_result *result) {
     uint64_t least = 0;
     status st = mesh_plan_least(m, o, &least);
@@ -539,7 +539,7 @@ static status check_budget(mem *m, mesh *x, const mesh_options *o, const progres
     return st == ST_OK ? mesh_plan_refuse(o, least) : st;
 }
 
-status mesh_convert_run(mem *m, mesh *x, const char *output, const mesh_options *o,
+status mesh_convert_run(mem *m, mesh_input *x, const char *output, const mesh_options *o,
                         const progress *p, mesh_result *result) {
     mesh_gather g = {0};
     *result = (mesh_result){0};
@@ -557,10 +557,10 @@ status mesh_convert_run(mem *m, mesh *x, const char *output, const mesh_options 
         return st;
     }
     result->read_s = clock_seconds() - start;
-    return mesh_convert_gathered(m, &g, mesh_name(x), output, o, p, result);
+    return mesh_convert_gathered(m, &g, mesh_input_name(x), output, o, p, result);
 }
 
-status mesh_convert_dry(mem *m, mesh *x, const mesh_options *o, const progress *p,
+status mesh_convert_dry(mem *m, mesh_input *x, const mesh_options *o, const progress *p,
                         mesh_result *result) {
     *result = (mesh_result){0};
     return plan_counted(m, x, o, p, result);

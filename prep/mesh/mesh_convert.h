@@ -18,7 +18,7 @@
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
 #include "formats/leaf/leaf.h"
-#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_input.h"
 #include "prep/mesh/mesh_plan.h"
 
 typedef struct mesh_result {
@@ -34,7 +34,7 @@ mesh_options mesh_options_default(void);
 /* mesh_convert_run() - x: just opened; of a series, its first step with the first field; the series
  * passes mesh_series_check(). p may be NULL. ST_CORRUPT for a mesh without a tet that
  * could be kept. Nothing is left under output's name or beside it unless ST_OK. */
-CHECKED status mesh_convert_run(mem *m, mesh *x, const char *output, const mesh_options *o,
+CHECKED status mesh_convert_run(mem *m, mesh_input *x, const char *output, const mesh_options *o,
                                 const progress *p, mesh_result *result);
 
 /* mesh_convert_gathered() - the same from what was gathered (of a series: its fields and steps);
@@ -43,7 +43,7 @@ CHECKED status mesh_convert_gathered(mem *m, mesh_gather *g, const char *name, c
                                      const mesh_options *o, const progress *p, mesh_result *result);
 
 /* mesh_convert_dry() - read x, keep nothing, and plan: result->report and result->plan. */
-CHECKED status mesh_convert_dry(mem *m, mesh *x, const mesh_options *o, const progress *p,
+CHECKED status mesh_convert_dry(mem *m, mesh_input *x, const mesh_options *o, const progress *p,
                                 mesh_result *result);
 
 #endif

@@ -135,7 +135,7 @@ static status check_tets(mesh_gather *g, size_t count, const uint32_t (*ids)[4])
 /* How far all readings are together. */
 static status tell(const mesh_gather *g) {
     const double before = (double)g->step * g->fields + g->field;
-    const double done = before + (g->reading ? mesh_share(g->reading) : 0);
+    const double done = before + (g->reading ? mesh_input_share(g->reading) : 0);
     return progress_step(g->p, "read", g->share * done / ((double)g->fields * g->steps));
 }
 
@@ -207,9 +207,9 @@ status mesh_gather_done(const mesh_gather *g) {
     return ST_OK;
 }
 
-status mesh_gather_read(mesh_gather *g, mesh *x, const mesh_sink *sink, mesh_report *report) {
+status mesh_gather_read(mesh_gather *g, mesh_input *x, const mesh_sink *sink, mesh_report *report) {
     g->reading = x;
-    status st = mesh_read(x, sink, report);
+    status st = mesh_input_read(x, sink, report);
     g->reading = NULL;
     return st;
 }

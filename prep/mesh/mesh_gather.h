@@ -14,7 +14,7 @@
 #include <stdint.h>
 
 #include "formats/base/progress.h"
-#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_input.h"
 #include "prep/mesh/mesh_spool.h"
 
 typedef struct mesh_gather {
@@ -29,7 +29,7 @@ typedef struct mesh_gather {
     const progress *p;
     double share; /* of the job, at the end of reading; 1 unless set before */
     /* What is being read: */
-    mesh *reading;
+    mesh_input *reading;
     uint32_t field, step;
     const char *name, *first_name; /* of its file, of the first step's; for messages */
     uint64_t points_seen, values_seen, tets_seen;
@@ -44,7 +44,7 @@ void mesh_gather_release(mesh_gather *g); /* zeroed is fine */
 /* mesh_gather_least() - bytes that it takes at least. */
 size_t mesh_gather_least(void);
 
-/* mesh_gather_sink() - what to give to mesh_read(). */
+/* mesh_gather_sink() - what to give to mesh_input_read(). */
 mesh_sink mesh_gather_sink(mesh_gather *g);
 
 /* mesh_gather_counter() - the same, to count what would come: for a plan alone. Of the spools,
@@ -57,8 +57,8 @@ mesh_sink mesh_gather_counter(mesh_gather *g);
 void mesh_gather_next(mesh_gather *g, uint32_t step, uint32_t field, const char *name);
 CHECKED status mesh_gather_done(const mesh_gather *g);
 
-/* mesh_gather_read() - mesh_read() to a sink of g, with the progress of the whole series. */
-CHECKED status mesh_gather_read(mesh_gather *g, mesh *x, const mesh_sink *sink,
+/* mesh_gather_read() - mesh_input_read() to a sink of g, with the progress of the whole series. */
+CHECKED status mesh_gather_read(mesh_gather *g, mesh_input *x, const mesh_sink *sink,
                                 mesh_report *report);
 
 /* mesh_gather_end() - everything has come. */

@@ -38,16 +38,16 @@ static status read_again(mem *m, const mesh_series *s, mesh_gather *g, const cha
                          const mesh_sink *sink) {
     mesh_hints hints = s->hints;
     mesh_report report;
-    mesh *x = NULL;
+    mesh_input *x = NULL;
     hints.field = name;
-    status st = mesh_open(m, s->paths[g->step], &hints, &x);
+    status st = mesh_input_open(m, s->paths[g->step], &hints, &x);
     if (st == ST_OK)
         st = mesh_gather_read(g, x, sink, &report);
-    mesh_close(x);
+    mesh_input_close(x);
     return st;
 }
 
-status mesh_series_read(mem *m, const mesh_series *s, mesh *first, mesh_gather *g,
+status mesh_series_read(mem *m, const mesh_series *s, mesh_input *first, mesh_gather *g,
                         const mesh_sink *sink, mesh_report *report) {
     g->fields = s->fields;
     g->steps = s->steps;

@@ -10,7 +10,7 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
-#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_input.h"
 #include "prep/mesh/mesh_gather.h"
 
 typedef struct mesh_series {
@@ -30,7 +30,7 @@ CHECKED status mesh_series_check(const mesh_series *s);
 /* mesh_series_read() - all of it to sink, that of g; first: the first step's mesh, just opened,
  * with the first field. report: of the first reading. ST_CORRUPT names the file that is unlike the
  * first, and the first tet that is. */
-CHECKED status mesh_series_read(mem *m, const mesh_series *s, mesh *first, mesh_gather *g,
+CHECKED status mesh_series_read(mem *m, const mesh_series *s, mesh_input *first, mesh_gather *g,
                                 const mesh_sink *sink, mesh_report *report);
 
 #endif

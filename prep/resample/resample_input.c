@@ -46,12 +46,12 @@ static status convert(mem *m, const resample_source *s, const char *path, const 
     o.force = true;
     if (m->limit)
         o.memory = m->limit;
-    mesh *x = NULL;
+    mesh_input *x = NULL;
     mesh_result result;
-    status st = mesh_open(m, s->path, &s->hints, &x);
+    status st = mesh_input_open(m, s->path, &s->hints, &x);
     if (st == ST_OK)
         st = mesh_convert_run(m, x, path, &o, &first, &result);
-    mesh_close(x);
+    mesh_input_close(x);
     return st;
 }
 

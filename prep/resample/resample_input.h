@@ -6,10 +6,10 @@
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
 #include "formats/leaf/leaf_file.h"
-#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_input.h"
 
 typedef struct resample_source {
-    const char *path;   /* a treelet file, or what mesh_open() takes; "-": standard input */
+    const char *path;   /* a treelet file, or what mesh_input_open() takes; "-": standard input */
     mesh_hints hints;   /* of a mesh */
     const char *beside; /* the path beside which a mesh becomes a treelet file; NULL: in $TMPDIR,
                            or /tmp */

@@ -14,7 +14,7 @@ const char *lab_leaf_make(const lab_mesh *lab, uint32_t treelet_tets, bool gradi
     const char *input = scratch_path("mesh"), *output = scratch_path("leaf");
     mem m;
     mesh_stream_writer *w;
-    mesh *x;
+    mesh_input *x;
     mesh_result result;
     mesh_options o = mesh_options_default();
     const mesh_stream_header head = {"lab", "f", lab->point_count, lab->tet_count};
@@ -28,16 +28,16 @@ const char *lab_leaf_make(const lab_mesh *lab, uint32_t treelet_tets, bool gradi
     assert_int_equal(mesh_stream_values(w, lab->point_count, lab->values), ST_OK);
     assert_int_equal(mesh_stream_tets(w, lab->tet_count, (const uint32_t(*)[4])lab->tets), ST_OK);
     assert_int_equal(mesh_stream_commit(w), ST_OK);
-    assert_int_equal(mesh_open(&m, input, NULL, &x), ST_OK);
+    assert_int_equal(mesh_input_open(&m, input, NULL, &x), ST_OK);
     assert_int_equal(mesh_convert_run(&m, x, output, &o, NULL, &result), ST_OK);
-    mesh_close(x);
+    mesh_input_close(x);
     return output;
 }
 
 const char *lab_leaf_field(const char *name, uint32_t dims) {
     const char *input = scratch_path("mesh"), *output = scratch_path("leaf");
     mem m;
-    mesh *x;
+    mesh_input *x;
     mesh_result result;
     mesh_options o = mesh_options_default();
     tet_generate_options made = {.info = field_find(name), .threads = 1};
@@ -49,8 +49,8 @@ const char *lab_leaf_field(const char *name, uint32_t dims) {
     mem_init(&m, 0);
     o.force = true;
     assert_int_equal(tet_generate_files(&m, &made, input, true, NULL), ST_OK);
-    assert_int_equal(mesh_open(&m, input, NULL, &x), ST_OK);
+    assert_int_equal(mesh_input_open(&m, input, NULL, &x), ST_OK);
     assert_int_equal(mesh_convert_run(&m, x, output, &o, NULL, &result), ST_OK);
-    mesh_close(x);
+    mesh_input_close(x);
     return output;
 }

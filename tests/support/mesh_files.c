@@ -17,11 +17,11 @@
 
 static mesh_copy copy;
 static uint64_t points, values, tets; /* received */
-static mesh *reading;
+static mesh_input *reading;
 static double share; /* of it, told last */
 
 static void check_share(void) {
-    const double now = mesh_share(reading);
+    const double now = mesh_input_share(reading);
     if (!(now >= share && now > 0 && now <= 1))
         fail_msg("%g of the mesh has come, %g before that", now, share);
     share = now;
@@ -85,19 +85,19 @@ static void check_promises(void) {
 status mesh_files_read(const char *path, const mesh_hints *hints, const mesh_copy **out) {
     const mesh_sink sink = {NULL, take_points, take_values, take_tets};
     mem m;
-    mesh *x = NULL;
+    mesh_input *x = NULL;
     mem_init(&m, (size_t)1 << 24);
     points = values = tets = 0;
     status_describe(ST_OK, "%s", "");
-    status st = mesh_open(&m, path, hints, &x);
+    status st = mesh_input_open(&m, path, hints, &x);
     if (st == ST_OK) {
-        strcpy(copy.name, mesh_name(x));
-        share = mesh_share(reading = x);
+        strcpy(copy.name, mesh_input_name(x));
+        share = mesh_input_share(reading = x);
         assert_true(share == 0);
-        st = mesh_read(x, &sink, &copy.report);
-        assert_true(st != ST_OK || mesh_share(x) == 1);
+        st = mesh_input_read(x, &sink, &copy.report);
+        assert_true(st != ST_OK || mesh_input_share(x) == 1);
     }
-    mesh_close(x);
+    mesh_input_close(x);
     if (mem_used(&m) != 0)
         fail_msg("%s: %zu bytes leaked", path, mem_used(&m));
     if ((st == ST_OK) != !*status_text())

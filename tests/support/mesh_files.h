@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_input.h"
 
 enum { MESH_FILES_ROOM = 1 << 18 };
 
@@ -22,9 +22,9 @@ typedef struct mesh_copy {
 } mesh_copy;
 
 /* mesh_files_read() - open, read, close: the status. Fails the test when memory is not given back,
- * when points or values do not come in order and complete, or when a tet breaks mesh.h's promise.
- * The result is one static mesh, valid until the next call; more than it has room for is ST_FAILED.
- * path may be "-". */
+ * when points or values do not come in order and complete, or when a tet breaks mesh_input.h's
+ * promise. The result is one static mesh, valid until the next call; more than it has room for is
+ * ST_FAILED. path may be "-". */
 status mesh_files_read(const char *path, const mesh_hints *hints, const mesh_copy **out);
 
 /* mesh_files_good() - the same, and it must be fine. */

@@ -1,4 +1,4 @@
-#include "formats/mesh/mesh.h"
+#include "formats/mesh/mesh_input.h"
 
 #include <fcntl.h>
 #include <string.h>
@@ -17,7 +17,7 @@
 #include "formats/mesh/mesh_vtk.h"
 #include "formats/mesh/mesh_vtu.h"
 
-struct mesh {
+struct mesh_input {
     mem *m;
     mesh_source source;
     const mesh_reader *reader;
@@ -53,12 +53,12 @@ static size_t read_start(const char *path, uint8_t start[MESH_READER_PEEK]) {
     return got < 0 ? 0 : (size_t)got;
 }
 
-bool mesh_recognise(const char *path) {
+bool mesh_input_recognise(const char *path) {
     uint8_t start[MESH_READER_PEEK];
     return find_reader(path, start, read_start(path, start)) != NULL;
 }
 
-status mesh_recognise_stream(byte_stream *s, bool *known) {
+status mesh_input_recognise_stream(byte_stream *s, bool *known) {
     const uint8_t *start;
     size_t size;
     status st = byte_stream_peek(s, MESH_READER_PEEK, &start, &size);
@@ -69,7 +69,7 @@ status mesh_recognise_stream(byte_stream *s, bool *known) {
 
 /* ---- opening ---- */
 
-static status open_reader(mesh *x) {
+static status open_reader(mesh_input *x) {
     mesh_source *source = &x->source;
     const uint8_t *start;
     size_t size;
@@ -83,8 +83,8 @@ static status open_reader(mesh *x) {
     return x->reader->open(source, &x->state);
 }
 
-status mesh_open_stream(mem *m, byte_stream *s, const mesh_hints *hints, mesh **out) {
-    mesh *x = mem_zalloc(m, sizeof *x);
+status mesh_input_open_stream(mem *m, byte_stream *s, const mesh_hints *hints, mesh_input **out) {
+    mesh_input *x = mem_zalloc(m, sizeof *x);
     if (!x) {
         byte_stream_close(s);
         return ST_NOMEM;
@@ -95,7 +95,7 @@ status mesh_open_stream(mem *m, byte_stream *s, const mesh_hints *hints, mesh **
         x->source.hints = *hints;
     status st = open_reader(x);
     if (st != ST_OK) {
-        mesh_close(x);
+        mesh_input_close(x);
         return st;
     }
     const char *name = x->source.hints.name;
@@ -104,14 +104,15 @@ status mesh_open_stream(mem *m, byte_stream *s, const mesh_hints *hints, mesh **
     return ST_OK;
 }
 
-status mesh_open(mem *m, const char *path, const mesh_hints *hints, mesh **out) {
+status mesh_input_open(mem *m, const char *path, const mesh_hints *hints, mesh_input **out) {
     byte_stream *s;
     status st = byte_stream_open(m, path, &s);
-    return st == ST_OK ? mesh_open_stream(m, s, hints, out) : st;
+    return st == ST_OK ? mesh_input_open_stream(m, s, hints, out) : st;
 }
 
-status mesh_open_arrays(mem *m, const mesh_arrays *arrays, const char *name, mesh **out) {
-    mesh *x = mem_zalloc(m, sizeof *x);
+status mesh_input_open_arrays(mem *m, const mesh_arrays *arrays, const char *name,
+                              mesh_input **out) {
+    mesh_input *x = mem_zalloc(m, sizeof *x);
     if (!x)
         return ST_NOMEM;
     x->m = m;
@@ -119,7 +120,7 @@ status mesh_open_arrays(mem *m, const mesh_arrays *arrays, const char *name, mes
     x->reader = &mesh_arrays_reader;
     status st = mesh_arrays_state(m, arrays, &x->state);
     if (st != ST_OK) {
-        mesh_close(x);
+        mesh_input_close(x);
         return st;
     }
     text_name(x->source.name, sizeof x->source.name, name ? name : "");
@@ -127,7 +128,7 @@ status mesh_open_arrays(mem *m, const mesh_arrays *arrays, const char *name, mes
     return ST_OK;
 }
 
-void mesh_close(mesh *x) {
+void mesh_input_close(mesh_input *x) {
     if (!x)
         return;
     if (x->reader)
@@ -136,11 +137,11 @@ void mesh_close(mesh *x) {
     mem_free(x->m, x);
 }
 
-const char *mesh_format(const mesh *x) {
+const char *mesh_input_format(const mesh_input *x) {
     return x->reader->format;
 }
 
-const char *mesh_name(const mesh *x) {
+const char *mesh_input_name(const mesh_input *x) {
     return x->source.name;
 }
 
@@ -156,20 +157,20 @@ static void take_clean(void *ctx, const char *name) {
     t->take(t->ctx, clean);
 }
 
-void mesh_fields(const mesh *x, void (*take)(void *ctx, const char *name), void *ctx) {
+void mesh_input_fields(const mesh_input *x, void (*take)(void *ctx, const char *name), void *ctx) {
     taker t = {take, ctx};
     x->reader->fields(x->state, take_clean, &t);
 }
 
 /* ---- reading ---- */
 
-double mesh_share(mesh *x) {
+double mesh_input_share(mesh_input *x) {
     const double share = x->feed ? mesh_feed_share(x->feed) : x->share;
     x->share = share > x->share ? share : x->share;
     return x->share;
 }
 
-status mesh_read(mesh *x, const mesh_sink *sink, mesh_report *report) {
+status mesh_input_read(mesh_input *x, const mesh_sink *sink, mesh_report *report) {
     mesh_feed feed;
     byte_stream *data = x->source.data;
     const char *name = data ? byte_stream_name(data) : x->source.path;

@@ -1,0 +1,119 @@
+/* mesh_input.h - any known tetrahedral mesh as a stream of points, values and tets.
+ *
+ * mesh_input_open() recognises the format (mesh stream, TetGen, VTK, Gmsh) and reads its header;
+ * mesh_input_read() then hands everything over, once, in chunks. A reader holds fixed buffers, plus
+ * a map of vertex numbers where the format chooses them freely, plus sums when cell data are
+ * averaged; all of it counted in the budget. Hexes, wedges, pyramids and voxels become tets on the
+ * way (see mesh_split.h). One thread per mesh.
+ *
+ * Vertex ids are 0-based and below MESH_POINTS_MAX. Positions are floats; doubles are rounded once,
+ * here, and one that is not finite then is ST_CORRUPT. Values may be NaN or inf: no data.
+ */
+#ifndef FORMATS_MESH_MESH_INPUT_H
+#define FORMATS_MESH_MESH_INPUT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+#include "formats/input/byte_stream.h"
+
+enum { MESH_NAME_MAX = 63 }; /* bytes, without the NUL */
+#define MESH_POINTS_MAX ((uint64_t)UINT32_MAX - 1)
+
+/* Where a mesh goes. Points and values come in order of id, each vertex once; points, values and
+ * tets in any order among each other. What is handed over is valid during the call. A status other
+ * than ST_OK ends the reading and is what mesh_input_read() returns. */
+typedef struct mesh_sink {
+    void *ctx;
+    status (*points)(void *ctx, uint64_t first, size_t count, const float (*xyz)[3]);
+    /* the one field asked for; zeros for a mesh without any */
+    status (*values)(void *ctx, uint64_t first, size_t count, const float *values);
+    /* any orientation; four different ids, each that of a point. May be flat or inverted. */
+    status (*tets)(void *ctx, size_t count, const uint32_t (*ids)[4]);
+} mesh_sink;
+
+/* What the command line says. Zero/NULL = not given. */
+typedef struct mesh_hints {
+    const char *field; /* the array's name; else the first of the points, or the first at all */
+    int component;     /* of a vector array: 1, 2, ..; 0: its magnitude */
+    bool
+        cells_to_points; /* take cell data, averaged to the points: the mean over a point's cells */
+    const char *name;    /* of the data set, in place of the mesh's own */
+} mesh_hints;
+
+/* The cells that are split, by the number of their vertices' arrangement; also indexes
+ * mesh_report.split. */
+typedef enum mesh_cell {
+    MESH_HEX,     /* 8 vertices: bottom quad around, then the top one above it (VTK_HEXAHEDRON) */
+    MESH_WEDGE,   /* 6: a triangle, then the opposite one; edges 0-3, 1-4, 2-5 */
+    MESH_PYRAMID, /* 5: quad around, then the apex */
+    MESH_VOXEL,   /* 8: x fastest (VTK_VOXEL) */
+    MESH_SPLIT_KINDS,
+    MESH_TET = MESH_SPLIT_KINDS /* 4 */
+} mesh_cell;
+
+typedef struct mesh_report {
+    uint64_t points, tets;            /* handed over */
+    uint64_t split[MESH_SPLIT_KINDS]; /* cells that were split; tets counts what came of them */
+    uint64_t bad_indices;             /* cells left out: an id that is no point */
+    uint64_t repeated;                /* tets left out: the same vertex twice */
+    uint64_t skipped; /* cells of fewer dimensions (vertices, edges, triangles, ..) passed over */
+    char field[MESH_NAME_MAX + 1]; /* the array taken; "" for a mesh without any */
+} mesh_report;
+
+typedef struct mesh_input mesh_input;
+
+/* mesh_input_recognise() - whether path is a mesh, by its suffix or its first bytes; false for
+ * grids, whatever is not there, and pipes ("-" too: see mesh_input_recognise_stream()). */
+bool mesh_input_recognise(const char *path);
+
+/* mesh_input_recognise_stream() - the same of an open stream, of which nothing is taken. */
+CHECKED status mesh_input_recognise_stream(byte_stream *s, bool *known);
+
+/* mesh_input_open() - path, or "-" for a mesh on standard input. hints may be NULL; its text must
+ * live as long as the mesh. ST_CORRUPT, ST_UNSUPPORTED (also for a file of no known format) or
+ * ST_IO, naming file and place; ST_USAGE when there is no array as the hints want, naming those
+ * there are. mesh_input_open_stream() - of a stream, which is taken over, and closed in any case.
+ */
+CHECKED status mesh_input_open(mem *m, const char *path, const mesh_hints *hints, mesh_input **out);
+CHECKED status mesh_input_open_stream(mem *m, byte_stream *s, const mesh_hints *hints,
+                                      mesh_input **out);
+
+/* A mesh in memory: the caller's, and as it is as long as the mesh is open. */
+typedef struct mesh_arrays {
+    uint64_t points, tets;
+    const float (*xyz)[3];
+    const float *values; /* NULL: there is no field */
+    const uint32_t (*ids)[4];
+    const char *field; /* name of the values; NULL: none */
+} mesh_arrays;
+
+/* mesh_input_open_arrays() - name: of the data set, or NULL. */
+CHECKED status mesh_input_open_arrays(mem *m, const mesh_arrays *arrays, const char *name,
+                                      mesh_input **out);
+void mesh_input_close(mesh_input *x); /* NULL is fine */
+
+/* mesh_input_name() - of the data set: the hints', or its own, or "". Never the file's: the same
+ * mesh is the same data set. */
+const char *mesh_input_name(const mesh_input *x);
+
+/* mesh_input_format() - what it was read as: "TetGen". */
+const char *mesh_input_format(const mesh_input *x);
+
+/* mesh_input_share() - how much of it mesh_input_read() has handed over, 0 to 1; for a sink that
+ * wants to tell. Never less than before. */
+double mesh_input_share(mesh_input *x);
+
+/* mesh_input_fields() - give `take` the name of each array that could have been asked for, in the
+ * order of the file: of the points, or of the cells where the hints say so. A name may come again.
+ * The first is the one that is taken when none is asked for. Before mesh_input_read(). */
+void mesh_input_fields(const mesh_input *x, void (*take)(void *ctx, const char *name), void *ctx);
+
+/* mesh_input_read() - hand it all over; once. ST_CORRUPT names file, place and what was expected.
+ */
+CHECKED status mesh_input_read(mesh_input *x, const mesh_sink *sink, mesh_report *report);
+
+#endif
