@@ -174,7 +174,7 @@ $B/obj/%_avx2.o:   ISA := -mavx2 $(BITS)
 $B/obj/%_avx512.o: ISA := -mavx512f -mavx512dq -mavx512bw -mavx512vl -mavx512cd $(BITS)
 
 $B/obj/%_wide.o:   ISA := -Wno-psabi -g0
-$B/obj/tests/test_tet_sight.o: ISA := -Wno-psabi
+$B/obj/tests/test_isopolygon.o: ISA := -Wno-psabi
 
 $B/obj/%.o: %.c $B/flags
 	@mkdir -p $(@D)

@@ -31,7 +31,7 @@ struct mesh_runs {
     uint32_t *losers; /* of a tournament of all streams; [0]: who won */
     mesh_record *window;
     /* What is in sight */
-    size_t first, sight;
+    size_t first, held;
 };
 
 /* ---- the plan ---- */
@@ -226,7 +226,7 @@ static status begin_merge(mesh_runs *r) {
 
 status mesh_runs_rewind(mesh_runs *r) {
     size_t n = (size_t)r->runs;
-    r->first = r->sight = 0;
+    r->first = r->held = 0;
     for (size_t i = 0; i < n; i++) {
         stream *s = &r->streams[i];
         s->block = r->blocks + i * (size_t)r->plan.block;
@@ -257,11 +257,11 @@ status mesh_runs_end(mesh_runs *r) {
 }
 
 static status merge_some(mesh_runs *r) {
-    while (r->sight < r->plan.window) {
+    while (r->held < r->plan.window) {
         stream *s = &r->streams[r->losers[0]];
         if (s->at == s->count)
             return ST_OK;
-        r->window[r->sight++] = s->block[s->at++];
+        r->window[r->held++] = s->block[s->at++];
         if (s->at == s->count) {
             status st = fill_block(r, s);
             if (st != ST_OK)
@@ -281,11 +281,11 @@ status mesh_runs_window(mesh_runs *r, size_t used, const mesh_record **records, 
         *last = true;
         return ST_OK;
     }
-    r->sight -= used;
-    memmove(r->window, r->window + used, r->sight * sizeof *r->window);
+    r->held -= used;
+    memmove(r->window, r->window + used, r->held * sizeof *r->window);
     status st = merge_some(r);
     *records = r->window;
-    *count = r->sight;
-    *last = r->sight < r->plan.window;
+    *count = r->held;
+    *last = r->held < r->plan.window;
     return st;
 }

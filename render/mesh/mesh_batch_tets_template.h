@@ -187,9 +187,9 @@ SIMD bool batch_polygon(const mesh_batch *w, const resident_mesh *at, unsigned l
         x.v[k] = point4_of_triple(at->positions[v]);
         x.v[k][3] = (double)values[v];
     }
-    const polygon_sight sight = isopolygon_near(&x, isovalue, out);
-    if (sight != DOUBTFUL_POLYGON)
-        return sight == SURE_POLYGON;
+    const polygon_certainty found = isopolygon_near(&x, isovalue, out);
+    if (found != DOUBTFUL_POLYGON)
+        return found == SURE_POLYGON;
     const tet exact = mesh_walk_tet(at, local);
     return isopolygon_of(&exact, isovalue, out);
 }

@@ -39,8 +39,8 @@ typedef struct packet {
     unsigned side, x, y; /* its first pixel in the tile */
     int count;           /* its rays, row by row */
     double eye[3];
-    packet_frustum sight;
-    bool lowered; /* rays have found something since `sight.far` was taken */
+    packet_frustum frustum;
+    bool lowered; /* rays have found something since `frustum.far` was taken */
     tet_rays rays;
     packet_pending in_treelet[PACKET_TREELET_STACK], in_tree[PACKET_TREE_STACK]; /* stacks */
 } packet;
@@ -74,9 +74,9 @@ SIMD void look_again(packet *w) {
     for (int at = 0; at < w->count; at += VD_N)
         far = d_max(far, d_load(w->rays.to + at));
     d_store(lanes, far);
-    w->sight.far = lanes[0];
+    w->frustum.far = lanes[0];
     for (int k = 1; k < VD_N; k++)
-        w->sight.far = lanes[k] > w->sight.far ? lanes[k] : w->sight.far;
+        w->frustum.far = lanes[k] > w->frustum.far ? lanes[k] : w->frustum.far;
     w->lowered = false;
 }
 
@@ -85,7 +85,7 @@ SIMD bool packet_may_meet(packet *w, const packet_box *b, packet_reach *reach) {
     if (w->lowered)
         look_again(w);
     w->counters->interval_tests++;
-    return packet_frustum_box(&w->sight, b, reach);
+    return packet_frustum_box(&w->frustum, b, reach);
 }
 
 /* Rays of [from, end), VD_N at most, side by side: the first that meets the box; end: none. Only
@@ -204,7 +204,7 @@ static void packet_tet(packet *w, const resident_mesh *at, uint32_t local, int f
         w->counters->isopolygons++;
         packet_view view = PACKET_DIFFERS;
         if (w->side > PACKET_SMALLEST)
-            view = packet_frustum_polygon(&w->sight, g);
+            view = packet_frustum_polygon(&w->frustum, g);
         if (view == PACKET_MISSES)
             continue;
         if (view == PACKET_DIFFERS)
@@ -378,7 +378,7 @@ static int packet_begin(packet *w) {
     const int padded = (w->count + 15) / 16 * 16;
     int first = w->count;
     const tile_view view = tile_view_of(w->s.f, w->s.x0 + w->x, w->s.y0 + w->y);
-    packet_frustum_begin(&w->sight, view.p, view.x, view.y, (int)w->side);
+    packet_frustum_begin(&w->frustum, view.p, view.x, view.y, (int)w->side);
     for (int i = padded; i-- > 0;) {
         const unsigned y = w->y + (unsigned)i / w->side, x = w->x + (unsigned)i % w->side;
         const unsigned from = TILE * y + x;
@@ -392,13 +392,13 @@ static int packet_begin(packet *w) {
         }
         const hit after = w->s.before > 0 ? mesh_hit_of(w->s.f, &w->s.after[from]) : before;
         tet_rays_put(&w->rays, i, &r, &after);
-        packet_frustum_add(&w->sight, r.d);
+        packet_frustum_add(&w->frustum, r.d);
         first = i;
     }
     for (int k = 0; k < 4; k++) {
         const unsigned y = w->y + (k / 2 ? w->side - 1 : 0), x = w->x + (k % 2 ? w->side - 1 : 0);
         for (int a = 0; a < 3; a++)
-            w->sight.corner[a][k] = rays->d[a][TILE * y + x];
+            w->frustum.corner[a][k] = rays->d[a][TILE * y + x];
     }
     w->lowered = true;
     return first;

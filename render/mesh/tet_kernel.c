@@ -102,11 +102,11 @@ bool isopolygon_of(const tet *x, double iso, isopolygon *out) {
 /* ---- the ray --------------------------------------------------------------------------------- */
 
 /* A polygon as a ray sees it: its points relative to the ray's origin. */
-typedef struct sight {
+typedef struct seen_polygon {
     const isopolygon *g;
     const ray *r;
     double a[4][3];
-} sight;
+} seen_polygon;
 
 /* Where the ray's line crosses a triangle. */
 typedef struct crossing {
@@ -115,7 +115,7 @@ typedef struct crossing {
     bool entering; /* along the polygon's normal */
 } crossing;
 
-static void sight_of(const isopolygon *g, const ray *r, sight *s) {
+static void see_polygon(const isopolygon *g, const ray *r, seen_polygon *s) {
     s->g = g;
     s->r = r;
     for (int i = 0; i < g->count; i++)
@@ -125,7 +125,7 @@ static void sight_of(const isopolygon *g, const ray *r, sight *s) {
 
 /* The edge function of points i -> j of the polygon: always taken from the lower tet edge to the
  * higher, as the tet beyond the face does. */
-static exact_estimate weight_of(const sight *s, int i, int j, bool exact) {
+static exact_estimate weight_of(const seen_polygon *s, int i, int j, bool exact) {
     const bool swap = s->g->edge[i] > s->g->edge[j];
     const int from = swap ? j : i, to = swap ? i : j;
     const double *p = s->g->p[from], *q = s->g->p[to];
@@ -142,7 +142,7 @@ static exact_estimate weight_of(const sight *s, int i, int j, bool exact) {
 
 /* How far along the ray a point lies, in units of d . d: t is that over d . d, which keeps order.
  */
-static double along_of(const sight *s, int i) {
+static double along_of(const seen_polygon *s, int i) {
     return vec3_dot(s->r->d, s->a[i]);
 }
 
@@ -152,7 +152,7 @@ static double slip_of(double range, double error, double sum) {
 }
 
 /* On the edge from i to j: by how far off the ray its ends lie. Symmetric in i and j to the bit. */
-static void cross_edge(const sight *s, int i, int j, crossing *out) {
+static void cross_edge(const seen_polygon *s, int i, int j, crossing *out) {
     double off[2][3], far[2];
     const double ti = along_of(s, i), tj = along_of(s, j);
     vec3_cross(s->r->d, s->a[i], off[0]);
@@ -169,7 +169,7 @@ static void cross_edge(const sight *s, int i, int j, crossing *out) {
     out->slip = slip_of(fabs(ti - tj), 8.0 * DBL_EPSILON * d * a, sum);
 }
 
-static void cross_inside(const sight *s, const uint8_t c[3], const exact_estimate w[3],
+static void cross_inside(const seen_polygon *s, const uint8_t c[3], const exact_estimate w[3],
                          crossing *out) {
     const double t0 = along_of(s, c[0]), t1 = along_of(s, c[1]), t2 = along_of(s, c[2]);
     const double w0 = fabs(w[0].value), w1 = fabs(w[1].value), w2 = fabs(w[2].value);
@@ -179,7 +179,7 @@ static void cross_inside(const sight *s, const uint8_t c[3], const exact_estimat
 }
 
 /* Whether the ray's line crosses a triangle of the polygon: its weights are all of one sign. */
-static bool cross_triangle(const sight *s, const uint8_t c[3], crossing *out) {
+static bool cross_triangle(const seen_polygon *s, const uint8_t c[3], crossing *out) {
     exact_estimate w[3]; /* of corner k: of the edge opposite */
     unsigned above = 0, below = 0;
     for (int k = 0; k < 3; k++) {
@@ -218,8 +218,8 @@ static bool cross_triangle(const sight *s, const uint8_t c[3], crossing *out) {
 
 bool isopolygon_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t iso_index,
                     const hit *after, hit *found) {
-    sight s;
-    sight_of(g, r, &s);
+    seen_polygon s;
+    see_polygon(g, r, &s);
     bool any = false;
     for (int k = 0; k < g->count - 2; k++) {
         crossing x;
@@ -277,7 +277,7 @@ static double shortest_edge(const tet *x) {
 }
 
 /* Bound of |t - the line's own t of the polygon|; slip: of the crossing that has this t. */
-static double t_error(const sight *s, const hit *h) {
+static double t_error(const seen_polygon *s, const hit *h) {
     double slip = INFINITY, terms = 0.0;
     for (int k = 0; k < s->g->count - 2; k++) {
         crossing x;
@@ -325,10 +325,10 @@ tet_facts tet_facts_of(const tet *x, double iso) {
 
 surface_point tet_surface_at(const tet_facts *f, const ray *r, const hit *h) {
     surface_point point = f->point;
-    sight s;
+    seen_polygon s;
     if (!f->any)
         return point;
-    sight_of(&f->g, r, &s);
+    see_polygon(&f->g, r, &s);
     /* t moves the point along the ray; the ends and the ray's points are rounded; so is s. */
     point.error =
         fabs(vec3_dot(point.gradient, r->d)) * t_error(&s, h) + 8.0 * DBL_EPSILON * f->range;

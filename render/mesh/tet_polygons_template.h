@@ -11,8 +11,8 @@
 
 #ifdef SIMD_NAME
 
+#include "render/mesh/isopolygon_template.h"
 #include "render/mesh/tet_normals_template.h"
-#include "render/mesh/tet_sight_template.h"
 
 /* Isopolygons, a lane each. */
 typedef struct polygon_lanes {

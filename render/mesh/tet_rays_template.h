@@ -11,8 +11,8 @@
 
 #ifdef SIMD_NAME
 
+#include "render/mesh/isopolygon_template.h"
 #include "render/mesh/tet_batch.h"
-#include "render/mesh/tet_sight_template.h"
 
 typedef struct hit_of {
     uint64_t cell;

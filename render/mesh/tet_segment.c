@@ -7,13 +7,13 @@
 #define SURE 0x1p32
 
 /* A tet as a ray sees it. */
-typedef struct sight {
+typedef struct seen_tet {
     const tet *x;
     const ray *r;
     double p[4][3], a[4][3];        /* its vertices; relative to the ray's origin */
     exact_estimate edge[TET_EDGES]; /* the edge functions, from the lower id to the higher; */
     int side[TET_EDGES];            /* their signs, of the ray moved */
-} sight;
+} seen_tet;
 
 /* Faces by their vertices, then their edges 01, 02 and 12, as numbered in tet_kernel.h; whether
  * the fourth vertex lies along the face's normal where the tet is positively oriented. */
@@ -37,7 +37,7 @@ static double moved_edge(const ray *r, int axis, const double p[3], const double
     return exact_edge(o, r->d, p, q).value;
 }
 
-static void find_side(sight *s, int e) {
+static void find_side(seen_tet *s, int e) {
     const double *p = s->p[tet_edge_ends[e][0]], *q = s->p[tet_edge_ends[e][1]];
     const double along[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
     s->edge[e] = exact_near(s->r->d, s->a[tet_edge_ends[e][0]], along);
@@ -49,7 +49,7 @@ static void find_side(sight *s, int e) {
     s->side[e] = (value > 0.0) - (value < 0.0);
 }
 
-static double weight_of(const sight *s, int e) {
+static double weight_of(const seen_tet *s, int e) {
     if (fabs(s->edge[e].value) > SURE * s->edge[e].bound)
         return fabs(s->edge[e].value);
     const double *p = s->p[tet_edge_ends[e][0]], *q = s->p[tet_edge_ends[e][1]];
@@ -68,13 +68,13 @@ static double mean_of(const double w[3], double x0, double x1, double x2) {
     return kept_between(mean, lo < x2 ? lo : x2, hi < x2 ? x2 : hi);
 }
 
-static double t_of(const sight *s, int v) {
+static double t_of(const seen_tet *s, int v) {
     return vec3_dot(s->r->d, s->a[v]) / vec3_dot(s->r->d, s->r->d);
 }
 
 /* Where the ray meets the edge i, j: by how far off the ray its ends lie, in that coordinate where
  * the edge is seen longest. It is E of the line from the ray's origin along that axis. */
-static void meet_edge(const sight *s, int i, int j, double *t, double *f) {
+static void meet_edge(const seen_tet *s, int i, int j, double *t, double *f) {
     const double *p = s->p[i], *q = s->p[j];
     const double along[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
     double seen[3], other[3] = {s->r->o[0], s->r->o[1], s->r->o[2]};
@@ -90,7 +90,7 @@ static void meet_edge(const sight *s, int i, int j, double *t, double *f) {
 }
 
 /* Where the ray crosses a face. Two weights vanish where it meets a vertex, one on an edge. */
-static void meet_face(const sight *s, int face, double *t, double *f) {
+static void meet_face(const seen_tet *s, int face, double *t, double *f) {
     const uint8_t *v = faces[face].vertex, *e = faces[face].edge;
     const double w[3] = {weight_of(s, e[2]), weight_of(s, e[1]), weight_of(s, e[0])};
     const int held = (w[0] > 0.0) | (w[1] > 0.0) << 1 | (w[2] > 0.0) << 2;
@@ -105,7 +105,7 @@ static void meet_face(const sight *s, int face, double *t, double *f) {
     }
 }
 
-static void look(sight *s, const tet *x, const ray *r) {
+static void see_tet(seen_tet *s, const tet *x, const ray *r) {
     s->x = x;
     s->r = r;
     for (int i = 0; i < 4; i++)
@@ -118,9 +118,9 @@ static void look(sight *s, const tet *x, const ray *r) {
 }
 
 bool tet_segment(const tet *x, const ray *r, tet_piece *out) {
-    sight s;
+    seen_tet s;
     int crossed[2], count = 0;
-    look(&s, x, r);
+    see_tet(&s, x, r);
     for (int i = 0; i < 4 && count < 2; i++) {
         const uint8_t *e = faces[i].edge;
         const int side = s.side[e[0]];

@@ -1,4 +1,4 @@
-/* test_tet_sight.c - what tiles make of all coordinates, or of many tets, at a time against the
+/* test_isopolygon.c - what tiles make of all coordinates, or of many tets, at a time against the
  * kernel's, to the bit: isopolygons, their edges as the eye sees them, normals. Any tets, flat
  * ones, values at the isovalue, beyond floats' middle range.
  */
@@ -56,18 +56,18 @@ static void test_same_polygon(void **state) {
         isopolygon want, got;
         const bool there = isopolygon_of(&x, iso, &want);
         const near_tet near = near_tet_of(&x);
-        const polygon_sight sight = isopolygon_near(&near, iso, &got);
+        const polygon_certainty found = isopolygon_near(&near, iso, &got);
         any[there ? want.count : 0]++;
-        doubts += sight == DOUBTFUL_POLYGON;
-        if (sight != DOUBTFUL_POLYGON)
-            assert_int_equal(sight == SURE_POLYGON, there);
+        doubts += found == DOUBTFUL_POLYGON;
+        if (found != DOUBTFUL_POLYGON)
+            assert_int_equal(found == SURE_POLYGON, there);
         if (!there)
             continue;
         double p[4][3];
         for (int k = 0; k < 12; k++)
             p[k / 3][k % 3] = (double)x.p[k / 3][k % 3];
         flat += exact_orientation((const double(*)[3])p) == 0;
-        if (sight == DOUBTFUL_POLYGON)
+        if (found == DOUBTFUL_POLYGON)
             continue;
         assert_int_equal(got.count, want.count);
         assert_memory_equal(got.edge, want.edge, sizeof got.edge);

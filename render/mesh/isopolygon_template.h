@@ -1,11 +1,11 @@
-/* tet_sight_template.h - isopolygons as vectors of rays see them; included by the units of an ISA
+/* isopolygon_template.h - isopolygons as vectors of rays see them; included by the units of an ISA
  * (see formats/base/simd.h).
  *
  * Sums and products are those of exact_near() and isopolygon_hit(), in their order, so the bits are
  * the same. What a polygon's edges have in common for the rays of one origin is made once.
  */
-#ifndef RENDER_MESH_TET_SIGHT_TEMPLATE_H
-#define RENDER_MESH_TET_SIGHT_TEMPLATE_H
+#ifndef RENDER_MESH_ISOPOLYGON_TEMPLATE_H
+#define RENDER_MESH_ISOPOLYGON_TEMPLATE_H
 
 #include "formats/base/simd.h"
 
@@ -61,10 +61,10 @@ SIMD point4 point4_of_triple(const float at[3]) {
     return __builtin_convertvector((floats4){at[0], at[1], at[2]}, point4);
 }
 
-typedef enum polygon_sight { NO_POLYGON, SURE_POLYGON, DOUBTFUL_POLYGON } polygon_sight;
+typedef enum polygon_certainty { NO_POLYGON, SURE_POLYGON, DOUBTFUL_POLYGON } polygon_certainty;
 
 /* isopolygon_of() with all coordinates of a vertex at a time: the same bits, or in doubt. */
-SIMD polygon_sight isopolygon_near(const near_tet *x, double iso, isopolygon *out) {
+SIMD polygon_certainty isopolygon_near(const near_tet *x, double iso, isopolygon *out) {
     const point4 *v = x->v;
     point4 e[3];
     unsigned inside = 0;
