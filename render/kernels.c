@@ -20,11 +20,11 @@ static const struct {
 static kernels kernels_of(cpu_isa isa) {
     return (kernels){.name = cpu_isa_name(isa),
                      .isa = isa,
-                     .walk = walk_treelet,
+                     .grid_walk = walk_treelet,
                      .cells = cell_batch_for(isa),
                      .roots = cell_roots_for(isa),
-                     .tile = grid_tile_for(isa),
-                     .batch = grid_batch_for(isa),
+                     .grid_tile = grid_tile_for(isa),
+                     .grid_batch = grid_batch_for(isa),
                      .mesh_tile = mesh_tile_for(isa),
                      .mesh_packet = mesh_packet_for(isa),
                      .tets = tet_batch_for(isa),
@@ -42,8 +42,8 @@ bool kernels_for(const char *name, kernels *out) {
         out->packet = alternatives[i].packet;
         out->by_cell = alternatives[i].by_cell;
         if (alternatives[i].walk)
-            out->walk = alternatives[i].walk;
-        return alternatives[i].walk || out->tile;
+            out->grid_walk = alternatives[i].walk;
+        return alternatives[i].walk || out->grid_tile;
     }
     if (!cpu_isa_find(name, &isa))
         return false;

@@ -17,11 +17,11 @@
 typedef struct kernels {
     const char *name;
     cpu_isa isa;
-    walk_fn walk;        /* one ray through one treelet */
+    walk_fn grid_walk;   /* one ray through one treelet */
     cell_batch_fn cells; /* many ray-cells: the first surface of each, */
     cell_roots_fn roots; /* or all of them */
-    tile_fn tile;        /* a tile of primary rays through a grid; NULL: one by one */
-    batch_fn batch;      /* rays of any kind through a grid; NULL: one by one */
+    tile_fn grid_tile;   /* a tile of primary rays through a grid; NULL: one by one */
+    batch_fn grid_batch; /* rays of any kind through a grid; NULL: one by one */
     tile_fn mesh_tile;   /* ... through a mesh */
     tile_fn mesh_packet; /* ... the way of W07 */
     tet_batch_fn tets;   /* many rays and an isopolygon */

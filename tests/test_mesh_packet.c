@@ -47,7 +47,7 @@ static picture_volumes open_all(const char *path, int threads) {
         open_packets(&v, path, "scalar", SIDES[s], threads);
         kernels *k = kernels_in_use(v.of[v.count - 1]);
         k->mesh_tile = mesh_packet_wide;
-        k->tile = grid_tile_for(cpu_best()); /* so that there is a projection */
+        k->grid_tile = grid_tile_for(cpu_best()); /* so that there is a projection */
         k->tets = tet_batch_wide;
         v.name[v.count - 1] = "wide";
     }

@@ -27,7 +27,7 @@ enum { CUBES = 6, SCENES = 18, STEP = 7 };
 static void open_wide(picture_volumes *v, const char *path, int threads) {
     pictures_open_one(v, path, "scalar", threads);
     kernels_in_use(v->of[v->count - 1])->mesh_tile = mesh_tile_wide;
-    kernels_in_use(v->of[v->count - 1])->tile = grid_tile_for(cpu_best());
+    kernels_in_use(v->of[v->count - 1])->grid_tile = grid_tile_for(cpu_best());
     v->name[v->count - 1] = "wide";
 }
 

@@ -70,7 +70,7 @@ static ref_ray grid_aim(const source *s, field_random *r) {
 }
 
 static void grid_set(kernels *k, batch_fn batch) {
-    k->batch = batch;
+    k->grid_batch = batch;
 }
 
 static void mesh_make(source *s, int index) {

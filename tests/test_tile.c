@@ -17,7 +17,7 @@
 
 static void open_wide(picture_volumes *v, const char *path, int threads) {
     pictures_open_one(v, path, "scalar", threads);
-    kernels_in_use(v->of[v->count - 1])->tile = grid_tile_trace_wide;
+    kernels_in_use(v->of[v->count - 1])->grid_tile = grid_tile_trace_wide;
     v->name[v->count - 1] = "wide";
 }
 

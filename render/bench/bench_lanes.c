@@ -25,15 +25,15 @@ static bool let_count(cpu_isa isa, kernels *k) {
     switch (isa) {
 #if defined __x86_64__ || defined __i386__
     case CPU_SSE42:
-        k->tile = grid_lanes_sse42;
+        k->grid_tile = grid_lanes_sse42;
         k->mesh_tile = mesh_lanes_sse42;
         return true;
     case CPU_AVX2:
-        k->tile = grid_lanes_avx2;
+        k->grid_tile = grid_lanes_avx2;
         k->mesh_tile = mesh_lanes_avx2;
         return true;
     case CPU_AVX512:
-        k->tile = grid_lanes_avx512;
+        k->grid_tile = grid_lanes_avx512;
         k->mesh_tile = mesh_lanes_avx512;
         return true;
 #endif

@@ -171,7 +171,7 @@ static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
                      .halo = layout->halo,
                      .intersector = how,
                      .intersect = v->intersect ? v->intersect : intersector_find(how)->next_hit,
-                     .walk = v->kernels.walk,
+                     .walk = v->kernels.grid_walk,
                      .analytic_normals = scene->analytic_normals};
     tr->own = &g->scene;
     for (int a = 0; a < 3; a++) {
@@ -194,11 +194,11 @@ static status grid_project(leafcast *v, const camera *c, projection *out) {
 }
 
 static tile_fn grid_tile(const kernels *k) {
-    return k->tile;
+    return k->grid_tile;
 }
 
 static batch_fn grid_batch(const kernels *k) {
-    return k->batch;
+    return k->grid_batch;
 }
 
 /* ---- The order of treelets ---- */
