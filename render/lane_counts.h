@@ -21,18 +21,18 @@
     X(batches, 16)         /* ray-cells that go to the cell kernel together */ \
     X(roots, 16)           /* ... that have a hit */
 
-#define MESH_LANES(X)                                                          \
-    X(tets, VF)        /* active ones, gathered */                             \
-    X(covers, VF)      /* ... whose isopolygon covers pixels */                \
-    X(looked_at, 1)    /* ... and are in sight */                              \
-    X(polygons, 1)     /* isopolygons made of them */                          \
-    X(rays, VD)        /* that look at one together */                         \
-    X(centres, VD)     /* ... and hit it; a quadrilateral's triangles apart */ \
-    X(polygons_hit, 1) /* isopolygons that any ray hits, in sight or not */
+#define MESH_LANES(X)                                                           \
+    X(tets, VF)         /* active ones, gathered */                             \
+    X(covers, VF)       /* ... whose isopolygon covers pixels */                \
+    X(covering, VF)     /* ... or their centres, where it is small */           \
+    X(looked_at, 1)     /* ... and are in sight */                              \
+    X(polygons, VD)     /* isopolygons made of them together */                 \
+    X(rays, VD)         /* that look at one together, or at one each */         \
+    X(centres, VD)      /* ... and hit it; a quadrilateral's triangles apart */ \
+    X(polygons_hit, VD) /* isopolygons that any ray hits, in sight or not */
 
 typedef struct lane_stage {
     uint64_t vectors, lanes; /* that were not empty; that were filled */
-    uint64_t mark;           /* of lane_more() */
 } lane_stage;
 
 typedef struct lane_counts {
@@ -51,19 +51,11 @@ static inline void lane_count(lane_stage *s, uint64_t bits) {
     s->lanes += (uint64_t)__builtin_popcountll(bits);
 }
 
-/* lane_more() - whether any lane has been filled since this was last asked. */
-static inline bool lane_more(lane_stage *s) {
-    const bool more = s->lanes != s->mark;
-    s->mark = s->lanes;
-    return more;
-}
-
 #define LANE_COUNT(stage, bits) lane_count(&lane_counts_now.stage, (bits))
-#define LANE_MORE(stage)        lane_more(&lane_counts_now.stage)
 
 #else
 
-#define LANE_COUNT(stage, bits) ((void)0)
+#define LANE_COUNT(stage, bits) ((void)sizeof(bits))
 
 #endif
 

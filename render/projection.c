@@ -31,8 +31,9 @@ void projection_set_bounds(projection *p, const camera *c, double worst, double 
     const double half = 0.5 * (fmax(c->width, c->height) + shift);
     const double reach =
         0.5 * c->height / sqrt(fmin(vec3_dot(c->right, c->right), vec3_dot(c->up, c->up)));
-    p->margin = (float)(8.0 * u / (double)projection_depth_share * (reach + half) +
-                        ldexp(half, -20) + 1e-4);
+    const double least = ldexp(half, -20) + 1e-4;
+    p->margin = (float)(8.0 * u / (double)projection_depth_share * (reach + half) + least);
+    p->margin_least = (float)least;
     p->plane_error = (float)(8.0 * u * (reach + half));
     /* The reciprocal wants numbers of ordinary size. */
     p->usable = worst < 1e15 && p->margin < 4.0f;

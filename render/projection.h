@@ -36,6 +36,7 @@ typedef struct projection {
     /* x / w of a corner is right to margin pixels within the picture, where w is at least
      * depth_share of the sum of its far; beyond the picture it does not come in. */
     float margin;
+    float margin_least; /* the part of it that depth has no share in: the rest goes with far / w */
     /* |error| of x - c w for a constant c of at most half the picture's size, over the sum of far.
      */
     float plane_error;

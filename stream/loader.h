@@ -130,6 +130,11 @@ static inline void loader_prefetch(const loader *l, uint32_t t) {
     }
 }
 
+/* loader_peek() - the treelet if it is READY, whatever its masks are of, else NULL. */
+static inline const treelet *loader_peek(const loader *l, uint32_t t) {
+    return atomic_load_explicit(&l->resident[t], memory_order_acquire);
+}
+
 /* loader_is_ready() - whether it can be looked up. Any thread. */
 static inline bool loader_is_ready(const loader *l, uint32_t t) {
     return atomic_load_explicit(&l->resident[t], memory_order_acquire) != NULL;

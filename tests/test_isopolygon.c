@@ -13,9 +13,9 @@
 
 #include "tests/support/simd_wide.h"
 
-#include "render/mesh/isopolygon_template.h"
 #include "render/mesh/tet_normals_template.h"
 #include "render/mesh/tet_points_template.h"
+#include "render/mesh/tet_polygons_template.h"
 #include "tests/support/fields.h"
 
 enum { TETS = 400000 };
@@ -81,46 +81,91 @@ static void test_same_polygon(void **state) {
     assert_true(doubts < flat + TETS / 20);
 }
 
-/* An edge of a polygon in near_polygon against exact_near(), for a direction. */
+/* A vector of them at a time, each with its isovalue. */
+static void test_same_polygons(void **state) {
+    (void)state;
+    field_random r = {41};
+    int any[5] = {0}, unsure = 0;
+    for (int i = 0; i < TETS / VD_N; i++) {
+        tet x[VD_N];
+        tet_columns columns;
+        polygon_lanes got;
+        double iso[VD_N];
+        for (unsigned k = 0; k < VD_N; k++) {
+            x[k] = any_tet(&r);
+            any_values(&r, x[k].f);
+            iso[k] = field_random_below(&r, 3) == 0 && isfinite(x[k].f[0])
+                         ? (double)x[k].f[0]
+                         : field_random_in(&r, -0.5, 0.5);
+            tet_columns_put(&columns, k, &x[k]);
+        }
+        const unsigned sure = isopolygons_near(&columns, iso, &got);
+        for (unsigned k = 0; k < VD_N; k++) {
+            isopolygon want;
+            const bool there = isopolygon_of(&x[k], iso[k], &want);
+            any[there ? want.count : 0]++;
+            unsure += !(sure >> k & 1u);
+            if (!(sure >> k & 1u))
+                continue;
+            const isopolygon lane = polygon_lanes_get(&got, k);
+            assert_int_equal(lane.count, there ? want.count : 0);
+            if (!there)
+                continue;
+            assert_memory_equal(lane.edge, want.edge, sizeof lane.edge);
+            assert_memory_equal(lane.p, want.p, sizeof lane.p);
+        }
+    }
+    assert_true(any[0] > TETS / 20 && any[3] > TETS / 20 && any[4] > TETS / 20);
+    assert_true(unsure > TETS / 100 && unsure < TETS / 2);
+}
+
+/* An edge of a lane's polygon against exact_near(), for a direction. */
 static void compare_edge(const isopolygon *g, int i, int j, const double o[3], const double d[3],
-                         const near_edge *got) {
+                         const seen_lanes *s, int edge, unsigned lane) {
     const int low = g->edge[i] > g->edge[j] ? j : i;
-    const double ones[3] = {1.0, 1.0, 1.0};
-    double a[3], e[3];
+    const double ones[3] = {1.0, 1.0, 1.0}, error = s->error[edge][lane];
+    double a[3], e[3], value = 0.0;
     for (int k = 0; k < 3; k++) {
         a[k] = g->p[low][k] - o[k];
         e[k] = g->p[j][k] - g->p[i][k];
     }
     const exact_estimate want = exact_near(d, a, e);
-    const double value = d[0] * got->normal[0] + d[1] * got->normal[1] + d[2] * got->normal[2];
+    for (int k = 0; k < 3; k++)
+        value = k ? value + d[k] * s->normal[edge][k][lane] : d[k] * s->normal[edge][k][lane];
     assert_memory_equal(&value, &want.value, sizeof value);
-    assert_true(got->error >= exact_near(ones, a, e).bound);
-    assert_true(got->error <= exact_near(ones, a, e).bound * 1.001);
+    assert_true(error >= exact_near(ones, a, e).bound);
+    assert_true(error <= exact_near(ones, a, e).bound * 1.001);
 }
 
 static void test_same_edges(void **state) {
     (void)state;
     static const int ends[EDGES][2] = {{1, 2}, {2, 0}, {0, 1}, {2, 3}, {3, 0}};
     field_random r = {31};
-    int seen_edges = 0;
-    for (int i = 0; i < TETS / 10; i++) {
-        tet x = any_tet(&r);
-        isopolygon g;
-        near_polygon near;
+    int edges = 0;
+    for (int i = 0; i < TETS / 10 / VD_N; i++) {
+        isopolygon g[VD_N];
+        polygon_lanes lanes;
+        seen_lanes s;
         double o[3], d[3];
-        for (int v = 0; v < 4; v++)
-            x.f[v] = (float)field_random_in(&r, -1.0, 1.0);
         for (int k = 0; k < 3; k++) {
             o[k] = field_random_in(&r, -3.0, 3.0);
             d[k] = field_random_in(&r, -1.0, 1.0);
         }
-        if (!isopolygon_of(&x, 0.0, &g))
-            continue;
-        see_near(&g, (point4){o[0], o[1], o[2], 0.0}, &near);
-        for (int k = 0; k < (g.count == 4 ? EDGES : EDGE_23); k++, seen_edges++)
-            compare_edge(&g, ends[k][0], ends[k][1], o, d, &near.edge[k]);
+        for (unsigned k = 0; k < VD_N; k++) {
+            tet x;
+            do {
+                x = any_tet(&r);
+                for (int v = 0; v < 4; v++)
+                    x.f[v] = (float)field_random_in(&r, -1.0, 1.0);
+            } while (!isopolygon_of(&x, 0.0, &g[k]));
+            polygon_lanes_put(&lanes, k, &g[k]);
+        }
+        see_lanes(&lanes, o, &s);
+        for (unsigned k = 0; k < VD_N; k++)
+            for (int e = 0; e < (g[k].count == 4 ? EDGES : EDGE_23); e++, edges++)
+                compare_edge(&g[k], ends[e][0], ends[e][1], o, d, &s, e, k);
     }
-    assert_true(seen_edges > TETS / 10);
+    assert_true(edges > TETS / 10);
 }
 
 static void test_same_normals(void **state) {
@@ -221,9 +266,8 @@ static void test_same_points(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_polygon),
-        cmocka_unit_test(test_same_edges),
-        cmocka_unit_test(test_same_normals),
+        cmocka_unit_test(test_same_polygon), cmocka_unit_test(test_same_polygons),
+        cmocka_unit_test(test_same_edges),   cmocka_unit_test(test_same_normals),
         cmocka_unit_test(test_same_points),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

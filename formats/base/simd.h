@@ -9,7 +9,9 @@
  *   vi       VF_N 32-bit integers, for operators alone
  *
  * f_load_rows() takes VF_N / 4 rows of four floats, `stride` apart; f_load_triples() the three
- * floats from + 3 at[k] of lane k, and nothing behind them.
+ * floats from + 3 at[k] of lane k, and nothing behind them; d_load_rows() VD_N / D_ROW rows of
+ * D_ROW doubles; d_load_at() from[at[k]] of lane k; f_of_bytes() VF_N bytes, but eight at most and
+ * zeros.
  *
  * Arithmetic is written with + - * /, which the compilers know for vectors. min(a, b) is a < b ? a
  * : b and max(a, b) is a > b ? a : b, also for NaN. Comparisons with NaN are false. Loads and
@@ -32,6 +34,13 @@
 #include <stdint.h>
 
 #define SIMD static inline __attribute__((always_inline))
+
+/* Four doubles of a row, or two where vectors have no more. */
+#if defined __AVX512F__ || defined __AVX2__
+enum { D_ROW = 4 };
+#else
+enum { D_ROW = 2 };
+#endif
 
 /* Three floats and a zero. */
 SIMD __m128 triple_(const float *from) {
@@ -128,6 +137,18 @@ SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
     out[1] = _mm512_shuffle_ps(low, low2, 0xee);
     out[2] = _mm512_shuffle_ps(high, high2, 0x44);
 }
+SIMD vf f_of_bytes(const uint8_t *from) {
+    return _mm512_cvtepi32_ps(
+        _mm512_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)from)));
+}
+SIMD vd d_load_rows(const double *from, int stride) {
+    return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(from)),
+                              _mm256_loadu_pd(from + stride), 1);
+}
+SIMD vd d_load_at(const double *from, const uint16_t at[]) {
+    return _mm512_set_pd(from[at[7]], from[at[6]], from[at[5]], from[at[4]], from[at[3]],
+                         from[at[2]], from[at[1]], from[at[0]]);
+}
 SIMD vd d_of_floats(const float *from) {
     return _mm512_cvtps_pd(_mm256_loadu_ps(from));
 }
@@ -222,6 +243,17 @@ SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
     out[1] = _mm256_shuffle_ps(low, low2, 0xee);
     out[2] = _mm256_shuffle_ps(high, high2, 0x44);
 }
+SIMD vf f_of_bytes(const uint8_t *from) {
+    return _mm256_cvtepi32_ps(
+        _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)from)));
+}
+SIMD vd d_load_rows(const double *from, int stride) {
+    (void)stride;
+    return _mm256_loadu_pd(from);
+}
+SIMD vd d_load_at(const double *from, const uint16_t at[]) {
+    return _mm256_set_pd(from[at[3]], from[at[2]], from[at[1]], from[at[0]]);
+}
 SIMD vd d_of_floats(const float *from) {
     return _mm256_cvtps_pd(_mm_loadu_ps(from));
 }
@@ -313,6 +345,17 @@ SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
     out[0] = _mm_shuffle_ps(low, low2, 0x44);
     out[1] = _mm_shuffle_ps(low, low2, 0xee);
     out[2] = _mm_shuffle_ps(high, high2, 0x44);
+}
+SIMD vf f_of_bytes(const uint8_t *from) {
+    return _mm_cvtepi32_ps(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(
+        from[0] | from[1] << 8 | from[2] << 16 | (int)((uint32_t)from[3] << 24))));
+}
+SIMD vd d_load_rows(const double *from, int stride) {
+    (void)stride;
+    return _mm_loadu_pd(from);
+}
+SIMD vd d_load_at(const double *from, const uint16_t at[]) {
+    return _mm_set_pd(from[at[1]], from[at[0]]);
 }
 SIMD vd d_of_floats(const float *from) {
     return _mm_cvtps_pd(_mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)from)));

@@ -100,50 +100,6 @@ SIMD polygon_certainty isopolygon_near(const near_tet *x, double iso, isopolygon
     return SURE_POLYGON;
 }
 
-/* A polygon as one point sees it: see(), with all coordinates at a time. */
-typedef struct near_edge {
-    point4 normal;
-    double error; /* error_of() rays of unit length, and a little more */
-} near_edge;
-
-typedef struct near_polygon {
-    point4 a[4];
-    near_edge edge[EDGES];
-} near_polygon;
-
-SIMD near_edge near_edge_of(const isopolygon *g, int i, int j, const point4 p[4],
-                            const point4 a[4]) {
-    const double most = 1.0 + 0x1p-40; /* more than a component that is rounded */
-    const mask4 modulus = {INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX};
-    const point4 from = a[g->edge[i] > g->edge[j] ? j : i], e = p[j] - p[i];
-    const point4 up =
-        __builtin_shufflevector(from, from, 1, 2, 0, 3) * __builtin_shufflevector(e, e, 2, 0, 1, 3);
-    const point4 down =
-        __builtin_shufflevector(from, from, 2, 0, 1, 3) * __builtin_shufflevector(e, e, 1, 2, 0, 3);
-    const point4 terms = most * ((point4)((mask4)up & modulus) + (point4)((mask4)down & modulus));
-    return (near_edge){up - down, EXACT_BOUND * (terms[0] + terms[1] + terms[2]) + EXACT_SMALLEST};
-}
-
-SIMD void see_near(const isopolygon *g, point4 o, near_polygon *out) {
-    point4 p[4];
-    for (int i = 0; i < 4; i++) {
-        p[i] = (point4){g->p[i][0], g->p[i][1], g->p[i][2], 0.0};
-        out->a[i] = p[i] - o;
-    }
-    out->edge[EDGE_12] = near_edge_of(g, 1, 2, p, out->a);
-    out->edge[EDGE_20] = near_edge_of(g, 2, 0, p, out->a);
-    out->edge[EDGE_01] = near_edge_of(g, 0, 1, p, out->a);
-    if (g->count < 4)
-        return;
-    out->edge[EDGE_23] = near_edge_of(g, 2, 3, p, out->a);
-    out->edge[EDGE_30] = near_edge_of(g, 3, 0, p, out->a);
-}
-
-SIMD void spread(const point4 *a, vd out[3]) {
-    for (int k = 0; k < 3; k++)
-        out[k] = d_set((*a)[k]);
-}
-
 /* A polygon as origins see it. */
 typedef struct seen {
     vd a[4][3];

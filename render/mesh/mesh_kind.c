@@ -38,13 +38,16 @@ static mesh_derived derived_of(const leafcast_experiments *e) {
     return isopolygon_cache_kind(e->isopolygons == LEAFCAST_ISOPOLYGONS_PRECOMPUTE);
 }
 
-/* Trees of all steps beside each other cost no refitting; where not all of them fit, one tree. */
+/* Trees of all steps beside each other cost no refitting; where not all of them fit, one tree. Of a
+ * single step and field there is nothing to refit. */
 static mesh_schema schema_of(const leafcast *v) {
     const uint64_t room =
         v->m->limit ? v->m->limit
                     : (uint64_t)sysconf(_SC_PHYS_PAGES) / 4 * (uint64_t)sysconf(_SC_PAGESIZE);
     if (v->experiments.schema != LEAFCAST_SCHEMA_AUTO)
         return v->experiments.schema == LEAFCAST_SCHEMA_TREES ? MESH_TREES : MESH_REFIT;
+    if (v->file->header.steps * v->file->header.fields == 1)
+        return MESH_TREES;
     return v->file->header.payload_bytes <= room / 2 ? MESH_TREES : MESH_REFIT;
 }
 

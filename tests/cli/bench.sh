@@ -82,6 +82,16 @@ here = [r for r in frames if r["view"] == "standard" and r["isa"] in ("sse42", "
 sys.exit(not all(near(count(r["isa"], "visitors", "groups"), r["cells/ray"]) and near(count(r["isa"], "roots"), r["roots/ray"]) for r in here))' "$tmp/n.csv" "$tmp/m.csv"
 ok "fewer from stage to stage, in lanes that there are" csv "$tmp/n.csv" \
     'all(0 <= float(r["filled %"]) <= 100 and int(r["lanes"]) > 0 for r in t) and all(a["isa"] != b["isa"] or int(b["lanes"]) <= int(a["lanes"]) for a, b in zip(t, t[1:]) if b["stage"] in ("visitors", "survivors", "queue", "queue_survivors", "roots"))'
+"$leafcast" generate buckyball --tets --dims 12 --replicate 4 -o - | "$leafcast" convert - -o "$tmp/balls.leaf" -q
+exits "lanes of small tets" 0 "$leafcast" bench lanes "$tmp/balls.leaf" --iso 0.3 --size 100x100 --threads 1 -o "$tmp/t.csv"
+ok "fewer tets from stage to stage, and polygons by the vector" python3 -c 'import csv, sys
+t = list(csv.DictReader(open(sys.argv[1])))
+for isa in {r["isa"] for r in t}:
+    n = {r["stage"]: int(r["lanes"]) for r in t if r["isa"] == isa}
+    full = {r["stage"]: float(r["filled %"]) for r in t if r["isa"] == isa}
+    assert n["covers"] < 0.5 * n["tets"] and n["covering"] < 0.55 * n["covers"] and n["looked_at"] < 0.7 * n["covering"]
+    assert n["polygons"] == n["looked_at"] and full["polygons"] > 85 and full["rays"] > 80
+    assert n["polygons_hit"] > 0.85 * n["polygons"] and n["rays"] < 1.2 * n["polygons"]' "$tmp/t.csv"
 exits "all, once more" 1 "$leafcast" bench all --out "$tmp/all"
 exits "all of a file" 2 "$leafcast" bench all "$leaf" --iso 128 --out "$tmp/all2"
 exits "a suite of a file" 0 "$leafcast" bench zoom "$leaf" --iso 128 --size 32x32 --runs 1

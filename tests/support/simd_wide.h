@@ -37,6 +37,17 @@ SIMD void d_store(double *to, vd a) {
 SIMD vd d_set(double a) {
     return (vd){a, a, a, a, a, a, a, a};
 }
+enum { D_ROW = 4 };
+SIMD vd d_load_rows(const double *from, int stride) {
+    vd v;
+    LANES(i) v[i] = from[i / 4 * stride + i % 4];
+    return v;
+}
+SIMD vd d_load_at(const double *from, const uint16_t at[]) {
+    vd v;
+    LANES(i) v[i] = from[at[i]];
+    return v;
+}
 SIMD vd d_of_floats(const float *from) {
     vd v;
     LANES(i) v[i] = (double)from[i];
@@ -123,6 +134,11 @@ SIMD vf f_load(const float *from) {
 SIMD vf f_load_rows(const float *from, int stride) {
     vf v;
     FLOATS(i) v[i] = from[i / 4 * stride + i % 4];
+    return v;
+}
+SIMD vf f_of_bytes(const uint8_t *from) {
+    vf v;
+    FLOATS(i) v[i] = i < 8 ? (float)from[i] : 0.0f;
     return v;
 }
 SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {

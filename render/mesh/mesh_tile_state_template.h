@@ -1,0 +1,108 @@
+/* mesh_tile_state_template.h - what a tile through a mesh holds, and how far its rays look;
+ * included by the units of an ISA (see formats/base/simd.h). */
+#ifndef RENDER_MESH_MESH_TILE_STATE_TEMPLATE_H
+#define RENDER_MESH_MESH_TILE_STATE_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include <float.h>
+
+#include "render/lane_counts.h"
+#include "render/mesh/mesh_shade_template.h"
+#include "render/mesh/mesh_tile.h"
+#include "render/mesh/mesh_tracer.h"
+#include "render/mesh/tet_polygons_template.h"
+#include "render/tile_rects_template.h"
+
+/* Active tets of a treelet, a lane each, on their way to covers_of(). */
+typedef struct tet_lanes {
+    uint32_t vertex[4][VF_N]; /* in the treelet */
+    tile_rect within[VF_N];   /* those of their leaves */
+    uint32_t place[VF_N];
+    unsigned count;
+} tet_lanes;
+
+/* What waits hides nothing: so many pixels at most. */
+enum { QUEUE_PIXELS = 64 };
+
+/* Tets of a treelet that rays may hit, a lane each, on their way to polygons. */
+typedef struct tet_queue {
+    tet_columns tets;
+    double isovalue[VD_N];
+    const resident_mesh *at[VD_N];
+    uint32_t place[VD_N];
+    int32_t iso[VD_N];
+    tile_rect rect[VD_N];   /* where the polygon can be */
+    uint32_t centres[VD_N]; /* which pixels of it are looked at, as tet_covers has them */
+    unsigned count, pixels; /* those of their rectangles */
+    polygon_lanes polygons; /* while they are met */
+} tet_queue;
+
+typedef struct mesh_tile {
+    tile_state s;
+    tile_view view;
+    double eye[3];
+    tet_lanes lanes;
+    tet_queue queue;
+    float far2[TILE_RAYS + VF_N]; /* squares of how far rays look; below 0: they do not */
+} mesh_tile;
+
+/* ---- Who is behind what ---- */
+
+/* What is given away on distances (squared) of single precision: more than their rounding. */
+static const float SURELY = 1.0f - 0x1p-20f;
+
+/* How far ray i looks. */
+SIMD void look_as_far(mesh_tile *w, unsigned i) {
+    const double t = w->s.reach[i];
+    w->far2[i] = (float)(t * t) + FLT_MIN;
+}
+
+/* Look no more with rays that are not open. */
+static void look_with_open(mesh_tile *w) {
+    for (unsigned y = 0; y < TILE; y++)
+        for (unsigned left = row_full & ~w->s.open[y]; left; left &= left - 1)
+            w->far2[TILE * y + (unsigned)__builtin_ctz(left)] = -1.0f;
+}
+
+/* Nothing has been found. */
+static void look_at_all(mesh_tile *w) {
+    for (unsigned i = 0; i < TILE_RAYS + VF_N; i += VF_N)
+        f_store(w->far2 + i, f_set(INFINITY));
+    look_with_open(w);
+}
+
+/* Whether an open ray of the rectangle has nothing in front of a distance (squared); a distance
+ * that is no number is in sight. */
+SIMD bool in_sight(const mesh_tile *w, tile_rect r, float near2) {
+    enum { LANES = (1u << VF_N) - 1 };
+    const vf at = f_set(near2 * SURELY);
+    const unsigned columns = row_mask(r);
+    for (unsigned y = r.y0; y <= r.y1; y++)
+        for (unsigned x = r.x0; x <= r.x1; x += VF_N)
+            if (~mf_bits(f_lt(f_load(w->far2 + TILE * y + x), at)) & columns >> x & LANES)
+                return true;
+    return false;
+}
+
+/* Those of a window of 4 x 4 pixels from a rectangle's corner on, a bit each and row by row, whose
+ * rays have nothing in front of a distance (squared). */
+enum { CENTRES = 4 };
+
+SIMD unsigned centre_ray(tile_rect r, unsigned bit) {
+    return TILE * (r.y0 + bit / CENTRES) + r.x0 + bit % CENTRES;
+}
+
+SIMD uint32_t centres_in_sight(const mesh_tile *w, tile_rect r, uint32_t centres, float near2) {
+    const float at = near2 * SURELY;
+    uint32_t visible = 0;
+    for (uint32_t left = centres; left; left &= left - 1)
+        if (!(w->far2[centre_ray(r, (unsigned)__builtin_ctz(left))] < at))
+            visible |= left & -left;
+    return visible;
+}
+
+#endif
+#endif

@@ -1,0 +1,285 @@
+/* mesh_tile_tets_template.h - active tets of a treelet as a tile sees them, a vector at a time, in
+ * single precision: which pixels their isopolygons can cover; included by the units of an ISA (see
+ * formats/base/simd.h). */
+#ifndef RENDER_MESH_MESH_TILE_TETS_TEMPLATE_H
+#define RENDER_MESH_MESH_TILE_TETS_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/mesh/mesh_tile_polygons_template.h"
+#include "stream/interest.h"
+
+/* Tets as the eye sees them, a lane each: homogeneous pixel coordinates of their vertices, and
+ * their values. */
+typedef struct tets_in_view {
+    vf x[4], y[4], w[4], f[4];
+    vf far; /* bounds any of the vertices' distances */
+    mf odd; /* values that sums and quotients of floats cannot be trusted with */
+} tets_in_view;
+
+/* Positions are taken from the treelet's lower corner, and so is the eye's, in double: what errs is
+ * a few units of 2^-24 of the distance and of the treelet's size. */
+SIMD void view_tets(const mesh_tile *w, const resident_mesh *at, tets_in_view *v) {
+    const tet_lanes *l = &w->lanes;
+    const projection *p = w->view.p;
+    const float *positions = at->positions[0];
+    const float *values = mesh_leaf_values(&at->mesh, at->values);
+    float size = 0.0f;
+    for (int a = 0; a < 3; a++)
+        size += p->axis[a][3] * (at->bounds[a + 3] - at->bounds[a]);
+    v->far = f_set(0.0f);
+    v->odd = mf_of_bits(0);
+    for (int k = 0; k < 4; k++) {
+        _Alignas(64) float f[VF_N];
+        vf at_corner[3], away = f_set(size);
+        f_load_triples(positions, l->vertex[k], at_corner);
+        v->x[k] = v->y[k] = v->w[k] = f_set(0.0f);
+        for (int a = 0; a < 3; a++) {
+            const float lo = at->bounds[a];
+            const vf q = (at_corner[a] - f_set(lo)) - f_set((float)(w->eye[a] - (double)lo));
+            v->x[k] = v->x[k] + f_set(p->axis[a][0]) * q;
+            v->y[k] = v->y[k] + f_set(p->axis[a][1]) * q;
+            v->w[k] = v->w[k] + f_set(p->axis[a][2]) * q;
+            away = away + f_set(p->axis[a][3]) * f_abs(q);
+        }
+        v->far = f_max(v->far, away);
+        for (unsigned i = 0; i < VF_N; i++)
+            f[i] = values[l->vertex[k][i]];
+        v->f[k] = f_load(f);
+        v->odd = mf_or(v->odd, f_gt(f_abs(v->f[k]), f_set(0x1p125f)));
+    }
+}
+
+/* Where the isovalue lies on tets' edges, in the picture; where it cuts none, anything. */
+typedef struct cut_points {
+    vf x[TET_EDGES], y[TET_EDGES];
+    mf cut[TET_EDGES];
+} cut_points;
+
+/* Where the isopolygons of tets can be: the points on their edges between vertices on either side,
+ * in the picture. An edge's share s errs by six units of 2^-24 of itself: numerator, denominator
+ * and quotient; so its point by less than what boxes' corners may err by. */
+SIMD children_extent extent_of_polygons(const tets_in_view *v, double iso, cut_points *c) {
+    const vf most = f_set(INFINITY), least = f_set(-INFINITY), zero = f_set(0.0f);
+    const vf threshold = f_set(interest_threshold(iso));
+    const vf near = f_set((float)iso), rest = f_set((float)(iso - (double)(float)iso));
+    children_extent e = {most, least, most, least, most, least};
+    unsigned edge = 0;
+    vf up[4];
+    mf in[4];
+    for (int k = 0; k < 4; k++) {
+        in[k] = f_ge(v->f[k], threshold);
+        up[k] = (near - v->f[k]) + rest;
+    }
+    for (int i = 0; i < 3; i++) {
+        for (int j = i + 1; j < 4; j++, edge++) {
+            const mf cut = mf_and_not(mf_or(in[i], in[j]), mf_and(in[i], in[j]));
+            const vf s = f_max(zero, f_min(up[i] / (v->f[j] - v->f[i]), f_set(1.0f)));
+            const vf w = v->w[i] + s * (v->w[j] - v->w[i]), r = f_reciprocal(w);
+            const vf x = (v->x[i] + s * (v->x[j] - v->x[i])) * r;
+            const vf y = (v->y[i] + s * (v->y[j] - v->y[i])) * r;
+            e.x0 = f_min(e.x0, f_select(cut, x, most));
+            e.x1 = f_max(e.x1, f_select(cut, x, least));
+            e.y0 = f_min(e.y0, f_select(cut, y, most));
+            e.y1 = f_max(e.y1, f_select(cut, y, least));
+            e.w0 = f_min(e.w0, f_select(cut, w, most));
+            c->x[edge] = x;
+            c->y[edge] = y;
+            c->cut[edge] = cut;
+        }
+    }
+    return e;
+}
+
+/* ---- Pixels' centres ---- */
+
+/* Isopolygons in the picture: their corners in order around, from a tile's first pixel, the first
+ * one again behind the last; a triangle's third corner twice. */
+typedef struct flat_polygons {
+    vf x[5], y[5];
+} flat_polygons;
+
+/* A triangle has a corner on one edge of each pair that have no vertex in common (01 23, 02 13, 03
+ * 12); a quadrilateral has opposite corners on both of two such pairs. */
+SIMD flat_polygons flatten(const tile_view *tile, const cut_points *c) {
+    enum { E01, E02, E03, E12, E13, E23 };
+    const mf both = mf_and(c->cut[E01], c->cut[E23]), any = mf_or(c->cut[E01], c->cut[E23]);
+    const mf triangle = mf_and_not(any, both);
+    flat_polygons p;
+    for (int axis = 0; axis < 2; axis++) {
+        const vf *of = axis ? c->y : c->x;
+        vf *to = axis ? p.y : p.x;
+        const vf origin = f_set(axis ? tile->y : tile->x);
+        to[0] = f_select(c->cut[E01], of[E01], f_select(c->cut[E23], of[E23], of[E02]));
+        to[1] = f_select(triangle, f_select(c->cut[E02], of[E02], of[E13]),
+                         f_select(c->cut[E03], of[E03], of[E02]));
+        to[2] = f_select(triangle, f_select(c->cut[E03], of[E03], of[E12]),
+                         f_select(c->cut[E23], of[E23], of[E13]));
+        to[3] = f_select(triangle, to[2], f_select(c->cut[E03], of[E12], of[E13]));
+        for (int i = 0; i < 4; i++)
+            to[i] = to[i] - origin;
+        to[4] = to[0];
+    }
+    return p;
+}
+
+/* Lines around polygons: their edge functions fall by y from pixel to pixel. */
+typedef struct flat_lines {
+    flat_polygons from;
+    vf x[4], y[4], error;
+} flat_lines;
+
+/* How far a polygon may reach that is looked at so, in pixels. */
+static const float CENTRES_REACH = 8.0f;
+
+/* A pixel's centre c within a polygon that is where it should be passes its edges on one side. Its
+ * corners are off by m a coordinate at most, twice the margin at far / w (deep), which moves the
+ * edge function of P and Q at c by (b - a) x (c - P) - (Q - P) x a - (b - a) x a, |a|, |b| <= m:
+ * with S the sum of the moduli of all edges' coordinates, so that c - P has S / 2 at most, by less
+ * than m S + m S / 2 + 2 m^2. Seen from the wrong corners S is wrong itself, by 16 m. Together 1.5
+ * m S + 26 m^2. What edge functions are rounded by is less than 2^-22 (S / 2)^2 < m S / 4, as m >
+ * 2e-4 and S < 128. */
+SIMD flat_lines lines_around(const tile_view *tile, const cut_points *c, vf deep) {
+    const float least = tile->p->margin_least;
+    const float slope = (tile->p->margin - least) * projection_depth_share;
+    const vf m = f_set(2.0f * least) + f_set(2.0f * slope) * deep;
+    flat_lines l = {.from = flatten(tile, c)};
+    vf sum = f_set(0.0f);
+    for (int i = 0; i < 4; i++) {
+        l.x[i] = l.from.x[i + 1] - l.from.x[i];
+        l.y[i] = l.from.y[i + 1] - l.from.y[i];
+        sum = sum + (f_abs(l.x[i]) + f_abs(l.y[i]));
+    }
+    l.error = (f_set(2.0f) * m) * sum + (f_set(32.0f) * m) * m;
+    return l;
+}
+
+/* Whether a pixel's centre lies beside a polygon, by the edge functions there. */
+SIMD mf is_beside(const vf side[4], vf error) {
+    const vf least = f_min(f_min(side[0], side[1]), f_min(side[2], side[3]));
+    const vf most = f_max(f_max(side[0], side[1]), f_max(side[2], side[3]));
+    return mf_and(f_gt(most, error), f_lt(least, f_set(0.0f) - error));
+}
+
+typedef struct tet_covers {
+    tile_rect rect[VF_N];
+    _Alignas(64) float depth[VF_N]; /* none of their points is nearer */
+    /* Of a small rectangle: the pixels whose centres may be covered, a bit each of a window of 4 x
+     * 4 from its corner on, row by row. 0: it is not small. */
+    uint32_t centres[VF_N];
+} tet_covers;
+
+/* Small rectangles of small polygons: those lanes of which none of the pixels is covered. */
+SIMD mf cover_no_centre(const tile_view *tile, const cut_points *c, const children_extent *e,
+                        vf far, mf alive, tet_covers *out) {
+    const rect_lanes r = rect_lanes_load(out->rect);
+    const vf wide = r.x1 - r.x0, high = r.y1 - r.y0, last = f_set(CENTRES - 1);
+    const vf reach = f_max(e->x1 - e->x0, e->y1 - e->y0), zero = f_set(0.0f);
+    const mf small =
+        mf_and(alive, mf_and(f_le(reach, f_set(CENTRES_REACH)), f_le(f_max(wide, high), last)));
+    vf centres = zero;
+    if (mf_bits(small)) {
+        const flat_lines l = lines_around(tile, c, far / e->w0);
+        for (int y = 0; y < CENTRES; y++) {
+            const mf row = mf_and(small, f_ge(high, f_set((float)y)));
+            vf side[4];
+            if (!mf_bits(row))
+                break;
+            for (int i = 0; i < 4; i++)
+                side[i] =
+                    l.x[i] * (r.y0 + f_set((float)y) - l.from.y[i]) - l.y[i] * (r.x0 - l.from.x[i]);
+            for (int x = 0; x < CENTRES; x++) {
+                const mf there = mf_and(row, f_ge(wide, f_set((float)x)));
+                const float bit = (float)(1 << (CENTRES * y + x));
+                if (!mf_bits(there))
+                    break;
+                centres = centres +
+                          f_select(mf_and_not(there, is_beside(side, l.error)), f_set(bit), zero);
+                for (int i = 0; i < 4; i++)
+                    side[i] = side[i] - l.y[i];
+            }
+        }
+    }
+    const vi bits = f_to_int(centres);
+    memcpy(out->centres, &bits, sizeof bits);
+    return mf_and(small, f_le(centres, zero));
+}
+
+/* What the isopolygons can cover of their leaves' rectangles: lanes of those that cover anything.
+ * Those nearer than a sixteenth of what positions are relative to cover all of it. */
+SIMD unsigned covers_of(const mesh_tile *w, const tets_in_view *v, double iso, tet_covers *out) {
+    const tet_lanes *l = &w->lanes;
+    const unsigned lanes = (1u << l->count) - 1u;
+    const rect_lanes within = rect_lanes_load(l->within);
+    cut_points c;
+    const children_extent e = extent_of_polygons(v, iso, &c);
+    const mf whole = mf_or(v->odd, f_lt(e.w0, v->far * f_set(projection_depth_share)));
+    mf alive;
+    const vi packed =
+        rects_of_extent(&w->view, &e, 2.0f * w->view.p->margin, whole, within, &alive);
+    memcpy(out->rect, &packed, sizeof packed);
+    f_store(out->depth, f_select(whole, f_set(0.0f), e.w0 - f_set(0x1p-19f) * v->far));
+    alive = mf_and(alive, mf_of_bits(lanes));
+    LANE_COUNT(covers, mf_bits(alive));
+    const mf none = cover_no_centre(&w->view, &c, &e, v->far, mf_and_not(alive, whole), out);
+    LANE_COUNT(covering, mf_bits(mf_and_not(alive, none)));
+    return mf_bits(mf_and_not(alive, none));
+}
+
+static void walk_lanes(mesh_tile *w, const resident_mesh *at) {
+    const isovalue_list *isos = &w->s.f->tracer->isos;
+    tet_lanes *l = &w->lanes;
+    tets_in_view view;
+    for (unsigned k = l->count; k < VF_N; k++)
+        for (int v = 0; v < 4; v++)
+            l->vertex[v][k] = l->vertex[v][0];
+    view_tets(w, at, &view);
+    LANE_COUNT(tets, (1u << l->count) - 1u);
+    for (int32_t i = 0; i < isos->count; i++) {
+        tet_covers covers;
+        for (unsigned left = covers_of(w, &view, isos->isovalues[i], &covers); left;
+             left &= left - 1) {
+            const unsigned k = (unsigned)__builtin_ctz(left);
+            const float near2 = covers.depth[k] * covers.depth[k];
+            const tile_rect rect = covers.rect[k];
+            const uint32_t centres = centres_in_sight(w, rect, covers.centres[k], near2);
+            if (centres || (!covers.centres[k] && in_sight(w, rect, near2)))
+                put_tet(w, at, k, i, rect, centres);
+        }
+    }
+    w->s.counters->cells += l->count;
+    l->count = 0;
+}
+
+static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t place, const tile_rect *r) {
+    const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[place];
+    const float *values = mesh_leaf_values(&at->mesh, at->values);
+    tet_lanes *l = &w->lanes;
+    for (int k = 0; k < 4; k++) {
+        __builtin_prefetch(at->positions[v[k]]);
+        __builtin_prefetch(values + v[k]);
+        l->vertex[k][l->count] = v[k];
+    }
+    l->within[l->count] = *r;
+    l->place[l->count++] = place;
+    if (l->count == VF_N)
+        walk_lanes(w, at);
+}
+
+static void walk_leaf(mesh_tile *w, const resident_mesh *at, uint32_t first, uint32_t end,
+                      const tile_rect *r) {
+    for (uint32_t word = first / 64; word * 64 < end; word++) {
+        uint64_t bits = at->active->tets[word];
+        if (word == first / 64)
+            bits &= UINT64_MAX << first % 64;
+        if (end - word * 64 < 64)
+            bits &= (UINT64_C(1) << (end - word * 64)) - 1;
+        for (; bits; bits &= bits - 1)
+            add_lane(w, at, word * 64 + (uint32_t)__builtin_ctzll(bits), r);
+    }
+}
+
+#endif
+#endif
