@@ -214,12 +214,13 @@ static void walk_queue(mesh_tile *w) {
     unsigned alone = ~isopolygons_near(&q->tets, q->isovalue, &q->polygons) & lanes;
     unsigned few = 0, many = 0, quads = 0;
     seen_lanes s;
-    for (unsigned k = 0; k < q->count; k++)
+    for (unsigned k = 0; k < VD_N && k < q->count; k++)
         alone |= (unsigned)(q->at[k]->derived != NULL) << k;
-    for (; alone; alone &= alone - 1)
-        polygon_alone(w, (unsigned)__builtin_ctz(alone));
+    for (unsigned k = 0; k < VD_N; k++)
+        if (alone >> k & 1u)
+            polygon_alone(w, k);
     see_lanes(&q->polygons, w->eye, &s);
-    for (unsigned k = 0; k < q->count; k++) {
+    for (unsigned k = 0; k < VD_N && k < q->count; k++) {
         const unsigned rays = (unsigned)__builtin_popcount(q->centres[k]);
         const unsigned there = q->polygons.count[k] > 0, is_few = rays > 0 && rays <= FEW;
         few |= (there & is_few) << k;
