@@ -1,6 +1,6 @@
 /* test_zarr.c - Zarr folders made by hand: what is read, refused, cut and damaged.
  */
-/* marks: bits, long */
+/* marks: long */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

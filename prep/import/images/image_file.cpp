@@ -142,9 +142,10 @@ TypeDesc stored(const image_file *f, int channel) {
 template <typename T> void mix(const void *from, void *to, size_t count) {
     const T *rgb = static_cast<const T *>(from);
     T *out = static_cast<T *>(to);
+    const bool whole = std::is_integral<T>::value;
     for (size_t i = 0; i < count; i++, rgb += 3) {
         const double y = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-        out[i] = std::is_integral_v<T> ? T(std::rint(y)) : T(y);
+        out[i] = static_cast<T>(whole ? std::rint(y) : y);
     }
 }
 
