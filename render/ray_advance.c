@@ -26,7 +26,7 @@ static void gather(ray_company *c, unsigned first, ray_batch *b) {
             continue;
         b->rays[b->count] = q->ray;
         b->states[b->count] = *q->state;
-        c->place[b->count++] = (uint8_t)i;
+        c->asked[b->count++] = (uint8_t)i;
     }
 }
 
@@ -54,8 +54,8 @@ void ray_advance(const frame *f, ray_company *c, ray_batch *b, void *scratch,
         gather(c, first, b);
         ray_batch_next(c->question[first].tracer, f->kernels, b, scratch, counters);
         for (unsigned k = 0; k < b->count; k++) {
-            *c->question[c->place[k]].state = b->states[k];
-            go_on(f, c, c->place[k], b->results[k], counters);
+            *c->question[c->asked[k]].state = b->states[k];
+            go_on(f, c, c->asked[k], b->results[k], counters);
         }
     }
 }

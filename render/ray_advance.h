@@ -15,7 +15,7 @@ typedef struct ray_company {
     bool blocked[RAY_BATCH];       /* needs a treelet: the head says which. Else it is done */
     bool asks[RAY_BATCH];          /* these and the rest: while they go on */
     ray_question question[RAY_BATCH];
-    uint8_t place[RAY_BATCH]; /* of those that are asked together */
+    uint8_t asked[RAY_BATCH]; /* those that are asked together, by number */
 } ray_company;
 
 /* ray_advance() - all rays go on until their pixels are written or they are blocked; also those

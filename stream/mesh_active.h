@@ -8,6 +8,7 @@
 #define STREAM_MESH_ACTIVE_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 #include "formats/mesh/mesh_leaf.h"
 #include "stream/interest.h"
@@ -27,5 +28,17 @@ mesh_active *mesh_active_init(void *block, const mesh_shape *shape);
 void mesh_active_compute(mesh_active *active, const mesh_shape *shape, const float own[2],
                          bool non_finite, const void *topology, const void *values,
                          const interest *in);
+
+/* mesh_active_word() - of the bits of tets 64 word .. 64 word + 63 those of tets first .. end - 1.
+ */
+static inline uint64_t mesh_active_word(const mesh_active *active, uint32_t word, uint32_t first,
+                                        uint32_t end) {
+    uint64_t bits = active->tets[word];
+    if (word == first / 64)
+        bits &= UINT64_MAX << first % 64;
+    if (end - word * 64 < 64)
+        bits &= (UINT64_C(1) << (end - word * 64)) - 1;
+    return bits;
+}
 
 #endif

@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <limits.h>
+#include <lz4.h>
 #include <stdint.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -64,13 +65,14 @@ static status take_stream(mem *m, bool is_packed, const char *path, void *to, si
     return st;
 }
 
-/* ---- by libraries that are loaded where a file asks for them ---- */
+/* ---- a chunk as a whole ---- */
 
 typedef int blosc_validate(const void *from, size_t bytes, size_t *unpacked);
 typedef int blosc_unpack(const void *from, void *to, size_t room, int threads);
-typedef int lz4_unpack(const char *from, char *to, int bytes, int room);
 
-static status find_symbol(const char *path, const char *library, const char *symbol, void **out) {
+/* Few files ask for blosc: it is loaded where one does. */
+static status find_blosc(const char *path, const char *symbol, void **out) {
+    static const char library[] = "libblosc.so.1";
     void *handle = dlopen(library, RTLD_NOW); /* stays: one of them, however often */
     *out = handle ? dlsym(handle, symbol) : NULL;
     if (*out)
@@ -90,9 +92,9 @@ static status take_blosc(const char *path, const uint8_t *bytes, size_t count, v
     blosc_validate *validate;
     blosc_unpack *unpack;
     size_t unpacked = 0;
-    status st = find_symbol(path, "libblosc.so.1", "blosc_cbuffer_validate", &validate_symbol);
+    status st = find_blosc(path, "blosc_cbuffer_validate", &validate_symbol);
     if (st == ST_OK)
-        st = find_symbol(path, "libblosc.so.1", "blosc_decompress_ctx", &unpack_symbol);
+        st = find_blosc(path, "blosc_decompress_ctx", &unpack_symbol);
     if (st != ST_OK)
         return st;
     AS_FUNCTION(validate, validate_symbol);
@@ -110,15 +112,9 @@ static status take_blosc(const char *path, const uint8_t *bytes, size_t count, v
 /* The length, then one block. */
 static status take_lz4(const char *path, const uint8_t *bytes, size_t count, void *to,
                        size_t size) {
-    void *symbol;
-    lz4_unpack *unpack;
-    status st = find_symbol(path, "liblz4.so.1", "LZ4_decompress_safe", &symbol);
-    if (st != ST_OK)
-        return st;
-    AS_FUNCTION(unpack, symbol);
     if (count < 4 || count > INT_MAX || size > INT_MAX || binary_unsigned(bytes, 4, false) != size)
         return wrong_size(path, size);
-    const int result = unpack((const char *)bytes + 4, to, (int)count - 4, (int)size);
+    const int result = LZ4_decompress_safe((const char *)bytes + 4, to, (int)count - 4, (int)size);
     if (result < 0 || (size_t)result != size)
         return status_describe(ST_CORRUPT, "%s: damaged lz4 data", path);
     return ST_OK;

@@ -340,11 +340,7 @@ static void add_tet(mesh_batch *w, const resident_mesh *at, uint32_t local, uint
 static void walk_leaf(mesh_batch *w, const resident_mesh *at, uint32_t first, uint32_t end,
                       uint32_t beams) {
     for (uint32_t word = first / 64; word * 64 < end; word++) {
-        uint64_t bits = at->active->tets[word];
-        if (word == first / 64)
-            bits &= UINT64_MAX << first % 64;
-        if (end - word * 64 < 64)
-            bits &= (UINT64_C(1) << (end - word * 64)) - 1;
+        uint64_t bits = mesh_active_word(at->active, word, first, end);
         for (; bits; bits &= bits - 1)
             add_tet(w, at, word * 64 + (uint32_t)__builtin_ctzll(bits), beams);
     }

@@ -223,11 +223,7 @@ static void packet_leaf(packet *w, const resident_mesh *at, const packet_pending
         return;
     w->counters->isorange_tests += end - first;
     for (uint32_t word = first / 64; word * 64 < end; word++) {
-        uint64_t bits = at->active->tets[word];
-        if (word == first / 64)
-            bits &= UINT64_MAX << first % 64;
-        if (end - word * 64 < 64)
-            bits &= (UINT64_C(1) << (end - word * 64)) - 1;
+        uint64_t bits = mesh_active_word(at->active, word, first, end);
         w->s.counters->cells += (uint64_t)__builtin_popcountll(bits);
         for (; bits; bits &= bits - 1)
             packet_tet(w, at, word * 64 + (uint32_t)__builtin_ctzll(bits), first_ray, end_ray);

@@ -26,7 +26,7 @@ typedef struct met_rays {
 /* A hit of ray i: before what it has? */
 static void take_surface(mesh_tile *w, unsigned of, unsigned i, double t, bool entering) {
     const tet_queue *q = &w->queue;
-    const tile_surface found = {t, &q->at[of]->head, q->place[of], q->iso[of], entering};
+    const tile_surface found = {t, &q->at[of]->head, q->local[of], q->iso[of], entering};
     if (!tile_state_take(&w->s, i, &found))
         return;
     if (w->s.reach[i] < (double)INFINITY)
@@ -38,7 +38,7 @@ static void take_surface(mesh_tile *w, unsigned of, unsigned i, double t, bool e
 static void take_scalar(mesh_tile *w, unsigned of, unsigned i) {
     const tet_queue *q = &w->queue;
     const isopolygon g = polygon_lanes_get(&q->polygons, of);
-    const uint64_t cell = q->at[of]->first_tet + q->place[of];
+    const uint64_t cell = q->at[of]->first_tet + q->local[of];
     hit before = hit_before_all(), found;
     ray r = {.t0 = w->s.rays.t0[i], .t1 = w->s.rays.t1[i]};
     for (int a = 0; a < 3; a++) {
@@ -194,9 +194,9 @@ static void polygon_alone(mesh_tile *w, unsigned lane) {
     isopolygon made;
     const isopolygon *g = NULL;
     if (at->derived) {
-        g = isopolygon_cache_find(at, q->place[lane], q->isovalue[lane], &made);
+        g = isopolygon_cache_find(at, q->local[lane], q->isovalue[lane], &made);
     } else {
-        const tet exact = mesh_walk_tet(at, q->place[lane]);
+        const tet exact = mesh_walk_tet(at, q->local[lane]);
         g = isopolygon_of(&exact, q->isovalue[lane], &made) ? &made : NULL;
     }
     q->polygons.count[lane] = 0;
@@ -250,7 +250,7 @@ SIMD void put_tet(mesh_tile *w, const resident_mesh *at, unsigned lane, int32_t 
     }
     q->isovalue[to] = w->s.f->tracer->isos.isovalues[iso];
     q->at[to] = at;
-    q->place[to] = w->lanes.place[lane];
+    q->local[to] = w->lanes.local[lane];
     q->iso[to] = iso;
     q->rect[to] = rect;
     q->centres[to] = centres;

@@ -20,7 +20,7 @@
 typedef struct tet_lanes {
     uint32_t vertex[4][VF_N]; /* in the treelet */
     tile_rect within[VF_N];   /* those of their leaves */
-    uint32_t place[VF_N];
+    uint32_t local[VF_N];
     unsigned count;
 } tet_lanes;
 
@@ -32,7 +32,7 @@ typedef struct tet_queue {
     tet_columns tets;
     double isovalue[VD_N];
     const resident_mesh *at[VD_N];
-    uint32_t place[VD_N];
+    uint32_t local[VD_N];
     int32_t iso[VD_N];
     tile_rect rect[VD_N];   /* where the polygon can be */
     uint32_t centres[VD_N]; /* which pixels of it are looked at, as tet_covers has them */

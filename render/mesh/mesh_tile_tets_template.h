@@ -253,8 +253,8 @@ static void walk_lanes(mesh_tile *w, const resident_mesh *at) {
     l->count = 0;
 }
 
-static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t place, const tile_rect *r) {
-    const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[place];
+static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t local, const tile_rect *r) {
+    const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[local];
     const float *values = mesh_leaf_values(&at->mesh, at->values);
     tet_lanes *l = &w->lanes;
     for (int k = 0; k < 4; k++) {
@@ -263,7 +263,7 @@ static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t place, cons
         l->vertex[k][l->count] = v[k];
     }
     l->within[l->count] = *r;
-    l->place[l->count++] = place;
+    l->local[l->count++] = local;
     if (l->count == VF_N)
         walk_lanes(w, at);
 }
@@ -271,11 +271,7 @@ static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t place, cons
 static void walk_leaf(mesh_tile *w, const resident_mesh *at, uint32_t first, uint32_t end,
                       const tile_rect *r) {
     for (uint32_t word = first / 64; word * 64 < end; word++) {
-        uint64_t bits = at->active->tets[word];
-        if (word == first / 64)
-            bits &= UINT64_MAX << first % 64;
-        if (end - word * 64 < 64)
-            bits &= (UINT64_C(1) << (end - word * 64)) - 1;
+        uint64_t bits = mesh_active_word(at->active, word, first, end);
         for (; bits; bits &= bits - 1)
             add_lane(w, at, word * 64 + (uint32_t)__builtin_ctzll(bits), r);
     }
