@@ -9,7 +9,7 @@ status input_open(mem *m, const char *path, const volume_hints *of_grids,
         return volume_open(m, path, of_grids, &out->v);
     status st = byte_stream_open(m, path, &s);
     if (st == ST_OK)
-        st = mesh_input_recognise_stream(s, &is_mesh);
+        st = mesh_input_recognise(s, &is_mesh);
     if (st != ST_OK) {
         byte_stream_close(s);
         return st;

@@ -298,7 +298,7 @@ static void test_variants(void **state) {
     for (int i = 0; i < VARIANTS; i++) {
         double want[NODES];
         const char *path = write_variant(i);
-        assert_true(mesh_input_recognise(path));
+        assert_true(mesh_files_recognised(path));
         for (int n = 0; n < NODES; n++)
             want[n] = n == 0 ? (double)NAN : temperature(n);
         const mesh_copy *a = mesh_files_good(path, NULL);

@@ -55,7 +55,7 @@ static void test_fields(void **state) {
     const float marker[5] = {-1, 0, 1, 2, 3}, region[5] = {7, 7.5f, 7.5f, 7.5f, 8};
     const float region2[5] = {-1, -2, -2, -2, -3};
     const char *node = write_pair(NODE, ELE), *ele = scratch_path("a.ele");
-    assert_true(mesh_input_recognise(node) && mesh_input_recognise(ele));
+    assert_true(mesh_files_recognised(node) && mesh_files_recognised(ele));
     check_field(node, NULL, "attr1", first);
     check_field(ele, NULL, "attr1", first);
     check_field(node, &(mesh_hints){.field = "attr2"}, "attr2", second);

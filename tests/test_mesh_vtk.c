@@ -33,9 +33,9 @@ static void test_versions(void **state) {
         vtk_files_check(a, 1, "alpha", 0);
         assert_string_equal(a->name, "");
     }
-    assert_true(mesh_input_recognise(scratch_text("a.dat", "# vtk DataFile Version 2.0\n")));
-    assert_true(mesh_input_recognise("not/there.VTK"));
-    assert_false(mesh_input_recognise(scratch_text("b.dat", "# something else\n")));
+    assert_true(mesh_files_recognised(scratch_text("a.dat", "# vtk DataFile Version 2.0\n")));
+    assert_true(mesh_files_recognised(scratch_text("bare.VTK", "?")));
+    assert_false(mesh_files_recognised(scratch_text("b.dat", "# something else\n")));
 }
 
 static void test_fields(void **state) {

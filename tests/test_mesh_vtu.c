@@ -119,8 +119,8 @@ static void test_bare(void **state) {
     assert_string_equal(a->report.field, "");
     assert_true(a->values[4] == 0 && a->xyz[3][2] == 1e-3f && a->xyz[4][2] == 1.5f);
     /* Recognised by what is in it, too. */
-    assert_true(mesh_input_recognise(scratch_text("bare.xml", bare)));
-    assert_true(mesh_input_recognise("not/there.vtu"));
+    assert_true(mesh_files_recognised(scratch_text("bare.xml", bare)));
+    assert_true(mesh_files_recognised(scratch_text("odd.vtu", "?")));
     assert_int_equal(mesh_files_good(scratch_text("bare.xml", bare), NULL)->report.tets, 2);
 }
 

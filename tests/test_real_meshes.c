@@ -45,7 +45,7 @@ static void check_set(const char *set, const char *file, const char *field, cons
     const char *path = scratch_data(name);
     if (!path)
         skip();
-    assert_true(mesh_input_recognise(path));
+    assert_true(mesh_files_recognised(path));
     const mesh_copy *a = mesh_files_good(path, &(mesh_hints){.field = field});
     assert_int_equal(a->report.bad_indices + a->report.repeated + a->report.skipped, 0);
     check_array(set, "points_f32x3.raw", a->xyz, a->report.points * sizeof *a->xyz);

@@ -221,14 +221,6 @@ const packer *packer_find(const uint8_t *start, size_t size) {
     return NULL;
 }
 
-const char *packer_name(const packer *p) {
-    return p->name;
-}
-
-const char *packer_suffix(const packer *p) {
-    return p->suffix;
-}
-
 bool packer_is_suffix(const char *path) {
     for (int i = 0; i < PACKERS; i++)
         if (text_ends_in(path, packers[i]->suffix))

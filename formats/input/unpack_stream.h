@@ -30,10 +30,6 @@ extern const packer packer_zlib, packer_bzip2;
 enum { PACKER_PEEK = 6 };
 const packer *packer_find(const uint8_t *start, size_t size);
 
-/* packer_name() - "gzip". packer_suffix() - with its dot: ".gz". */
-const char *packer_name(const packer *p);
-const char *packer_suffix(const packer *p);
-
 /* packer_is_suffix() - whether a path ends as packed files do. */
 bool packer_is_suffix(const char *path);
 

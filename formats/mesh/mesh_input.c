@@ -1,10 +1,7 @@
 #include "formats/mesh/mesh_input.h"
 
-#include <fcntl.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "formats/base/text.h"
 #include "formats/input/foreign.h"
@@ -41,24 +38,7 @@ static const mesh_reader *find_reader(const char *path, const uint8_t *start, si
     return NULL;
 }
 
-/* The first bytes of a regular file; none of anything else: a pipe would lose them. */
-static size_t read_start(const char *path, uint8_t start[MESH_READER_PEEK]) {
-    struct stat info;
-    if (stat(path, &info) != 0 || !S_ISREG(info.st_mode))
-        return 0;
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
-    ssize_t got = fd < 0 ? 0 : read(fd, start, MESH_READER_PEEK);
-    if (fd >= 0)
-        close(fd);
-    return got < 0 ? 0 : (size_t)got;
-}
-
-bool mesh_input_recognise(const char *path) {
-    uint8_t start[MESH_READER_PEEK];
-    return find_reader(path, start, read_start(path, start)) != NULL;
-}
-
-status mesh_input_recognise_stream(byte_stream *s, bool *known) {
+status mesh_input_recognise(byte_stream *s, bool *known) {
     const uint8_t *start;
     size_t size;
     status st = byte_stream_peek(s, MESH_READER_PEEK, &start, &size);

@@ -66,12 +66,9 @@ typedef struct mesh_report {
 
 typedef struct mesh_input mesh_input;
 
-/* mesh_input_recognise() - whether path is a mesh, by its suffix or its first bytes; false for
- * grids, whatever is not there, and pipes ("-" too: see mesh_input_recognise_stream()). */
-bool mesh_input_recognise(const char *path);
-
-/* mesh_input_recognise_stream() - the same of an open stream, of which nothing is taken. */
-CHECKED status mesh_input_recognise_stream(byte_stream *s, bool *known);
+/* mesh_input_recognise() - whether a stream, of which nothing is taken, is of a mesh: by its first
+ * bytes, or the suffix of its name. */
+CHECKED status mesh_input_recognise(byte_stream *s, bool *known);
 
 /* mesh_input_open() - path, or "-" for a mesh on standard input. hints may be NULL; its text must
  * live as long as the mesh. ST_CORRUPT, ST_UNSUPPORTED (also for a file of no known format) or

@@ -82,6 +82,17 @@ static void check_promises(void) {
         check_tet(copy.tets[i]);
 }
 
+bool mesh_files_recognised(const char *path) {
+    mem m;
+    byte_stream *s = NULL;
+    bool known = false;
+    mem_init(&m, 0);
+    assert_int_equal(byte_stream_open(&m, path, &s), ST_OK);
+    assert_int_equal(mesh_input_recognise(s, &known), ST_OK);
+    byte_stream_close(s);
+    return known;
+}
+
 status mesh_files_read(const char *path, const mesh_hints *hints, const mesh_copy **out) {
     const mesh_sink sink = {NULL, take_points, take_values, take_tets};
     mem m;

@@ -21,6 +21,9 @@ typedef struct mesh_copy {
     uint32_t tets[MESH_FILES_ROOM][4];
 } mesh_copy;
 
+/* mesh_files_recognised() - whether a file is one of a mesh. */
+bool mesh_files_recognised(const char *path);
+
 /* mesh_files_read() - open, read, close: the status. Fails the test when memory is not given back,
  * when points or values do not come in order and complete, or when a tet breaks mesh_input.h's
  * promise. The result is one static mesh, valid until the next call; more than it has room for is
