@@ -16,6 +16,7 @@
 
 typedef struct import {
     mem *m;
+    size_t lent; /* of m's limit, while the verb runs */
     char *path;
     char program[SIBLING_PATH];
     child c;
@@ -60,6 +61,7 @@ static status read_output(void *ctx, void *to, size_t size, size_t *got) {
 static void close_output(void *ctx) {
     import *x = ctx;
     int code;
+    x->m->limit += x->lent;
     if (x->running) {
         child_kill(&x->c);
         if (child_end(&x->c, &code) != ST_OK)
@@ -71,10 +73,10 @@ static void close_output(void *ctx) {
 
 /* ---- starting it ---- */
 
-enum { ARGUMENTS_MAX = 16, NUMBER_MAX = 16 };
+enum { ARGUMENTS_MAX = 16, NUMBER_MAX = 24 };
 
 static status start(import *x, const volume_hints *h) {
-    char component[NUMBER_MAX], step[NUMBER_MAX];
+    char component[NUMBER_MAX], step[NUMBER_MAX], memory[NUMBER_MAX];
     const char *argv[ARGUMENTS_MAX] = {x->program, "-q", "-o", "-"};
     int count = 4;
     const struct {
@@ -82,7 +84,9 @@ static status start(import *x, const volume_hints *h) {
         const char *option, *value;
     } hints[] = {{h->field, "--field", h->field},
                  {h->component, "--component", component},
-                 {h->step, "--step", step}};
+                 {h->step, "--step", step},
+                 {x->lent, "--memory", memory}};
+    snprintf(memory, sizeof memory, "%zu", x->lent);
     snprintf(component, sizeof component, "%u", h->component);
     snprintf(step, sizeof step, "%u", h->step);
     for (size_t i = 0; i < sizeof hints / sizeof *hints; i++)
@@ -118,6 +122,8 @@ static status open_import(mem *m, const foreign_format *f, const char *path,
         return ST_NOMEM;
     x->m = m;
     x->path = mem_copy_text(m, path);
+    x->lent = m->limit / 2;
+    m->limit -= x->lent;
     status st = x->path ? find_verb(x, f) : ST_NOMEM;
     if (st == ST_OK)
         st = start(x, hints);

@@ -1,7 +1,8 @@
 /* imported.h - grids whose format needs a heavy library: read by the verb that is linked with it.
  *
  * leafcast-import-X runs as a process of its own and writes NRRD into a pipe; what it says of an
- * error is ours, and so is its crash.
+ * error is ours, and so is its crash. Of a budget it gets half: the limit is lower as long as the
+ * source is open.
  */
 #ifndef FORMATS_GRID_IMPORTED_H
 #define FORMATS_GRID_IMPORTED_H

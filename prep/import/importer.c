@@ -9,15 +9,11 @@
 #include "formats/base/clock.h"
 #include "formats/base/text.h"
 #include "formats/grid/nrrd_writer.h"
+#include "prep/convert_defaults.h"
 #include "prep/import/crash.h"
 #include "prep/import/importer_options.h"
 
-enum {
-    BLOCK_BYTES = 16 << 20,
-    MEMORY_DEFAULT_MIB = 2048,
-    COMPONENT_MAX = 1 << 16,
-    STEP_MAX = INT32_MAX
-};
+enum { BLOCK_BYTES = 16 << 20, COMPONENT_MAX = 1 << 16, STEP_MAX = INT32_MAX };
 
 typedef struct arguments {
     cli_common common;
@@ -170,7 +166,7 @@ int importer_main(const importer *x, int argc, char **argv) {
                            .check = check};
     cli_parse(&verb, &a.common, argc, argv);
     mem m;
-    mem_init(&m, a.common.memory ? a.common.memory : (uint64_t)MEMORY_DEFAULT_MIB << 20);
+    mem_init(&m, a.common.memory ? a.common.memory : CONVERT_MEMORY_DEFAULT);
     crash_watch(x->verb, x->format, a.common.input);
     return cli_finish(&a.common, a.list ? list(&m, &a) : import(&m, &a));
 }
