@@ -146,7 +146,7 @@ TETGEN      := $(if $(CXX_HERE),$(call has,libtet1.5-dev))
 OIIO        := $(if $(CXX_HERE),$(call has,libopenimageio-dev))
 # What importers are compiled and linked with; empty: left out. `make LIB_vdb=` does without, too.
 # import-vdb counts what C++ allocates by an operator new of its own, which the sanitizers' does not go with.
-LIB_vdb     := $(if $(filter sanitize thread fuzz,$(CONFIG)),,$(if $(CXX_HERE),$(if $(call has,libopenvdb-dev),-lopenvdb -ltbb $(shell $(PKG_CONFIG) --libs Imath))))
+LIB_vdb     := $(if $(filter sanitize thread fuzz,$(CONFIG)),,$(if $(CXX_HERE),$(if $(and $(call has,libopenvdb-dev),$(call has,libboost-dev)),-lopenvdb -ltbb $(shell $(PKG_CONFIG) --libs Imath))))
 LIB_images  := $(if $(OIIO),$(shell $(PKG_CONFIG) --cflags --libs OpenImageIO))
 LIB_dicom   := $(if $(CXX_HERE),$(if $(call has,libdcmtk-dev),-ldcmjpeg -lijg8 -lijg12 -lijg16 -ldcmjpls -ldcmtkcharls -ldcmimgle -ldcmdata -loflog -lofstd))
 LIB_hdf5    := $(if $(call has,libhdf5-dev),$(shell $(PKG_CONFIG) --cflags --libs hdf5-serial))

@@ -55,7 +55,7 @@ static inline void lane_count(lane_stage *s, uint64_t bits) {
 
 #else
 
-#define LANE_COUNT(stage, bits) ((void)sizeof(bits))
+#define LANE_COUNT(stage, bits) ((void)(bits))
 
 #endif
 
