@@ -14,22 +14,17 @@
 #include "formats/base/text.h"
 #include "formats/input_open.h"
 #include "prep/convert_defaults.h"
+#include "prep/convert_sets.h"
 #include "prep/grid/convert.h"
 #include "prep/mesh/mesh_convert.h"
 
 enum { ZSTD_LEVEL_DEFAULT = 3, ZSTD_LEVEL_MAX = 22 };
 
-enum { FIELDS_MAX = 256 };
-
 typedef struct arguments {
     cli_common common;
     volume_hints hints;
     mesh_hints mesh;
-    const char *fields[FIELDS_MAX]; /* as asked for, or all there are */
-    char field_names[FIELDS_MAX][MESH_NAME_MAX + 1];
-    int field_count;
-    bool all_fields;
-    const char *times; /* as given */
+    convert_sets sets;
     uint32_t treelet_tets, leaf_tets, coarse_dims;
     bool coarse, sah;
     leaf_parameters file;
@@ -56,6 +51,7 @@ enum {
     KEY_TIMES,
     KEY_COMPONENT,
     KEY_STEP,
+    KEY_STEPS,
     KEY_CELLS_TO_POINTS,
     KEY_TREELET_TETS,
     KEY_LEAF_TETS,
@@ -95,11 +91,15 @@ static const struct argp_option options[] = {
     {"axis-z", KEY_AXIS_Z, "FILE", 0, NULL, 2},
     {NULL, 0, NULL, 0, "Inputs with several fields, and meshes:", 3},
     {"field", KEY_FIELD, "NAME", CLI_BASIC,
-     "an array, grid, data set or variable to take (default: the first; of a mesh, of its points, "
-     "where it may be repeated)",
+     "an array, grid, data set or variable to take, may be repeated (default: the first; of a mesh, "
+     "of its points)",
      3},
     {"step", KEY_STEP, "N", 0, "of several time steps in one file, from 0 on (default 0)", 3},
-    {"fields", KEY_FIELDS, "all", CLI_BASIC, "take all arrays of the points (or cells)", 3},
+    {"fields", KEY_FIELDS, "all", CLI_BASIC,
+     "take all fields: of a mesh all arrays of the points (or cells), of a grid all that are like "
+     "the first",
+     3},
+    {"steps", KEY_STEPS, "all", CLI_BASIC, "take all time steps of a file with several", 3},
     {"times", KEY_TIMES, "T0,T1,..", 0, "times of the steps (default: 0, 1, ..)", 3},
     {"component", KEY_COMPONENT, "N", 0,
      "of vectors and colours: 1, 2, ..; default: their magnitude, or luminance", 3},
@@ -139,9 +139,10 @@ static const cli_use uses[] = {{KEY_TREELET, GRID},
                                {KEY_AXIS_Y, GRID},
                                {KEY_AXIS_Z, GRID},
                                {KEY_FIELD, FIELDS | MESH},
-                               {KEY_FIELDS, MESH},
+                               {KEY_FIELDS, GRID | MESH},
                                {KEY_COMPONENT, FIELDS | MESH},
                                {KEY_STEP, FIELDS},
+                               {KEY_STEPS, GRID},
                                {KEY_CELLS_TO_POINTS, MESH},
                                {KEY_COARSE, MESH},
                                {KEY_TREELET_TETS, MESH},
@@ -190,24 +191,19 @@ static status set_build(arguments *a, const char *name) {
 }
 
 static status add_field(arguments *a, const char *name) {
-    if (a->field_count == FIELDS_MAX)
-        return status_describe(ST_USAGE, "more than %d fields", FIELDS_MAX);
-    char *clean = a->field_names[a->field_count];
-    text_name(clean, sizeof a->field_names[0], name);
-    if (a->field_count == 0) {
-        a->mesh.field = clean;
+    status st = convert_sets_add(&a->sets, name);
+    if (st == ST_OK && a->sets.count == 1) {
+        a->mesh.field = a->sets.names[0];
         a->hints.field = name;
     }
-    a->fields[a->field_count++] = clean;
-    return ST_OK;
+    return st;
 }
 
-static status set_fields(arguments *a, const char *text) {
-    a->all_fields = strcmp(text, "all") == 0;
-    if (a->all_fields)
-        return ST_OK;
-    return status_describe(ST_USAGE,
-                           "--fields: \"%s\": only \"all\" is known; --field NAME takes one", text);
+static status set_all(const char *text, const char *option, const char *instead, bool *all) {
+    *all = strcmp(text, "all") == 0;
+    return *all ? ST_OK
+                : status_describe(ST_USAGE, "%s: \"%s\": only \"all\" is known; %s takes one",
+                                  option, text, instead);
 }
 
 static status set_grid(volume_hints *h, int key, const char *text) {
@@ -234,8 +230,9 @@ static status set_component(arguments *a, const char *text) {
 static status set_mesh(arguments *a, int key, const char *text) {
     switch (key) {
     case KEY_FIELD: return add_field(a, text);
-    case KEY_FIELDS: return set_fields(a, text);
-    case KEY_TIMES: a->times = text; return ST_OK;
+    case KEY_FIELDS: return set_all(text, "--fields", "--field NAME", &a->sets.all_fields);
+    case KEY_STEPS: return set_all(text, "--steps", "--step N", &a->sets.all_steps);
+    case KEY_TIMES: a->sets.times = text; return ST_OK;
     case KEY_COMPONENT: return set_component(a, text);
     case KEY_STEP: return cli_uint(text, "--step", 0, INT_MAX, &a->hints.step);
     case KEY_CELLS_TO_POINTS: a->mesh.cells_to_points = true; return ST_OK;
@@ -270,11 +267,9 @@ static status set_option(void *own, int key, const char *text) {
 
 static status check(void *own) {
     const arguments *a = own;
-    if (a->all_fields && a->field_count)
-        return status_describe(ST_USAGE, "--fields all and --field exclude each other");
     if (!a->common.input || (!a->common.output && !a->dry_run))
         return status_describe(ST_USAGE, "an INPUT and -o are needed");
-    return ST_OK;
+    return convert_sets_check(&a->sets, a->common.input_count, cli_given(&a->common, KEY_STEP));
 }
 
 static const cli_verb verb = {
@@ -338,6 +333,32 @@ static void print_plan(const convert_plan *plan, const grid *g) {
         printf("spilled     nothing\n");
 }
 
+static uint32_t steps_of(const arguments *a) {
+    return a->sets.steps ? a->sets.steps : (uint32_t)a->common.input_count;
+}
+
+/* field: the name of the only one; "": none. */
+static void print_sets(const arguments *a, const char *field) {
+    if (a->sets.count > 1)
+        for (int i = 0; i < a->sets.count; i++)
+            printf("%s%s\n", i ? "            " : "fields      ", a->sets.names[i]);
+    else if (*field)
+        printf("field       %s\n", field);
+    if (steps_of(a) > 1)
+        printf("steps       %u\n", steps_of(a));
+}
+
+/* field: as above. */
+static void add_sets(json_t *json, const arguments *a, const char *field) {
+    json_t *fields = json_array();
+    for (int i = 0; i < a->sets.count; i++)
+        json_array_append_new(fields, json_string(a->sets.names[i]));
+    if (a->sets.count == 0)
+        json_array_append_new(fields, json_string(field));
+    json_object_set_new(json, "steps", json_integer(steps_of(a)));
+    json_object_set_new(json, "fields", fields);
+}
+
 typedef struct outcome {
     convert_result result;
     double seconds;
@@ -395,6 +416,7 @@ static status report(const arguments *a, const convert_plan *plan, const grid *g
     if (!a->common.json) {
         if (!cli_results(&a->common, o != NULL))
             return ST_OK;
+        print_sets(a, a->sets.count ? a->sets.names[0] : "");
         if (o)
             print_outcome(o, plan, g);
         else
@@ -402,6 +424,7 @@ static status report(const arguments *a, const convert_plan *plan, const grid *g
         return ST_OK;
     }
     json_t *json = plan_json(plan, g);
+    add_sets(json, a, "");
     if (o)
         add_outcome(json, o);
     else
@@ -451,13 +474,7 @@ static unsigned long long whole(uint64_t n) {
 static void print_input(const arguments *a, const mesh_report *r) {
     static const char *const kinds[] = {"hexahedra", "wedges", "pyramids", "voxels"};
     printf("input       %llu points, %llu tets\n", whole(r->points), whole(r->tets));
-    if (a->field_count > 1)
-        for (int i = 0; i < a->field_count; i++)
-            printf("%s%s\n", i ? "            " : "fields      ", a->fields[i]);
-    else if (*r->field)
-        printf("field       %s\n", r->field);
-    if (a->common.input_count > 1)
-        printf("steps       %d\n", a->common.input_count);
+    print_sets(a, r->field);
     for (int i = 0; i < MESH_SPLIT_KINDS; i++)
         if (r->split[i])
             printf("split       %llu %s\n", whole(r->split[i]), kinds[i]);
@@ -528,20 +545,10 @@ static void add_mesh(json_t *json, const mesh_result *r, double seconds) {
     json_decref(times);
 }
 
-static json_t *fields_json(const arguments *a, const mesh_result *r) {
-    json_t *fields = json_array();
-    for (int i = 0; i < a->field_count; i++)
-        json_array_append_new(fields, json_string(a->fields[i]));
-    if (a->field_count == 0)
-        json_array_append_new(fields, json_string(r->report.field));
-    return fields;
-}
-
 static status report_mesh(const arguments *a, const mesh_result *r, double seconds) {
     if (a->common.json) {
         json_t *json = mesh_plan_json(r);
-        json_object_set_new(json, "steps", json_integer(a->common.input_count));
-        json_object_set_new(json, "fields", fields_json(a, r));
+        add_sets(json, a, r->report.field);
         if (!a->dry_run)
             add_mesh(json, r, seconds);
         return cli_print_json(&a->common, json);
@@ -581,84 +588,68 @@ static status convert_mesh(arguments *a, mem *m, mesh_input *x, const mesh_serie
 
 /* ---- a series ---- */
 
-/* One more that the mesh has; each once. */
-static void take_field(void *ctx, const char *name) {
-    arguments *a = ctx;
-    for (int i = 0; i < a->field_count; i++)
-        if (strncmp(a->field_names[i], name, MESH_NAME_MAX) == 0)
-            return;
-    if (a->field_count < FIELDS_MAX) {
-        char *to = a->field_names[a->field_count];
-        snprintf(to, sizeof a->field_names[0], "%s", name);
-        a->fields[a->field_count++] = to;
-    }
-}
-
-/* T0,T1,..: one for each step. */
-static status parse_times(const arguments *a, mem *m, double **times) {
-    const char *at = a->times;
-    *times = mem_array(m, (size_t)a->common.input_count, sizeof **times);
-    if (!*times)
-        return ST_NOMEM;
-    for (int i = 0; i < a->common.input_count; i++) {
-        char text[64];
-        const size_t length = strcspn(at, ",");
-        const bool last = i + 1 == a->common.input_count;
-        if (at[length] != (last ? '\0' : ','))
-            return status_describe(ST_USAGE,
-                                   "--times: \"%s\": expected %d times, one for each step",
-                                   a->times, a->common.input_count);
-        snprintf(text, sizeof text, "%.*s", (int)(length < 63 ? length : 63), at);
-        status st = num_double(text, "--times", &(*times)[i]);
-        if (st != ST_OK)
-            return st;
-        at += length + 1;
-    }
-    return ST_OK;
-}
-
-static status convert_series(arguments *a, mem *m, mesh_input *x, double start, double *times) {
-    const mesh_series series = {.paths = (const char *const *)a->common.inputs,
-                                .steps = (uint32_t)a->common.input_count,
-                                .names = a->field_count ? a->fields : NULL,
-                                .fields = a->field_count ? (uint32_t)a->field_count : 1,
-                                .times = times,
-                                .hints = a->mesh};
-    status st = mesh_series_check(&series);
-    return st == ST_OK ? convert_mesh(a, m, x, &series, start) : st;
-}
-
-static status convert_volumes(arguments *a, mem *m, volume *v, double start) {
-    double *times = NULL;
-    status st = a->times ? parse_times(a, m, &times) : ST_OK;
-    const grid_series series = {.paths = (const char *const *)a->common.inputs,
-                                .sets = {.fields = a->field_count ? (uint32_t)a->field_count : 1,
-                                         .steps = (uint32_t)a->common.input_count,
-                                         .names = a->field_count ? a->fields : NULL,
-                                         .times = times},
-                                .hints = a->hints};
-    if (st == ST_OK)
-        st = grid_series_check(m, &series, v);
-    if (st == ST_OK)
-        st = convert_grid(a, m, v, &series, start);
-    mem_free(m, times);
-    return st;
+static leaf_sets leaf_sets_of(const arguments *a) {
+    return (leaf_sets){.fields = a->sets.count ? (uint32_t)a->sets.count : 1,
+                       .steps = steps_of(a),
+                       .names = a->sets.count ? a->sets.names : NULL,
+                       .times = a->sets.parsed};
 }
 
 static status convert_meshes(arguments *a, mem *m, mesh_input *x, double start) {
-    double *times = NULL;
-    status st = a->times ? parse_times(a, m, &times) : ST_OK;
-    if (a->all_fields)
-        mesh_input_fields(x, take_field, a);
+    status st = convert_sets_of_mesh(&a->sets, x);
     if (st == ST_OK)
-        st = convert_series(a, m, x, start, times);
-    mem_free(m, times);
-    return st;
+        st = convert_sets_times(&a->sets, steps_of(a));
+    const leaf_sets sets = leaf_sets_of(a);
+    const mesh_series series = {.paths = (const char *const *)a->common.inputs,
+                                .steps = sets.steps,
+                                .names = sets.names,
+                                .fields = sets.fields,
+                                .times = sets.times,
+                                .hints = a->mesh};
+    if (st == ST_OK)
+        st = mesh_series_check(&series);
+    return st == ST_OK ? convert_mesh(a, m, x, &series, start) : st;
+}
+
+static void note_left_out(void *ctx, const char *name, const char *why) {
+    const arguments *a = ctx;
+    cli_note(&a->common, 1, "field %s is left out: %s", name, why);
+}
+
+/* Of several sets each is opened by itself: the first volume rests meanwhile, so that an importer
+ * has all that importers may have. */
+static status begin_series(arguments *a, mem *m, grid_series *series, volume **v) {
+    volume *first = *v;
+    if (series->sets.fields * series->sets.steps > 1)
+        volume_rest(first);
+    status st = convert_sets_keep_alike(&a->sets, series, first, note_left_out, a);
+    series->fields_alike = a->sets.all_fields;
+    if (st == ST_OK)
+        st = grid_series_check(m, series, first);
+    if (st != ST_OK || !volume_rests(first))
+        return st;
+    *v = NULL;
+    volume_close(first);
+    return grid_series_open(m, series, 0, v);
+}
+
+static status convert_volumes(arguments *a, mem *m, volume **v, double start) {
+    status st = convert_sets_of_grid(&a->sets, *v);
+    if (st == ST_OK)
+        st = convert_sets_times(&a->sets, steps_of(a));
+    grid_series series = {.paths = (const char *const *)a->common.inputs,
+                          .in_file = a->sets.steps > 0,
+                          .sets = leaf_sets_of(a),
+                          .fields = a->sets.count ? a->sets.asked : NULL,
+                          .hints = a->hints};
+    if (st == ST_OK)
+        st = begin_series(a, m, &series, v);
+    return st == ST_OK ? convert_grid(a, m, *v, &series, start) : st;
 }
 
 /* ---- what it is ---- */
 
-static status convert_opened(arguments *a, mem *m, const input *in, double start) {
+static status convert_opened(arguments *a, mem *m, input *in, double start) {
     const char *format = in->x ? mesh_input_format(in->x) : volume_format(in->v);
     const int kind = in->x                                     ? MESH
                      : strcmp(format, VOLUME_RAW_SAMPLES) == 0 ? RAW
@@ -671,7 +662,7 @@ static status convert_opened(arguments *a, mem *m, const input *in, double start
     if (in->v && volume_importer(in->v))
         cli_note(&a->common, 1, "%s: %s, read by leafcast import-%s", a->common.input, format,
                  volume_importer(in->v));
-    return in->x ? convert_meshes(a, m, in->x, start) : convert_volumes(a, m, in->v, start);
+    return in->x ? convert_meshes(a, m, in->x, start) : convert_volumes(a, m, &in->v, start);
 }
 
 /* Before an input is opened, for hours perhaps. */
@@ -694,12 +685,14 @@ static status run(arguments *a) {
     mem_init(&m, a->common.memory ? a->common.memory : CONVERT_MEMORY_DEFAULT);
     const double start = clock_seconds();
     input in = {0};
+    a->sets.m = &m;
     status st = guard_files(a);
     if (st == ST_OK)
         st = input_open(&m, a->common.input, &a->hints, &a->mesh, &in);
     if (st == ST_OK)
         st = convert_opened(a, &m, &in, start);
     input_close(&in);
+    convert_sets_release(&a->sets);
     return st;
 }
 

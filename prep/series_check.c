@@ -19,11 +19,11 @@ static status check_names(const leaf_sets *s) {
     return ST_OK;
 }
 
-status series_check(const char *const *paths, const leaf_sets *s) {
+status series_check(const char *const *paths, bool in_file, const leaf_sets *s) {
     if ((uint64_t)s->fields * s->steps > LEAF_SETS_MAX)
         return status_describe(ST_UNSUPPORTED, "%u fields at %u steps: more than %d together",
                                s->fields, s->steps, LEAF_SETS_MAX);
-    for (uint32_t i = 0; i < s->steps; i++)
+    for (uint32_t i = 0; i < (in_file ? 1 : s->steps); i++)
         if (strcmp(paths[i], "-") == 0 && (uint64_t)s->fields * s->steps > 1)
             return status_describe(ST_USAGE, "standard input can be read only once, so it can be "
                                              "neither of several steps nor of several fields");

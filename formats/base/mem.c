@@ -14,6 +14,7 @@ void mem_init(mem *m, size_t limit) {
     atomic_init(&m->used, 0);
     atomic_init(&m->peak, 0);
     m->limit = limit;
+    m->lent = 0;
 }
 
 static void *refuse(const mem *m, size_t size) {
@@ -101,6 +102,18 @@ void *mem_zlib_alloc(void *m, unsigned count, unsigned size) {
 
 void mem_zlib_free(void *m, void *block) {
     mem_free(m, block);
+}
+
+size_t mem_lend_half(mem *m) {
+    const size_t lent = m->limit / 2;
+    m->limit -= lent;
+    m->lent += lent;
+    return lent;
+}
+
+void mem_take_back(mem *m, size_t lent) {
+    m->limit += lent;
+    m->lent -= lent;
 }
 
 size_t mem_used(const mem *m) {

@@ -16,6 +16,7 @@ typedef struct mem {
     atomic_size_t used; /* bytes in blocks not yet freed, book-keeping included */
     atomic_size_t peak; /* the most that `used` ever was */
     size_t limit;       /* 0: no limit */
+    size_t lent;        /* by which it is lower than at first */
 } mem;
 
 void mem_init(mem *m, size_t limit);
@@ -43,6 +44,11 @@ void mem_free(mem *m, void *block);
 /* mem_zlib_alloc(), mem_zlib_free() - zalloc and zfree of a z_stream whose opaque is a mem. */
 void *mem_zlib_alloc(void *m, unsigned count, unsigned size);
 void mem_zlib_free(void *m, void *block);
+
+/* mem_lend_half() - half of the limit, which is lower from now on, for a process that helps;
+ * mem_take_back() - it has ended. By the thread that uses m alone. */
+size_t mem_lend_half(mem *m);
+void mem_take_back(mem *m, size_t lent);
 
 /* mem_used(), mem_peak() - bytes now, and at most. */
 size_t mem_used(const mem *m);

@@ -1,6 +1,7 @@
 #include "formats/grid/imported.h"
 
 #include <dirent.h>
+#include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,28 +17,30 @@
 
 typedef struct import {
     mem *m;
-    size_t lent; /* of m's limit, while the verb runs */
+    size_t lent; /* of m's limit, while the source is open */
     char *path;
+    char *field; /* of the hints; NULL: not given */
+    uint32_t component, step;
     char program[SIBLING_PATH];
     child c;
     bool running;
 } import;
 
 /* What the verb said at last, without its own name in front. */
-static const char *last_words(const import *x) {
-    const char *line = strrchr(x->c.words, '\n');
-    line = line ? line + 1 : x->c.words;
+static const char *last_words(const child *c) {
+    const char *line = strrchr(c->words, '\n');
+    line = line ? line + 1 : c->words;
     const char *colon = strncmp(line, "leafcast ", 9) == 0 ? strstr(line, ": ") : NULL;
     return colon ? colon + 2 : line;
 }
 
-static status verb_failed(const import *x, int code) {
+static status verb_failed(const import *x, const child *c, int code) {
     static const status meaning[] = {[2] = ST_USAGE, [3] = ST_CORRUPT, [4] = ST_NOMEM};
     const bool known = code >= 2 && code <= 4;
     if (code > 128)
         return status_describe(ST_CORRUPT, "%s: %s was ended by signal %d over this file", x->path,
                                strrchr(x->program, '/') + 1, code - 128);
-    return status_describe(known ? meaning[code] : ST_FAILED, "%s", last_words(x));
+    return status_describe(known ? meaning[code] : ST_FAILED, "%s", last_words(c));
 }
 
 static status keep_on(void *ctx) {
@@ -55,19 +58,20 @@ static status read_output(void *ctx, void *to, size_t size, size_t *got) {
         return st;
     x->running = false;
     st = child_end(&x->c, &code);
-    return st == ST_OK && code != 0 ? verb_failed(x, code) : st;
+    return st == ST_OK && code != 0 ? verb_failed(x, &x->c, code) : st;
 }
 
 static void close_output(void *ctx) {
     import *x = ctx;
     int code;
-    x->m->limit += x->lent;
+    mem_take_back(x->m, x->lent);
     if (x->running) {
         child_kill(&x->c);
         if (child_end(&x->c, &code) != ST_OK)
             code = 0; /* nobody is left to tell */
     }
     mem_free(x->m, x->path);
+    mem_free(x->m, x->field);
     mem_free(x->m, x);
 }
 
@@ -75,20 +79,21 @@ static void close_output(void *ctx) {
 
 enum { ARGUMENTS_MAX = 16, NUMBER_MAX = 24 };
 
-static status start(import *x, const volume_hints *h) {
+/* first: two words that say what is wanted. */
+static status start(const import *x, const char *const first[2], size_t lent, child *c) {
     char component[NUMBER_MAX], step[NUMBER_MAX], memory[NUMBER_MAX];
-    const char *argv[ARGUMENTS_MAX] = {x->program, "-q", "-o", "-"};
+    const char *argv[ARGUMENTS_MAX] = {x->program, "-q", first[0], first[1]};
     int count = 4;
     const struct {
         bool given;
         const char *option, *value;
-    } hints[] = {{h->field, "--field", h->field},
-                 {h->component, "--component", component},
-                 {h->step, "--step", step},
-                 {x->lent, "--memory", memory}};
-    snprintf(memory, sizeof memory, "%zu", x->lent);
-    snprintf(component, sizeof component, "%u", h->component);
-    snprintf(step, sizeof step, "%u", h->step);
+    } hints[] = {{x->field, "--field", x->field},
+                 {x->component, "--component", component},
+                 {x->step, "--step", step},
+                 {lent, "--memory", memory}};
+    snprintf(memory, sizeof memory, "%zu", lent);
+    snprintf(component, sizeof component, "%u", x->component);
+    snprintf(step, sizeof step, "%u", x->step);
     for (size_t i = 0; i < sizeof hints / sizeof *hints; i++)
         if (hints[i].given) {
             argv[count++] = hints[i].option;
@@ -96,10 +101,9 @@ static status start(import *x, const volume_hints *h) {
         }
     argv[count++] = "--";
     argv[count++] = x->path;
-    status st = child_start(x->program, (char *const *)(uintptr_t)argv, true, &x->c);
-    x->running = st == ST_OK;
-    if (x->running)
-        child_fed(&x->c);
+    status st = child_start(x->program, (char *const *)(uintptr_t)argv, true, c);
+    if (st == ST_OK)
+        child_fed(c);
     return st;
 }
 
@@ -115,30 +119,102 @@ static status find_verb(import *x, const foreign_format *f) {
         x->path, f->name, verb);
 }
 
+static status copy_hints(import *x, const char *path, const volume_hints *hints) {
+    x->path = mem_copy_text(x->m, path);
+    x->field = hints->field ? mem_copy_text(x->m, hints->field) : NULL;
+    x->component = hints->component;
+    x->step = hints->step;
+    return x->path && (x->field || !hints->field) ? ST_OK : ST_NOMEM;
+}
+
 static status open_import(mem *m, const foreign_format *f, const char *path,
-                          const volume_hints *hints, byte_stream **out) {
+                          const volume_hints *hints, import **out, byte_stream **data) {
+    static const char *const samples[2] = {"-o", "-"};
     import *x = mem_zalloc(m, sizeof *x);
     if (!x)
         return ST_NOMEM;
     x->m = m;
-    x->path = mem_copy_text(m, path);
-    x->lent = m->limit / 2;
-    m->limit -= x->lent;
-    status st = x->path ? find_verb(x, f) : ST_NOMEM;
+    x->lent = mem_lend_half(m);
+    status st = copy_hints(x, path, hints);
     if (st == ST_OK)
-        st = start(x, hints);
+        st = find_verb(x, f);
+    if (st == ST_OK)
+        st = start(x, samples, x->lent, &x->c);
+    x->running = st == ST_OK;
     if (st != ST_OK) {
         close_output(x);
         return st;
     }
-    return byte_stream_open_source(m, path, &(byte_source){read_output, close_output, x}, out);
+    *out = x;
+    return byte_stream_open_source(m, path, &(byte_source){read_output, close_output, x}, data);
+}
+
+/* ---- what fields there are ---- */
+
+enum { LIST_MAX = 1 << 20 };
+
+/* What the verb prints, JSON; it has ended then. */
+static status read_list(const import *x, child *c, json_t **out) {
+    int code = 0;
+    size_t got = 0;
+    char *text = mem_alloc(x->m, LIST_MAX);
+    status st = text ? child_read(c, text, LIST_MAX, &got, keep_on, (void *)(uintptr_t)x) : ST_NOMEM;
+    if (st != ST_OK || got == LIST_MAX)
+        child_kill(c);
+    const status end = child_end(c, &code);
+    st = st == ST_OK ? end : st;
+    if (st == ST_OK && got == LIST_MAX)
+        st = status_describe(ST_UNSUPPORTED, "%s: its fields take more than %d bytes to tell",
+                             x->path, LIST_MAX);
+    if (st == ST_OK && code != 0)
+        st = verb_failed(x, c, code);
+    *out = st == ST_OK ? json_loadb(text, got, 0, NULL) : NULL;
+    mem_free(x->m, text);
+    if (st == ST_OK && !json_is_array(json_object_get(*out, "fields")))
+        st = status_describe(ST_FAILED, "%s: %s --list --json: no list of fields", x->path,
+                             strrchr(x->program, '/') + 1);
+    return st;
+}
+
+/* Those that can be read. */
+static status tell_items(const json_t *items, const slice_fields *to) {
+    status st = ST_OK;
+    for (size_t i = 0; st == ST_OK && i < json_array_size(items); i++) {
+        const json_t *item = json_array_get(items, i);
+        const char *name = json_string_value(json_object_get(item, "name"));
+        const json_int_t steps =
+            json_integer_value(json_array_get(json_object_get(item, "shape"), 3));
+        const slice_field one = {.name = name,
+                                 .steps = steps < 1 || steps > UINT32_MAX ? 1 : (uint32_t)steps,
+                                 .taken = json_is_true(json_object_get(item, "taken"))};
+        if (name && json_is_true(json_object_get(item, "readable")))
+            st = to->take(to->ctx, &one);
+    }
+    return st;
+}
+
+static status tell_fields(void *ctx, const slice_fields *to) {
+    static const char *const list[2] = {"--list", "--json"};
+    const import *x = ctx;
+    json_t *root = NULL;
+    child c;
+    const size_t lent = mem_lend_half(x->m);
+    status st = start(x, list, lent, &c);
+    if (st == ST_OK)
+        st = read_list(x, &c, &root);
+    mem_take_back(x->m, lent);
+    if (st == ST_OK)
+        st = tell_items(json_object_get(root, "fields"), to);
+    json_decref(root);
+    return st;
 }
 
 /* The verb writes NRRD. */
 static status open_slices(mem *m, const foreign_format *f, const char *path,
                           const volume_hints *hints, slice_source *out) {
     volume_layout l = {.m = m};
-    status st = open_import(m, f, path, hints, &l.data);
+    import *x = NULL;
+    status st = open_import(m, f, path, hints, &x, &l.data);
     if (st == ST_OK)
         st = nrrd_reader.layout(&l, hints);
     if (st == ST_OK) /* the verb has made the choice */
@@ -151,6 +227,8 @@ static status open_slices(mem *m, const foreign_format *f, const char *path,
     out->format = f->name;
     out->importer = f->importer;
     out->has_fields = true;
+    out->fields = tell_fields;
+    out->fields_ctx = x;
     return st;
 }
 

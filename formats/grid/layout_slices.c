@@ -25,7 +25,7 @@ typedef struct held_slices {
 typedef struct layout_slices {
     volume_layout layout; /* its grid has gone to the source, but for sizes and type */
     unpack_stream *packed;
-    uint64_t behind; /* bytes of later steps */
+    uint64_t behind; /* bytes of later steps, where they lie there */
     char *chunk;     /* samples as they are stored; NULL: as the grid has them */
     held_slices held;
 } layout_slices;
@@ -240,8 +240,17 @@ static status count_trailing(layout_slices *s, uint64_t *trailing) {
     return ST_OK;
 }
 
+static void next_step(void *ctx) {
+    layout_slices *s = ctx;
+    s->layout.step++;
+    s->behind -= volume_layout_step_bytes(&s->layout);
+}
+
 static status finish(void *ctx, uint64_t *trailing) {
     layout_slices *s = ctx;
+    *trailing = 0;
+    if (s->layout.all_steps && s->behind > 0)
+        return ST_OK;
     status st = count_trailing(s, trailing);
     if (s->layout.has_tail)
         *trailing = 0;
@@ -249,6 +258,14 @@ static status finish(void *ctx, uint64_t *trailing) {
 }
 
 /* ---- opening ---- */
+
+/* One, of several steps perhaps. */
+static status tell_fields(void *ctx, const slice_fields *to) {
+    const layout_slices *s = ctx;
+    const slice_field one = {
+        .name = "", .steps = s->layout.steps ? s->layout.steps : 1, .taken = true};
+    return to->take(to->ctx, &one);
+}
 
 static void close_slices(void *ctx) {
     layout_slices *s = ctx;
@@ -337,8 +354,11 @@ status layout_slices_open(volume_layout *l, slice_source *out) {
                           .g = l->g,
                           .read = read_slices,
                           .finish = finish,
+                          .next_step = l->all_steps ? next_step : NULL,
                           .close = close_slices,
-                          .ctx = s};
+                          .ctx = s,
+                          .fields = tell_fields,
+                          .fields_ctx = s};
     for (int a = 0; a < 3; a++)
         s->layout.g.axis[a] = NULL;
     l->data = NULL;

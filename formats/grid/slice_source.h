@@ -14,6 +14,19 @@
 #include "formats/base/status.h"
 #include "formats/grid/grid.h"
 
+/* One of the fields that a file has: an array, a grid, a data set, a variable. */
+typedef struct slice_field {
+    const char *name; /* as volume_hints.field takes it; "": the only one has none */
+    uint32_t steps;   /* of time that it has; 1 or more */
+    bool taken;       /* it is the one that the slices are of */
+} slice_field;
+
+/* Whom they are told to, in the file's order. What is not ST_OK ends it, and is passed on. */
+typedef struct slice_fields {
+    status (*take)(void *ctx, const slice_field *field);
+    void *ctx;
+} slice_fields;
+
 /* Zeros: none. */
 typedef struct slice_source {
     const char *format;   /* "NRRD"; constant */
@@ -29,8 +42,15 @@ typedef struct slice_source {
     /* Behind the last slice: check what follows, and count it; see volume_finish(). NULL: nothing
      * can follow. */
     status (*finish)(void *ctx, uint64_t *trailing);
+    /* Behind the last slice of a step that is not the file's last: on to the next step's, where the
+     * hints' all_steps was given. NULL: it has to be opened for each. */
+    void (*next_step)(void *ctx);
     void (*close)(void *ctx); /* NULL: nothing to do */
     void *ctx;
+    /* All fields that could have been asked for. NULL: there is one, without a name, of one step.
+     */
+    status (*fields)(void *fields_ctx, const slice_fields *to);
+    void *fields_ctx;
 } slice_source;
 
 /* slice_source_close() - and release its grid. Zeros are fine. */

@@ -23,6 +23,7 @@
 
 struct volume {
     mem *m;
+    bool rests;
     slice_source from;
     grid g;         /* as slices are handed out; its axes are those of from.g */
     uint32_t slice; /* the next one */
@@ -232,6 +233,11 @@ bool volume_has_fields(const volume *v) {
     return v->from.has_fields;
 }
 
+status volume_fields(const volume *v, const slice_fields *to) {
+    const slice_field one = {.name = "", .steps = 1, .taken = true};
+    return v->from.fields ? v->from.fields(v->from.fields_ctx, to) : to->take(to->ctx, &one);
+}
+
 const char *volume_importer(const volume *v) {
     return v->from.importer;
 }
@@ -282,4 +288,26 @@ status volume_finish(volume *v, uint64_t *trailing) {
     if (st == ST_OK && trailing)
         *trailing = count;
     return st;
+}
+
+bool volume_next_step(volume *v) {
+    if (!v->from.next_step)
+        return false;
+    v->from.next_step(v->from.ctx);
+    v->slice = 0;
+    return true;
+}
+
+void volume_rest(volume *v) {
+    slice_source *from = &v->from;
+    if (from->close)
+        from->close(from->ctx);
+    from->close = NULL;
+    from->fields = NULL;
+    from->name = NULL;
+    v->rests = true;
+}
+
+bool volume_rests(const volume *v) {
+    return v->rests;
 }

@@ -28,6 +28,7 @@ typedef struct volume_hints {
     uint32_t component;       /* of several numbers a sample: 1, 2, ..; 0: their magnitude, or of
                                  colours the luminance */
     uint32_t step;            /* of several time steps, from 0 on */
+    bool all_steps;           /* those behind it will be read, too: see volume_next_step() */
 } volume_hints;
 
 #endif

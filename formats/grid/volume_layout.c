@@ -50,6 +50,7 @@ status volume_layout_settle(volume_layout *l, const volume_hints *hints) {
         return status_describe(ST_USAGE, "%s: no step %u: there %s %u, counted from 0", name,
                                hints->step, steps == 1 ? "is" : "are", steps);
     l->step = hints->step;
+    l->all_steps = hints->all_steps && !l->ordered;
     return stored_samples_choose(&l->stored, name, hints, &l->g);
 }
 

@@ -30,6 +30,7 @@ typedef struct volume_layout {
     uint8_t order[ORDER_AXES]; /* its axes, the fastest first */
     uint32_t steps;            /* of time, one behind the other where `ordered` is not; 0: 1 */
     uint32_t step;             /* the one to take */
+    bool all_steps;            /* and those behind it, one after the other */
     uint64_t skip_decoded;     /* VOLUME_DEFLATE: decompressed bytes in front of the samples */
     bool has_tail;             /* what is behind the samples is part of the format */
     byte_stream *data;         /* at the first byte of the encoded samples; owned */

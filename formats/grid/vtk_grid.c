@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/base/name_list.h"
+#include "formats/base/text.h"
 
 enum { CHUNK_BYTES = 1 << 16 };
 
@@ -126,6 +127,23 @@ static const vtk_array *find_field(vtk_grid *g, const char *name) {
     return a;
 }
 
+/* Of the points or the cells, as the chosen one is, as far as the first piece has them: they are the
+ * same in all. */
+static status tell_fields(void *ctx, const slice_fields *to) {
+    const vtk_grid *g = ctx;
+    const vtk_fields *f = &g->pieces[0].fields;
+    status st = ST_OK;
+    for (size_t i = 0; st == ST_OK && i < f->count[g->owner]; i++) {
+        const vtk_array *a = &f->items[g->owner][i];
+        const slice_field one = {.name = a->name,
+                                 .steps = 1,
+                                 .taken = text_same_name(a->name, g->chosen, VTK_NAME_MAX)};
+        if (vtk_fields_is_one(a))
+            st = to->take(to->ctx, &one);
+    }
+    return st;
+}
+
 /* The chosen array in a piece. */
 static status choose_in_piece(const vtk_grid *g, vtk_grid_piece *p, const vtk_array *chosen) {
     if (!has_samples(g, p))
@@ -149,6 +167,7 @@ static status choose_field(vtk_grid *g, const volume_hints *hints, grid *to) {
     /* As VTK has it, bytes by three or four are colours. */
     const bool colours =
         chosen->type == VTK_U8 && chosen->components >= 3 && chosen->components <= 4;
+    g->chosen = chosen->name;
     g->samples = samples_of(g->owner, &g->frame.whole);
     g->stored = (stored_samples){.type = vtk_array_samples(chosen->type),
                                  .components = chosen->components,
@@ -447,6 +466,8 @@ status vtk_grid_open(vtk_grid *g, const volume_hints *hints, slice_source *out) 
                           .g = to,
                           .read = read_slices,
                           .close = close_slices,
-                          .ctx = g};
+                          .ctx = g,
+                          .fields = tell_fields,
+                          .fields_ctx = g};
     return ST_OK;
 }

@@ -65,7 +65,8 @@ typedef struct vtk_grid {
     size_t count, room;
 
     /* vtk_grid.c's own */
-    vtk_owner owner;         /* whose field was chosen */
+    vtk_owner owner;         /* whose field was chosen, */
+    const char *chosen;      /* and its name */
     stored_samples stored;   /* its numbers, */
     sample_type type;        /* what they become, */
     vtk_extent samples;      /* and how they are numbered: as the nodes or the cells */

@@ -188,10 +188,19 @@ static status set_grid(zarr *z, grid *g) {
     return grid_check(g, a->path);
 }
 
+static uint32_t steps_of(const zarr *z) {
+    const int t = z->a.axis[ORDER_STEP];
+    return t < 0 ? 1 : z->a.shape[t];
+}
+
+static status tell_fields(void *ctx, const slice_fields *to) {
+    const slice_field one = {.name = "", .steps = steps_of(ctx), .taken = true};
+    return to->take(to->ctx, &one);
+}
+
 /* Which numbers and which step: z->a.stored then tells what is held. */
 static status choose(zarr *z, const volume_hints *hints, grid *g) {
-    const int t = z->a.axis[ORDER_STEP];
-    const uint32_t steps = t < 0 ? 1 : z->a.shape[t];
+    const uint32_t steps = steps_of(z);
     stored_samples *s = &z->a.stored;
     if (hints->step >= steps)
         return status_describe(ST_USAGE, "%s: no step %u: there %s %u, counted from 0", z->a.path,
@@ -261,6 +270,8 @@ status zarr_open(mem *m, const char *folder, const volume_hints *hints, slice_so
                           .g = g,
                           .read = read_slices,
                           .close = close_zarr,
-                          .ctx = z};
+                          .ctx = z,
+                          .fields = tell_fields,
+                          .fields_ctx = z};
     return ST_OK;
 }

@@ -17,8 +17,7 @@ status vtk_fields_add(vtk_fields *f, mem *m, vtk_owner owner, const char *name,
     return ST_OK;
 }
 
-/* What a reader takes unasked. */
-static bool is_field(const vtk_array *a) {
+bool vtk_fields_is_one(const vtk_array *a) {
     return vtk_array_width(a->type) > 0 && strcmp(a->name, "vtkGhostType") != 0 &&
            strcmp(a->name, "vtkGhostLevels") != 0;
 }
@@ -26,7 +25,7 @@ static bool is_field(const vtk_array *a) {
 const vtk_array *vtk_fields_find(const vtk_fields *f, vtk_owner owner, const char *name) {
     for (size_t i = 0; i < f->count[owner]; i++) {
         const vtk_array *a = &f->items[owner][i];
-        if (name ? text_same_name(a->name, name, VTK_NAME_MAX) : is_field(a))
+        if (name ? text_same_name(a->name, name, VTK_NAME_MAX) : vtk_fields_is_one(a))
             return a;
     }
     return NULL;

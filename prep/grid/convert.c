@@ -298,17 +298,31 @@ static status convert_set(conversion *c, volume *v, const char *output, read_ahe
     return st;
 }
 
+/* The volume of c->set, in place of the one before: which may be read on. */
+static status next_volume(const conversion *c, volume *first, volume **v) {
+    const grid_series *series = c->o->series;
+    if (c->set % c->layout->steps > 0 && series->in_file && volume_next_step(*v))
+        return ST_OK;
+    volume_rest(first);
+    if (*v != first)
+        volume_close(*v);
+    *v = NULL;
+    return grid_series_open(c->m, series, c->set, v);
+}
+
 /* first: the first set's; others are opened here, one at a time. */
 static status convert_sets(conversion *c, volume *first, const char *output,
                            read_ahead_facts *facts) {
-    status st = convert_set(c, first, output, facts);
+    volume *v = first;
+    status st = convert_set(c, v, output, facts);
     for (c->set = 1; c->set < c->layout->sets && st == ST_OK; c->set++) {
-        volume *v = NULL;
-        st = grid_series_open(c->m, c->o->series, c->set, &v);
+        st = next_volume(c, first, &v);
         if (st == ST_OK)
             st = convert_set(c, v, output, facts);
-        volume_close(v);
     }
+    volume_rest(first);
+    if (v != first)
+        volume_close(v);
     return st;
 }
 

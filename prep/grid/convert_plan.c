@@ -1,5 +1,7 @@
 #include "prep/grid/convert_plan.h"
 
+#include <math.h>
+
 #include "formats/leaf/histogram_draw.h"
 #include "formats/leaf/leaf_check.h"
 #include "prep/grid/pyramid.h"
@@ -180,6 +182,23 @@ static bool choose_sizes(const grid *g, const convert_options *o, convert_plan *
     }
 }
 
+/* What is lent to an importer is in what the user gives: plan->memory_least and memory_in_core are
+ * of all. */
+static void count_lent(const mem *m, const convert_options *o, convert_plan *plan) {
+    const double share = o->memory ? (double)m->lent / (double)o->memory : 0;
+    plan->memory_least += (uint64_t)ceil((double)plan->memory_least * share);
+    plan->memory_in_core += (uint64_t)ceil((double)plan->memory_in_core * share);
+}
+
+static status refuse(const mem *m, const convert_options *o, const convert_plan *plan) {
+    return status_describe(
+        ST_NOMEM,
+        "a memory budget of %llu MiB is too small: this input needs %llu MiB with %d threads%s",
+        (unsigned long long)((o->memory + m->lent) >> 20),
+        (unsigned long long)((plan->memory_least >> 20) + 1), o->threads,
+        m->lent ? ", half of it for the importer" : "");
+}
+
 status convert_plan_make(mem *m, const grid *g, const convert_options *o, convert_plan *plan) {
     *plan = (convert_plan){0};
     status st = leaf_layout_levels(&plan->layout, g->dims, o->file.cells_log2, o->file.halo,
@@ -206,6 +225,7 @@ status convert_plan_make(mem *m, const grid *g, const convert_options *o, conver
         if (least < plan->memory_least)
             plan->memory_least = least;
     }
+    count_lent(m, o, plan);
     for (uint32_t k = 0; k <= plan->layout.levels; k++) {
         plan->spilled_levels = k;
         if (fixed > o->memory || !may_hold(plan, o) || !choose_sizes(g, o, plan, o->memory - fixed))
@@ -217,9 +237,5 @@ status convert_plan_make(mem *m, const grid *g, const convert_options *o, conver
         }
         return ST_OK;
     }
-    return status_describe(
-        ST_NOMEM,
-        "a memory budget of %llu MiB is too small: this input needs %llu MiB with %d threads",
-        (unsigned long long)(o->memory >> 20), (unsigned long long)((plan->memory_least >> 20) + 1),
-        o->threads);
+    return refuse(m, o, plan);
 }

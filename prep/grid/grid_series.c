@@ -4,11 +4,19 @@
 
 #include "prep/series_check.h"
 
+static const char *path_of(const grid_series *s, uint32_t set) {
+    return s->paths[s->in_file ? 0 : set % s->sets.steps];
+}
+
 status grid_series_open(mem *m, const grid_series *s, uint32_t set, volume **out) {
     volume_hints hints = s->hints;
-    if (s->sets.names)
-        hints.field = s->sets.names[set / s->sets.steps];
-    return volume_open(m, s->paths[set % s->sets.steps], &hints, out);
+    if (s->fields)
+        hints.field = s->fields[set / s->sets.steps];
+    if (s->in_file) {
+        hints.step = set % s->sets.steps;
+        hints.all_steps = true;
+    }
+    return volume_open(m, path_of(s, set), &hints, out);
 }
 
 /* ---- what can be one ---- */
@@ -42,18 +50,24 @@ static status check_like(const grid *g, const grid *first, const char *name) {
     return ST_OK;
 }
 
-static status check_set(mem *m, const grid_series *s, uint32_t set, const grid *first) {
+status grid_series_alike(mem *m, const grid_series *s, uint32_t set, const volume *first) {
     volume *v = NULL;
     status st = grid_series_open(m, s, set, &v);
     if (st == ST_OK)
-        st = check_like(volume_grid(v), first, s->paths[set % s->sets.steps]);
+        st = check_like(volume_grid(v), volume_grid(first), path_of(s, set));
     volume_close(v);
     return st;
 }
 
+static bool is_known(const grid_series *s, uint32_t set) {
+    const bool first_step = set % s->sets.steps == 0;
+    return set == 0 || (first_step ? s->fields_alike : s->in_file);
+}
+
 status grid_series_check(mem *m, const grid_series *s, const volume *first) {
-    status st = series_check(s->paths, &s->sets);
+    status st = series_check(s->paths, s->in_file, &s->sets);
     for (uint32_t set = 1; set < s->sets.fields * s->sets.steps && st == ST_OK; set++)
-        st = check_set(m, s, set, volume_grid(first));
+        if (!is_known(s, set))
+            st = grid_series_alike(m, s, set, first);
     return st;
 }

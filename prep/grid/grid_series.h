@@ -1,4 +1,5 @@
-/* grid_series.h - several grids as the steps of one, several arrays of theirs as its fields.
+/* grid_series.h - several grids as the steps of one, or the steps of one file; several arrays of
+ * theirs as its fields.
  *
  * All have the sizes, the type and the place of the first. Each set is read once, one after the
  * other.
@@ -6,6 +7,7 @@
 #ifndef PREP_GRID_GRID_SERIES_H
 #define PREP_GRID_GRID_SERIES_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "formats/base/mem.h"
@@ -14,16 +16,22 @@
 #include "formats/leaf/leaf_writer.h"
 
 typedef struct grid_series {
-    const char *const *paths; /* of the steps, in order */
-    leaf_sets sets;           /* names may be NULL where there is one field: what the hints take */
-    volume_hints hints;       /* but for `field` where there are names */
+    const char *const *paths;  /* of the steps, in order; one where they are in a file */
+    bool in_file;              /* all steps are of the first path's file */
+    leaf_sets sets;            /* names may be NULL where there is one field: what the hints take */
+    const char *const *fields; /* likewise, as the input calls them */
+    volume_hints hints;        /* but for `field` where there are names; `step` where in_file */
+    bool fields_alike;         /* those of the first step have been found to be like the first */
 } grid_series;
 
 /* grid_series_check() - whether it can be; first: of the first set, just opened. All others are
- * opened, too, for their headers. ST_USAGE for standard input where more than one reading is
- * needed, times that do not ascend, names given twice; ST_UNSUPPORTED for more than LEAF_SETS_MAX
- * sets, and for one that is unlike the first, which is named. */
+ * opened, too, for their headers, but for further steps of a file. ST_USAGE for standard input where
+ * more than one reading is needed, times that do not ascend, names given twice; ST_UNSUPPORTED for
+ * more than LEAF_SETS_MAX sets, and for one that is unlike the first, which is named. */
 CHECKED status grid_series_check(mem *m, const grid_series *s, const volume *first);
+
+/* grid_series_alike() - a set is opened, and has to be like the first: else ST_UNSUPPORTED. */
+CHECKED status grid_series_alike(mem *m, const grid_series *s, uint32_t set, const volume *first);
 
 /* grid_series_open() - a set of it; set = field * steps + step. */
 CHECKED status grid_series_open(mem *m, const grid_series *s, uint32_t set, volume **out);

@@ -28,6 +28,7 @@ typedef struct import_item {
     const char *type;   /* as the format calls it: "float, half" */
     uint64_t shape[4];  /* x, y, z samples, then time steps; 0: there is no such axis */
     const char *refuse; /* why it cannot be read; NULL: it can */
+    bool taken;         /* it is the one that open() would take */
 } import_item;
 
 typedef struct import_list {

@@ -72,7 +72,7 @@ typedef struct walk {
     const import_request *q;
     const import_list *to; /* NULL: search */
     int best;              /* how well the best one so far suits */
-    char path[HDF5_PATH];
+    char path[HDF5_PATH]; /* of that; to list: of the one that is taken, or "" */
     status st;
 } walk;
 
@@ -93,6 +93,7 @@ static void take_listed(walk *w, const char *path, hdf5_field *f) {
                  (unsigned long long)hdf5_field_count(f, HDF5_C));
     list_shape(f, item.shape);
     item.refuse = f->refuse[0] ? f->refuse : NULL;
+    item.taken = strcmp(path, w->path) == 0;
     w->st = w->to->take(w->to->ctx, &item);
 }
 
@@ -145,16 +146,6 @@ static status walk_all(walk *w, const char *path) {
     return done < 0 ? hdf5_failed(path, "listing its data sets") : ST_OK;
 }
 
-status hdf5_slices_list(mem *m, const import_request *q, const char *axes, const import_list *to) {
-    hdf5_slices *s = NULL;
-    status st = create(m, q, &s);
-    if (st != ST_OK)
-        return st;
-    st = walk_all(&(walk){.file = s->file, .axes = axes, .q = q, .to = to}, q->paths[0]);
-    close_slices(s);
-    return st;
-}
-
 /* ---- choosing ---- */
 
 static status search(hdf5_slices *s, const import_request *q, const char *axes) {
@@ -191,6 +182,27 @@ static status choose(hdf5_slices *s, const import_request *q, const char *axes) 
     if (st == ST_OK && s->field.refuse[0])
         st = status_describe(ST_UNSUPPORTED, "%s: data set %s cannot be read: %s", q->paths[0],
                              s->path, s->field.refuse);
+    return st;
+}
+
+/* ---- the list ---- */
+
+/* One may be taken, or none. */
+static status list_all(hdf5_slices *s, const import_request *q, const char *axes,
+                       const import_list *to) {
+    walk w = {.file = s->file, .axes = axes, .q = q, .to = to};
+    if ((q->field ? find(s, q, axes) : search(s, q, axes)) == ST_OK)
+        memcpy(w.path, s->path, sizeof w.path);
+    return walk_all(&w, q->paths[0]);
+}
+
+status hdf5_slices_list(mem *m, const import_request *q, const char *axes, const import_list *to) {
+    hdf5_slices *s = NULL;
+    status st = create(m, q, &s);
+    if (st != ST_OK)
+        return st;
+    st = list_all(s, q, axes, to);
+    close_slices(s);
     return st;
 }
 

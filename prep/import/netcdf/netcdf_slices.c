@@ -59,7 +59,7 @@ static status create(mem *m, const import_request *q, netcdf_slices **out) {
 typedef struct walk {
     const import_request *q;
     const import_list *to; /* NULL: search */
-    int best;              /* how well the best one so far suits */
+    int best;              /* how well the best one so far suits; 0: none does */
     netcdf_variable found;
     status st;
 } walk;
@@ -72,6 +72,7 @@ static void take_listed(walk *w, const netcdf_variable *v) {
         item.shape[i] = v->count[v->rank - 1 - i];
     item.shape[3] = v->rank > 3 ? v->steps : 0;
     item.refuse = v->refuse[0] ? v->refuse : NULL;
+    item.taken = w->best > 0 && v->group == w->found.group && v->id == w->found.id;
     w->st = w->to->take(w->to->ctx, &item);
 }
 
@@ -119,7 +120,9 @@ status netcdf_slices_list(mem *m, const import_request *q, const import_list *to
     status st = create(m, q, &s);
     if (st != ST_OK)
         return st;
-    walk w = {.q = q, .to = to};
+    walk w = {.q = q};
+    walk_group(&w, s->id, "", 0);
+    w.to = to;
     walk_group(&w, s->id, "", 0);
     close_slices(s);
     return w.st;

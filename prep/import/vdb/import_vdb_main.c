@@ -1,4 +1,6 @@
 /* leafcast import-vdb - a grid of an OpenVDB file to NRRD. */
+#include <string.h>
+
 #include "formats/base/cli_value.h"
 #include "formats/base/num.h"
 #include "formats/base/text.h"
@@ -90,18 +92,28 @@ static status open_vdb(mem *m, const import_request *q, slice_source *out) {
 
 /* ---- the list ---- */
 
+typedef struct listing {
+    const import_list *to;
+    const char *field; /* asked for; NULL: the first that can be read */
+    bool found;
+} listing;
+
 static status pass_entry(void *ctx, const vdb_entry *e) {
-    const import_list *to = ctx;
+    listing *l = ctx;
+    const bool wanted = l->field ? strcmp(l->field, e->name) == 0 : !e->refuse;
     const import_item item = {.name = e->name,
                               .type = e->type,
                               .shape = {e->dims[0], e->dims[1], e->dims[2]},
-                              .refuse = e->refuse};
-    return to->take(to->ctx, &item);
+                              .refuse = e->refuse,
+                              .taken = wanted && !l->found};
+    l->found = l->found || wanted;
+    return l->to->take(l->to->ctx, &item);
 }
 
 static status list_vdb(mem *m, const import_request *q, const import_list *to) {
+    listing l = {.to = to, .field = q->field};
     vdb_memory_join(m);
-    const status st = vdb_tree_list(q->paths[0], pass_entry, (void *)to);
+    const status st = vdb_tree_list(q->paths[0], pass_entry, &l);
     vdb_memory_join(NULL);
     return st;
 }
