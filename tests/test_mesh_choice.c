@@ -179,7 +179,7 @@ static void test_share(void **state) {
         const mesh_sink sink = {NULL, tell_points, tell_values, tell_tets};
         mem_init(&m, 0);
         tellings = 0;
-        assert_int_equal(mesh_feed_begin(&feed, &m, "a", &sink, &report), ST_OK);
+        assert_int_equal(mesh_feed_begin(&feed, &m, "a", 1, &sink, &report), ST_OK);
         assert_int_equal(mesh_feed_expect(&feed, COUNT), ST_OK);
         if (known)
             mesh_feed_expect_cells(&feed, COUNT);

@@ -41,7 +41,7 @@ static status fill(mesh_spool *s, const void *from, size_t count, size_t before,
         st = mesh_spool_append(s, from, count);
     if (st == ST_OK && spilled)
         st = mesh_spool_spill(s);
-    return st == ST_OK ? mesh_spool_end(s) : st;
+    return st;
 }
 
 static status pass(mesh_gradients *g, const mesh_case *c, const mesh_record *records, const way *w,

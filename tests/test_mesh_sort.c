@@ -263,31 +263,44 @@ static void test_cut(void **state) {
 
 /* ---- spools and windows on them ---- */
 
+enum { COUNT = 200001, ELEMENT = 12, LANES = 3 };
+
+/* In random runs: behind one another, or from several places on in turns. */
+static void fill_spool(mesh_spool *s, const char *bytes, bool in_turns, field_random *r) {
+    const size_t lanes = in_turns ? LANES : 1, lane = COUNT / lanes;
+    size_t at[LANES] = {0, lane, 2 * lane}, left = COUNT;
+    assert_int_equal(COUNT % LANES, 0);
+    for (size_t k = 0; left > 0; k = field_random_bits(r) % lanes) {
+        const size_t room = (k + 1) * lane - at[k];
+        size_t some = 1 + field_random_bits(r) % 40000;
+        some = some < room ? some : room;
+        assert_int_equal(in_turns ? mesh_spool_put(s, at[k], bytes + at[k] * ELEMENT, some)
+                                  : mesh_spool_append(s, bytes + at[k] * ELEMENT, some),
+                         ST_OK);
+        at[k] += some;
+        left -= some;
+    }
+}
+
 static void test_spool(void **state) {
     (void)state;
-    enum { COUNT = 200001, ELEMENT = 12 };
     char *bytes = malloc((size_t)COUNT * ELEMENT), *back = malloc((size_t)COUNT * ELEMENT);
     field_random r = {FIELD_SEED};
     for (size_t i = 0; i < (size_t)COUNT * ELEMENT; i++)
         bytes[i] = (char)field_random_bits(&r);
-    for (int how = 0; how < 4; how++) {
+    for (int turn = 0; turn < 8; turn++) {
+        const int how = turn / 2;
         mesh_spool s, other;
         mesh_spool_init(&s, &m, scratch_path("spool"), ELEMENT, how ? (size_t)how << 19 : 0);
         mesh_spool_init(&other, &m, scratch_path("spool"), ELEMENT, 0);
         s.first_out = &other;
         assert_int_equal(mesh_spool_append(&other, bytes, 20000), ST_OK);
-        for (size_t at = 0, some = 1; at < COUNT; at += some) {
-            some = 1 + field_random_bits(&r) % 40000;
-            some = some < COUNT - at ? some : COUNT - at;
-            assert_int_equal(mesh_spool_append(&s, bytes + at * ELEMENT, some), ST_OK);
-        }
+        fill_spool(&s, bytes, turn % 2, &r);
         /* Above the ceiling the other one goes first. */
         assert_int_equal(mesh_spool_held(&other), how == 0);
         assert_int_equal(mesh_spool_held(&s), how == 0);
         if (how == 0)
             assert_int_equal(mesh_spool_spill(&s), ST_OK);
-        assert_int_equal(mesh_spool_end(&s), ST_OK);
-        assert_int_equal(mesh_spool_end(&other), ST_OK);
         assert_int_equal(mesh_spool_read(&s, 0, COUNT, back), ST_OK);
         assert_memory_equal(back, bytes, (size_t)COUNT * ELEMENT);
         assert_int_equal(mesh_spool_read(&other, 77, 19000, back), ST_OK);

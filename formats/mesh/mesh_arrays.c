@@ -27,7 +27,7 @@ static status read_points(const mesh_arrays *a, mesh_feed *feed) {
     for (uint64_t i = 0; st == ST_OK && i < a->points; i += CHUNK)
         st = mesh_feed_points(feed, a->xyz + i, chunk_of(a->points - i));
     for (uint64_t i = 0; a->values && st == ST_OK && i < a->points; i += CHUNK)
-        st = mesh_feed_values(feed, a->values + i, chunk_of(a->points - i));
+        st = mesh_feed_values(feed, 0, a->values + i, chunk_of(a->points - i));
     return st == ST_OK && !a->values ? mesh_feed_zeros(feed) : st;
 }
 

@@ -6,26 +6,28 @@
 
 enum { WINDOW_MIN = 1 << 10, WINDOW_MAX = 1 << 24 };
 
-static status begin(mesh_average *a, mem *m, uint64_t points, uint64_t room) {
-    *a = (mesh_average){.m = m, .points = points, .room = (size_t)room, .count = (size_t)room};
-    a->sums = mem_array(m, a->room, sizeof *a->sums);
-    a->cells = a->sums ? mem_array(m, a->room, sizeof *a->cells) : NULL;
+static status begin(mesh_average *a, mem *m, uint64_t points, uint32_t fields, uint64_t room) {
+    *a = (mesh_average){
+        .m = m, .points = points, .room = (size_t)room, .count = (size_t)room, .fields = fields};
+    a->sums = mem_array(m, a->room * fields, sizeof *a->sums);
+    a->cells = a->sums ? mem_array(m, a->room * fields, sizeof *a->cells) : NULL;
     return a->cells ? ST_OK : ST_NOMEM;
 }
 
-status mesh_average_begin(mesh_average *a, mem *m, uint64_t points) {
-    return begin(a, m, points, points);
+status mesh_average_begin(mesh_average *a, mem *m, uint64_t points, uint32_t fields) {
+    return begin(a, m, points, fields, points);
 }
 
-status mesh_average_begin_rounds(mesh_average *a, mem *m, uint64_t points) {
+status mesh_average_begin_rounds(mesh_average *a, mem *m, uint64_t points, uint32_t fields) {
     uint64_t most = WINDOW_MAX;
     if (m->limit > 0) {
         size_t used = mem_used(m), left = m->limit > used ? m->limit - used : 0;
         size_t fitting = left / 4 / (sizeof *a->sums + sizeof *a->cells);
         most = fitting < most ? fitting : most;
     }
+    most /= fields;
     most = most < WINDOW_MIN ? WINDOW_MIN : most;
-    return begin(a, m, points, points < most ? points : most);
+    return begin(a, m, points, fields, points < most ? points : most);
 }
 
 bool mesh_average_next(mesh_average *a) {
@@ -34,8 +36,8 @@ bool mesh_average_next(mesh_average *a) {
         return false;
     uint64_t left = a->points - a->first;
     a->count = left < a->room ? (size_t)left : a->room;
-    memset(a->sums, 0, a->count * sizeof *a->sums);
-    memset(a->cells, 0, a->count * sizeof *a->cells);
+    memset(a->sums, 0, a->room * a->fields * sizeof *a->sums);
+    memset(a->cells, 0, a->room * a->fields * sizeof *a->cells);
     return true;
 }
 
@@ -54,7 +56,7 @@ static bool came_before(const uint64_t *ids, int i) {
 }
 
 /* The values lie so many places apart. */
-static void add(mesh_average *a, mesh_cell kind, const uint64_t *ids, const double *values,
+static void add(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t *ids, const double *values,
                 int step) {
     int count = mesh_split_vertices(kind);
     for (int i = 0; i < count; i++)
@@ -64,26 +66,36 @@ static void add(mesh_average *a, mesh_cell kind, const uint64_t *ids, const doub
         uint64_t at = ids[i] - a->first;
         if (ids[i] < a->first || at >= a->count || came_before(ids, i))
             continue;
-        a->sums[at] += values[i * step];
-        a->cells[at]++;
+        a->sums[field * a->room + at] += values[i * step];
+        a->cells[field * a->room + at]++;
     }
 }
 
-void mesh_average_add(mesh_average *a, mesh_cell kind, const uint64_t *ids, double value) {
-    add(a, kind, ids, &value, 0);
+void mesh_average_add(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t *ids,
+                      double value) {
+    add(a, field, kind, ids, &value, 0);
 }
 
-void mesh_average_add_each(mesh_average *a, mesh_cell kind, const uint64_t *ids,
+void mesh_average_add_each(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t *ids,
                            const float *values) {
     double wide[8];
     for (int i = 0; i < mesh_split_vertices(kind); i++)
         wide[i] = (double)values[i];
-    add(a, kind, ids, wide, 1);
+    add(a, field, kind, ids, wide, 1);
 }
 
-status mesh_average_feed(const mesh_average *a, mesh_feed *feed) {
+static status feed_field(const mesh_average *a, mesh_feed *feed, uint32_t first, uint32_t field) {
+    const double *sums = a->sums + field * a->room;
+    const uint32_t *cells = a->cells + field * a->room;
     status st = ST_OK;
     for (size_t i = 0; st == ST_OK && i < a->count; i++)
-        st = mesh_feed_value(feed, a->cells[i] ? a->sums[i] / a->cells[i] : 0);
+        st = mesh_feed_value(feed, first + field, cells[i] ? sums[i] / cells[i] : 0);
+    return st;
+}
+
+status mesh_average_feed(const mesh_average *a, mesh_feed *feed, uint32_t first) {
+    status st = ST_OK;
+    for (uint32_t field = 0; st == ST_OK && field < a->fields; field++)
+        st = feed_field(a, feed, first, field);
     return st;
 }

@@ -6,19 +6,26 @@
 
 #include "formats/mesh/mesh_split.h"
 
-status mesh_feed_begin(mesh_feed *f, mem *m, const char *name, const mesh_sink *sink,
-                       mesh_report *report) {
-    *f = (mesh_feed){.m = m, .name = name, .sink = sink, .report = report};
+status mesh_feed_begin(mesh_feed *f, mem *m, const char *name, uint32_t fields,
+                       const mesh_sink *sink, mesh_report *report) {
+    *f = (mesh_feed){.m = m, .name = name, .sink = sink, .report = report, .fields = fields};
     *report = (mesh_report){0};
     f->xyz = mem_array(m, MESH_FEED_CHUNK, sizeof *f->xyz);
-    f->values = mem_array(m, MESH_FEED_CHUNK, sizeof *f->values);
     f->tets = mem_array(m, MESH_FEED_CHUNK, sizeof *f->tets);
-    return f->xyz && f->values && f->tets ? ST_OK : ST_NOMEM;
+    f->columns = mem_array(m, fields, sizeof *f->columns);
+    if (!f->xyz || !f->tets || !f->columns)
+        return ST_NOMEM;
+    for (uint32_t k = 0; k < fields; k++)
+        if (!(f->columns[k].values = mem_array(m, MESH_FEED_CHUNK, sizeof(float))))
+            return ST_NOMEM;
+    return ST_OK;
 }
 
 void mesh_feed_release(mesh_feed *f) {
+    for (uint32_t k = 0; f->columns && k < f->fields; k++)
+        mem_free(f->m, f->columns[k].values);
+    mem_free(f->m, f->columns);
     mem_free(f->m, f->xyz);
-    mem_free(f->m, f->values);
     mem_free(f->m, f->tets);
 }
 
@@ -35,11 +42,12 @@ void mesh_feed_expect_cells(mesh_feed *f, uint64_t cells) {
 }
 
 double mesh_feed_share(const mesh_feed *f) {
-    const double point = sizeof *f->xyz, value = sizeof *f->values, cell = sizeof *f->tets;
+    const double point = sizeof *f->xyz, value = sizeof(float), cell = sizeof *f->tets;
     const double cells = f->cells ? (double)f->cells : 5 * (double)f->points;
-    const double all = (point + value) * (double)f->points + cell * cells;
-    const double seen = point * (double)f->points_given + value * (double)f->values_given +
-                        cell * (double)(f->cells_seen + f->report->skipped);
+    const double all = (point + value * f->fields) * (double)f->points + cell * cells;
+    double seen = point * (double)f->points_given + cell * (double)(f->cells_seen + f->report->skipped);
+    for (uint32_t k = 0; k < f->fields; k++)
+        seen += value * (double)f->columns[k].given;
     return seen < all ? seen / all : f->points > 0;
 }
 
@@ -56,14 +64,15 @@ static status flush_points(mesh_feed *f) {
     return f->sink->points(f->sink->ctx, first, count, (const float(*)[3])f->xyz);
 }
 
-static status flush_values(mesh_feed *f) {
-    size_t count = f->values_held;
+static status flush_values(mesh_feed *f, uint32_t field) {
+    mesh_feed_column *c = &f->columns[field];
+    const size_t count = c->held;
+    const uint64_t first = field * f->points + c->given;
     if (count == 0)
         return ST_OK;
-    uint64_t first = f->values_given;
-    f->values_given += count;
-    f->values_held = 0;
-    return f->sink->values(f->sink->ctx, first, count, f->values);
+    c->given += count;
+    c->held = 0;
+    return f->sink->values(f->sink->ctx, first, count, c->values);
 }
 
 static status keep_point(mesh_feed *f, const float p[3]) {
@@ -91,27 +100,28 @@ status mesh_feed_points(mesh_feed *f, const float (*xyz)[3], size_t count) {
     return st;
 }
 
-static status keep_value(mesh_feed *f, float value) {
-    assert(f->values_given + f->values_held < f->points);
-    f->values[f->values_held++] = value;
-    return f->values_held == MESH_FEED_CHUNK ? flush_values(f) : ST_OK;
+static status keep_value(mesh_feed *f, uint32_t field, float value) {
+    mesh_feed_column *c = &f->columns[field];
+    assert(field < f->fields && c->given + c->held < f->points);
+    c->values[c->held++] = value;
+    return c->held == MESH_FEED_CHUNK ? flush_values(f, field) : ST_OK;
 }
 
-status mesh_feed_value(mesh_feed *f, double value) {
-    return keep_value(f, (float)value);
+status mesh_feed_value(mesh_feed *f, uint32_t field, double value) {
+    return keep_value(f, field, (float)value);
 }
 
-status mesh_feed_values(mesh_feed *f, const float *values, size_t count) {
+status mesh_feed_values(mesh_feed *f, uint32_t field, const float *values, size_t count) {
     status st = ST_OK;
     for (size_t i = 0; st == ST_OK && i < count; i++)
-        st = keep_value(f, values[i]);
+        st = keep_value(f, field, values[i]);
     return st;
 }
 
 status mesh_feed_zeros(mesh_feed *f) {
     status st = ST_OK;
-    while (st == ST_OK && f->values_given + f->values_held < f->points)
-        st = keep_value(f, 0);
+    while (st == ST_OK && f->columns[0].given + f->columns[0].held < f->points)
+        st = keep_value(f, 0, 0);
     return st;
 }
 
@@ -185,10 +195,10 @@ status mesh_feed_tets(mesh_feed *f, const uint32_t (*ids)[4], size_t count) {
 
 status mesh_feed_end(mesh_feed *f) {
     status st = flush_points(f);
-    if (st == ST_OK)
-        st = flush_values(f);
-    if (st == ST_OK)
-        st = flush_tets(f);
-    assert(st != ST_OK || (f->points_given == f->points && f->values_given == f->points));
-    return st;
+    assert(st != ST_OK || f->points_given == f->points);
+    for (uint32_t k = 0; st == ST_OK && k < f->fields; k++) {
+        st = flush_values(f, k);
+        assert(st != ST_OK || f->columns[k].given == f->points);
+    }
+    return st == ST_OK ? flush_tets(f) : st;
 }

@@ -13,6 +13,13 @@
 
 enum { MESH_FEED_CHUNK = 4096 };
 
+/* The values of a field on their way. */
+typedef struct mesh_feed_column {
+    float *values;
+    size_t held;
+    uint64_t given; /* to the sink */
+} mesh_feed_column;
+
 /* The fields are the feed's own, but for `report` (skipped, field) and `m`, which readers use. */
 typedef struct mesh_feed {
     mem *m;
@@ -22,17 +29,23 @@ typedef struct mesh_feed {
     uint64_t points; /* in the whole mesh */
     uint64_t cells;  /* likewise, as far as is known */
     uint64_t cells_seen;
-    uint64_t points_given, values_given; /* to the sink */
-    size_t points_held, values_held, tets_held;
+    uint64_t points_given; /* to the sink */
+    size_t points_held, tets_held;
     float (*xyz)[3];
-    float *values;
+    mesh_feed_column *columns; /* of the fields */
+    uint32_t fields;
     uint32_t (*tets)[4];
 } mesh_feed;
 
-/* mesh_feed_begin() - clears the report. Release in any case. */
-CHECKED status mesh_feed_begin(mesh_feed *f, mem *m, const char *name, const mesh_sink *sink,
-                               mesh_report *report);
+/* mesh_feed_begin() - for so many fields, 1 or more. Clears the report. Release in any case. */
+CHECKED status mesh_feed_begin(mesh_feed *f, mem *m, const char *name, uint32_t fields,
+                               const mesh_sink *sink, mesh_report *report);
 void mesh_feed_release(mesh_feed *f);
+
+/* mesh_feed_memory() - bytes that it takes for a field. */
+static inline size_t mesh_feed_memory(void) {
+    return MESH_FEED_CHUNK * sizeof(float) + 128;
+}
 
 /* mesh_feed_expect() - the number of points, known before the first cell. ST_UNSUPPORTED above
  * MESH_POINTS_MAX. */
@@ -50,9 +63,9 @@ double mesh_feed_share(const mesh_feed *f);
 CHECKED status mesh_feed_point(mesh_feed *f, const double xyz[3]);
 CHECKED status mesh_feed_points(mesh_feed *f, const float (*xyz)[3], size_t count);
 
-/* The next values, in order of id; not more than there are points. */
-CHECKED status mesh_feed_value(mesh_feed *f, double value);
-CHECKED status mesh_feed_values(mesh_feed *f, const float *values, size_t count);
+/* The next values of a field, 0, 1, .., in order of id; not more than there are points. */
+CHECKED status mesh_feed_value(mesh_feed *f, uint32_t field, double value);
+CHECKED status mesh_feed_values(mesh_feed *f, uint32_t field, const float *values, size_t count);
 
 /* mesh_feed_zeros() - all values are 0: there is no field. */
 CHECKED status mesh_feed_zeros(mesh_feed *f);

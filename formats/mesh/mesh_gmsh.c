@@ -31,7 +31,8 @@ static const element_type types[] = {
 typedef struct gmsh_state {
     gmsh_file file;
     const mesh_hints *hints;
-    const gmsh_array *array; /* the field; NULL: none */
+    const gmsh_array **taken; /* the fields */
+    uint32_t count;           /* 0: there is none */
 } gmsh_state;
 
 /* An array of floats that grows. */
@@ -41,18 +42,25 @@ typedef struct float_list {
     size_t count, room;
 } float_list;
 
-/* What lives while a mesh is read. */
-typedef struct gmsh_reading {
-    const gmsh_file *file;
+/* A field while a mesh is read. */
+typedef struct gmsh_field {
     const gmsh_array *array;
-    mesh_feed *feed;
-    int component;
-    id_map nodes;
+    uint32_t number;   /* 0, 1, .. */
     id_map rows;       /* of an array of elements: their numbers */
     float_list values; /* a row: of $ElementNodeData its number of nodes first */
     uint64_t *starts;  /* of $ElementNodeData: where a row's values start */
     size_t starts_room;
-    mesh_average average;
+    mesh_average average; /* of elements */
+} gmsh_field;
+
+/* What lives while a mesh is read. */
+typedef struct gmsh_reading {
+    const gmsh_file *file;
+    gmsh_field *fields;
+    uint32_t count;
+    mesh_feed *feed;
+    int component;
+    id_map nodes;
 } gmsh_reading;
 
 static bool gmsh_known(const char *path, const uint8_t *start, size_t size) {
@@ -69,22 +77,38 @@ static bool is_wanted(const gmsh_array *a, const mesh_hints *hints) {
            (!hints->field || text_same_name(a->name, hints->field, sizeof a->name));
 }
 
-static status no_array(const gmsh_state *s) {
+static status no_array(const gmsh_state *s, const mesh_hints *asked) {
     name_list points = {0}, cells = {0};
     for (size_t i = 0; i < s->file.count; i++) {
         const gmsh_array *a = &s->file.arrays[i];
         name_list_add(a->owner == GMSH_ELEMENTS ? &cells : &points, a->name);
     }
-    return mesh_choice_missing(s->file.path, s->hints, &points, &cells);
+    return mesh_choice_missing(s->file.path, asked, &points, &cells);
 }
 
-static status choose_array(gmsh_state *s) {
-    for (size_t i = 0; i < s->file.count && !s->array; i++)
-        if (is_wanted(&s->file.arrays[i], s->hints))
-            s->array = &s->file.arrays[i];
-    return s->array
-               ? mesh_choice_component(s->file.path, s->hints, s->array->name, s->array->components)
-               : no_array(s);
+/* name: NULL for the first. */
+static status take_array(gmsh_state *s, const char *name) {
+    const gmsh_array *found = NULL;
+    mesh_hints asked = *s->hints;
+    asked.field = name;
+    for (size_t i = 0; i < s->file.count && !found; i++)
+        if (is_wanted(&s->file.arrays[i], &asked))
+            found = &s->file.arrays[i];
+    if (!found)
+        return no_array(s, &asked);
+    s->taken[s->count++] = found;
+    return mesh_choice_component(s->file.path, &asked, found->name, found->components);
+}
+
+static status gmsh_take(void *state, const char *const *names, uint32_t count) {
+    gmsh_state *s = state;
+    mem_free(s->file.m, s->taken);
+    s->count = 0;
+    s->taken = mem_array(s->file.m, count, sizeof *s->taken);
+    status st = s->taken ? ST_OK : ST_NOMEM;
+    for (uint32_t i = 0; st == ST_OK && i < count; i++)
+        st = take_array(s, names[i]);
+    return st;
 }
 
 static status gmsh_open(mesh_source *source, void **state) {
@@ -97,8 +121,7 @@ static status gmsh_open(mesh_source *source, void **state) {
     *state = s;
     s->file.m = source->m;
     s->hints = &source->hints;
-    status st = gmsh_file_scan(&s->file, source->m, source->data);
-    return st == ST_OK ? choose_array(s) : st;
+    return gmsh_file_scan(&s->file, source->m, source->data);
 }
 
 static void gmsh_close(void *state) {
@@ -107,6 +130,7 @@ static void gmsh_close(void *state) {
         return;
     mem *m = s->file.m;
     gmsh_file_release(&s->file);
+    mem_free(m, s->taken);
     mem_free(m, s);
 }
 
@@ -213,10 +237,10 @@ static status push(float_list *list, float value) {
     return st;
 }
 
-/* The number of a row's node or element, and its values. */
-static status read_value(gmsh_reading *r, gmsh_cursor *c, float *value) {
+/* A row's value. */
+static status read_value(const gmsh_reading *r, const gmsh_field *f, gmsh_cursor *c, float *value) {
     double components[GMSH_COMPONENTS_MAX];
-    int count = r->array->components;
+    int count = f->array->components;
     status st = ST_OK;
     for (int i = 0; st == ST_OK && i < count; i++)
         st = gmsh_cursor_double(c, "a value", &components[i]);
@@ -225,77 +249,82 @@ static status read_value(gmsh_reading *r, gmsh_cursor *c, float *value) {
     return st;
 }
 
-static status read_node_data(gmsh_reading *r, gmsh_cursor *c) {
+static status read_node_data(gmsh_reading *r, gmsh_field *f, gmsh_cursor *c) {
     size_t points = (size_t)r->feed->points;
-    r->values.items = mem_array(r->values.m, points, sizeof *r->values.items);
-    status st = r->values.items ? ST_OK : ST_NOMEM;
+    f->values.items = mem_array(f->values.m, points, sizeof *f->values.items);
+    status st = f->values.items ? ST_OK : ST_NOMEM;
     for (size_t i = 0; st == ST_OK && i < points; i++)
-        r->values.items[i] = NAN;
-    for (uint64_t i = 0; st == ST_OK && i < r->array->count; i++) {
+        f->values.items[i] = NAN;
+    for (uint64_t i = 0; st == ST_OK && i < f->array->count; i++) {
         uint64_t id = 0;
         float value = 0;
         st = gmsh_cursor_int(c, "a node's number", &id);
         if (st == ST_OK)
-            st = read_value(r, c, &value);
+            st = read_value(r, f, c, &value);
         uint64_t index = st == ST_OK ? id_map_find(&r->nodes, id) : UINT64_MAX;
         if (index != UINT64_MAX) /* views may know more nodes than the mesh */
-            r->values.items[index] = value;
+            f->values.items[index] = value;
     }
-    return st == ST_OK ? mesh_feed_values(r->feed, r->values.items, points) : st;
+    if (st == ST_OK)
+        st = mesh_feed_values(r->feed, f->number, f->values.items, points);
+    mem_free(f->values.m, f->values.items);
+    f->values.items = NULL;
+    return st;
 }
 
-static status push_start(gmsh_reading *r) {
-    size_t row = (size_t)r->rows.ids - 1;
-    status st = mem_grow(r->file->m, &r->starts, sizeof *r->starts, row, 1024, &r->starts_room);
+static status push_start(gmsh_field *f) {
+    size_t row = (size_t)f->rows.ids - 1;
+    status st = mem_grow(f->rows.m, &f->starts, sizeof *f->starts, row, 1024, &f->starts_room);
     if (st == ST_OK)
-        r->starts[row] = r->values.count;
+        f->starts[row] = f->values.count;
     return st;
 }
 
 /* A row's number of nodes, kept in front of its values. */
-static status begin_row(gmsh_reading *r, gmsh_cursor *c, uint64_t *values) {
+static status begin_row(gmsh_field *f, gmsh_cursor *c, uint64_t *values) {
     status st = gmsh_cursor_int(c, "the number of an element's nodes", values);
     if (st == ST_OK && (*values < 1 || *values > 1000))
         return gmsh_cursor_fault(c, ST_CORRUPT, "an element of %lld nodes, expected 1 to 1000",
                                  (long long)*values);
     if (st == ST_OK)
-        st = push_start(r);
-    return st == ST_OK ? push(&r->values, (float)*values) : st;
+        st = push_start(f);
+    return st == ST_OK ? push(&f->values, (float)*values) : st;
 }
 
-static status read_element_data(gmsh_reading *r, gmsh_cursor *c) {
+static status read_element_data(gmsh_reading *r, gmsh_field *f, gmsh_cursor *c) {
     uint64_t twice;
     status st = ST_OK;
-    for (uint64_t i = 0; st == ST_OK && i < r->array->count; i++) {
+    for (uint64_t i = 0; st == ST_OK && i < f->array->count; i++) {
         uint64_t id = 0, values = 1;
         float value = 0;
         st = gmsh_cursor_int(c, "an element's number", &id);
         if (st == ST_OK)
-            st = id_map_add(&r->rows, id);
-        if (st == ST_OK && r->array->owner == GMSH_ELEMENT_NODES)
-            st = begin_row(r, c, &values);
+            st = id_map_add(&f->rows, id);
+        if (st == ST_OK && f->array->owner == GMSH_ELEMENT_NODES)
+            st = begin_row(f, c, &values);
         for (; st == ST_OK && values > 0; values--) {
-            st = read_value(r, c, &value);
+            st = read_value(r, f, c, &value);
             if (st == ST_OK)
-                st = push(&r->values, value);
+                st = push(&f->values, value);
         }
     }
-    if (st == ST_OK && !id_map_seal(&r->rows, &twice))
+    if (st == ST_OK && !id_map_seal(&f->rows, &twice))
         return gmsh_cursor_fault(c, ST_CORRUPT, "element %lld has two rows, expected one",
                                  (long long)twice);
-    return st == ST_OK ? mesh_average_begin(&r->average, r->file->m, r->feed->points) : st;
+    return st == ST_OK ? mesh_average_begin(&f->average, r->file->m, r->feed->points, 1) : st;
 }
 
-static status read_field(gmsh_reading *r) {
+static status read_field(gmsh_reading *r, gmsh_field *f) {
     static const char *const ends[] = {[GMSH_NODES] = "$EndNodeData",
                                        [GMSH_ELEMENT_NODES] = "$EndElementNodeData",
                                        [GMSH_ELEMENTS] = "$EndElementData"};
     gmsh_cursor c;
-    status st = gmsh_cursor_open(r->file, &r->array->rows, &c);
+    status st = gmsh_cursor_open(r->file, &f->array->rows, &c);
     if (st == ST_OK)
-        st = r->array->owner == GMSH_NODES ? read_node_data(r, &c) : read_element_data(r, &c);
+        st = f->array->owner == GMSH_NODES ? read_node_data(r, f, &c)
+                                           : read_element_data(r, f, &c);
     if (st == ST_OK)
-        st = gmsh_cursor_end(&c, ends[r->array->owner]);
+        st = gmsh_cursor_end(&c, ends[f->array->owner]);
     gmsh_cursor_close(&c);
     return st;
 }
@@ -314,21 +343,30 @@ static status find_type(const gmsh_cursor *c, uint64_t number, element_type *typ
 }
 
 /* What a cell adds to the points, of an array of elements. */
-static status add_to_average(gmsh_reading *r, const gmsh_cursor *c, mesh_cell kind, uint64_t id,
+static status add_to_average(gmsh_field *f, const gmsh_cursor *c, mesh_cell kind, uint64_t id,
                              const uint64_t *ids) {
-    uint64_t row = id_map_find(&r->rows, id);
+    uint64_t row = id_map_find(&f->rows, id);
     if (row == UINT64_MAX)
         return ST_OK;
-    if (r->array->owner == GMSH_ELEMENTS) {
-        mesh_average_add(&r->average, kind, ids, (double)r->values.items[row]);
+    if (f->array->owner == GMSH_ELEMENTS) {
+        mesh_average_add(&f->average, 0, kind, ids, (double)f->values.items[row]);
         return ST_OK;
     }
-    const float *values = &r->values.items[r->starts[row]];
+    const float *values = &f->values.items[f->starts[row]];
     if ((int)values[0] != mesh_split_vertices(kind))
         return gmsh_cursor_fault(c, ST_CORRUPT, "element %lld has values for %d nodes, expected %d",
                                  (long long)id, (int)values[0], mesh_split_vertices(kind));
-    mesh_average_add_each(&r->average, kind, ids, values + 1);
+    mesh_average_add_each(&f->average, 0, kind, ids, values + 1);
     return ST_OK;
+}
+
+static status add_to_averages(gmsh_reading *r, const gmsh_cursor *c, mesh_cell kind, uint64_t id,
+                              const uint64_t *ids) {
+    status st = ST_OK;
+    for (uint32_t k = 0; st == ST_OK && k < r->count; k++)
+        if (r->fields[k].average.m)
+            st = add_to_average(&r->fields[k], c, kind, id, ids);
+    return st;
 }
 
 /* Its nodes, which come next. */
@@ -346,8 +384,7 @@ static status read_element(gmsh_reading *r, gmsh_cursor *c, element_type type, u
     }
     for (int i = 0; i < type.nodes; i++)
         ids[i] = id_map_find(&r->nodes, ids[i]);
-    if (r->average.m)
-        st = add_to_average(r, c, (mesh_cell)type.kind, id, ids);
+    st = add_to_averages(r, c, (mesh_cell)type.kind, id, ids);
     return st == ST_OK ? mesh_feed_cell(r->feed, (mesh_cell)type.kind, ids) : st;
 }
 
@@ -446,30 +483,61 @@ static status read_elements(gmsh_reading *r) {
 
 /* ---- all of it ---- */
 
+static status read_fields(gmsh_reading *r) {
+    status st = r->count > 0 ? ST_OK : mesh_feed_zeros(r->feed);
+    for (uint32_t k = 0; st == ST_OK && k < r->count; k++)
+        st = read_field(r, &r->fields[k]);
+    return st;
+}
+
+static status feed_averages(const gmsh_reading *r) {
+    status st = ST_OK;
+    for (uint32_t k = 0; st == ST_OK && k < r->count; k++)
+        if (r->fields[k].average.m)
+            st = mesh_average_feed(&r->fields[k].average, r->feed, k);
+    return st;
+}
+
+static status begin_fields(gmsh_reading *r, const gmsh_state *s) {
+    mem *m = s->file.m;
+    r->fields = mem_array(m, s->count ? s->count : 1, sizeof *r->fields);
+    if (!r->fields)
+        return ST_NOMEM;
+    for (r->count = 0; r->count < s->count; r->count++)
+        r->fields[r->count] = (gmsh_field){
+            .array = s->taken[r->count], .number = r->count, .rows.m = m, .values.m = m};
+    return ST_OK;
+}
+
+static void release(gmsh_reading *r, mem *m) {
+    for (uint32_t k = 0; k < r->count; k++) {
+        gmsh_field *f = &r->fields[k];
+        mesh_average_release(&f->average);
+        id_map_release(&f->rows);
+        mem_free(m, f->values.items);
+        mem_free(m, f->starts);
+    }
+    mem_free(m, r->fields);
+    id_map_release(&r->nodes);
+}
+
 static status gmsh_read(void *state, mesh_feed *feed) {
     const gmsh_state *s = state;
     mem *m = s->file.m;
-    gmsh_reading r = {.file = &s->file,
-                      .array = s->array,
-                      .feed = feed,
-                      .component = s->hints->component,
-                      .nodes.m = m,
-                      .rows.m = m,
-                      .values.m = m};
-    if (s->array)
-        strcpy(feed->report->field, s->array->name);
-    status st = read_nodes(&r);
+    gmsh_reading r = {
+        .file = &s->file, .feed = feed, .component = s->hints->component, .nodes.m = m};
+    if (s->count > 0)
+        strcpy(feed->report->field, s->taken[0]->name);
+    status st = begin_fields(&r, s);
     if (st == ST_OK)
-        st = s->array ? read_field(&r) : mesh_feed_zeros(feed);
+        st = read_nodes(&r);
+    if (st == ST_OK)
+        st = read_fields(&r);
     if (st == ST_OK)
         st = read_elements(&r);
-    if (st == ST_OK && r.average.m)
-        st = mesh_average_feed(&r.average, feed);
-    mesh_average_release(&r.average);
-    id_map_release(&r.nodes);
-    id_map_release(&r.rows);
-    mem_free(m, r.values.items);
-    mem_free(m, r.starts);
+    if (st == ST_OK)
+        st = feed_averages(&r);
+    release(&r, m);
     return st;
 }
 
@@ -481,4 +549,4 @@ static void gmsh_fields(const void *state, void (*take)(void *ctx, const char *n
 }
 
 const mesh_reader mesh_gmsh_reader = {"Gmsh",    gmsh_known, gmsh_open,
-                                      gmsh_read, gmsh_close, gmsh_fields};
+                                      gmsh_read, gmsh_close, gmsh_take, gmsh_fields};

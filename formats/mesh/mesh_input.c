@@ -19,6 +19,7 @@ struct mesh_input {
     mesh_source source;
     const mesh_reader *reader;
     void *state;
+    uint32_t fields;       /* taken */
     const mesh_feed *feed; /* while it is read */
     double share;          /* told last */
 };
@@ -74,6 +75,8 @@ status mesh_input_open_stream(mem *m, byte_stream *s, const mesh_hints *hints, m
     if (hints)
         x->source.hints = *hints;
     status st = open_reader(x);
+    if (st == ST_OK)
+        st = mesh_input_take(x, (const char *const[]){x->source.hints.field}, 1);
     if (st != ST_OK) {
         mesh_input_close(x);
         return st;
@@ -96,6 +99,7 @@ status mesh_input_open_arrays(mem *m, const mesh_arrays *arrays, const char *nam
     if (!x)
         return ST_NOMEM;
     x->m = m;
+    x->fields = 1;
     x->source = (mesh_source){.m = m, .path = "arrays"};
     x->reader = &mesh_arrays_reader;
     status st = mesh_arrays_state(m, arrays, &x->state);
@@ -142,6 +146,11 @@ void mesh_input_fields(const mesh_input *x, void (*take)(void *ctx, const char *
     x->reader->fields(x->state, take_clean, &t);
 }
 
+status mesh_input_take(mesh_input *x, const char *const *names, uint32_t count) {
+    x->fields = count;
+    return x->reader->take(x->state, names, count);
+}
+
 /* ---- reading ---- */
 
 double mesh_input_share(mesh_input *x) {
@@ -154,7 +163,7 @@ status mesh_input_read(mesh_input *x, const mesh_sink *sink, mesh_report *report
     mesh_feed feed;
     byte_stream *data = x->source.data;
     const char *name = data ? byte_stream_name(data) : x->source.path;
-    status st = mesh_feed_begin(&feed, x->m, name, sink, report);
+    status st = mesh_feed_begin(&feed, x->m, name, x->fields, sink, report);
     x->feed = &feed;
     if (st == ST_OK)
         st = x->reader->read(x->state, &feed);

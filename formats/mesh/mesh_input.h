@@ -24,12 +24,13 @@ enum { MESH_NAME_MAX = 63 }; /* bytes, without the NUL */
 #define MESH_POINTS_MAX ((uint64_t)UINT32_MAX - 1)
 
 /* Where a mesh goes. Points and values come in order of id, each vertex once; points, values and
- * tets in any order among each other. What is handed over is valid during the call. A status other
+ * tets in any order among each other, and so do the values of several fields. What is handed over is valid during the call. A status other
  * than ST_OK ends the reading and is what mesh_input_read() returns. */
 typedef struct mesh_sink {
     void *ctx;
     status (*points)(void *ctx, uint64_t first, size_t count, const float (*xyz)[3]);
-    /* the one field asked for; zeros for a mesh without any */
+    /* of the one field asked for; zeros for a mesh without any. Of several, mesh_input_take(), the
+     * k-th one's begin at `first' = k * points; each field's come in order. */
     status (*values)(void *ctx, uint64_t first, size_t count, const float *values);
     /* any orientation; four different ids, each that of a point. May be flat or inverted. */
     status (*tets)(void *ctx, size_t count, const uint32_t (*ids)[4]);
@@ -61,7 +62,7 @@ typedef struct mesh_report {
     uint64_t bad_indices;             /* cells left out: an id that is no point */
     uint64_t repeated;                /* tets left out: the same vertex twice */
     uint64_t skipped; /* cells of fewer dimensions (vertices, edges, triangles, ..) passed over */
-    char field[MESH_NAME_MAX + 1]; /* the array taken; "" for a mesh without any */
+    char field[MESH_NAME_MAX + 1]; /* the first array taken; "" for a mesh without any */
 } mesh_report;
 
 typedef struct mesh_input mesh_input;
@@ -108,6 +109,10 @@ double mesh_input_share(mesh_input *x);
  * order of the file: of the points, or of the cells where the hints say so. A name may come again.
  * The first is the one that is taken when none is asked for. Before mesh_input_read(). */
 void mesh_input_fields(const mesh_input *x, void (*take)(void *ctx, const char *name), void *ctx);
+
+/* mesh_input_take() - take these fields, each as mesh_hints.field, in place of the hints' one; before
+ * mesh_input_read(). ST_USAGE as mesh_input_open(). */
+CHECKED status mesh_input_take(mesh_input *x, const char *const *names, uint32_t count);
 
 /* mesh_input_read() - hand it all over; once. ST_CORRUPT names file, place and what was expected.
  */

@@ -29,6 +29,9 @@ typedef struct mesh_reader {
     status (*open)(mesh_source *source, void **state);
     status (*read)(void *state, mesh_feed *feed); /* once */
     void (*close)(void *state);                   /* NULL is fine */
+    /* mesh_input_take(), of one that is open: the fields that read() hands over, again perhaps. A
+     * name may be NULL where there is one: that of the hints, or none. */
+    status (*take)(void *state, const char *const *names, uint32_t count);
     /* mesh_input_fields(), of one that is open */
     void (*fields)(const void *state, void (*take)(void *ctx, const char *name), void *ctx);
 } mesh_reader;

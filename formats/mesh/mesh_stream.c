@@ -119,6 +119,7 @@ void mesh_stream_discard(mesh_stream_writer *w) {
 typedef struct stream_state {
     mem *m;
     byte_stream *data;
+    const mesh_hints *hints;
     const char *file; /* its name */
     unsigned line;    /* of the header, from 1 */
     bool has_points, has_tets;
@@ -210,15 +211,19 @@ static status check_length(const stream_state *s) {
                            (unsigned long long)s->header.tets);
 }
 
-static status check_field(const stream_state *s, const mesh_hints *hints) {
+/* There is but one. */
+static status stream_take(void *state, const char *const *names, uint32_t count) {
+    const stream_state *s = state;
     const char *field = s->header.field;
+    mesh_hints asked = *s->hints;
+    asked.field = names[count - 1];
     name_list points = {0}, cells = {0};
     if (field[0])
         name_list_add(&points, field);
-    if (hints->cells_to_points ||
-        (hints->field && !text_same_name(hints->field, field, sizeof s->header.field)))
-        return mesh_choice_missing(s->file, hints, &points, &cells);
-    return mesh_choice_component(s->file, hints, field, 1);
+    if (asked.cells_to_points ||
+        (asked.field && !text_same_name(asked.field, field, sizeof s->header.field)))
+        return mesh_choice_missing(s->file, &asked, &points, &cells);
+    return mesh_choice_component(s->file, &asked, field, 1);
 }
 
 static status stream_open(mesh_source *source, void **state) {
@@ -228,14 +233,13 @@ static status stream_open(mesh_source *source, void **state) {
     *state = s;
     s->m = source->m;
     s->data = source->data;
+    s->hints = &source->hints;
     s->file = byte_stream_name(s->data);
     text_line line = {.m = s->m};
     status st = read_header(s, &line);
     byte_stream_line_release(&line);
     if (st == ST_OK)
         st = check_length(s);
-    if (st == ST_OK)
-        st = check_field(s, &source->hints);
     if (st == ST_OK && s->header.name[0])
         strcpy(source->name, s->header.name);
     return st;
@@ -277,7 +281,7 @@ static status read_arrays(const stream_state *s, mesh_feed *feed, void *buffer) 
     for (uint64_t i = 0; st == ST_OK && i < points; i += CHUNK) {
         st = read_words(s, "value", i, chunk_of(points - i), 1, buffer);
         if (st == ST_OK)
-            st = mesh_feed_values(feed, (const float *)buffer, chunk_of(points - i));
+            st = mesh_feed_values(feed, 0, (const float *)buffer, chunk_of(points - i));
     }
     for (uint64_t i = 0; st == ST_OK && i < tets; i += CHUNK) {
         st = read_words(s, "tet", i, chunk_of(tets - i), 4, buffer);
@@ -318,4 +322,5 @@ static void stream_fields(const void *state, void (*take)(void *ctx, const char 
 }
 
 const mesh_reader mesh_stream_reader = {"mesh stream", stream_known, stream_open,
-                                        stream_read,   stream_close, stream_fields};
+                                        stream_read,   stream_close, stream_take,
+                                        stream_fields};

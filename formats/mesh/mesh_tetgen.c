@@ -18,8 +18,11 @@ typedef struct tetgen_state {
     mesh_tetgen_columns has;
     int64_t cells, cell_columns; /* columns behind a b c d */
     int64_t first;               /* id of the first point */
-    int column; /* taken, from 0, of attributes and marker, or of the tets' columns; -1: none */
-    char field[MESH_NAME_MAX + 1];
+    /* Taken, from 0, of attributes and marker, or of the tets' columns: */
+    int *columns;
+    uint32_t count;                /* 0: there is none */
+    double *row;                   /* all columns of a point or tet */
+    char field[MESH_NAME_MAX + 1]; /* the first */
 } tetgen_state;
 
 static bool tetgen_known(const char *path, const uint8_t *start, size_t size) {
@@ -80,35 +83,57 @@ static void add_columns(name_list *names, const char *prefix, int64_t count) {
 }
 
 /* Markers are taken by name alone, so a file with nothing else has no field. */
-static status no_field(const tetgen_state *s) {
+static status no_field(const tetgen_state *s, const mesh_hints *asked) {
     name_list points = {0}, cells = {0};
-    const mesh_hints *hints = s->hints;
     add_columns(&points, "attr", s->has.attributes);
-    if (s->has.markers && (hints->field || hints->cells_to_points || s->cell_columns))
+    if (s->has.markers && (asked->field || asked->cells_to_points || s->cell_columns))
         name_list_add(&points, "marker");
     add_columns(&cells, "region", s->cell_columns);
-    const text_tokens *t = hints->cells_to_points ? &s->tets : &s->nodes;
-    return mesh_choice_missing(byte_stream_name(t->s), hints, &points, &cells);
+    const text_tokens *t = asked->cells_to_points ? &s->tets : &s->nodes;
+    return mesh_choice_missing(byte_stream_name(t->s), asked, &points, &cells);
 }
 
-static status choose_field(tetgen_state *s) {
-    const mesh_hints *hints = s->hints;
-    bool cells = hints->cells_to_points;
+/* The column of a name, and what it is called; -1: there is none. */
+static int find_column(const tetgen_state *s, const mesh_hints *asked,
+                       char called[MESH_NAME_MAX + 1]) {
+    const bool cells = asked->cells_to_points;
     const char *prefix = cells ? "region" : "attr";
-    int64_t columns = cells ? s->cell_columns : s->has.attributes, k = 1;
-    s->column = -1;
-    if (hints->field && !cells && strcmp(hints->field, "marker") == 0 && s->has.markers) {
-        s->column = (int)s->has.attributes;
-        strcpy(s->field, "marker");
-        return mesh_choice_component(byte_stream_name(s->nodes.s), hints, s->field, 1);
+    int64_t k = 1;
+    if (asked->field && !cells && strcmp(asked->field, "marker") == 0 && s->has.markers) {
+        strcpy(called, "marker");
+        return (int)s->has.attributes;
     }
-    if (hints->field && !(cells && strcmp(hints->field, "region") == 0))
-        k = column_number(hints->field, prefix);
-    if (k < 1 || k > columns)
-        return no_field(s);
-    s->column = (int)k - 1;
-    snprintf(s->field, sizeof s->field, "%s%d", prefix, (int)k);
-    return mesh_choice_component(byte_stream_name(s->nodes.s), hints, s->field, 1);
+    if (asked->field && !(cells && strcmp(asked->field, "region") == 0))
+        k = column_number(asked->field, prefix);
+    if (k < 1 || k > (cells ? s->cell_columns : s->has.attributes))
+        return -1;
+    snprintf(called, MESH_NAME_MAX + 1, "%s%d", prefix, (int)k);
+    return (int)k - 1;
+}
+
+/* name: NULL for the first. */
+static status take_column(tetgen_state *s, const char *name) {
+    char called[MESH_NAME_MAX + 1];
+    mesh_hints asked = *s->hints;
+    asked.field = name;
+    const int column = find_column(s, &asked, called);
+    if (column < 0)
+        return no_field(s, &asked);
+    if (s->count == 0)
+        memcpy(s->field, called, sizeof s->field);
+    s->columns[s->count++] = column;
+    return mesh_choice_component(byte_stream_name(s->nodes.s), &asked, called, 1);
+}
+
+static status tetgen_take(void *state, const char *const *names, uint32_t count) {
+    tetgen_state *s = state;
+    mem_free(s->m, s->columns);
+    s->count = 0;
+    s->columns = mem_array(s->m, count, sizeof *s->columns);
+    status st = s->columns ? ST_OK : ST_NOMEM;
+    for (uint32_t i = 0; st == ST_OK && i < count; i++)
+        st = take_column(s, names[i]);
+    return st;
 }
 
 /* ---- opening ---- */
@@ -124,6 +149,13 @@ static status open_other(tetgen_state *s, const char *path, const char *kind) {
     snprintf(s->other_path, room, "%.*s%s%s", (int)stem, path, nodes ? ".ele" : ".node",
              path + strlen(kind));
     return byte_stream_open(s->m, s->other_path, &s->other);
+}
+
+static status make_row(tetgen_state *s) {
+    const int64_t columns = s->has.attributes + s->has.markers;
+    s->row = mem_array(s->m, (size_t)(columns > s->cell_columns ? columns : s->cell_columns) + 1,
+                       sizeof *s->row);
+    return s->row ? ST_OK : ST_NOMEM;
 }
 
 static status tetgen_open(mesh_source *source, void **state) {
@@ -144,7 +176,7 @@ static status tetgen_open(mesh_source *source, void **state) {
     st = mesh_tetgen_points(&s->nodes, MESH_POINTS_MAX, &s->has);
     if (st == ST_OK)
         st = read_tet_header(s);
-    return st == ST_OK ? choose_field(s) : st;
+    return st == ST_OK ? make_row(s) : st;
 }
 
 static void tetgen_close(void *state) {
@@ -153,6 +185,8 @@ static void tetgen_close(void *state) {
         return;
     byte_stream_close(s->other);
     mem_free(s->m, s->other_path);
+    mem_free(s->m, s->columns);
+    mem_free(s->m, s->row);
     mem_free(s->m, s);
 }
 
@@ -173,33 +207,35 @@ static status read_id(text_tokens *t, int64_t row, int64_t *first) {
     return ST_OK;
 }
 
-/* Columns up to the line's end; *value is that of number `column`. */
-static status read_columns(text_tokens *t, int64_t count, int column, double *value) {
+/* Columns up to the line's end. */
+static status read_columns(text_tokens *t, int64_t count, double *row) {
     status st = ST_OK;
-    for (int i = 0; st == ST_OK && i < count; i++) {
-        double number = 0;
-        st = text_tokens_double_here(t, "an attribute or marker", &number);
-        if (i == column)
-            *value = number;
-    }
+    for (int64_t i = 0; st == ST_OK && i < count; i++)
+        st = text_tokens_double_here(t, "an attribute or marker", &row[i]);
     return st == ST_OK ? text_tokens_end_line(t) : st;
+}
+
+static status feed_row(const tetgen_state *s, mesh_feed *feed) {
+    status st = ST_OK;
+    for (uint32_t k = 0; st == ST_OK && k < s->count; k++)
+        st = mesh_feed_value(feed, k, s->row[s->columns[k]]);
+    return st;
 }
 
 static status read_nodes(tetgen_state *s, mesh_feed *feed) {
     status st = ST_OK;
-    bool values = s->column >= 0 && !s->hints->cells_to_points;
     s->first = -1;
     for (int64_t i = 0; st == ST_OK && i < s->has.points; i++) {
-        double xyz[3] = {0}, value = 0;
+        double xyz[3] = {0};
         st = read_id(&s->nodes, i, &s->first);
         for (int a = 0; st == ST_OK && a < 3; a++)
             st = text_tokens_double_here(&s->nodes, "a coordinate", &xyz[a]);
         if (st == ST_OK)
-            st = read_columns(&s->nodes, s->has.attributes + s->has.markers, s->column, &value);
+            st = read_columns(&s->nodes, s->has.attributes + s->has.markers, s->row);
         if (st == ST_OK)
             st = mesh_feed_point(feed, xyz);
-        if (st == ST_OK && values)
-            st = mesh_feed_value(feed, value);
+        if (st == ST_OK && !s->hints->cells_to_points)
+            st = feed_row(s, feed);
     }
     return st;
 }
@@ -210,7 +246,6 @@ static status read_tets(tetgen_state *s, mesh_feed *feed, mesh_average *average)
     text_tokens *t = &s->tets;
     for (int64_t i = 0; st == ST_OK && i < s->cells; i++) {
         uint64_t ids[4];
-        double value = 0;
         st = read_id(t, i, &first);
         for (int c = 0; st == ST_OK && c < 4; c++) {
             int64_t id = 0;
@@ -218,9 +253,9 @@ static status read_tets(tetgen_state *s, mesh_feed *feed, mesh_average *average)
             ids[c] = (uint64_t)id - (uint64_t)s->first; /* far off below the first: no point */
         }
         if (st == ST_OK)
-            st = read_columns(t, s->cell_columns, s->column, &value);
-        if (st == ST_OK && average)
-            mesh_average_add(average, MESH_TET, ids, value);
+            st = read_columns(t, s->cell_columns, s->row);
+        for (uint32_t k = 0; st == ST_OK && average && k < s->count; k++)
+            mesh_average_add(average, k, MESH_TET, ids, s->row[s->columns[k]]);
         if (st == ST_OK)
             st = mesh_feed_cell(feed, MESH_TET, ids);
     }
@@ -243,8 +278,8 @@ static status read_both(tetgen_state *s, mesh_feed *feed, mesh_average *average)
     if (st == ST_OK)
         st = check_end(&s->tets);
     if (st == ST_OK && average)
-        st = mesh_average_feed(average, feed);
-    else if (st == ST_OK && s->column < 0)
+        st = mesh_average_feed(average, feed, 0);
+    else if (st == ST_OK && s->count == 0)
         st = mesh_feed_zeros(feed);
     return st;
 }
@@ -256,7 +291,7 @@ static status tetgen_read(void *state, mesh_feed *feed) {
     mesh_feed_expect_cells(feed, (uint64_t)s->cells);
     status st = mesh_feed_expect(feed, (uint64_t)s->has.points);
     if (st == ST_OK && s->hints->cells_to_points)
-        st = mesh_average_begin(&average, s->m, (uint64_t)s->has.points);
+        st = mesh_average_begin(&average, s->m, (uint64_t)s->has.points, s->count);
     if (st == ST_OK)
         st = read_both(s, feed, average.m ? &average : NULL);
     mesh_average_release(&average);
@@ -274,4 +309,5 @@ static void tetgen_fields(const void *state, void (*take)(void *ctx, const char 
 }
 
 const mesh_reader mesh_tetgen_reader = {"TetGen",    tetgen_known, tetgen_open,
-                                        tetgen_read, tetgen_close, tetgen_fields};
+                                        tetgen_read, tetgen_close, tetgen_take,
+                                        tetgen_fields};

@@ -141,5 +141,6 @@ const mesh_reader mesh_vtu_reader = {
     .open = open_file,
     .read = vtk_unstructured_read,
     .close = vtk_unstructured_close,
+    .take = vtk_unstructured_take,
     .fields = vtk_unstructured_fields,
 };

@@ -3,44 +3,97 @@
 #include "formats/mesh/mesh_average.h"
 #include "formats/vtk/vtk_cursor.h"
 
-/* One round over the cells. */
-static status add_cells(mem *m, const vtk_piece *p, int component, double *tuple, mesh_average *a) {
-    size_t count = p->field->components;
-    vtk_cells *cells = NULL;
-    vtk_cursor *c = NULL;
-    status st = vtk_cursor_open(m, p->field, p->cells.count * count, &c);
-    if (st == ST_OK)
-        st = vtk_cells_open(m, &p->cells, &cells);
-    for (uint64_t i = 0; st == ST_OK && i < p->cells.count; i++) {
-        vtk_cell cell;
-        st = vtk_cells_next(cells, &cell);
-        if (st == ST_OK)
-            st = vtk_cursor_doubles(c, count, tuple);
-        if (st == ST_OK && cell.volume)
-            mesh_average_add(a, cell.kind, cell.ids,
-                             mesh_feed_magnitude(tuple, (int)count, component));
-    }
-    if (st == ST_OK)
-        st = vtk_cursor_finish(c);
-    vtk_cells_close(cells);
-    vtk_cursor_close(c);
+enum { TOGETHER = 16 }; /* each has a cursor, with buffers */
+
+/* Some of the fields taken, in a piece, while they are averaged. */
+typedef struct averaging {
+    mem *m;
+    const vtk_piece *piece;
+    int component;
+    uint32_t count;
+    const vtk_array *fields[TOGETHER];
+    vtk_cursor *values[TOGETHER];
+    double *tuple; /* of any of them */
+    mesh_average sums;
+} averaging;
+
+static status open_values(averaging *a) {
+    status st = ST_OK;
+    for (uint32_t k = 0; st == ST_OK && k < a->count; k++)
+        st = vtk_cursor_open(a->m, a->fields[k], a->piece->cells.count * a->fields[k]->components,
+                             &a->values[k]);
     return st;
 }
 
-status vtk_average_feed(mem *m, const vtk_piece *p, int component, mesh_feed *feed) {
-    bool any = p->field && p->cells.count > 0; /* else the sums stay 0 */
-    mesh_average a = {0};
-    if (p->points == 0)
-        return ST_OK;
-    double *tuple = mem_array(m, any ? p->field->components : 1, sizeof *tuple);
-    status st = tuple ? mesh_average_begin_rounds(&a, m, p->points) : ST_NOMEM;
-    for (bool more = true; st == ST_OK && more; more = mesh_average_next(&a)) {
-        if (any)
-            st = add_cells(m, p, component, tuple, &a);
+static status close_values(averaging *a, status st) {
+    for (uint32_t k = 0; k < a->count; k++) {
         if (st == ST_OK)
-            st = mesh_average_feed(&a, feed);
+            st = vtk_cursor_finish(a->values[k]);
+        vtk_cursor_close(a->values[k]);
+        a->values[k] = NULL;
     }
-    mesh_average_release(&a);
-    mem_free(m, tuple);
+    return st;
+}
+
+static status add_cell(averaging *a, const vtk_cell *cell) {
+    status st = ST_OK;
+    for (uint32_t k = 0; st == ST_OK && k < a->count; k++) {
+        const size_t n = a->fields[k]->components;
+        st = vtk_cursor_doubles(a->values[k], n, a->tuple);
+        if (st == ST_OK && cell->volume)
+            mesh_average_add(&a->sums, k, cell->kind, cell->ids,
+                             mesh_feed_magnitude(a->tuple, (int)n, a->component));
+    }
+    return st;
+}
+
+/* One round over the cells. */
+static status add_cells(averaging *a) {
+    vtk_cells *cells = NULL;
+    status st = open_values(a);
+    if (st == ST_OK)
+        st = vtk_cells_open(a->m, &a->piece->cells, &cells);
+    for (uint64_t i = 0; st == ST_OK && i < a->piece->cells.count; i++) {
+        vtk_cell cell;
+        st = vtk_cells_next(cells, &cell);
+        if (st == ST_OK)
+            st = add_cell(a, &cell);
+    }
+    vtk_cells_close(cells);
+    return close_values(a, st);
+}
+
+static status make_tuple(averaging *a) {
+    size_t most = 1;
+    for (uint32_t k = 0; k < a->count; k++)
+        if (a->fields[k] && a->fields[k]->components > most)
+            most = a->fields[k]->components;
+    a->tuple = mem_array(a->m, most, sizeof *a->tuple);
+    return a->tuple ? ST_OK : ST_NOMEM;
+}
+
+static status feed_some(averaging *a, uint32_t first, mesh_feed *feed) {
+    status st = make_tuple(a);
+    if (st == ST_OK)
+        st = mesh_average_begin_rounds(&a->sums, a->m, a->piece->points, a->count);
+    for (bool more = true; st == ST_OK && more; more = mesh_average_next(&a->sums)) {
+        if (a->piece->cells.count > 0) /* else the sums stay 0 */
+            st = add_cells(a);
+        if (st == ST_OK)
+            st = mesh_average_feed(&a->sums, feed, first);
+    }
+    mesh_average_release(&a->sums);
+    mem_free(a->m, a->tuple);
+    return st;
+}
+
+status vtk_average_feed(const vtk_unstructured *g, const vtk_piece *p, mesh_feed *feed) {
+    status st = ST_OK;
+    for (uint32_t first = 0; st == ST_OK && first < g->taken_count; first += TOGETHER) {
+        averaging a = {.m = g->m, .piece = p, .component = g->source->hints.component};
+        for (; a.count < TOGETHER && first + a.count < g->taken_count; a.count++)
+            a.fields[a.count] = vtk_unstructured_field(g, p, first + a.count);
+        st = feed_some(&a, first, feed);
+    }
     return st;
 }

@@ -31,51 +31,68 @@ static const vtk_array *find_anywhere(const vtk_unstructured *g, vtk_owner owner
     return a;
 }
 
-static status no_field(const vtk_unstructured *g) {
+static status no_field(const vtk_unstructured *g, const mesh_hints *asked) {
     name_list names[VTK_OWNERS] = {0};
     for (size_t i = 0; i < g->count; i++)
         for (int o = 0; o < VTK_OWNERS; o++)
             for (size_t k = 0; k < g->pieces[i].fields.count[o]; k++)
                 if (is_numeric(&g->pieces[i].fields.items[o][k]))
                     name_list_add(&names[o], g->pieces[i].fields.items[o][k].name);
-    return mesh_choice_missing(g->source->path, &g->source->hints, &names[VTK_OF_POINTS],
+    return mesh_choice_missing(g->source->path, asked, &names[VTK_OF_POINTS],
                                &names[VTK_OF_CELLS]);
 }
 
+const vtk_array *vtk_unstructured_field(const vtk_unstructured *g, const vtk_piece *p, uint32_t k) {
+    return vtk_fields_find(&p->fields, g->owner, g->taken[k]->name);
+}
+
 /* The chosen array, in each piece that has use for one. */
-static status choose_in_pieces(vtk_unstructured *g, const vtk_array *chosen) {
+static status check_pieces(const vtk_unstructured *g, const vtk_array *chosen) {
     for (size_t i = 0; i < g->count; i++) {
-        vtk_piece *p = &g->pieces[i];
-        uint64_t tuples = g->owner == VTK_OF_POINTS ? p->points : p->cells.count;
-        p->field = vtk_fields_find(&p->fields, g->owner, chosen->name);
-        if (!p->field && tuples > 0)
+        const vtk_piece *p = &g->pieces[i];
+        const uint64_t tuples = g->owner == VTK_OF_POINTS ? p->points : p->cells.count;
+        const vtk_array *field = vtk_fields_find(&p->fields, g->owner, chosen->name);
+        if (!field && tuples > 0)
             return status_describe(ST_CORRUPT, "%s: piece %zu has no array \"%s\", unlike others",
                                    g->source->path, i + 1, chosen->name);
-        if (!p->field)
+        if (!field)
             continue;
-        if (!is_numeric(p->field))
-            return vtk_array_fault(p->field, ST_UNSUPPORTED,
-                                   "strings and packed bits are no values");
-        if (p->field->components != chosen->components)
-            return vtk_array_fault(p->field, ST_CORRUPT,
+        if (!is_numeric(field))
+            return vtk_array_fault(field, ST_UNSUPPORTED, "strings and packed bits are no values");
+        if (field->components != chosen->components)
+            return vtk_array_fault(field, ST_CORRUPT,
                                    "%u components, expected %u as in the first piece",
-                                   p->field->components, chosen->components);
+                                   field->components, chosen->components);
     }
     return ST_OK;
 }
 
-static status choose_field(vtk_unstructured *g) {
-    const mesh_hints *hints = &g->source->hints;
-    g->owner = hints->cells_to_points ? VTK_OF_CELLS : VTK_OF_POINTS;
-    const vtk_array *chosen = find_anywhere(g, g->owner, hints->field);
+/* name: NULL for the first. */
+static status take_field(vtk_unstructured *g, const char *name) {
+    mesh_hints asked = g->source->hints;
+    asked.field = name;
+    g->owner = asked.cells_to_points ? VTK_OF_CELLS : VTK_OF_POINTS;
+    const vtk_array *chosen = find_anywhere(g, g->owner, name);
     if (!chosen)
-        return no_field(g);
+        return no_field(g, &asked);
     if (chosen->components > COMPONENTS_MAX)
         return vtk_array_fault(chosen, ST_UNSUPPORTED, "%u components, at most %d are supported",
                                chosen->components, COMPONENTS_MAX);
     status st =
-        mesh_choice_component(g->source->path, hints, chosen->name, (int)chosen->components);
-    return st == ST_OK ? choose_in_pieces(g, chosen) : st;
+        mesh_choice_component(g->source->path, &asked, chosen->name, (int)chosen->components);
+    g->taken[g->taken_count++] = chosen;
+    return st == ST_OK ? check_pieces(g, chosen) : st;
+}
+
+status vtk_unstructured_take(void *state, const char *const *names, uint32_t count) {
+    vtk_unstructured *g = state;
+    mem_free(g->m, g->taken);
+    g->taken_count = 0;
+    g->taken = mem_array(g->m, count, sizeof *g->taken);
+    status st = g->taken ? ST_OK : ST_NOMEM;
+    for (uint32_t i = 0; st == ST_OK && i < count; i++)
+        st = take_field(g, names[i]);
+    return st;
 }
 
 static status check_piece(const vtk_unstructured *g, const vtk_piece *p) {
@@ -90,7 +107,7 @@ static status check_piece(const vtk_unstructured *g, const vtk_piece *p) {
     return ST_OK;
 }
 
-static status choose(vtk_unstructured *g) {
+static status check(vtk_unstructured *g) {
     for (size_t i = 0; i < g->count; i++) {
         vtk_piece *p = &g->pieces[i];
         status st = check_piece(g, p);
@@ -101,7 +118,7 @@ static status choose(vtk_unstructured *g) {
                                    (unsigned long long)MESH_POINTS_MAX);
         g->points += p->points;
     }
-    return choose_field(g);
+    return ST_OK;
 }
 
 /* ---- opening and closing ---- */
@@ -117,7 +134,7 @@ status vtk_unstructured_open(mesh_source *source,
     status st = vtk_array_check_file(source->path);
     if (st == ST_OK)
         st = scan(g, source->data);
-    return st == ST_OK ? choose(g) : st;
+    return st == ST_OK ? check(g) : st;
 }
 
 void vtk_unstructured_close(void *state) {
@@ -127,6 +144,7 @@ void vtk_unstructured_close(void *state) {
     for (size_t i = 0; i < g->count; i++)
         vtk_fields_release(&g->pieces[i].fields, g->m);
     mem_free(g->m, g->pieces);
+    mem_free(g->m, g->taken);
     mem_free(g->m, g);
 }
 
@@ -147,19 +165,19 @@ static status read_points(vtk_unstructured *g, const vtk_piece *p, mesh_feed *fe
     return st;
 }
 
-static status read_values(vtk_unstructured *g, const vtk_piece *p, mesh_feed *feed) {
-    if (p->points == 0)
-        return ST_OK;
-    int count = (int)p->field->components;
+/* The k-th field. */
+static status read_values(vtk_unstructured *g, const vtk_piece *p, uint32_t k, mesh_feed *feed) {
+    const vtk_array *field = vtk_unstructured_field(g, p, k);
+    const int count = (int)field->components;
     vtk_cursor *c = NULL;
     double *tuple = mem_array(g->m, (size_t)count, sizeof *tuple);
     status st = tuple ? ST_OK : ST_NOMEM;
     if (st == ST_OK)
-        st = vtk_cursor_open(g->m, p->field, p->points * (uint64_t)count, &c);
+        st = vtk_cursor_open(g->m, field, p->points * (uint64_t)count, &c);
     for (uint64_t i = 0; st == ST_OK && i < p->points; i++) {
         st = vtk_cursor_doubles(c, (size_t)count, tuple);
         if (st == ST_OK)
-            st = mesh_feed_value(feed,
+            st = mesh_feed_value(feed, k,
                                  mesh_feed_magnitude(tuple, count, g->source->hints.component));
     }
     if (st == ST_OK)
@@ -191,20 +209,21 @@ static status read_cells(vtk_unstructured *g, const vtk_piece *p, uint64_t first
     return st;
 }
 
-static status read_field(vtk_unstructured *g, const vtk_piece *p, bool any, mesh_feed *feed) {
-    if (!any)
+static status read_fields(vtk_unstructured *g, const vtk_piece *p, mesh_feed *feed) {
+    status st = ST_OK;
+    if (p->points == 0 || g->taken_count == 0)
         return ST_OK;
-    return g->owner == VTK_OF_CELLS ? vtk_average_feed(g->m, p, g->source->hints.component, feed)
-                                    : read_values(g, p, feed);
+    if (g->owner == VTK_OF_CELLS)
+        return vtk_average_feed(g, p, feed);
+    for (uint32_t k = 0; st == ST_OK && k < g->taken_count; k++)
+        st = read_values(g, p, k, feed);
+    return st;
 }
 
 status vtk_unstructured_read(void *state, mesh_feed *feed) {
     vtk_unstructured *g = state;
-    const vtk_array *chosen = NULL;
-    for (size_t i = 0; !chosen && i < g->count; i++)
-        chosen = g->pieces[i].field;
-    if (chosen)
-        snprintf(feed->report->field, sizeof feed->report->field, "%s", chosen->name);
+    if (g->taken_count > 0)
+        snprintf(feed->report->field, sizeof feed->report->field, "%s", g->taken[0]->name);
     uint64_t first = 0;
     status st = mesh_feed_expect(feed, g->points);
     for (size_t i = 0; i < g->count; i++)
@@ -213,12 +232,12 @@ status vtk_unstructured_read(void *state, mesh_feed *feed) {
         const vtk_piece *p = &g->pieces[i];
         st = read_points(g, p, feed);
         if (st == ST_OK)
-            st = read_field(g, p, chosen, feed);
+            st = read_fields(g, p, feed);
         if (st == ST_OK)
             st = read_cells(g, p, first, feed);
         first += p->points;
     }
-    return st == ST_OK && !chosen ? mesh_feed_zeros(feed) : st;
+    return st == ST_OK && g->taken_count == 0 ? mesh_feed_zeros(feed) : st;
 }
 
 void vtk_unstructured_fields(const void *state, void (*take)(void *ctx, const char *name),
@@ -226,6 +245,6 @@ void vtk_unstructured_fields(const void *state, void (*take)(void *ctx, const ch
     const vtk_unstructured *g = state;
     for (size_t i = 0; i < g->count; i++)
         for (size_t k = 0; k < g->pieces[i].fields.count[g->owner]; k++)
-            if (is_numeric(&g->pieces[i].fields.items[g->owner][k]))
+            if (vtk_fields_is_one(&g->pieces[i].fields.items[g->owner][k]))
                 take(ctx, g->pieces[i].fields.items[g->owner][k].name);
 }

@@ -17,7 +17,6 @@ typedef struct vtk_piece {
     vtk_array position;
     vtk_cells_source cells;
     vtk_fields fields;
-    const vtk_array *field; /* the one chosen; NULL for none */
 } vtk_piece;
 
 typedef struct vtk_unstructured {
@@ -25,19 +24,25 @@ typedef struct vtk_unstructured {
     const mesh_source *source;
     vtk_piece *pieces;
     size_t count, room;
-    vtk_owner owner; /* whose field was chosen */
-    uint64_t points; /* of all pieces */
+    uint64_t points;         /* of all pieces */
+    vtk_owner owner;         /* whose fields are taken, */
+    const vtk_array **taken; /* each as it is in some piece; */
+    uint32_t taken_count;    /* 0: there is none */
 } vtk_unstructured;
 
 /* vtk_unstructured_add_piece() - an empty piece, valid until the next one. */
 CHECKED status vtk_unstructured_add_piece(vtk_unstructured *g, vtk_piece **out);
 
-/* vtk_unstructured_open() - the grid of a file, as a reader's state: scanned, its pieces checked,
- * the field of the hints taken. ST_UNSUPPORTED for what is no regular file; ST_USAGE, naming what
- * there is, when there is no such field. */
+/* vtk_unstructured_field() - the k-th array taken, in a piece; NULL: it has no use for it. */
+const vtk_array *vtk_unstructured_field(const vtk_unstructured *g, const vtk_piece *p, uint32_t k);
+
+/* vtk_unstructured_open() - the grid of a file, as a reader's state: scanned, its pieces checked.
+ * ST_UNSUPPORTED for what is no regular file. vtk_unstructured_take() - ST_USAGE, naming what there
+ * is, when there is no such field. */
 CHECKED status vtk_unstructured_open(mesh_source *source,
                                      status (*scan)(vtk_unstructured *g, byte_stream *data),
                                      void **state);
+CHECKED status vtk_unstructured_take(void *state, const char *const *names, uint32_t count);
 CHECKED status vtk_unstructured_read(void *state, mesh_feed *feed);
 void vtk_unstructured_close(void *state); /* NULL is fine */
 void vtk_unstructured_fields(const void *state, void (*take)(void *ctx, const char *name),

@@ -78,7 +78,7 @@ static status spill(conversion *c) {
         st = mesh_spool_spill(&c->g->points);
     if (st == ST_OK && c->plan.spill_points)
         st = mesh_spool_spill(&c->g->values);
-    return st == ST_OK ? mesh_gather_end(c->g) : st;
+    return st;
 }
 
 static status sort_tets(conversion *c, const char *output, leaf_facts *facts) {
@@ -189,7 +189,7 @@ static status make_gradients(conversion *c, const char *output) {
             st = sum_gradients(c, step, field);
     mesh_gradients_destroy(c->summing);
     c->summing = NULL;
-    return st == ST_OK ? mesh_spool_end(&c->gradients) : st;
+    return st;
 }
 
 /* ---- building ---- */

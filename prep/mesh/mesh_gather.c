@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/mesh/mesh_feed.h"
+
 void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling,
                       const progress *p) {
     *g = (mesh_gather){.p = p, .fields = 1, .steps = 1, .share = 1};
@@ -25,14 +27,14 @@ void mesh_gather_release(mesh_gather *g) {
     mesh_spool_release(&g->tets);
 }
 
-size_t mesh_gather_least(void) {
-    return mesh_spool_buffers(sizeof(float[3])) + mesh_spool_buffers(sizeof(float)) +
+size_t mesh_gather_least(uint32_t fields) {
+    return fields * mesh_feed_memory() + mesh_spool_buffers(sizeof(float[3])) + mesh_spool_buffers(sizeof(float)) +
            mesh_spool_buffers(sizeof(uint32_t[4]));
 }
 
 /* Whether points and tets are those that all else is held against. */
 static bool is_first(const mesh_gather *g) {
-    return g->step == 0 && g->field == 0;
+    return g->step == 0;
 }
 
 static void widen_bounds(mesh_gather *g, size_t count, const float (*xyz)[3]) {
@@ -134,9 +136,8 @@ static status check_tets(mesh_gather *g, size_t count, const uint32_t (*ids)[4])
 
 /* How far all readings are together. */
 static status tell(const mesh_gather *g) {
-    const double before = (double)g->step * g->fields + g->field;
-    const double done = before + (g->reading ? mesh_input_share(g->reading) : 0);
-    return progress_step(g->p, "read", g->share * done / ((double)g->fields * g->steps));
+    const double done = g->step + (g->reading ? mesh_input_share(g->reading) : 0);
+    return progress_step(g->p, "read", g->share * done / g->steps);
 }
 
 static status take_points(void *ctx, uint64_t first, size_t count, const float (*xyz)[3]) {
@@ -147,7 +148,7 @@ static status take_points(void *ctx, uint64_t first, size_t count, const float (
         widen_bounds(g, count, xyz);
         st = mesh_spool_append(&g->points, xyz, count);
         g->vertices += count;
-    } else if (g->field == 0) {
+    } else {
         st = take_moved(g, first, count, xyz);
     }
     g->points_seen += count;
@@ -156,14 +157,13 @@ static status take_points(void *ctx, uint64_t first, size_t count, const float (
 
 static status take_values(void *ctx, uint64_t first, size_t count, const float *values) {
     mesh_gather *g = ctx;
-    assert(first == g->values_seen);
-    (void)first;
+    const uint64_t all = g->vertices * g->fields;
     for (size_t i = 0; i < count; i++)
         g->non_finite += !isfinite(values[i]);
     g->values_seen += count;
-    if (!is_first(g) && g->values_seen > g->vertices)
-        return too_many(g, "values", g->vertices);
-    status st = mesh_spool_append(&g->values, values, count);
+    if (!is_first(g) && (first >= all || count > all - first))
+        return too_many(g, "values", all);
+    status st = mesh_spool_put(&g->values, g->step * all + first, values, count);
     return st == ST_OK ? tell(g) : st;
 }
 
@@ -172,7 +172,7 @@ static status take_tets(void *ctx, size_t count, const uint32_t (*ids)[4]) {
     status st = ST_OK;
     if (is_first(g))
         st = mesh_spool_append(&g->tets, ids, count);
-    else if (g->field == 0)
+    else
         st = check_tets(g, count, ids);
     g->tets_seen += count;
     return st == ST_OK ? tell(g) : st;
@@ -182,10 +182,9 @@ mesh_sink mesh_gather_sink(mesh_gather *g) {
     return (mesh_sink){.ctx = g, .points = take_points, .values = take_values, .tets = take_tets};
 }
 
-void mesh_gather_next(mesh_gather *g, uint32_t step, uint32_t field, const char *name) {
-    assert(step < g->steps && field < g->fields);
+void mesh_gather_next(mesh_gather *g, uint32_t step, const char *name) {
+    assert(step < g->steps);
     g->step = step;
-    g->field = field;
     g->name = name;
     if (step == 0)
         g->first_name = name;
@@ -197,7 +196,7 @@ status mesh_gather_done(const mesh_gather *g) {
         const char *what;
         uint64_t found, expected;
     } counts[] = {{"points", g->points_seen, g->vertices},
-                  {"values", g->values_seen, g->vertices},
+                  {"values", g->values_seen, g->vertices * g->fields},
                   {"tets", g->tets_seen, g->tets.count}};
     for (int i = 0; i < 3; i++)
         if (counts[i].found != counts[i].expected)
@@ -212,15 +211,6 @@ status mesh_gather_read(mesh_gather *g, mesh_input *x, const mesh_sink *sink, me
     status st = mesh_input_read(x, sink, report);
     g->reading = NULL;
     return st;
-}
-
-status mesh_gather_end(mesh_gather *g) {
-    assert(g->values.count == g->vertices * g->fields * g->steps);
-    assert(g->points.count == g->vertices * (g->moving ? g->steps : 1));
-    status st = mesh_spool_end(&g->points);
-    if (st == ST_OK)
-        st = mesh_spool_end(&g->values);
-    return st == ST_OK ? mesh_spool_end(&g->tets) : st;
 }
 
 /* ---- counting ---- */
@@ -238,7 +228,7 @@ static status count_points(void *ctx, uint64_t first, size_t count, const float 
     g->points_seen += count;
     if (is_first(g))
         g->vertices += count;
-    return g->field == 0 ? count_in(g, &g->points, count) : ST_OK;
+    return count_in(g, &g->points, count);
 }
 
 static status count_values(void *ctx, uint64_t first, size_t count, const float *values) {

@@ -3,8 +3,8 @@
  * In memory up to a ceiling; then tets go to a scratch file first, and points and values when that
  * is not enough.
  *
- * A series is read step after step, and of each step field after field: mesh_gather_next() before
- * each but the first. Tets are those of the first step; they must come again, one by one the same.
+ * A series is read step after step, each with all its fields: mesh_gather_next() before each but the
+ * first. Tets are those of the first step; they must come again, one by one the same.
  * Points are kept from the first step that moves one on; where none moves, but once.
  */
 #ifndef PREP_MESH_MESH_GATHER_H
@@ -30,7 +30,7 @@ typedef struct mesh_gather {
     double share; /* of the job, at the end of reading; 1 unless set before */
     /* What is being read: */
     mesh_input *reading;
-    uint32_t field, step;
+    uint32_t step;
     const char *name, *first_name; /* of its file, of the first step's; for messages */
     uint64_t points_seen, values_seen, tets_seen;
 } mesh_gather;
@@ -41,28 +41,25 @@ void mesh_gather_init(mesh_gather *g, mem *m, const char *beside, size_t ceiling
                       const progress *p);
 void mesh_gather_release(mesh_gather *g); /* zeroed is fine */
 
-/* mesh_gather_least() - bytes that it takes at least. */
-size_t mesh_gather_least(void);
+/* mesh_gather_least() - bytes that it takes at least, with what a mesh_feed takes of them. */
+size_t mesh_gather_least(uint32_t fields);
 
 /* mesh_gather_sink() - what to give to mesh_input_read(). */
 mesh_sink mesh_gather_sink(mesh_gather *g);
 
 /* mesh_gather_counter() - the same, to count what would come: for a plan alone. Of the spools,
- * `count` and the number of chunks are as if all were held. No mesh_gather_end(). */
+ * `count` and the number of chunks are as if all were held. */
 mesh_sink mesh_gather_counter(mesh_gather *g);
 
-/* mesh_gather_next() - what comes next is this field at this step, of the file `name` (kept by
- * reference). mesh_gather_done() - it has all come: as many points, values and tets as the first
- * time, else ST_CORRUPT. */
-void mesh_gather_next(mesh_gather *g, uint32_t step, uint32_t field, const char *name);
+/* mesh_gather_next() - what comes next is this step, of the file `name` (kept by reference).
+ * mesh_gather_done() - it has all come: as many points, values and tets as the first time, else
+ * ST_CORRUPT. */
+void mesh_gather_next(mesh_gather *g, uint32_t step, const char *name);
 CHECKED status mesh_gather_done(const mesh_gather *g);
 
 /* mesh_gather_read() - mesh_input_read() to a sink of g, with the progress of the whole series. */
 CHECKED status mesh_gather_read(mesh_gather *g, mesh_input *x, const mesh_sink *sink,
                                 mesh_report *report);
-
-/* mesh_gather_end() - everything has come. */
-CHECKED status mesh_gather_end(mesh_gather *g);
 
 /* The first element of a step in `points`, of a field at a step in `values`. */
 static inline uint64_t mesh_gather_points(const mesh_gather *g, uint32_t step) {

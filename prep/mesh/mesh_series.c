@@ -6,16 +6,25 @@ status mesh_series_check(const mesh_series *s) {
     return series_check(s->paths, false, &(leaf_sets){s->fields, s->steps, s->names, s->times});
 }
 
-/* A field at a step, but for the very first. name: of the array, or NULL. */
-static status read_again(mem *m, const mesh_series *s, mesh_gather *g, const char *name,
-                         const mesh_sink *sink) {
+/* All fields of a step. */
+static status read_step(const mesh_series *s, mesh_gather *g, mesh_input *x, const mesh_sink *sink,
+                        mesh_report *report) {
+    status st = s->names ? mesh_input_take(x, s->names, s->fields) : ST_OK;
+    if (st == ST_OK)
+        st = mesh_gather_read(g, x, sink, report);
+    return st == ST_OK ? mesh_gather_done(g) : st;
+}
+
+/* field: of the first step, where the series has no names; "": it has none. */
+static status read_later_step(mem *m, const mesh_series *s, mesh_gather *g, const char *field,
+                              const mesh_sink *sink) {
     mesh_hints hints = s->hints;
     mesh_report report;
     mesh_input *x = NULL;
-    hints.field = name;
+    hints.field = s->names ? s->names[0] : *field ? field : NULL;
     status st = mesh_input_open(m, s->paths[g->step], &hints, &x);
     if (st == ST_OK)
-        st = mesh_gather_read(g, x, sink, &report);
+        st = read_step(s, g, x, sink, &report);
     mesh_input_close(x);
     return st;
 }
@@ -24,17 +33,11 @@ status mesh_series_read(mem *m, const mesh_series *s, mesh_input *first, mesh_ga
                         const mesh_sink *sink, mesh_report *report) {
     g->fields = s->fields;
     g->steps = s->steps;
-    for (uint32_t step = 0; step < s->steps; step++)
-        for (uint32_t field = 0; field < s->fields; field++) {
-            const bool begins = step == 0 && field == 0;
-            const char *name = s->names ? s->names[field] : *report->field ? report->field : NULL;
-            mesh_gather_next(g, step, field, s->paths[step]);
-            status st =
-                begins ? mesh_gather_read(g, first, sink, report) : read_again(m, s, g, name, sink);
-            if (st == ST_OK)
-                st = mesh_gather_done(g);
-            if (st != ST_OK)
-                return st;
-        }
-    return ST_OK;
+    mesh_gather_next(g, 0, s->paths[0]);
+    status st = read_step(s, g, first, sink, report);
+    for (uint32_t step = 1; step < s->steps && st == ST_OK; step++) {
+        mesh_gather_next(g, step, s->paths[step]);
+        st = read_later_step(m, s, g, report->field, sink);
+    }
+    return st;
 }

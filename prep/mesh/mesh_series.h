@@ -1,7 +1,7 @@
 /* mesh_series.h - several meshes as the steps of one, several arrays of theirs as its fields.
  *
  * The tets of every step must be, one by one, those of the first; points may move. A file is read
- * once for each field.
+ * once, with all its fields.
  */
 #ifndef PREP_MESH_MESH_SERIES_H
 #define PREP_MESH_MESH_SERIES_H
@@ -28,7 +28,7 @@ typedef struct mesh_series {
 CHECKED status mesh_series_check(const mesh_series *s);
 
 /* mesh_series_read() - all of it to sink, that of g; first: the first step's mesh, just opened,
- * with the first field. report: of the first reading. ST_CORRUPT names the file that is unlike the
+ * with any of the fields. report: of the first reading. ST_CORRUPT names the file that is unlike the
  * first, and the first tet that is. */
 CHECKED status mesh_series_read(mem *m, const mesh_series *s, mesh_input *first, mesh_gather *g,
                                 const mesh_sink *sink, mesh_report *report);

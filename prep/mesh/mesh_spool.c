@@ -29,113 +29,92 @@ size_t mesh_spool_buffers(size_t element) {
     return CHUNK * element + 4096;
 }
 
-static status add_chunk(mesh_spool *s) {
-    status st = mem_grow(s->m, &s->chunks, sizeof *s->chunks, s->chunk_count, 64, &s->chunk_room);
-    if (st != ST_OK)
-        return st;
-    char *chunk = mem_alloc(s->m, CHUNK * s->element);
-    if (!chunk)
-        return ST_NOMEM;
-    s->chunks[s->chunk_count++] = chunk;
-    return ST_OK;
+/* Chunks before it may be missing. */
+static status add_chunk(mesh_spool *s, uint64_t i) {
+    while (s->chunk_count <= i) {
+        status st =
+            mem_grow(s->m, &s->chunks, sizeof *s->chunks, s->chunk_count, 64, &s->chunk_room);
+        if (st != ST_OK)
+            return st;
+        s->chunks[s->chunk_count++] = NULL;
+    }
+    s->chunks[i] = mem_zalloc(s->m, CHUNK * s->element);
+    return s->chunks[i] ? ST_OK : ST_NOMEM;
+}
+
+static status write_chunk(mesh_spool *s, uint64_t i) {
+    const uint64_t first = i << MESH_SPOOL_LOG2, left = s->count - first;
+    const size_t some = left < CHUNK ? (size_t)left : CHUNK;
+    return s->chunks[i] ? out_file_write_at(s->file, first * s->element, s->chunks[i],
+                                            some * s->element)
+                        : ST_OK;
 }
 
 status mesh_spool_spill(mesh_spool *s) {
     if (s->file)
         return ST_OK;
     status st = out_file_scratch(s->m, s->beside, &s->file);
-    uint64_t whole = s->count >> MESH_SPOOL_LOG2;
-    for (uint64_t i = 0; st == ST_OK && i < whole; i++)
-        st = out_file_append(s->file, s->chunks[i], CHUNK * s->element);
-    if (st != ST_OK)
-        return st;
-    /* What is left over stays in one chunk: the buffer. */
-    char *rest = s->chunk_count > whole ? s->chunks[whole] : NULL;
-    if (rest)
-        s->chunks[whole] = NULL;
+    for (uint64_t i = 0; st == ST_OK && i < s->chunk_count; i++)
+        st = write_chunk(s, i);
     free_chunks(s);
-    if (!rest)
-        return ST_OK;
-    s->chunks[0] = rest;
-    s->chunk_count = 1;
-    return ST_OK;
+    return st;
 }
 
 static bool is_full(const mesh_spool *s) {
     return s->ceiling && mem_used(s->m) + CHUNK * s->element > s->ceiling;
 }
 
-/* Room for one element more. */
-static status make_room(mesh_spool *s) {
-    if (!s->file && s->chunk_count > 0 && is_full(s)) {
+/* A chunk to put elements in, or the file. */
+static status make_room(mesh_spool *s, uint64_t i) {
+    if (s->file || (i < s->chunk_count && s->chunks[i]))
+        return ST_OK;
+    if (s->chunk_count > 0 && is_full(s)) {
         mesh_spool *out = s->first_out;
         if (!out || out->file || out->chunk_count == 0)
             out = s;
         status st = mesh_spool_spill(out);
-        if (st != ST_OK)
+        if (st != ST_OK || out == s)
             return st;
     }
-    return s->file && s->chunk_count ? ST_OK : add_chunk(s);
+    return add_chunk(s, i);
 }
 
-static status append_some(mesh_spool *s, const char *from, size_t count) {
-    size_t used = s->count & (CHUNK - 1);
-    if (used == 0) {
-        status st = make_room(s);
+/* Within one chunk, where there are any. */
+static status put_some(mesh_spool *s, uint64_t at, const char *from, size_t count) {
+    status st = make_room(s, at >> MESH_SPOOL_LOG2);
+    if (st != ST_OK)
+        return st;
+    if (s->file)
+        st = out_file_write_at(s->file, at * s->element, from, count * s->element);
+    else
+        memcpy(s->chunks[at >> MESH_SPOOL_LOG2] + (at & (CHUNK - 1)) * s->element, from,
+               count * s->element);
+    s->count = at + count > s->count ? at + count : s->count;
+    return st;
+}
+
+status mesh_spool_put(mesh_spool *s, uint64_t at, const void *elements, size_t count) {
+    const char *from = elements;
+    while (count > 0) {
+        const size_t room = CHUNK - (at & (CHUNK - 1)), some = count < room ? count : room;
+        status st = put_some(s, at, from, some);
         if (st != ST_OK)
             return st;
+        from += some * s->element;
+        at += some;
+        count -= some;
     }
-    char *chunk = s->chunks[s->file ? 0 : s->count >> MESH_SPOOL_LOG2];
-    memcpy(chunk + used * s->element, from, count * s->element);
-    s->count += count;
-    if (s->file && used + count == CHUNK)
-        return out_file_append(s->file, chunk, CHUNK * s->element);
     return ST_OK;
 }
 
 status mesh_spool_append(mesh_spool *s, const void *elements, size_t count) {
-    const char *from = elements;
-    while (count > 0) {
-        size_t room = CHUNK - (s->count & (CHUNK - 1)), some = count < room ? count : room;
-        status st = append_some(s, from, some);
-        if (st != ST_OK)
-            return st;
-        from += some * s->element;
-        count -= some;
-    }
-    return ST_OK;
-}
-
-status mesh_spool_end(mesh_spool *s) {
-    size_t rest = s->count & (CHUNK - 1);
-    if (!s->file)
-        return ST_OK;
-    status st = rest ? out_file_append(s->file, s->chunks[0], rest * s->element) : ST_OK;
-    free_chunks(s);
-    return st;
-}
-
-/* Of one that still grows, the last elements are in the buffer. */
-static status read_file(mesh_spool *s, uint64_t first, size_t count, char *to) {
-    const uint64_t written = s->chunk_count ? s->count & ~(uint64_t)(CHUNK - 1) : s->count;
-    const uint64_t end = first + count < written ? first + count : written;
-    status st = ST_OK;
-    if (first < end) {
-        const size_t some = (size_t)(end - first);
-        st = out_file_read_at(s->file, first * s->element, to, some * s->element);
-        first += some;
-        count -= some;
-        to += some * s->element;
-    }
-    if (st == ST_OK && count > 0)
-        memcpy(to, s->chunks[0] + (first - written) * s->element, count * s->element);
-    return st;
+    return mesh_spool_put(s, s->count, elements, count);
 }
 
 status mesh_spool_read(mesh_spool *s, uint64_t first, size_t count, void *to) {
     assert(first + count <= s->count);
     if (s->file)
-        return read_file(s, first, count, to);
+        return out_file_read_at(s->file, first * s->element, to, count * s->element);
     char *at = to;
     while (count > 0) {
         size_t room = CHUNK - (first & (CHUNK - 1)), some = count < room ? count : room;

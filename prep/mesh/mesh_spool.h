@@ -1,9 +1,8 @@
 /* mesh_spool.h - a growing array of small elements, in memory while there is room, else in a
  * scratch file.
  *
- * Elements are appended by one thread; from mesh_spool_end() on any number of threads may read. In
- * memory they lie in chunks of 2^MESH_SPOOL_LOG2 elements; in a file one behind the other, with one
- * chunk as buffer.
+ * Elements are put there by one thread; when all are, any number of threads may read. In memory they
+ * lie in chunks of 2^MESH_SPOOL_LOG2 elements, in a file one behind the other.
  */
 #ifndef PREP_MESH_MESH_SPOOL_H
 #define PREP_MESH_MESH_SPOOL_H
@@ -39,13 +38,13 @@ void mesh_spool_release(mesh_spool *s);
 /* mesh_spool_buffers() - bytes that a spool holds at least while it grows. */
 size_t mesh_spool_buffers(size_t element);
 
+/* mesh_spool_append() - behind the last one; mesh_spool_put() - from any place on. What is left
+ * between them is zeros, until it is put there, too. */
 CHECKED status mesh_spool_append(mesh_spool *s, const void *elements, size_t count);
+CHECKED status mesh_spool_put(mesh_spool *s, uint64_t at, const void *elements, size_t count);
 
 /* mesh_spool_spill() - move everything to a file; nothing to do when it is there. */
 CHECKED status mesh_spool_spill(mesh_spool *s);
-
-/* mesh_spool_end() - no more will be appended. */
-CHECKED status mesh_spool_end(mesh_spool *s);
 
 static inline bool mesh_spool_held(const mesh_spool *s) {
     return !s->file;
@@ -56,8 +55,8 @@ static inline const void *mesh_spool_at(const mesh_spool *s, uint64_t i) {
     return s->chunks[i >> MESH_SPOOL_LOG2] + (i & ((1u << MESH_SPOOL_LOG2) - 1)) * s->element;
 }
 
-/* mesh_spool_read() - copy elements [first, first + count) of those that have been appended; by
- * many threads once the spool has ended. */
+/* mesh_spool_read() - copy elements [first, first + count), which are below s->count; by many
+ * threads once nothing is put there any more. */
 CHECKED status mesh_spool_read(mesh_spool *s, uint64_t first, size_t count, void *to);
 
 /* mesh_spool_forget() - elements before this one will not be read again: gives memory back. */
