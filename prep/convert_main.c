@@ -290,7 +290,7 @@ static const cli_verb verb = {
            "of a time series: grids of the same sizes and place; meshes of the same tets, whose "
            "points may move."
            "\vExample:\n  leafcast convert bonsai_256x256x256_uint8.raw -o bonsai.leaf\v"
-           "The input is read once (a mesh: once for each field). Memory stays below --memory "
+           "The input is read once. Memory stays below --memory "
            "(default 2G) whatever its size; "
            "what does not fit (of a volume: two slabs in half of it) goes through temporary files "
            "beside the output. The output's bytes depend on neither --memory nor --threads, "
