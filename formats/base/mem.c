@@ -20,8 +20,9 @@ void mem_init(mem *m, size_t limit) {
 static void *refuse(const mem *m, size_t size) {
     if (m->limit)
         (void)status_describe(
-            ST_NOMEM, "no room for %zu bytes: %zu of the memory budget of %zu bytes are in use",
-            size, atomic_load(&m->used), m->limit);
+            ST_NOMEM, "no room for %zu bytes: %zu of the memory budget of %zu bytes are in use%s",
+            size, atomic_load(&m->used) + m->lent, m->limit + m->lent,
+            m->lent ? ", by an importer, too" : "");
     else
         (void)status_describe(ST_NOMEM, "no room for %zu bytes: the system has no memory left",
                               size);

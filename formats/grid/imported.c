@@ -40,6 +40,9 @@ static status verb_failed(const import *x, const child *c, int code) {
     if (code > 128)
         return status_describe(ST_CORRUPT, "%s: %s was ended by signal %d over this file", x->path,
                                strrchr(x->program, '/') + 1, code - 128);
+    if (code == 4 && x->lent)
+        return status_describe(ST_NOMEM, "%s (it has %zu of the budget's %zu MiB)", last_words(c),
+                               x->lent >> 20, (x->m->limit + x->m->lent) >> 20);
     return status_describe(known ? meaning[code] : ST_FAILED, "%s", last_words(c));
 }
 

@@ -1,9 +1,13 @@
 #include "formats/grid/nifti.h"
 
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "formats/base/num.h"
+#include "formats/base/text.h"
 #include "formats/input/binary_fields.h"
 
 /* Where the two versions have their fields, and how wide these are. */
@@ -59,6 +63,8 @@ typedef struct nifti {
     const char *name; /* of the file */
     volume_layout *l;
     bool pair, big;
+    bool at_image; /* the stream is of a pair's .img */
+    size_t size;
     uint8_t bytes[HEADER_MAX];
 } nifti;
 
@@ -73,12 +79,45 @@ static const nifti_form *find_form(const uint8_t *start, size_t size, bool *pair
     return NULL;
 }
 
+/* Its first bytes are those of a header, and h->form's. */
+static bool is_header(nifti *h, const uint8_t *start, size_t size) {
+    h->form = find_form(start, size, &h->pair);
+    if (!h->form || (binary_unsigned(start, 4, false) != (uint64_t)h->form->header_bytes &&
+                     binary_unsigned(start, 4, true) != (uint64_t)h->form->header_bytes))
+        return false;
+    h->size = size < HEADER_MAX ? size : HEADER_MAX;
+    memcpy(h->bytes, start, h->size);
+    return true;
+}
+
+static bool is_header_file(mem *m, const char *path, nifti *h) {
+    byte_stream *s = NULL;
+    const uint8_t *start;
+    size_t size;
+    const bool is = byte_stream_open(m, path, &s) == ST_OK &&
+                    byte_stream_peek(s, HEADER_MAX, &start, &size) == ST_OK &&
+                    is_header(h, start, size) && h->pair;
+    byte_stream_close(s);
+    return is;
+}
+
+/* The header beside an image: x.hdr or x.hdr.gz beside x.img. path: where it is. */
+static bool find_header(mem *m, const char *image, char path[PATH_MAX], nifti *h) {
+    static const char *const suffixes[] = {".hdr", ".HDR", ".hdr.gz"};
+    const int stem = (int)strlen(image) - 4;
+    for (int i = 0; i < 3 && text_ends_in(image, ".img"); i++)
+        if (snprintf(path, PATH_MAX, "%.*s%s", stem, image, suffixes[i]) < PATH_MAX &&
+            access(path, R_OK) == 0 && is_header_file(m, path, h))
+            return true;
+    return false;
+}
+
 static bool known(const char *path, const uint8_t *start, size_t size) {
-    bool pair;
-    const nifti_form *f = find_form(start, size, &pair);
-    (void)path;
-    return f && (binary_unsigned(start, 4, false) == (uint64_t)f->header_bytes ||
-                 binary_unsigned(start, 4, true) == (uint64_t)f->header_bytes);
+    char header[PATH_MAX];
+    nifti h;
+    mem m;
+    mem_init(&m, 0);
+    return is_header(&h, start, size) || find_header(&m, path, header, &h);
 }
 
 static double real_at(const nifti *h, int at, int index) {
@@ -264,7 +303,7 @@ static status find_samples(nifti *h) {
         return status_describe(ST_CORRUPT,
                                "%s: vox_offset is %s, expected a place behind the header", h->name,
                                num_print(offset, text));
-    status st = h->pair ? open_image(h) : ST_OK;
+    status st = h->pair && !h->at_image ? open_image(h) : ST_OK;
     return st == ST_OK ? volume_layout_skip(h->l, 0, (int64_t)offset) : st;
 }
 
@@ -274,18 +313,22 @@ static status open_layout(volume_layout *l, const volume_hints *hints) {
     static const uint8_t planar[] = {ORDER_X, ORDER_Y, ORDER_Z, ORDER_STEP, ORDER_COMPONENT};
     const uint32_t none[3] = {0, 0, 0};
     (void)hints;
-    nifti h = {.l = l, .name = l->path};
+    char header[PATH_MAX];
+    nifti h = {.l = l, .name = byte_stream_name(l->data)};
     const uint8_t *start;
     size_t size;
     status st = byte_stream_peek(l->data, HEADER_MAX, &start, &size);
     if (st != ST_OK)
         return st;
-    h.name = byte_stream_name(l->data);
-    h.form = find_form(start, size, &h.pair);
-    if (size < (size_t)h.form->header_bytes)
+    if (!is_header(&h, start, size)) {
+        h.at_image = true;
+        h.name = header;
+        if (!find_header(l->m, byte_stream_kind(l->data), header, &h)) /* it was there before */
+            return status_describe(ST_IO, "%s: its header is not there", l->path);
+    }
+    if (h.size < (size_t)h.form->header_bytes)
         return status_describe(ST_CORRUPT, "%s: ends at byte %zu, expected a header of %d", h.name,
-                               size, h.form->header_bytes);
-    memcpy(h.bytes, start, (size_t)h.form->header_bytes);
+                               h.size, h.form->header_bytes);
     h.big = binary_unsigned(h.bytes, 4, true) == (uint64_t)h.form->header_bytes;
     grid_init(&l->g, none, SAMPLE_U8);
     l->big_endian = h.big;

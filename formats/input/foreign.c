@@ -71,6 +71,7 @@ static const row rows[] = {
     IMPORTED("PNG", "images", 0, BYTES("\x89PNG\r\n"), ".png "),
     IMPORTED("JPEG", "images", 0, BYTES("\xff\xd8\xff"), ".jpg .jpeg "),
     IMPORTED("OpenEXR", "images", 0, BYTES("\x76\x2f\x31\x01"), ".exr "),
+    IMPORTED_IF_NAMED("PNM", "images", 0, BYTES("P"), ".pgm .ppm .pnm .pbm "),
     KNOWN("JPEG 2000", SLICES, 0, BYTES("\0\0\0\x0cjP  \r\n"), ".jp2 "),
     IMPORTED("OpenVDB", "vdb", 0, BYTES(" BDV\0\0\0\0"), ".vdb "),
     IMPORTED_IF_NAMED("NetCDF-4", "netcdf", 0, BYTES("\x89HDF\r\n\x1a\n"), ".nc .nc4 .cdf "),

@@ -28,6 +28,16 @@ exits "a folder" 0 "$leafcast" import-images "$tmp/stack" -o "$tmp/out.nrrd" --f
 ok "in the order in which people count" [ "$(first_bytes 12 7)" = "1 2 3 9 10 11 100" ]
 ok "of a slice each" header "sizes: 4 3 7"
 ok "at distances of 1" header 'space directions: (1,0,0) (0,1,0) (0,0,1)'
+"$leafcast" import-images "$tmp/stack" | "$leafcast" convert - -o "$tmp/piped.leaf" --name s -q
+exits "convert takes the folder" 0 "$leafcast" convert "$tmp/stack" -o "$tmp/pgms.leaf" --name s
+ok "and says with what" grep -q 'PNM, read by leafcast import-images' "$tmp/err"
+ok "with the same bytes" cmp -s "$tmp/piped.leaf" "$tmp/pgms.leaf"
+# A budget is the user's, of which the importer has half.
+exits "convert with too little memory" 4 "$leafcast" convert "$tmp/stack" -o "$tmp/little.leaf" --memory 700K --threads 1
+needed=$(sed -n 's/.* a memory budget of 0 MiB is too small: this input needs \([0-9]*\) MiB .*importer$/\1/p' "$tmp/err")
+ok "what it needs is told ($needed)" [ -n "$needed" ]
+exits "and does" 0 "$leafcast" convert "$tmp/stack" -o "$tmp/little.leaf" --memory "${needed}M" --threads 1 --name s
+ok "the same bytes" cmp -s "$tmp/pgms.leaf" "$tmp/little.leaf"
 exits "files that are named" 0 "$leafcast" import-images "$tmp/stack/img10.pgm" "$tmp/stack/img9.pgm" \
     "$tmp/stack/img100.pgm" -o "$tmp/out.nrrd" --force
 ok "in the same order" [ "$(first_bytes 12 3)" = "9 10 100" ]

@@ -10,7 +10,7 @@ if [ -z "$python" ]; then
     finish
 fi
 cat >"$tmp/lib.py" <<'PY'
-import sys
+import os, sys
 sys.path.insert(0, "tests/support")
 import numpy as np, nibabel as nib
 from grid_truth import same, refused, end
@@ -154,4 +154,22 @@ exits "a step by convert" 0 "$leafcast" convert "$tmp/t.nii.gz" --step 3 -o "$tm
 exits "a component of what has none" 2 "$leafcast" convert "$tmp/1i16be.nii" --component 1 -o "$tmp/t.leaf" --force
 exits "info of scaled samples" 0 "$leafcast" info "$tmp/c.nii" --json
 ok "tells both types" grep -q '"source_type": "u8"' "$tmp/out"
+begin <<'PY'
+# Of a pair the image, too; another header beside an image says nothing of it.
+a = some("i2", (5, 4, 3))
+for cls in nib.Nifti1Pair, nib.Nifti2Pair:
+    for packed in "", ".gz":
+        nib.save(cls(a, turn), f"{tmp}/i.hdr{packed}")
+        same(f"{tmp}/i.img{packed}", a.T, nib.load(f"{tmp}/i.hdr{packed}").affine)
+        for file in "i.hdr", "i.img":
+            os.remove(f"{tmp}/{file}{packed}")
+open(f"{tmp}/head_5x4x3_int16.hdr", "w").write("ENVI\n")
+open(f"{tmp}/head_5x4x3_int16.img", "wb").write(a.T.astype("<i2").tobytes())
+same(f"{tmp}/head_5x4x3_int16.img", a.T, np.eye(4))
+nib.save(nib.Nifti2Pair(a, turn), f"{tmp}/cut.hdr")
+os.truncate(f"{tmp}/cut.hdr", 500)
+refused(f"{tmp}/cut.img", "cut.hdr: ends at byte 500")
+end()
+PY
+exits "a pair's image" 0 "$python" "$tmp/test.py" "$tmp"
 finish
