@@ -204,17 +204,96 @@ static void rectilinear_axes(void **state) {
     free(samples);
 }
 
-/* The second reader is a judge only if it sees everything: each byte of a file, changed, is found
- * out. */
-static void every_byte_counts(void **state) {
+/* ---- several sets ---- */
+
+enum { FIELDS = 2, STEPS = 3, SETS = FIELDS * STEPS };
+
+/* Steps of files of random samples, read twice: both fields have them, so that each set's samples are
+ * known. One is a single value, whose payloads are implied. */
+typedef struct series {
+    leaf_case c;
+    void *samples[STEPS];
+    const char *paths[STEPS];
+    grid_series of;
+} series;
+
+static void make_series(series *s, const uint32_t dims[3], sample_type type) {
+    static const char *const names[FIELDS] = {"speed", "heat"};
+    static const double times[STEPS] = {-1, 0.5, 7};
+    const size_t count = (size_t)dims[0] * dims[1] * dims[2];
+    s->c = leaf_files_case(dims[0], dims[1], dims[2], type);
+    for (int step = 0; step < STEPS; step++) {
+        char name[32];
+        s->samples[step] = leaf_files_random(&s->c, (uint64_t)step + 40, 300);
+        if (step == 1)
+            memset(s->samples[step], 0, count * sample_size(type));
+        snprintf(name, sizeof name, "step%d.bin", step);
+        s->paths[step] = strdup(scratch_write(name, s->samples[step], count * sample_size(type)));
+    }
+    s->of = (grid_series){.paths = s->paths,
+                          .sets = {FIELDS, STEPS, names, times},
+                          .hints = {.dims = {dims[0], dims[1], dims[2]}, .type = type}};
+}
+
+static void release_series(series *s) {
+    for (int step = 0; step < STEPS; step++) {
+        free(s->samples[step]);
+        free((void *)(uintptr_t)s->paths[step]);
+    }
+}
+
+static const char *convert_series(series *s, const char *name) {
+    mem m;
+    volume *v = NULL;
+    convert_plan plan;
+    convert_result result;
+    mem_init(&m, 0);
+    s->c.options.series = &s->of;
+    s->c.options.force = true;
+    assert_int_equal(grid_series_open(&m, &s->of, 0, &v), ST_OK);
+    assert_int_equal(convert_plan_make(&m, volume_grid(v), &s->c.options, &plan), ST_OK);
+    assert_int_equal(convert_run(&m, v, scratch_path(name), &s->c.options, &plan, NULL, &result),
+                     ST_OK);
+    volume_close(v);
+    assert_int_equal(mem_used(&m), 0);
+    return scratch_path(name);
+}
+
+static void check_sets(series *s, const char *path) {
+    for (long set = 0; set < SETS; set++) {
+        naive_leaf leaf;
+        if (!naive_leaf_load_set(&leaf, path, set))
+            fail_msg("set %ld: %s", set, leaf.why);
+        assert_int_equal(leaf.fields, FIELDS);
+        assert_int_equal(leaf.steps, STEPS);
+        assert_int_equal(leaf.version, 2);
+        assert_string_equal(leaf.field_names[1], "heat");
+        assert_true(leaf.times[0] == -1 && leaf.times[2] == 7);
+        s->c.samples = s->samples[set % STEPS];
+        check_level0(&leaf, &s->c);
+        check_pyramid(&leaf);
+        naive_leaf_release(&leaf);
+    }
+}
+
+static void several_sets(void **state) {
     (void)state;
-    leaf_case c = leaf_files_case(18, 17, 19, SAMPLE_U8);
-    void *samples = leaf_files_random(&c, 9, 0);
-    c.samples = samples;
-    const char *path = leaf_files_make(&c, "naive.leaf");
+    static const uint32_t dims[][3] = {{18, 17, 19}, {37, 20, 33}, {9, 8, 7}};
+    for (size_t i = 0; i < sizeof dims / sizeof dims[0]; i++)
+        for (int type = 0; type < 2; type++) {
+            series s;
+            make_series(&s, dims[i], type ? SAMPLE_F32 : SAMPLE_U8);
+            s.c.options.file.codec = i % 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
+            check_sets(&s, convert_series(&s, "sets.leaf"));
+            release_series(&s);
+        }
+}
+
+/* Each of the first bytes, and then some, changed; and prefixes. */
+static void check_every_byte(const char *path, size_t all, size_t step) {
     size_t size;
     char *bytes = scratch_read(path, &size);
-    for (size_t i = 0; i < size; i += i < 4096 + 400 ? 1 : 61) {
+    for (size_t i = 0; i < size; i += i < all ? 1 : step) {
         naive_leaf leaf;
         bytes[i] ^= 0x10;
         if (naive_leaf_load(&leaf, scratch_write("changed.leaf", bytes, size)))
@@ -228,14 +307,28 @@ static void every_byte_counts(void **state) {
         naive_leaf_release(&leaf);
     }
     free(bytes);
-    free(samples);
 }
 
+/* The second reader is a judge only if it sees everything: each byte of a file, changed, is found
+ * out. */
+static void every_byte_counts(void **state) {
+    (void)state;
+    leaf_case c = leaf_files_case(18, 17, 19, SAMPLE_U8);
+    void *samples = leaf_files_random(&c, 9, 0);
+    c.samples = samples;
+    check_every_byte(leaf_files_make(&c, "naive.leaf"), 4096 + 400, 61);
+    free(samples);
+    series s;
+    make_series(&s, (const uint32_t[3]){9, 8, 7}, SAMPLE_U8);
+    check_every_byte(convert_series(&s, "sets.leaf"), 4096 + 2000, 499);
+    release_series(&s);
+}
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_size),       cmocka_unit_test(every_type),
         cmocka_unit_test(missing_data),     cmocka_unit_test(constant_and_extreme_values),
         cmocka_unit_test(rectilinear_axes), cmocka_unit_test(every_byte_counts),
+        cmocka_unit_test(several_sets),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -55,7 +55,7 @@ static bool read_header(naive_leaf *leaf) {
     static const uint64_t ranges[][3] = {
         {8, 1, 2},        {12, 1, 1},  {16, 1, 5}, {20, 1, 8}, {24, 2, 1 << 20}, {28, 2, 1 << 20},
         {32, 2, 1 << 20}, {36, 1, 24}, {40, 4, 6}, {44, 0, 1}, {48, 2, 2},       {52, 6, 21},
-        {56, 0, 1},       {60, 0, 1},  {64, 1, 1}, {68, 1, 1}, {72, 1, 64},      {76, 0, 0},
+        {56, 0, 1},       {60, 0, 1},  {64, 1, 65536}, {68, 1, 65536}, {72, 1, 64}, {76, 0, 0},
     };
     const unsigned char *b = leaf->bytes;
     if (leaf->size < 4096 || memcmp(b, magic, 8) != 0)
@@ -77,6 +77,11 @@ static bool read_header(naive_leaf *leaf) {
     leaf->run_align_log2 = (int)naive_number(b + 52, 4);
     leaf->codec = (int)naive_number(b + 56, 4);
     leaf->rectilinear = naive_number(b + 60, 4) == 1;
+    leaf->fields = (long)naive_number(b + 64, 4);
+    leaf->steps = (long)naive_number(b + 68, 4);
+    leaf->sets = leaf->fields * leaf->steps;
+    if (leaf->sets > (leaf->version == 1 ? 1 : 65536))
+        return wrong(leaf, "%ld fields at %ld steps", leaf->fields, leaf->steps);
     leaf->non_finite = naive_number(b + 104, 8);
     leaf->value_min = naive_real64(b + 112);
     leaf->value_max = naive_real64(b + 120);
@@ -92,8 +97,11 @@ static bool read_header(naive_leaf *leaf) {
     if (naive_number(b + 96, 8) != leaf->size)
         return wrong(leaf, "file_bytes");
     uint64_t sections = naive_number(b + 72, 4);
-    if (leaf->size < 4096 + 32 * sections || !naive_zeros(leaf->bytes, 1344, 4096))
+    if (leaf->size < 4096 + 32 * sections || !naive_zeros(leaf->bytes, 1344, 1424) ||
+        !naive_zeros(leaf->bytes, leaf->version == 1 ? 1424 : 1488, 4096))
         return wrong(leaf, "section table cut off, or reserved bytes");
+    if (!naive_text(b + 1424, 64))
+        return wrong(leaf, "the name of the first field");
     return read_text(leaf, 256, 64, leaf->name) && read_text(leaf, 320, 1024, leaf->provenance) &&
            (naive_hashes(leaf->bytes, sections) || wrong(leaf, "the header's checksum or id"));
 }
@@ -131,10 +139,10 @@ static bool lay_out(naive_leaf *leaf) {
     }
     if (levels != leaf->levels || (uint64_t)total != naive_number(leaf->bytes + 80, 8))
         return wrong(leaf, "%d levels, %ld treelets are implied", levels, total);
-    if ((uint64_t)total > leaf->size)
+    if ((uint64_t)total > leaf->size / (uint64_t)leaf->sets)
         return wrong(leaf, "more treelets than bytes");
     leaf->treelet_count = total;
-    leaf->treelets = calloc((size_t)total, sizeof leaf->treelets[0]);
+    leaf->treelets = calloc((size_t)(total * leaf->sets), sizeof leaf->treelets[0]);
     for (int i = 0; i < levels; i++) {
         naive_level *l = &leaf->level[i];
         size_t count = (size_t)l->nodes[0] * (size_t)l->nodes[1] * (size_t)l->nodes[2];
@@ -178,9 +186,20 @@ static bool order_treelets(naive_leaf *leaf) {
     return count == leaf->treelet_count || wrong(leaf, "the treelets do not add up");
 }
 
+/* Those of each further set are as those of the first. */
+static bool repeat_treelets(naive_leaf *leaf) {
+    const long n = leaf->treelet_count;
+    for (long i = n; i < n * leaf->sets; i++) {
+        naive_treelet *t = &leaf->treelets[i];
+        *t = leaf->treelets[i % n];
+        t->parent += t->parent < 0 ? 0 : i / n * n;
+    }
+    return true;
+}
+
 /* ---- 3. sections ---- */
 
-enum { RANGES = 1, OWN, FLAGS, OFFSETS, SIZES, CHECKSUMS, AXES, KINDS };
+enum { RANGES = 1, OWN, FLAGS, OFFSETS, SIZES, CHECKSUMS, AXES, FIELDS = 10, TIMES, KINDS };
 
 static bool read_axes(naive_leaf *leaf, const unsigned char *at) {
     for (int a = 0; a < 3; a++) {
@@ -197,9 +216,51 @@ static bool read_axes(naive_leaf *leaf, const unsigned char *at) {
     return true;
 }
 
+/* Section 6 tells of both. */
+static bool read_labels(naive_leaf *leaf, const unsigned char *names, const unsigned char *times) {
+    leaf->field_names = names ? calloc((size_t)leaf->fields, 64) : NULL;
+    leaf->times = times ? calloc((size_t)leaf->steps, sizeof leaf->times[0]) : NULL;
+    if ((names && !leaf->field_names) || (times && !leaf->times))
+        return wrong(leaf, "no memory");
+    for (long i = 0; names && i < leaf->fields; i++) {
+        if (!naive_text(names + 64 * i, 64))
+            return wrong(leaf, "the name of field %ld", i);
+        memcpy(leaf->field_names[i], names + 64 * i, 64);
+    }
+    if (names && memcmp(names, leaf->bytes + 1424, 64) != 0)
+        return wrong(leaf, "two names of the first field");
+    for (long i = 0; times && i < leaf->steps; i++) {
+        leaf->times[i] = naive_real64(times + 8 * i);
+        if (!isfinite(leaf->times[i]) || (i > 0 && !(leaf->times[i] > leaf->times[i - 1])))
+            return wrong(leaf, "the time of step %ld", i);
+    }
+    return true;
+}
+
+static uint64_t section_bytes(const naive_leaf *leaf, uint64_t kind) {
+    static const int element[] = {0, 8, 8, 1, 8, 8, 8};
+    switch (kind) {
+    case AXES: return 8 * (uint64_t)(leaf->dims[0] + leaf->dims[1] + leaf->dims[2]);
+    case FIELDS: return 64 * (uint64_t)leaf->fields;
+    case TIMES: return 8 * (uint64_t)leaf->steps;
+    default: return (uint64_t)element[kind] * (uint64_t)(leaf->treelet_count * leaf->sets);
+    }
+}
+
+/* Whether one of a kind must be there, or must not. */
+static bool belongs(const naive_leaf *leaf, int kind, bool there) {
+    switch (kind) {
+    case AXES: return there == leaf->rectilinear;
+    case 8:
+    case 9: return !there;
+    case FIELDS: return !there || leaf->version == 2;
+    case TIMES: return !there || leaf->steps > 1;
+    default: return there;
+    }
+}
+
 /* Where each section is; the end of the last one in *end. */
 static bool find_sections(naive_leaf *leaf, const unsigned char *where[KINDS], uint64_t *end) {
-    static const int element[KINDS] = {0, 8, 8, 1, 8, 8, 8, 0};
     uint64_t sections = naive_number(leaf->bytes + 72, 4);
     *end = 4096 + 32 * sections;
     for (uint64_t i = 0; i < sections; i++) {
@@ -215,17 +276,14 @@ static bool find_sections(naive_leaf *leaf, const unsigned char *where[KINDS], u
         *end = offset + bytes;
         if (kind >> 30 & 1)
             continue;
-        if (kind < 1 || kind >= KINDS || where[kind])
+        if (kind < 1 || kind >= KINDS || kind == 8 || kind == 9 || where[kind])
             return wrong(leaf, "section kind %d", (int)kind);
-        uint64_t want = (uint64_t)element[kind] * (uint64_t)leaf->treelet_count;
-        if (kind == AXES)
-            want = 8 * (uint64_t)(leaf->dims[0] + leaf->dims[1] + leaf->dims[2]);
-        if (bytes != want)
+        if (bytes != section_bytes(leaf, kind))
             return wrong(leaf, "size of section kind %d", (int)kind);
         where[kind] = leaf->bytes + offset;
     }
     for (int kind = 1; kind < KINDS; kind++)
-        if ((where[kind] != NULL) != (kind != AXES || leaf->rectilinear))
+        if (!belongs(leaf, kind, where[kind] != NULL))
             return wrong(leaf, "section kind %d there or not there", kind);
     return true;
 }
@@ -467,7 +525,7 @@ static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KI
                            uint64_t end) {
     uint64_t stored = 0, implied = 0;
     bool run = false;
-    for (long i = 0; i < leaf->treelet_count; i++) {
+    for (long i = 0; i < leaf->treelet_count * leaf->sets; i++) {
         naive_treelet *t = &leaf->treelets[i];
         for (int n = 0; n < 2; n++) {
             t->merged[n] = naive_real32(where[RANGES] + 8 * i + 4 * n);
@@ -485,7 +543,7 @@ static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KI
             t->payload_size *= (uint64_t)(t->cells[a] + 1 + 2 * leaf->halo);
         t->payload_size = naive_up_to(naive_up_to(codes_size(leaf), 64) + t->payload_size, 64);
 
-        bool first = i == 0 || t->parent != leaf->treelets[i - 1].parent;
+        bool first = i % leaf->treelet_count == 0 || t->parent != leaf->treelets[i - 1].parent;
         bool even = t->at[0] % 2 == 0 && t->at[1] % 2 == 0 && t->at[2] % 2 == 0;
         if (first != even)
             return wrong(leaf, "treelet %ld: first of its family or not", i);
@@ -513,7 +571,7 @@ static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KI
         end = t->offset + t->size;
         stored += t->size;
     }
-    if (leaf->version != (implied ? 2 : 1))
+    if (leaf->version != (implied || leaf->sets > 1 ? 2 : 1))
         return wrong(leaf, "version %d, %llu implied payloads", leaf->version,
                      (unsigned long long)implied);
     if (stored != naive_number(leaf->bytes + 88, 8))
@@ -526,13 +584,14 @@ static bool read_directory(naive_leaf *leaf, const unsigned char *const where[KI
 
 /* Merged ranges from below: children come after their parent. */
 static bool check_merged(naive_leaf *leaf) {
-    float(*merged)[2] = malloc((size_t)leaf->treelet_count * sizeof merged[0]);
+    const long count = leaf->treelet_count * leaf->sets;
+    float(*merged)[2] = malloc((size_t)count * sizeof merged[0]);
     if (!merged)
         return wrong(leaf, "no memory");
     bool good = true;
-    for (long i = 0; i < leaf->treelet_count; i++)
+    for (long i = 0; i < count; i++)
         memcpy(merged[i], leaf->treelets[i].own, sizeof merged[i]);
-    for (long i = leaf->treelet_count - 1; good && i >= 0; i--) {
+    for (long i = count - 1; good && i >= 0; i--) {
         const naive_treelet *t = &leaf->treelets[i];
         good = (merged[i][0] == t->merged[0] && merged[i][1] == t->merged[1]) ||
                wrong(leaf, "treelet %ld: merged range", i);
@@ -546,24 +605,45 @@ static bool check_merged(naive_leaf *leaf) {
     return good;
 }
 
-/* What the header says of level 0, from all its samples. */
-static bool check_values(naive_leaf *leaf) {
+/* What the header says of level 0, from all samples of all sets. */
+typedef struct tally {
+    double lo, hi;
+    uint64_t non_finite;
+} tally;
+
+static void count_values(const naive_leaf *leaf, tally *t) {
     const naive_level *l = &leaf->level[0];
     size_t count = (size_t)l->nodes[0] * (size_t)l->nodes[1] * (size_t)l->nodes[2];
-    double lo = INFINITY, hi = -INFINITY;
-    uint64_t non_finite = 0;
     for (size_t i = 0; i < count; i++) {
         double value = (double)l->samples[i];
         if (!isfinite(value)) {
-            non_finite++;
+            t->non_finite++;
             continue;
         }
-        lo = value < lo ? value : lo;
-        hi = value > hi ? value : hi;
+        t->lo = value < t->lo ? value : t->lo;
+        t->hi = value > t->hi ? value : t->hi;
     }
-    if (lo != leaf->value_min || hi != leaf->value_max)
+}
+
+static bool check_values(naive_leaf *leaf, const tally *t) {
+    if (t->lo != leaf->value_min || t->hi != leaf->value_max)
         return wrong(leaf, "value_min, value_max");
-    return non_finite == leaf->non_finite || wrong(leaf, "non_finite");
+    return t->non_finite == leaf->non_finite || wrong(leaf, "non_finite");
+}
+
+/* Samples of another set take the place of those that are there. */
+static bool read_set(naive_leaf *leaf, long set, tally *t) {
+    bool good = true;
+    for (int i = 0; i < leaf->levels; i++) {
+        naive_level *l = &leaf->level[i];
+        memset(l->known, 0, (size_t)(l->nodes[0] * l->nodes[1] * l->nodes[2]));
+    }
+    for (int own = 1; own >= 0; own--)
+        for (long i = 0; good && i < leaf->treelet_count; i++)
+            good = read_payload(leaf, &leaf->treelets[set * leaf->treelet_count + i], own);
+    if (good)
+        count_values(leaf, t);
+    return good;
 }
 
 /* ---- loading ---- */
@@ -582,18 +662,24 @@ static bool read_file(naive_leaf *leaf, const char *path) {
     return good || wrong(leaf, "cannot be read");
 }
 
-bool naive_leaf_load(naive_leaf *leaf, const char *path) {
+bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set) {
     const unsigned char *where[KINDS] = {NULL};
     uint64_t end;
+    tally t = {.lo = INFINITY, .hi = -INFINITY};
     memset(leaf, 0, sizeof *leaf);
     bool good = read_file(leaf, path) && read_header(leaf) && check_to_world(leaf) &&
-                lay_out(leaf) && order_treelets(leaf) && find_sections(leaf, where, &end) &&
+                lay_out(leaf) && order_treelets(leaf) && repeat_treelets(leaf) &&
+                find_sections(leaf, where, &end) &&
                 (!leaf->rectilinear || read_axes(leaf, where[AXES])) &&
-                read_directory(leaf, where, end);
-    for (int own = 1; own >= 0; own--)
-        for (long i = 0; good && i < leaf->treelet_count; i++)
-            good = read_payload(leaf, &leaf->treelets[i], own);
-    return good && check_merged(leaf) && check_values(leaf);
+                read_labels(leaf, where[FIELDS], where[TIMES]) && read_directory(leaf, where, end);
+    /* The one that is asked for comes last, and stays. */
+    for (long i = 1; good && i <= leaf->sets; i++)
+        good = read_set(leaf, (set + i) % leaf->sets, &t);
+    return good && check_merged(leaf) && check_values(leaf, &t);
+}
+
+bool naive_leaf_load(naive_leaf *leaf, const char *path) {
+    return naive_leaf_load_set(leaf, path, 0);
 }
 
 void naive_leaf_release(naive_leaf *leaf) {
@@ -604,6 +690,8 @@ void naive_leaf_release(naive_leaf *leaf) {
     for (int a = 0; a < 3; a++)
         free(leaf->axis[a]);
     free(leaf->treelets);
+    free(leaf->field_names);
+    free(leaf->times);
     free(leaf->bytes);
     memset(leaf, 0, sizeof *leaf);
 }

@@ -2,7 +2,8 @@
  * whole, and strict.
  *
  * Holds the file and all levels in memory and recomputes whatever the format says about every byte:
- * padding, offsets, checksums, ranges, codes, halos, overlaps.
+ * padding, offsets, checksums, ranges, codes, halos, overlaps; of all sets. The samples that are left
+ * are those of one.
  */
 #ifndef TESTS_SUPPORT_NAIVE_LEAF_H
 #define TESTS_SUPPORT_NAIVE_LEAF_H
@@ -24,7 +25,7 @@ typedef struct naive_treelet {
     int level;
     long at[3]; /* its position among its level's treelets */
     long cells[3];
-    long parent; /* -1: the root */
+    long parent; /* of the same set; -1: the root */
     float own[2], merged[2];
     bool has_non_finite;
     uint64_t offset, size, payload_size; /* size as stored; 0: implied */
@@ -40,9 +41,12 @@ typedef struct naive_leaf {
     uint64_t non_finite;
     char name[64], provenance[1024];
     double *axis[3];
+    long fields, steps, sets;
+    char (*field_names)[64]; /* NULL: untold */
+    double *times;           /* likewise */
     naive_level level[NAIVE_LEVELS_MAX];
-    naive_treelet *treelets;
-    long treelet_count;
+    naive_treelet *treelets; /* of all sets, one after the other */
+    long treelet_count;      /* of one */
     unsigned char *bytes; /* the file */
     size_t size;
     char why[NAIVE_WHY_MAX]; /* what is wrong with it */
@@ -51,6 +55,10 @@ typedef struct naive_leaf {
 /* naive_leaf_load() - read and check everything; false: leaf->why says what is wrong. Release it
  * either way. */
 bool naive_leaf_load(naive_leaf *leaf, const char *path);
+
+/* naive_leaf_load_set() - the same; the samples are those of this set, which the test knows to be
+ * there. */
+bool naive_leaf_load_set(naive_leaf *leaf, const char *path, long set);
 void naive_leaf_release(naive_leaf *leaf);
 
 /* naive_leaf_sample() - of a node of a level. */
