@@ -91,7 +91,8 @@ static const struct argp_option options[] = {
     {"axis-z", KEY_AXIS_Z, "FILE", 0, NULL, 2},
     {NULL, 0, NULL, 0, "Inputs with several fields, and meshes:", 3},
     {"field", KEY_FIELD, "NAME", CLI_BASIC,
-     "an array, grid, data set or variable to take, may be repeated (default: the first; of a mesh, "
+     "an array, grid, data set or variable to take, may be repeated (default: the first; of a "
+     "mesh, "
      "of its points)",
      3},
     {"step", KEY_STEP, "N", 0, "of several time steps in one file, from 0 on (default 0)", 3},

@@ -158,9 +158,8 @@ status convert_sets_times(convert_sets *s, uint32_t steps) {
         char text[64];
         const size_t length = strcspn(at, ",");
         if (at[length] != (i + 1 == steps ? '\0' : ','))
-            return status_describe(ST_USAGE,
-                                   "--times: \"%s\": expected %u times, one for each step",
-                                   s->times, steps);
+            return status_describe(
+                ST_USAGE, "--times: \"%s\": expected %u times, one for each step", s->times, steps);
         snprintf(text, sizeof text, "%.*s", (int)(length < 63 ? length : 63), at);
         status st = num_double(text, "--times", &s->parsed[i]);
         if (st != ST_OK)

@@ -208,8 +208,8 @@ static void rectilinear_axes(void **state) {
 
 enum { FIELDS = 2, STEPS = 3, SETS = FIELDS * STEPS };
 
-/* Steps of files of random samples, read twice: both fields have them, so that each set's samples are
- * known. One is a single value, whose payloads are implied. */
+/* Steps of files of random samples, read twice: both fields have them, so that each set's samples
+ * are known. One is a single value, whose payloads are implied. */
 typedef struct series {
     leaf_case c;
     void *samples[STEPS];

@@ -107,6 +107,10 @@ sample_type sample_widened(sample_type type) {
     return is_type(type) ? types[type].widened : type;
 }
 
+sample_type sample_computed(sample_type type) {
+    return sample_size(type) <= 2 || type == SAMPLE_F32 ? SAMPLE_F32 : SAMPLE_F64;
+}
+
 sample_type sample_stored(sample_type type) {
     return is_type(type) ? types[type].stored : type;
 }

@@ -36,6 +36,10 @@ bool sample_parse(const char *name, sample_type *out);
  * is f32, of u64 and i64 f64. */
 sample_type sample_widened(sample_type type);
 
+/* sample_computed() - the type of what is computed of samples of this one, scaled or joined from
+ * several numbers: f32 where a float holds all of theirs (8 and 16 bits, f32), else f64. */
+sample_type sample_computed(sample_type type);
+
 /* sample_stored() - the type under which a treelet file keeps samples of this type: those above 16
  * bits, and f16, become f32. */
 sample_type sample_stored(sample_type type);

@@ -161,7 +161,8 @@ static status read_list(const import *x, child *c, json_t **out) {
     int code = 0;
     size_t got = 0;
     char *text = mem_alloc(x->m, LIST_MAX);
-    status st = text ? child_read(c, text, LIST_MAX, &got, keep_on, (void *)(uintptr_t)x) : ST_NOMEM;
+    status st =
+        text ? child_read(c, text, LIST_MAX, &got, keep_on, (void *)(uintptr_t)x) : ST_NOMEM;
     if (st != ST_OK || got == LIST_MAX)
         child_kill(c);
     const status end = child_end(c, &code);

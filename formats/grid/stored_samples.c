@@ -37,7 +37,7 @@ status stored_samples_choose(stored_samples *s, const char *file, const volume_h
                                hints->component, count);
     if (hints->component)
         s->component = hints->component;
-    g->type = is_joined(s) || is_scaled(s) ? SAMPLE_F32 : sample_widened(s->type);
+    g->type = is_joined(s) || is_scaled(s) ? sample_computed(s->type) : sample_widened(s->type);
     g->source = g->type == s->type ? (sample_type)0 : s->type;
     return ST_OK;
 }

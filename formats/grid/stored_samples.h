@@ -2,8 +2,8 @@
  *
  * A sample is one or several numbers of a type, side by side. Of several, one is taken, or all
  * together: the magnitude of a vector, the luminance of a colour. Numbers may be scaled. All of it
- * is computed in double and rounded once; one number that is not scaled keeps its type, but for
- * f16 (f32), u64 and i64 (f64).
+ * is computed in double and rounded once, to sample_computed(); one number that is not scaled keeps
+ * its type, but for f16 (f32), u64 and i64 (f64).
  */
 #ifndef FORMATS_GRID_STORED_SAMPLES_H
 #define FORMATS_GRID_STORED_SAMPLES_H

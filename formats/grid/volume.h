@@ -50,8 +50,9 @@ const char *volume_format(const volume *v);
  * the hints choose. */
 bool volume_has_fields(const volume *v);
 
-/* volume_fields() - tell all the fields that could have been asked for; which of them was taken, and
- * how many steps they have. Before volume_rest(). Where the format has no names, the one is called
+/* volume_fields() - tell all the fields that could have been asked for; which of them was taken,
+ * and how many steps they have. Before volume_rest(). Where the format has no names, the one is
+ * called
  * "". */
 CHECKED status volume_fields(const volume *v, const slice_fields *to);
 
@@ -69,8 +70,8 @@ CHECKED status volume_read(volume *v, uint32_t count, void *buffer);
 enum { VOLUME_TRAILING_MAX = 1 << 26 };
 CHECKED status volume_finish(volume *v, uint64_t *trailing);
 
-/* volume_next_step() - of one whose hints had all_steps, behind volume_finish(): on to the slices of
- * the next step, which there is. false: it takes another opening, with another hint. */
+/* volume_next_step() - of one whose hints had all_steps, behind volume_finish(): on to the slices
+ * of the next step, which there is. false: it takes another opening, with another hint. */
 bool volume_next_step(volume *v);
 
 /* volume_rest() - nothing more will be read: what that takes is given back, an importer ended. What

@@ -127,17 +127,16 @@ static const vtk_array *find_field(vtk_grid *g, const char *name) {
     return a;
 }
 
-/* Of the points or the cells, as the chosen one is, as far as the first piece has them: they are the
- * same in all. */
+/* Of the points or the cells, as the chosen one is, as far as the first piece has them: they are
+ * the same in all. */
 static status tell_fields(void *ctx, const slice_fields *to) {
     const vtk_grid *g = ctx;
     const vtk_fields *f = &g->pieces[0].fields;
     status st = ST_OK;
     for (size_t i = 0; st == ST_OK && i < f->count[g->owner]; i++) {
         const vtk_array *a = &f->items[g->owner][i];
-        const slice_field one = {.name = a->name,
-                                 .steps = 1,
-                                 .taken = text_same_name(a->name, g->chosen, VTK_NAME_MAX)};
+        const slice_field one = {
+            .name = a->name, .steps = 1, .taken = text_same_name(a->name, g->chosen, VTK_NAME_MAX)};
         if (vtk_fields_is_one(a))
             st = to->take(to->ctx, &one);
     }

@@ -56,8 +56,8 @@ static bool came_before(const uint64_t *ids, int i) {
 }
 
 /* The values lie so many places apart. */
-static void add(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t *ids, const double *values,
-                int step) {
+static void add(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t *ids,
+                const double *values, int step) {
     int count = mesh_split_vertices(kind);
     for (int i = 0; i < count; i++)
         if (ids[i] >= a->points)

@@ -28,19 +28,19 @@ typedef struct mesh_average {
     uint32_t *cells; /* at each point, likewise */
 } mesh_average;
 
-/* mesh_average_begin() - for so many points and fields, 1 or more. Release in any case, also one that is all zeros. */
+/* mesh_average_begin() - for so many points and fields, 1 or more. Release in any case, also one
+ * that is all zeros. */
 CHECKED status mesh_average_begin(mesh_average *a, mem *m, uint64_t points, uint32_t fields);
 
 /* mesh_average_begin_rounds() - the same in windows, of a quarter of what the budget has left.
  * mesh_average_next() - on to the next window, its sums all 0; false behind the last one. */
-CHECKED status mesh_average_begin_rounds(mesh_average *a, mem *m, uint64_t points,
-                                         uint32_t fields);
+CHECKED status mesh_average_begin_rounds(mesh_average *a, mem *m, uint64_t points, uint32_t fields);
 bool mesh_average_next(mesh_average *a);
 
 void mesh_average_release(mesh_average *a);
 
-/* mesh_average_add() - a cell's value of a field, 0, 1, ..; a cell with an id that is no point is passed over, as
- * mesh_feed_cell() does. */
+/* mesh_average_add() - a cell's value of a field, 0, 1, ..; a cell with an id that is no point is
+ * passed over, as mesh_feed_cell() does. */
 void mesh_average_add(mesh_average *a, uint32_t field, mesh_cell kind, const uint64_t *ids,
                       double value);
 

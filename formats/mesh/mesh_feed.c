@@ -45,7 +45,8 @@ double mesh_feed_share(const mesh_feed *f) {
     const double point = sizeof *f->xyz, value = sizeof(float), cell = sizeof *f->tets;
     const double cells = f->cells ? (double)f->cells : 5 * (double)f->points;
     const double all = (point + value * f->fields) * (double)f->points + cell * cells;
-    double seen = point * (double)f->points_given + cell * (double)(f->cells_seen + f->report->skipped);
+    double seen =
+        point * (double)f->points_given + cell * (double)(f->cells_seen + f->report->skipped);
     for (uint32_t k = 0; k < f->fields; k++)
         seen += value * (double)f->columns[k].given;
     return seen < all ? seen / all : f->points > 0;

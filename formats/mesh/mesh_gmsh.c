@@ -321,8 +321,7 @@ static status read_field(gmsh_reading *r, gmsh_field *f) {
     gmsh_cursor c;
     status st = gmsh_cursor_open(r->file, &f->array->rows, &c);
     if (st == ST_OK)
-        st = f->array->owner == GMSH_NODES ? read_node_data(r, f, &c)
-                                           : read_element_data(r, f, &c);
+        st = f->array->owner == GMSH_NODES ? read_node_data(r, f, &c) : read_element_data(r, f, &c);
     if (st == ST_OK)
         st = gmsh_cursor_end(&c, ends[f->array->owner]);
     gmsh_cursor_close(&c);
@@ -548,5 +547,5 @@ static void gmsh_fields(const void *state, void (*take)(void *ctx, const char *n
             take(ctx, s->file.arrays[i].name);
 }
 
-const mesh_reader mesh_gmsh_reader = {"Gmsh",    gmsh_known, gmsh_open,
-                                      gmsh_read, gmsh_close, gmsh_take, gmsh_fields};
+const mesh_reader mesh_gmsh_reader = {"Gmsh",     gmsh_known, gmsh_open,  gmsh_read,
+                                      gmsh_close, gmsh_take,  gmsh_fields};

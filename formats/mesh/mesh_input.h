@@ -24,8 +24,9 @@ enum { MESH_NAME_MAX = 63 }; /* bytes, without the NUL */
 #define MESH_POINTS_MAX ((uint64_t)UINT32_MAX - 1)
 
 /* Where a mesh goes. Points and values come in order of id, each vertex once; points, values and
- * tets in any order among each other, and so do the values of several fields. What is handed over is valid during the call. A status other
- * than ST_OK ends the reading and is what mesh_input_read() returns. */
+ * tets in any order among each other, and so do the values of several fields. What is handed over
+ * is valid during the call. A status other than ST_OK ends the reading and is what
+ * mesh_input_read() returns. */
 typedef struct mesh_sink {
     void *ctx;
     status (*points)(void *ctx, uint64_t first, size_t count, const float (*xyz)[3]);
@@ -110,8 +111,8 @@ double mesh_input_share(mesh_input *x);
  * The first is the one that is taken when none is asked for. Before mesh_input_read(). */
 void mesh_input_fields(const mesh_input *x, void (*take)(void *ctx, const char *name), void *ctx);
 
-/* mesh_input_take() - take these fields, each as mesh_hints.field, in place of the hints' one; before
- * mesh_input_read(). ST_USAGE as mesh_input_open(). */
+/* mesh_input_take() - take these fields, each as mesh_hints.field, in place of the hints' one;
+ * before mesh_input_read(). ST_USAGE as mesh_input_open(). */
 CHECKED status mesh_input_take(mesh_input *x, const char *const *names, uint32_t count);
 
 /* mesh_input_read() - hand it all over; once. ST_CORRUPT names file, place and what was expected.

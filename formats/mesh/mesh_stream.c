@@ -321,6 +321,5 @@ static void stream_fields(const void *state, void (*take)(void *ctx, const char 
         take(ctx, s->header.field);
 }
 
-const mesh_reader mesh_stream_reader = {"mesh stream", stream_known, stream_open,
-                                        stream_read,   stream_close, stream_take,
-                                        stream_fields};
+const mesh_reader mesh_stream_reader = {"mesh stream", stream_known, stream_open,  stream_read,
+                                        stream_close,  stream_take,  stream_fields};

@@ -308,6 +308,5 @@ static void tetgen_fields(const void *state, void (*take)(void *ctx, const char 
     }
 }
 
-const mesh_reader mesh_tetgen_reader = {"TetGen",    tetgen_known, tetgen_open,
-                                        tetgen_read, tetgen_close, tetgen_take,
-                                        tetgen_fields};
+const mesh_reader mesh_tetgen_reader = {"TetGen",     tetgen_known, tetgen_open,  tetgen_read,
+                                        tetgen_close, tetgen_take,  tetgen_fields};

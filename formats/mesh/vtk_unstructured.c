@@ -38,8 +38,7 @@ static status no_field(const vtk_unstructured *g, const mesh_hints *asked) {
             for (size_t k = 0; k < g->pieces[i].fields.count[o]; k++)
                 if (is_numeric(&g->pieces[i].fields.items[o][k]))
                     name_list_add(&names[o], g->pieces[i].fields.items[o][k].name);
-    return mesh_choice_missing(g->source->path, asked, &names[VTK_OF_POINTS],
-                               &names[VTK_OF_CELLS]);
+    return mesh_choice_missing(g->source->path, asked, &names[VTK_OF_POINTS], &names[VTK_OF_CELLS]);
 }
 
 const vtk_array *vtk_unstructured_field(const vtk_unstructured *g, const vtk_piece *p, uint32_t k) {

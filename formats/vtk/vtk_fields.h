@@ -24,8 +24,8 @@ CHECKED status vtk_fields_add(vtk_fields *f, mem *m, vtk_owner owner, const char
  * parallel grid (vtkGhostType and its like): one that a reader may take unasked. */
 bool vtk_fields_is_one(const vtk_array *a);
 
-/* vtk_fields_find() - the array of that name; for NULL the first that vtk_fields_is_one(). NULL: there
- * is none. */
+/* vtk_fields_find() - the array of that name; for NULL the first that vtk_fields_is_one(). NULL:
+ * there is none. */
 const vtk_array *vtk_fields_find(const vtk_fields *f, vtk_owner owner, const char *name);
 
 void vtk_fields_release(vtk_fields *f, mem *m);

@@ -22,8 +22,9 @@ typedef struct convert_result {
     uint64_t trailing_bytes; /* of the input, behind its samples; ignored */
 } convert_result;
 
-/* convert_run() - v: just opened, at rest then; plan: from convert_plan_make() for it and for the same m and
- * options; p may be NULL. Nothing is left under output's name or beside it unless ST_OK. */
+/* convert_run() - v: just opened, at rest then; plan: from convert_plan_make() for it and for the
+ * same m and options; p may be NULL. Nothing is left under output's name or beside it unless ST_OK.
+ */
 CHECKED status convert_run(mem *m, volume *v, const char *output, const convert_options *o,
                            const convert_plan *plan, const progress *p, convert_result *result);
 

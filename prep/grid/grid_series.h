@@ -25,9 +25,10 @@ typedef struct grid_series {
 } grid_series;
 
 /* grid_series_check() - whether it can be; first: of the first set, just opened. All others are
- * opened, too, for their headers, but for further steps of a file. ST_USAGE for standard input where
- * more than one reading is needed, times that do not ascend, names given twice; ST_UNSUPPORTED for
- * more than LEAF_SETS_MAX sets, and for one that is unlike the first, which is named. */
+ * opened, too, for their headers, but for further steps of a file. ST_USAGE for standard input
+ * where more than one reading is needed, times that do not ascend, names given twice;
+ * ST_UNSUPPORTED for more than LEAF_SETS_MAX sets, and for one that is unlike the first, which is
+ * named. */
 CHECKED status grid_series_check(mem *m, const grid_series *s, const volume *first);
 
 /* grid_series_alike() - a set is opened, and has to be like the first: else ST_UNSUPPORTED. */

@@ -123,9 +123,9 @@ static json_t *shape_json(const uint64_t shape[4]) {
 }
 
 static status list_json(void *ctx, const import_item *item) {
-    json_t *entry = json_pack("{s:s, s:s, s:o, s:b, s:b}", "name", item->name, "type",
-                              item->type, "shape", shape_json(item->shape), "readable",
-                              item->refuse == NULL, "taken", item->taken);
+    json_t *entry =
+        json_pack("{s:s, s:s, s:o, s:b, s:b}", "name", item->name, "type", item->type, "shape",
+                  shape_json(item->shape), "readable", item->refuse == NULL, "taken", item->taken);
     if (entry && item->refuse)
         json_object_set_new(entry, "why", json_string(item->refuse));
     return json_array_append_new(ctx, entry) == 0 ? ST_OK : ST_NOMEM;

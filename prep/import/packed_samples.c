@@ -46,7 +46,7 @@ sample_type packed_type(const packed_samples *p) {
         return SAMPLE_F64;
     if (components(p) == 1 && !is_scaled(p) && !(has_holes(p) && whole))
         return p->type;
-    return sample_size(p->type) <= 2 || p->type == SAMPLE_F32 ? SAMPLE_F32 : SAMPLE_F64;
+    return sample_computed(p->type);
 }
 
 static bool is_plain(const packed_samples *p) {

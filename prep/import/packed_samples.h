@@ -39,11 +39,11 @@ void packed_init(packed_samples *p, sample_type type, packed_wide wide);
 void packed_fill(packed_samples *p, long double value);
 
 /* packed_type() - what samples become:
- *   as they are              integers of 8 to 32 bits, f32, f64
- *   f64                      integers of 64 bits; and what follows, of numbers of 32 bits and more
- * but f32 f32                      scaled; integers with fill values or a valid range; all of
- * several components: their magnitude, or of 3 and 4 of type u8 or u16 the luminance (ITU-R BT.709
- * of the first three) */
+ *   as they are         integers of 8 to 32 bits, f32, f64
+ *   f64                 integers of 64 bits
+ *   sample_computed()   scaled; integers with fill values or a valid range; all of several
+ *                       components: their magnitude, or of 3 and 4 of type u8 or u16 the luminance
+ *                       (ITU-R BT.709 of the first three) */
 sample_type packed_type(const packed_samples *p);
 
 /* packed_bytes() - of a stored sample, with all its components. */

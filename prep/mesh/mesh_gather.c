@@ -28,8 +28,8 @@ void mesh_gather_release(mesh_gather *g) {
 }
 
 size_t mesh_gather_least(uint32_t fields) {
-    return fields * mesh_feed_memory() + mesh_spool_buffers(sizeof(float[3])) + mesh_spool_buffers(sizeof(float)) +
-           mesh_spool_buffers(sizeof(uint32_t[4]));
+    return fields * mesh_feed_memory() + mesh_spool_buffers(sizeof(float[3])) +
+           mesh_spool_buffers(sizeof(float)) + mesh_spool_buffers(sizeof(uint32_t[4]));
 }
 
 /* Whether points and tets are those that all else is held against. */

@@ -3,9 +3,9 @@
  * In memory up to a ceiling; then tets go to a scratch file first, and points and values when that
  * is not enough.
  *
- * A series is read step after step, each with all its fields: mesh_gather_next() before each but the
- * first. Tets are those of the first step; they must come again, one by one the same.
- * Points are kept from the first step that moves one on; where none moves, but once.
+ * A series is read step after step, each with all its fields: mesh_gather_next() before each but
+ * the first. Tets are those of the first step; they must come again, one by one the same. Points
+ * are kept from the first step that moves one on; where none moves, but once.
  */
 #ifndef PREP_MESH_MESH_GATHER_H
 #define PREP_MESH_MESH_GATHER_H

@@ -28,8 +28,8 @@ typedef struct mesh_series {
 CHECKED status mesh_series_check(const mesh_series *s);
 
 /* mesh_series_read() - all of it to sink, that of g; first: the first step's mesh, just opened,
- * with any of the fields. report: of the first reading. ST_CORRUPT names the file that is unlike the
- * first, and the first tet that is. */
+ * with any of the fields. report: of the first reading. ST_CORRUPT names the file that is unlike
+ * the first, and the first tet that is. */
 CHECKED status mesh_series_read(mem *m, const mesh_series *s, mesh_input *first, mesh_gather *g,
                                 const mesh_sink *sink, mesh_report *report);
 

@@ -45,9 +45,9 @@ static status add_chunk(mesh_spool *s, uint64_t i) {
 static status write_chunk(mesh_spool *s, uint64_t i) {
     const uint64_t first = i << MESH_SPOOL_LOG2, left = s->count - first;
     const size_t some = left < CHUNK ? (size_t)left : CHUNK;
-    return s->chunks[i] ? out_file_write_at(s->file, first * s->element, s->chunks[i],
-                                            some * s->element)
-                        : ST_OK;
+    return s->chunks[i]
+               ? out_file_write_at(s->file, first * s->element, s->chunks[i], some * s->element)
+               : ST_OK;
 }
 
 status mesh_spool_spill(mesh_spool *s) {

@@ -1,8 +1,8 @@
 /* mesh_spool.h - a growing array of small elements, in memory while there is room, else in a
  * scratch file.
  *
- * Elements are put there by one thread; when all are, any number of threads may read. In memory they
- * lie in chunks of 2^MESH_SPOOL_LOG2 elements, in a file one behind the other.
+ * Elements are put there by one thread; when all are, any number of threads may read. In memory
+ * they lie in chunks of 2^MESH_SPOOL_LOG2 elements, in a file one behind the other.
  */
 #ifndef PREP_MESH_MESH_SPOOL_H
 #define PREP_MESH_MESH_SPOOL_H

@@ -105,7 +105,7 @@ fields() {
     shift 4
     exits "$name: all fields" 0 "$leafcast" convert "$@" --fields all -o "$out" --force
     exits "$name: is sound" 0 "$leafcast" verify "$out"
-    ok "$name: six of them" [ "$("$leafcast" info "$out" --json | grep -c "\"name\": \"$prefix[0-9]\"")" = 6 ]
+    ok "$name: six of them" [ "$("$leafcast" info "$out" --json | grep -c "\"name\": \"${prefix}[0-9]\"")" = 6 ]
     for how in "--memory 5M --threads 1" "--memory 7M --threads 2"; do
         # shellcheck disable=SC2086 # split on purpose
         exits "$name: $how" 0 "$leafcast" convert "$@" --fields all -o "$tmp/little.leaf" --force $how

@@ -2,8 +2,8 @@
  * whole, and strict.
  *
  * Holds the file and all levels in memory and recomputes whatever the format says about every byte:
- * padding, offsets, checksums, ranges, codes, halos, overlaps; of all sets. The samples that are left
- * are those of one.
+ * padding, offsets, checksums, ranges, codes, halos, overlaps; of all sets. The samples that are
+ * left are those of one.
  */
 #ifndef TESTS_SUPPORT_NAIVE_LEAF_H
 #define TESTS_SUPPORT_NAIVE_LEAF_H
@@ -47,7 +47,7 @@ typedef struct naive_leaf {
     naive_level level[NAIVE_LEVELS_MAX];
     naive_treelet *treelets; /* of all sets, one after the other */
     long treelet_count;      /* of one */
-    unsigned char *bytes; /* the file */
+    unsigned char *bytes;    /* the file */
     size_t size;
     char why[NAIVE_WHY_MAX]; /* what is wrong with it */
 } naive_leaf;

@@ -72,7 +72,7 @@ typedef struct walk {
     const import_request *q;
     const import_list *to; /* NULL: search */
     int best;              /* how well the best one so far suits */
-    char path[HDF5_PATH]; /* of that; to list: of the one that is taken, or "" */
+    char path[HDF5_PATH];  /* of that; to list: of the one that is taken, or "" */
     status st;
 } walk;
 
