@@ -25,7 +25,7 @@ typedef struct medium_ray {
     medium_stretch front;
     medium_stretch run; /* behind that: of pieces in one treelet */
     segments_state walk;
-    segment kept[WALK_KEPT];
+    segment kept[SEGMENTS_KEPT];
 } medium_ray;
 
 static medium_ray *medium_ray_of(ray_record *r) {
@@ -92,14 +92,22 @@ static void leave_out_rest(const frame *f, medium_ray *p) {
     p->front.through = 0.0;
 }
 
-static bool medium_pass(const frame *f, ray_record *r, const segment *piece) {
-    medium_ray *p = medium_ray_of(r);
-    const medium_stretch seen = medium_of_piece(&p->rule, piece);
-    if (piece->treelet != p->treelet)
-        end_run(p);
-    p->treelet = piece->treelet;
-    medium_join(&p->run, &seen);
-    return !is_dark(f, p);
+static void medium_take(const frame *f, ray_record *const r[], const segment_columns *c,
+                        bool stop[]) {
+    for (unsigned i = 0; i < c->count; i++) {
+        medium_ray *p = medium_ray_of(r[c->ray[i]]);
+        segment piece = {.t0 = c->t0[i], .t1 = c->t1[i], .degree = (uint32_t)c->degree};
+        if (stop[c->ray[i]])
+            continue;
+        for (int k = 0; k <= c->degree; k++)
+            piece.b[k] = c->b[k][i];
+        const medium_stretch seen = medium_of_piece(&p->rule, &piece);
+        if (c->treelet[i] != p->treelet)
+            end_run(p);
+        p->treelet = c->treelet[i];
+        medium_join(&p->run, &seen);
+        stop[c->ray[i]] = is_dark(f, p);
+    }
 }
 
 /* Up to the surface. */
@@ -111,7 +119,7 @@ static bool ask_for_pieces(const frame *f, medium_ray *p, ray_question *q) {
         !tracer_ray(&f->tracer[v], w.origin, w.direction, p->from, p->way.search.found.t, &q->ray))
         return false;
     if (!p->begun) {
-        p->walk = segments_begin(p->kept, WALK_KEPT);
+        p->walk = segments_begin(p->kept, SEGMENTS_KEPT);
         p->treelet = LEAF_NO_TREELET;
         p->begun = true;
     }
@@ -233,5 +241,5 @@ const integrator medium_integrator = {.record_bytes = sizeof(medium_ray),
                                       .begin = medium_begin,
                                       .ask = medium_ask,
                                       .answer = medium_answer,
-                                      .pass = medium_pass,
+                                      .take = medium_take,
                                       .bundle = surface_ray_bundle};
