@@ -73,8 +73,8 @@ static void medium_begin(const frame *f, uint32_t pixel, ray_record *r) {
     p->front = p->run = medium_nothing();
 }
 
-static void end_run(medium_ray *p) {
-    medium_join(&p->front, &p->run);
+static void end_run(const frame *f, medium_ray *p) {
+    medium_join(&p->front, &p->run, look_of(f)->brightest);
     p->run = medium_nothing();
 }
 
@@ -86,7 +86,7 @@ static bool is_dark(const frame *f, medium_ray *p) {
 
 /* Nothing is seen of what is behind. */
 static void leave_out_rest(const frame *f, medium_ray *p) {
-    end_run(p);
+    end_run(f, p);
     p->front.rgb_error += (p->front.through + p->front.through_error) * look_of(f)->brightest;
     p->front.through_error += p->front.through;
     p->front.through = 0.0;
@@ -103,9 +103,9 @@ static void medium_take(const frame *f, ray_record *const r[], const segment_col
             piece.b[k] = c->b[k][i];
         const medium_stretch seen = medium_of_piece(&p->rule, &piece);
         if (c->treelet[i] != p->treelet)
-            end_run(p);
+            end_run(f, p);
         p->treelet = c->treelet[i];
-        medium_join(&p->run, &seen);
+        medium_join(&p->run, &seen, look_of(f)->brightest);
         stop[c->ray[i]] = is_dark(f, p);
     }
 }
@@ -152,7 +152,7 @@ static bool composite(const frame *f, medium_ray *p) {
         s.rgb[c] = opacity * (double)p->way.rgb[c];
     s.rgb_error = depth_error_at(f, p) * look_of(f)->brightest;
     s.through_error = depth_error_at(f, p) * s.through;
-    medium_join(&p->front, &s);
+    medium_join(&p->front, &s, look_of(f)->brightest);
     p->from = p->way.search.found.t;
     return surface_ray_pass(f, &p->way) && s.through > 0.0 && !is_dark(f, p);
 }
@@ -164,7 +164,8 @@ static double error_of(const medium_stretch *s, const float background[4]) {
     double brightest = 1.0;
     for (int c = 0; c < 3; c++)
         brightest = fmax(brightest, fabs((double)background[c]));
-    return s->rgb_error + s->through_error * brightest + 0x1p-48 * brightest;
+    /* The last term is of sums along the ray: no way has 2^18 pieces. */
+    return s->rgb_error + (s->through_error + 0x1p-33) * brightest;
 }
 
 static void write(const frame *f, medium_ray *p, ray_counters *counters) {
@@ -188,7 +189,7 @@ static void write(const frame *f, medium_ray *p, ray_counters *counters) {
 }
 
 static void end(const frame *f, medium_ray *p, ray_counters *counters) {
-    end_run(p);
+    end_run(f, p);
     if (is_dark(f, p) && p->front.through > 0.0)
         leave_out_rest(f, p);
     write(f, p, counters);
@@ -198,7 +199,7 @@ static void end(const frame *f, medium_ray *p, ray_counters *counters) {
 
 /* The surface, if there is one that can be seen. False: the pixel is done. */
 static bool meet(const frame *f, medium_ray *p, ray_counters *counters) {
-    end_run(p);
+    end_run(f, p);
     p->way.head.volume = 0;
     return surface_ray_meet(f, &p->way, counters) && !is_dark(f, p);
 }

@@ -10,14 +10,9 @@ static const double unit = 0x1p-53; /* half an ulp of 1 */
 
 /* ---- Stretches ---- */
 
-static double brightest(const medium_stretch *s) {
-    return fmax(s->rgb[0], fmax(s->rgb[1], s->rgb[2]));
-}
-
-void medium_join(medium_stretch *front, const medium_stretch *behind) {
+void medium_join(medium_stretch *front, const medium_stretch *behind, double most_rgb) {
     const double reaching = front->through + front->through_error;
-    front->rgb_error += reaching * behind->rgb_error + front->through_error * brightest(behind) +
-                        4.0 * unit * (brightest(front) + brightest(behind));
+    front->rgb_error += reaching * behind->rgb_error + front->through_error * most_rgb;
     front->through_error = reaching * behind->through_error +
                            front->through_error * behind->through + unit * front->through;
     for (int c = 0; c < 3; c++)
@@ -179,7 +174,7 @@ static medium_stretch seen_of(const smooth_span *p, const smooth *s, int halving
         return front;
     }
     const medium_stretch back = seen_of(p, &half[1], halvings - 1);
-    medium_join(&front, &back);
+    medium_join(&front, &back, p->most_rgb);
     return front;
 }
 
@@ -216,14 +211,10 @@ static double coefficient(double w) {
     return w > -4.0 ? fmin(w, 5.0) : -4.0;
 }
 
-/* What is seen of [a, b], all of it in a span. */
-static void see(piece_walk *walk, const transfer_span *span, double a, double b) {
-    const segment *piece = walk->piece;
-    double f[4];
-    smooth s = {.degree = (int)piece->degree, .length = (b - a) * (piece->t1 - piece->t0)};
-    if (!(a < b) || !(span->k[0] > 0.0 || span->k[1] > 0.0))
-        return;
-    part_of(piece, a, b, f);
+/* What is seen of a length of t, all of it in a span, with the value's Bernstein coefficients. */
+static medium_stretch seen_in(const piece_walk *walk, const transfer_span *span, const double f[4],
+                              double length) {
+    smooth s = {.degree = (int)walk->piece->degree, .length = length};
     for (int i = 0; i <= s.degree; i++)
         s.w[i] = coefficient((f[i] - span->base) / span->width);
     complete(span, &s);
@@ -233,8 +224,18 @@ static void see(piece_walk *walk, const transfer_span *span, double a, double b)
                      .rgb_change = largest_change(span),
                      .w_error = fmin(walk->value_error / span->width, 1.0)};
     p.depth_error = p.w_error * fabs(span->k[1] - span->k[0]);
-    const medium_stretch seen = seen_of(&p, &s, HALVINGS_MAX);
-    medium_join(&walk->seen, &seen);
+    return seen_of(&p, &s, HALVINGS_MAX);
+}
+
+/* [a, b] comes behind what has been seen, all of it in a span. */
+static void see(piece_walk *walk, const transfer_span *span, double a, double b) {
+    const segment *piece = walk->piece;
+    double f[4];
+    if (!(a < b) || transfer_is_empty(span))
+        return;
+    part_of(piece, a, b, f);
+    const medium_stretch seen = seen_in(walk, span, f, (b - a) * (piece->t1 - piece->t0));
+    medium_join(&walk->seen, &seen, walk->rule->transfer->most_rgb);
 }
 
 /* Where the value is v, between a and b, where it is fa and fb, on either side of v. */
@@ -353,33 +354,45 @@ static double value_error_of(const segment *s, const segments_error *error) {
     return error->value + by_t + 16.0 * unit * largest;
 }
 
-/* Whether the whole piece is where nothing is. */
-static bool is_empty(const transfer *t, const segment *piece, double value_error) {
+/* The span that the whole piece is in, whatever the error; NULL: there are several. */
+static const transfer_span *only_span(const transfer *t, const segment *piece, double value_error) {
     double lo = piece->b[0], hi = piece->b[0];
     for (uint32_t i = 1; i <= piece->degree; i++) {
         lo = fmin(lo, piece->b[i]);
         hi = fmax(hi, piece->b[i]);
     }
-    const int at = transfer_find(t, lo - value_error);
-    const transfer_span *s = &t->span[at];
-    return s->k[0] == 0.0 && s->k[1] == 0.0 && hi + value_error < s->to;
+    const transfer_span *s = &t->span[transfer_find(t, lo - value_error)];
+    return hi + value_error < s->to ? s : NULL;
+}
+
+/* The ends of the piece are off, too. */
+static void add_ends(const medium_rule *rule, medium_stretch *seen) {
+    const double shift = fmin(relative_error(2.0 * rule->error.t * rule->transfer->most_k), 1.0);
+    seen->through_error = fmin(seen->through_error + shift, 1.0);
+    seen->rgb_error += shift * rule->transfer->most_rgb;
+}
+
+static void see_parts(piece_walk *walk) {
+    double at[4] = {0.0}, value[4];
+    int ends = 1;
+    if (walk->piece->degree == 3)
+        ends += cubic_extrema(walk->piece->b, at + 1);
+    at[ends] = 1.0;
+    for (int i = 0; i <= ends; i++)
+        value[i] = segment_at(walk->piece, at[i]);
+    for (int i = 0; i < ends; i++)
+        see_part(walk, at[i], at[i + 1], value[i], value[i + 1]);
 }
 
 medium_stretch medium_of_piece(const medium_rule *rule, const segment *piece) {
-    double at[4] = {0.0}, value[4];
-    int ends = 1;
     piece_walk walk = {rule, piece, value_error_of(piece, &rule->error), medium_nothing()};
-    if (is_empty(rule->transfer, piece, walk.value_error))
+    const transfer_span *span = only_span(rule->transfer, piece, walk.value_error);
+    if (span && transfer_is_empty(span))
         return walk.seen;
-    if (piece->degree == 3)
-        ends += cubic_extrema(piece->b, at + 1);
-    at[ends] = 1.0;
-    for (int i = 0; i <= ends; i++)
-        value[i] = segment_at(piece, at[i]);
-    for (int i = 0; i < ends; i++)
-        see_part(&walk, at[i], at[i + 1], value[i], value[i + 1]);
-    const double shift = fmin(relative_error(2.0 * rule->error.t * rule->transfer->most_k), 1.0);
-    walk.seen.through_error = fmin(walk.seen.through_error + shift, 1.0);
-    walk.seen.rgb_error += shift * rule->transfer->most_rgb;
+    if (span)
+        walk.seen = seen_in(&walk, span, piece->b, piece->t1 - piece->t0);
+    else
+        see_parts(&walk);
+    add_ends(rule, &walk.seen);
     return walk.seen;
 }

@@ -61,8 +61,8 @@ typedef struct medium_rule {
     segments_error error;     /* of pieces */
 } medium_rule;
 
-/* medium_join() - *front becomes it with `behind` behind it. */
-void medium_join(medium_stretch *front, const medium_stretch *behind);
+/* medium_join() - *front becomes it with `behind` behind it, whose light is most_rgb at most. */
+void medium_join(medium_stretch *front, const medium_stretch *behind, double most_rgb);
 
 /* medium_of_piece() - what is seen of a piece in a volume that is filled with something. t counts
  * world length. */
