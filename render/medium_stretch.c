@@ -102,7 +102,7 @@ static medium_stretch seen_at_once(const smooth_span *p, const smooth *s, double
     const double half = 0.5 * s->depth, through_half = portable_exp(-half);
     const bool thin = half < 1.0;
     const double change = thin ? weighted_change(s, half, through_half) : 0.0;
-    const double first = in_unit(s->w[0]), last = in_unit(s->w[s->degree]);
+    const double first = s->w[0], last = s->w[s->degree];
     medium_stretch out = {.through = through_half * through_half};
     for (int c = 0; c < 3; c++) {
         const double dc = span->rgb[1][c] - span->rgb[0][c];
@@ -114,7 +114,8 @@ static medium_stretch seen_at_once(const smooth_span *p, const smooth *s, double
     *tangent = spread * (thin ? 0.5 * (half * half) : 1.0);
     /* Of the depth's own roundings, a share of it, nothing is left but x e^-x < 1. */
     const double rounding = 64.0 * unit;
-    const double depth_error = (p->value_error * span->k_rate) * s->length;
+    const double depth_error =
+        (p->value_error * span->k_rate + 8.0 * unit * span->most_k) * s->length;
     const double shift = shift_of(depth_error) + rounding;
     out.through_error = depth_error < 0.5 ? out.through * shift + rounding : 1.0;
     out.rgb_error =
@@ -147,14 +148,14 @@ static medium_stretch seen_of(const smooth_span *p, const smooth *s, int halving
     smooth half[2];
     const medium_rule *rule = p->rule;
     medium_stretch front = seen_at_once(p, s, &tangent);
-    const double opacity = 1.0 - front.through;
-    if (tangent <= rule->share * opacity + rule->per_length * s->length || halvings == 0)
+    const double allowed = rule->share * (1.0 - front.through) + rule->per_length * s->length;
+    if (tangent <= allowed || front.rgb_error - tangent > allowed || halvings == 0)
         return front;
     halve(p->span, s, half);
     front = seen_of(p, &half[0], halvings - 1);
     /* Where hardly anything comes through the front, what is behind may be left out. */
     const double left = (front.through + front.through_error) * p->span->most_rgb;
-    if (front.rgb_error + left <= rule->share * (1.0 - front.through)) {
+    if (left <= rule->drop) {
         front.rgb_error += left;
         front.through_error += front.through;
         front.through = 0.0;

@@ -11,6 +11,7 @@ static transfer_span span_of(const leafcast_transfer_point *a, const leafcast_tr
     s.inverse = 1.0 / (s.to - s.from);
     for (int e = 0; e < 2; e++) {
         s.k[e] = ends[e]->extinction;
+        s.most_k = fmax(s.most_k, s.k[e]);
         for (int c = 0; c < 3; c++) {
             s.rgb[e][c] = (double)ends[e]->rgb[c];
             s.most_rgb = fmax(s.most_rgb, s.rgb[e][c]);

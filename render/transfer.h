@@ -18,6 +18,7 @@ typedef struct transfer_span {
     double base, inverse; /* of the width */
     double k[2];
     double rgb[2][3];
+    double most_k;     /* the larger of k[0], k[1] */
     double most_rgb;   /* the largest component of its colours, */
     double rgb_change; /* and how much one changes at most */
     /* A value that is off by e leads to a function that is off by e times these, as long as it and
