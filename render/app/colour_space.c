@@ -115,7 +115,7 @@ static void lab_of(const double rgb[3], double lab[3]) {
     lab[2] = 200.0 * (f[1] - f[2]);
 }
 
-static double encoded_of(double linear) {
+double colour_space_encoded(double linear) {
     return linear > 0.0031308 ? 1.055 * power(linear, 1.0 / 2.4) - 0.055 : 12.92 * linear;
 }
 
@@ -123,9 +123,9 @@ static double encoded_of(double linear) {
 static void bring_back(double linear[3]) {
     const double most = fmax(linear[0], fmax(linear[1], linear[2]));
     if (most > 1.0) {
-        const double brightest = encoded_of(most);
+        const double brightest = colour_space_encoded(most);
         for (int i = 0; i < 3; i++)
-            linear[i] = picture_linear(encoded_of(linear[i]) / brightest);
+            linear[i] = picture_linear(colour_space_encoded(linear[i]) / brightest);
     }
     for (int i = 0; i < 3; i++)
         linear[i] = fmin(fmax(linear[i], 0.0), 1.0);

@@ -25,4 +25,7 @@ bool colour_space_find(const char *name, colour_space *space);
 void colour_space_between(colour_space space, const double a[3], const double b[3], double s,
                           double linear[3]);
 
+/* colour_space_encoded() - what a linear component is on a screen: picture_linear() backwards. */
+double colour_space_encoded(double linear);
+
 #endif
