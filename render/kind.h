@@ -70,6 +70,9 @@ typedef struct kind {
     segments_result (*segments)(const tracer *tr, const ray *r, segments_state *state,
                                 ray_counters *counters);
 
+    /* segments_error_of(). */
+    segments_error (*segments_error)(const tracer *tr, const ray *r, const double range[2]);
+
     /* ---- A cell ---- */
 
     /* The cell of a hit, as leafcast_hit tells of it. */

@@ -22,7 +22,7 @@ static void gather(ray_company *c, unsigned first, ray_batch *b) {
     b->count = 0;
     for (unsigned i = first; i < c->count; i++) {
         const ray_question *q = &c->question[i];
-        if (!c->asks[i] || q->tracer != tr || turn_of(c->record[i]) != turn)
+        if (!c->asks[i] || !q->state || q->tracer != tr || turn_of(c->record[i]) != turn)
             continue;
         b->rays[b->count] = q->ray;
         b->states[b->count] = *q->state;
@@ -37,11 +37,38 @@ static void go_on(const frame *f, ray_company *c, unsigned i, trace_result resul
     c->blocked[i] = result == TRACE_BLOCKED;
     if (c->blocked[i]) {
         c->asks[i] = false;
-        r->blocked = c->question[i].state->blocked;
+        const ray_question *q = &c->question[i];
+        r->blocked = q->state ? q->state->blocked : q->walk->blocked;
         return;
     }
     f->integrator->answer(f, r, result);
     c->asks[i] = f->integrator->ask(f, r, &c->question[i], counters);
+}
+
+enum { WALK_AHEAD = 64 }; /* pieces: more saves time */
+
+/* The ray's pieces, one after the other. */
+static trace_result walk(const frame *f, ray_company *c, unsigned i, ray_counters *counters) {
+    ray_question *q = &c->question[i];
+    segment ahead[WALK_AHEAD], piece;
+    segments_result result;
+    segments_move(q->walk, ahead, WALK_AHEAD);
+    do
+        result = segments_next(q->tracer, &q->ray, q->walk, &piece, counters);
+    while (result == SEGMENTS_SOME && f->integrator->pass(f, c->record[i], &piece));
+    segments_move(q->walk, q->kept, WALK_KEPT);
+    return result == SEGMENTS_BLOCKED ? TRACE_BLOCKED : TRACE_MISS;
+}
+
+/* Those whose turn it is together, as far as they ask for hits. */
+static void answer_together(const frame *f, ray_company *c, unsigned first, ray_batch *b,
+                            void *scratch, ray_counters *counters) {
+    gather(c, first, b);
+    ray_batch_next(c->question[first].tracer, f->kernels, b, scratch, counters);
+    for (unsigned k = 0; k < b->count; k++) {
+        *c->question[c->asked[k]].state = b->states[k];
+        go_on(f, c, c->asked[k], b->results[k], counters);
+    }
 }
 
 void ray_advance(const frame *f, ray_company *c, ray_batch *b, void *scratch,
@@ -51,11 +78,9 @@ void ray_advance(const frame *f, ray_company *c, ray_batch *b, void *scratch,
         c->asks[i] = f->integrator->ask(f, c->record[i], &c->question[i], counters);
     }
     for (unsigned first = next_of(c); first < c->count; first = next_of(c)) {
-        gather(c, first, b);
-        ray_batch_next(c->question[first].tracer, f->kernels, b, scratch, counters);
-        for (unsigned k = 0; k < b->count; k++) {
-            *c->question[c->asked[k]].state = b->states[k];
-            go_on(f, c, c->asked[k], b->results[k], counters);
-        }
+        if (c->question[first].state)
+            answer_together(f, c, first, b, scratch, counters);
+        else
+            go_on(f, c, first, walk(f, c, first, counters), counters);
     }
 }
