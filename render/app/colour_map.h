@@ -1,9 +1,10 @@
 /* colour_map.h - colour maps: by name, and from the points that a file has.
  *
  * viridis, plasma, inferno and magma (Nathaniel Smith, Stefan van der Walt, Eric Firing; CC0) have
- * 15 to 20 points each, between which sRGB is linear: no component of their 256 colours is further
- * off than 1 of 255. The others are made by formula. What lies between the points of a map becomes
- * lines in linear light, to within half a step of 8 bits (transfer_curve.h).
+ * 19 to 29 points each, between which light is linear: no component of their 256 colours is further
+ * off than 1 of 255, as a screen shows them. The others are made by formula. What lies between the
+ * points of a map becomes lines in linear light, to within half a step of 8 bits
+ * (transfer_curve.h).
  */
 #ifndef RENDER_APP_COLOUR_MAP_H
 #define RENDER_APP_COLOUR_MAP_H

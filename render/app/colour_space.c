@@ -34,6 +34,14 @@ static void linear_of(const double encoded[3], double linear[3]) {
         linear[i] = picture_linear(encoded[i]);
 }
 
+static void between_light(const double a[3], const double b[3], double s, double linear[3]) {
+    double from[3], to[3];
+    linear_of(a, from);
+    linear_of(b, to);
+    for (int i = 0; i < 3; i++)
+        linear[i] = between(from[i], to[i], s);
+}
+
 /* x^e for x >= 0. */
 static double power(double x, double e) {
     return x > 0.0 ? portable_exp(e * portable_log(x)) : 0.0;
@@ -212,6 +220,7 @@ void colour_space_between(colour_space space, const double a[3], const double b[
                           double linear[3]) {
     double rgb[3];
     switch (space) {
+    case COLOUR_LINEAR: between_light(a, b, s, linear); return;
     case COLOUR_LAB: between_lab(a, b, s, linear); return;
     case COLOUR_DIVERGING: between_diverging(a, b, s, linear); return;
     case COLOUR_HSV:

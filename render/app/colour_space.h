@@ -8,6 +8,7 @@
 #include <stdbool.h>
 
 typedef enum colour_space {
+    COLOUR_LINEAR, /* light is linear; ParaView has no such space */
     COLOUR_RGB,
     COLOUR_HSV,         /* hues never pass red */
     COLOUR_HSV_WRAPPED, /* they go the shorter way around */

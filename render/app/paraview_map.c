@@ -21,8 +21,8 @@ static bool in_unit(double *x) {
 /* where: file and place of the point. */
 static status check_value(double value, const double *before, const char *where) {
     char a[NUM_TEXT_MAX], b[NUM_TEXT_MAX];
-    if (!isfinite(value))
-        return status_describe(ST_CORRUPT, "%s: expected a finite value", where);
+    if (!(fabs(value) <= 1e300))
+        return status_describe(ST_CORRUPT, "%s: expected a finite value, up to 1e300", where);
     if (before && value < *before)
         return status_describe(ST_CORRUPT, "%s: the value %s comes behind %s: expected rising ones",
                                where, num_print(value, a), num_print(*before, b));

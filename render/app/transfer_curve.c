@@ -22,7 +22,7 @@ static end end_at(const transfer_curve *c, double s) {
 
 static bool near_component(double exact, double drawn) {
     return fabs(exact - drawn) <= TRANSFER_CURVE_ERROR &&
-           fabs(colour_space_encoded(exact) - colour_space_encoded(drawn)) <= TRANSFER_CURVE_SHOWN;
+           fabs(colour_space_encoded(exact) - colour_space_encoded(drawn)) <= TRANSFER_CURVE_ERROR;
 }
 
 static double swallowed(double extinction) {

@@ -5,10 +5,9 @@
 
 #include "render/app/transfer_list.h"
 
-/* How far lines may be from a curve: in linear light, and of what an extinction swallows over a
- * length of 1. As a screen shows colours (sRGB), half of a step of 8 bits. */
-#define TRANSFER_CURVE_ERROR (1.0 / 1020)
-#define TRANSFER_CURVE_SHOWN (1.0 / 510)
+/* How far lines may be from a curve: in linear light, as a screen shows it (sRGB), and of what an
+ * extinction swallows over a length of 1. */
+#define TRANSFER_CURVE_ERROR (1.0 / 510)
 
 typedef struct transfer_curve {
     double from, to; /* values, from <= to */

@@ -22,15 +22,15 @@ static status take_point(text_tokens *t, leafcast_transfer_point *p) {
     static const char *const NAMES[3] = {"red", "green", "blue"};
     enum { BRIGHTEST = 1000000 };
     status st = text_tokens_double_here(t, "a value", &p->value);
-    if (st == ST_OK && !isfinite(p->value))
-        st = text_tokens_fault(t, "a finite value");
+    if (st == ST_OK && !(fabs(p->value) <= 1e300))
+        st = text_tokens_fault(t, "a finite value, up to 1e300");
     for (int c = 0; c < 3 && st == ST_OK; c++) {
         double x = 0.0;
         st = take_share(t, NAMES[c], BRIGHTEST, &x);
         p->rgb[c] = (float)x;
     }
     if (st == ST_OK)
-        st = take_share(t, "an extinction", 1e300, &p->extinction);
+        st = take_share(t, "an extinction", TRANSFER_LIST_MOST, &p->extinction);
     return st;
 }
 

@@ -1,6 +1,5 @@
 #include "render/app/transfer_list.h"
 
-#include <float.h>
 #include <math.h>
 
 status transfer_list_add(transfer_list *t, leafcast_transfer_point point) {
@@ -63,17 +62,15 @@ leafcast_transfer_point transfer_list_at(const transfer_list *t, double value, b
     return p;
 }
 
-void transfer_list_stretch(transfer_list *t, double lo, double hi) {
-    if (t->count == 0)
-        return;
-    const double first = t->points[0].value, last = t->points[t->count - 1].value;
-    double below = lo;
+void transfer_list_stretch(transfer_list *t, const double from[2], const double to[2]) {
+    double below = to[0];
     for (size_t i = 0; i < t->count; i++) {
         const double v = t->points[i].value;
-        const double s = first < last ? share_of(first, last, v) : 0.0;
+        const double s = from[0] < from[1] ? share_of(from[0], from[1], v) : 0.0;
+        const double moved = s >= 1.0 ? to[1] : (1.0 - s) * to[0] + s * to[1];
         /* Rounding may not make it fall. */
-        t->points[i].value = s >= 1.0 ? hi : fmin(fmax((1.0 - s) * lo + s * hi, below), hi);
-        below = t->points[i].value;
+        below = fmin(fmax(moved, below), to[1]);
+        t->points[i].value = below;
     }
 }
 
@@ -81,8 +78,7 @@ static status add_joint(transfer_list *out, const transfer_list *colours,
                         const transfer_list *extinctions, double factor, double value, bool after) {
     leafcast_transfer_point p = transfer_list_at(colours, value, after);
     p.extinction = factor * transfer_list_at(extinctions, value, after).extinction;
-    /* Beyond, a ray could not be told from one of the largest extinction there is. */
-    p.extinction = fmin(p.extinction, DBL_MAX);
+    p.extinction = fmin(p.extinction, TRANSFER_LIST_MOST);
     return transfer_list_add(out, p);
 }
 

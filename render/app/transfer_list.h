@@ -13,6 +13,9 @@
 #include "formats/base/mem.h"
 #include "render/leafcast.h"
 
+/* The largest extinction that a scene takes; no ray could tell it from a larger one. */
+#define TRANSFER_LIST_MOST 1e100
+
 /* Start with all zeros but for m. */
 typedef struct transfer_list {
     mem *m;
@@ -31,13 +34,14 @@ void transfer_list_release(transfer_list *t);
  * the step. count is not 0. */
 leafcast_transfer_point transfer_list_at(const transfer_list *t, double value, bool after);
 
-/* transfer_list_stretch() - move the points so that the first is at `lo` and the last at `hi`,
- * finite and lo <= hi. Where all are at one value, they all come to `lo`. */
-void transfer_list_stretch(transfer_list *t, double lo, double hi);
+/* transfer_list_stretch() - move the points so that a value from[0] comes to to[0], and from[1] to
+ * to[1]; all are finite, from[0] <= all values <= from[1], to[0] <= to[1]. Where from[0] is
+ * from[1], all come to to[0]. */
+void transfer_list_stretch(transfer_list *t, const double from[2], const double to[2]);
 
 /* transfer_list_join() - the colours of one list and the extinctions of another one, times
- * `factor`, into an empty one, with the points of both. Neither is empty. Errors as of
- * transfer_list_add(). */
+ * `factor` (at most TRANSFER_LIST_MOST), into an empty one, with the points of both. Neither is
+ * empty. Errors as of transfer_list_add(). */
 CHECKED status transfer_list_join(transfer_list *out, const transfer_list *colours,
                                   const transfer_list *extinctions, double factor);
 
