@@ -58,11 +58,12 @@ static inline medium_stretch medium_nothing(void) {
 typedef struct medium_rule {
     const transfer *transfer;
     double share, per_length; /* see (1) */
+    double drop;              /* so much light may be left out inside a piece, once a halving */
     segments_error error;     /* of pieces */
 } medium_rule;
 
-/* medium_join() - *front becomes it with `behind` behind it. */
-void medium_join(medium_stretch *front, const medium_stretch *behind);
+/* medium_join() - *front becomes it with `behind` behind it, whose light is most_rgb at most. */
+void medium_join(medium_stretch *front, const medium_stretch *behind, double most_rgb);
 
 /* medium_of_piece() - what is seen of a piece in a volume that is filled with something. t counts
  * world length. */

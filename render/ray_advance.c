@@ -45,19 +45,46 @@ static void go_on(const frame *f, ray_company *c, unsigned i, trace_result resul
     c->asks[i] = f->integrator->ask(f, r, &c->question[i], counters);
 }
 
-enum { WALK_AHEAD = 64 }; /* pieces: more saves time */
+/* What take() is told. */
+typedef struct walkers {
+    const frame *f;
+    ray_record *record[RAY_BATCH];
+} walkers;
 
-/* The ray's pieces, one after the other. */
-static trace_result walk(const frame *f, ray_company *c, unsigned i, ray_counters *counters) {
-    ray_question *q = &c->question[i];
-    segment ahead[WALK_AHEAD], piece;
-    segments_result result;
-    segments_move(q->walk, ahead, WALK_AHEAD);
-    do
-        result = segments_next(q->tracer, &q->ray, q->walk, &piece, counters);
-    while (result == SEGMENTS_SOME && f->integrator->pass(f, c->record[i], &piece));
-    segments_move(q->walk, q->kept, WALK_KEPT);
-    return result == SEGMENTS_BLOCKED ? TRACE_BLOCKED : TRACE_MISS;
+static void take(void *ctx, segment_batch *b) {
+    const walkers *w = ctx;
+    w->f->integrator->take(w->f, w->record, &b->columns, b->stop);
+}
+
+/* Of those whose turn it is, all that ask for pieces. */
+static void gather_walkers(ray_company *c, unsigned first, segment_batch *b, walkers *w) {
+    const tracer *tr = c->question[first].tracer;
+    const uint32_t turn = turn_of(c->record[first]);
+    b->count = 0;
+    for (unsigned i = first; i < c->count; i++) {
+        const ray_question *q = &c->question[i];
+        if (!c->asks[i] || q->state || q->tracer != tr || turn_of(c->record[i]) != turn)
+            continue;
+        b->rays[b->count] = q->ray;
+        b->state[b->count] = q->walk;
+        b->kept[b->count] = q->kept;
+        w->record[b->count] = c->record[i];
+        c->asked[b->count++] = (uint8_t)i;
+    }
+}
+
+/* All pieces of all these. */
+static void walk_together(const frame *f, ray_company *c, unsigned first, segment_batch *b,
+                          void *scratch, ray_counters *counters) {
+    walkers w = {.f = f};
+    gather_walkers(c, first, b, &w);
+    b->take = take;
+    b->ctx = &w;
+    segment_batch_walk(c->question[first].tracer, f->kernels, b, scratch, counters);
+    for (unsigned k = 0; k < b->count; k++)
+        go_on(f, c, c->asked[k],
+              b->result[k] == SEGMENTS_BLOCKED && !b->stop[k] ? TRACE_BLOCKED : TRACE_MISS,
+              counters);
 }
 
 /* Those whose turn it is together, as far as they ask for hits. */
@@ -71,7 +98,7 @@ static void answer_together(const frame *f, ray_company *c, unsigned first, ray_
     }
 }
 
-void ray_advance(const frame *f, ray_company *c, ray_batch *b, void *scratch,
+void ray_advance(const frame *f, ray_company *c, ray_batch *b, segment_batch *pieces, void *scratch,
                  ray_counters *counters) {
     for (unsigned i = 0; i < c->count; i++) {
         c->blocked[i] = false;
@@ -81,6 +108,6 @@ void ray_advance(const frame *f, ray_company *c, ray_batch *b, void *scratch,
         if (c->question[first].state)
             answer_together(f, c, first, b, scratch, counters);
         else
-            go_on(f, c, first, walk(f, c, first, counters), counters);
+            walk_together(f, c, first, pieces, scratch, counters);
     }
 }
