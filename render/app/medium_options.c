@@ -233,10 +233,20 @@ static void ends_of(const transfer_list *t, double ends[2]) {
     ends[1] = fmax(ends[1], t->points[t->count - 1].value);
 }
 
+/* What is not one of these names is a file; where it is not there, it was meant to be one. */
+static status read_named(const making *k, const char *name, const char *flag, const char *names,
+                         transfer_file *f) {
+    const status st = transfer_file_read(k->colours.m, name, f);
+    if (st != ST_IO || strpbrk(name, "./#"))
+        return st;
+    return status_describe(ST_USAGE, "%s: \"%s\" is neither a file nor one of %s", flag, name,
+                           names);
+}
+
 static status use_file(making *k) {
     transfer_file f = {0};
     double ends[2] = {INFINITY, -INFINITY};
-    status st = transfer_file_read(k->colours.m, k->o->tf, &f);
+    status st = read_named(k, k->o->tf, "--tf", transfer_preset_names(), &f);
     if (st == ST_OK && f.per_length && k->o->opacity_length > 0.0)
         st = status_describe(ST_USAGE, "--opacity-length: %s has extinctions, which need none",
                              k->o->tf);
@@ -262,12 +272,9 @@ static status use_map(making *k, const char *name) {
     transfer_list_release(&k->colours);
     status st = colour_map_named(name, &k->colours);
     if (st == ST_AGAIN) {
-        st = transfer_file_read(k->colours.m, name, &f);
+        st = read_named(k, name, "--colour-map", colour_map_names(), &f);
         if (st == ST_OK)
             take_list(&k->colours, &f.colours);
-        else if (st == ST_IO && !strpbrk(name, "./#"))
-            st = status_describe(ST_USAGE, "--colour-map: \"%s\" is neither a file nor one of %s",
-                                 name, colour_map_names());
         transfer_file_release(&f);
     }
     if (st == ST_OK)

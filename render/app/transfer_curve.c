@@ -6,7 +6,10 @@
 #include "formats/base/portable_math.h"
 #include "render/app/colour_space.h"
 
-enum { HALVINGS_MAX = 12, CHECKS = 8 };
+enum { HALVINGS_MAX = 12, CHECKS = 16 };
+
+/* Between two places that are looked at it may be a little more. */
+static const double MOST = 0.9 * TRANSFER_CURVE_ERROR;
 
 /* The end of a piece of the curve. */
 typedef struct end {
@@ -21,8 +24,8 @@ static end end_at(const transfer_curve *c, double s) {
 }
 
 static bool near_component(double exact, double drawn) {
-    return fabs(exact - drawn) <= TRANSFER_CURVE_ERROR &&
-           fabs(colour_space_encoded(exact) - colour_space_encoded(drawn)) <= TRANSFER_CURVE_ERROR;
+    return fabs(exact - drawn) <= MOST &&
+           fabs(colour_space_encoded(exact) - colour_space_encoded(drawn)) <= MOST;
 }
 
 static double swallowed(double extinction) {
@@ -31,7 +34,7 @@ static double swallowed(double extinction) {
 
 static bool is_near(const leafcast_transfer_point *exact, const end *a, const end *b, double w) {
     const double drawn = (1.0 - w) * a->p.extinction + w * b->p.extinction;
-    bool near = fabs(swallowed(exact->extinction) - swallowed(drawn)) <= TRANSFER_CURVE_ERROR;
+    bool near = fabs(swallowed(exact->extinction) - swallowed(drawn)) <= MOST;
     for (int c = 0; c < 3 && near; c++)
         near = near_component((double)exact->rgb[c],
                               (1.0 - w) * (double)a->p.rgb[c] + w * (double)b->p.rgb[c]);
