@@ -51,8 +51,8 @@ ok "is in the picture" [ "$(cmp -l "$tmp/legend.ppm" "$tmp/none.ppm" | wc -l)" -
 ok "not in raw colours" cmp "$tmp/with" "$tmp/without"
 exits "of several pictures" 0 draw --tf auto --turntable 2 --write-tf "$tmp/turn.tf" --error-f64 "$tmp/turn"
 ok "each has its own" [ -s "$tmp/turn_0001.tf" -a -s "$tmp/turn_0001" ]
-"$leafcast" generate gyroid --tets --dims 7 -o "$tmp/m_0000.mesh" -q
-"$leafcast" generate marschner-lobb --tets --dims 7 -o "$tmp/m_0001.mesh" -q
+"$leafcast" generate noise --seed 1 --tets --dims 7 -o "$tmp/m_0000.mesh" -q
+"$leafcast" generate noise --seed 2 --tets --dims 7 -o "$tmp/m_0001.mesh" -q
 "$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" -o "$tmp/m.leaf" -q
 exits "time steps" 0 "$leafcast" render "$tmp/m.leaf" --colour-map plasma --steps 0:1 --size 8x8 -q --write-tf "$tmp/s.tf"
 ok "share the first one's colours" cmp "$tmp/s_0000.tf" "$tmp/s_0001.tf"
