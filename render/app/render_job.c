@@ -122,24 +122,15 @@ static void note_others(const render_job *job, view_options *first) {
     }
 }
 
-static bool has_medium(const view_options *v) {
-    return v->scene.project == LEAFCAST_PROJECT_NONE &&
-           (v->others_filled || medium_options_given(&v->medium));
-}
-
-static bool is_filled(const view_options *v) {
-    return v->others_filled || view_options_filled(v);
-}
-
 /* Files of what the picture does not have. */
 static status check_planes(const script_frame *frame) {
     const view_options *v = &frame->view;
-    if (frame->file[FRAME_RAW + IMAGE_ERROR][0] && !has_medium(v))
+    if (frame->file[FRAME_RAW + IMAGE_ERROR][0] && !view_options_any_medium(v))
         return status_describe(ST_USAGE, "--error-f64 is of media: --tf, --colour-map or "
                                          "--opacity V:A");
     if (frame->file[FRAME_RAW + IMAGE_VALUE][0] && v->scene.project == LEAFCAST_PROJECT_NONE)
         return status_describe(ST_USAGE, "--value-f64 is of --project");
-    if (frame->file[FRAME_TF][0] && !is_filled(v))
+    if (frame->file[FRAME_TF][0] && !view_options_any_filled(v))
         return status_describe(ST_USAGE, "--write-tf is of media and projections: --tf, "
                                          "--colour-map, --opacity V:A or --project");
     return ST_OK;
@@ -191,18 +182,18 @@ static leafcast_image planes_wanted(const render_job *job, const script_frame *f
     const bool opaque = v->scene.background[3] >= 1.0f; /* then so is every pixel */
     const bool projected = v->scene.project != LEAFCAST_PROJECT_NONE;
     float *const c = colour ? &any_float : NULL, *const n = all ? &any_float : NULL;
-    return (leafcast_image){.size = sizeof(leafcast_image),
-                            .r = c,
-                            .g = c,
-                            .b = c,
-                            .a = all || !opaque ? c : NULL,
-                            .z = all || raw[IMAGE_DEPTH] ? &any_double : NULL,
-                            .normal = {n, n, n},
-                            .id = all ? &any_id : NULL,
-                            .rgba = raw[IMAGE_RGBA] ? &any_double : NULL,
-                            .error =
-                                raw[IMAGE_ERROR] || (all && has_medium(v)) ? &any_double : NULL,
-                            .value = raw[IMAGE_VALUE] || (all && projected) ? &any_double : NULL};
+    return (leafcast_image){
+        .size = sizeof(leafcast_image),
+        .r = c,
+        .g = c,
+        .b = c,
+        .a = all || !opaque ? c : NULL,
+        .z = all || raw[IMAGE_DEPTH] ? &any_double : NULL,
+        .normal = {n, n, n},
+        .id = all ? &any_id : NULL,
+        .rgba = raw[IMAGE_RGBA] ? &any_double : NULL,
+        .error = raw[IMAGE_ERROR] || (all && view_options_any_medium(v)) ? &any_double : NULL,
+        .value = raw[IMAGE_VALUE] || (all && projected) ? &any_double : NULL};
 }
 
 /* A plane as it is wanted now: the one that is there, a new one, or NULL. *failed when there is no
@@ -327,7 +318,7 @@ static status fill_volume(render_job *job, const view_options *first, int volume
 /* The scene, with all volumes where there are several or media. */
 static status describe_scene(render_job *job, const view_options *view, leafcast_scene *scene) {
     const int volumes = job->also_count + 1;
-    const bool filled = is_filled(view);
+    const bool filled = view_options_any_filled(view);
     status st = ST_OK;
     *scene = view_options_scene(view, &job->experiments);
     if (volumes == 1 && !filled)
