@@ -428,6 +428,7 @@ static const struct wrong {
     {"{\"RGBPoints\": [0,0,0,0], \"Points\": [0,2,0.5,0]}", ST_CORRUPT, "\"Points\", point 1"},
     {"[{\"Name\": \"a\", \"RGBPoints\": [0,0,0,0]}, {\"Name\": \"b\", \"RGBPoints\": [0,0,0,0]}]",
      ST_USAGE, "which of its 2 maps? FILE#NAME: \"a\", \"b\""},
+    {"[{\"Name\": \"a\"}, {}]", ST_USAGE, "which of its 2 maps?"},
     {"<a>", ST_CORRUPT, "line 1: expected XML"},
     {"<a/>", ST_CORRUPT, "expected a colour map"},
     {"<a>\n<ColorMap/></a>", ST_CORRUPT, "expected points"},
