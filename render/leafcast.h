@@ -529,15 +529,19 @@ typedef struct leafcast_slice {
     uint64_t beside; /* bytes of the caller's own that the budget counts, too */
 } leafcast_slice;
 
-/* leafcast_plane_slice() - where the plane (n, d), n . p + d = 0, cuts the volume: the rectangle
- * around that, seen from where n points; up is +z, or +y where n is along z. One square pixel a
- * cell, where cells are cubes; where they are not, as many as it takes along the shortest edge; one
- * more along each edge where the interpolation is the nearest. Of *slice, size, interpolation and
- * level are the caller's, the rest is set. LEAFCAST_USAGE where the plane passes the volume by.
+/* leafcast_fit_slice() - set width and height: one square pixel a cell, where cells are cubes;
+ * where they are not, as many as it takes along the shortest edge; one more each way where the
+ * interpolation is the nearest.
+ *
+ * leafcast_plane_slice() - where the plane (n, d), n . p + d = 0, cuts the volume: the rectangle
+ * around that, seen from where n points, fitted; up is +z, or +y where n is along z. Of *slice,
+ * size, interpolation and level are the caller's, the rest is set. LEAFCAST_USAGE where the plane
+ * passes the volume by.
  *
  * leafcast_layer_slice() - likewise of a grid's node planes: across axis 0 to 2 through its nodes
  * of this number. The grid's other axes go right and up. With the nearest interpolation, pixels are
  * the samples themselves where cells are cubes. */
+LEAFCAST_API leafcast_status leafcast_fit_slice(const leafcast *volume, leafcast_slice *slice);
 LEAFCAST_API leafcast_status leafcast_plane_slice(const leafcast *volume, const double plane[4],
                                                   leafcast_slice *slice);
 LEAFCAST_API leafcast_status leafcast_layer_slice(const leafcast *volume, int axis, uint32_t node,

@@ -201,12 +201,49 @@ static uint32_t side_of(const leafcast_slice *s, double length, double density) 
     return pixels >= SIDE_MOST ? SIDE_MOST : pixels < 1.0 ? 1 : (uint32_t)pixels + more;
 }
 
-static void fit_pixels(const leafcast *v, leafcast_slice *s) {
-    const double width = vec3_length(s->u), height = vec3_length(s->v);
-    const double density =
-        fmax(v->kind->cells_along(v, s->u) / width, v->kind->cells_along(v, s->v) / height);
-    s->width = side_of(s, width, density);
-    s->height = side_of(s, height, density);
+/* An edge of a slice: how long it is, and how many cells it passes. */
+typedef struct edge {
+    double length, cells;
+} edge;
+
+static void lengthen(edge *e, const leafcast *v, const double vector[3]) {
+    e->length += vec3_length(vector);
+    e->cells += v->kind->cells_along(v, vector);
+}
+
+static edge upper_edge(const leafcast *v, const leafcast_slice *s) {
+    edge e = {0};
+    if (s->line_count == 0)
+        lengthen(&e, v, s->u);
+    for (uint32_t i = 1; i < s->line_count; i++) {
+        double step[3];
+        vec3_sub(s->line[i], s->line[i - 1], step);
+        lengthen(&e, v, step);
+    }
+    return e;
+}
+
+static status fit_pixels(const leafcast *v, leafcast_slice *s) {
+    const edge width = upper_edge(v, s);
+    edge height = {0};
+    lengthen(&height, v, s->v);
+    if (!(width.length > 0.0 && width.length < INFINITY && height.length > 0.0 &&
+          height.length < INFINITY))
+        return status_describe(ST_USAGE, "a slice of %g by %g world units", width.length,
+                               height.length);
+    const double density = fmax(width.cells / width.length, height.cells / height.length);
+    s->width = side_of(s, width.length, density);
+    s->height = side_of(s, height.length, density);
+    return ST_OK;
+}
+
+leafcast_status leafcast_fit_slice(const leafcast *v, leafcast_slice *s) {
+    status st = public_size("leafcast_slice", s->size, sizeof *s);
+    if (st != ST_OK)
+        return public_status(st);
+    s->width = s->height = 1;
+    st = check_slice(v, s);
+    return public_status(st == ST_OK ? fit_pixels(v, s) : st);
 }
 
 /* Forget what the last slice was. */
@@ -285,10 +322,9 @@ static status plane_slice(const leafcast *v, const double given[4], leafcast_sli
     for (int a = 0; a < 3; a++) {
         s->origin[a] = r.lo[0] * r.right[a] + r.hi[1] * r.up[a] - plane[3] * plane[a];
         s->u[a] = (r.hi[0] - r.lo[0]) * r.right[a];
-        s->v[a] = -(r.hi[1] - r.lo[1]) * r.up[a];
+        s->v[a] = 0.0 - (r.hi[1] - r.lo[1]) * r.up[a]; /* no -0 */
     }
-    fit_pixels(v, s);
-    return ST_OK;
+    return fit_pixels(v, s);
 }
 
 leafcast_status leafcast_plane_slice(const leafcast *v, const double plane[4], leafcast_slice *s) {
@@ -311,8 +347,7 @@ leafcast_status leafcast_layer_slice(const leafcast *v, int axis, uint32_t node,
     for (int a = 0; a < 3; a++) {
         s->origin[a] += edges[1][a];
         s->u[a] = edges[0][a];
-        s->v[a] = -edges[1][a];
+        s->v[a] = 0.0 - edges[1][a];
     }
-    fit_pixels(v, s);
-    return LEAFCAST_OK;
+    return public_status(fit_pixels(v, s));
 }
