@@ -518,7 +518,7 @@ typedef enum leafcast_interpolation {
  *
  * so that origin is the left upper corner. Where there is a line, its points stand for origin and
  * u: the row's first summand is the point at (x + 0.5) / width of the line's length. */
-typedef struct leafcast_slice {
+typedef struct leafcast_slice_pixels {
     size_t size;
     leafcast_interpolation interpolation;
     uint32_t level; /* of detail: 0 is full resolution; of a mesh 0 */
@@ -527,7 +527,7 @@ typedef struct leafcast_slice {
     uint32_t line_count;     /* 0, or 2 and more */
     uint32_t width, height;
     uint64_t beside; /* bytes of the caller's own that the budget counts, too */
-} leafcast_slice;
+} leafcast_slice_pixels;
 
 /* leafcast_fit_slice() - set width and height: one square pixel a cell, where cells are cubes;
  * where they are not, as many as it takes along the shortest edge; one more each way where the
@@ -541,11 +541,12 @@ typedef struct leafcast_slice {
  * leafcast_layer_slice() - likewise of a grid's node planes: across axis 0 to 2 through its nodes
  * of this number. The grid's other axes go right and up. With the nearest interpolation, pixels are
  * the samples themselves where cells are cubes. */
-LEAFCAST_API leafcast_status leafcast_fit_slice(const leafcast *volume, leafcast_slice *slice);
+LEAFCAST_API leafcast_status leafcast_fit_slice(const leafcast *volume,
+                                                leafcast_slice_pixels *slice);
 LEAFCAST_API leafcast_status leafcast_plane_slice(const leafcast *volume, const double plane[4],
-                                                  leafcast_slice *slice);
+                                                  leafcast_slice_pixels *slice);
 LEAFCAST_API leafcast_status leafcast_layer_slice(const leafcast *volume, int axis, uint32_t node,
-                                                  leafcast_slice *slice);
+                                                  leafcast_slice_pixels *slice);
 
 /* leafcast_sample_slice() - the values at the pixels' centres, of the field and step that are
  * selected, row by row from the top, width x height of them: the same bits as
@@ -556,7 +557,8 @@ LEAFCAST_API leafcast_status leafcast_layer_slice(const leafcast *volume, int ax
  * stats may be NULL; treelets_active and bytes_active are those with pixels, treelets_loaded and
  * bytes_read are this call's. watch: as of leafcast_trace(). LEAFCAST_USAGE names what is wrong
  * with the slice. */
-LEAFCAST_API leafcast_status leafcast_sample_slice(leafcast *volume, const leafcast_slice *slice,
+LEAFCAST_API leafcast_status leafcast_sample_slice(leafcast *volume,
+                                                   const leafcast_slice_pixels *slice,
                                                    double *value, leafcast_stats *stats,
                                                    bool (*watch)(void *ctx, double done),
                                                    void *watch_ctx);

@@ -47,14 +47,14 @@ leafcast_status leafcast_sample_points(leafcast *v, const double (*points)[3], s
  * the same lines of the cache. */
 enum { BAND = 32, LINE_MOST = 1 << 24 };
 
-typedef struct slice_pixels {
-    const leafcast_slice *slice;
+typedef struct slice_job {
+    const leafcast_slice_pixels *slice;
     double (*nearest)(const leafcast_sample *s, const double point[3]); /* NULL: linear */
     double *value;
     double *along; /* the line's length up to each of its points */
-} slice_pixels;
+} slice_job;
 
-static void pixel_of(const leafcast_slice *s, size_t i, uint32_t *x, uint32_t *y) {
+static void pixel_of(const leafcast_slice_pixels *s, size_t i, uint32_t *x, uint32_t *y) {
     const size_t band = i / ((size_t)BAND * s->width), first = band * BAND;
     const size_t rows = s->height - first < BAND ? s->height - first : BAND;
     const size_t within = i - first * s->width;
@@ -63,8 +63,8 @@ static void pixel_of(const leafcast_slice *s, size_t i, uint32_t *x, uint32_t *y
 }
 
 /* The point of a line at a share of its length. */
-static void point_along(const slice_pixels *p, double share, double point[3]) {
-    const leafcast_slice *s = p->slice;
+static void point_along(const slice_job *p, double share, double point[3]) {
+    const leafcast_slice_pixels *s = p->slice;
     const double at = share * p->along[s->line_count - 1];
     uint32_t lo = 0, hi = s->line_count - 1;
     while (hi - lo > 1) {
@@ -80,8 +80,8 @@ static void point_along(const slice_pixels *p, double share, double point[3]) {
 }
 
 static void slice_point(const void *ctx, size_t i, double point[3]) {
-    const slice_pixels *p = ctx;
-    const leafcast_slice *s = p->slice;
+    const slice_job *p = ctx;
+    const leafcast_slice_pixels *s = p->slice;
     uint32_t x, y;
     pixel_of(s, i, &x, &y);
     const double right = (x + 0.5) / s->width, down = (y + 0.5) / s->height;
@@ -92,7 +92,7 @@ static void slice_point(const void *ctx, size_t i, double point[3]) {
 }
 
 static void slice_found(void *ctx, size_t i, const double point[3], const leafcast_sample *found) {
-    const slice_pixels *p = ctx;
+    const slice_job *p = ctx;
     uint32_t x, y;
     pixel_of(p->slice, i, &x, &y);
     double value = found->value;
@@ -111,7 +111,7 @@ static bool all_finite(const double *x, size_t count) {
 }
 
 /* along: of each point the length up to there. */
-static status measure_line(const leafcast_slice *s, double *along) {
+static status measure_line(const leafcast_slice_pixels *s, double *along) {
     along[0] = 0.0;
     for (uint32_t i = 1; i < s->line_count; i++) {
         double step[3];
@@ -124,7 +124,7 @@ static status measure_line(const leafcast_slice *s, double *along) {
     return ST_OK;
 }
 
-static status check_line(const leafcast_slice *s) {
+static status check_line(const leafcast_slice_pixels *s) {
     if (s->line_count == 0 && !s->line)
         return ST_OK;
     if (!s->line || s->line_count < 2 || s->line_count > LINE_MOST)
@@ -135,11 +135,12 @@ static status check_line(const leafcast_slice *s) {
     return ST_OK;
 }
 
-static status check_slice(const leafcast *v, const leafcast_slice *s) {
-    status st = public_size("leafcast_slice", s->size, sizeof *s);
+static status check_slice(const leafcast *v, const leafcast_slice_pixels *s) {
+    status st = public_size("leafcast_slice_pixels", s->size, sizeof *s);
     if (st == ST_OK && (int)s->interpolation != LEAFCAST_INTERPOLATION_LINEAR &&
         (int)s->interpolation != LEAFCAST_INTERPOLATION_NEAREST)
-        st = status_describe(ST_USAGE, "leafcast_slice.interpolation is %d: 0 to 1 are possible",
+        st = status_describe(ST_USAGE,
+                             "leafcast_slice_pixels.interpolation is %d: 0 to 1 are possible",
                              (int)s->interpolation);
     if (st == ST_OK && s->level >= v->file->layout.levels)
         st = status_describe(ST_USAGE, "level of detail %u: there are 0 to %u", s->level,
@@ -152,9 +153,8 @@ static status check_slice(const leafcast *v, const leafcast_slice *s) {
     return st == ST_OK ? check_line(s) : st;
 }
 
-static leafcast_status sample_pixels(slice_pixels *pixels, point_samples *p,
-                                     leafcast_stats *stats) {
-    const leafcast_slice *s = pixels->slice;
+static leafcast_status sample_pixels(slice_job *pixels, point_samples *p, leafcast_stats *stats) {
+    const leafcast_slice_pixels *s = pixels->slice;
     const size_t line = s->line_count * sizeof *pixels->along;
     p->count = (size_t)s->width * s->height;
     p->beside = p->count * sizeof *pixels->value + (size_t)s->beside + line;
@@ -169,7 +169,7 @@ static leafcast_status sample_pixels(slice_pixels *pixels, point_samples *p,
     return told;
 }
 
-leafcast_status leafcast_sample_slice(leafcast *v, const leafcast_slice *s, double *value,
+leafcast_status leafcast_sample_slice(leafcast *v, const leafcast_slice_pixels *s, double *value,
                                       leafcast_stats *stats, bool (*watch)(void *ctx, double done),
                                       void *watch_ctx) {
     status st = check_slice(v, s);
@@ -178,8 +178,7 @@ leafcast_status leafcast_sample_slice(leafcast *v, const leafcast_slice *s, doub
     if (st != ST_OK)
         return public_status(st);
     const bool nearest = s->interpolation == LEAFCAST_INTERPOLATION_NEAREST;
-    slice_pixels pixels = {
-        .slice = s, .nearest = nearest ? v->kind->nearest : NULL, .value = value};
+    slice_job pixels = {.slice = s, .nearest = nearest ? v->kind->nearest : NULL, .value = value};
     point_samples p = {.volume = v,
                        .level = s->level,
                        .point = slice_point,
@@ -195,7 +194,7 @@ leafcast_status leafcast_sample_slice(leafcast *v, const leafcast_slice *s, doub
 enum { SIDE_MOST = 1 << 15 };
 
 /* So many pixels along an edge, of so many a world unit. */
-static uint32_t side_of(const leafcast_slice *s, double length, double density) {
+static uint32_t side_of(const leafcast_slice_pixels *s, double length, double density) {
     const double pixels = ceil(rint(length * density) / (double)(1u << s->level));
     const uint32_t more = s->interpolation == LEAFCAST_INTERPOLATION_NEAREST;
     return pixels >= SIDE_MOST ? SIDE_MOST : pixels < 1.0 ? 1 : (uint32_t)pixels + more;
@@ -211,7 +210,7 @@ static void lengthen(edge *e, const leafcast *v, const double vector[3]) {
     e->cells += v->kind->cells_along(v, vector);
 }
 
-static edge upper_edge(const leafcast *v, const leafcast_slice *s) {
+static edge upper_edge(const leafcast *v, const leafcast_slice_pixels *s) {
     edge e = {0};
     if (s->line_count == 0)
         lengthen(&e, v, s->u);
@@ -223,7 +222,7 @@ static edge upper_edge(const leafcast *v, const leafcast_slice *s) {
     return e;
 }
 
-static status fit_pixels(const leafcast *v, leafcast_slice *s) {
+static status fit_pixels(const leafcast *v, leafcast_slice_pixels *s) {
     const edge width = upper_edge(v, s);
     edge height = {0};
     lengthen(&height, v, s->v);
@@ -237,8 +236,8 @@ static status fit_pixels(const leafcast *v, leafcast_slice *s) {
     return ST_OK;
 }
 
-leafcast_status leafcast_fit_slice(const leafcast *v, leafcast_slice *s) {
-    status st = public_size("leafcast_slice", s->size, sizeof *s);
+leafcast_status leafcast_fit_slice(const leafcast *v, leafcast_slice_pixels *s) {
+    status st = public_size("leafcast_slice_pixels", s->size, sizeof *s);
     if (st != ST_OK)
         return public_status(st);
     s->width = s->height = 1;
@@ -247,15 +246,15 @@ leafcast_status leafcast_fit_slice(const leafcast *v, leafcast_slice *s) {
 }
 
 /* Forget what the last slice was. */
-static status begin_slice(const leafcast *v, leafcast_slice *s) {
-    status st = public_size("leafcast_slice", s->size, sizeof *s);
+static status begin_slice(const leafcast *v, leafcast_slice_pixels *s) {
+    status st = public_size("leafcast_slice_pixels", s->size, sizeof *s);
     if (st != ST_OK)
         return st;
-    *s = (leafcast_slice){.size = sizeof *s,
-                          .interpolation = s->interpolation,
-                          .level = s->level,
-                          .width = 1,
-                          .height = 1};
+    *s = (leafcast_slice_pixels){.size = sizeof *s,
+                                 .interpolation = s->interpolation,
+                                 .level = s->level,
+                                 .width = 1,
+                                 .height = 1};
     return check_slice(v, s);
 }
 
@@ -304,7 +303,7 @@ static void cut_box(rectangle *r, const leafcast *v, const double plane[4]) {
                 cut_edge(r, corners[i], corners[i | 1 << a], plane);
 }
 
-static status plane_slice(const leafcast *v, const double given[4], leafcast_slice *s) {
+static status plane_slice(const leafcast *v, const double given[4], leafcast_slice_pixels *s) {
     double plane[4];
     const double length = vec3_length(given);
     if (!(length > 0.0 && length < INFINITY && isfinite(given[3])))
@@ -327,7 +326,8 @@ static status plane_slice(const leafcast *v, const double given[4], leafcast_sli
     return fit_pixels(v, s);
 }
 
-leafcast_status leafcast_plane_slice(const leafcast *v, const double plane[4], leafcast_slice *s) {
+leafcast_status leafcast_plane_slice(const leafcast *v, const double plane[4],
+                                     leafcast_slice_pixels *s) {
     status st = begin_slice(v, s);
     if (st == ST_OK)
         st = plane_slice(v, plane, s);
@@ -335,7 +335,7 @@ leafcast_status leafcast_plane_slice(const leafcast *v, const double plane[4], l
 }
 
 leafcast_status leafcast_layer_slice(const leafcast *v, int axis, uint32_t node,
-                                     leafcast_slice *s) {
+                                     leafcast_slice_pixels *s) {
     double edges[2][3];
     status st = begin_slice(v, s);
     if (st == ST_OK && (axis < 0 || axis > 2))

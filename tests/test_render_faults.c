@@ -89,12 +89,12 @@ static leafcast_status draw(leafcast *volume, job *j) {
 
 static leafcast_status slice(leafcast *volume, double value[PIXELS]) {
     static const double line[][3] = {{2, 3, 4}, {25, 6, 8}, {11, 24, 2}};
-    const leafcast_slice s = {.size = sizeof s,
-                              .line = line,
-                              .line_count = 3,
-                              .v = {1, 2, 30},
-                              .width = SIDE,
-                              .height = SIDE};
+    const leafcast_slice_pixels s = {.size = sizeof s,
+                                     .line = line,
+                                     .line_count = 3,
+                                     .v = {1, 2, 30},
+                                     .width = SIDE,
+                                     .height = SIDE};
     return leafcast_sample_slice(volume, &s, value, NULL, NULL, NULL);
 }
 

@@ -110,14 +110,15 @@ static subject *turned_subject(void) {
 
 /* ---- Slices to look at ---- */
 
-static leafcast_slice slice_of(uint32_t width, uint32_t height) {
-    return (leafcast_slice){.size = sizeof(leafcast_slice), .width = width, .height = height};
+static leafcast_slice_pixels slice_of(uint32_t width, uint32_t height) {
+    return (leafcast_slice_pixels){
+        .size = sizeof(leafcast_slice_pixels), .width = width, .height = height};
 }
 
 /* Across the volume, and somewhat beyond it. */
-static leafcast_slice random_slice(const leafcast *v, field_random *r) {
+static leafcast_slice_pixels random_slice(const leafcast *v, field_random *r) {
     const leafcast_info info = leafcast_describe(v);
-    leafcast_slice s = slice_of(WIDTH, HEIGHT);
+    leafcast_slice_pixels s = slice_of(WIDTH, HEIGHT);
     for (int a = 0; a < 3; a++) {
         const double edge = info.bounds[1][a] - info.bounds[0][a];
         s.u[a] = 1.4 * edge * field_random_in(r, -1.0, 1.0);
@@ -128,13 +129,13 @@ static leafcast_slice random_slice(const leafcast *v, field_random *r) {
     return s;
 }
 
-static void pixel_at(const leafcast_slice *s, int i, double point[3]) {
+static void pixel_at(const leafcast_slice_pixels *s, int i, double point[3]) {
     const double right = (i % s->width + 0.5) / s->width, down = (i / s->width + 0.5) / s->height;
     for (int a = 0; a < 3; a++)
         point[a] = s->origin[a] + right * s->u[a] + down * s->v[a];
 }
 
-static leafcast_stats sample(leafcast *v, const leafcast_slice *s, double *value) {
+static leafcast_stats sample(leafcast *v, const leafcast_slice_pixels *s, double *value) {
     leafcast_stats stats = {.size = sizeof stats};
     if (leafcast_sample_slice(v, s, value, &stats, NULL, NULL) != LEAFCAST_OK)
         fail_msg("%s", leafcast_error_text());
@@ -147,7 +148,7 @@ typedef struct tally {
     int inside, outside, holes, doubtful;
 } tally;
 
-static void compare(const leafcast_slice *s, int i, const naive_point *truth, double got,
+static void compare(const leafcast_slice_pixels *s, int i, const naive_point *truth, double got,
                     tally *t) {
     const bool nearest = s->interpolation == LEAFCAST_INTERPOLATION_NEAREST;
     const long double want = nearest ? truth->nearest : truth->linear;
@@ -167,7 +168,7 @@ static void compare(const leafcast_slice *s, int i, const naive_point *truth, do
         fail_msg("pixel %d: %.17g, truly %.17Lg", i, got, want);
 }
 
-static tally check_slice(const subject *x, leafcast *v, const leafcast_slice *s) {
+static tally check_slice(const subject *x, leafcast *v, const leafcast_slice_pixels *s) {
     static double value[PIXELS];
     tally t = {0};
     assert_int_equal(s->width * s->height, PIXELS);
@@ -188,7 +189,7 @@ static tally check_subject(const subject *x, int rounds) {
     field_random r = {FIELD_SEED};
     tally all = {0};
     for (int i = 0; i < rounds; i++) {
-        leafcast_slice s = random_slice(v, &r);
+        leafcast_slice_pixels s = random_slice(v, &r);
         s.level = (uint32_t)i / 2 % levels;
         s.interpolation = i % 2 ? LEAFCAST_INTERPOLATION_NEAREST : LEAFCAST_INTERPOLATION_LINEAR;
         const tally t = check_slice(x, v, &s);
@@ -268,7 +269,7 @@ static void test_as_probed(void **state) {
         subject *x = one_of(which);
         leafcast *v = fixture_open(x->path, NULL);
         field_random r = {7};
-        const leafcast_slice s = random_slice(v, &r);
+        const leafcast_slice_pixels s = random_slice(v, &r);
         (void)sample(v, &s, value);
         for (int i = 0; i < PIXELS; i++)
             pixel_at(&s, i, points[i]);
@@ -289,7 +290,7 @@ static void test_as_probed(void **state) {
 }
 
 /* A budget that is too small names one that will do. */
-static uint64_t least_budget(const char *path, const leafcast_slice *s,
+static uint64_t least_budget(const char *path, const leafcast_slice_pixels *s,
                              const leafcast_options *given) {
     static double value[PIXELS];
     for (uint64_t budget = 1 << 14;; budget *= 2) {
@@ -314,7 +315,7 @@ static void test_any_budget(void **state) {
         subject *x = one_of(which);
         leafcast *v = fixture_open(x->path, NULL);
         field_random r = {9};
-        const leafcast_slice s = random_slice(v, &r);
+        const leafcast_slice_pixels s = random_slice(v, &r);
         (void)sample(v, &s, want);
         leafcast_close(v);
         for (int extra = -1; extra < 6; extra++) {
@@ -343,7 +344,7 @@ static void test_between_pictures(void **state) {
     subject *x = field_subject("sphere", NULL, 50, false);
     leafcast *free_one = fixture_open(x->path, NULL);
     field_random r = {11};
-    const leafcast_slice s = random_slice(free_one, &r);
+    const leafcast_slice_pixels s = random_slice(free_one, &r);
     (void)sample(free_one, &s, want);
     leafcast_close(free_one);
     const leafcast_options o = {.size = sizeof o, .memory = 4 << 20, .threads = 2};
@@ -375,7 +376,7 @@ static void test_between_pictures(void **state) {
 
 /* Treelets of a grid with pixels in them; of a mesh those whose boxes hold a pixel and that come no
  * later than the tet at it. */
-static long cut_treelets(const subject *x, const leafcast_slice *s, uint64_t *bytes) {
+static long cut_treelets(const subject *x, const leafcast_slice_pixels *s, uint64_t *bytes) {
     static bool cut[1 << 16];
     const long treelets = x->mesh ? x->tets.treelets : x->grid.treelet_count;
     long count = 0;
@@ -414,7 +415,7 @@ static void test_treelets(void **state) {
                                         .threads = 2,
                                         .experiments = EXPERIMENTS(.treelet_limit = round % 2)};
             leafcast *v = fixture_open(x->path, &o);
-            leafcast_slice s = random_slice(v, &r);
+            leafcast_slice_pixels s = random_slice(v, &r);
             s.level = (uint32_t)round / 2 % leafcast_describe(v).levels;
             uint64_t bytes;
             const long cut = cut_treelets(x, &s, &bytes);
@@ -474,7 +475,7 @@ static void test_curved(void **state) {
     (void)state;
     subject *x = field_subject("noise-u8", NULL, 41, false);
     leafcast *v = fixture_open(x->path, NULL);
-    leafcast_slice s = slice_of(WIDTH, HEIGHT);
+    leafcast_slice_pixels s = slice_of(WIDTH, HEIGHT);
     s.line = line;
     s.line_count = POINTS;
     s.v[1] = 2.5;
@@ -522,7 +523,7 @@ static void test_layers_are_samples(void **state) {
     for (int axis = 0; axis < 3; axis++) {
         const int right = axis == 0 ? 1 : 0, up = axis == 2 ? 1 : 2;
         for (long k = 0; k < dims[axis]; k++) {
-            leafcast_slice s = slice_of(0, 0);
+            leafcast_slice_pixels s = slice_of(0, 0);
             s.interpolation = LEAFCAST_INTERPOLATION_NEAREST;
             assert_int_equal(leafcast_layer_slice(v, axis, (uint32_t)k, &s), LEAFCAST_OK);
             s.width = (uint32_t)dims[right]; /* cells are no cubes */
@@ -551,7 +552,7 @@ static void test_layer_size(void **state) {
     leafcast *v = fixture_open(fixture_leaf(&f, 4, 1, false), NULL);
     for (int nearest = 0; nearest < 2; nearest++)
         for (int axis = 0; axis < 3; axis++) {
-            leafcast_slice s = slice_of(0, 0);
+            leafcast_slice_pixels s = slice_of(0, 0);
             s.interpolation = (leafcast_interpolation)nearest;
             assert_int_equal(leafcast_layer_slice(v, axis, 3, &s), LEAFCAST_OK);
             assert_int_equal(s.width, f.dims[axis == 0] - 1 + nearest);
@@ -567,7 +568,7 @@ static void test_layer_size(void **state) {
 /* The plane's own rectangle: in the plane, seen from the right side, holding all of the cut and no
  * more. */
 static void check_plane(leafcast *v, const double plane[4], const double corners[8][3]) {
-    leafcast_slice s = slice_of(0, 0);
+    leafcast_slice_pixels s = slice_of(0, 0);
     assert_int_equal(leafcast_plane_slice(v, plane, &s), LEAFCAST_OK);
     const double n = vec3_length(plane), u = vec3_length(s.u), w = vec3_length(s.v);
     double seen[3], least[2] = {1, 1}, most[2] = {0, 0};
@@ -623,7 +624,7 @@ static void test_planes(void **state) {
         check_plane(v, plane, (const double(*)[3])corners);
     }
     const double beside[4] = {0, 0, 1, 1000}, none[4] = {0, 0, 0, 1};
-    leafcast_slice s = slice_of(0, 0);
+    leafcast_slice_pixels s = slice_of(0, 0);
     assert_int_equal(leafcast_plane_slice(v, beside, &s), LEAFCAST_USAGE);
     assert_int_equal(leafcast_plane_slice(v, none, &s), LEAFCAST_USAGE);
     leafcast_close(v);
@@ -645,7 +646,7 @@ static void test_faces(void **state) {
         double plane[4] = {0};
         plane[face / 2] = 1;
         plane[3] = -info.bounds[face % 2][face / 2];
-        leafcast_slice s = slice_of(0, 0);
+        leafcast_slice_pixels s = slice_of(0, 0);
         assert_int_equal(leafcast_plane_slice(v, plane, &s), LEAFCAST_OK);
         assert_true((size_t)s.width * s.height < sizeof value / sizeof *value);
         (void)sample(v, &s, value);
@@ -658,7 +659,7 @@ static void test_faces(void **state) {
 
 /* ---- What cannot be ---- */
 
-static void refused(leafcast *v, const leafcast_slice *s, const char *said) {
+static void refused(leafcast *v, const leafcast_slice_pixels *s, const char *said) {
     static double value[PIXELS];
     assert_int_equal(leafcast_sample_slice(v, s, value, NULL, NULL, NULL), LEAFCAST_USAGE);
     if (!strstr(leafcast_error_text(), said))
@@ -670,14 +671,14 @@ static void test_refused(void **state) {
     (void)state;
     subject *x = one_of(0);
     leafcast *v = fixture_open(x->path, NULL);
-    leafcast_slice s = slice_of(4, 4), wrong;
+    leafcast_slice_pixels s = slice_of(4, 4), wrong;
 #define WRONG(set, said)          \
     do {                          \
         wrong = s;                \
         wrong.set;                \
         refused(v, &wrong, said); \
     } while (0)
-    WRONG(size = 3, "leafcast_slice");
+    WRONG(size = 3, "leafcast_slice_pixels");
     WRONG(interpolation = (leafcast_interpolation)2, "interpolation");
     WRONG(level = 20, "level");
     WRONG(width = 0, "0 x 4");
@@ -689,7 +690,7 @@ static void test_refused(void **state) {
     s.line = odd;
     WRONG(line_count = 2, "finite");
 #undef WRONG
-    leafcast_slice layer = slice_of(0, 0);
+    leafcast_slice_pixels layer = slice_of(0, 0);
     assert_int_equal(leafcast_layer_slice(v, 3, 0, &layer), LEAFCAST_USAGE);
     assert_int_equal(leafcast_layer_slice(v, 0, 1000, &layer), LEAFCAST_USAGE);
     leafcast_close(v);
@@ -716,7 +717,7 @@ static void test_stopped(void **state) {
     leafcast *v = fixture_open(x->path, &o);
     field_random r = {7};
     double most = 0.0;
-    const leafcast_slice s = random_slice(v, &r);
+    const leafcast_slice_pixels s = random_slice(v, &r);
     assert_int_equal(leafcast_sample_slice(v, &s, value, NULL, stop_at_half, &most),
                      LEAFCAST_STOPPED);
     assert_true(most >= 0.5 && most < 1.0);

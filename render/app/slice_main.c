@@ -139,7 +139,7 @@ static json_t *reals(const double *x, int count) {
 }
 
 static void set_place(const slice_run *o, json_t *root) {
-    const leafcast_slice *s = &o->place.slice;
+    const leafcast_slice_pixels *s = &o->place.slice;
     json_object_set_new(root, "size", json_pack("[i,i]", (int)s->width, (int)s->height));
     if (s->line_count > 0) {
         json_t *line = json_array();
@@ -320,7 +320,7 @@ static void numbers(char text[256], const double *x, int count) {
 
 /* What one needs to make a plane slice again goes into its picture. */
 static status write_picture(slice_run *o, image_target *to) {
-    const leafcast_slice *s = &o->place.slice;
+    const leafcast_slice_pixels *s = &o->place.slice;
     const char *slash = strrchr(o->common.input, '/');
     char origin[256], u[256], v[256], window[256];
     numbers(origin, s->origin, 3);

@@ -208,7 +208,7 @@ static status place(slice_options *o, const leafcast *volume) {
 }
 
 /* Tets are large: so many pixels more that one sees what is inside of them. */
-static void enlarge(leafcast_slice *s) {
+static void enlarge(leafcast_slice_pixels *s) {
     enum { SIDE = 512 };
     const uint32_t longest = s->width > s->height ? s->width : s->height;
     const uint32_t times = longest < SIDE ? (SIDE + longest - 1) / longest : 1;

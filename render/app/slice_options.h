@@ -26,8 +26,8 @@ typedef struct slice_options {
     uint32_t index;
     bool fit; /* no --size */
     slice_way way;
-    double (*line)[3];    /* of m */
-    leafcast_slice slice; /* what flags said; slice_options_place() makes the rest */
+    double (*line)[3];           /* of m */
+    leafcast_slice_pixels slice; /* what flags said; slice_options_place() makes the rest */
 } slice_options;
 
 /* The rows that these options are, for argp; their keys begin at SLICE_OPTIONS_FIRST. */
