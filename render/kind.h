@@ -83,9 +83,26 @@ typedef struct kind {
                           leafcast_hit *out);
     /* The cell of a piece, as leafcast_segment tells of it. */
     void (*cell_of_segment)(const tracer *tr, const segment *s, leafcast_segment *out);
-    /* The cell at a point of world space, its value there and the gradient; *out stays where there
-     * is none. */
-    status (*cell_at)(leafcast *v, const double point[3], leafcast_sample *out);
+    /* ---- A point ---- */
+
+    /* The treelets of a level of detail that may hold a point of world space, in the order in which
+     * they are asked: the first one behind `after`, or of all (LEAF_NO_TREELET); LEAF_NO_TREELET
+     * where there is none. */
+    uint32_t (*treelet_at)(const leafcast *v, uint32_t level, const double point[3],
+                           uint32_t after);
+    /* The cell at a point that is in this one of them, its value there and the gradient; *out stays
+     * where there is none. */
+    void (*cell_in)(const leafcast *v, const treelet *at, const double point[3],
+                    leafcast_sample *out);
+    /* The value of a sample's nearest node, whatever it is. */
+    double (*nearest)(const leafcast_sample *s, const double point[3]);
+    /* Cells of level 0 that a vector of world space passes, about. */
+    double (*cells_along)(const leafcast *v, const double vector[3]);
+    /* The nodes of a plane of level 0 across an axis, as a rectangle: its corner at the first
+     * nodes of the two other axes, and its edges along these, in world space. ST_USAGE where there
+     * are no such nodes. */
+    status (*layer)(const leafcast *v, int axis, uint32_t node, double origin[3],
+                    double edges[2][3]);
 } kind;
 
 /* kind_of() - the row of a file's geometry. */

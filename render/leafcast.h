@@ -542,9 +542,70 @@ typedef struct leafcast_sample {
 LEAFCAST_API leafcast_status leafcast_probe_point(leafcast *volume, const double point[3],
                                                   leafcast_sample *sample);
 
-/* leafcast_sample_points() - the same of count points. */
+/* leafcast_sample_points() - the same of count points. By all threads of the device, within its
+ * budget. A treelet is read once, whatever the order of the points, and only where there are some.
+ */
 LEAFCAST_API leafcast_status leafcast_sample_points(leafcast *volume, const double (*points)[3],
                                                     size_t count, leafcast_sample *samples);
+
+/* ---- Slices ---- */
+
+typedef enum leafcast_interpolation {
+    LEAFCAST_INTERPOLATION_LINEAR = 0, /* as the cells have it: leafcast_sample.value */
+    LEAFCAST_INTERPOLATION_NEAREST     /* that of the nearest corner of the cell, or of the tet */
+} leafcast_interpolation;
+
+/* A rectangle of pixels in world space, which may be bent. The centre of the pixel in column x of
+ * row y is at
+ *
+ *     origin + (x + 0.5) / width * u + (y + 0.5) / height * v,
+ *
+ * so that origin is the left upper corner. Where there is a line, its points stand for origin and
+ * u: the row's first summand is the point at (x + 0.5) / width of the line's length. */
+typedef struct leafcast_slice_pixels {
+    size_t size;
+    leafcast_interpolation interpolation;
+    uint32_t level; /* of detail: 0 is full resolution; of a mesh 0 */
+    double origin[3], u[3], v[3];
+    const double (*line)[3]; /* of a polyline; NULL: none */
+    uint32_t line_count;     /* 0, or 2 and more */
+    uint32_t width, height;
+    uint64_t beside; /* bytes of the caller's own that the budget counts, too */
+} leafcast_slice_pixels;
+
+/* leafcast_fit_slice() - set width and height: one square pixel a cell, where cells are cubes;
+ * where they are not, as many as it takes along the shortest edge; one more each way where the
+ * interpolation is the nearest.
+ *
+ * leafcast_plane_slice() - where the plane (n, d), n . p + d = 0, cuts the volume: the rectangle
+ * around that, seen from where n points, fitted; up is +z, or +y where n is along z. Of *slice,
+ * size, interpolation and level are the caller's, the rest is set. LEAFCAST_USAGE where the plane
+ * passes the volume by.
+ *
+ * leafcast_layer_slice() - likewise of a grid's node planes: across axis 0 to 2 through its nodes
+ * of this number. The grid's other axes go right and up. With the nearest interpolation, pixels are
+ * the samples themselves where cells are cubes. */
+LEAFCAST_API leafcast_status leafcast_fit_slice(const leafcast *volume,
+                                                leafcast_slice_pixels *slice);
+LEAFCAST_API leafcast_status leafcast_plane_slice(const leafcast *volume, const double plane[4],
+                                                  leafcast_slice_pixels *slice);
+LEAFCAST_API leafcast_status leafcast_layer_slice(const leafcast *volume, int axis, uint32_t node,
+                                                  leafcast_slice_pixels *slice);
+
+/* leafcast_sample_slice() - the values at the pixels' centres, of the field and step that are
+ * selected, row by row from the top, width x height of them: the same bits as
+ * leafcast_probe_point() gives for the same points. NaN outside of the volume and where there is no
+ * data. By all threads of the device, within its budget, which counts `value`, too; only treelets
+ * with pixels in them are read.
+ *
+ * stats may be NULL; treelets_active and bytes_active are those with pixels, treelets_loaded and
+ * bytes_read are this call's. watch: as of leafcast_trace(). LEAFCAST_USAGE names what is wrong
+ * with the slice. */
+LEAFCAST_API leafcast_status leafcast_sample_slice(leafcast *volume,
+                                                   const leafcast_slice_pixels *slice,
+                                                   double *value, leafcast_stats *stats,
+                                                   bool (*watch)(void *ctx, double done),
+                                                   void *watch_ctx);
 
 #ifdef __cplusplus
 }

@@ -107,8 +107,7 @@ static size_t others_bytes(turn *t, size_t rest) {
     return 0;
 }
 
-/* So many bytes for a volume's treelets. */
-static void give_slots(leafcast *v, size_t bytes) {
+void budget_slots(leafcast *v, size_t bytes) {
     const uint32_t treelets = v->file->layout.treelets, limit = v->experiments.treelet_limit;
     const size_t slot = loader_slot_bytes(v->treelets);
     size_t slots = bytes / slot < treelets ? bytes / slot : treelets;
@@ -133,7 +132,7 @@ static void share_treelets(turn *t, size_t bytes) {
         const size_t more = last ? spare : (size_t)(share * (double)spare);
         wanted -= (double)wanted_bytes(v);
         spare -= more;
-        give_slots(v, loader_slot_bytes(v->treelets) + more);
+        budget_slots(v, loader_slot_bytes(v->treelets) + more);
     }
 }
 
@@ -146,7 +145,7 @@ status budget_share(turn *t) {
     size_t records = t->begun ? f->records_max : records_wanted(f);
     if (d->budget.limit == 0) {
         for (int i = 0; i < t->volumes; i++)
-            give_slots(t->shown[i].volume, SIZE_MAX);
+            budget_slots(t->shown[i].volume, SIZE_MAX);
     } else {
         const size_t fixed = fixed_bytes(t), slots = least_slots(t);
         status st = check_budget(t, fixed);

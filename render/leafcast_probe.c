@@ -188,13 +188,27 @@ leafcast_status leafcast_probe_segments(leafcast *v, const leafcast_scene *scene
 
 /* ---- Points ---- */
 
+static status probe_point(leafcast *v, const double point[3], leafcast_sample *sample) {
+    status st = ST_OK;
+    for (uint32_t t = LEAF_NO_TREELET; !sample->inside && st == ST_OK;) {
+        const treelet *at;
+        t = v->kind->treelet_at(v, 0, point, t);
+        if (t == LEAF_NO_TREELET)
+            break;
+        st = volume_treelet(v, t, &at);
+        if (st == ST_OK)
+            v->kind->cell_in(v, at, point, sample);
+    }
+    return st;
+}
+
 leafcast_status leafcast_probe_point(leafcast *v, const double point[3], leafcast_sample *sample) {
     *sample = (leafcast_sample){.value = NAN};
     device_lock(v->device);
     device_make_room(v);
     loader_forget_failures(v->treelets);
     loader_select_set(v->treelets, v->set = leaf_layout_set(&v->file->layout, v->field, v->step));
-    const status st = volume_check_file(v, v->kind->cell_at(v, point, sample));
+    const status st = volume_check_file(v, probe_point(v, point, sample));
     device_unlock(v->device);
     return public_status(st);
 }

@@ -81,11 +81,3 @@ leafcast_status leafcast_occluded_rays(leafcast *v, const leafcast_scene *scene,
     ray_look look = {.rays = rays, .count = count, .occluded = occluded};
     return trace(v, scene, &look);
 }
-
-leafcast_status leafcast_sample_points(leafcast *v, const double (*points)[3], size_t count,
-                                       leafcast_sample *samples) {
-    leafcast_status st = LEAFCAST_OK;
-    for (size_t i = 0; i < count && st == LEAFCAST_OK; i++)
-        st = leafcast_probe_point(v, points[i], &samples[i]);
-    return st;
-}

@@ -62,6 +62,9 @@ CHECKED status budget_share(turn *t);
 size_t budget_scratch(const frame *f);
 size_t budget_image(const leafcast_image *image, size_t pixels);
 
+/* budget_slots() - so many bytes for a volume's treelets; SIZE_MAX: as many as it has. */
+void budget_slots(leafcast *v, size_t bytes);
+
 static inline size_t frame_pixels(const frame *f) {
     return (size_t)f->width * f->height;
 }

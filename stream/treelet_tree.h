@@ -13,7 +13,11 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 
-enum { TREELET_TREE_LEVELS_MAX = 12, TREELET_TREE_ARITY = 8 };
+enum {
+    TREELET_TREE_LEVELS_MAX = 12,
+    TREELET_TREE_ARITY_LOG2 = 3,
+    TREELET_TREE_ARITY = 1 << TREELET_TREE_ARITY_LOG2
+};
 
 /* lo x y z, hi x y z; world space, exact. */
 typedef float treelet_bounds[6];

@@ -286,6 +286,8 @@ static void check_said(const victim *v, leafcast_backend backend, attack_fn atta
         assert_non_null(strstr(leafcast_error_text(), what));
     }
     assert_int_equal(leafcast_probe_point(volume, point, &sample), LEAFCAST_CORRUPT);
+    assert_int_equal(leafcast_sample_points(volume, (const double(*)[3])point, 1, &sample),
+                     LEAFCAST_CORRUPT);
     leafcast_close(volume);
 }
 

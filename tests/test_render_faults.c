@@ -38,7 +38,7 @@ typedef struct answers {
     double z[PIXELS];
     double t[HITS];
     int hits;
-    double value;
+    double value, slice[PIXELS];
 } answers;
 
 typedef bool (*watcher)(void *ctx, double done);
@@ -87,6 +87,17 @@ static leafcast_status draw(leafcast *volume, job *j) {
     return leafcast_trace(volume, &scene, &camera, &image, &j->stats, j->watch, j->watch_ctx);
 }
 
+static leafcast_status slice(leafcast *volume, double value[PIXELS]) {
+    static const double line[][3] = {{2, 3, 4}, {25, 6, 8}, {11, 24, 2}};
+    const leafcast_slice_pixels s = {.size = sizeof s,
+                                     .line = line,
+                                     .line_count = 3,
+                                     .v = {1, 2, 30},
+                                     .width = SIDE,
+                                     .height = SIDE};
+    return leafcast_sample_slice(volume, &s, value, NULL, NULL, NULL);
+}
+
 static leafcast_status probe(leafcast *volume, job *j) {
     static const double point[3] = {20.25, 5.5, 12.125};
     const leafcast_scene scene = scene_of(j);
@@ -101,9 +112,10 @@ static leafcast_status probe(leafcast *volume, job *j) {
         j->out->t[i] = hits[i].t;
     if (st == LEAFCAST_OK)
         st = leafcast_probe_point(volume, point, &sample);
-    if (st == LEAFCAST_OK)
-        j->out->value = sample.value;
-    return st;
+    if (st != LEAFCAST_OK)
+        return st;
+    j->out->value = sample.value;
+    return slice(volume, j->out->slice);
 }
 
 /* Everything a volume can be asked for, up to the first error. */

@@ -65,12 +65,19 @@ static leafcast_status probes(const task *t, leafcast *v) {
     const leafcast_camera camera = leafcast_standard_view(v, 1.4, SIDE, SIDE);
     leafcast_hit hits[8];
     leafcast_sample sample;
-    double origin[3], direction[3], point[3] = {0.5, 0.5, 0.5};
+    double origin[3], direction[3], point[3] = {0.5, 0.5, 0.5}, value[16 * 16];
+    const double *middle = camera.look_at, plane[4] = {1, 1, 1, -middle[0] - middle[1] - middle[2]};
     int count = 0;
     (void)t;
     leafcast_pixel_ray(&camera, SIDE / 2, SIDE / 2, origin, direction);
     leafcast_status st = leafcast_probe_ray(v, &scene, origin, direction, hits, 8, &count);
-    return st == LEAFCAST_OK ? leafcast_probe_point(v, point, &sample) : st;
+    if (st == LEAFCAST_OK)
+        st = leafcast_probe_point(v, point, &sample);
+    leafcast_slice_pixels s = {.size = sizeof s};
+    if (st == LEAFCAST_OK)
+        st = leafcast_plane_slice(v, plane, &s);
+    s.width = s.height = 16;
+    return st == LEAFCAST_OK ? leafcast_sample_slice(v, &s, value, NULL, NULL, NULL) : st;
 }
 
 static void *work(void *arg) {

@@ -1,5 +1,6 @@
 #include "render/grid/grid_kind.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -286,12 +287,19 @@ static void grid_cell_of_segment(const tracer *tr, const segment *s, leafcast_se
     surface_cell_of(&scene->levels[tr->layout->level_of[s->treelet]], s->cell, out->cell);
 }
 
-/* The cell that owns a coordinate: [i, i + 1), the last one its end too. */
-static uint32_t cell_owning(const double *axis, uint32_t nodes, double x) {
-    uint32_t lo = 0, hi = nodes - 1;
+/* ---- Points ---- */
+
+/* The cell that owns a coordinate of at[0] .. at[cells]: [i, i + 1), the last one its end too. Most
+ * axes are even: the guess is right. */
+static uint32_t cell_owning(const double *at, uint32_t cells, double x) {
+    const double share = (x - at[0]) / (at[cells] - at[0]) * cells;
+    const uint32_t guess = share < cells ? (uint32_t)share : cells - 1;
+    if (at[guess] <= x && (guess + 1 == cells || x < at[guess + 1]))
+        return guess;
+    uint32_t lo = 0, hi = cells;
     while (hi - lo > 1) {
         const uint32_t middle = lo + (hi - lo) / 2;
-        if (axis[middle] <= x)
+        if (at[middle] <= x)
             lo = middle;
         else
             hi = middle;
@@ -299,35 +307,126 @@ static uint32_t cell_owning(const double *axis, uint32_t nodes, double x) {
     return lo;
 }
 
-static status grid_cell_at(leafcast *v, const double point[3], leafcast_sample *sample) {
-    const level_planes *planes = &grid_of(v)->planes.levels[0];
-    const leaf_layout *layout = &v->file->layout;
+/* What a point of world space that is near the volume may be off in grid space by rounding alone:
+ * its own, that of the transform and that of the way back. */
+static double rounding_of(const leafcast *v, const double point[3], int a) {
+    const affine *space = &v->space;
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+        double size = fabs(point[i]) + fabs(space->to_world[i][3]);
+        for (int b = 0; b < 3; b++) {
+            const double *axis = v->file->axis[b];
+            size += fabs(space->to_world[i][b]) *
+                    fmax(fabs(axis[0]), fabs(axis[v->file->header.dims[b] - 1]));
+        }
+        sum += fabs(space->to_grid[a][i]) * size;
+    }
+    return 4.0 * DBL_EPSILON * sum;
+}
+
+/* A point in its cell of a level. */
+typedef struct cell_point {
+    uint32_t cell[3];
+    double at[3], inverse[3]; /* in the cell; 1 / its edges */
+} cell_point;
+
+/* False: outside. What rounding has brought out of the volume is on its border. */
+static bool find_cell(const leafcast *v, uint32_t level, const double point[3], cell_point *out) {
+    const level_planes *planes = &grid_of(v)->planes.levels[level];
     double grid[3];
-    uint32_t place[3];
     affine_point_to_grid(&v->space, point, grid);
     for (int a = 0; a < 3; a++) {
         const double *axis = v->file->axis[a];
-        if (!(grid[a] >= axis[0] && grid[a] <= axis[planes->cells[a]]))
-            return ST_OK;
-        sample->cell[a] = cell_owning(axis, planes->cells[a] + 1, grid[a]);
-        sample->at[a] =
-            (grid[a] - planes->at[a][sample->cell[a]]) * planes->inverse[a][sample->cell[a]];
-        place[a] = sample->cell[a] >> layout->cells_log2;
+        const double lo = axis[0], hi = axis[v->file->header.dims[a] - 1];
+        double x = grid[a];
+        if (!(x >= lo && x <= hi)) {
+            const double slack = rounding_of(v, point, a);
+            if (!(x >= lo - slack && x <= hi + slack))
+                return false;
+            x = x < lo ? lo : hi;
+        }
+        const uint32_t c = out->cell[a] = cell_owning(planes->at[a], planes->cells[a], x);
+        out->inverse[a] = planes->inverse[a][c];
+        out->at[a] = (x - planes->at[a][c]) * out->inverse[a];
     }
-    sample->inside = true;
-    sample->treelet = leaf_layout_find(layout, 0, place);
-    const treelet *at;
-    status st = volume_treelet(v, sample->treelet, &at);
-    if (st != ST_OK)
-        return st;
+    return true;
+}
+
+static uint32_t grid_treelet_at(const leafcast *v, uint32_t level, const double point[3],
+                                uint32_t after) {
+    cell_point found;
+    if (after != LEAF_NO_TREELET || !find_cell(v, level, point, &found))
+        return LEAF_NO_TREELET;
+    for (int a = 0; a < 3; a++)
+        found.cell[a] >>= v->file->layout.cells_log2;
+    return leaf_layout_find(&v->file->layout, level, found.cell);
+}
+
+static bool all_finite(const float samples[8]) {
+    bool finite = true;
+    for (int i = 0; i < 8; i++)
+        finite &= isfinite(samples[i]) != 0;
+    return finite;
+}
+
+static void grid_cell_in(const leafcast *v, const treelet *at, const double point[3],
+                         leafcast_sample *out) {
+    const leaf_layout *layout = &v->file->layout;
     const walk_scene scene = {
         .levels = grid_of(v)->planes.levels, .type = layout->type, .halo = layout->halo};
-    double gradient[3], inverse[3];
+    cell_point found;
+    double gradient[3];
+    if (!find_cell(v, layout->level_of[at->id], point, &found))
+        return;
+    *out = (leafcast_sample){.inside = true, .treelet = at->id};
+    memcpy(out->cell, found.cell, sizeof out->cell);
+    memcpy(out->at, found.at, sizeof out->at);
+    walk_cell_samples(&scene, resident_grid_of(at), found.cell, out->samples);
+    out->value = surface_trilinear(out->samples, found.at, found.inverse, gradient);
+    if (!all_finite(out->samples))
+        out->value = (double)NAN;
+    affine_gradient_to_world(&v->space, gradient, out->gradient);
+}
+
+static double grid_nearest(const leafcast_sample *s, const double point[3]) {
+    int corner = 0;
+    (void)point;
     for (int a = 0; a < 3; a++)
-        inverse[a] = planes->inverse[a][sample->cell[a]];
-    walk_cell_samples(&scene, resident_grid_of(at), sample->cell, sample->samples);
-    sample->value = surface_trilinear(sample->samples, sample->at, inverse, gradient);
-    affine_gradient_to_world(&v->space, gradient, sample->gradient);
+        corner |= (s->at[a] >= 0.5) << a;
+    return (double)s->samples[corner];
+}
+
+static double grid_cells_along(const leafcast *v, const double vector[3]) {
+    double grid[3], most = 0.0;
+    affine_vector_to_grid(&v->space, vector, grid);
+    for (int a = 0; a < 3; a++) {
+        const double *axis = v->file->axis[a];
+        const uint32_t cells = v->file->header.dims[a] - 1;
+        most = fmax(most, fabs(grid[a]) * cells / (axis[cells] - axis[0]));
+    }
+    return most;
+}
+
+static status grid_layer(const leafcast *v, int axis, uint32_t node, double origin[3],
+                         double edges[2][3]) {
+    const uint32_t *dims = v->file->header.dims;
+    double first[3], end[3];
+    if (node >= dims[axis])
+        return status_describe(ST_USAGE, "node %u along %c: there are 0 to %u", node, "xyz"[axis],
+                               dims[axis] - 1);
+    for (int a = 0; a < 3; a++)
+        first[a] = v->file->axis[a][a == axis ? node : 0];
+    affine_point_to_world(&v->space, first, origin);
+    for (int a = 0, edge = 0; a < 3; a++) {
+        if (a == axis)
+            continue;
+        memcpy(end, first, sizeof end);
+        end[a] = v->file->axis[a][dims[a] - 1];
+        affine_point_to_world(&v->space, end, edges[edge]);
+        for (int i = 0; i < 3; i++)
+            edges[edge][i] -= origin[i];
+        edge++;
+    }
     return ST_OK;
 }
 
@@ -352,4 +451,8 @@ const kind grid_kind = {.name = "grid",
                         .segments_error = grid_segments_error,
                         .cell_of_hit = grid_cell_of_hit,
                         .cell_of_segment = grid_cell_of_segment,
-                        .cell_at = grid_cell_at};
+                        .treelet_at = grid_treelet_at,
+                        .cell_in = grid_cell_in,
+                        .nearest = grid_nearest,
+                        .cells_along = grid_cells_along,
+                        .layer = grid_layer};

@@ -6,6 +6,7 @@
 
 #include "formats/base/box3.h"
 #include "formats/base/exact.h"
+#include "formats/base/vec3.h"
 #include "render/leafcast_device.h"
 #include "render/leafcast_scene.h"
 #include "render/mesh/isopolygon_cache.h"
@@ -219,26 +220,23 @@ static void mesh_cell_of_segment(const tracer *tr, const segment *s, leafcast_se
     out->tet = s->cell;
 }
 
-/* Looks for it in a treelet. */
-static status find_in_treelet(leafcast *v, uint32_t t, const double point[3],
-                              leafcast_sample *sample) {
-    const treelet *found;
+/* ---- Points ---- */
+
+static void mesh_cell_in(const leafcast *v, const treelet *found, const double point[3],
+                         leafcast_sample *sample) {
+    const resident_mesh *at = resident_mesh_of(found);
     uint32_t local;
     double weights[4];
-    status st = volume_treelet(v, t, &found);
-    if (st != ST_OK)
-        return st;
-    const resident_mesh *at = resident_mesh_of(found);
+    (void)v;
     if (!mesh_walk_find(at, point, &local, weights))
-        return ST_OK;
+        return;
     const tet x = mesh_walk_tet(at, local);
-    *sample = (leafcast_sample){.inside = true, .treelet = t, .tet = at->first_tet + local};
+    *sample = (leafcast_sample){.inside = true, .treelet = found->id, .tet = at->first_tet + local};
     copy_tet(at, local, sample->vertices, sample->values);
     for (int k = 0; k < 4; k++)
         if (weights[k] > 0.0)
             sample->value += weights[k] * (isfinite(x.f[k]) ? (double)x.f[k] : (double)NAN);
     (void)tet_gradient(&x, sample->gradient);
-    return ST_OK;
 }
 
 static bool holds(const float bounds[6], const double point[3]) {
@@ -252,27 +250,62 @@ typedef struct tree_node {
     uint32_t level, i;
 } tree_node;
 
-/* Treelets are looked at in order, so that of the tets that share a point it is the first: of a
- * node's children the first is pushed last. */
-static status mesh_cell_at(leafcast *v, const double point[3], leafcast_sample *sample) {
+/* The last treelet below a node. */
+static uint64_t last_below(tree_node n) {
+    return ((uint64_t)n.i + 1) * (UINT64_C(1) << (TREELET_TREE_ARITY_LOG2 * n.level)) - 1;
+}
+
+/* Treelets are asked in their own order, so that of the tets that share a point the first one is
+ * found: of a node's children the first is pushed last. */
+static uint32_t mesh_treelet_at(const leafcast *v, uint32_t level, const double point[3],
+                                uint32_t after) {
     const treelet_tree *tree = v->treelets->tree;
     tree_node stack[TREELET_TREE_LEVELS_MAX * TREELET_TREE_ARITY];
-    status st = ST_OK;
     int top = 0;
+    (void)level;
     stack[top++] = (tree_node){tree->levels - 1, 0};
-    while (top > 0 && st == ST_OK && !sample->inside) {
-        const tree_node p = stack[--top];
-        if (!holds(tree->bounds[p.level][p.i], point))
+    while (top > 0) {
+        const tree_node n = stack[--top];
+        if ((after != LEAF_NO_TREELET && last_below(n) <= after) ||
+            !holds(tree->bounds[n.level][n.i], point))
             continue;
-        if (p.level == 0) {
-            st = find_in_treelet(v, p.i, point, sample);
-            continue;
-        }
-        uint32_t count, first = treelet_tree_children(tree, p.level, p.i, &count);
+        if (n.level == 0)
+            return n.i;
+        uint32_t count, first = treelet_tree_children(tree, n.level, n.i, &count);
         while (count-- > 0)
-            stack[top++] = (tree_node){p.level - 1, first + count};
+            stack[top++] = (tree_node){n.level - 1, first + count};
     }
-    return st;
+    return LEAF_NO_TREELET;
+}
+
+/* Of its tet's vertices. */
+static double mesh_nearest(const leafcast_sample *s, const double point[3]) {
+    double least = INFINITY;
+    int nearest = 0;
+    for (int k = 0; k < 4; k++) {
+        double distance = 0.0;
+        for (int a = 0; a < 3; a++) {
+            const double away = (double)s->vertices[k][a] - point[a];
+            distance += away * away;
+        }
+        if (distance < least) {
+            least = distance;
+            nearest = k;
+        }
+    }
+    return (double)s->values[nearest];
+}
+
+static double mesh_cells_along(const leafcast *v, const double vector[3]) {
+    leafcast_info info = {.cell_size = 1.0};
+    mesh_describe(v, &info);
+    return sqrt(vec3_dot(vector, vector)) / info.cell_size;
+}
+
+static status mesh_layer(const leafcast *v, int axis, uint32_t node, double origin[3],
+                         double edges[2][3]) {
+    (void)v, (void)axis, (void)node, (void)origin, (void)edges;
+    return status_describe(ST_USAGE, "a mesh has no planes of nodes");
 }
 
 const kind mesh_kind = {.name = "mesh",
@@ -297,4 +330,8 @@ const kind mesh_kind = {.name = "mesh",
                         .segments_error = mesh_segments_error,
                         .cell_of_hit = mesh_cell_of_hit,
                         .cell_of_segment = mesh_cell_of_segment,
-                        .cell_at = mesh_cell_at};
+                        .treelet_at = mesh_treelet_at,
+                        .cell_in = mesh_cell_in,
+                        .nearest = mesh_nearest,
+                        .cells_along = mesh_cells_along,
+                        .layer = mesh_layer};

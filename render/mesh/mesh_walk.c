@@ -285,6 +285,20 @@ void mesh_walk_each(const resident_mesh *tr, const ray *r, const hit *after, dou
 
 /* ---- Points ---- */
 
+/* Exact, and much cheaper than the tet itself. */
+static bool box_holds_point(const tet *x, const double point[3]) {
+    bool holds = true;
+    for (int a = 0; a < 3; a++) {
+        float lo = x->p[0][a], hi = lo;
+        for (int k = 1; k < 4; k++) {
+            lo = x->p[k][a] < lo ? x->p[k][a] : lo;
+            hi = x->p[k][a] > hi ? x->p[k][a] : hi;
+        }
+        holds &= (double)lo <= point[a] && point[a] <= (double)hi;
+    }
+    return holds;
+}
+
 static bool holds_point(const tet *x, const double point[3], double weights[4]) {
     double p[4][3], all = 0.0;
     for (int k = 0; k < 4; k++)
@@ -319,7 +333,7 @@ static uint32_t find_in_leaf(const resident_mesh *tr, uint32_t from, uint32_t en
                              const double point[3], double weights[4]) {
     for (; from < end; from++) {
         const tet x = mesh_walk_tet(tr, from);
-        if (holds_point(&x, point, weights))
+        if (box_holds_point(&x, point) && holds_point(&x, point, weights))
             break;
     }
     return from;

@@ -17,7 +17,7 @@ there() { for f; do [ -e "$at/$f" ] || { echo "no $f" >>"$tmp/err"; return 1; };
 ok "installs the front door, library, headers, pkg-config file" there bin/leafcast lib/libleafcast.a lib/libleafcast.so \
     include/leafcast/leafcast.h include/leafcast/leafcast_experimental.h lib/pkgconfig/leafcast.pc
 # shellcheck disable=SC2046 # names
-ok "and every verb with its page" there $(for v in generate convert render info verify probe bench; do
+ok "and every verb with its page" there $(for v in generate convert render info verify probe slice bench; do
     echo "libexec/leafcast/leafcast-$v share/man/man1/leafcast-$v.1"
 done)
 run "$at/bin/leafcast" --help

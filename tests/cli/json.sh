@@ -78,6 +78,8 @@ json document probe g.leaf --iso 120 --at 500,500
 json document probe g.leaf --ray -1,9,9,1,0,0 --segments
 json document probe g.leaf --iso 120 --point 3,3,3
 json document probe b.leaf --iso 0.3 --point 3,3,3 --step 1
+json document slice g.leaf -o s.ppm
+json document slice b.leaf --step 1 --line "2,2,2;6,6,2" --sweep 0,0,3
 json document render g.leaf --iso 120 --size 16x16 -o g.png
 json document render b.leaf --iso 0.3 --size 16x16 --step 1 --packets 4
 json lines render g.leaf --iso-list 100,120 --size 16x16
@@ -104,14 +106,14 @@ for verb in keys/*; do
     ok "$verb: its page names nothing that is not there" [ ! -s out ]
 done
 
-for verb in generate convert verify info probe render resample export bench; do
+for verb in generate convert verify info probe slice render resample export bench; do
     json error "$verb" --no-such-option
     ok "$verb: a slip: exit 2" [ "$status" = 2 ]
     ok "$verb: and in words, on standard error" grep -q "^leafcast $verb: unrecognized" err.kept
 done
-for verb in convert verify info render resample export; do
+for verb in convert verify info slice render resample export; do
     case $verb in
-    verify | info) json error "$verb" absent.leaf ;;
+    verify | info | slice) json error "$verb" absent.leaf ;;
     render) json error render absent.leaf --iso 1 -o x.png ;;
     export) json error export absent.leaf -o y.nrrd ;;
     *) json error "$verb" absent.nrrd -o x.leaf ;;

@@ -329,6 +329,38 @@ probe|--help|shown help|
 probe|--help-all|shown help|
 probe|--usage|says|@grid --size 16x16 --at 8,8|--usage
 probe|--version|says|@grid --size 16x16 --at 8,8|--version
+slice|--axis|output|@g.leaf --format ppm|--axis x
+slice|--at|output|@g.leaf --format ppm|--at 11
+slice|--index|output|@g.leaf --format ppm|--index 3
+slice|--plane|output|@g.leaf --format ppm|--plane 1,1,0,-30
+slice|--origin|output|@g.leaf --format ppm --u 9,0,0 --v 0,9,1 --origin 1,1,1|--origin 2,1,1
+slice|--u|output|@g.leaf --format ppm --origin 1,1,1 --v 0,9,1 --u 9,0,0|--u 9,0,1
+slice|--v|output|@g.leaf --format ppm --origin 1,1,1 --u 9,0,0 --v 0,9,1|--v 0,9,2
+slice|--line|output|@g.leaf --format ppm --sweep 0,0,9 --line 1,1,1;9,9,1|--line 1,1,1;9,8,1
+slice|--sweep|output|@g.leaf --format ppm --line 1,1,1;9,9,1 --sweep 0,0,9|--sweep 0,1,9
+slice|--size|output|@g.leaf --format ppm|--size 9x8
+slice|--nearest|output|@g.leaf --format ppm --size 9x8|--nearest
+slice|--level|output|@g.leaf --format ppm --size 9x8|--level 1
+slice|--field|refused no field|@m.leaf --json|--field none
+slice|--step|output|@m.leaf --format ppm|--step 1
+slice|--window|output|@g.leaf --format ppm|--window 50,200
+slice|--iso|output|@g.leaf --format ppm|--iso 120
+slice|--color|output|@g.leaf --format ppm --iso 120|--color red
+slice|--colour|output|@g.leaf --format ppm --iso 120|--colour red
+slice|--format|output|@g.leaf --format ppm|--format pfm
+slice|--value-f64|makes zz|@g.leaf|--value-f64 @zz
+slice|--stats|makes ss|@g.leaf|--stats @ss
+slice|--output|makes so.png|@g.leaf|--output @so.png
+slice|--threads|says|@g.leaf --json --threads 1|--threads 3
+slice|--memory|exit 4|@g.leaf --json|--memory 1K
+slice|--json|says|@g.leaf -o @sj.png --force|--json
+slice|--force|exit 0|@g.leaf -o @sf.png --force|
+slice|--quiet|fewer|@g.leaf -o @sq.png --force|--quiet
+slice|--verbose|more|@g.leaf -o @sq.png --force|--verbose
+slice|--help|shown help|
+slice|--help-all|shown help|
+slice|--usage|says|@g.leaf -o @sq.png --force|--usage
+slice|--version|says|@g.leaf -o @sq.png --force|--version
 info|--iso|says|@g.leaf|--iso 120
 info|--quick|fewer|@g.nrrd|--quick
 info|--field|refused no array|@m_0000.mesh|--field none

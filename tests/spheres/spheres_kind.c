@@ -279,23 +279,43 @@ static bool holds(const sphere *x, const double point[3], leafcast_sample *sampl
     return true;
 }
 
-static status spheres_cell_at(leafcast *v, const double point[3], leafcast_sample *sample) {
+static uint32_t spheres_treelet_at(const leafcast *v, uint32_t level, const double point[3],
+                                   uint32_t after) {
     const treelet_tree *tree = v->treelets->tree;
-    for (uint32_t t = 0; t < v->file->layout.treelets && !sample->inside; t++) {
-        const treelet *at;
-        if (distance_to(tree->bounds[0][t], point) > 0.0)
-            continue;
-        const status st = volume_treelet(v, t, &at);
-        if (st != ST_OK)
-            return st;
-        const spheres_treelet *own = spheres_treelet_of(at);
-        for (uint32_t i = 0; i < own->count && !sample->inside; i++)
-            if (holds(&own->spheres[i], point, sample)) {
-                sample->treelet = t;
-                sample->tet = own->first + i;
-            }
-    }
-    return ST_OK;
+    (void)level;
+    for (uint32_t t = after + 1; t < v->file->layout.treelets; t++) /* LEAF_NO_TREELET + 1: 0 */
+        if (!(distance_to(tree->bounds[0][t], point) > 0.0))
+            return t;
+    return LEAF_NO_TREELET;
+}
+
+static void spheres_cell_in(const leafcast *v, const treelet *at, const double point[3],
+                            leafcast_sample *sample) {
+    const spheres_treelet *own = spheres_treelet_of(at);
+    (void)v;
+    for (uint32_t i = 0; i < own->count && !sample->inside; i++)
+        if (holds(&own->spheres[i], point, sample)) {
+            sample->treelet = at->id;
+            sample->tet = own->first + i;
+        }
+}
+
+/* There are no nodes. */
+static double spheres_nearest(const leafcast_sample *s, const double point[3]) {
+    (void)point;
+    return s->value;
+}
+
+static double spheres_cells_along(const leafcast *v, const double vector[3]) {
+    leafcast_info info = {.cell_size = 1.0};
+    spheres_describe(v, &info);
+    return sqrt(vec3_dot(vector, vector)) / info.cell_size;
+}
+
+static status spheres_layer(const leafcast *v, int axis, uint32_t node, double origin[3],
+                            double edges[2][3]) {
+    (void)v, (void)axis, (void)node, (void)origin, (void)edges;
+    return status_describe(ST_USAGE, "spheres have no planes of nodes");
 }
 
 const kind spheres_kind = {.name = "spheres",
@@ -310,4 +330,8 @@ const kind spheres_kind = {.name = "spheres",
                            .next = spheres_next,
                            .surface = spheres_surface,
                            .cell_of_hit = spheres_cell_of_hit,
-                           .cell_at = spheres_cell_at};
+                           .treelet_at = spheres_treelet_at,
+                           .cell_in = spheres_cell_in,
+                           .nearest = spheres_nearest,
+                           .cells_along = spheres_cells_along,
+                           .layer = spheres_layer};

@@ -91,6 +91,17 @@ static bool is_finite(const leafcast_camera *c) {
     return sum < 1e30;
 }
 
+/* Across the middle, where there is one. */
+static leafcast_status slice_file(leafcast *v, const double middle[3]) {
+    static double value[SIDE * SIDE];
+    const double plane[4] = {0.0, 0.0, 1.0, -middle[2]};
+    leafcast_slice_pixels s = {.size = sizeof s};
+    if (leafcast_plane_slice(v, plane, &s) != LEAFCAST_OK)
+        return LEAFCAST_OK;
+    s.width = s.height = SIDE;
+    return leafcast_sample_slice(v, &s, value, NULL, NULL, NULL);
+}
+
 static const char *draw_file(const char *bytes, size_t size, bool in_place, leaf_fuzz_result *r) {
     const leafcast_options o = {.size = sizeof(leafcast_options),
                                 .memory = MEMORY,
@@ -110,6 +121,8 @@ static const char *draw_file(const char *bytes, size_t size, bool in_place, leaf
                      : LEAFCAST_OK;
         if (st == LEAFCAST_OK && is_finite(&camera))
             st = leafcast_probe_point(v, camera.look_at, &sample);
+        if (st == LEAFCAST_OK && is_finite(&camera))
+            st = slice_file(v, camera.look_at);
     }
     r->trace = (status)st;
     leafcast_close(v);

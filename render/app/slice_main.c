@@ -1,0 +1,448 @@
+/* slice_main.c - leafcast slice: pictures and values of a plane, or of a curved sheet, through a
+ * volume. */
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "formats/base/cli.h"
+#include "formats/base/cli_value.h"
+#include "formats/base/clock.h"
+#include "formats/base/file.h"
+#include "formats/base/file_guard.h"
+#include "formats/base/num.h"
+#include "formats/base/printed_file.h"
+#include "render/app/colour.h"
+#include "render/app/image_out.h"
+#include "render/app/render_job.h"
+#include "render/app/slice_options.h"
+#include "render/app/slice_picture.h"
+
+enum { ISOS_MAX = 32, OPTIONS_ROOM = 40 };
+
+typedef struct slice_run {
+    cli_common common;
+    slice_options place;
+    slice_look look;
+    double isovalues[ISOS_MAX];
+    bool window; /* was given */
+    const char *field, *format, *values, *stats_path;
+    uint32_t step, field_number;
+    mem m;
+    leafcast *volume;
+    double *value;
+    leafcast_image image;
+    image_out_options out_options;
+    image_out *out;
+    leafcast_stats stats;
+    double write_s, total_s;
+} slice_run;
+
+/* ---- Flags ---- */
+
+enum { FIELD = 0x3000, STEP, WINDOW, ISO, COLOR, COLOUR, FORMAT, VALUES, STATS };
+
+static const struct argp_option OPTIONS[] = {
+    {"field", FIELD, "NAME", 0,
+     "volumes with several fields: this one, by name or number (the first)", 2},
+    {"step", STEP, "K", 0, "volumes with time steps: this one, counted from 0 (0)", 2},
+    {NULL, 0, NULL, 0, "The picture:", 3},
+    {"window", WINDOW, "LO,HI", CLI_BASIC,
+     "the values that are black and white (the least and the largest of the field)", 0},
+    {"iso", ISO, "V[,V...]", CLI_BASIC, "an isoline of each value, on top. Repeatable", 0},
+    {"color", COLOR, "COLOR", 0, "of the isolines: red, R,G,B (linear) or #rrggbb (sRGB)", 0},
+    {"colour", COLOUR, "COLOR", OPTION_ALIAS, NULL, 0},
+    {NULL, 0, NULL, 0, "Outputs (-o takes .png, .ppm, .pfm, .exr; -: standard output):", 4},
+    {"format", FORMAT, "NAME", 0, "png, ppm, pfm or exr, whatever the name's end is (-o -: png)",
+     0},
+    {"value-f64", VALUES, "FILE", CLI_BASIC,
+     "the values as raw doubles, row by row from the top; NaN where there is no data", 0},
+    {"stats", STATS, "FILE", 0, "times, treelets and bytes as JSON", 0},
+    {NULL, 0, NULL, 0, NULL, 0}};
+
+static status add_isovalues(slice_run *o, const char *text) {
+    int count = 1;
+    for (const char *c = text; *c; c++)
+        count += *c == ',';
+    if (o->look.isos + count > ISOS_MAX)
+        return status_describe(ST_USAGE, "--iso: more than %d isolines", ISOS_MAX);
+    const status st = cli_vector(text, "--iso", count, o->isovalues + o->look.isos);
+    o->look.isos += st == ST_OK ? count : 0;
+    return st;
+}
+
+static status set_window(slice_run *o, const char *text) {
+    const status st = cli_vector(text, "--window", 2, o->look.window);
+    if (st == ST_OK && !(o->look.window[0] < o->look.window[1]))
+        return status_describe(ST_USAGE, "--window: \"%s\" is not LO,HI, the lower value first",
+                               text);
+    o->window = true;
+    return st;
+}
+
+static status set_option(void *own, int key, const char *text) {
+    slice_run *o = own;
+    switch (key) {
+    case FIELD: o->field = text; return ST_OK;
+    case STEP: return cli_uint(text, "--step", 0, UINT16_MAX, &o->step);
+    case WINDOW: return set_window(o, text);
+    case ISO: return add_isovalues(o, text);
+    case COLOR:
+    case COLOUR: return colour_parse(text, "--color", o->look.line, NULL);
+    case FORMAT: o->format = text; return ST_OK;
+    case VALUES: o->values = text; return ST_OK;
+    case STATS: o->stats_path = text; return ST_OK;
+    default: return slice_options_set(&o->place, key, text);
+    }
+}
+
+static bool to_stdout(const char *path) {
+    return path && strcmp(path, "-") == 0;
+}
+
+/* What is for the picture alone changes nothing without one. */
+static status check_picture(const slice_run *o) {
+    static const struct {
+        int key;
+        const char *name;
+    } of_pictures[] = {
+        {WINDOW, "--window"}, {ISO, "--iso"}, {COLOR, "--color"}, {FORMAT, "--format"}};
+    for (int i = 0; i < 4 && !o->common.output; i++)
+        if (cli_given(&o->common, of_pictures[i].key))
+            return status_describe(ST_USAGE, "%s is for a picture: -o", of_pictures[i].name);
+    const bool colour = cli_given(&o->common, COLOR) || cli_given(&o->common, COLOUR);
+    if (colour && o->look.isos == 0)
+        return status_describe(ST_USAGE, "--color is for isolines: --iso V");
+    return ST_OK;
+}
+
+static status check_options(void *own) {
+    slice_run *o = own;
+    const int streams = to_stdout(o->common.output) + to_stdout(o->values) + o->common.json;
+    if (!o->common.input)
+        return status_describe(ST_USAGE, "which treelet file?");
+    if (!o->common.output && !o->values && !o->stats_path && !o->common.json)
+        return status_describe(ST_USAGE, "where to? -o FILE.png, --value-f64 FILE or --json");
+    if (streams > 1)
+        return status_describe(ST_USAGE, "standard output holds one of picture, values and --json");
+    const status st = check_picture(o);
+    return st == ST_OK ? slice_options_check(&o->place) : st;
+}
+
+/* ---- The result as JSON ---- */
+
+static json_t *reals(const double *x, int count) {
+    json_t *list = json_array();
+    for (int i = 0; i < count; i++)
+        json_array_append_new(list, cli_json_real(x[i]));
+    return list;
+}
+
+static void set_place(const slice_run *o, json_t *root) {
+    const leafcast_slice_pixels *s = &o->place.slice;
+    json_object_set_new(root, "size", json_pack("[i,i]", (int)s->width, (int)s->height));
+    if (s->line_count > 0) {
+        json_t *line = json_array();
+        for (uint32_t i = 0; i < s->line_count; i++)
+            json_array_append_new(line, reals(s->line[i], 3));
+        json_object_set_new(root, "line", line);
+    } else {
+        json_object_set_new(root, "origin", reals(s->origin, 3));
+        json_object_set_new(root, "u", reals(s->u, 3));
+    }
+    json_object_set_new(root, "v", reals(s->v, 3));
+}
+
+static void set_values(const slice_run *o, json_t *root) {
+    const size_t pixels = (size_t)o->place.slice.width * o->place.slice.height;
+    double least = INFINITY, most = -INFINITY;
+    json_int_t seen = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        seen += !isnan(o->value[i]);
+        least = fmin(least, o->value[i]);
+        most = fmax(most, o->value[i]);
+    }
+    json_object_set_new(root, "pixels", json_integer(seen));
+    json_object_set_new(root, "least", cli_json_real(least));
+    json_object_set_new(root, "most", cli_json_real(most));
+    if (o->common.output)
+        json_object_set_new(root, "window", reals(o->look.window, 2));
+}
+
+static void set_set(const slice_run *o, json_t *root) {
+    const leafcast_info info = leafcast_describe(o->volume);
+    if (info.fields == 1 && info.steps == 1)
+        return;
+    json_object_set_new(root, "field",
+                        json_string(leafcast_field_name(o->volume, o->field_number)));
+    json_object_set_new(root, "step", json_integer(o->step));
+    json_object_set_new(root, "time", cli_json_real(leafcast_step_time(o->volume, o->step)));
+}
+
+static json_t *count_of(uint64_t n) {
+    return json_integer((json_int_t)n);
+}
+
+static void set_stats(const slice_run *o, json_t *root) {
+    const leafcast_stats *t = &o->stats;
+    json_object_set_new(root, "time_s",
+                        json_pack("{s:f, s:f, s:f, s:f, s:f}", "open", t->open_s, "load", t->load_s,
+                                  "sample", t->render_s, "write", o->write_s, "total", o->total_s));
+    json_object_set_new(root, "treelets",
+                        json_pack("{s:o, s:o, s:o}", "total", count_of(t->treelets_total), "active",
+                                  count_of(t->treelets_active), "loaded",
+                                  count_of(t->treelets_loaded)));
+    json_object_set_new(root, "bytes",
+                        json_pack("{s:o, s:o, s:o, s:o}", "file", count_of(t->bytes_file), "active",
+                                  count_of(t->bytes_active), "read", count_of(t->bytes_read),
+                                  "resident", count_of(t->bytes_resident)));
+    json_object_set_new(root, "peak_rss_bytes", count_of(render_stats_peak_rss()));
+    json_object_set_new(root, "peak_budget_bytes", count_of(t->bytes_peak));
+    json_object_set_new(root, "threads", json_integer(t->threads));
+    json_object_set_new(root, "isa", json_string(t->isa));
+}
+
+static json_t *result_of(const slice_run *o) {
+    json_t *root = json_object();
+    if (o->common.output)
+        json_object_set_new(root, "output", json_string(o->common.output));
+    set_place(o, root);
+    set_values(o, root);
+    set_set(o, root);
+    set_stats(o, root);
+    return root;
+}
+
+static void print_result(const void *ctx, FILE *out) {
+    json_dumpf(ctx, out, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    fputc('\n', out);
+}
+
+static status tell(slice_run *o) {
+    json_t *result = result_of(o);
+    status st = ST_OK;
+    cli_note(&o->common, 1, "%u x %u pixels, %llu of %llu treelets, %.3g s", o->place.slice.width,
+             o->place.slice.height, (unsigned long long)o->stats.treelets_active,
+             (unsigned long long)o->stats.treelets_total, o->total_s);
+    if (o->stats_path)
+        st = printed_file_write(&o->m, o->stats_path, o->common.force, print_result, result);
+    if (st == ST_OK && o->common.json)
+        st = cli_print_json(&o->common, json_incref(result));
+    json_decref(result);
+    return st;
+}
+
+/* ---- Before work begins ---- */
+
+/* What could not be written is told at once. */
+static status check_outputs(slice_run *o) {
+    const char *const outputs[] = {o->common.output, o->values, o->stats_path};
+    file_guard_watch();
+    status st = file_guard_input(o->common.input);
+    for (int i = 0; i < 3 && st == ST_OK; i++)
+        st = file_guard_output(outputs[i]);
+    if (st == ST_OK && o->common.output)
+        st = image_out_check(&o->out_options, o->common.output);
+    if (st == ST_OK && o->values)
+        st = image_out_check_depth(&o->out_options, o->values);
+    if (st == ST_OK && o->stats_path)
+        st = out_file_check(&o->m, o->stats_path, o->common.force);
+    return st;
+}
+
+/* The window is the field's range, unless it was said. */
+static status choose_window(slice_run *o) {
+    double range[2];
+    if (o->window)
+        return ST_OK;
+    const status st = render_status(leafcast_range(o->volume, o->field_number, o->step, range));
+    const bool any = range[0] < range[1];
+    o->look.window[0] = any ? range[0] : 0.0;
+    o->look.window[1] = any ? range[1] : 1.0;
+    return st;
+}
+
+static status open_volume(slice_run *o) {
+    const leafcast_options options = {
+        .size = sizeof options, .memory = o->common.memory, .threads = o->common.threads};
+    status st = render_status(leafcast_open(o->common.input, &options, &o->volume));
+    if (st == ST_OK && o->field)
+        st = render_status(leafcast_find_field(o->volume, o->field, &o->field_number));
+    if (st == ST_OK)
+        st = render_status(leafcast_select_set(o->volume, o->field_number, o->step));
+    if (st == ST_OK)
+        st = choose_window(o);
+    return st == ST_OK ? slice_options_place(&o->place, o->volume) : st;
+}
+
+/* ---- The slice ---- */
+
+static size_t pixels_of(const slice_run *o) {
+    return (size_t)o->place.slice.width * o->place.slice.height;
+}
+
+static status make_planes(slice_run *o) {
+    float **const planes[] = {&o->image.r, &o->image.g, &o->image.b, &o->image.a};
+    const size_t pixels = pixels_of(o);
+    o->value = mem_alloc(&o->m, pixels * sizeof *o->value);
+    bool failed = !o->value;
+    o->image.size = sizeof o->image;
+    for (int i = 0; i < 4 && o->common.output; i++) {
+        *planes[i] = mem_alloc(&o->m, pixels * sizeof **planes[i]);
+        failed |= !*planes[i];
+        o->place.slice.beside += pixels * sizeof **planes[i];
+    }
+    if (o->common.output)
+        o->place.slice.beside +=
+            image_out_bytes(&o->out_options, o->common.output, o->place.slice.width);
+    return failed ? ST_NOMEM : ST_OK;
+}
+
+static bool report(void *ctx, double done) {
+    return progress_step(ctx, "slicing", done) == ST_OK;
+}
+
+static status write_values(slice_run *o, image_target *to) {
+    const leafcast_image values = {.size = sizeof values, .z = o->value};
+    const picture p = {
+        .width = o->place.slice.width, .height = o->place.slice.height, .image = &values};
+    return image_out_finish(to, &p);
+}
+
+static void numbers(char text[256], const double *x, int count) {
+    text[0] = 0;
+    for (int i = 0; i < count; i++) {
+        char number[NUM_TEXT_MAX];
+        const size_t at = strlen(text);
+        snprintf(text + at, 256 - at, "%s%s", i ? "," : "", num_print(x[i], number));
+    }
+}
+
+/* What one needs to make a plane slice again goes into its picture. */
+static status write_picture(slice_run *o, image_target *to) {
+    const leafcast_slice_pixels *s = &o->place.slice;
+    const char *slash = strrchr(o->common.input, '/');
+    char origin[256], u[256], v[256], window[256];
+    numbers(origin, s->origin, 3);
+    numbers(u, s->u, 3);
+    numbers(v, s->v, 3);
+    numbers(window, o->look.window, 2);
+    const image_meta meta[] = {{"volume", slash ? slash + 1 : o->common.input},
+                               {"window", window},
+                               {"v", v},
+                               {"origin", origin},
+                               {"u", u}};
+    const picture p = {.width = s->width,
+                       .height = s->height,
+                       .image = &o->image,
+                       .meta = meta,
+                       .meta_count = s->line_count > 0 ? 3 : 5};
+    o->look.isovalues = o->isovalues;
+    slice_picture_fill(&o->look, o->value, s->width, s->height, &o->image);
+    return image_out_finish(to, &p);
+}
+
+/* What it is written to; NULL: nothing. */
+typedef struct targets {
+    image_target *picture, *values;
+} targets;
+
+static status open_targets(slice_run *o, targets *to) {
+    status st = image_out_open(&o->m, &o->out_options, &o->out);
+    if (st == ST_OK && o->common.output)
+        st = image_out_begin(o->out, o->common.output, &to->picture);
+    if (st == ST_OK && o->values)
+        st = image_out_begin_depth(o->out, o->values, &to->values);
+    return st;
+}
+
+static status write_targets(slice_run *o, targets *to) {
+    const targets now = *to;
+    status st = ST_OK;
+    if (now.values) {
+        to->values = NULL;
+        st = write_values(o, now.values);
+    }
+    if (st == ST_OK && now.picture) {
+        to->picture = NULL;
+        st = write_picture(o, now.picture);
+    }
+    return st;
+}
+
+static status make_slice(slice_run *o, const progress *watch, targets *to) {
+    o->stats.size = sizeof o->stats;
+    status st = open_targets(o, to);
+    if (st == ST_OK)
+        st = make_planes(o);
+    if (st == ST_OK)
+        st = render_status(leafcast_sample_slice(o->volume, &o->place.slice, o->value, &o->stats,
+                                                 report, (void *)watch));
+    const double sampled = clock_seconds();
+    if (st == ST_OK)
+        st = write_targets(o, to);
+    o->write_s = clock_seconds() - sampled;
+    return st;
+}
+
+static status run(slice_run *o, const progress *watch) {
+    const double begun = clock_seconds();
+    targets to = {NULL, NULL};
+    status st = check_outputs(o);
+    if (st == ST_OK)
+        st = open_volume(o);
+    if (st == ST_OK)
+        st = make_slice(o, watch, &to);
+    image_out_discard(to.picture);
+    image_out_discard(to.values);
+    o->total_s = clock_seconds() - begun;
+    return st == ST_OK ? tell(o) : st;
+}
+
+static void release(slice_run *o) {
+    image_out_close(o->out);
+    mem_free(&o->m, o->value);
+    mem_free(&o->m, o->image.r);
+    mem_free(&o->m, o->image.g);
+    mem_free(&o->m, o->image.b);
+    mem_free(&o->m, o->image.a);
+    leafcast_close(o->volume);
+    slice_options_release(&o->place);
+}
+
+/* The place's rows, then the verb's own. */
+static void join_options(struct argp_option out[OPTIONS_ROOM]) {
+    memcpy(out, slice_options_table, (SLICE_OPTIONS_COUNT - 1) * sizeof *out);
+    memcpy(out + SLICE_OPTIONS_COUNT - 1, OPTIONS, sizeof OPTIONS);
+}
+
+_Static_assert(SLICE_OPTIONS_COUNT + sizeof OPTIONS / sizeof *OPTIONS <= OPTIONS_ROOM, "room");
+
+int main(int argc, char **argv) {
+    static slice_run o = {.common = {.verb = "slice"}, .look = {.line = {1.0f, 0.35f, 0.02f}}};
+    struct argp_option options[OPTIONS_ROOM];
+    join_options(options);
+    const cli_verb verb = {
+        .options = options,
+        .set_option = set_option,
+        .check = check_options,
+        .input = "treelet file",
+        .args_doc = "F.leaf -o FILE.png",
+        .doc = "Slice through a volume: a picture of its values in a plane, or the values.\v"
+               "Example:\n  leafcast slice bonsai.leaf --axis y --at 128 -o slice.png\v"
+               "Coordinates are in world space. Only treelets with pixels in them are read. Where "
+               "there is no data, the picture is transparent. Across x and y, z goes up; across "
+               "z, y does."};
+    mem_init(&o.m, 0);
+    o.place.m = &o.m;
+    cli_parse(&verb, &o.common, argc, argv);
+    const progress *watch = cli_progress(&o.common);
+    o.out_options = (image_out_options){.force = o.common.force,
+                                        .threads = o.common.threads,
+                                        .format = o.format,
+                                        .stop = watch->stop,
+                                        .ctx = watch->ctx};
+    const status st = run(&o, watch);
+    release(&o);
+    return cli_finish(&o.common, st);
+}
