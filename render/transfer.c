@@ -1,0 +1,110 @@
+#include "render/transfer.h"
+
+#include <math.h>
+
+/* ---- Making ---- */
+
+/* One span between two points, or beyond the first or the last one: then both are that one. */
+static transfer_span span_of(const leafcast_transfer_point *a, const leafcast_transfer_point *b) {
+    transfer_span s = {a->value, b->value, a->value, b->value - a->value, {0}, {{0}}};
+    const leafcast_transfer_point *ends[2] = {a, b};
+    for (int e = 0; e < 2; e++) {
+        s.k[e] = ends[e]->extinction;
+        for (int c = 0; c < 3; c++)
+            s.rgb[e][c] = (double)ends[e]->rgb[c];
+    }
+    return s;
+}
+
+static transfer_span beyond(const leafcast_transfer_point *p, double from, double to) {
+    transfer_span s = span_of(p, p);
+    s.from = from;
+    s.to = to;
+    s.base = 0.0;
+    s.width = INFINITY;
+    return s;
+}
+
+static void note_most(transfer *t, const leafcast_transfer_point *p) {
+    t->most_k = fmax(t->most_k, p->extinction);
+    for (int c = 0; c < 3; c++)
+        t->most_rgb = fmax(t->most_rgb, (double)p->rgb[c]);
+}
+
+status transfer_init(transfer *t, mem *m, const leafcast_medium *medium) {
+    const leafcast_transfer_point *p = medium->points;
+    const int last = medium->count - 1;
+    *t = (transfer){0};
+    if (medium->count == 0)
+        return ST_OK;
+    t->span = mem_array(m, (size_t)medium->count + 1, sizeof *t->span);
+    if (!t->span)
+        return ST_NOMEM;
+    t->span[t->spans++] = beyond(&p[0], -INFINITY, p[0].value);
+    for (int i = 0; i <= last; i++) {
+        note_most(t, &p[i]);
+        if (i < last && p[i].value < p[i + 1].value)
+            t->span[t->spans++] = span_of(&p[i], &p[i + 1]);
+    }
+    t->span[t->spans++] = beyond(&p[last], p[last].value, INFINITY);
+    return ST_OK;
+}
+
+void transfer_release(transfer *t, mem *m) {
+    mem_free(m, t->span);
+    *t = (transfer){0};
+}
+
+/* ---- Asking ---- */
+
+int transfer_find(const transfer *t, double value) {
+    int lo = 0, hi = t->spans;
+    while (hi - lo > 1) {
+        const int middle = lo + (hi - lo) / 2;
+        if (t->span[middle].from <= value)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    return lo;
+}
+
+static bool matters(const transfer_span *s) {
+    return s->k[0] > 0.0 || s->k[1] > 0.0;
+}
+
+/* Two neighbours become one. */
+static int take_in_gap(interest_interval of[], int count, int before) {
+    of[before].hi = of[before + 1].hi;
+    of[before].hi_open = of[before + 1].hi_open;
+    for (int i = before + 1; i + 1 < count; i++)
+        of[i] = of[i + 1];
+    return count - 1;
+}
+
+static int narrowest_gap(const interest_interval of[], int count) {
+    int found = 0;
+    for (int i = 1; i + 1 < count; i++)
+        if (of[i + 1].lo - of[i].hi < of[found + 1].lo - of[found].hi)
+            found = i;
+    return found;
+}
+
+int transfer_interest(const transfer *t, interest_interval of[], int max) {
+    int count = 0;
+    bool goes_on = false;
+    for (int i = 0; i < t->spans; i++) {
+        const transfer_span *s = &t->span[i];
+        const bool hi_open = s->to < INFINITY;
+        if (matters(s) && goes_on) {
+            of[count - 1].hi = s->to;
+            of[count - 1].hi_open = hi_open;
+        } else if (matters(s)) {
+            if (count == max)
+                count = take_in_gap(of, count, narrowest_gap(of, count));
+            of[count++] = (interest_interval){s->from, s->to, !(s->k[0] > 0.0), hi_open};
+        }
+        goes_on = matters(s);
+    }
+    return count;
+}

@@ -1,0 +1,42 @@
+/* transfer.h - a transfer function as rays want it: cut into spans of the value, in each of which
+ * colour and extinction are linear.
+ */
+#ifndef RENDER_TRANSFER_H
+#define RENDER_TRANSFER_H
+
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+#include "render/leafcast.h"
+#include "stream/interest.h"
+
+/* The values v with from <= v < to. There the extinction is k[0] + w (k[1] - k[0]), likewise the
+ * colour, with w = (v - base) / width in [0, 1]. The first span begins at -INFINITY, the last one
+ * ends at INFINITY: they are constant. */
+typedef struct transfer_span {
+    double from, to;
+    double base, width; /* infinite: w is 0 */
+    double k[2];
+    double rgb[2][3];
+} transfer_span;
+
+typedef struct transfer {
+    transfer_span *span;
+    int spans;       /* at least 1; 0: nothing is filled */
+    double most_k;   /* the largest extinction, */
+    double most_rgb; /* and the largest component of a colour */
+} transfer;
+
+/* transfer_init() - of a medium that has been checked (arguments.h). transfer_release() - also
+ * where that failed, and of a zeroed one. */
+CHECKED status transfer_init(transfer *t, mem *m, const leafcast_medium *medium);
+void transfer_release(transfer *t, mem *m);
+
+/* transfer_find() - the number of the span that holds a value. */
+int transfer_find(const transfer *t, double value);
+
+/* transfer_interest() - into intervals[]: the values that matter, those of some extinction; where
+ * there would be more intervals than `max`, the narrowest gaps between them are taken in. Returns
+ * how many there are. */
+int transfer_interest(const transfer *t, interest_interval intervals[], int max);
+
+#endif
