@@ -4,6 +4,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* As far as leafcast.h allows. */
+static const double VALUE_MOST = 1e300, EXTINCTION_MOST = 1e100;
+
 /* What is being made. */
 typedef struct maker {
     const transfer_range *of;
@@ -19,7 +22,7 @@ static double any_value(maker *m) {
 
 /* 10^from .. 10^to over the length of the way. */
 static double extinction(maker *m, double from, double to) {
-    return fmin(pow(10, field_random_in(m->r, from, to)) / m->of->length, 1e300);
+    return fmin(pow(10, field_random_in(m->r, from, to)) / m->of->length, EXTINCTION_MOST);
 }
 
 static void put(maker *m, double value, double e) {
@@ -78,12 +81,18 @@ static void splinters(maker *m) {
 }
 
 static void huge(maker *m) {
-    spread(m, 4, 6, 300);
+    spread(m, 4, 6, 100);
 }
 
 static void denormal(maker *m) {
     for (int i = 0; i < 4; i++)
         put(m, any_value(m), field_random_in(m->r, 0, 1e-310));
+}
+
+static void nothing(maker *m) {
+    spread(m, 2, -1, 1);
+    for (int i = 0; i < m->count; i++)
+        m->points[i].extinction = 0;
 }
 
 static void constant(maker *m) {
@@ -111,21 +120,30 @@ static void beyond(maker *m) {
 
 /* All between the smallest numbers and the largest. */
 static void extremes(maker *m) {
-    put(m, -DBL_MAX, extinction(m, -1, 1));
+    put(m, -VALUE_MOST, extinction(m, -1, 1));
     put(m, any_value(m), extinction(m, -1, 1));
     put(m, -DBL_TRUE_MIN, 0);
     put(m, DBL_TRUE_MIN, extinction(m, -1, 1));
-    put(m, DBL_MAX, extinction(m, -1, 1));
+    put(m, VALUE_MOST, extinction(m, -1, 1));
+}
+
+/* Down to nothing from far away, where it is as much more. */
+static void leaning(maker *m) {
+    const double width = m->of->most - m->of->least, at = any_value(m),
+                 share = pow(10, field_random_in(m->r, 2, 14));
+    put(m, at - fmin(share * width, VALUE_MOST), extinction(m, 0, 2) * share);
+    put(m, at, 0);
+    put(m, at + fmin(share * width, VALUE_MOST), extinction(m, 0, 2) * share);
 }
 
 static const struct {
     const char *name;
     void (*make)(maker *m);
 } kinds[] = {
-    {"smooth", smooth},     {"opaque", opaque},       {"thin", thin}, {"steps", steps},
-    {"needles", needles},   {"splinters", splinters}, {"huge", huge}, {"denormal", denormal},
-    {"constant", constant}, {"positive", positive},   {"many", many}, {"beyond", beyond},
-    {"extremes", extremes},
+    {"smooth", smooth},     {"opaque", opaque},       {"thin", thin},       {"steps", steps},
+    {"needles", needles},   {"splinters", splinters}, {"huge", huge},       {"denormal", denormal},
+    {"constant", constant}, {"positive", positive},   {"many", many},       {"beyond", beyond},
+    {"extremes", extremes}, {"leaning", leaning},     {"nothing", nothing},
 };
 
 int hostile_transfer_kinds(void) {
@@ -162,6 +180,11 @@ transfer_range transfer_range_of(const float *samples, size_t count, double leng
             of.least = fmin(of.least, (double)samples[i]);
             of.most = fmax(of.most, (double)samples[i]);
         }
+    /* Of one value alone, about it. */
+    if (!(of.least < of.most)) {
+        of.least -= 1.0;
+        of.most += 1.0;
+    }
     for (int i = 0; i < 4; i++)
         do
             of.some[i] = (double)samples[field_random_below(r, (long)count)];
