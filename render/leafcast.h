@@ -225,7 +225,8 @@ typedef enum leafcast_project {
 typedef struct leafcast_shown {
     leafcast *volume;
     uint32_t field, step;
-    const leafcast_surface *surfaces; /* count of them, as of leafcast_select() */
+    const leafcast_surface *surfaces; /* count of them, as of leafcast_select(); with media or a
+                                         projection there may be none */
     int count;
 } leafcast_shown;
 
@@ -391,6 +392,7 @@ typedef struct leafcast_stats {
     uint64_t nodes, cells, roots;
     uint64_t covered_pixels; /* that show a surface */
     uint64_t provisional_pixels, ill_conditioned;
+    uint64_t uncertified_pixels; /* of media: scene.error is less than rounding allows */
     uint64_t passes; /* 1, and 1 more whenever all rays waited for treelets to give way to others */
     /* Of packets through a mesh (W07 table 4): rays individually tested against boxes and against
      * isopolygons; packets against boxes by intervals, and against isoranges; isopolygons taken up.

@@ -69,10 +69,6 @@ int transfer_find(const transfer *t, double value) {
     return lo;
 }
 
-static bool matters(const transfer_span *s) {
-    return s->k[0] > 0.0 || s->k[1] > 0.0;
-}
-
 /* Two neighbours become one. */
 static int take_in_gap(interest_interval of[], int count, int before) {
     of[before].hi = of[before + 1].hi;
@@ -96,15 +92,15 @@ int transfer_interest(const transfer *t, interest_interval of[], int max) {
     for (int i = 0; i < t->spans; i++) {
         const transfer_span *s = &t->span[i];
         const bool hi_open = s->to < INFINITY;
-        if (matters(s) && goes_on) {
+        if (!transfer_is_empty(s) && goes_on) {
             of[count - 1].hi = s->to;
             of[count - 1].hi_open = hi_open;
-        } else if (matters(s)) {
+        } else if (!transfer_is_empty(s)) {
             if (count == max)
                 count = take_in_gap(of, count, narrowest_gap(of, count));
             of[count++] = (interest_interval){s->from, s->to, !(s->k[0] > 0.0), hi_open};
         }
-        goes_on = matters(s);
+        goes_on = !transfer_is_empty(s);
     }
     return count;
 }

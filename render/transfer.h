@@ -31,6 +31,11 @@ typedef struct transfer {
 CHECKED status transfer_init(transfer *t, mem *m, const leafcast_medium *medium);
 void transfer_release(transfer *t, mem *m);
 
+/* transfer_is_empty() - nothing is where the value is in the span. */
+static inline bool transfer_is_empty(const transfer_span *s) {
+    return s->k[0] == 0.0 && s->k[1] == 0.0;
+}
+
 /* transfer_find() - the number of the span that holds a value. */
 int transfer_find(const transfer *t, double value);
 
