@@ -50,9 +50,9 @@ static void check_body(int index, medium_tally *all) {
         }
         if (medium_tally_faults(&t) > 0)
             medium_tally_print(b.name, hostile_transfer_name(kind), &t);
-        if (b.tame && !is_hopeless(hostile_transfer_name(kind)) && t.refused > 0) {
+        if (b.tame && !is_hopeless(hostile_transfer_name(kind)) && t.needless > 0) {
             fprintf(stderr, "# %s, %s: %llu refused without need\n", b.name,
-                    hostile_transfer_name(kind), (unsigned long long)t.refused);
+                    hostile_transfer_name(kind), (unsigned long long)t.needless);
             t.loose++;
         }
         medium_tally_add(&of_body, &t);

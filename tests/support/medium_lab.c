@@ -394,7 +394,7 @@ void medium_lab_draw(const medium_job *job, medium_tally *sum) {
     s.surface.opacity = field_random_below(&r, 2) ? 1.0F : 0.3F;
     s.scene.shading = LEAFCAST_SHADING_FLAT;
     s.shown.surfaces = &s.surface;
-    s.shown.count = field_random_below(&r, 4) == 0;
+    s.shown.count = field_random_below(&r, 4) == 0 && job->body->tame;
     if (!shot_draw(&s)) {
         sum->loose++;
         tell(&s, -1, leafcast_error_text(), NAN, NAN);
@@ -403,6 +403,7 @@ void medium_lab_draw(const medium_job *job, medium_tally *sum) {
     for (int i = 0; i < PIXELS; i++)
         judge(&s, i, sum, &refused);
     sum->refused += refused;
+    sum->needless += s.asked > 1e-4 ? refused : 0;
     if (refused != s.stats.uncertified_pixels) {
         sum->loose++;
         tell(&s, -1, "pixels above the bound that was asked for, and counted ones", refused,
@@ -418,6 +419,7 @@ void medium_tally_add(medium_tally *to, const medium_tally *from) {
     to->outside += from->outside;
     to->loose += from->loose;
     to->refused += from->refused;
+    to->needless += from->needless;
     to->grazing += from->grazing;
     to->worst = fmax(to->worst, from->worst);
 }

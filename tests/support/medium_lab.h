@@ -50,7 +50,8 @@ size_t medium_body_pieces(const medium_body *b, const ref_ray *ray, const ref_cl
 typedef struct medium_tally {
     uint64_t rays, seen; /* seen: something is on the way */
     uint64_t outside, loose, refused, grazing;
-    double worst; /* error, in bounds */
+    uint64_t needless; /* refused though the bound asked for is wide */
+    double worst;      /* error, in bounds */
 } medium_tally;
 
 /* One picture. */
