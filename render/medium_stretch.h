@@ -58,6 +58,7 @@ static inline medium_stretch medium_nothing(void) {
 typedef struct medium_rule {
     const transfer *transfer;
     double share, per_length; /* see (1) */
+    double drop;              /* so much light may be left out inside a piece, once a halving */
     segments_error error;     /* of pieces */
 } medium_rule;
 
