@@ -1,7 +1,8 @@
 /* test_medium.c - pictures of media through hostile volumes with hostile transfer functions: every
  * channel of every pixel within its own bound, and that within the one asked for.
  *
- *   test_medium                       LEAFCAST_STRESS (1) pictures of each volume and kind
+ *   test_medium                       LEAFCAST_STRESS (1) pictures of each volume and kind, from
+ *                                     LEAFCAST_SEED (1) on
  *   test_medium VOLUME KIND SEED      one picture, every pixel
  */
 /* marks: threads, long */
@@ -16,12 +17,10 @@
 
 #include "tests/support/medium_lab.h"
 
-enum { SEED = 1 };
-
 static const char *program;
 
-static uint64_t stress_count(void) {
-    const char *text = getenv("LEAFCAST_STRESS");
+static uint64_t number_of(const char *name) {
+    const char *text = getenv(name);
     return text ? strtoull(text, NULL, 10) : 1;
 }
 
@@ -44,8 +43,8 @@ static void check_body(int index, medium_tally *all) {
     medium_body_make(&b, index, &two_threads);
     for (int kind = 0; kind < hostile_transfer_kinds(); kind++) {
         medium_tally t = {0};
-        for (uint64_t i = 0; i < stress_count(); i++) {
-            const uint64_t seed = SEED + i * 1000 + (uint64_t)kind;
+        for (uint64_t i = 0; i < number_of("LEAFCAST_STRESS"); i++) {
+            const uint64_t seed = (number_of("LEAFCAST_SEED") + i) * 1000 + (uint64_t)kind;
             medium_lab_draw(&(medium_job){&b, kind, seed, program, false}, &t);
         }
         if (medium_tally_faults(&t) > 0)
