@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats/base/cpu.h"
 #include "tests/support/medium_lab.h"
 
 static const char *program;
@@ -74,6 +75,56 @@ static void test_within_the_bound(void **state) {
     assert_true(all.worst > 0.01);
 }
 
+/* ---- The same bits ---- */
+
+static void draw_with(medium_body *b, const leafcast_options *o, int kind, medium_planes *planes) {
+    assert_int_equal(medium_body_reopen(b, o), LEAFCAST_OK);
+    assert_int_equal(medium_lab_planes(&(medium_job){b, kind, 7, program, false}, planes),
+                     LEAFCAST_OK);
+}
+
+/* Less and less memory, until it is too little. Returns how many budgets did. */
+static int check_budgets(medium_body *b, int kind, const medium_planes *want) {
+    static medium_planes got;
+    leafcast_options o = {.size = sizeof o, .memory = 32 << 20, .threads = 2};
+    for (int count = 0;; count++) {
+        leafcast_status st = medium_body_reopen(b, &o);
+        if (st == LEAFCAST_OK)
+            st = medium_lab_planes(&(medium_job){b, kind, 7, program, false}, &got);
+        if (st == LEAFCAST_NOMEM)
+            return count;
+        assert_int_equal(st, LEAFCAST_OK);
+        assert_memory_equal(want, &got, sizeof got);
+        o.memory /= 2;
+    }
+}
+
+/* Whatever the kernels, the threads, the memory. */
+static void check_bits(int index) {
+    static medium_planes want, got;
+    medium_body b;
+    medium_body_make(&b, index, NULL);
+    for (int kind = index % 3; kind < hostile_transfer_kinds(); kind += 3) {
+        const leafcast_options one = {.size = sizeof one, .isa = "scalar", .threads = 1};
+        draw_with(&b, &one, kind, &want);
+        for (int isa = 0; isa <= (int)cpu_best(); isa++)
+            for (int threads = 1; threads <= 2; threads++) {
+                const leafcast_options o = {
+                    .size = sizeof o, .isa = cpu_isa_name((cpu_isa)isa), .threads = threads};
+                draw_with(&b, &o, kind, &got);
+                assert_memory_equal(&want, &got, sizeof got);
+            }
+        assert_true(check_budgets(&b, kind, &want) > 3);
+    }
+    medium_body_release(&b);
+}
+
+static void test_same_bits(void **state) {
+    (void)state;
+    for (int i = 1; i < medium_body_count(); i += 11)
+        check_bits(i);
+}
+
 static int rerun(char **argv) {
     for (int i = 0; i < medium_body_count(); i++) {
         if (strcmp(medium_body_name(i), argv[0]) != 0)
@@ -94,6 +145,7 @@ int main(int argc, char **argv) {
     program = argv[0];
     if (argc == 4)
         return rerun(argv + 1);
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_within_the_bound)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_within_the_bound),
+                                       cmocka_unit_test(test_same_bits)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

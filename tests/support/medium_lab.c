@@ -21,9 +21,9 @@ enum {
     NODES = 19,
     CUBES = 4,
     TREELET_TETS = 60,
-    WIDTH = 8,
-    HEIGHT = 6,
-    PIXELS = WIDTH * HEIGHT,
+    WIDTH = MEDIUM_WIDTH,
+    HEIGHT = MEDIUM_HEIGHT,
+    PIXELS = MEDIUM_PIXELS,
     PIECES_MAX = 4096,
     HITS_MAX = 512,
     TOLD_MAX = 12
@@ -92,13 +92,15 @@ static void make_field(medium_body *b, int index, const leafcast_options *option
     if (other >= 0)
         f->type = retyped[other].type;
     b->as_grid = field_volume(f);
-    b->volume = fixture_open(fixture_leaf(f, 4, 1, index % 2 > 0), options);
+    b->path = fixture_leaf(f, 4, 1, index % 2 > 0);
+    b->volume = fixture_open(b->path, options);
 }
 
 static void make_mesh(medium_body *b, const char *name, const leafcast_options *options) {
     assert_true(lab_mesh_make(&b->mesh, name, CUBES, 5));
     b->as_mesh = lab_mesh_reference(&b->mesh);
-    b->volume = fixture_open(lab_leaf_make(&b->mesh, TREELET_TETS, false), options);
+    b->path = lab_leaf_make(&b->mesh, TREELET_TETS, false);
+    b->volume = fixture_open(b->path, options);
 }
 
 void medium_body_make(medium_body *b, int index, const leafcast_options *options) {
@@ -130,6 +132,12 @@ void medium_body_release(medium_body *b) {
         lab_mesh_release(&b->mesh);
     else
         field_release(&b->field);
+}
+
+leafcast_status medium_body_reopen(medium_body *b, const leafcast_options *options) {
+    leafcast_close(b->volume);
+    b->volume = NULL;
+    return leafcast_open(b->path, options, &b->volume);
 }
 
 size_t medium_body_pieces(const medium_body *b, const ref_ray *ray, const ref_clip *clip,
@@ -212,16 +220,14 @@ static field_random shot_begin(shot *s, const medium_job *job) {
     return r;
 }
 
-/* Whether there is a picture. */
-static bool shot_draw(shot *s) {
+static leafcast_status shot_draw(shot *s) {
     const leafcast_image image = {
         .size = sizeof image, .rgba = s->rgba[0], .error = s->error, .value = s->value, .z = s->z};
     s->scene.volumes = &s->shown;
     s->scene.volume_count = 1;
     s->scene.media = &s->medium;
     s->scene.media_count = 1;
-    return leafcast_trace(s->shown.volume, &s->scene, &s->camera, &image, &s->stats, NULL, NULL) ==
-           LEAFCAST_OK;
+    return leafcast_trace(s->shown.volume, &s->scene, &s->camera, &image, &s->stats, NULL, NULL);
 }
 
 static ref_ray shot_ray(const shot *s, int pixel) {
@@ -380,22 +386,36 @@ static void judge(shot *s, int pixel, medium_tally *sum, uint64_t *refused) {
     }
 }
 
-void medium_lab_draw(const medium_job *job, medium_tally *sum) {
+/* All that a picture of a medium shows. */
+static void shot_of_medium(shot *s, const medium_job *job) {
     static const double asked[] = {0.0, 1.0 / 16, 1.0 / 510, 1.0 / 4096, 1e-6, 1e-9};
+    const medium_body *b = job->body;
+    field_random r = shot_begin(s, job);
+    s->scene.error = asked[field_random_below(&r, 6)];
+    s->asked = s->scene.error > 0.0 ? s->scene.error : 1.0 / 510;
+    s->medium.points = s->points;
+    s->medium.count = hostile_transfer(job->kind, &b->range, &r, s->points);
+    s->surface = leafcast_surface_default(b->mesh.tet_count > 0 ? b->mesh.iso : b->field.iso);
+    s->surface.opacity = field_random_below(&r, 2) ? 1.0F : 0.3F;
+    s->scene.shading = LEAFCAST_SHADING_FLAT;
+    s->shown.surfaces = &s->surface;
+    s->shown.count = field_random_below(&r, 4) == 0 && b->tame;
+}
+
+leafcast_status medium_lab_planes(const medium_job *job, medium_planes *planes) {
+    static shot s;
+    shot_of_medium(&s, job);
+    const leafcast_status st = shot_draw(&s);
+    memcpy(planes->rgba, s.rgba, sizeof s.rgba);
+    memcpy(planes->error, s.error, sizeof s.error);
+    return st;
+}
+
+void medium_lab_draw(const medium_job *job, medium_tally *sum) {
     static shot s;
     uint64_t refused = 0;
-    field_random r = shot_begin(&s, job);
-    s.scene.error = asked[field_random_below(&r, 6)];
-    s.asked = s.scene.error > 0.0 ? s.scene.error : 1.0 / 510;
-    s.medium =
-        (leafcast_medium){s.points, hostile_transfer(job->kind, &job->body->range, &r, s.points)};
-    s.surface = leafcast_surface_default(job->body->mesh.tet_count > 0 ? job->body->mesh.iso
-                                                                       : job->body->field.iso);
-    s.surface.opacity = field_random_below(&r, 2) ? 1.0F : 0.3F;
-    s.scene.shading = LEAFCAST_SHADING_FLAT;
-    s.shown.surfaces = &s.surface;
-    s.shown.count = field_random_below(&r, 4) == 0 && job->body->tame;
-    if (!shot_draw(&s)) {
+    shot_of_medium(&s, job);
+    if (shot_draw(&s) != LEAFCAST_OK) {
         sum->loose++;
         tell(&s, -1, leafcast_error_text(), NAN, NAN);
         return;

@@ -26,6 +26,7 @@
 /* A volume: opened, and for the reference. One at a time. */
 typedef struct medium_body {
     char name[32];
+    const char *path;
     leafcast *volume;
     field field;   /* of a grid */
     lab_mesh mesh; /* tet_count 0: it is none */
@@ -42,6 +43,9 @@ int medium_body_count(void);
 const char *medium_body_name(int index);
 void medium_body_make(medium_body *b, int index, const leafcast_options *options);
 void medium_body_release(medium_body *b);
+
+/* medium_body_reopen() - with other options. */
+leafcast_status medium_body_reopen(medium_body *b, const leafcast_options *options);
 
 /* medium_body_pieces() - of a ray, as far as the clip keeps it. */
 size_t medium_body_pieces(const medium_body *b, const ref_ray *ray, const ref_clip *clip,
@@ -66,8 +70,12 @@ typedef struct medium_job {
 /* medium_lab_draw() - judges a picture with a medium; faults are printed, a few. */
 void medium_lab_draw(const medium_job *job, medium_tally *sum);
 
-/* medium_lab_project() - the same of a projection: the values, and where they are. */
-void medium_lab_project(const medium_job *job, medium_tally *sum);
+/* medium_lab_planes() - the picture alone. */
+enum { MEDIUM_WIDTH = 8, MEDIUM_HEIGHT = 6, MEDIUM_PIXELS = MEDIUM_WIDTH * MEDIUM_HEIGHT };
+typedef struct medium_planes {
+    double rgba[MEDIUM_PIXELS][4], error[MEDIUM_PIXELS];
+} medium_planes;
+leafcast_status medium_lab_planes(const medium_job *job, medium_planes *planes);
 
 void medium_tally_add(medium_tally *to, const medium_tally *from);
 uint64_t medium_tally_faults(const medium_tally *t);
