@@ -3,7 +3,7 @@
  *
  *   test_medium                       LEAFCAST_STRESS (1) pictures of each volume and kind, from
  *                                     LEAFCAST_SEED (1) on
- *   test_medium VOLUME KIND SEED      one picture, every pixel
+ *   test_medium VOLUME KIND SEED      one picture, every pixel; KIND 100 and more: a projection
  */
 /* marks: threads, long */
 #include <setjmp.h>
@@ -75,6 +75,29 @@ static void test_within_the_bound(void **state) {
     assert_true(all.worst > 0.01);
 }
 
+/* ---- Projections ---- */
+
+static void test_projections(void **state) {
+    (void)state;
+    medium_tally all = {0};
+    for (int i = 0; i < medium_body_count(); i++) {
+        medium_body b;
+        medium_tally t = {0};
+        medium_body_make(&b, i, &two_threads);
+        for (int kind = LEAFCAST_PROJECT_MAX; kind <= (int)LEAFCAST_PROJECT_FIRST; kind++)
+            for (uint64_t n = 0; n < number_of("LEAFCAST_STRESS"); n++) {
+                const uint64_t seed = (number_of("LEAFCAST_SEED") + n) * 1000 + (uint64_t)kind;
+                medium_lab_project(&(medium_job){&b, kind, seed, program, false}, &t);
+            }
+        medium_tally_print(b.name, "projected", &t);
+        medium_tally_add(&all, &t);
+        medium_body_release(&b);
+    }
+    assert_int_equal(medium_tally_faults(&all), 0);
+    assert_true(all.seen > all.rays / 4);
+    assert_true(all.grazing < all.rays / 100);
+}
+
 /* ---- The same bits ---- */
 
 static void draw_with(medium_body *b, const leafcast_options *o, int kind, medium_planes *planes) {
@@ -125,16 +148,18 @@ static void test_same_bits(void **state) {
         check_bits(i);
 }
 
+/* Kinds from 100 on are projections. */
 static int rerun(char **argv) {
+    const int kind = atoi(argv[1]);
     for (int i = 0; i < medium_body_count(); i++) {
         if (strcmp(medium_body_name(i), argv[0]) != 0)
             continue;
         medium_body b;
         medium_tally t = {0};
         medium_body_make(&b, i, &two_threads);
-        medium_lab_draw(
-            &(medium_job){&b, atoi(argv[1]), strtoull(argv[2], NULL, 10), program, true}, &t);
-        medium_tally_print(b.name, hostile_transfer_name(atoi(argv[1])), &t);
+        const medium_job job = {&b, kind % 100, strtoull(argv[2], NULL, 10), program, true};
+        (kind < 100 ? medium_lab_draw : medium_lab_project)(&job, &t);
+        medium_tally_print(b.name, kind < 100 ? hostile_transfer_name(kind) : "projected", &t);
         medium_body_release(&b);
         return medium_tally_faults(&t) > 0;
     }
@@ -146,6 +171,7 @@ int main(int argc, char **argv) {
     if (argc == 4)
         return rerun(argv + 1);
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_within_the_bound),
+                                       cmocka_unit_test(test_projections),
                                        cmocka_unit_test(test_same_bits)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -431,6 +431,110 @@ void medium_lab_draw(const medium_job *job, medium_tally *sum) {
     }
 }
 
+/* ---- Projections ---- */
+
+/* How far a value may be off: what a double keeps of it, and the slope times what it keeps of a
+ * place. */
+static real value_slack(const shot *s, const ref_ray *ray) {
+    const medium_body *b = s->job->body;
+    const leafcast_info info = leafcast_describe(b->volume);
+    double far = b->range.length, narrow = b->range.length;
+    for (int a = 0; a < 3; a++) {
+        far = fmax(far, fabs(ray->o[a]) + fabs(info.bounds[0][a]) + fabs(info.bounds[1][a]));
+        const long cells = b->mesh.tet_count > 0 ? CUBES : b->field.dims[a] - 1;
+        narrow = fmin(narrow, (info.bounds[1][a] - info.bounds[0][a]) / (double)cells);
+    }
+    /* Cells of rectilinear grids, and tets of meshes, are narrower than most. */
+    const double cells_far = 100.0 + far / (narrow / 100.0), range = b->range.most - b->range.least,
+                 largest = fmax(fabs(b->range.least), fabs(b->range.most));
+    return 1e-15L * (range * cells_far + largest);
+}
+
+/* The value at t of the ray, NaN: there is none. */
+static real value_at(const ref_piece *pieces, size_t count, real t, real slack) {
+    real most = NAN;
+    for (size_t i = 0; i < count; i++)
+        if (t >= pieces[i].t0 - slack && t <= pieces[i].t1 + slack)
+            most = fmaxl(most, ref_piece_at(pieces[i].k, t - pieces[i].t0));
+    return most;
+}
+
+/* Of a maximum or minimum: the extreme, and that the value is so at z. */
+static bool is_extreme(const shot *s, int pixel, const ref_piece *pieces, size_t count,
+                       real extreme, real slack) {
+    const real there = value_at(pieces, count, s->z[pixel], 1e-9L * s->job->body->range.length);
+    const real sign = s->scene.project == LEAFCAST_PROJECT_MIN ? -1 : 1;
+    /* Beside the end of a piece it may have been left out. */
+    const real steep = 1e-6L * (s->job->body->range.most - s->job->body->range.least);
+    return fabsl(s->value[pixel] - extreme) <= slack && sign * (there - extreme) >= -slack - steep;
+}
+
+static bool is_first(const shot *s, int pixel, const ref_piece *pieces, size_t count, real slack) {
+    const real wanted = s->scene.project_value, t = s->z[pixel];
+    const real far = 1e-9L * s->job->body->range.length;
+    real f[2];
+    const real soonest = ref_first_at_least(pieces, count, wanted - slack, &f[0]),
+               latest = ref_first_at_least(pieces, count, wanted + slack, &f[1]);
+    if (isnan(s->value[pixel]))
+        return isnan(latest) && t == INFINITY;
+    return s->value[pixel] >= wanted - slack && t >= soonest - far &&
+           (isnan(latest) || t <= latest + far) &&
+           fabsl(value_at(pieces, count, t, far) - s->value[pixel]) <=
+               slack + 1e-6L * (s->job->body->range.most - s->job->body->range.least);
+}
+
+static bool is_true(const shot *s, int pixel, const ref_ray *ray, const ref_piece *pieces,
+                    size_t count) {
+    const ref_extent e = ref_project(pieces, count);
+    const real slack = value_slack(s, ray);
+    if (s->scene.project == LEAFCAST_PROJECT_FIRST)
+        return is_first(s, pixel, pieces, count, slack);
+    if (count == 0 || isnan(s->value[pixel]))
+        return count == 0 && isnan(s->value[pixel]) && s->z[pixel] == INFINITY;
+    switch (s->scene.project) {
+    case LEAFCAST_PROJECT_MAX: return is_extreme(s, pixel, pieces, count, e.most, slack);
+    case LEAFCAST_PROJECT_MIN: return is_extreme(s, pixel, pieces, count, e.least, slack);
+    default: return fabsl(s->value[pixel] - e.mean) <= slack && s->z[pixel] == INFINITY;
+    }
+}
+
+void medium_lab_project(const medium_job *job, medium_tally *sum) {
+    static ref_piece pieces[PIECES_MAX];
+    static shot s;
+    const medium_body *b = job->body;
+    field_random r = shot_begin(&s, job);
+    s.scene.project = (leafcast_project)job->kind;
+    s.scene.project_value = field_random_below(&r, 3)
+                                ? field_random_in(&r, b->range.least, b->range.most)
+                                : b->range.some[field_random_below(&r, 4)];
+    if (shot_draw(&s) != LEAFCAST_OK) {
+        sum->loose++;
+        tell(&s, -1, leafcast_error_text(), NAN, NAN);
+        return;
+    }
+    for (int i = 0; i < PIXELS; i++) {
+        const ref_ray ray = shot_ray(&s, i);
+        const size_t count = medium_body_pieces(b, &ray, &s.clip, pieces, PIECES_MAX);
+        sum->rays++;
+        sum->seen += count > 0;
+        if (is_true(&s, i, &ray, pieces, count))
+            continue;
+        if (grazes_data(&s, &ray) || length_of(b, &ray, &s.clip) < 1e-6L * b->range.length) {
+            sum->grazing++;
+            continue;
+        }
+        const ref_extent e = ref_project(pieces, count);
+        sum->outside++;
+        tell(&s, i, "outside", s.value[i], s.z[i]);
+        if (job->tell_all)
+            fprintf(stderr,
+                    "#   of %.17Lg at %.17Lg, %.17Lg at %.17Lg, mean %.17Lg; wanted %.17g, slack "
+                    "%.3Lg\n",
+                    e.least, e.least_t, e.most, e.most_t, e.mean, s.scene.project_value,
+                    value_slack(&s, &ray));
+    }
+}
+
 /* ---- Tallies ---- */
 
 void medium_tally_add(medium_tally *to, const medium_tally *from) {

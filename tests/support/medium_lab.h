@@ -70,6 +70,10 @@ typedef struct medium_job {
 /* medium_lab_draw() - judges a picture with a medium; faults are printed, a few. */
 void medium_lab_draw(const medium_job *job, medium_tally *sum);
 
+/* medium_lab_project() - the same of a projection, `kind` a leafcast_project: its values, and where
+ * they are. `outside`: further from the reference than rounding explains. */
+void medium_lab_project(const medium_job *job, medium_tally *sum);
+
 /* medium_lab_planes() - the picture alone. */
 enum { MEDIUM_WIDTH = 8, MEDIUM_HEIGHT = 6, MEDIUM_PIXELS = MEDIUM_WIDTH * MEDIUM_HEIGHT };
 typedef struct medium_planes {
