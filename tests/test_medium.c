@@ -3,6 +3,7 @@
  *
  *   test_medium                       LEAFCAST_STRESS (1) pictures of each volume and kind, from
  *                                     LEAFCAST_SEED (1) on
+ *   test_medium NAME                  one of the tests below; * is any text
  *   test_medium VOLUME KIND SEED      one picture, every pixel; KIND 100 and more: a projection
  */
 /* marks: threads, long */
@@ -170,6 +171,8 @@ int main(int argc, char **argv) {
     program = argv[0];
     if (argc == 4)
         return rerun(argv + 1);
+    if (argc == 2)
+        cmocka_set_test_filter(argv[1]);
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_within_the_bound),
                                        cmocka_unit_test(test_projections),
                                        cmocka_unit_test(test_same_bits)};
