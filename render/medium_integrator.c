@@ -95,20 +95,42 @@ static void leave_out_rest(const frame *f, medium_ray *p) {
     p->front.through = 0.0;
 }
 
+/* What each piece is looked at by. */
+static void set_rules(const medium_look *look, ray_record *const r[], const segment_columns *c,
+                      medium_batch *m) {
+    m->share = by_opacity * look->error;
+    m->drop = in_piece * look->error;
+    for (unsigned i = 0; i < c->count; i++) {
+        const medium_rule *rule = &medium_ray_of(r[c->ray[i]])->rule;
+        m->per_length[i] = rule->per_length;
+        m->t_error[i] = rule->error.t;
+        m->value_error[i] = rule->error.value;
+    }
+}
+
+static medium_stretch stretch_of(const medium_batch *m, unsigned i) {
+    return (medium_stretch){{m->rgb[0][i], m->rgb[1][i], m->rgb[2][i]},
+                            m->through[i],
+                            m->rgb_error[i],
+                            m->through_error[i]};
+}
+
 static void medium_take(const frame *f, ray_record *const r[], const segment_columns *c,
-                        bool stop[]) {
+                        bool stop[], void *scratch) {
+    const medium_look *look = look_of(f);
+    medium_batch *m = scratch;
+    m->transfer = &look->media[filled_of(f)];
+    set_rules(look, r, c, m);
+    f->kernels->medium(m, c);
     for (unsigned i = 0; i < c->count; i++) {
         medium_ray *p = medium_ray_of(r[c->ray[i]]);
-        segment piece = {.t0 = c->t0[i], .t1 = c->t1[i], .degree = (uint32_t)c->degree};
-        if (stop[c->ray[i]])
+        if (!m->seen[i] || stop[c->ray[i]])
             continue;
-        for (int k = 0; k <= c->degree; k++)
-            piece.b[k] = c->b[k][i];
-        const medium_stretch seen = medium_of_piece(&p->rule, &piece);
+        const medium_stretch seen = stretch_of(m, i);
         if (c->treelet[i] != p->treelet)
             end_run(f, p);
         p->treelet = c->treelet[i];
-        medium_join(&p->run, &seen, look_of(f)->brightest);
+        medium_join(&p->run, &seen, look->brightest);
         stop[c->ray[i]] = is_dark(f, p);
     }
 }
@@ -245,5 +267,6 @@ const integrator medium_integrator = {.record_bytes = sizeof(medium_ray),
                                       .begin = medium_begin,
                                       .ask = medium_ask,
                                       .answer = medium_answer,
+                                      .take_scratch = sizeof(medium_batch),
                                       .take = medium_take,
                                       .bundle = surface_ray_bundle};

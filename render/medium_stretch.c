@@ -58,10 +58,7 @@ static void complete(const transfer_span *span, smooth *s) {
 
 /* The integral of w' tau, where tau has the Bernstein coefficients depth[0 .. degree + 1]. */
 static double depth_moment(const smooth *s, const double depth[]) {
-    /* Of degrees 2 and 4: C(2, i) C(4, j) / (C(6, i + j) 7), times the 3 of w'. */
-    static const double weight[3][5] = {{3.0 / 7.0, 2.0 / 7.0, 6.0 / 35.0, 3.0 / 35.0, 1.0 / 35.0},
-                                        {1.0 / 7.0, 8.0 / 35.0, 9.0 / 35.0, 8.0 / 35.0, 1.0 / 7.0},
-                                        {1.0 / 35.0, 3.0 / 35.0, 6.0 / 35.0, 2.0 / 7.0, 3.0 / 7.0}};
+    static const double weight[3][5] = MEDIUM_MOMENT;
     double sum = 0.0;
     if (s->degree == 1)
         return (s->w[1] - s->w[0]) * mean_of(depth, 2);
@@ -96,12 +93,14 @@ static double shift_of(double depth_error) {
     return fmin(1.5 * depth_error, 1.0);
 }
 
-/* The whole of it at once: (2), with the error of the tangent alone in *tangent. */
+/* The whole of it at once: (2), with (3) in *tangent. */
 static medium_stretch seen_at_once(const smooth_span *p, const smooth *s, double *tangent) {
     const transfer_span *span = p->span;
     const double half = 0.5 * s->depth, through_half = portable_exp(-half);
     const bool thin = half < 1.0;
-    const double change = thin ? weighted_change(s, half, through_half) : 0.0;
+    const double bend = thin ? 0.25 * (half * half) : 0.5;
+    const double change =
+        (thin ? weighted_change(s, half, through_half) : 0.0) + bend * (s->w[s->degree] - s->w[0]);
     const double first = s->w[0], last = s->w[s->degree];
     medium_stretch out = {.through = through_half * through_half};
     for (int c = 0; c < 3; c++) {
@@ -111,7 +110,7 @@ static medium_stretch seen_at_once(const smooth_span *p, const smooth *s, double
         out.rgb[c] = fmax(seen, 0.0);
     }
     const double spread = span->rgb_change * s->variance;
-    *tangent = spread * (thin ? 0.5 * (half * half) : 1.0);
+    *tangent = spread * bend;
     /* Of the depth's own roundings, a share of it, nothing is left but x e^-x < 1. */
     const double rounding = 64.0 * unit;
     const double depth_error =

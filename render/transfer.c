@@ -1,6 +1,7 @@
 #include "render/transfer.h"
 
 #include <math.h>
+#include <string.h>
 
 /* ---- Making ---- */
 
@@ -65,6 +66,19 @@ static void note_most(transfer *t, const leafcast_transfer_point *p) {
         t->most_rgb = fmax(t->most_rgb, (double)p->rgb[c]);
 }
 
+/* The spans once more, member by member. */
+static status make_columns(transfer *t, mem *m) {
+    const size_t members = sizeof *t->span / sizeof(double), spans = (size_t)t->spans;
+    t->columns = mem_array(m, spans * members, sizeof(double));
+    if (!t->columns)
+        return ST_NOMEM;
+    for (size_t i = 0; i < spans; i++)
+        for (size_t k = 0; k < members; k++)
+            memcpy(&t->columns[k * spans + i], (const char *)&t->span[i] + k * sizeof(double),
+                   sizeof(double));
+    return ST_OK;
+}
+
 status transfer_init(transfer *t, mem *m, const leafcast_medium *medium) {
     const leafcast_transfer_point *p = medium->points;
     const int last = medium->count - 1;
@@ -82,10 +96,11 @@ status transfer_init(transfer *t, mem *m, const leafcast_medium *medium) {
     }
     t->span[t->spans++] = beyond(&p[last], p[last].value, INFINITY);
     reach_out(t);
-    return ST_OK;
+    return make_columns(t, m);
 }
 
 void transfer_release(transfer *t, mem *m) {
+    mem_free(m, t->columns);
     mem_free(m, t->span);
     *t = (transfer){0};
 }

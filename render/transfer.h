@@ -34,6 +34,7 @@ typedef struct transfer_span {
 typedef struct transfer {
     transfer_span *span;
     int spans;       /* at least 1; 0: nothing is filled */
+    double *columns; /* the same, member by member */
     double most_k;   /* the largest extinction, */
     double most_rgb; /* and the largest component of a colour */
 } transfer;
@@ -42,6 +43,11 @@ typedef struct transfer {
  * where that failed, and of a zeroed one. */
 CHECKED status transfer_init(transfer *t, mem *m, const leafcast_medium *medium);
 void transfer_release(transfer *t, mem *m);
+
+/* transfer_column() - a member of all spans; offset: its own in the struct. */
+static inline const double *transfer_column(const transfer *t, size_t offset) {
+    return t->columns + offset / sizeof(double) * (size_t)t->spans;
+}
 
 /* transfer_is_empty() - nothing is where the value is in the span. */
 static inline bool transfer_is_empty(const transfer_span *s) {
