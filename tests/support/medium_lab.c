@@ -335,6 +335,30 @@ static real error_of(const double rgba[4], const ref_colour *truth) {
 /* What doubles cannot tell apart, though the reference can. */
 static const real SLACK = 4e-15L;
 
+/* How much the truth changes when the ray is moved by what its way into the volume's own space may
+ * round off; 0 where that is the world. */
+static real moved_by_rounding(const shot *s, const ref_ray *ray, const ref_colour *truth) {
+    const field *f = &s->job->body->field;
+    real most = 0;
+    bool same = true;
+    for (int a = 0; a < 3; a++)
+        same =
+            same && (s->job->body->mesh.tet_count > 0 || (f->spacing[a] == 1 && f->origin[a] == 0));
+    for (int n = 0; n < 6 && !same; n++) {
+        const int a = n / 2;
+        const double by =
+            8 * 0x1p-53 * (fabs(ray->o[a]) + fabs(f->origin[a]) + s->job->body->range.length);
+        ref_ray moved = *ray;
+        size_t seen;
+        moved.o[a] += n % 2 ? by : -by;
+        const ref_colour c = truth_of(s, &moved, &seen);
+        const double rgba[4] = {(double)c.rgb[0], (double)c.rgb[1], (double)c.rgb[2],
+                                (double)c.alpha};
+        most = fmaxl(most, error_of(rgba, truth));
+    }
+    return 3 * most;
+}
+
 /* What the renderer's own probes say of the ray, beside the reference. */
 static void tell_way(const shot *s, const ref_ray *ray, int pixel) {
     static leafcast_segment own[PIECES_MAX];
@@ -376,6 +400,8 @@ static void judge(shot *s, int pixel, medium_tally *sum, uint64_t *refused) {
                 truth.rgb[0], truth.rgb[1], truth.rgb[2], truth.alpha, error, bound);
     if (error <= bound + truth.error + SLACK) {
         sum->worst = bound > 1e-12L ? fmax(sum->worst, (double)(error / bound)) : sum->worst;
+    } else if (error <= bound + moved_by_rounding(s, &ray, &truth)) {
+        sum->rounded++;
     } else if (grazes_data(s, &ray) || grazes_surface(s, &ray)) {
         sum->grazing++;
     } else {
@@ -544,6 +570,7 @@ void medium_tally_add(medium_tally *to, const medium_tally *from) {
     to->loose += from->loose;
     to->refused += from->refused;
     to->needless += from->needless;
+    to->rounded += from->rounded;
     to->grazing += from->grazing;
     to->worst = fmax(to->worst, from->worst);
 }

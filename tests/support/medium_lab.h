@@ -55,6 +55,7 @@ typedef struct medium_tally {
     uint64_t rays, seen; /* seen: something is on the way */
     uint64_t outside, loose, refused, grazing;
     uint64_t needless; /* refused though the bound asked for is wide */
+    uint64_t rounded;  /* right but for the rounding of the ray to the volume's own space */
     double worst;      /* error, in bounds */
 } medium_tally;
 
