@@ -251,6 +251,8 @@ static bool grazes_data(const shot *s, const ref_ray *ray) {
     double far = b->range.length;
     for (int a = 0; a < 3; a++)
         far = fmax(far, fabs(ray->o[a]));
+    if (own <= 1e-12L * far) /* it begins in the last face, and nothing but rounding is behind */
+        return true;
     for (int n = 0; n < REF_SIDEWAYS; n++) {
         ref_ray moved = *ray;
         real shift[3];

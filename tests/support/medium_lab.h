@@ -14,7 +14,8 @@
  *
  *   refused  a bound above the one asked for, which the picture counts
  *   grazing  a ray whose way leads through other cells when it is moved by 1e-9 of its distance, or
- *            whose surfaces do so: not judged. Rays along edges and in faces are such.
+ *            whose surfaces do so; or that begins in the last face: not judged. Rays along edges
+ * and in faces are such.
  */
 #ifndef TESTS_SUPPORT_MEDIUM_LAB_H
 #define TESTS_SUPPORT_MEDIUM_LAB_H
