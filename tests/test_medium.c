@@ -4,7 +4,7 @@
  *   test_medium                       LEAFCAST_STRESS (1) pictures of each volume and kind, from
  *                                     LEAFCAST_SEED (1) on
  *   test_medium NAME                  one of the tests below; * is any text
- *   test_medium VOLUME KIND SEED      one picture, every pixel; KIND 100 and more: a projection
+ *   test_medium VOLUME KIND SEED      one picture, every pixel
  */
 /* marks: threads, long */
 #include <setjmp.h>
@@ -85,30 +85,6 @@ static void test_within_the_bound(void **state) {
     assert_true(all.worst > 0.01);
 }
 
-/* ---- Projections ---- */
-
-static void test_projections(void **state) {
-    (void)state;
-    medium_tally all = {0};
-    for (int i = 0; i < medium_body_count(); i++) {
-        medium_body b;
-        medium_tally t = {0};
-        medium_body_make(&b, i, &with[i % 2]);
-        for (int kind = LEAFCAST_PROJECT_MAX; kind <= (int)LEAFCAST_PROJECT_FIRST; kind++)
-            for (uint64_t n = 0; n < number_of("LEAFCAST_STRESS"); n++) {
-                const uint64_t seed = (number_of("LEAFCAST_SEED") + n) * 1000 + (uint64_t)kind;
-                medium_lab_project(&(medium_job){&b, kind, seed, program, false}, &t);
-            }
-        medium_tally_print(b.name, "projected", &t);
-        stop_at(&t);
-        medium_tally_add(&all, &t);
-        medium_body_release(&b);
-    }
-    assert_int_equal(medium_tally_faults(&all), 0);
-    assert_true(all.seen > all.rays / 4);
-    assert_true(all.grazing < all.rays / 100);
-}
-
 /* ---- The same bits ---- */
 
 static void draw_with(medium_body *b, const leafcast_options *o, int kind, medium_planes *planes) {
@@ -172,7 +148,6 @@ static void test_same_bits(void **state) {
         check_bits(i);
 }
 
-/* Kinds from 100 on are projections. */
 static int rerun(char **argv) {
     const int kind = atoi(argv[1]);
     for (int i = 0; i < medium_body_count(); i++) {
@@ -181,9 +156,8 @@ static int rerun(char **argv) {
         medium_body b;
         medium_tally t = {0};
         medium_body_make(&b, i, &with[i % 2]);
-        const medium_job job = {&b, kind % 100, strtoull(argv[2], NULL, 10), program, true};
-        (kind < 100 ? medium_lab_draw : medium_lab_project)(&job, &t);
-        medium_tally_print(b.name, kind < 100 ? hostile_transfer_name(kind) : "projected", &t);
+        medium_lab_draw(&(medium_job){&b, kind, strtoull(argv[2], NULL, 10), program, true}, &t);
+        medium_tally_print(b.name, hostile_transfer_name(kind), &t);
         medium_body_release(&b);
         return medium_tally_faults(&t) > 0;
     }
@@ -197,7 +171,6 @@ int main(int argc, char **argv) {
     if (argc == 2)
         cmocka_set_test_filter(argv[1]);
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_within_the_bound),
-                                       cmocka_unit_test(test_projections),
                                        cmocka_unit_test(test_same_bits)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -284,8 +284,8 @@ static void tell(shot *s, int pixel, const char *what, real is, real bound) {
     if (s->told++ > 0 && !j->tell_all)
         return;
     fprintf(stderr, "# %s: error %.3Lg, bound %.3Lg, asked %.3g; pixel %d; rerun: %s %s %d %llu\n",
-            what, is, bound, s->asked, pixel, j->rerun, j->body->name,
-            j->kind + (s->scene.project ? 100 : 0), (unsigned long long)j->seed);
+            what, is, bound, s->asked, pixel, j->rerun, j->body->name, j->kind,
+            (unsigned long long)j->seed);
 }
 
 static size_t surfaces_of(const shot *s, const ref_ray *ray, ref_surface out[HITS_MAX]) {
