@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* As far as leafcast.h allows. */
 static const double VALUE_MOST = 1e300, EXTINCTION_MOST = 1e100;
@@ -89,6 +90,13 @@ static void denormal(maker *m) {
         put(m, any_value(m), field_random_in(m->r, 0, 1e-310));
 }
 
+/* One colour: what is wrong then is the light that comes through. */
+static void grey(maker *m) {
+    spread(m, 4, 0, 4);
+    for (int i = 1; i < m->count; i++)
+        memcpy(m->points[i].rgb, m->points[0].rgb, sizeof m->points[0].rgb);
+}
+
 static void nothing(maker *m) {
     spread(m, 2, -1, 1);
     for (int i = 0; i < m->count; i++)
@@ -143,7 +151,7 @@ static const struct {
     {"smooth", smooth},     {"opaque", opaque},       {"thin", thin},       {"steps", steps},
     {"needles", needles},   {"splinters", splinters}, {"huge", huge},       {"denormal", denormal},
     {"constant", constant}, {"positive", positive},   {"many", many},       {"beyond", beyond},
-    {"extremes", extremes}, {"leaning", leaning},     {"nothing", nothing},
+    {"extremes", extremes}, {"leaning", leaning},     {"nothing", nothing}, {"grey", grey},
 };
 
 int hostile_transfer_kinds(void) {

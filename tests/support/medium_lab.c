@@ -36,7 +36,8 @@ static const struct {
     const char *name, *field, *type;
     float below;
 } retyped[] = {{"noise-i8", "noise-u8", "i8", 128.0F},
-               {"noise-u16", "noise-i16", "u16", -32768.0F}};
+               {"noise-u16", "noise-i16", "u16", -32768.0F},
+               {"raised-f32", "noise-f32", "f32", -1e6F}};
 
 enum { RETYPED = sizeof retyped / sizeof *retyped };
 
