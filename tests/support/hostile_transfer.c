@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* As far as leafcast.h allows. */
 static const double VALUE_MOST = 1e300, EXTINCTION_MOST = 1e100;
@@ -89,6 +90,19 @@ static void denormal(maker *m) {
         put(m, any_value(m), field_random_in(m->r, 0, 1e-310));
 }
 
+/* One colour: what is wrong then is the light that comes through. */
+static void grey(maker *m) {
+    spread(m, 4, 0, 4);
+    for (int i = 1; i < m->count; i++)
+        memcpy(m->points[i].rgb, m->points[0].rgb, sizeof m->points[0].rgb);
+}
+
+static void nothing(maker *m) {
+    spread(m, 2, -1, 1);
+    for (int i = 0; i < m->count; i++)
+        m->points[i].extinction = 0;
+}
+
 static void constant(maker *m) {
     put(m, any_value(m), extinction(m, -2, 2));
 }
@@ -121,14 +135,23 @@ static void extremes(maker *m) {
     put(m, VALUE_MOST, extinction(m, -1, 1));
 }
 
+/* Down to nothing from far away, where it is as much more. */
+static void leaning(maker *m) {
+    const double width = m->of->most - m->of->least, at = any_value(m),
+                 share = pow(10, field_random_in(m->r, 2, 14));
+    put(m, at - fmin(share * width, VALUE_MOST), extinction(m, 0, 2) * share);
+    put(m, at, 0);
+    put(m, at + fmin(share * width, VALUE_MOST), extinction(m, 0, 2) * share);
+}
+
 static const struct {
     const char *name;
     void (*make)(maker *m);
 } kinds[] = {
-    {"smooth", smooth},     {"opaque", opaque},       {"thin", thin}, {"steps", steps},
-    {"needles", needles},   {"splinters", splinters}, {"huge", huge}, {"denormal", denormal},
-    {"constant", constant}, {"positive", positive},   {"many", many}, {"beyond", beyond},
-    {"extremes", extremes},
+    {"smooth", smooth},     {"opaque", opaque},       {"thin", thin},       {"steps", steps},
+    {"needles", needles},   {"splinters", splinters}, {"huge", huge},       {"denormal", denormal},
+    {"constant", constant}, {"positive", positive},   {"many", many},       {"beyond", beyond},
+    {"extremes", extremes}, {"leaning", leaning},     {"nothing", nothing}, {"grey", grey},
 };
 
 int hostile_transfer_kinds(void) {
@@ -165,6 +188,11 @@ transfer_range transfer_range_of(const float *samples, size_t count, double leng
             of.least = fmin(of.least, (double)samples[i]);
             of.most = fmax(of.most, (double)samples[i]);
         }
+    /* Of one value alone, about it. */
+    if (!(of.least < of.most)) {
+        of.least -= 1.0;
+        of.most += 1.0;
+    }
     for (int i = 0; i < 4; i++)
         do
             of.some[i] = (double)samples[field_random_below(r, (long)count)];

@@ -14,7 +14,8 @@
  *
  *   refused  a bound above the one asked for, which the picture counts
  *   grazing  a ray whose way leads through other cells when it is moved by 1e-9 of its distance, or
- *            whose surfaces do so: not judged. Rays along edges and in faces are such.
+ *            whose surfaces do so; or that begins in the last face: not judged. Rays along edges
+ * and in faces are such.
  */
 #ifndef TESTS_SUPPORT_MEDIUM_LAB_H
 #define TESTS_SUPPORT_MEDIUM_LAB_H
@@ -26,6 +27,7 @@
 /* A volume: opened, and for the reference. One at a time. */
 typedef struct medium_body {
     char name[32];
+    const char *path;
     leafcast *volume;
     field field;   /* of a grid */
     lab_mesh mesh; /* tet_count 0: it is none */
@@ -43,6 +45,9 @@ const char *medium_body_name(int index);
 void medium_body_make(medium_body *b, int index, const leafcast_options *options);
 void medium_body_release(medium_body *b);
 
+/* medium_body_reopen() - with other options. */
+leafcast_status medium_body_reopen(medium_body *b, const leafcast_options *options);
+
 /* medium_body_pieces() - of a ray, as far as the clip keeps it. */
 size_t medium_body_pieces(const medium_body *b, const ref_ray *ray, const ref_clip *clip,
                           ref_piece *out, size_t room);
@@ -50,7 +55,9 @@ size_t medium_body_pieces(const medium_body *b, const ref_ray *ray, const ref_cl
 typedef struct medium_tally {
     uint64_t rays, seen; /* seen: something is on the way */
     uint64_t outside, loose, refused, grazing;
-    double worst; /* error, in bounds */
+    uint64_t needless; /* refused though the bound asked for is wide */
+    uint64_t rounded;  /* right but for the rounding of the ray to the volume's own space */
+    double worst;      /* error, in bounds */
 } medium_tally;
 
 /* One picture. */
@@ -65,8 +72,16 @@ typedef struct medium_job {
 /* medium_lab_draw() - judges a picture with a medium; faults are printed, a few. */
 void medium_lab_draw(const medium_job *job, medium_tally *sum);
 
-/* medium_lab_project() - the same of a projection: the values, and where they are. */
+/* medium_lab_project() - the same of a projection, `kind` a leafcast_project: its values, and where
+ * they are. `outside`: further from the reference than rounding explains. */
 void medium_lab_project(const medium_job *job, medium_tally *sum);
+
+/* medium_lab_planes() - the picture alone. */
+enum { MEDIUM_WIDTH = 8, MEDIUM_HEIGHT = 6, MEDIUM_PIXELS = MEDIUM_WIDTH * MEDIUM_HEIGHT };
+typedef struct medium_planes {
+    double rgba[MEDIUM_PIXELS][4], error[MEDIUM_PIXELS];
+} medium_planes;
+leafcast_status medium_lab_planes(const medium_job *job, medium_planes *planes);
 
 void medium_tally_add(medium_tally *to, const medium_tally *from);
 uint64_t medium_tally_faults(const medium_tally *t);

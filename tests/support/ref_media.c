@@ -76,6 +76,7 @@ typedef enum event { NOTHING, ENDS, TURNS, MEETS } event;
 typedef struct lane {
     const ref_medium *of;
     size_t at;   /* the piece that it is in, or before */
+    real passed; /* the last t of those behind it */
     bool inside; /* of that piece; else in a gap */
     real left;   /* of the piece, or of the gap */
     real k[4];   /* the value at x from here on */
@@ -95,7 +96,7 @@ static void enter_piece(lane *l, real gap) {
 }
 
 static lane lane_begin(const ref_medium *of, real t) {
-    lane l = {.of = of};
+    lane l = {.of = of, .passed = t};
     enter_piece(&l, of->count > 0 ? of->pieces[0].t0 - t : 0);
     return l;
 }
@@ -105,8 +106,8 @@ static void leave(lane *l) {
         enter_piece(l, 0);
         return;
     }
-    const real t = l->of->pieces[l->at++].t1;
-    enter_piece(l, l->at < l->of->count ? l->of->pieces[l->at].t0 - t : 0);
+    l->passed = fmaxl(l->passed, l->of->pieces[l->at++].t1);
+    enter_piece(l, l->at < l->of->count ? l->of->pieces[l->at].t0 - l->passed : 0);
 }
 
 /* The next value of a point strictly above, or below; false where there is none. */

@@ -20,7 +20,7 @@
 #include "render/leafcast.h" /* leafcast_transfer_point, which is the question itself */
 #include "tests/support/ref_pieces.h"
 
-/* The pieces of a ray, in order, that do not overlap; t counts world length. */
+/* The pieces of a ray, in order, that overlap in rounding alone; t counts world length. */
 typedef struct ref_medium {
     const ref_piece *pieces;
     size_t count;
