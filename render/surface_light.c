@@ -76,12 +76,14 @@ bool lit_ill_conditioned(const lit_surface *s, const double to[3]) {
 }
 
 trace_state lit_search(const frame *f, const lit_surface *s, uint16_t v, const double to[3]) {
-    hit start = hit_before_all();
+    const hit anywhere = hit_before_all();
+    trace_state state = trace_begin(&anywhere);
     if (v == s->volume) {
         const double error = own_error(s, slope_towards(s, to)), span = s->point->span;
-        start = hit_behind(error <= span ? error : span);
+        state.after = hit_behind(error <= span ? error : span);
+        state.origin = s->found->cell;
+        state.origin_iso = s->found->iso;
     }
-    trace_state state = trace_begin(&start);
     state.any = surface_opaque(f);
     return state;
 }

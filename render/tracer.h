@@ -41,6 +41,8 @@ typedef enum trace_result { TRACE_HIT, TRACE_MISS, TRACE_BLOCKED } trace_result;
 /* A ray's search for its next hit. */
 typedef struct trace_state {
     hit after;           /* only hits strictly behind this one count */
+    uint64_t origin;     /* the ray begins on this cell's surface of isovalue origin_iso, which is */
+    int32_t origin_iso;  /* not looked at again where it is flat; below 0: it begins on none */
     hit best;            /* the nearest found so far; none: hit_none() */
     surface_point point; /* of best */
     double t_from;       /* where to resume; */
@@ -58,6 +60,8 @@ bool tracer_ray(const tracer *tr, const double origin[3], const double direction
  * where the state stays: no copy, which would cost a short ray some per cent. */
 static inline void trace_begin_at(trace_state *s, const hit *after) {
     s->after = *after;
+    s->origin = UINT64_MAX;
+    s->origin_iso = -1;
     s->best = hit_none();
     s->t_from = -INFINITY;
     s->blocked = LEAF_NO_TREELET;

@@ -289,6 +289,8 @@ static void put_ray(mesh_batch *w, unsigned k) {
     w->rays.to[i] = s->best.t < w->rays.to[i] ? s->best.t : w->rays.to[i];
     w->of[i] = (uint8_t)k;
     w->any[i] = s->any;
+    w->origin[i] = s->origin;
+    w->origin_iso[i] = s->origin_iso;
     w->wait[i] = INFINITY;
     w->at[i] = NULL;
 }

@@ -44,6 +44,8 @@ typedef struct mesh_batch {
     frame_rays in_frame;
     uint8_t of[TET_RAYS];              /* the batch's number of a ray; */
     bool any[TET_RAYS];                /* whether any hit will do; */
+    uint64_t origin[TET_RAYS];         /* the tet on whose isopolygon it begins; */
+    int32_t origin_iso[TET_RAYS];      /* below 0: on none; */
     double wait[TET_RAYS];             /* where it enters the first treelet that is absent; */
     const resident_mesh *at[TET_RAYS]; /* where its best hit is */
     /* Those of them that make beams: `share` each, from `first` on. */
@@ -194,6 +196,18 @@ SIMD bool batch_polygon(const mesh_batch *w, const resident_mesh *at, unsigned l
     return isopolygon_of(&exact, isovalue, out);
 }
 
+/* Of VF_N rays from i on (bits), those that do not begin on this isopolygon: it is flat, so the
+ * others do not meet it again. Most shadow rays pass no other one as near as floats can tell. */
+SIMD unsigned from_elsewhere(const mesh_batch *w, hit_of of, unsigned i, unsigned bits) {
+    unsigned left = bits;
+    for (; bits; bits &= bits - 1) {
+        const unsigned k = i + (unsigned)__builtin_ctz(bits);
+        if (w->origin[k] == of.cell && w->origin_iso[k] == of.iso)
+            left &= ~(bits & -bits);
+    }
+    return left;
+}
+
 /* VD_N rays from i on. */
 SIMD void meet_polygon(mesh_batch *w, const resident_mesh *at, const isopolygon *g, hit_of of,
                        unsigned i, unsigned wanted) {
@@ -223,6 +237,7 @@ static void walk_tet(mesh_batch *w, const resident_mesh *at, const framed_tets *
             left &= ~((uint64_t)FLOATS << from);
             if (even)
                 bits &= rays_near(&w->in_frame, &lines, 64 * word + from);
+            bits = from_elsewhere(w, of, 64 * word + from, bits);
             if (!bits)
                 continue;
             if (!made && !batch_polygon(w, at, lane, w->tr->isos.isovalues[iso], &g))
