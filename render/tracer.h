@@ -56,6 +56,12 @@ typedef struct trace_state {
 bool tracer_ray(const tracer *tr, const double origin[3], const double direction[3], double t0,
                 double t1, ray *out);
 
+/* tracer_direction(), tracer_ray_along() - the same in two steps, for many rays of one direction:
+ * what it is in grid space, and then each ray; out->d has it already. */
+void tracer_direction(const tracer *tr, const double direction[3], double in_grid[3]);
+bool tracer_ray_along(const tracer *tr, const double origin[3], const double direction[3],
+                      double t0, double t1, ray *out);
+
 /* trace_begin() - look for the first hit strictly behind `after`. trace_begin_at() - the same,
  * where the state stays: no copy, which would cost a short ray some per cent. */
 static inline void trace_begin_at(trace_state *s, const hit *after) {
