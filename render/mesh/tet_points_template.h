@@ -13,7 +13,7 @@
 
 /* The isopolygons that VD_N rays have hit, a lane each, and the rays' hits. */
 typedef struct point_columns {
-    double p[4][3][VD_N], gradient[3][VD_N], range[VD_N], d[3][VD_N], t[VD_N];
+    vd p[4][3], gradient[3], range, d[3], t;
     unsigned turned[EDGES]; /* bits: lanes where the edge function is taken the other way */
     unsigned quads;         /* those with four points */
 } point_columns;
@@ -21,21 +21,19 @@ typedef struct point_columns {
 /* The ends of edges by number: see EDGES. */
 static const uint8_t point_ends[EDGES][2] = {{1, 2}, {2, 0}, {0, 1}, {2, 3}, {3, 0}};
 
-static void point_columns_begin(point_columns *c) {
-    memset(c, 0, sizeof *c);
-}
-
-SIMD void point_columns_put(point_columns *c, unsigned lane, const tet_facts *f) {
+/* These lanes (bits) have hit an isopolygon. */
+SIMD void point_columns_put(point_columns *c, unsigned lanes, const tet_facts *f) {
     const isopolygon *g = &f->g;
+    const md in = md_of_bits(lanes);
     for (int a = 0; a < 3; a++) {
         for (int i = 0; i < 4; i++)
-            c->p[i][a][lane] = g->p[i][a];
-        c->gradient[a][lane] = f->point.gradient[a];
+            c->p[i][a] = d_select(in, d_set(g->p[i][a]), c->p[i][a]);
+        c->gradient[a] = d_select(in, d_set(f->point.gradient[a]), c->gradient[a]);
     }
-    c->range[lane] = f->range;
-    c->quads |= (unsigned)(g->count == 4) << lane;
-    for (int e = 0; e < (g->count == 4 ? EDGES : 3); e++)
-        c->turned[e] |= (unsigned)(g->edge[point_ends[e][0]] > g->edge[point_ends[e][1]]) << lane;
+    c->range = d_select(in, d_set(f->range), c->range);
+    c->quads |= g->count == 4 ? lanes : 0;
+    for (int e = 0; e < EDGES; e++)
+        c->turned[e] |= g->edge[point_ends[e][0]] > g->edge[point_ends[e][1]] ? lanes : 0;
 }
 
 /* Where rays' lines cross a triangle: cross_triangle()'s slip where that is at t, else INFINITY.
@@ -65,7 +63,7 @@ SIMD void weigh_edges(const point_columns *c, const vd d[3], const vd a[4][3],
         seen_edge edge;
         for (int k = 0; k < 3; k++) {
             from[k] = d_select(turned, a[j][k], a[i][k]);
-            e[k] = d_load(c->p[j][k]) - d_load(c->p[i][k]);
+            e[k] = c->p[j][k] - c->p[i][k];
         }
         see_line(from, e, &edge);
         bound[n] = error_of(moduli, &edge);
@@ -83,7 +81,7 @@ SIMD vd t_errors(const point_columns *c, const vd d[3], const vd a[4][3], unsign
     const weights w1[3] = {w[EDGE_23], w[EDGE_30], against(w[EDGE_20])};
     const vd b0[3] = {bound[EDGE_12], bound[EDGE_20], bound[EDGE_01]};
     const vd b1[3] = {bound[EDGE_23], bound[EDGE_30], bound[EDGE_20]};
-    const vd t = d_load(c->t);
+    const vd t = c->t;
     const vd s0 = slip_at(d, a[0], a[1], a[2], w0, b0, t, &first);
     const vd s1 = slip_at(d, a[0], a[2], a[3], w1, b1, t, &second);
     const md quads = md_of_bits(c->quads);
@@ -99,17 +97,17 @@ SIMD unsigned point_errors(const point_columns *c, const double o[3], double err
     vd d[3], a[4][3], gradient[3];
     unsigned doubtful;
     for (int k = 0; k < 3; k++) {
-        d[k] = d_load(c->d[k]);
-        gradient[k] = d_load(c->gradient[k]);
+        d[k] = c->d[k];
+        gradient[k] = c->gradient[k];
         for (int i = 0; i < 4; i++)
-            a[i][k] = d_load(c->p[i][k]) - d_set(o[k]);
+            a[i][k] = c->p[i][k] - d_set(o[k]);
     }
     const vd along = t_errors(c, d, a, &doubtful);
-    vd sum = d_abs(dot(gradient, d)) * along + d_set(8.0 * DBL_EPSILON) * d_load(c->range);
+    vd sum = d_abs(dot(gradient, d)) * along + d_set(8.0 * DBL_EPSILON) * c->range;
     for (int k = 0; k < 3; k++) {
-        vd far = d_set(fabs(o[k])) + d_abs(d_load(c->t) * d[k]);
+        vd far = d_set(fabs(o[k])) + d_abs(c->t * d[k]);
         for (int i = 0; i < 4; i++)
-            far = d_max(far, d_abs(d_load(c->p[i][k])));
+            far = d_max(far, d_abs(c->p[i][k]));
         sum = sum + d_abs(gradient[k]) * d_set(4.0) * d_set(DBL_EPSILON) * far;
     }
     d_store(error, sum);
