@@ -158,23 +158,6 @@ static const tet_facts *facts_of(mesh_shading *m, const tile_layer *l, unsigned 
     return &m->facts[k];
 }
 
-/* A ray of the tile, as the scalar code has it. */
-static ray mesh_ray_of(const tile_state *s, unsigned i) {
-    ray r = {.t0 = s->rays.t0[i], .t1 = s->rays.t1[i]};
-    for (int a = 0; a < 3; a++) {
-        r.o[a] = r.held[a] = s->f->projection->eye[a];
-        r.d[a] = s->rays.d[a][i];
-    }
-    return r;
-}
-
-/* The point of a surface by itself. */
-static surface_point mesh_start(mesh_shading *m, const tile_layer *l, unsigned i) {
-    const hit h = tile_hit(m->s, surface_of(l, i));
-    const ray r = mesh_ray_of(m->s, i);
-    return tet_surface_at(facts_of(m, l, i), &r, &h);
-}
-
 /* Which of these rays (bits, from i on) have hit the same isopolygon as one of them. */
 SIMD unsigned same_tet(const hit_tets *l, unsigned i, unsigned which, unsigned as) {
     unsigned same = 0;
@@ -183,11 +166,9 @@ SIMD unsigned same_tet(const hit_tets *l, unsigned i, unsigned which, unsigned a
     return same & which;
 }
 
-/* The facts of VD_N rays' tets; in the points, errors are not known yet. Returns the lanes with an
- * isopolygon. */
-SIMD unsigned start_columns(mesh_shading *m, const tile_layer *l, unsigned i, unsigned which,
-                            point_columns *c, surface_point to[]) {
-    unsigned any = 0;
+/* The facts of VD_N rays' tets; in the points, errors are not known yet. */
+SIMD void start_columns(mesh_shading *m, const tile_layer *l, unsigned i, unsigned which,
+                        point_columns *c, surface_point to[]) {
     double t[VD_N] = {0.0};
     memset(c, 0, sizeof *c);
     for (unsigned left = which; left;) {
@@ -195,9 +176,7 @@ SIMD unsigned start_columns(mesh_shading *m, const tile_layer *l, unsigned i, un
         const unsigned same = same_tet(&m->tets, i, left, first);
         const tet_facts *f = facts_of(m, l, i + first);
         left &= ~same;
-        if (f->any)
-            point_columns_put(c, same, f);
-        any |= f->any ? same : 0;
+        point_columns_put(c, same, f);
         for (unsigned of = same; of; of &= of - 1) {
             const unsigned k = (unsigned)__builtin_ctz(of);
             to[__builtin_popcount(which & ((1u << k) - 1u))] = f->point;
@@ -207,7 +186,6 @@ SIMD unsigned start_columns(mesh_shading *m, const tile_layer *l, unsigned i, un
     c->t = d_load(t);
     for (int a = 0; a < 3; a++)
         c->d[a] = d_load(m->s->rays.d[a] + i);
-    return any;
 }
 
 /* mesh_normals() has listed the layer's tets. */
@@ -216,15 +194,10 @@ static void mesh_starts(void *work, const tile_layer *l, unsigned i, unsigned wh
     mesh_shading *m = work;
     double error[VD_N];
     point_columns c;
-    const unsigned any = start_columns(m, l, i, which, &c, to);
-    const unsigned alone = point_errors(&c, m->s->f->projection->eye, error) | ~any;
-    for (unsigned left = which; left; left &= left - 1, to++) {
-        const unsigned k = (unsigned)__builtin_ctz(left);
-        if (alone >> k & 1u)
-            *to = mesh_start(m, l, i + k);
-        else
-            to->error = error[k];
-    }
+    start_columns(m, l, i, which, &c, to);
+    point_errors(&c, m->s->f->projection->eye, error);
+    for (unsigned left = which; left; left &= left - 1)
+        to++->error = error[__builtin_ctz(left)];
 }
 
 static const tile_kind mesh_kind_of_tile = {mesh_normals, mesh_starts};
