@@ -164,18 +164,10 @@ static void take_double(const tile_state *s, tile_surface *known, const tile_sur
         *known = *found;
 }
 
-/* Put a surface into its place among those of ray i. False: it does not count, or is there already.
- * A ray that is full has a reach. */
-static bool tile_state_take(tile_state *s, unsigned i, const tile_surface *found) {
+/* tile_state_take() where a ray keeps several surfaces, or has one. */
+static bool take_among_others(tile_state *s, unsigned i, const tile_surface *found) {
     tile_surface *x = surfaces_of(s, i);
     unsigned k = s->count[i];
-    if (s->layers == 1 && s->before == 0 && k == 0) { /* as in most frames */
-        x[0] = *found;
-        s->count[i] = 1;
-        s->deepest = 1;
-        s->reach[i] = found->t;
-        return true;
-    }
     if (s->before > 0 && compare(s, found, &s->after[i]) <= 0)
         return false;
     for (; k > 0; k--) {
@@ -198,6 +190,21 @@ static bool tile_state_take(tile_state *s, unsigned i, const tile_surface *found
     if (s->count[i] > s->deepest)
         s->deepest = s->count[i];
     return k < s->count[i];
+}
+
+/* Put a surface into its place among those of ray i. False: it does not count, or is there already.
+ * A ray that is full has a reach. Most are the first and only one: by its members, as a copy of
+ * what has just been stored piece by piece waits for that. */
+SIMD bool tile_state_take(tile_state *s, unsigned i, tile_surface found) {
+    if (s->layers > 1 || s->before > 0 || s->count[i] > 0)
+        return take_among_others(s, i, &(tile_surface){found.t, found.at, found.local, found.iso,
+                                                       found.entering});
+    *surfaces_of(s, i) =
+        (tile_surface){found.t, found.at, found.local, found.iso, found.entering};
+    s->count[i] = 1;
+    s->deepest = 1;
+    s->reach[i] = found.t;
+    return true;
 }
 
 /* Which of `count` rays from i on have a surface in a layer. */

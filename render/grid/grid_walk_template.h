@@ -70,7 +70,7 @@ static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool enter
     const unsigned i = w->ray_of[k];
     const resident_grid *at = w->treelet_of[k];
     const tile_surface found = {t, &at->head, local_of(at, w->cell_of[k]), iso, entering};
-    if (!tile_state_take(&w->s, i, &found) || !(w->s.reach[i] < (double)INFINITY))
+    if (!tile_state_take(&w->s, i, found) || !(w->s.reach[i] < (double)INFINITY))
         return;
     if (!at_exit && w->s.reach[i] <= t)
         w->s.open[i / TILE] &= ~((tile_row)1 << i % TILE);

@@ -425,7 +425,7 @@ static void packet_end(packet *w) {
             at = treelet_of_tet(treelets, h->cell);
         const tile_surface found = {h->t, &at->head, (uint32_t)(h->cell - at->first_tet), h->iso,
                                     h->entering};
-        (void)tile_state_take(&w->s, to, &found);
+        (void)tile_state_take(&w->s, to, found);
         w->s.counters->roots++;
     }
 }
