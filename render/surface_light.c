@@ -58,8 +58,7 @@ static departure depart(const surface_point *p, bool entering, const double to[3
     const double slope = g[0] * to[0] + g[1] * to[1] + g[2] * to[2];
     const double error = p->error / fabs(slope);
     const bool known = error <= p->span;
-    return (departure){entering ? !(slope > 0.0) : !(slope < 0.0), !known,
-                       known ? error : p->span};
+    return (departure){entering ? !(slope > 0.0) : !(slope < 0.0), !known, known ? error : p->span};
 }
 
 bool lit_faces(const lit_surface *s, const double to[3]) {

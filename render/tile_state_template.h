@@ -197,10 +197,9 @@ static bool take_among_others(tile_state *s, unsigned i, const tile_surface *fou
  * what has just been stored piece by piece waits for that. */
 SIMD bool tile_state_take(tile_state *s, unsigned i, tile_surface found) {
     if (s->layers > 1 || s->before > 0 || s->count[i] > 0)
-        return take_among_others(s, i, &(tile_surface){found.t, found.at, found.local, found.iso,
-                                                       found.entering});
-    *surfaces_of(s, i) =
-        (tile_surface){found.t, found.at, found.local, found.iso, found.entering};
+        return take_among_others(
+            s, i, &(tile_surface){found.t, found.at, found.local, found.iso, found.entering});
+    *surfaces_of(s, i) = (tile_surface){found.t, found.at, found.local, found.iso, found.entering};
     s->count[i] = 1;
     s->deepest = 1;
     s->reach[i] = found.t;

@@ -40,10 +40,10 @@ typedef enum trace_result { TRACE_HIT, TRACE_MISS, TRACE_BLOCKED } trace_result;
 
 /* A ray's search for its next hit. */
 typedef struct trace_state {
-    hit after;           /* only hits strictly behind this one count */
-    uint64_t origin;     /* the ray begins on this cell's surface of isovalue origin_iso, which is */
-    int32_t origin_iso;  /* not looked at again where it is flat; below 0: it begins on none */
-    hit best;            /* the nearest found so far; none: hit_none() */
+    hit after;          /* only hits strictly behind this one count */
+    uint64_t origin;    /* the ray begins on this cell's surface of isovalue origin_iso, which is */
+    int32_t origin_iso; /* not looked at again where it is flat; below 0: it begins on none */
+    hit best;           /* the nearest found so far; none: hit_none() */
     surface_point point; /* of best */
     double t_from;       /* where to resume; */
     uint32_t blocked;    /* at this treelet; LEAF_NO_TREELET: from the start */

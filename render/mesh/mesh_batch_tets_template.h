@@ -48,7 +48,7 @@ typedef struct mesh_batch {
     int32_t origin_iso[TET_RAYS];      /* below 0: on none; */
     double wait[TET_RAYS];             /* where it enters the first treelet that is absent; */
     const resident_mesh *at[TET_RAYS]; /* where its best hit is */
-    uint64_t looks[RAY_WORDS]; /* rays that do */
+    uint64_t looks[RAY_WORDS];         /* rays that do */
     /* Those that make beams: */
     mesh_beams beams;
     uint8_t first[MESH_BEAMS], share[MESH_BEAMS]; /* their rays: a part of a word of `looks` */

@@ -251,8 +251,7 @@ bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r,
             continue;
         }
         const uint32_t leaf = p.child & ~(uint32_t)MESH_LEAF;
-        changed |=
-            walk_leaf(isos, tr, first[leaf], first[leaf + 1], r, &line, state, counters);
+        changed |= walk_leaf(isos, tr, first[leaf], first[leaf + 1], r, &line, state, counters);
     }
     return changed;
 }
