@@ -55,6 +55,55 @@ static status check_scene_experiments(const leafcast_scene_experiments *e) {
                                 LEAFCAST_SCHWARZE);
 }
 
+/* Values and light that sums of products of them do not overflow with. */
+static const double medium_most = 1e100, value_most = 1e300;
+
+static status check_point(const leafcast_medium *medium, int i) {
+    const leafcast_transfer_point *p = &medium->points[i];
+    bool fine =
+        fabs(p->value) <= value_most && p->extinction >= 0.0 && p->extinction <= medium_most;
+    for (int c = 0; c < 3; c++)
+        fine = fine && p->rgb[c] >= 0.0f && isfinite(p->rgb[c]);
+    if (!fine)
+        return status_describe(
+            ST_USAGE,
+            "point %d of the transfer function: a value up to %g, colours and an "
+            "extinction up to %g, neither below 0, are possible",
+            i + 1, value_most, medium_most);
+    if (i > 0 && p->value < p[-1].value)
+        return status_describe(ST_USAGE,
+                               "point %d of the transfer function has a smaller value "
+                               "than the one before",
+                               i + 1);
+    return ST_OK;
+}
+
+static status check_medium(const leafcast_medium *medium) {
+    status st = one_of("leafcast_medium.count", medium->count, LEAFCAST_TRANSFER_POINTS_MAX);
+    for (int i = 0; i < medium->count && st == ST_OK; i++)
+        st = check_point(medium, i);
+    return st;
+}
+
+static status check_media(const leafcast_scene *s) {
+    const int volumes = s->volume_count > 0 ? s->volume_count : 1;
+    int filled = 0;
+    status st = ST_OK;
+    if (s->media_count != 0 && s->media_count != volumes)
+        return status_describe(ST_USAGE, "leafcast_scene.media_count is %d: there are %d volumes",
+                               s->media_count, volumes);
+    for (int i = 0; i < s->media_count && st == ST_OK; i++) {
+        st = check_medium(&s->media[i]);
+        filled += s->media[i].count > 0;
+    }
+    if (st == ST_OK && filled > 1)
+        st = status_describe(ST_USAGE, "%d volumes are filled with media: one can be", filled);
+    if (st == ST_OK && s->error != 0.0 && !(s->error >= 1e-9 && s->error <= 1.0))
+        st = status_describe(ST_USAGE, "leafcast_scene.error is %g: 1e-9 to 1 are possible, and 0",
+                             s->error);
+    return st;
+}
+
 status arguments_check_scene(const leafcast_scene *s) {
     status st = public_size("leafcast_scene", s->size, sizeof *s);
     if (st == ST_OK)
@@ -68,6 +117,10 @@ status arguments_check_scene(const leafcast_scene *s) {
         st = one_of("leafcast_scene.shading", (long long)s->shading, LEAFCAST_SHADING_FLAT);
     if (st == ST_OK)
         st = one_of("leafcast_scene.lod", (long long)s->lod, LEAFCAST_LOD_PIXEL);
+    if (st == ST_OK)
+        st = one_of("leafcast_scene.project", (long long)s->project, LEAFCAST_PROJECT_FIRST);
+    if (st == ST_OK)
+        st = check_media(s);
     if (st == ST_OK && !samples_valid(s->samples))
         st = status_describe(ST_USAGE, "%d samples a pixel: 1, 4 and 16 are possible", s->samples);
     if (st == ST_OK && s->experiments)
@@ -101,6 +154,9 @@ status arguments_check_picture(const leafcast_scene *scene, const leafcast_camer
         st = public_size("leafcast_camera", camera->size, sizeof *camera);
     if (st == ST_OK)
         st = check_image(image, camera);
+    if (st == ST_OK && scene->samples > 1 && (image->rgba || image->error || image->value))
+        st = status_describe(ST_USAGE, "planes of exact colours, errors and values are of one "
+                                       "sample a pixel");
     if (st == ST_OK && stats)
         st = public_size("leafcast_stats", stats->size, sizeof *stats);
     return st;

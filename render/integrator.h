@@ -11,6 +11,7 @@
 
 #include "render/frame.h"
 #include "render/ray_bundle.h"
+#include "render/segment_batch.h"
 #include "render/tile.h"
 
 /* All that a frame knows of a ray; the integrator's part follows. */
@@ -22,10 +23,13 @@ typedef struct ray_record {
     uint16_t leg;     /* on this leg of its way; treelets for lower ones come first */
 } ray_record;
 
-/* The next hit on a way through a volume: tracer_next() is to answer. */
+/* What is on a way through a volume: the next hit, which tracer_next() is to find, or all pieces
+ * (segments_next()). */
 typedef struct ray_question {
     const tracer *tracer;
-    trace_state *state; /* of the record */
+    trace_state *state;   /* of the record; NULL: pieces are asked for */
+    segments_state *walk; /* of the record: how far they have come, with room for */
+    segment *kept;        /* SEGMENTS_KEPT pieces ahead while the record waits */
     ray ray;
 } ray_question;
 
@@ -37,8 +41,15 @@ typedef struct integrator {
     /* Go on to the next question, or until the pixel is written (false). Until it is answered the
      * question stays the same. */
     bool (*ask)(const frame *f, ray_record *r, ray_question *q, ray_counters *counters);
-    /* Its state has been answered: TRACE_HIT or TRACE_MISS. */
+    /* Its state has been answered: TRACE_HIT or TRACE_MISS; the latter where pieces were asked for,
+     * of which there are no more, or none are wanted. */
     void (*answer)(const frame *f, ray_record *r, trace_result result);
+    /* The next pieces of several rays, those of each in order: of ray i, r[i]; stop[i] = true where
+     * no more are wanted. scratch: so many bytes, 64-byte aligned, whatever is in them. The row may
+     * leave them out if it asks for none. */
+    size_t take_scratch;
+    void (*take)(const frame *f, ray_record *const r[], const segment_columns *pieces, bool stop[],
+                 void *scratch);
     /* The bundle of all rays on a leg of their way. */
     ray_bundle (*bundle)(const frame *f, uint32_t leg);
 

@@ -192,11 +192,41 @@ typedef enum leafcast_lod {
     LEAFCAST_LOD_PIXEL      /* per treelet, the coarsest whose cells are not larger than a pixel */
 } leafcast_lod;
 
+/* What a volume is filled with: a transfer function says for each value which light a place sends
+ * out, and how much of what comes from behind it swallows (DESIGN: media). It is linear between its
+ * points, colour and extinction each by itself, and goes on beyond the first and the last one as it
+ * is there. Two points at one value are a step, at which the second holds.
+ *
+ * Along a ray, which light of colour c is seen of a stretch dt with extinction k: c k dt, times
+ * what of it comes through all that is in front. */
+typedef struct leafcast_transfer_point {
+    double value;      /* finite; not falling from point to point */
+    float rgb[3];      /* 0 and more */
+    double extinction; /* per world length: 0 and more, finite */
+} leafcast_transfer_point;
+
+enum { LEAFCAST_TRANSFER_POINTS_MAX = 4096 };
+
+typedef struct leafcast_medium {
+    const leafcast_transfer_point *points;
+    int count; /* 0: nothing; else at most LEAFCAST_TRANSFER_POINTS_MAX */
+} leafcast_medium;
+
+/* What else may be made of the values on a ray. */
+typedef enum leafcast_project {
+    LEAFCAST_PROJECT_NONE = 0,
+    LEAFCAST_PROJECT_MAX,
+    LEAFCAST_PROJECT_MIN,
+    LEAFCAST_PROJECT_MEAN, /* over the length of the ray's way through cells with data */
+    LEAFCAST_PROJECT_FIRST /* the first that reaches project_value */
+} leafcast_project;
+
 /* A volume of a scene, and what it shows of it. */
 typedef struct leafcast_shown {
     leafcast *volume;
     uint32_t field, step;
-    const leafcast_surface *surfaces; /* count of them, as of leafcast_select() */
+    const leafcast_surface *surfaces; /* count of them, as of leafcast_select(); with media or a
+                                         projection there may be none */
     int count;
 } leafcast_shown;
 
@@ -236,6 +266,16 @@ typedef struct leafcast_scene {
                      id stay those of the pixel's centre */
     int layers_max; /* stop after so many transparent surfaces on a ray; 0: no limit */
     const struct leafcast_scene_experiments *experiments; /* leafcast_experimental.h; NULL: none */
+    const leafcast_medium *media;                         /* what its volumes are filled with, */
+    int media_count; /* as many as volumes (volume_count 0: 1); or 0: nothing is */
+    /* How far a channel (r, g, b, a) of a picture with media may be from the integral along the ray
+     * through the pixel's centre, as that ray is when it has been rounded to the volume's own
+     * space: in [1e-9, 1]; 0: half a step of 8 bits, 1/510. image.error says how far it is at most.
+     */
+    double error;
+    /* Instead of surfaces and media; coloured by the colours of the first medium. */
+    leafcast_project project;
+    double project_value; /* of LEAFCAST_PROJECT_FIRST */
 } leafcast_scene;
 
 /* leafcast_init_scene(), leafcast_scene_default() - a headlight, diffuse, nothing clipped, exact,
@@ -333,6 +373,9 @@ typedef struct leafcast_image {
      * and its size. Width 0: the whole picture. */
     uint32_t x, y, width, height;
     size_t stride; /* values from row to row, of all planes; 0: width */
+    double *rgba;  /* 4 values a pixel: colour and alpha as in r, g, b, a, unrounded */
+    double *error; /* of media: no channel of rgba is further off than this */
+    double *value; /* of a projection; NaN where the ray meets no data */
 } leafcast_image;
 
 typedef struct leafcast_stats {
@@ -350,6 +393,7 @@ typedef struct leafcast_stats {
     uint64_t nodes, cells, roots;
     uint64_t covered_pixels; /* that show a surface */
     uint64_t provisional_pixels, ill_conditioned;
+    uint64_t uncertified_pixels; /* of media: scene.error is less than rounding allows */
     uint64_t passes; /* 1, and 1 more whenever all rays waited for treelets to give way to others */
     /* Of packets through a mesh (W07 table 4): rays individually tested against boxes and against
      * isopolygons; packets against boxes by intervals, and against isoranges; isopolygons taken up.

@@ -13,6 +13,9 @@ size_t budget_image(const leafcast_image *image, size_t pixels) {
         bytes += floats[i] ? pixels * sizeof(float) : 0;
     bytes += image->z ? pixels * sizeof(double) : 0;
     bytes += image->id ? pixels * sizeof(int32_t) : 0;
+    bytes += image->rgba ? 4 * pixels * sizeof(double) : 0;
+    bytes += image->error ? pixels * sizeof(double) : 0;
+    bytes += image->value ? pixels * sizeof(double) : 0;
     bytes += image->rgba8 ? 4 * pixels : 0;
     return bytes + (image->provisional ? pixels : 0);
 }

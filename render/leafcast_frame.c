@@ -3,16 +3,20 @@
 #include <math.h>
 
 #include "formats/base/clock.h"
+#include "formats/leaf/leaf_histogram.h"
 #include "render/arguments.h"
 #include "render/kind.h"
 #include "render/leafcast_turn.h"
+#include "render/medium_integrator.h"
 #include "render/picture_bytes.h"
 #include "render/samples.h"
 #include "render/surface_integrator.h"
 
 struct leafcast_frame {
-    turn t; /* t.f.image: all planes, those made here among them */
-    surface_look look;
+    turn t;           /* t.f.image: all planes, those made here among them */
+    medium_look look; /* of surfaces, too */
+    transfer media[LEAFCAST_VOLUMES_MAX];
+    double ranges[LEAFCAST_VOLUMES_MAX][2];
     leafcast_image own; /* planes that are made here */
     byte_table bytes;   /* for rgba8 */
     /* A picture is made of parts: the planes that are not colours, then each sample. */
@@ -46,6 +50,59 @@ static bool any_plane(const leafcast_image *image) {
 
 /* ---- Describing ---- */
 
+/* The brightest that a lit surface may be. */
+static double brightest_surface(const leafcast_frame *fr) {
+    const leafcast_scene *scene = &fr->t.scene;
+    double rgb = 0.0, lights = scene->light_count > 0 ? 0.0 : 1.0;
+    for (int i = 0; i < scene->light_count; i++)
+        lights += (double)fmaxf(scene->lights[i].rgb[0],
+                                fmaxf(scene->lights[i].rgb[1], scene->lights[i].rgb[2]));
+    for (int v = 0; v < fr->t.volumes; v++)
+        for (int i = 0; i < fr->t.shown[v].count; i++)
+            for (int c = 0; c < 3; c++)
+                rgb = fmax(rgb, (double)fr->t.surfaces[v][i].rgb[c]);
+    return rgb * (1.0 + lights) + fabs((double)scene->specular) * lights;
+}
+
+static status fill_volume(leafcast_frame *fr, int i) {
+    const leafcast_shown *s = &fr->t.shown[i];
+    interest_interval of[SCENE_BESIDE_MAX];
+    transfer *medium = &fr->media[i];
+    const status st = transfer_init(medium, fr->t.f.m, &fr->t.scene.media[i]);
+    if (st != ST_OK || medium->spans == 0)
+        return st;
+    if (!s->volume->kind->segments)
+        return status_describe(ST_USAGE, "%s cannot be filled with a medium",
+                               s->volume->kind->name);
+    fr->t.beside[i] = interest_of_intervals(of, transfer_interest(medium, of, SCENE_BESIDE_MAX));
+    leaf_histogram_range(s->volume->file,
+                         leaf_layout_set(&s->volume->file->layout, s->field, s->step),
+                         fr->ranges[i]);
+    fr->look.brightest = fmax(fr->look.brightest, medium->most_rgb);
+    return ST_OK;
+}
+
+static void empty(leafcast_frame *fr) {
+    for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
+        transfer_release(&fr->media[i], &fr->t.device->budget);
+}
+
+/* What volumes are filled with. */
+static status fill(leafcast_frame *fr) {
+    const leafcast_scene *scene = &fr->t.scene;
+    status st = ST_OK;
+    fr->t.f.integrator = &medium_integrator;
+    fr->look.media = fr->media;
+    fr->look.range = (const double(*)[2])fr->ranges;
+    fr->look.error = scene->error > 0.0 ? scene->error : 1.0 / 510.0;
+    fr->look.brightest = fmax(1.0, brightest_surface(fr));
+    for (int c = 0; c < 3; c++)
+        fr->look.brightest = fmax(fr->look.brightest, fabs((double)scene->background[c]));
+    for (int i = 0; i < fr->t.volumes && st == ST_OK; i++)
+        st = fill_volume(fr, i);
+    return st;
+}
+
 /* All that needs no treelets. */
 static status describe(leafcast_frame *fr, leafcast *v, const leafcast_scene *scene,
                        const leafcast_camera *from, const leafcast_image *image) {
@@ -55,11 +112,13 @@ static status describe(leafcast_frame *fr, leafcast *v, const leafcast_scene *sc
         st = camera_init(&f->camera, from);
     if (st != ST_OK)
         return st;
-    fr->look = (surface_look){&fr->t.scene,
-                              (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])fr->t.surfaces,
-                              fr->t.first_id, fr->t.coarse};
+    fr->look.surfaces = (surface_look){
+        &fr->t.scene, (const leafcast_surface(*)[LEAFCAST_SURFACES_MAX])fr->t.surfaces,
+        fr->t.first_id, fr->t.coarse};
     f->integrator = &surface_integrator;
     f->look = &fr->look;
+    if (scene->media_count > 0)
+        st = fill(fr);
     f->cancel = &fr->cancelled;
     camera_window(&f->camera, image->x, image->y);
     f->image = *image;
@@ -70,7 +129,7 @@ static status describe(leafcast_frame *fr, leafcast *v, const leafcast_scene *sc
     f->width = f->image.width;
     f->height = f->image.height;
     f->image.stride = f->stride = image->stride ? image->stride : f->width;
-    return ST_OK;
+    return st;
 }
 
 /* Planes that bytes are made of, where the caller has none. */
@@ -78,7 +137,7 @@ static status make_planes(leafcast_frame *fr) {
     leafcast_image *i = &fr->t.f.image;
     float **const planes[4] = {&i->r, &i->g, &i->b, &i->a};
     float **const own[4] = {&fr->own.r, &fr->own.g, &fr->own.b, &fr->own.a};
-    for (int c = 0; c < 4 && i->rgba8; c++) {
+    for (int c = 0; c < 4 && (i->rgba8 || i->rgba); c++) {
         if (*planes[c])
             continue;
         *own[c] = *planes[c] = mem_array(fr->t.f.m, i->stride * i->height, sizeof(float));
@@ -151,7 +210,7 @@ static bool watch_part(void *ctx, double done) {
  */
 static status project(leafcast_frame *fr, frame *f) {
     leafcast *v = fr->t.shown[0].volume;
-    const bool tiles = v->kind->tile && v->kind->tile(f->kernels);
+    const bool tiles = f->integrator->tile && v->kind->tile && v->kind->tile(f->kernels);
     if (!tiles || f->volumes > 1 || v->intersect || f->camera.ortho)
         return ST_OK;
     const status st = v->kind->project(v, &f->camera, &fr->projection);
@@ -217,19 +276,38 @@ static status draw_parts(leafcast_frame *fr, double until) {
 
 /* ---- Bytes ---- */
 
+/* Surfaces have colours of floats, and no error. */
+static void widen_row(const leafcast_image *i, size_t from) {
+    const float *const planes[4] = {i->r, i->g, i->b, i->a};
+    for (size_t at = from; at < from + i->width; at++) {
+        for (size_t c = 0; c < 4 && i->rgba; c++)
+            i->rgba[4 * at + c] = (double)planes[c][at];
+        if (i->error)
+            i->error[at] = 0.0;
+        if (i->value)
+            i->value[at] = (double)NAN;
+    }
+}
+
 static status encode_row(void *ctx, size_t row, int worker) {
     (void)worker;
     const leafcast_frame *fr = ctx;
     const leafcast_image *i = &fr->t.f.image;
     const size_t from = row * i->stride;
-    picture_bytes_rgba(&fr->bytes, i, from, i->width, i->rgba8 + 4 * from);
+    if (i->rgba8)
+        picture_bytes_rgba(&fr->bytes, i, from, i->width, i->rgba8 + 4 * from);
+    if (!scene_is_filled(&fr->t.scene))
+        widen_row(i, from);
     return ST_OK;
 }
 
+/* What is made of the planes when they are done. */
 static status encode(leafcast_frame *fr) {
-    if (!fr->t.f.image.rgba8)
+    const leafcast_image *i = &fr->t.f.image;
+    if (i->rgba8)
+        picture_bytes_init(&fr->bytes);
+    if (!i->rgba8 && !i->rgba && !i->error && !i->value)
         return ST_OK;
-    picture_bytes_init(&fr->bytes);
     return pool_run(fr->t.f.threads, fr->t.f.height, encode_row, fr);
 }
 
@@ -278,6 +356,7 @@ static void release(leafcast_frame *fr) {
     projection_release(&fr->projection);
     free_colours(m, &fr->sample);
     free_colours(m, &fr->own);
+    empty(fr);
     turn_end(&fr->t);
 }
 
@@ -296,6 +375,8 @@ static status make_frame(leafcast *v, const leafcast_scene *scene, const leafcas
         return ST_NOMEM;
     device_lock(v->device);
     st = describe(fr, v, scene, from, image);
+    if (st != ST_OK)
+        empty(fr);
     device_unlock(v->device);
     if (st == ST_OK)
         *out = fr;

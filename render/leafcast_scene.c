@@ -18,7 +18,8 @@ static status check_shown(const leafcast *v, const leafcast_scene *scene, int i)
             return status_describe(ST_USAGE, "volumes %d and %d of the scene are the same", k + 1,
                                    i + 1);
     const status st = volume_check_set(s->volume, s->field, s->step);
-    return st == ST_OK ? arguments_check_surfaces(s->surfaces, s->count) : st;
+    const bool surfaces = s->count != 0 || !scene_is_filled(scene);
+    return st == ST_OK && surfaces ? arguments_check_surfaces(s->surfaces, s->count) : st;
 }
 
 status scene_volumes(leafcast *v, const leafcast_scene *scene,
@@ -38,20 +39,41 @@ status scene_volumes(leafcast *v, const leafcast_scene *scene,
 
 /* ---- What rays look for ---- */
 
+/* All that is looked for: LEAFCAST_SURFACES_MAX and SCENE_BESIDE_MAX are as many as there may be.
+ */
+static interest wanted_of(const leafcast *v) {
+    interest_interval of[INTEREST_MAX];
+    int count = 0;
+    for (int i = 0; i < v->isovalue_count; i++)
+        of[count++] = (interest_interval){v->isovalues[i], v->isovalues[i], false, true};
+    for (int i = 0; i < v->beside.count; i++)
+        of[count++] = v->beside.of[i];
+    return interest_of_intervals(of, count);
+}
+
 void volume_show(leafcast *v, uint32_t field, uint32_t step, const leafcast_surface *surfaces,
                  int count) {
-    const uint32_t set = leaf_layout_set(&v->file->layout, field, step);
-    bool changed = count != v->isovalue_count || set != v->set;
-    for (int i = 0; i < count; i++) {
-        changed |= v->isovalues[i] != surfaces[i].isovalue;
-        v->isovalues[i] = surfaces[i].isovalue;
+    const interest nothing = {.count = 0};
+    const leafcast_shown s = {v, field, step, surfaces, count};
+    volume_show_beside(&s, &nothing);
+}
+
+void volume_show_beside(const leafcast_shown *s, const interest *beside) {
+    leafcast *v = s->volume;
+    const uint32_t set = leaf_layout_set(&v->file->layout, s->field, s->step);
+    bool changed =
+        s->count != v->isovalue_count || set != v->set || !interest_same(beside, &v->beside);
+    for (int i = 0; i < s->count; i++) {
+        changed |= v->isovalues[i] != s->surfaces[i].isovalue;
+        v->isovalues[i] = s->surfaces[i].isovalue;
     }
-    v->isovalue_count = count;
+    v->isovalue_count = s->count;
     v->set = set;
+    v->beside = *beside;
     if (!changed)
         return;
     loader_select_set(v->treelets, set);
-    const interest wanted = interest_of_isovalues(v->isovalues, count);
+    const interest wanted = wanted_of(v);
     loader_select(v->treelets, &wanted);
     loader_reset_statistics(v->treelets);
 }
@@ -97,7 +119,7 @@ status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const came
 }
 
 status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
-    if (v->isovalue_count == 0)
+    if (v->isovalue_count == 0 && !scene_is_filled(scene))
         return status_describe(ST_USAGE, "no isosurface is selected");
     return volume_tracer_of_all(v, scene, c, tr);
 }

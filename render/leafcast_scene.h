@@ -12,6 +12,14 @@ _Static_assert((int)LEAFCAST_VOLUMES_MAX == (int)FRAME_VOLUMES_MAX,
 CHECKED status scene_volumes(leafcast *v, const leafcast_scene *scene,
                              leafcast_shown shown[LEAFCAST_VOLUMES_MAX], int *count);
 
+/* Intervals of values that matter beside isovalues, at most. */
+enum { SCENE_BESIDE_MAX = (int)INTEREST_MAX - (int)LEAFCAST_SURFACES_MAX };
+
+/* scene_is_filled() - whether it shows more than surfaces: media or a projection. */
+static inline bool scene_is_filled(const leafcast_scene *scene) {
+    return scene->media_count > 0 || scene->project != LEAFCAST_PROJECT_NONE;
+}
+
 /* scene_intersector() - the exact one, but for experiments. */
 static inline leafcast_intersector scene_intersector(const leafcast_scene *scene) {
     return scene->experiments ? scene->experiments->intersector : LEAFCAST_MARMITT;

@@ -35,9 +35,9 @@ static status prepare_volume(turn *t, int i) {
     const leafcast_shown *s = &t->shown[i];
     leafcast *v = s->volume;
     loader_forget_failures(v->treelets);
-    volume_show(v, s->field, s->step, s->surfaces, s->count);
+    volume_show_beside(s, &t->beside[i]);
     status st = volume_tracer(v, &t->scene, &t->f.camera, &t->tracers[i]);
-    if (st == ST_OK)
+    if (st == ST_OK && s->count > 0)
         st = coarse_preview_begin(v, &t->scene, s, &t->coarse_tracers[i], &t->coarse[i]);
     return st;
 }

@@ -20,6 +20,7 @@ typedef struct turn {
     leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
     leafcast_surface surfaces[LEAFCAST_VOLUMES_MAX][LEAFCAST_SURFACES_MAX];
     int32_t first_id[LEAFCAST_VOLUMES_MAX]; /* of a volume's surfaces, numbered through */
+    interest beside[LEAFCAST_VOLUMES_MAX];  /* values that matter beside those of surfaces */
     tracer tracers[LEAFCAST_VOLUMES_MAX];
     const tracer
         *coarse[LEAFCAST_VOLUMES_MAX]; /* what a preview draws where treelets are absent, */

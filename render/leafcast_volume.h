@@ -23,6 +23,7 @@ struct leafcast {
     /* What rays look for now: */
     double isovalues[LEAFCAST_SURFACES_MAX];
     int isovalue_count;
+    interest beside;
     uint32_t set;
     /* What leafcast_select() and leafcast_select_set() said: */
     leafcast_surface surfaces[LEAFCAST_SURFACES_MAX];
@@ -53,9 +54,11 @@ leafcast *volume_on(leafcast_device *d, const leafcast_options *options);
 CHECKED status volume_open_file(leafcast *v);
 void volume_release(leafcast *v);
 
-/* volume_show() - from now on, rays look for these surfaces; loading starts. */
+/* volume_show() - from now on, rays look for these surfaces; loading starts. volume_show_beside() -
+ * and also for what has these values. */
 void volume_show(leafcast *v, uint32_t field, uint32_t step, const leafcast_surface *surfaces,
                  int count);
+void volume_show_beside(const leafcast_shown *shown, const interest *beside);
 
 /* volume_tracer() - for rays through what volume_show() said. c: the camera, for levels of detail
  * by pixels; may be NULL. */

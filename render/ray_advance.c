@@ -22,7 +22,7 @@ static void gather(ray_company *c, unsigned first, ray_batch *b) {
     b->count = 0;
     for (unsigned i = first; i < c->count; i++) {
         const ray_question *q = &c->question[i];
-        if (!c->asks[i] || q->tracer != tr || turn_of(c->record[i]) != turn)
+        if (!c->asks[i] || !q->state || q->tracer != tr || turn_of(c->record[i]) != turn)
             continue;
         b->rays[b->count] = q->ray;
         b->states[b->count] = *q->state;
@@ -37,25 +37,78 @@ static void go_on(const frame *f, ray_company *c, unsigned i, trace_result resul
     c->blocked[i] = result == TRACE_BLOCKED;
     if (c->blocked[i]) {
         c->asks[i] = false;
-        r->blocked = c->question[i].state->blocked;
+        const ray_question *q = &c->question[i];
+        r->blocked = q->state ? q->state->blocked : q->walk->blocked;
         return;
     }
     f->integrator->answer(f, r, result);
     c->asks[i] = f->integrator->ask(f, r, &c->question[i], counters);
 }
 
-void ray_advance(const frame *f, ray_company *c, ray_batch *b, void *scratch,
+/* What take() is told. */
+typedef struct walkers {
+    const frame *f;
+    void *scratch;
+    ray_record *record[RAY_BATCH];
+} walkers;
+
+static void take(void *ctx, segment_batch *b) {
+    const walkers *w = ctx;
+    w->f->integrator->take(w->f, w->record, &b->columns, b->stop, w->scratch);
+}
+
+/* Of those whose turn it is, all that ask for pieces. */
+static void gather_walkers(ray_company *c, unsigned first, segment_batch *b, walkers *w) {
+    const tracer *tr = c->question[first].tracer;
+    const uint32_t turn = turn_of(c->record[first]);
+    b->count = 0;
+    for (unsigned i = first; i < c->count; i++) {
+        const ray_question *q = &c->question[i];
+        if (!c->asks[i] || q->state || q->tracer != tr || turn_of(c->record[i]) != turn)
+            continue;
+        b->rays[b->count] = q->ray;
+        b->state[b->count] = q->walk;
+        b->kept[b->count] = q->kept;
+        w->record[b->count] = c->record[i];
+        c->asked[b->count++] = (uint8_t)i;
+    }
+}
+
+/* All pieces of all these. */
+static void walk_together(const frame *f, ray_company *c, unsigned first, segment_batch *b,
+                          void *scratch, ray_counters *counters) {
+    walkers w = {.f = f, .scratch = (char *)b + segment_batch_bytes()};
+    gather_walkers(c, first, b, &w);
+    b->take = take;
+    b->ctx = &w;
+    segment_batch_walk(c->question[first].tracer, f->kernels, b, scratch, counters);
+    for (unsigned k = 0; k < b->count; k++)
+        go_on(f, c, c->asked[k],
+              b->result[k] == SEGMENTS_BLOCKED && !b->stop[k] ? TRACE_BLOCKED : TRACE_MISS,
+              counters);
+}
+
+/* Those whose turn it is together, as far as they ask for hits. */
+static void answer_together(const frame *f, ray_company *c, unsigned first, ray_batch *b,
+                            void *scratch, ray_counters *counters) {
+    gather(c, first, b);
+    ray_batch_next(c->question[first].tracer, f->kernels, b, scratch, counters);
+    for (unsigned k = 0; k < b->count; k++) {
+        *c->question[c->asked[k]].state = b->states[k];
+        go_on(f, c, c->asked[k], b->results[k], counters);
+    }
+}
+
+void ray_advance(const frame *f, ray_company *c, ray_batch *b, segment_batch *pieces, void *scratch,
                  ray_counters *counters) {
     for (unsigned i = 0; i < c->count; i++) {
         c->blocked[i] = false;
         c->asks[i] = f->integrator->ask(f, c->record[i], &c->question[i], counters);
     }
     for (unsigned first = next_of(c); first < c->count; first = next_of(c)) {
-        gather(c, first, b);
-        ray_batch_next(c->question[first].tracer, f->kernels, b, scratch, counters);
-        for (unsigned k = 0; k < b->count; k++) {
-            *c->question[c->asked[k]].state = b->states[k];
-            go_on(f, c, c->asked[k], b->results[k], counters);
-        }
+        if (c->question[first].state)
+            answer_together(f, c, first, b, scratch, counters);
+        else
+            walk_together(f, c, first, pieces, scratch, counters);
     }
 }

@@ -31,6 +31,24 @@ segments_result segments_next(const tracer *tr, const ray *r, segments_state *st
     return SEGMENTS_SOME;
 }
 
+void segments_move(segments_state *s, segment *to, uint32_t room) {
+    if (s->count > room) {
+        const segment *lost = &s->ahead[s->first + room];
+        const segment_key from = {lost->t0, lost->cell};
+        s->limit = segment_key_less(from, s->limit) ? from : s->limit;
+        s->count = room;
+        s->sure = s->sure < room ? s->sure : room;
+    }
+    memmove(to, s->ahead + s->first, s->count * sizeof *to);
+    s->ahead = to;
+    s->room = room;
+    s->first = 0;
+}
+
+segments_error segments_error_of(const tracer *tr, const ray *r, const double range[2]) {
+    return tr->kind->segments_error(tr, r, range);
+}
+
 /* ---- A piece ---- */
 
 static double mix(double a, double b, double s) {

@@ -73,6 +73,11 @@ segments_state segments_begin(segment *ahead, uint32_t room);
 segments_result segments_next(const tracer *tr, const ray *r, segments_state *state, segment *out,
                               ray_counters *counters);
 
+/* segments_move() - what is ahead to other memory, with room for `room` pieces, at least 1: those
+ * that come first; the others will be found again. Before the state is suspended in little room,
+ * and when it goes on in more. */
+void segments_move(segments_state *state, segment *to, uint32_t room);
+
 /* ---- A piece ---- */
 
 /* segment_at() - the value at parameter s in [0, 1] of the piece, the very ends at 0 and 1. */
@@ -86,6 +91,17 @@ typedef struct segment_extent {
     double least, most, least_t, most_t;
 } segment_extent;
 segment_extent segment_range(const segment *s);
+
+/* ---- Errors ---- */
+
+/* How far off the pieces of a ray may be, at most. */
+typedef struct segments_error {
+    double t;     /* their ends */
+    double value; /* at a given t but for what comes of that */
+} segments_error;
+
+/* segments_error_of() - on a ray through a volume whose values are in range[0] .. range[1]. */
+segments_error segments_error_of(const tracer *tr, const ray *r, const double range[2]);
 
 /* ---- For kinds ---- */
 

@@ -1,8 +1,5 @@
-/* surface_integrator.h - isosurfaces, opaque or transparent, with lights and shadows.
- *
- * A pixel's ray is a small state machine: find the next surface of any volume, then for each light
- * whether it is seen, then composite and go on behind the surface. Rays are made anew from the
- * pixel and the current hit whenever the state is taken up.
+/* surface_integrator.h - isosurfaces, opaque or transparent, with lights and shadows: a ray's way
+ * (surface_ray.h), each surface composited behind those before it.
  */
 #ifndef RENDER_SURFACE_INTEGRATOR_H
 #define RENDER_SURFACE_INTEGRATOR_H

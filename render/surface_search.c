@@ -21,7 +21,7 @@ static void begin(surface_search *s, uint16_t volume) {
 bool surface_search_ask(const frame *f, const world_ray *w, const tracer *const coarse[],
                         uint16_t *volume, surface_search *s, ray_question *q) {
     for (; *volume < f->volumes; ++*volume) {
-        if (s->any && hit_exists(&s->found))
+        if (f->tracer[*volume].isos.count == 0 || (s->any && hit_exists(&s->found)))
             continue;
         if (!s->searching)
             begin(s, *volume);

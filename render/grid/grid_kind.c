@@ -15,7 +15,8 @@
 /* What an open grid has beside its treelets: leafcast.own. */
 typedef struct grid_volume {
     level_planes_table planes;
-    walk_scene scene; /* of the frame, or of the question, that is under way */
+    double narrowest[3]; /* cell of level 0 along each axis */
+    walk_scene scene;    /* of the frame, or of the question, that is under way */
 } grid_volume;
 
 static grid_volume *grid_of(const leafcast *v) {
@@ -24,11 +25,22 @@ static grid_volume *grid_of(const leafcast *v) {
 
 /* ---- An open volume ---- */
 
+static double narrowest_cell(const double *axis, uint32_t nodes) {
+    double width = INFINITY;
+    for (uint32_t i = 0; i + 1 < nodes; i++)
+        width = fmin(width, axis[i + 1] - axis[i]);
+    return width;
+}
+
 static status grid_open(leafcast *v) {
     if (v->experiments.packets != 0)
         return status_describe(ST_USAGE, "packets are for meshes: in a grid, tiles of rays walk");
     v->own = mem_zalloc(v->m, sizeof(grid_volume));
-    return v->own ? level_planes_init(&grid_of(v)->planes, v->m, v->file) : ST_NOMEM;
+    if (!v->own)
+        return ST_NOMEM;
+    for (int a = 0; a < 3; a++)
+        grid_of(v)->narrowest[a] = narrowest_cell(v->file->axis[a], v->file->header.dims[a]);
+    return level_planes_init(&grid_of(v)->planes, v->m, v->file);
 }
 
 static void grid_close(leafcast *v) {
@@ -175,6 +187,7 @@ static void grid_aim(leafcast *v, const leafcast_scene *scene, const camera *c, 
                      .analytic_normals = scene->analytic_normals};
     tr->own = &g->scene;
     for (int a = 0; a < 3; a++) {
+        g->scene.narrowest[a] = g->narrowest[a];
         tr->box[0][a] = v->file->axis[a][0];
         tr->box[1][a] = v->file->axis[a][v->file->header.dims[a] - 1];
     }
@@ -336,6 +349,7 @@ const kind grid_kind = {.name = "grid",
                         .batch_scratch = GRID_BATCH_SCRATCH,
                         .batch = grid_batch,
                         .segments = grid_segments,
+                        .segments_error = grid_segments_error,
                         .cell_of_hit = grid_cell_of_hit,
                         .cell_of_segment = grid_cell_of_segment,
                         .cell_at = grid_cell_at};

@@ -130,3 +130,17 @@ segments_result grid_segments(const tracer *tr, const ray *r, segments_state *st
     state->t_from = INFINITY;
     return stop(state, SEGMENTS_END);
 }
+
+segments_error grid_segments_error(const tracer *tr, const ray *r, const double range[2]) {
+    const walk_scene *scene = tr->own;
+    const double u = 0x1p-53;
+    double steps = 0.0, t_out = r->t1, t_in = r->t0;
+    for (int a = 0; a < 3; a++) {
+        const double far = fmax(fabs(tr->box[0][a] - r->o[a]), fabs(tr->box[1][a] - r->o[a]));
+        steps += 16.0 * u * far / scene->narrowest[a];
+    }
+    (void)tracer_box(tr, r, &t_in, &t_out);
+    return (segments_error){.t = 4.0 * u * fmax(fabs(t_in), fabs(t_out)),
+                            .value = (range[1] - range[0]) * steps +
+                                     16.0 * u * fmax(fabs(range[0]), fabs(range[1]))};
+}

@@ -23,4 +23,7 @@
 segments_result grid_segments(const tracer *tr, const ray *r, segments_state *state,
                               ray_counters *counters);
 
+/* grid_segments_error() - the row's `segments_error`: the above, of the narrowest cell. */
+segments_error grid_segments_error(const tracer *tr, const ray *r, const double range[2]);
+
 #endif

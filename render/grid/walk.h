@@ -37,6 +37,7 @@ struct walk_scene {
     intersect_fn intersect; /* that of a ray by itself */
     walk_fn walk;
     bool analytic_normals; /* of the cells, instead of central differences */
+    double narrowest[3];   /* cell of level 0 along each axis */
 };
 
 bool walk_treelet(const walk_scene *scene, const resident_grid *tr, const ray *r, double t_in,

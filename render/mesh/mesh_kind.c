@@ -294,6 +294,7 @@ const kind mesh_kind = {.name = "mesh",
                         .batch_scratch = MESH_BATCH_SCRATCH,
                         .batch = mesh_batch,
                         .segments = mesh_segments,
+                        .segments_error = mesh_segments_error,
                         .cell_of_hit = mesh_cell_of_hit,
                         .cell_of_segment = mesh_cell_of_segment,
                         .cell_at = mesh_cell_at};

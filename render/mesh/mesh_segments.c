@@ -119,3 +119,18 @@ segments_result mesh_segments(const tracer *tr, const ray *r, segments_state *st
     }
     return result;
 }
+
+segments_error mesh_segments_error(const tracer *tr, const ray *r, const double range[2]) {
+    const double u = 0x1p-53;
+    double reach = 0.0, diagonal = 0.0, dd = 0.0;
+    for (int a = 0; a < 3; a++) {
+        const double edge = tr->box[1][a] - tr->box[0][a];
+        const double far = fmax(fabs(tr->box[0][a] - r->o[a]), fabs(tr->box[1][a] - r->o[a]));
+        diagonal += edge * edge;
+        reach += fabs(r->d[a]) * far;
+        dd += r->d[a] * r->d[a];
+    }
+    return (segments_error){.t = 0x1p-30 * sqrt(diagonal / dd) + 8.0 * u * reach / dd,
+                            .value = 0x1p-30 * (range[1] - range[0]) +
+                                     8.0 * u * fmax(fabs(range[0]), fabs(range[1]))};
+}

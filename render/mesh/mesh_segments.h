@@ -19,4 +19,8 @@
 segments_result mesh_segments(const tracer *tr, const ray *r, segments_state *state,
                               ray_counters *counters);
 
+/* mesh_segments_error() - the row's `segments_error`: the above; no face spans more of t than the
+ * ray's way through the box, nor more values than there are. */
+segments_error mesh_segments_error(const tracer *tr, const ray *r, const double range[2]);
+
 #endif

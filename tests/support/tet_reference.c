@@ -20,8 +20,8 @@ typedef long double real;
 enum { LEAF_TETS = 4, NO_CHILD = 0 };
 
 /* long double determinants hold their sign, or 44 bits, above these shares of the sum of their
- * terms' sizes. */
-static const real SIGN_HOLDS = 0x1p-58L, VALUE_HOLDS = 0x1p-16L;
+ * terms' sizes; all bits above none. */
+static const real SIGN_HOLDS = 0x1p-58L, VALUE_HOLDS = 0x1p-16L, NONE_HOLDS = 2;
 
 /* A value this much smaller than the terms it is summed from is 0: rays that meet an edge exactly
  * where f = iso see the same side on all faces around it. */
@@ -52,6 +52,7 @@ typedef struct query {
     real o[3], d[3];
     double o_high[3], o_low[3]; /* their sum is o */
     real dd;
+    real holds; /* VALUE_HOLDS or NONE_HOLDS */
     real t0, t1;
     const double *isos;
     int iso_count;
@@ -139,8 +140,8 @@ typedef struct crossing {
 
 static void cross_face(const query *q, const uint32_t v[3], crossing *x) {
     const float *A = q->m->points[v[0]], *B = q->m->points[v[1]], *C = q->m->points[v[2]];
-    const real weight[3] = {fabsl(edge(q, B, C, VALUE_HOLDS)), fabsl(edge(q, A, C, VALUE_HOLDS)),
-                            fabsl(edge(q, A, B, VALUE_HOLDS))};
+    const real weight[3] = {fabsl(edge(q, B, C, q->holds)), fabsl(edge(q, A, C, q->holds)),
+                            fabsl(edge(q, A, B, q->holds))};
     const real sum = weight[0] + weight[1] + weight[2];
     x->t = 0;
     for (int i = 0; i < 3; i++) {
@@ -459,7 +460,7 @@ const tet_ref_mesh *tet_ref_raw(const tet_ref *r) {
 }
 
 static query query_of(const tet_ref_mesh *m, const ref_ray *ray, const long double shift[3]) {
-    query q = {.m = m, .t0 = -INFINITY, .t1 = INFINITY};
+    query q = {.m = m, .holds = VALUE_HOLDS, .t0 = -INFINITY, .t1 = INFINITY};
     for (int a = 0; a < 3; a++) {
         q.d[a] = ray->d[a];
         q.dd += q.d[a] * q.d[a];
@@ -509,6 +510,24 @@ bool tet_ref_crossings(const tet_ref_mesh *m, size_t tet, const ref_ray *ray, lo
     for (int i = 0; i < 2; i++) {
         t[i] = x[i].t;
         value[i] = crossing_value(&q, &x[i], 0);
+    }
+    return true;
+}
+
+bool tet_ref_exact_crossings(const tet_ref_mesh *m, size_t tet, const ref_ray *ray,
+                             long double t[2], long double value[2]) {
+    query q = query_of(m, ray, NULL);
+    crossing x[2];
+    q.holds = NONE_HOLDS;
+    if (!is_sound(m, m->tets[tet]) || !cross_tet(&q, m->tets[tet], x))
+        return false;
+    for (int i = 0; i < 2; i++) {
+        /* About one vertex: a constant stays what it is. */
+        const real first = m->values[x[i].vertex[0]];
+        t[i] = x[i].t;
+        value[i] = first;
+        for (int k = 1; k < 3; k++)
+            value[i] += x[i].weight[k] * ((real)m->values[x[i].vertex[k]] - first);
     }
     return true;
 }

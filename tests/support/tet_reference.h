@@ -64,4 +64,9 @@ double tet_ref_local_edge(const tet_ref_mesh *m, size_t tet);
 bool tet_ref_crossings(const tet_ref_mesh *m, size_t tet, const ref_ray *ray, long double t[2],
                        long double value[2]);
 
+/* tet_ref_exact_crossings() - the same to the last bits: determinants are summed exactly, and no
+ * value is taken for 0. */
+bool tet_ref_exact_crossings(const tet_ref_mesh *m, size_t tet, const ref_ray *ray,
+                             long double t[2], long double value[2]);
+
 #endif

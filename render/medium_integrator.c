@@ -1,0 +1,274 @@
+#include "render/medium_integrator.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "render/kind.h"
+#include "render/medium_stretch.h"
+#include "render/shade.h"
+#include "render/surface_ray.h"
+
+/* What of the error is for the medium by its opacity, by its length, for the end, for what is left
+ * out inside a piece: that happens behind no more than 64 halvings, and counts twice. */
+static const double by_opacity = 0.5, by_length = 0.3, at_end = 0.1, in_piece = 0.04 / 128.0;
+
+/* What a ray does: look for the next surface, walk through the medium in front of it, meet it, be
+ * lit there. */
+typedef enum stage { FINDING, WALKING, MEETING, LIGHTING } stage;
+
+typedef struct medium_ray {
+    surface_ray way;
+    stage stage;
+    bool begun; /* to walk */
+    medium_rule rule;
+    uint32_t treelet; /* of the last piece */
+    double from;      /* t: everything before it is in `front` */
+    medium_stretch front;
+    medium_stretch run; /* behind that: of pieces in one treelet */
+    segments_state walk;
+    segment kept[SEGMENTS_KEPT];
+} medium_ray;
+
+static medium_ray *medium_ray_of(ray_record *r) {
+    return (medium_ray *)r;
+}
+
+static const medium_look *look_of(const frame *f) {
+    return f->look;
+}
+
+/* ---- The medium ---- */
+
+/* The volume that is filled. */
+static int filled_of(const frame *f) {
+    int v = 0;
+    while (v < f->volumes && look_of(f)->media[v].spans == 0)
+        v++;
+    return v;
+}
+
+/* Of pieces on the whole ray. */
+static medium_rule rule_of(const frame *f, uint32_t pixel) {
+    const medium_look *look = look_of(f);
+    const int v = filled_of(f);
+    const tracer *tr = &f->tracer[v];
+    const world_ray w = surface_ray_primary(f, pixel);
+    medium_rule rule = {.transfer = &look->media[v],
+                        .share = by_opacity * look->error,
+                        .drop = in_piece * look->error};
+    ray r;
+    double t_in = w.t0, t_out = w.t1;
+    if (!tracer_ray(tr, w.origin, w.direction, w.t0, w.t1, &r) ||
+        !tracer_box(tr, &r, &t_in, &t_out))
+        return rule;
+    rule.per_length = by_length * look->error / fmax(t_out - t_in, 1e-300);
+    rule.error = segments_error_of(tr, &r, look->range[v]);
+    return rule;
+}
+
+static void medium_begin(const frame *f, uint32_t pixel, ray_record *r) {
+    medium_ray *p = medium_ray_of(r);
+    surface_ray_begin(pixel, &p->way);
+    p->stage = FINDING;
+    p->begun = false;
+    p->from = 0.0;
+    p->rule = rule_of(f, pixel);
+    p->front = p->run = medium_nothing();
+}
+
+static void end_run(const frame *f, medium_ray *p) {
+    medium_join(&p->front, &p->run, look_of(f)->brightest);
+    p->run = medium_nothing();
+}
+
+/* Whether what is behind does not count any more; and what is left out counts as error then. */
+static bool is_dark(const frame *f, medium_ray *p) {
+    const double through = p->front.through * p->run.through;
+    return through * look_of(f)->brightest <= at_end * look_of(f)->error;
+}
+
+/* Nothing is seen of what is behind. */
+static void leave_out_rest(const frame *f, medium_ray *p) {
+    end_run(f, p);
+    p->front.rgb_error += (p->front.through + p->front.through_error) * look_of(f)->brightest;
+    p->front.through_error += p->front.through;
+    p->front.through = 0.0;
+}
+
+/* What each piece is looked at by. */
+static void set_rules(const medium_look *look, ray_record *const r[], const segment_columns *c,
+                      medium_batch *m) {
+    m->share = by_opacity * look->error;
+    m->drop = in_piece * look->error;
+    for (unsigned i = 0; i < c->count; i++) {
+        const medium_rule *rule = &medium_ray_of(r[c->ray[i]])->rule;
+        m->per_length[i] = rule->per_length;
+        m->t_error[i] = rule->error.t;
+        m->value_error[i] = rule->error.value;
+    }
+}
+
+static medium_stretch stretch_of(const medium_batch *m, unsigned i) {
+    return (medium_stretch){{m->rgb[0][i], m->rgb[1][i], m->rgb[2][i]},
+                            m->through[i],
+                            m->rgb_error[i],
+                            m->through_error[i]};
+}
+
+static void medium_take(const frame *f, ray_record *const r[], const segment_columns *c,
+                        bool stop[], void *scratch) {
+    const medium_look *look = look_of(f);
+    medium_batch *m = scratch;
+    m->transfer = &look->media[filled_of(f)];
+    set_rules(look, r, c, m);
+    f->kernels->medium(m, c);
+    for (unsigned i = 0; i < c->count; i++) {
+        medium_ray *p = medium_ray_of(r[c->ray[i]]);
+        if (!m->seen[i] || stop[c->ray[i]])
+            continue;
+        const medium_stretch seen = stretch_of(m, i);
+        if (c->treelet[i] != p->treelet)
+            end_run(f, p);
+        p->treelet = c->treelet[i];
+        medium_join(&p->run, &seen, look->brightest);
+        stop[c->ray[i]] = is_dark(f, p);
+    }
+}
+
+/* Up to the surface. */
+static bool ask_for_pieces(const frame *f, medium_ray *p, ray_question *q) {
+    const int v = filled_of(f);
+    const world_ray w = surface_ray_primary(f, p->way.head.pixel);
+    p->way.head.volume = (uint16_t)v;
+    if (v == f->volumes || is_dark(f, p) ||
+        !tracer_ray(&f->tracer[v], w.origin, w.direction, p->from, p->way.search.found.t, &q->ray))
+        return false;
+    if (!p->begun) {
+        p->walk = segments_begin(p->kept, SEGMENTS_KEPT);
+        p->treelet = LEAF_NO_TREELET;
+        p->begun = true;
+    }
+    p->walk.ahead = p->kept; /* records are copied */
+    q->tracer = &f->tracer[v];
+    q->state = NULL;
+    q->walk = &p->walk;
+    q->kept = p->kept;
+    return true;
+}
+
+/* ---- Surfaces ---- */
+
+/* The surface is off by that much of t, and more or less of the medium is in front of it. */
+static double depth_error_at(const frame *f, const medium_ray *p) {
+    const surface_point *at = &p->way.search.point;
+    const world_ray w = surface_ray_primary(f, p->way.head.pixel);
+    double slope = 0.0;
+    for (int a = 0; a < 3; a++)
+        slope += at->gradient[a] * w.direction[a];
+    const double most_k = look_of(f)->media[filled_of(f)].most_k;
+    if (most_k == 0.0)
+        return 0.0;
+    return slope != 0.0 ? fmin(at->error / fabs(slope) * most_k, 1.0) : 1.0;
+}
+
+/* The surface as a stretch of the ray. False: nothing behind it counts. */
+static bool composite(const frame *f, medium_ray *p) {
+    const double opacity = (double)surface_ray_opacity(f, &p->way);
+    medium_stretch s = {.through = 1.0 - opacity};
+    for (int c = 0; c < 3; c++)
+        s.rgb[c] = opacity * (double)p->way.rgb[c];
+    s.rgb_error = depth_error_at(f, p) * look_of(f)->brightest;
+    s.through_error = depth_error_at(f, p) * s.through;
+    medium_join(&p->front, &s, look_of(f)->brightest);
+    p->from = p->way.search.found.t;
+    return surface_ray_pass(f, &p->way) && s.through > 0.0 && !is_dark(f, p);
+}
+
+/* ---- The pixel ---- */
+
+/* Of any channel, before the background. */
+static double error_of(const medium_stretch *s, const float background[4]) {
+    double brightest = 1.0;
+    for (int c = 0; c < 3; c++)
+        brightest = fmax(brightest, fabs((double)background[c]));
+    /* The last term is of sums along the ray: no way has 2^18 pieces. */
+    return s->rgb_error + (s->through_error + 0x1p-33) * brightest;
+}
+
+static void write(const frame *f, medium_ray *p, ray_counters *counters) {
+    const leafcast_image *image = &f->image;
+    const float *background = look_of(f)->surfaces.scene->background;
+    const size_t at = frame_plane(f, p->way.head.pixel);
+    const medium_stretch *s = &p->front;
+    const double rest = s->through * (double)background[3];
+    float rgba[4];
+    for (int c = 0; c < 4; c++) {
+        const double x = c < 3 ? s->rgb[c] + rest * (double)background[c] : 1.0 - s->through + rest;
+        if (image->rgba)
+            image->rgba[4 * at + (size_t)c] = x;
+        rgba[c] = (float)x;
+    }
+    const double error = error_of(s, background);
+    counters->uncertified_pixels += error > look_of(f)->error;
+    if (image->error)
+        image->error[at] = error;
+    surface_ray_write(f, &p->way, rgba, counters);
+}
+
+static void end(const frame *f, medium_ray *p, ray_counters *counters) {
+    end_run(f, p);
+    if (is_dark(f, p))
+        leave_out_rest(f, p);
+    write(f, p, counters);
+}
+
+/* ---- The machine ---- */
+
+/* The surface, if there is one that can be seen. False: the pixel is done. */
+static bool meet(const frame *f, medium_ray *p, ray_counters *counters) {
+    end_run(f, p);
+    p->way.head.volume = 0;
+    return surface_ray_meet(f, &p->way, counters) && !is_dark(f, p);
+}
+
+static bool medium_ask(const frame *f, ray_record *record, ray_question *q,
+                       ray_counters *counters) {
+    medium_ray *p = medium_ray_of(record);
+    for (bool more = true; more;) {
+        if (p->stage == FINDING) {
+            if (surface_ray_find(f, &p->way, q))
+                return true;
+            p->stage = WALKING;
+        }
+        if (p->stage == WALKING && ask_for_pieces(f, p, q))
+            return true;
+        if (p->stage != LIGHTING)
+            more = meet(f, p, counters);
+        p->stage = LIGHTING;
+        if (more && surface_ray_light(f, &p->way, q, counters))
+            return true;
+        more = more && composite(f, p);
+        p->stage = FINDING;
+    }
+    end(f, p, counters);
+    return false;
+}
+
+static void medium_answer(const frame *f, ray_record *record, trace_result result) {
+    medium_ray *p = medium_ray_of(record);
+    if (p->stage != WALKING) {
+        surface_ray_answer(f, &p->way, result);
+        return;
+    }
+    p->way.provisional |= p->walk.provisional;
+    p->begun = false;
+    p->stage = MEETING;
+}
+
+const integrator medium_integrator = {.record_bytes = sizeof(medium_ray),
+                                      .begin = medium_begin,
+                                      .ask = medium_ask,
+                                      .answer = medium_answer,
+                                      .take_scratch = sizeof(medium_batch),
+                                      .take = medium_take,
+                                      .bundle = surface_ray_bundle};

@@ -1,0 +1,84 @@
+/* medium_stretch.h - what a ray sees of a stretch of a medium: emission and absorption, with a
+ * bound on the error (M08 2.2.2 for the integral; the bound is ours).
+ *
+ * A stretch is looked at by itself: its light as if nothing were in front of it, and the share of
+ * light that comes through it. Two that follow each other make one (medium_join()).
+ *
+ * The rule. A stretch with opacity A = 1 - T and length l may have an error of
+ *
+ *     share * A + per_length * l                                              (1)
+ *
+ * If two neighbours F and B keep it, so does the whole: its error is e(F) + T(F) e(B), and
+ * A(F) + T(F) A(B) is its opacity, T(F) l(B) <= l(B). So a piece needs to know nothing of what is
+ * in front of it. With l summing up to at most the ray's length L, a pixel is within share +
+ * per_length L, and what the end (medium_rule.drop) and rounding add.
+ *
+ * A piece of a ray in a cell (segments.h) is cut where its value passes a point of the transfer
+ * function. Between two cuts, with s in [0, 1], value and so w(s) = (f(s) - base) / width are
+ * polynomials, colour c = c0 + w dc and extinction k = k0 + w dk too; the optical depth tau(s) is
+ * the integral of k. By parts,
+ *
+ *     integral of c k e^-tau = c(0) - c(1) e^-tau(1) + dc J,     J = integral of w' e^-tau ds (2)
+ *
+ * Of e^-tau the tangent at half the depth h = tau(1) / 2 is taken, which is too small by 0 to
+ * 1 - (1 + h) e^-h <= R = min(1, h^2 / 2); so half of R is added. (Where h is 1 or more, 1/2 alone
+ * does it.) Then J is the integral of a polynomial, which is exact, and
+ *
+ *     error <= |dc| (integral of |w'|) R / 2                                            (3)
+ *
+ * with the sum of the differences of w's Bernstein coefficients for the integral of |w'|. Where
+ * that is more than (1) allows, the stretch is halved.
+ *
+ * Rounding. The value errs, by what segments.h says and by the slope times the error of t. Where
+ * the transfer function is continuous, that moves w by that error / width, the depth by so much of
+ * dk l, the colour by so much of dc. A cut moves too: around it, where the value is within twice
+ * the error of the point, colour and extinction may be those beyond the point. How long that
+ * stretch is at most says the derivative, or Chebyshev's polynomials where that vanishes: a
+ * polynomial p of degree n with |p| <= e on an interval of length m, and |p| = M somewhere on one
+ * of length l around it, has M <= e/2 (4 l / m)^n.
+ */
+#ifndef RENDER_MEDIUM_STRETCH_H
+#define RENDER_MEDIUM_STRETCH_H
+
+#include "render/segments.h"
+#include "render/transfer.h"
+
+/* What is seen of a stretch. */
+typedef struct medium_stretch {
+    double rgb[3];        /* its light */
+    double through;       /* the share of light that comes through it */
+    double rgb_error;     /* of each component, at most */
+    double through_error; /* likewise */
+} medium_stretch;
+
+static inline medium_stretch medium_nothing(void) {
+    return (medium_stretch){.through = 1.0};
+}
+
+typedef struct medium_rule {
+    const transfer *transfer;
+    double share, per_length; /* see (1) */
+    double drop;              /* so much light may be left out inside a piece, once a halving */
+    segments_error error;     /* of pieces */
+} medium_rule;
+
+/* medium_join() - *front becomes it with `behind` behind it, whose light is most_rgb at most. */
+void medium_join(medium_stretch *front, const medium_stretch *behind, double most_rgb);
+
+/* medium_of_piece() - what is seen of a piece in a volume that is filled with something. t counts
+ * world length. */
+medium_stretch medium_of_piece(const medium_rule *rule, const segment *piece);
+
+/* ---- For vectors ---- */
+
+/* The integral of w' tau, of degrees 2 and 4, by Bernstein coefficients: C(2, i) C(4, j) /
+ * (C(6, i + j) 7), times the 3 of w'. */
+#define MEDIUM_MOMENT                                                     \
+    {                                                                     \
+        {3.0 / 7.0, 2.0 / 7.0, 6.0 / 35.0, 3.0 / 35.0, 1.0 / 35.0},       \
+            {1.0 / 7.0, 8.0 / 35.0, 9.0 / 35.0, 8.0 / 35.0, 1.0 / 7.0}, { \
+            1.0 / 35.0, 3.0 / 35.0, 6.0 / 35.0, 2.0 / 7.0, 3.0 / 7.0      \
+        }                                                                 \
+    }
+
+#endif

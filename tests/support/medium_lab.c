@@ -1,0 +1,409 @@
+#include "tests/support/medium_lab.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/support/fixture.h"
+#include "tests/support/lab_leaf.h"
+#include "tests/support/pictures.h"
+#include "tests/support/ref_judge.h"
+#include "tests/support/tet_judge.h"
+
+typedef long double real;
+
+enum {
+    NODES = 19,
+    CUBES = 4,
+    TREELET_TETS = 60,
+    WIDTH = 8,
+    HEIGHT = 6,
+    PIXELS = WIDTH * HEIGHT,
+    PIECES_MAX = 4096,
+    HITS_MAX = 512,
+    TOLD_MAX = 12
+};
+
+/* ---- Volumes ---- */
+
+/* What the fields are in other types than their own. */
+static const struct {
+    const char *name, *field, *type;
+    float below;
+} retyped[] = {{"noise-i8", "noise-u8", "i8", 128.0F},
+               {"noise-u16", "noise-i16", "u16", -32768.0F}};
+
+enum { RETYPED = sizeof retyped / sizeof *retyped };
+
+/* Tets that overlap have no order, and tets that are there twice count once. */
+static bool is_plain(const char *mesh) {
+    static const char *const others[] = {"flat",    "flat-steps", "slivers",  "collapsed",
+                                         "tangled", "apart-flat", "repeated", "farthest"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (strcmp(mesh, others[i]) == 0)
+            return false;
+    return true;
+}
+
+static int plain_meshes(int wanted, const char **name) {
+    int count = 0;
+    for (int i = 0; i < lab_mesh_count(); i++)
+        if (is_plain(lab_mesh_name(i)) && count++ == wanted)
+            *name = lab_mesh_name(i);
+    return count;
+}
+
+int medium_body_count(void) {
+    return field_count() + RETYPED + plain_meshes(-1, NULL);
+}
+
+static bool is_mesh_index(int index) {
+    return index >= field_count() + RETYPED;
+}
+
+static const char *plain_name(int index) {
+    const char *name = NULL;
+    if (index < field_count())
+        return field_name(index);
+    index -= field_count();
+    if (index < RETYPED)
+        return retyped[index].name;
+    plain_meshes(index - RETYPED, &name);
+    return name;
+}
+
+const char *medium_body_name(int index) {
+    static char name[40];
+    snprintf(name, sizeof name, "%s%s", is_mesh_index(index) ? "tets-" : "", plain_name(index));
+    return name;
+}
+
+static void make_field(medium_body *b, int index, const leafcast_options *options) {
+    const int other = index - field_count();
+    field *f = &b->field;
+    assert_true(field_make(f, other < 0 ? field_name(index) : retyped[other].field, NODES, 3));
+    for (long i = 0; other >= 0 && i < f->dims[0] * f->dims[1] * f->dims[2]; i++)
+        f->samples[i] -= retyped[other].below;
+    if (other >= 0)
+        f->type = retyped[other].type;
+    b->as_grid = field_volume(f);
+    b->volume = fixture_open(fixture_leaf(f, 4, 1, index % 2 > 0), options);
+}
+
+static void make_mesh(medium_body *b, const char *name, const leafcast_options *options) {
+    assert_true(lab_mesh_make(&b->mesh, name, CUBES, 5));
+    b->as_mesh = lab_mesh_reference(&b->mesh);
+    b->volume = fixture_open(lab_leaf_make(&b->mesh, TREELET_TETS, false), options);
+}
+
+void medium_body_make(medium_body *b, int index, const leafcast_options *options) {
+    static const char *const wild[] = {"tiny",          "huge",        "wild",      "tets-wild",
+                                       "tets-denormal", "tets-minute", "tets-huge", "tets-raised"};
+    field_random r = {(uint64_t)index};
+    double length = 0.0;
+    *b = (medium_body){.tame = true};
+    snprintf(b->name, sizeof b->name, "%s", medium_body_name(index));
+    for (size_t i = 0; i < sizeof wild / sizeof *wild; i++)
+        b->tame = b->tame && strcmp(b->name, wild[i]) != 0;
+    if (is_mesh_index(index))
+        make_mesh(b, plain_name(index), options);
+    else
+        make_field(b, index, options);
+    const leafcast_info info = leafcast_describe(b->volume);
+    for (int a = 0; a < 3; a++)
+        length = hypot(length, info.bounds[1][a] - info.bounds[0][a]);
+    const long *n = b->field.dims;
+    b->range = b->mesh.tet_count > 0
+                   ? transfer_range_of(b->mesh.values, b->mesh.point_count, length, &r)
+                   : transfer_range_of(b->field.samples, (size_t)(n[0] * n[1] * n[2]), length, &r);
+}
+
+void medium_body_release(medium_body *b) {
+    leafcast_close(b->volume);
+    if (b->mesh.tet_count > 0)
+        lab_mesh_release(&b->mesh);
+    else
+        field_release(&b->field);
+}
+
+size_t medium_body_pieces(const medium_body *b, const ref_ray *ray, const ref_clip *clip,
+                          ref_piece *out, size_t room) {
+    return b->mesh.tet_count > 0 ? ref_mesh_pieces(&b->as_mesh, ray, clip, out, room)
+                                 : ref_grid_pieces(&b->as_grid, ray, clip, out, room);
+}
+
+/* ---- Pictures ---- */
+
+/* A picture and what it must show. */
+typedef struct shot {
+    const medium_job *job;
+    leafcast_transfer_point points[HOSTILE_POINTS_MAX];
+    leafcast_medium medium;
+    leafcast_surface surface;
+    leafcast_shown shown;
+    leafcast_scene scene;
+    leafcast_camera camera;
+    double planes[LEAFCAST_CLIP_PLANES_MAX][4], box[2][3];
+    ref_clip clip;
+    double asked; /* the bound */
+    int told;
+    double rgba[PIXELS][4], error[PIXELS], value[PIXELS], z[PIXELS];
+    leafcast_stats stats;
+} shot;
+
+static void choose_clip(shot *s, field_random *r) {
+    const leafcast_info info = leafcast_describe(s->job->body->volume);
+    s->clip = (ref_clip){.t1 = INFINITY};
+    if (field_random_below(r, 3) > 0)
+        return;
+    s->scene.clip_box = field_random_below(r, 2);
+    s->scene.clip_plane_count = (int)field_random_below(r, 3);
+    for (int a = 0; a < 3; a++) {
+        const double lo = info.bounds[0][a], size = info.bounds[1][a] - lo;
+        s->box[0][a] = s->scene.clip_min[a] = lo + size * field_random_in(r, -0.1, 0.45);
+        s->box[1][a] = s->scene.clip_max[a] = lo + size * field_random_in(r, 0.55, 1.1);
+    }
+    for (int i = 0; i < s->scene.clip_plane_count; i++) {
+        double *p = s->planes[i];
+        p[3] = 0.0;
+        for (int a = 0; a < 3; a++) {
+            p[a] = field_random_in(r, -1.0, 1.0);
+            p[3] -= p[a] * field_random_in(r, info.bounds[0][a], info.bounds[1][a]);
+        }
+        memcpy(s->scene.clip_planes[i], p, sizeof s->planes[i]);
+    }
+    s->clip.planes = (const double(*)[4])s->planes;
+    s->clip.plane_count = s->scene.clip_plane_count;
+    s->clip.box = s->scene.clip_box ? (const double(*)[3])s->box : NULL;
+}
+
+static void choose_camera(shot *s, field_random *r) {
+    const leafcast_info info = leafcast_describe(s->job->body->volume);
+    s->camera = pictures_view(s->job->body->volume, (int)field_random_below(r, PICTURE_VIEWS), r);
+    s->camera.width = WIDTH;
+    s->camera.height = HEIGHT;
+    if (field_random_below(r, 4) == 0)
+        s->camera.ortho_height = info.bounds[1][2] - info.bounds[0][2];
+}
+
+static void choose_background(shot *s, field_random *r) {
+    for (int c = 0; c < 4; c++)
+        s->scene.background[c] = (float)field_random_unit(r);
+    if (field_random_below(r, 3) == 0)
+        s->scene.background[3] = (float)field_random_below(r, 2);
+}
+
+/* All but what is looked for. */
+static field_random shot_begin(shot *s, const medium_job *job) {
+    field_random r = {job->seed};
+    *s = (shot){.job = job};
+    s->scene = leafcast_scene_default();
+    s->stats.size = sizeof s->stats;
+    s->shown = (leafcast_shown){.volume = job->body->volume};
+    choose_camera(s, &r);
+    choose_clip(s, &r);
+    choose_background(s, &r);
+    return r;
+}
+
+static void shot_draw(shot *s) {
+    const leafcast_image image = {
+        .size = sizeof image, .rgba = s->rgba[0], .error = s->error, .value = s->value, .z = s->z};
+    s->scene.volumes = &s->shown;
+    s->scene.volume_count = 1;
+    s->scene.media = &s->medium;
+    s->scene.media_count = 1;
+    if (leafcast_trace(s->shown.volume, &s->scene, &s->camera, &image, &s->stats, NULL, NULL) !=
+        LEAFCAST_OK)
+        fail_msg("%s", leafcast_error_text());
+}
+
+static ref_ray shot_ray(const shot *s, int pixel) {
+    ref_ray r;
+    leafcast_pixel_ray(&s->camera, pixel % WIDTH + 0.5, pixel / WIDTH + 0.5, r.o, r.d);
+    return r;
+}
+
+/* ---- Grazing ---- */
+
+static real length_of(const medium_body *b, const ref_ray *ray, const ref_clip *clip) {
+    static ref_piece pieces[PIECES_MAX];
+    const size_t count = medium_body_pieces(b, ray, clip, pieces, PIECES_MAX);
+    return ref_project(pieces, count).length;
+}
+
+/* Whether a ray a hair beside sees much more data, or less. */
+static bool grazes_data(const shot *s, const ref_ray *ray) {
+    const medium_body *b = s->job->body;
+    const real d[3] = {ray->d[0], ray->d[1], ray->d[2]}, own = length_of(b, ray, &s->clip);
+    double far = b->range.length;
+    for (int a = 0; a < 3; a++)
+        far = fmax(far, fabs(ray->o[a]));
+    for (int n = 0; n < REF_SIDEWAYS; n++) {
+        ref_ray moved = *ray;
+        real shift[3];
+        ref_sideways(d, n, shift);
+        for (int a = 0; a < 3; a++)
+            moved.o[a] += (double)(1e-9L * far * shift[a]);
+        if (!(fabsl(length_of(b, &moved, &s->clip) - own) <= 1e-4L * b->range.length))
+            return true;
+    }
+    return false;
+}
+
+static bool grazes_surface(const shot *s, const ref_ray *ray) {
+    const medium_body *b = s->job->body;
+    if (s->shown.count == 0)
+        return false;
+    if (b->mesh.tet_count == 0)
+        return ref_grazing(&b->as_grid, ray, &s->surface.isovalue, 1, &s->clip, 64);
+    tet_ref *of = tet_ref_create(&b->as_mesh);
+    const bool grazes = tet_judge_grazing(of, ray, &s->surface.isovalue, 1, &s->clip, 64);
+    tet_ref_destroy(of);
+    return grazes;
+}
+
+/* ---- The judge ---- */
+
+static void tell(shot *s, int pixel, const char *what, real is, real bound) {
+    const medium_job *j = s->job;
+    if (s->told++ > 0 && !j->tell_all)
+        return;
+    fprintf(stderr, "# %s: error %.3Lg, bound %.3Lg, asked %.3g; pixel %d; rerun: %s %s %d %llu\n",
+            what, is, bound, s->asked, pixel, j->rerun, j->body->name, j->kind,
+            (unsigned long long)j->seed);
+}
+
+static size_t surfaces_of(const shot *s, const ref_ray *ray, ref_surface out[HITS_MAX]) {
+    static ref_hit hits[HITS_MAX];
+    const medium_body *b = s->job->body;
+    size_t count = 0;
+    if (s->shown.count == 0)
+        return 0;
+    if (b->mesh.tet_count > 0) {
+        tet_ref *of = tet_ref_create(&b->as_mesh);
+        count = tet_ref_trace(of, ray, &s->surface.isovalue, 1, &s->clip, hits, HITS_MAX);
+        tet_ref_destroy(of);
+    } else {
+        count = ref_trace(&b->as_grid, ray, &s->surface.isovalue, 1, &s->clip, hits, HITS_MAX);
+    }
+    assert_true(count < HITS_MAX);
+    for (size_t i = 0; i < count; i++) {
+        out[i] = (ref_surface){.t = hits[i].t_exact, .opacity = s->surface.opacity};
+        memcpy(out[i].rgb, s->surface.rgb, sizeof out[i].rgb);
+    }
+    return count;
+}
+
+static ref_colour truth_of(const shot *s, const ref_ray *ray, size_t *pieces_seen) {
+    static ref_piece pieces[PIECES_MAX];
+    static ref_surface surfaces[HITS_MAX];
+    const ref_medium of = {pieces,
+                           medium_body_pieces(s->job->body, ray, &s->clip, pieces, PIECES_MAX),
+                           s->points, s->medium.count};
+    const ref_media m = {.of = &of,
+                         .count = 1,
+                         .surfaces = surfaces,
+                         .surface_count = (int)surfaces_of(s, ray, surfaces),
+                         .background = {s->scene.background[0], s->scene.background[1],
+                                        s->scene.background[2], s->scene.background[3]}};
+    *pieces_seen = of.count;
+    return ref_media_colour(&m);
+}
+
+static real error_of(const double rgba[4], const ref_colour *truth) {
+    real most = fabsl(rgba[3] - truth->alpha);
+    for (int c = 0; c < 3; c++) {
+        const real off = fabsl(rgba[c] - truth->rgb[c]);
+        most = off <= most ? most : off; /* NaN is worst of all */
+    }
+    return most;
+}
+
+/* What doubles cannot tell apart, though the reference can. */
+static const real SLACK = 4e-15L;
+
+static void judge(shot *s, int pixel, medium_tally *sum, uint64_t *refused) {
+    const ref_ray ray = shot_ray(s, pixel);
+    size_t seen;
+    const ref_colour truth = truth_of(s, &ray, &seen);
+    const real error = error_of(s->rgba[pixel], &truth), bound = s->error[pixel];
+    sum->rays++;
+    sum->seen += seen > 0;
+    if (bound > s->asked)
+        ++*refused;
+    if (!(bound >= 0)) {
+        sum->loose++;
+        tell(s, pixel, "the bound is no number", error, bound);
+    }
+    if (s->job->tell_all)
+        fprintf(stderr,
+                "# %d: %.17g %.17g %.17g %.17g, not %.17Lg %.17Lg %.17Lg %.17Lg; error %.3Lg, "
+                "bound %.3Lg\n",
+                pixel, s->rgba[pixel][0], s->rgba[pixel][1], s->rgba[pixel][2], s->rgba[pixel][3],
+                truth.rgb[0], truth.rgb[1], truth.rgb[2], truth.alpha, error, bound);
+    if (error <= bound + truth.error + SLACK) {
+        sum->worst = bound > 1e-12L ? fmax(sum->worst, (double)(error / bound)) : sum->worst;
+    } else if (grazes_data(s, &ray) || grazes_surface(s, &ray)) {
+        sum->grazing++;
+    } else {
+        sum->outside++;
+        tell(s, pixel, "outside", error, bound);
+    }
+}
+
+void medium_lab_draw(const medium_job *job, medium_tally *sum) {
+    static const double asked[] = {0.0, 1.0 / 16, 1.0 / 510, 1.0 / 4096, 1e-6, 1e-9};
+    static shot s;
+    uint64_t refused = 0;
+    field_random r = shot_begin(&s, job);
+    s.scene.error = asked[field_random_below(&r, 6)];
+    s.asked = s.scene.error > 0.0 ? s.scene.error : 1.0 / 510;
+    s.medium =
+        (leafcast_medium){s.points, hostile_transfer(job->kind, &job->body->range, &r, s.points)};
+    s.surface = leafcast_surface_default(job->body->mesh.tet_count > 0 ? job->body->mesh.iso
+                                                                       : job->body->field.iso);
+    s.surface.opacity = field_random_below(&r, 2) ? 1.0F : 0.3F;
+    s.scene.shading = LEAFCAST_SHADING_FLAT;
+    s.shown.surfaces = &s.surface;
+    s.shown.count = field_random_below(&r, 4) == 0;
+    shot_draw(&s);
+    for (int i = 0; i < PIXELS; i++)
+        judge(&s, i, sum, &refused);
+    sum->refused += refused;
+    if (refused != s.stats.uncertified_pixels) {
+        sum->loose++;
+        tell(&s, -1, "pixels above the bound that was asked for, and counted ones", refused,
+             s.stats.uncertified_pixels);
+    }
+}
+
+/* ---- Tallies ---- */
+
+void medium_tally_add(medium_tally *to, const medium_tally *from) {
+    to->rays += from->rays;
+    to->seen += from->seen;
+    to->outside += from->outside;
+    to->loose += from->loose;
+    to->refused += from->refused;
+    to->grazing += from->grazing;
+    to->worst = fmax(to->worst, from->worst);
+}
+
+uint64_t medium_tally_faults(const medium_tally *t) {
+    return t->outside + t->loose;
+}
+
+void medium_tally_print(const char *name, const char *kind, const medium_tally *t) {
+    fprintf(stderr,
+            "# %-22s %-10s %6llu rays, %6llu seen; outside %llu, loose %llu; refused %llu, grazing "
+            "%llu; worst %.3g of the bound\n",
+            name, kind, (unsigned long long)t->rays, (unsigned long long)t->seen,
+            (unsigned long long)t->outside, (unsigned long long)t->loose,
+            (unsigned long long)t->refused, (unsigned long long)t->grazing, t->worst);
+}

@@ -1,0 +1,75 @@
+/* medium_lab.h - the laboratory of media and projections: small pictures of hostile volumes through
+ * the public interface, each pixel of which is judged by the reference (ref_media.h).
+ *
+ * A picture is told by the name of its volume (a field of fields.h, a field of another type, a
+ * sound mesh of tet_meshes.h), the kind of its transfer function or projection, and a seed, from
+ * which come the camera, the bound asked for, clips, background and a surface in the medium. These
+ * are faults:
+ *
+ *   outside  a channel is further from the integral than the pixel's own bound
+ *   loose    the bound is above the one asked for, and the picture does not count it as
+ * uncertified; or a bound is no number
+ *
+ * And this is none:
+ *
+ *   refused  a bound above the one asked for, which the picture counts
+ *   grazing  a ray whose way leads through other cells when it is moved by 1e-9 of its distance, or
+ *            whose surfaces do so: not judged. Rays along edges and in faces are such.
+ */
+#ifndef TESTS_SUPPORT_MEDIUM_LAB_H
+#define TESTS_SUPPORT_MEDIUM_LAB_H
+
+#include "tests/support/hostile_transfer.h"
+#include "tests/support/ref_media.h"
+#include "tests/support/tet_meshes.h"
+
+/* A volume: opened, and for the reference. One at a time. */
+typedef struct medium_body {
+    char name[32];
+    leafcast *volume;
+    field field;   /* of a grid */
+    lab_mesh mesh; /* tet_count 0: it is none */
+    ref_volume as_grid;
+    tet_ref_mesh as_mesh;
+    transfer_range range;
+    bool
+        tame; /* no wild values: nothing need be refused, unless the transfer function is hostile */
+} medium_body;
+
+/* medium_body_count(), medium_body_name() - all that there are. medium_body_make() - trouble fails
+ * the running test. options may be NULL. */
+int medium_body_count(void);
+const char *medium_body_name(int index);
+void medium_body_make(medium_body *b, int index, const leafcast_options *options);
+void medium_body_release(medium_body *b);
+
+/* medium_body_pieces() - of a ray, as far as the clip keeps it. */
+size_t medium_body_pieces(const medium_body *b, const ref_ray *ray, const ref_clip *clip,
+                          ref_piece *out, size_t room);
+
+typedef struct medium_tally {
+    uint64_t rays, seen; /* seen: something is on the way */
+    uint64_t outside, loose, refused, grazing;
+    double worst; /* error, in bounds */
+} medium_tally;
+
+/* One picture. */
+typedef struct medium_job {
+    const medium_body *body;
+    int kind; /* of hostile_transfer() */
+    uint64_t seed;
+    const char *rerun; /* how a printed line begins: the program */
+    bool tell_all;     /* print every pixel */
+} medium_job;
+
+/* medium_lab_draw() - judges a picture with a medium; faults are printed, a few. */
+void medium_lab_draw(const medium_job *job, medium_tally *sum);
+
+/* medium_lab_project() - the same of a projection: the values, and where they are. */
+void medium_lab_project(const medium_job *job, medium_tally *sum);
+
+void medium_tally_add(medium_tally *to, const medium_tally *from);
+uint64_t medium_tally_faults(const medium_tally *t);
+void medium_tally_print(const char *name, const char *kind, const medium_tally *t);
+
+#endif
