@@ -1,6 +1,7 @@
 #include "render/surface_light.h"
 
 #include <math.h>
+#include <string.h>
 
 static void eye_ray(const frame *f, uint32_t pixel, double origin[3], double direction[3]) {
     camera_ray(&f->camera, pixel % f->width + 0.5, pixel / f->width + 0.5, origin, direction);
@@ -45,19 +46,23 @@ shade_point lit_shading(const frame *f, const lit_surface *s) {
                           s->point->normal, eye);
 }
 
-/* Along how much of a shadow ray roots are the surface itself, for all that the solver knows. */
-static double own_error(const lit_surface *s, double slope) {
-    return s->point->error / fabs(slope);
-}
+/* How a shadow ray leaves its surface. */
+typedef struct departure {
+    bool faces;
+    bool ill_conditioned;
+    double behind; /* along so much of it roots are the surface itself, for all that is known */
+} departure;
 
-static double slope_towards(const lit_surface *s, const double to[3]) {
-    const double *g = s->point->gradient;
-    return g[0] * to[0] + g[1] * to[1] + g[2] * to[2];
+static departure depart(const surface_point *p, bool entering, const double to[3]) {
+    const double *g = p->gradient;
+    const double slope = g[0] * to[0] + g[1] * to[1] + g[2] * to[2];
+    const double error = p->error / fabs(slope);
+    const bool known = error <= p->span;
+    return (departure){entering ? !(slope > 0.0) : !(slope < 0.0), !known, known ? error : p->span};
 }
 
 bool lit_faces(const lit_surface *s, const double to[3]) {
-    const double slope = slope_towards(s, to);
-    return s->found->entering ? !(slope > 0.0) : !(slope < 0.0);
+    return depart(s->point, s->found->entering, to).faces;
 }
 
 bool lit_needs_ray(const frame *f, const lit_surface *s, const double to[3], float *visibility) {
@@ -72,16 +77,21 @@ bool lit_needs_ray(const frame *f, const lit_surface *s, const double to[3], flo
 }
 
 bool lit_ill_conditioned(const lit_surface *s, const double to[3]) {
-    return !(own_error(s, slope_towards(s, to)) <= s->point->span);
+    return depart(s->point, s->found->entering, to).ill_conditioned;
+}
+
+static void begin_behind(const hit *surface, double t, trace_state *to) {
+    const hit behind = hit_behind(t);
+    trace_begin_at(to, &behind);
+    to->origin = surface->cell;
+    to->origin_iso = surface->iso;
 }
 
 trace_state lit_search(const frame *f, const lit_surface *s, uint16_t v, const double to[3]) {
-    hit start = hit_before_all();
-    if (v == s->volume) {
-        const double error = own_error(s, slope_towards(s, to)), span = s->point->span;
-        start = hit_behind(error <= span ? error : span);
-    }
-    trace_state state = trace_begin(&start);
+    const hit anywhere = hit_before_all();
+    trace_state state = trace_begin(&anywhere);
+    if (v == s->volume)
+        begin_behind(s->found, depart(s->point, s->found->entering, to).behind, &state);
     state.any = surface_opaque(f);
     return state;
 }
@@ -95,34 +105,49 @@ bool lit_dim(const frame *f, uint16_t v, const hit *met, float *visibility) {
 
 /* ---- Many surfaces ---- */
 
-/* Put the shadow ray of surface i with the others, if it needs one: so far, in direction `to`. */
-static void add_ray(const frame *f, lit_batch *b, unsigned i, const double to[3], double distance,
+/* A light as surfaces see it: the last one, of a point; or all of them. */
+typedef struct light_way {
+    double to[3], in_grid[3], distance;
+} light_way;
+
+static light_way way_to(const frame *f, const leafcast_light *light, const double at[3]) {
+    light_way w;
+    w.distance = direction_to(light, at, w.to);
+    tracer_direction(f->tracer, w.to, w.in_grid);
+    return w;
+}
+
+/* Put the shadow ray of surface i with the others, if it needs one. */
+static void add_ray(const frame *f, lit_batch *b, unsigned i, const light_way *w, bool any,
                     ray_batch *rays) {
-    const lit_surface s = {.found = &b->found[i], .point = &b->point[i]};
-    if (!lit_faces(&s, to))
+    const departure d = depart(&b->point[i], b->found[i].entering, w->to);
+    ray *r = &rays->rays[rays->count];
+    trace_state *state = &rays->states[rays->count];
+    if (!d.faces)
         return;
     b->needed[i] = true;
-    b->ill_conditioned[i] = lit_ill_conditioned(&s, to);
+    b->ill_conditioned[i] = d.ill_conditioned;
     b->visibility[i] = 1.0f;
-    if (!tracer_ray(f->tracer, b->at[i], to, 0.0, distance, &rays->rays[rays->count]))
+    memcpy(r->d, w->in_grid, sizeof r->d);
+    if (!tracer_ray_along(f->tracer, b->at[i], w->to, 0.0, w->distance, r))
         return;
-    rays->states[rays->count] = lit_search(f, &s, 0, to);
+    begin_behind(&b->found[i], d.behind, state);
+    state->any = any;
     b->of[rays->count++] = (uint8_t)i;
 }
 
 static void add_rays(const frame *f, lit_batch *b, const leafcast_light *light, ray_batch *rays) {
-    double to[3], distance = 0.0;
+    const bool any = surface_opaque(f);
+    light_way w = way_to(f, light, b->at[0]);
     rays->count = 0;
-    if (!light->point)
-        distance = direction_to(light, b->at[0], to); /* as from any other */
     for (unsigned i = 0; i < b->count; i++) {
         b->undone[i] = b->needed[i] = b->ill_conditioned[i] = false;
         b->visibility[i] = 0.0f;
         if (!b->reaches[i])
             continue;
         if (light->point)
-            distance = direction_to(light, b->at[i], to);
-        add_ray(f, b, i, to, distance, rays);
+            w = way_to(f, light, b->at[i]);
+        add_ray(f, b, i, &w, any, rays);
     }
 }
 

@@ -25,6 +25,8 @@ typedef struct tile_pixels {
     tile_normals normal;
     /* of the one that is being shaded: */
     tile_normals behind; /* not used for the first */
+    /* The unit directions to lights that are not points. */
+    float towards[LEAFCAST_LIGHTS_MAX][3];
     /* Where a scene has shadows: what arrives of lights, and whether they reach a surface. */
     float visibility[LEAFCAST_LIGHTS_MAX][TILE_RAYS];
     tile_row reaches[LEAFCAST_LIGHTS_MAX][TILE];
@@ -61,27 +63,48 @@ typedef struct lit_pixels {
     vf normal[3], eye[3], rgb[3], out[3];
 } lit_pixels;
 
-/* shade_point_of() and shade_ambient(), VF_N pixels at a time. */
-SIMD lit_pixels lit_begin(const tile_state *s, const tile_layer *l, unsigned i, unsigned hits,
-                          tile_normals normal) {
-    const leafcast_scene *scene = surface_look_of(s->f)->scene;
-    lit_pixels p;
-    float rgb[3][VF_N];
-    for (unsigned k = 0; k < VF_N; k++)
-        for (int c = 0; c < 3; c++)
-            rgb[c][k] = tile_look(s, hits >> k & 1u ? surface_of(l, i + k)->iso : 0)->rgb[c];
+/* Surfaces' normals, of unit length and on the eye's side: as of shade_point_of(). */
+SIMD void lit_normals(const tile_state *s, unsigned i, tile_normals normal, lit_pixels *p) {
     for (int a = 0; a < 3; a++) {
-        p.normal[a] = f_load(normal[a] + i);
-        p.eye[a] = f_load(s->rays.towards_eye[a] + i);
-        p.rgb[a] = f_load(rgb[a]);
+        p->normal[a] = f_load(normal[a] + i);
+        p->eye[a] = f_load(s->rays.towards_eye[a] + i);
     }
-    const vf zero = f_set(0.0f), length = f_sqrt(dot_f(p.normal, p.normal));
-    const vf turn = f_select(f_lt(dot_f(p.normal, p.eye), zero), f_set(-0.0f) - length, length);
+    const vf zero = f_set(0.0f), length = f_sqrt(dot_f(p->normal, p->normal));
+    const vf turn = f_select(f_lt(dot_f(p->normal, p->eye), zero), f_set(-0.0f) - length, length);
     for (int a = 0; a < 3; a++)
-        p.normal[a] = f_select(f_gt(length, zero), p.normal[a] / turn, p.eye[a]);
-    const bool flat = scene->shading == LEAFCAST_SHADING_FLAT;
+        p->normal[a] = f_select(f_gt(length, zero), p->normal[a] / turn, p->eye[a]);
+}
+
+/* The colours of surfaces, and their opacities. */
+SIMD vf looks_of(const tile_state *s, const tile_layer *l, unsigned i, unsigned hits, vf rgb[3]) {
+    float of[4][VF_N];
+    if (s->f->tracer->isos.count == 1) {
+        const leafcast_surface *look = tile_look(s, 0);
+        for (int c = 0; c < 3; c++)
+            rgb[c] = f_set(look->rgb[c]);
+        return f_set(look->opacity);
+    }
+    for (unsigned k = 0; k < VF_N; k++) {
+        const leafcast_surface *look = tile_look(s, hits >> k & 1u ? surface_of(l, i + k)->iso : 0);
+        for (int c = 0; c < 3; c++)
+            of[c][k] = look->rgb[c];
+        of[3][k] = look->opacity;
+    }
     for (int c = 0; c < 3; c++)
-        p.out[c] = f_set(flat ? 1.0f : scene->ambient) * p.rgb[c];
+        rgb[c] = f_load(of[c]);
+    return f_load(of[3]);
+}
+
+/* shade_point_of() and shade_ambient(), VF_N pixels at a time. */
+SIMD lit_pixels lit_begin(const tile_state *s, unsigned i, tile_normals normal, const vf rgb[3]) {
+    const leafcast_scene *scene = surface_look_of(s->f)->scene;
+    const bool flat = scene->shading == LEAFCAST_SHADING_FLAT;
+    lit_pixels p;
+    lit_normals(s, i, normal, &p);
+    for (int c = 0; c < 3; c++) {
+        p.rgb[c] = rgb[c];
+        p.out[c] = f_set(flat ? 1.0f : scene->ambient) * rgb[c];
+    }
     return p;
 }
 
@@ -110,20 +133,34 @@ static uint32_t pixel_of(const tile_state *s, unsigned i) {
 }
 
 /* The unit directions from surfaces to a light. */
-SIMD void towards_light(const tile_state *s, const tile_layer *l, unsigned i, unsigned hits,
-                        const leafcast_light *light, vf to[3]) {
+SIMD void towards_light(const tile_state *s, const tile_layer *l, const tile_pixels *p, unsigned i,
+                        unsigned hits, int light, vf to[3]) {
+    const leafcast_light *of = &surface_look_of(s->f)->scene->lights[light];
     float towards[3][VF_N] = {{0.0f}};
     double at[3], direction[3];
-    if (!light->point)
-        light_towards(s->f, 0, 0.0, light, at, direction);
-    for (unsigned k = 0; k < VF_N; k++) {
-        if (light->point && (hits >> k & 1u))
-            light_towards(s->f, pixel_of(s, i + k), surface_of(l, i + k)->t, light, at, direction);
-        for (int a = 0; a < 3 && (!light->point || (hits >> k & 1u)); a++)
+    for (int a = 0; a < 3 && !of->point; a++)
+        to[a] = f_set(p->towards[light][a]);
+    if (!of->point)
+        return;
+    for (unsigned left = hits; left; left &= left - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(left);
+        light_towards(s->f, pixel_of(s, i + k), surface_of(l, i + k)->t, of, at, direction);
+        for (int a = 0; a < 3; a++)
             towards[a][k] = (float)direction[a];
     }
     for (int a = 0; a < 3; a++)
         to[a] = f_load(towards[a]);
+}
+
+/* Lights that are not points are seen in the same direction from everywhere. */
+static void aim_lights(const frame *f, tile_pixels *p) {
+    const leafcast_scene *scene = surface_look_of(f)->scene;
+    for (int k = 0; k < scene->light_count; k++) {
+        double at[3], direction[3];
+        light_towards(f, 0, 0.0, &scene->lights[k], at, direction);
+        for (int a = 0; a < 3; a++)
+            p->towards[k][a] = (float)direction[a];
+    }
 }
 
 /* Colours of a layer's surfaces, behind what there is: shade_composite(). */
@@ -132,20 +169,19 @@ SIMD void shade_surfaces(const tile_state *s, const tile_layer *l, unsigned i, u
     static const float white[3] = {1.0f, 1.0f, 1.0f};
     const leafcast_scene *scene = surface_look_of(s->f)->scene;
     const vf one = f_set(1.0f);
-    float opacity[VF_N];
-    for (unsigned k = 0; k < VF_N; k++)
-        opacity[k] = hits >> k & 1u ? tile_look(s, surface_of(l, i + k)->iso)->opacity : 0.0f;
-    lit_pixels lit = lit_begin(s, l, i, hits, normal);
+    vf rgb[3];
+    const vf opacity = looks_of(s, l, i, hits, rgb);
+    lit_pixels lit = lit_begin(s, i, normal, rgb);
     if (scene->light_count == 0)
         lit_add(scene, lit.eye, white, one, &lit);
     for (int k = 0; k < scene->light_count; k++) {
         vf to[3];
-        towards_light(s, l, i, hits, &scene->lights[k], to);
+        towards_light(s, l, p, i, hits, k, to);
         lit_add(scene, to, scene->lights[k].rgb,
                 scene->shadows ? f_load(p->visibility[k] + i) : one, &lit);
     }
     const mf has = mf_of_bits(hits);
-    const vf alpha = f_load(p->rgba[3] + i), weight = (one - alpha) * f_load(opacity);
+    const vf alpha = f_load(p->rgba[3] + i), weight = (one - alpha) * opacity;
     for (int c = 0; c < 3; c++) {
         const vf known = f_load(p->rgba[c] + i);
         f_store(p->rgba[c] + i, f_select(has, known + weight * lit.out[c], known));
@@ -163,16 +199,18 @@ _Static_assert(SQUARE *SQUARE <= RAY_BATCH && TILE % SQUARE == 0, "tiles are mad
 
 /* The surfaces of a layer that a light reaches: shade_reaches(). */
 static void find_reached(const tile_state *s, const tile_layer *l, int light, tile_normals normal,
-                         tile_row reaches[TILE]) {
-    const leafcast_scene *scene = surface_look_of(s->f)->scene;
+                         tile_pixels *p) {
+    const bool flat = surface_look_of(s->f)->scene->shading == LEAFCAST_SHADING_FLAT;
+    tile_row *reaches = p->reaches[light];
     memset(reaches, 0, TILE * sizeof *reaches);
-    for (unsigned i = 0; i < TILE_RAYS && scene->shading != LEAFCAST_SHADING_FLAT; i += VF_N) {
+    for (unsigned i = 0; i < TILE_RAYS && !flat; i += VF_N) {
         const unsigned hits = hits_from(l, i, VF_N);
+        lit_pixels lit;
+        vf to[3];
         if (!hits)
             continue;
-        const lit_pixels lit = lit_begin(s, l, i, hits, normal);
-        vf to[3];
-        towards_light(s, l, i, hits, &scene->lights[light], to);
+        lit_normals(s, i, normal, &lit);
+        towards_light(s, l, p, i, hits, light, to);
         reaches[i / TILE] |= (mf_bits(f_gt(dot_f(lit.normal, to), f_set(0.0f))) & hits) << i % TILE;
     }
 }
@@ -203,7 +241,7 @@ static void list_surfaces(const tile_state *s, const tile_kind *kind, void *work
     for (unsigned left = which; left; left &= left - 1) {
         const unsigned k = (unsigned)__builtin_ctz(left), n = b->count++;
         p->ray[n] = (uint16_t)(i + k);
-        b->found[n] = s->order->hit_of(s->f, surface_of(l, i + k));
+        b->found[n] = tile_hit(s, surface_of(l, i + k));
         for (int a = 0; a < 3; a++)
             b->at[n][a] = at[a][k];
     }
@@ -256,7 +294,7 @@ static void shadow_layer(const tile_state *s, const tile_kind *kind, void *work,
                          const tile_layer *l, tile_normals normal, tile_pixels *p) {
     const int lights = surface_look_of(s->f)->scene->light_count;
     for (int k = 0; k < lights; k++)
-        find_reached(s, l, k, normal, p->reaches[k]);
+        find_reached(s, l, k, normal, p);
     for (unsigned y = 0; y < TILE; y += SQUARE) {
         for (unsigned x = 0; x < TILE; x += SQUARE) {
             list_square(s, kind, work, l, TILE * y + x, p);
@@ -310,6 +348,7 @@ static void shade_walk(const tile_state *s, const tile_kind *kind, void *work, t
     if (s->before == 0) {
         pixels_begin(s, p);
         keep_first(s, p);
+        aim_lights(s->f, p);
     }
     for (int k = 0; k < s->deepest; k++)
         shade_layer(s, kind, work, k, p);

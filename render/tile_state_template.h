@@ -30,7 +30,7 @@ typedef struct tile_surface {
 
 /* How a kind orders what has the same t. */
 typedef struct tile_order {
-    hit (*hit_of)(const frame *f, const tile_surface *s);
+    uint64_t (*cell_of)(const frame *f, const tile_surface *s);
     bool (*less)(const hit *a, const hit *b);
     bool (*same)(const hit *a, const hit *b); /* one crossing, seen from two cells */
 } tile_order;
@@ -128,11 +128,15 @@ static const tile_surface *surface_of(const tile_layer *l, unsigned i) {
     return &l->s->surfaces[i * (unsigned)l->s->layers + l->number];
 }
 
+static hit tile_hit(const tile_state *s, const tile_surface *x) {
+    return (hit){x->t, s->order->cell_of(s->f, x), x->iso, x->entering};
+}
+
 /* -1, 0, 1: a comes before b, is the same crossing, comes behind it. */
 static int compare(const tile_state *s, const tile_surface *a, const tile_surface *b) {
     if (a->t != b->t)
         return a->t < b->t ? -1 : 1;
-    const hit x = s->order->hit_of(s->f, a), y = s->order->hit_of(s->f, b);
+    const hit x = tile_hit(s, a), y = tile_hit(s, b);
     if (s->order->same(&x, &y))
         return 0;
     return s->order->less(&x, &y) ? -1 : 1;
@@ -155,23 +159,15 @@ static bool is_full(tile_state *s, unsigned i) {
 
 /* The same crossing, seen from another cell: the lesser cell's counts. */
 static void take_double(const tile_state *s, tile_surface *known, const tile_surface *found) {
-    const hit x = s->order->hit_of(s->f, found), y = s->order->hit_of(s->f, known);
+    const hit x = tile_hit(s, found), y = tile_hit(s, known);
     if (s->order->less(&x, &y))
         *known = *found;
 }
 
-/* Put a surface into its place among those of ray i. False: it does not count, or is there already.
- * A ray that is full has a reach. */
-static bool tile_state_take(tile_state *s, unsigned i, const tile_surface *found) {
+/* tile_state_take() where a ray keeps several surfaces, or has one. */
+static bool take_among_others(tile_state *s, unsigned i, const tile_surface *found) {
     tile_surface *x = surfaces_of(s, i);
     unsigned k = s->count[i];
-    if (s->layers == 1 && s->before == 0 && k == 0) { /* as in most frames */
-        x[0] = *found;
-        s->count[i] = 1;
-        s->deepest = 1;
-        s->reach[i] = found->t;
-        return true;
-    }
     if (s->before > 0 && compare(s, found, &s->after[i]) <= 0)
         return false;
     for (; k > 0; k--) {
@@ -194,6 +190,20 @@ static bool tile_state_take(tile_state *s, unsigned i, const tile_surface *found
     if (s->count[i] > s->deepest)
         s->deepest = s->count[i];
     return k < s->count[i];
+}
+
+/* Put a surface into its place among those of ray i. False: it does not count, or is there already.
+ * A ray that is full has a reach. Most are the first and only one: by its members, as a copy of
+ * what has just been stored piece by piece waits for that. */
+SIMD bool tile_state_take(tile_state *s, unsigned i, tile_surface found) {
+    if (s->layers > 1 || s->before > 0 || s->count[i] > 0)
+        return take_among_others(
+            s, i, &(tile_surface){found.t, found.at, found.local, found.iso, found.entering});
+    *surfaces_of(s, i) = (tile_surface){found.t, found.at, found.local, found.iso, found.entering};
+    s->count[i] = 1;
+    s->deepest = 1;
+    s->reach[i] = found.t;
+    return true;
 }
 
 /* Which of `count` rays from i on have a surface in a layer. */

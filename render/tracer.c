@@ -30,15 +30,19 @@ bool tracer_box(const tracer *tr, const ray *r, double *t0, double *t1) {
     return *t0 <= *t1;
 }
 
-bool tracer_ray(const tracer *tr, const double origin[3], const double direction[3], double t0,
-                double t1, ray *out) {
+void tracer_direction(const tracer *tr, const double direction[3], double in_grid[3]) {
+    affine_vector_to_grid(&tr->space, direction, in_grid);
+    for (int a = 0; a < 3; a++)
+        in_grid[a] += 0.0; /* -0 becomes +0 */
+}
+
+bool tracer_ray_along(const tracer *tr, const double origin[3], const double direction[3],
+                      double t0, double t1, ray *out) {
     for (int i = 0; i < tr->clip_count; i++)
         if (!cut(tr->clip[i], origin, direction, &t0, &t1))
             return false;
     affine_point_to_grid(&tr->space, origin, out->o);
-    affine_vector_to_grid(&tr->space, direction, out->d);
     for (int a = 0; a < 3; a++) {
-        out->d[a] += 0.0; /* -0 becomes +0 */
         const double end = tr->box[1][a];
         out->held[a] = out->o[a] < end ? out->o[a] : nextafter(end, tr->box[0][a]);
     }
@@ -48,6 +52,12 @@ bool tracer_ray(const tracer *tr, const double origin[3], const double direction
     out->t0 = t0;
     out->t1 = t1;
     return true;
+}
+
+bool tracer_ray(const tracer *tr, const double origin[3], const double direction[3], double t0,
+                double t1, ray *out) {
+    tracer_direction(tr, direction, out->d);
+    return tracer_ray_along(tr, origin, direction, t0, t1, out);
 }
 
 trace_result tracer_next(const tracer *tr, const ray *r, trace_state *state,

@@ -40,8 +40,10 @@ typedef enum trace_result { TRACE_HIT, TRACE_MISS, TRACE_BLOCKED } trace_result;
 
 /* A ray's search for its next hit. */
 typedef struct trace_state {
-    hit after;           /* only hits strictly behind this one count */
-    hit best;            /* the nearest found so far; none: hit_none() */
+    hit after;          /* only hits strictly behind this one count */
+    uint64_t origin;    /* the ray begins on this cell's surface of isovalue origin_iso, which is */
+    int32_t origin_iso; /* not looked at again where it is flat; below 0: it begins on none */
+    hit best;           /* the nearest found so far; none: hit_none() */
     surface_point point; /* of best */
     double t_from;       /* where to resume; */
     uint32_t blocked;    /* at this treelet; LEAF_NO_TREELET: from the start */
@@ -54,10 +56,18 @@ typedef struct trace_state {
 bool tracer_ray(const tracer *tr, const double origin[3], const double direction[3], double t0,
                 double t1, ray *out);
 
+/* tracer_direction(), tracer_ray_along() - the same in two steps, for many rays of one direction:
+ * what it is in grid space, and then each ray; out->d has it already. */
+void tracer_direction(const tracer *tr, const double direction[3], double in_grid[3]);
+bool tracer_ray_along(const tracer *tr, const double origin[3], const double direction[3],
+                      double t0, double t1, ray *out);
+
 /* trace_begin() - look for the first hit strictly behind `after`. trace_begin_at() - the same,
  * where the state stays: no copy, which would cost a short ray some per cent. */
 static inline void trace_begin_at(trace_state *s, const hit *after) {
     s->after = *after;
+    s->origin = UINT64_MAX;
+    s->origin_iso = -1;
     s->best = hit_none();
     s->t_from = -INFINITY;
     s->blocked = LEAF_NO_TREELET;

@@ -135,7 +135,8 @@ static ray neighbour_of(stage *s, const ray *r) {
     return n;
 }
 
-/* From a surface that it meets towards somewhere, as shadows and mirrors begin. */
+/* From a surface that it meets towards somewhere, as shadows and mirrors begin: behind the
+ * surface's own error; or where it is, but not looking at the isopolygon there again; or both. */
 static bool secondary_ray(stage *s, ray *r, trace_state *state) {
     const hit before = hit_before_all();
     ray_counters counters = {0};
@@ -150,8 +151,13 @@ static bool secondary_ray(stage *s, ray *r, trace_state *state) {
         slope += state->point.gradient[a] * d[a];
     }
     const double error = state->point.error / fabs(slope), span = state->point.span;
-    const hit behind = hit_behind(error <= span ? error : span);
-    *state = trace_begin(&behind);
+    const hit behind = hit_behind(error <= span ? error : span), surface = state->best;
+    const long how = field_random_below(&s->random, 3);
+    *state = trace_begin(how == 1 ? &before : &behind);
+    if (how > 0) {
+        state->origin = surface.cell;
+        state->origin_iso = surface.iso;
+    }
     return isfinite(o[0] + o[1] + o[2]) && tracer_ray(&s->tr, o, d, 0.0, INFINITY, r);
 }
 
@@ -406,6 +412,32 @@ static void test_passages(void **state) {
     stage_close(&s);
 }
 
+/* Rays do not meet the isopolygon that they are said to begin on, which they would meet else. */
+static void test_origins(void **state) {
+    (void)state;
+    ray_counters counters = {0};
+    int begun = 0, met = 0;
+    stage s;
+    stage_open(&s, "noise", 300, 2, false);
+    load(&s, true);
+    for (int i = 0; i < 4000; i++) {
+        const hit before = hit_before_all();
+        trace_state all = trace_begin(&before), some;
+        ray r;
+        if (!secondary_ray(&s, &r, &some) || some.origin_iso < 0 || some.after.t > -INFINITY)
+            continue;
+        all.best = some.best = hit_from(1e-12);
+        begun++;
+        if (tracer_next(&s.tr, &r, &all, &counters) == TRACE_HIT)
+            met += all.best.cell == some.origin && all.best.iso == some.origin_iso;
+        if (tracer_next(&s.tr, &r, &some, &counters) == TRACE_HIT)
+            assert_false(some.best.cell == some.origin && some.best.iso == some.origin_iso);
+    }
+    print_message("%d of %d rays would meet it\n", met, begun);
+    assert_true(begun > 100 && met > begun / 10);
+    stage_close(&s);
+}
+
 /* A batch of neighbours visits fewer nodes than its rays do one by one. */
 static void test_together(void **state) {
     (void)state;
@@ -442,7 +474,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_mesh), cmocka_unit_test(test_absent_treelets),
         cmocka_unit_test(test_preview),    cmocka_unit_test(test_passages),
-        cmocka_unit_test(test_together),
+        cmocka_unit_test(test_origins),    cmocka_unit_test(test_together),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

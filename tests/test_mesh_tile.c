@@ -93,6 +93,46 @@ static void test_treelets(void **state) {
     lab_mesh_release(&lab);
 }
 
+/* A picture by one thread and this kernel, with so many treelets at a time. */
+static leafcast_stats draw_with(const char *path, double iso, tile_fn kernel, uint32_t limit,
+                                int view) {
+    static picture p;
+    const leafcast_options o = {.size = sizeof(leafcast_options),
+                                .threads = 1,
+                                .experiments = EXPERIMENTS(.treelet_limit = limit)};
+    const leafcast_surface surface = leafcast_surface_default(iso);
+    const leafcast_scene scene = leafcast_scene_default();
+    leafcast_stats stats = {.size = sizeof stats};
+    field_random r = {(uint64_t)view};
+    leafcast *v = NULL;
+    assert_int_equal(leafcast_open(path, &o, &v), LEAFCAST_OK);
+    assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
+    kernels_in_use(v)->mesh_tile = kernel;
+    const leafcast_camera c = pictures_view(v, 0, &r);
+    pictures_draw(v, &scene, &c, &p, &stats);
+    leafcast_close(v);
+    return stats;
+}
+
+/* What lies behind a surface is not brought in: polygons that wait until they fill a vector are met
+ * before another treelet is looked for. So treelets that are just enough for narrow vectors, and
+ * few more, are for wide ones, in one pass. */
+static void test_hidden_treelets(void **state) {
+    (void)state;
+    enum { VIEWS = 12, MORE = 2 };
+    lab_mesh lab;
+    int passes = 0;
+    assert_true(lab_mesh_make(&lab, "sphere", 24, 7));
+    const char *path = lab_leaf_make(&lab, 100, false);
+    for (int view = 0; view < VIEWS; view++) {
+        const leafcast_stats narrow = draw_with(path, lab.iso, mesh_tile_for(CPU_SSE42), 0, view);
+        const uint32_t enough = (uint32_t)narrow.treelets_loaded + MORE;
+        passes += (int)draw_with(path, lab.iso, mesh_tile_wide, enough, view).passes;
+    }
+    lab_mesh_release(&lab);
+    assert_int_equal(passes, VIEWS);
+}
+
 /* ---- The truth ---- */
 
 /* Some of the pixels; what they found goes into the tally. */
@@ -147,9 +187,9 @@ static void test_against_reference(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_mesh),        cmocka_unit_test(test_every_scene),
-        cmocka_unit_test(test_many_layers),       cmocka_unit_test(test_treelets),
-        cmocka_unit_test(test_against_reference),
+        cmocka_unit_test(test_every_mesh),      cmocka_unit_test(test_every_scene),
+        cmocka_unit_test(test_many_layers),     cmocka_unit_test(test_treelets),
+        cmocka_unit_test(test_hidden_treelets), cmocka_unit_test(test_against_reference),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

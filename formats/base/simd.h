@@ -11,7 +11,7 @@
  * f_load_rows() takes VF_N / 4 rows of four floats, `stride` apart; f_load_triples() the three
  * floats from + 3 at[k] of lane k, and nothing behind them; d_load_rows() VD_N / D_ROW rows of
  * D_ROW doubles; d_load_at() from[at[k]] of lane k; f_of_bytes() VF_N bytes, but eight at most and
- * zeros.
+ * zeros. f_swap() exchanges lanes k and k ^ by: by is 1, 2, 4 or 8, less than VF_N.
  *
  * Arithmetic is written with + - * /, which the compilers know for vectors. min(a, b) is a < b ? a
  * : b and max(a, b) is a > b ? a : b, also for NaN. Comparisons with NaN are false. Loads and
@@ -149,6 +149,12 @@ SIMD vd d_load_at(const double *from, const uint16_t at[]) {
     return _mm512_set_pd(from[at[7]], from[at[6]], from[at[5]], from[at[4]], from[at[3]],
                          from[at[2]], from[at[1]], from[at[0]]);
 }
+SIMD vf f_swap(vf a, unsigned by) {
+    return by == 1   ? _mm512_permute_ps(a, 0xb1)
+           : by == 2 ? _mm512_permute_ps(a, 0x4e)
+           : by == 4 ? _mm512_shuffle_f32x4(a, a, 0xb1)
+                     : _mm512_shuffle_f32x4(a, a, 0x4e);
+}
 SIMD vd d_of_floats(const float *from) {
     return _mm512_cvtps_pd(_mm256_loadu_ps(from));
 }
@@ -254,6 +260,11 @@ SIMD vd d_load_rows(const double *from, int stride) {
 SIMD vd d_load_at(const double *from, const uint16_t at[]) {
     return _mm256_set_pd(from[at[3]], from[at[2]], from[at[1]], from[at[0]]);
 }
+SIMD vf f_swap(vf a, unsigned by) {
+    return by == 1   ? _mm256_permute_ps(a, 0xb1)
+           : by == 2 ? _mm256_permute_ps(a, 0x4e)
+                     : _mm256_permute2f128_ps(a, a, 1);
+}
 SIMD vd d_of_floats(const float *from) {
     return _mm256_cvtps_pd(_mm_loadu_ps(from));
 }
@@ -356,6 +367,9 @@ SIMD vd d_load_rows(const double *from, int stride) {
 }
 SIMD vd d_load_at(const double *from, const uint16_t at[]) {
     return _mm_set_pd(from[at[1]], from[at[0]]);
+}
+SIMD vf f_swap(vf a, unsigned by) {
+    return by == 1 ? _mm_shuffle_ps(a, a, 0xb1) : _mm_shuffle_ps(a, a, 0x4e);
 }
 SIMD vd d_of_floats(const float *from) {
     return _mm_cvtps_pd(_mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)from)));

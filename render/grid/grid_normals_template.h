@@ -136,7 +136,7 @@ static void normal_of_its_own(const tile_walk *w, const tile_layer *l, unsigned 
                               tile_normals normal) {
     const tracer *tr = w->s.f->tracer;
     const tile_surface *x = surface_of(l, i);
-    const hit h = grid_hit_of(w->s.f, x);
+    const hit h = tile_hit(&w->s, x);
     const ray r = ray_of(&w->s, i);
     const surface_point point = surface_at(scene_of(w), &tr->space, resident_grid_of(x->at), &r, &h,
                                            scene_of(w)->analytic_normals);

@@ -49,12 +49,12 @@ static void cell_of_local(const resident_grid *at, uint32_t local, uint32_t cell
         cell[a] = at->first_cell[a] + (local >> 10 * a & 1023u);
 }
 
-static hit grid_hit_of(const frame *f, const tile_surface *s) {
+static uint64_t grid_cell_of(const frame *f, const tile_surface *s) {
     const walk_scene *scene = f->tracer->own;
     const resident_grid *at = resident_grid_of(s->at);
     uint32_t cell[3];
     cell_of_local(at, s->local, cell);
-    return (hit){s->t, walk_cell_index(&scene->levels[at->level], cell), s->iso, s->entering};
+    return walk_cell_index(&scene->levels[at->level], cell);
 }
 
 /* An extremum that touches the surface counts as one hit. */
@@ -62,7 +62,7 @@ static bool grid_same(const hit *a, const hit *b) {
     return a->cell == b->cell && a->iso == b->iso;
 }
 
-static const tile_order grid_order = {grid_hit_of, hit_less, grid_same};
+static const tile_order grid_order = {grid_cell_of, hit_less, grid_same};
 
 /* A hit of ray-cell k. A ray that is full is done: all cells to come lie behind. But one that has
  * its last surface where it leaves a cell: the next cell may claim the same t. */
@@ -70,7 +70,7 @@ static void take_hit(tile_walk *w, unsigned k, double t, int32_t iso, bool enter
     const unsigned i = w->ray_of[k];
     const resident_grid *at = w->treelet_of[k];
     const tile_surface found = {t, &at->head, local_of(at, w->cell_of[k]), iso, entering};
-    if (!tile_state_take(&w->s, i, &found) || !(w->s.reach[i] < (double)INFINITY))
+    if (!tile_state_take(&w->s, i, found) || !(w->s.reach[i] < (double)INFINITY))
         return;
     if (!at_exit && w->s.reach[i] <= t)
         w->s.open[i / TILE] &= ~((tile_row)1 << i % TILE);

@@ -244,41 +244,36 @@ static void walk_beams(mesh_batch *w) {
 
 /* ---- Groups ---- */
 
-/* Beams of `share` rays each, from ray `first` on, as many as there is room for. */
-static void make_beams(mesh_batch *w, unsigned first, unsigned share) {
-    w->first = first;
-    w->share = share;
-    w->alive = 0;
-    memset(w->looks, 0, sizeof w->looks);
-    for (unsigned i = 0; i < w->count; i++)
-        w->looks[i / 64] |= (uint64_t)(w->in_frame.far[i] >= 0.0f) << i % 64;
-    for (unsigned beam = 0; beam < MESH_BEAMS; beam++) {
-        const unsigned from = first + beam * share;
-        const unsigned end = from + share < w->count ? from + share : w->count;
-        if (from >= w->count)
-            empty_beam(&w->beams, beam);
-        else if (make_beam(&w->beams, beam, &w->in_frame, (int)from, (int)end, w->axis))
-            w->alive |= 1u << beam;
-    }
-}
+/* Rays of beams pay as long as these are narrow beside tets of average size: by counts of what is
+ * visited, on one and eight bucky balls. */
+static const double NARROW = 1.4;
 
-/* How far apart the rays of beams are on their way, on average. */
-static float width_of_beams(const mesh_batch *w) {
-    float sum = 0.0f;
-    unsigned count = 0;
-    for (uint32_t left = w->alive; left; left &= left - 1) {
-        const unsigned beam = (unsigned)__builtin_ctz(left);
-        float widest = 0.0f;
-        for (int a = 0; a < 3; a++) {
-            const float origins = w->beams.ahead[a][beam] - w->beams.behind[a][beam];
-            const float turns = 1.0f / w->beams.least[a][beam] - 1.0f / w->beams.most[a][beam];
-            const float wide = origins + turns;
-            widest = wide > widest ? wide : widest;
+/* Beams of rays from `from` on, as many as there is room for. Returns the first ray that is left.
+ */
+static unsigned make_beams(mesh_batch *w, unsigned from) {
+    const double tets = (double)w->tr->treelets->file->header.tets;
+    const float cell = (float)(NARROW * 2.0 / cbrt(tets));
+    const float slack = generosity(&w->in_frame, w->count);
+    unsigned beams = 0, at = from;
+    for (; at < w->count; at += VF_N) {
+        const block_lanes b = best_blocks(&w->in_frame, at, w->axis, cell);
+        uint8_t share[VF_N];
+        const unsigned heads = heads_of_blocks(&b, share);
+        if (beams + (unsigned)__builtin_popcount(heads) > MESH_BEAMS)
+            break;
+        f_store(w->in_frame.back + at, b.back);
+        put_blocks(&w->beams, beams, &b, heads, slack);
+        for (unsigned left = heads; left; left &= left - 1, beams++) {
+            const unsigned k = (unsigned)__builtin_ctz(left);
+            w->first[beams] = (uint8_t)(at + k);
+            w->share[beams] = share[k];
+            memset(w->beam_of + at + k, (int)beams, share[k]);
         }
-        sum += widest;
-        count++;
     }
-    return count ? sum / (float)count : 0.0f;
+    w->alive = (uint32_t)((UINT64_C(1) << beams) - 1);
+    for (unsigned beam = beams; beam < MESH_BEAMS; beam++)
+        empty_beam(&w->beams, beam);
+    return at;
 }
 
 static void put_ray(mesh_batch *w, unsigned k) {
@@ -289,14 +284,17 @@ static void put_ray(mesh_batch *w, unsigned k) {
     w->rays.to[i] = s->best.t < w->rays.to[i] ? s->best.t : w->rays.to[i];
     w->of[i] = (uint8_t)k;
     w->any[i] = s->any;
+    w->origin[i] = s->origin;
+    w->origin_iso[i] = s->origin_iso;
     w->wait[i] = INFINITY;
     w->at[i] = NULL;
 }
 
-/* The sum of the directions of a group's rays, and the axis that they go along most. */
+/* The sum of the directions of some of a group's rays, and the axis that they go along most. */
 static void sum_directions(mesh_batch *w, const uint8_t rays[], unsigned count) {
+    const unsigned step = 1 + count / 16;
     double sum[3] = {0.0, 0.0, 0.0};
-    for (unsigned i = 0; i < count; i++) {
+    for (unsigned i = 0; i < count; i += step) {
         const double *d = w->b->rays[rays[i]].d;
         const double size = 1.0 / (fabs(d[0]) + fabs(d[1]) + fabs(d[2]));
         for (int a = 0; a < 3; a++)
@@ -308,50 +306,73 @@ static void sum_directions(mesh_batch *w, const uint8_t rays[], unsigned count) 
         w->along[a] = (float)sum[a];
 }
 
+/* A number a ray, of whole vectors. */
+typedef struct ray_numbers {
+    _Alignas(64) float of[RAY_BATCH];
+} ray_numbers;
+
 /* Where rays pass by each other: seen along the sum of the directions, in two of the axes; turned a
  * little by their own directions, which tells rays of one origin apart. */
 static void project_rays(const mesh_batch *w, const uint8_t rays[], unsigned count,
-                         float at[2][RAY_BATCH]) {
+                         ray_numbers at[2]) {
     const beam_frame *f = &w->frame;
-    const int z = w->axis;
-    for (int k = 0; k < 2; k++) {
-        const int a = (z + 1 + k) % 3;
-        const double slope = (double)(w->along[a] / w->along[z]) * f->sign[a] * f->sign[z];
-        for (unsigned i = 0; i < count; i++) {
-            const ray *r = &w->b->rays[rays[i]];
-            const double size = 1.0 / (fabs(r->d[0]) + fabs(r->d[1]) + fabs(r->d[2]));
-            at[k][i] = (float)((r->o[a] - slope * r->o[z]) * f->scale + r->d[a] * size);
-        }
+    const int z = w->axis, x = (z + 1) % 3, y = (z + 2) % 3;
+    const double slope[2] = {(double)(w->along[x] / w->along[z]) * f->sign[x] * f->sign[z],
+                             (double)(w->along[y] / w->along[z]) * f->sign[y] * f->sign[z]};
+    for (unsigned i = 0; i < count; i++) {
+        const ray *r = &w->b->rays[rays[i]];
+        const double size = 1.0 / (fabs(r->d[0]) + fabs(r->d[1]) + fabs(r->d[2]));
+        at[0].of[i] = (float)((r->o[x] - slope[0] * r->o[z]) * f->scale + r->d[x] * size);
+        at[1].of[i] = (float)((r->o[y] - slope[1] * r->o[z]) * f->scale + r->d[y] * size);
+    }
+    for (unsigned i = count; i % VF_N; i++)
+        for (int k = 0; k < 2; k++)
+            at[k].of[i] = at[k].of[0];
+}
+
+/* Their range as numbers from 0 to 15. */
+static void in_sixteenths(ray_numbers *x, unsigned count) {
+    vf lo = f_load(x->of), hi = lo;
+    for (unsigned i = VF_N; i < count; i += VF_N) {
+        lo = f_min(lo, f_load(x->of + i));
+        hi = f_max(hi, f_load(x->of + i));
+    }
+    for (unsigned by = 1; by < VF_N; by *= 2) {
+        lo = f_min(lo, f_swap(lo, by));
+        hi = f_max(hi, f_swap(hi, by));
+    }
+    const vf per = f_select(f_gt(hi, lo), f_set(15.99f) / (hi - lo), f_set(0.0f));
+    for (unsigned i = 0; i < count; i += VF_N)
+        f_store(x->of + i, (f_load(x->of + i) - lo) * per);
+}
+
+/* Every other bit of numbers below 16. */
+SIMD vi spread_bits(vi n) {
+    n = (n | n << 2) & 0x33;
+    return (n | n << 1) & 0x55;
+}
+
+/* Places on a curve through the points (Morton's). */
+static void curve_keys(ray_numbers at[2], unsigned count, int32_t key[RAY_BATCH]) {
+    in_sixteenths(&at[0], count);
+    in_sixteenths(&at[1], count);
+    for (unsigned i = 0; i < count; i += VF_N) {
+        const vi x = f_to_int(f_load(at[0].of + i)), y = f_to_int(f_load(at[1].of + i));
+        const vi k = (spread_bits(x) | spread_bits(y) << 1) & 255;
+        memcpy(key + i, &k, sizeof k);
     }
 }
 
-/* 0 .. 15 of a range, every other bit of it. */
-SIMD unsigned spread_bits(float x, float lo, float per) {
-    const unsigned n = (unsigned)((x - lo) * per) & 15u;
-    return (n & 1u) | (n & 2u) << 1 | (n & 4u) << 2 | (n & 8u) << 3;
-}
-
-/* Sort a group's rays along a curve through their points (Morton's), so that beams are made of
- * neighbours. */
+/* Sort a group's rays along that curve, so that beams are made of neighbours. */
 static void sort_rays(const mesh_batch *w, uint8_t rays[], unsigned count) {
-    float at[2][RAY_BATCH], lo[2], per[2];
-    uint8_t key[RAY_BATCH], from[RAY_BATCH];
+    ray_numbers at[2];
+    int32_t key[RAY_BATCH];
+    uint8_t from[RAY_BATCH];
     uint16_t begins[257] = {0};
     project_rays(w, rays, count, at);
-    for (int k = 0; k < 2; k++) {
-        float hi = at[k][0];
-        lo[k] = hi;
-        for (unsigned i = 1; i < count; i++) {
-            lo[k] = at[k][i] < lo[k] ? at[k][i] : lo[k];
-            hi = at[k][i] > hi ? at[k][i] : hi;
-        }
-        per[k] = hi > lo[k] ? 15.99f / (hi - lo[k]) : 0.0f;
-    }
-    for (unsigned i = 0; i < count; i++) {
-        key[i] = (uint8_t)(spread_bits(at[0][i], lo[0], per[0]) |
-                           spread_bits(at[1][i], lo[1], per[1]) << 1);
+    curve_keys(at, count, key);
+    for (unsigned i = 0; i < count; i++)
         begins[key[i] + 1]++;
-    }
     for (unsigned k = 1; k < 257; k++)
         begins[k] = (uint16_t)(begins[k] + begins[k - 1]);
     memcpy(from, rays, count);
@@ -399,25 +420,12 @@ static void answer(mesh_batch *w, unsigned i) {
     w->b->results[k] = hit_exists(&s->best) ? TRACE_HIT : TRACE_MISS;
 }
 
-static const double NARROW = 0.7; /* by counts of what is visited, on one and eight bucky balls */
-
-/* Beams of many rays pay as long as they are not much wider than a tet: they meet what lies beside
- * each of their rays, too. */
-static bool is_narrow(const mesh_batch *w, double edge) {
-    return (double)width_of_beams(w) <= NARROW * edge * (sqrt((double)w->share) - 1.0);
-}
-
 static void walk_group(mesh_batch *w) {
-    const double edge = 2.0 / cbrt((double)w->tr->treelets->file->header.tets);
-    unsigned share = 1;
-    while (share * MESH_BEAMS < w->count)
-        share *= 2;
-    make_beams(w, 0, share);
-    for (; share > 1 && !is_narrow(w, edge); make_beams(w, 0, share))
-        share /= 2;
-    walk_beams(w);
-    for (unsigned first = MESH_BEAMS * share; first < w->count; first += MESH_BEAMS * share) {
-        make_beams(w, first, share);
+    memset(w->looks, 0, sizeof w->looks);
+    for (unsigned i = 0; i < w->count; i++)
+        w->looks[i / 64] |= (uint64_t)(w->in_frame.far[i] >= 0.0f) << i % 64;
+    for (unsigned first = 0; first < w->count;) {
+        first = make_beams(w, first);
         walk_beams(w);
     }
 }

@@ -44,13 +44,16 @@ typedef struct mesh_batch {
     frame_rays in_frame;
     uint8_t of[TET_RAYS];              /* the batch's number of a ray; */
     bool any[TET_RAYS];                /* whether any hit will do; */
+    uint64_t origin[TET_RAYS];         /* the tet on whose isopolygon it begins; */
+    int32_t origin_iso[TET_RAYS];      /* below 0: on none; */
     double wait[TET_RAYS];             /* where it enters the first treelet that is absent; */
     const resident_mesh *at[TET_RAYS]; /* where its best hit is */
-    /* Those of them that make beams: `share` each, from `first` on. */
-    unsigned first, share;
-    uint32_t alive;            /* beams with rays that look */
-    uint64_t looks[RAY_WORDS]; /* rays that do */
+    uint64_t looks[RAY_WORDS];         /* rays that do */
+    /* Those that make beams: */
     mesh_beams beams;
+    uint8_t first[MESH_BEAMS], share[MESH_BEAMS]; /* their rays: a part of a word of `looks` */
+    uint8_t beam_of[TET_RAYS];
+    uint32_t alive; /* beams with rays that look */
     batch_tets tets;
 } mesh_batch;
 _Static_assert(sizeof(mesh_batch) <= MESH_BATCH_SCRATCH, "a batch has room in its scratch");
@@ -59,10 +62,8 @@ _Static_assert(sizeof(mesh_batch) <= MESH_BATCH_SCRATCH, "a batch has room in it
 
 /* Ray i looks no farther than rays.to; below its start: not at all. */
 static void beam_sees(mesh_batch *w, unsigned i) {
-    const unsigned beam = (i - w->first) / w->share;
-    const unsigned from = w->first + beam * w->share;
-    const unsigned end = from + w->share < w->count ? from + w->share : w->count;
-    w->beams.far[beam] = farthest(&w->in_frame, (int)from, (int)end);
+    const unsigned beam = w->beam_of[i], first = w->first[beam];
+    w->beams.far[beam] = farthest(&w->in_frame, first, first + w->share[beam]);
     if (w->in_frame.far[i] < 0.0f)
         w->looks[i / 64] &= ~(UINT64_C(1) << i % 64);
     if (w->beams.far[beam] < 0.0f)
@@ -154,16 +155,13 @@ SIMD unsigned rays_near(const frame_rays *r, const polygon_lines *l, unsigned at
     return ~mf_bits(mf_and(above, below));
 }
 
-/* The rays of beams that still look; false: none. A beam's lie in one word: shares are powers of
- * two.
- */
+/* The rays of beams that still look; false: none. */
 SIMD bool rays_of_beams(const mesh_batch *w, uint32_t beams, uint64_t rays[RAY_WORDS]) {
-    const uint64_t one = (UINT64_C(1) << w->share) - 1;
     uint64_t any = 0;
     memset(rays, 0, RAY_WORDS * sizeof *rays);
     for (uint32_t left = beams & w->alive; left; left &= left - 1) {
-        const unsigned i = w->first + (unsigned)__builtin_ctz(left) * w->share;
-        rays[i / 64] |= one << i % 64;
+        const unsigned beam = (unsigned)__builtin_ctz(left), i = w->first[beam];
+        rays[i / 64] |= ((UINT64_C(1) << w->share[beam]) - 1) << i % 64;
     }
     for (int word = 0; word < RAY_WORDS; word++)
         any |= rays[word] &= w->looks[word];
@@ -192,6 +190,18 @@ SIMD bool batch_polygon(const mesh_batch *w, const resident_mesh *at, unsigned l
         return found == SURE_POLYGON;
     const tet exact = mesh_walk_tet(at, local);
     return isopolygon_of(&exact, isovalue, out);
+}
+
+/* Of VF_N rays from i on (bits), those that do not begin on this isopolygon: it is flat, so the
+ * others do not meet it again. Most shadow rays pass no other one as near as floats can tell. */
+SIMD unsigned from_elsewhere(const mesh_batch *w, hit_of of, unsigned i, unsigned bits) {
+    unsigned left = bits;
+    for (; bits; bits &= bits - 1) {
+        const unsigned k = i + (unsigned)__builtin_ctz(bits);
+        if (w->origin[k] == of.cell && w->origin_iso[k] == of.iso)
+            left &= ~(bits & -bits);
+    }
+    return left;
 }
 
 /* VD_N rays from i on. */
@@ -223,6 +233,7 @@ static void walk_tet(mesh_batch *w, const resident_mesh *at, const framed_tets *
             left &= ~((uint64_t)FLOATS << from);
             if (even)
                 bits &= rays_near(&w->in_frame, &lines, 64 * word + from);
+            bits = from_elsewhere(w, of, 64 * word + from, bits);
             if (!bits)
                 continue;
             if (!made && !batch_polygon(w, at, lane, w->tr->isos.isovalues[iso], &g))

@@ -125,6 +125,14 @@ static void look_up_to(frame_rays *r, int i, double t) {
 
 /* ---- Beams ---- */
 
+/* The lanes in `of`, side by side. */
+SIMD void f_pack(float *to, unsigned of, vf x) {
+    float from[VF_N];
+    f_store(from, x);
+    for (; of; of &= of - 1)
+        *to++ = from[__builtin_ctz(of)];
+}
+
 /* A lane each. For near planes the origin that is farthest ahead and the fastest ray, for far
  * planes the other end. */
 typedef struct mesh_beams {
@@ -141,79 +149,162 @@ static void empty_beam(mesh_beams *m, unsigned beam) {
     m->far[beam] = -1.0f;
 }
 
-/* Rays begin where their beam does along an axis: those that begin later go back to there, where
- * that is not far. So origins are spread over a plane, and not in a box. */
-typedef struct beam_start {
-    int axis;
-    float at; /* -INFINITY: they begin where they do */
-} beam_start;
-
-SIMD beam_start start_of(const frame_rays *r, int first, int end, int axis) {
-    float least = INFINITY, most = -INFINITY, slowest = 1.0f;
-    for (int i = first; i < end; i++) {
-        if (r->far[i] < 0.0f)
-            continue;
-        const float o = r->o[axis][i], d = r->d[axis][i];
-        least = o < least ? o : least;
-        most = o > most ? o : most;
-        slowest = d < slowest ? d : slowest;
-    }
-    return (beam_start){axis, most - least <= 0.25f && slowest >= 0.25f ? least : -INFINITY};
-}
-
 /* How far a beam of these rays looks; below 0: it does not. */
-SIMD float farthest(const frame_rays *r, int first, int end) {
+SIMD float farthest(const frame_rays *r, unsigned first, unsigned end) {
     float most = -1.0f;
-    for (int i = first; i < end; i++) {
+    for (unsigned i = first; i < end; i++) {
         const float far = r->far[i] < 0.0f ? -1.0f : r->far[i] + r->back[i];
         most = far > most ? far : most;
     }
     return most;
 }
 
+/* ---- Blocks of rays ---- */
+
+/* A beam has so many rays at most. */
+enum { BEAM_RAYS = (int)VF_N < 8 ? (int)VF_N : 8 };
+
+/* VF_N rays; where one does not look, what changes no least or greatest value. */
+typedef struct ray_lanes {
+    vf o[3], d[3], inverse[3], far;
+    mf looks;
+} ray_lanes;
+
+/* The beams of blocks of rays side by side; all lanes of a block are alike, but for `back`. */
+typedef struct block_lanes {
+    vf ahead[3], behind[3], least[3], most[3], far;
+    vf back;  /* of the rays */
+    vf cost;  /* see cost_of_blocks() */
+    vf share; /* the rays of a block */
+} block_lanes;
+
+SIMD ray_lanes ray_lanes_load(const frame_rays *r, unsigned at) {
+    ray_lanes l = {.far = f_load(r->far + at)};
+    for (int a = 0; a < 3; a++) {
+        l.o[a] = f_load(r->o[a] + at);
+        l.d[a] = f_load(r->d[a] + at);
+        l.inverse[a] = f_load(r->inverse[a] + at);
+    }
+    l.looks = f_ge(l.far, f_set(0.0f));
+    return l;
+}
+
+/* The least and the greatest of each block of `share` lanes, in all of them. */
+SIMD vf block_min(vf x, unsigned share) {
+    x = share > 1 ? f_min(x, f_swap(x, 1)) : x;
+    x = share > 2 ? f_min(x, f_swap(x, 2)) : x;
+    return share > 4 ? f_min(x, f_swap(x, 4)) : x;
+}
+
+SIMD vf block_max(vf x, unsigned share) {
+    x = share > 1 ? f_max(x, f_swap(x, 1)) : x;
+    x = share > 2 ? f_max(x, f_swap(x, 2)) : x;
+    return share > 4 ? f_max(x, f_swap(x, 4)) : x;
+}
+
+/* How far rays go back, in their t, so that those of a block begin where the first of them does
+ * along an axis, where that is not far: then origins are spread over a plane, and not in a box. */
+SIMD vf ways_back(const ray_lanes *r, unsigned share, int axis) {
+    const vf more = f_set(INFINITY), less = f_set(-INFINITY), o = r->o[axis];
+    const vf first = block_min(f_select(r->looks, o, more), share);
+    const vf last = block_max(f_select(r->looks, o, less), share);
+    const vf slowest = block_min(f_select(r->looks, r->d[axis], more), share);
+    const mf near = mf_and(f_le(last - first, f_set(0.25f)), f_ge(slowest, f_set(0.25f)));
+    return f_select(mf_and(near, r->looks), (o - first) * r->inverse[axis], f_set(0.0f));
+}
+
+/* A beam meets what lies within it and half a cell (of size `cell`) around it, a ray what lies in
+ * its own cell: so much does a block cost, which pays as long as that is less than what its parts
+ * do. How far apart rays of a beam are counts as it is at most on their way. */
+SIMD vf cost_of_blocks(const block_lanes *b, float cell) {
+    const vf one = f_set(1.0f);
+    vf wide = f_set(0.0f);
+    for (int a = 0; a < 3; a++) {
+        const vf origins = b->ahead[a] - b->behind[a];
+        const vf turns = one / b->least[a] - one / b->most[a];
+        wide = f_max(wide, origins + turns);
+    }
+    const vf cells = one + wide * f_set(1.0f / cell);
+    return f_select(f_ge(b->far, f_set(0.0f)), cells * cells, f_set(0.0f));
+}
+
+SIMD block_lanes blocks_of(const ray_lanes *r, unsigned share, int axis, float cell) {
+    const vf more = f_set(INFINITY), less = f_set(-INFINITY);
+    block_lanes b = {.back = ways_back(r, share, axis), .share = f_set((float)share)};
+    for (int a = 0; a < 3; a++) {
+        const vf o = r->o[a] - b.back * r->d[a];
+        b.ahead[a] = block_max(f_select(r->looks, o, less), share);
+        b.behind[a] = block_min(f_select(r->looks, o, more), share);
+        b.least[a] = block_min(f_select(r->looks, r->inverse[a], more), share);
+        b.most[a] = block_max(f_select(r->looks, r->inverse[a], f_set(0.0f)), share);
+    }
+    b.far = block_max(f_select(r->looks, r->far + b.back, f_set(-1.0f)), share);
+    b.cost = cost_of_blocks(&b, cell);
+    return b;
+}
+
+/* Blocks of twice as many rays, where they cost no more than those there are. */
+SIMD void join_blocks(const ray_lanes *r, unsigned share, int axis, float cell, block_lanes *b) {
+    const block_lanes joined = blocks_of(r, share, axis, cell);
+    const vf apart = b->cost + f_swap(b->cost, share / 2);
+    const mf pays = f_le(joined.cost, apart);
+    for (int a = 0; a < 3; a++) {
+        b->ahead[a] = f_select(pays, joined.ahead[a], b->ahead[a]);
+        b->behind[a] = f_select(pays, joined.behind[a], b->behind[a]);
+        b->least[a] = f_select(pays, joined.least[a], b->least[a]);
+        b->most[a] = f_select(pays, joined.most[a], b->most[a]);
+    }
+    b->far = f_select(pays, joined.far, b->far);
+    b->back = f_select(pays, joined.back, b->back);
+    b->share = f_select(pays, joined.share, b->share);
+    b->cost = f_min(joined.cost, apart);
+}
+
+/* Blocks of VF_N rays, as they pay. */
+SIMD block_lanes best_blocks(const frame_rays *r, unsigned at, int axis, float cell) {
+    const ray_lanes rays = ray_lanes_load(r, at);
+    block_lanes b = blocks_of(&rays, 1, axis, cell);
+    join_blocks(&rays, 2, axis, cell, &b);
+    join_blocks(&rays, 4, axis, cell, &b);
+    if (BEAM_RAYS >= 8)
+        join_blocks(&rays, 8, axis, cell, &b);
+    return b;
+}
+
+/* The first lanes of blocks with rays that look; share[]: how many rays a block has. */
+SIMD unsigned heads_of_blocks(const block_lanes *b, uint8_t share[VF_N]) {
+    const unsigned looking = mf_bits(f_ge(b->far, f_set(0.0f)));
+    float shares[VF_N];
+    unsigned heads = 0;
+    f_store(shares, b->share);
+    for (unsigned k = 0; k < VF_N; k += share[k]) {
+        share[k] = (uint8_t)shares[k];
+        heads |= looking & 1u << k;
+    }
+    return heads;
+}
+
+/* Make beams of blocks, from number `beam` on. slack: what is given away, see generosity(). */
+SIMD void put_blocks(mesh_beams *m, unsigned beam, const block_lanes *b, unsigned heads,
+                     float slack) {
+    for (int a = 0; a < 3; a++) {
+        f_pack(m->ahead[a] + beam, heads, b->ahead[a] + f_set(slack));
+        f_pack(m->behind[a] + beam, heads, b->behind[a] - f_set(slack));
+        f_pack(m->least[a] + beam, heads, b->least[a] * f_set(1.0f - 0x1p-20f));
+        f_pack(m->most[a] + beam, heads, b->most[a] * f_set(1.0f + 0x1p-20f));
+    }
+    f_pack(m->far + beam, heads, b->far);
+}
+
 /* What mesh_interval_in() gives away for these rays, which wait for the treelets that it says they
  * enter: 4 MESH_GENEROSITY of a box's t at most, which is less than where they begin in the frame
  * and 8. */
-SIMD float generosity(const frame_rays *r, int first, int end) {
+SIMD float generosity(const frame_rays *r, unsigned count) {
     double most = 0.0;
-    for (int i = first; i < end; i++)
+    for (unsigned i = 0; i < count; i++)
         if (r->far[i] >= 0.0f)
             most = fabs(r->begin[i]) > most ? fabs(r->begin[i]) : most;
     return (float)(4.0 * MESH_GENEROSITY * (most + 8.0));
-}
-
-/* How far ray i goes back, in its t. */
-SIMD float way_back(const frame_rays *r, int i, const beam_start *s) {
-    return s->at > -INFINITY ? (r->o[s->axis][i] - s->at) * r->inverse[s->axis][i] : 0.0f;
-}
-
-/* Of the rays from `first` on that look at all; false: none. axis: the one they go along most. */
-static bool make_beam(mesh_beams *m, unsigned beam, frame_rays *r, int first, int end, int axis) {
-    const beam_start start = start_of(r, first, end, axis);
-    empty_beam(m, beam);
-    for (int i = first; i < end; i++)
-        r->back[i] = way_back(r, i, &start);
-    m->far[beam] = farthest(r, first, end);
-    if (m->far[beam] < 0.0f)
-        return false;
-    const float slack = generosity(r, first, end);
-    for (int a = 0; a < 3; a++) {
-        float ahead = -INFINITY, behind = INFINITY, least = INFINITY, most = 0.0f;
-        for (int i = first; i < end; i++) {
-            if (r->far[i] < 0.0f)
-                continue;
-            const float o = r->o[a][i] - r->back[i] * r->d[a][i], inverse = r->inverse[a][i];
-            ahead = o > ahead ? o : ahead;
-            behind = o < behind ? o : behind;
-            least = inverse < least ? inverse : least;
-            most = inverse > most ? inverse : most;
-        }
-        m->ahead[a][beam] = ahead + slack;
-        m->behind[a][beam] = behind - slack;
-        m->least[a][beam] = least * (1.0f - 0x1p-20f);
-        m->most[a][beam] = most * (1.0f + 0x1p-20f);
-    }
-    return true;
 }
 
 /* ---- Boxes ---- */

@@ -386,7 +386,7 @@ static int packet_begin(packet *w) {
             r.o[a] = w->eye[a];
             r.d[a] = rays->d[a][from];
         }
-        const hit after = w->s.before > 0 ? mesh_hit_of(w->s.f, &w->s.after[from]) : before;
+        const hit after = w->s.before > 0 ? tile_hit(&w->s, &w->s.after[from]) : before;
         tet_rays_put(&w->rays, i, &r, &after);
         packet_frustum_add(&w->frustum, r.d);
         first = i;
@@ -425,7 +425,7 @@ static void packet_end(packet *w) {
             at = treelet_of_tet(treelets, h->cell);
         const tile_surface found = {h->t, &at->head, (uint32_t)(h->cell - at->first_tet), h->iso,
                                     h->entering};
-        (void)tile_state_take(&w->s, to, &found);
+        (void)tile_state_take(&w->s, to, found);
         w->s.counters->roots++;
     }
 }

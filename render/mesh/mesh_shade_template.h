@@ -41,9 +41,9 @@ typedef struct mesh_shading {
     uint16_t facts_of[KNOWN_TETS]; /* those of a layer, by their place in its list */
 } mesh_shading;
 
-static hit mesh_hit_of(const frame *f, const tile_surface *s) {
+static uint64_t mesh_cell_of(const frame *f, const tile_surface *s) {
     (void)f;
-    return (hit){s->t, resident_mesh_of(s->at)->first_tet + s->local, s->iso, s->entering};
+    return resident_mesh_of(s->at)->first_tet + s->local;
 }
 
 static bool mesh_less(const hit *a, const hit *b) {
@@ -54,7 +54,7 @@ static bool mesh_same(const hit *a, const hit *b) {
     return tet_double(a, b);
 }
 
-static const tile_order mesh_order = {mesh_hit_of, mesh_less, mesh_same};
+static const tile_order mesh_order = {mesh_cell_of, mesh_less, mesh_same};
 
 static void list_tets(const tile_layer *s, hit_tets *l) {
     uint16_t known[KNOWN_TETS] = {0};
@@ -158,52 +158,46 @@ static const tet_facts *facts_of(mesh_shading *m, const tile_layer *l, unsigned 
     return &m->facts[k];
 }
 
-/* A ray of the tile, as the scalar code has it. */
-static ray mesh_ray_of(const tile_state *s, unsigned i) {
-    ray r = {.t0 = s->rays.t0[i], .t1 = s->rays.t1[i]};
-    for (int a = 0; a < 3; a++) {
-        r.o[a] = r.held[a] = s->f->projection->eye[a];
-        r.d[a] = s->rays.d[a][i];
-    }
-    return r;
+/* Which of these rays (bits, from i on) have hit the same isopolygon as one of them. */
+SIMD unsigned same_tet(const hit_tets *l, unsigned i, unsigned which, unsigned as) {
+    unsigned same = 0;
+    for (unsigned k = 0; k < VD_N; k++)
+        same |= (unsigned)(l->of[i + k] == l->of[i + as]) << k;
+    return same & which;
 }
 
-/* The point of a surface by itself. */
-static surface_point mesh_start(mesh_shading *m, const tile_layer *l, unsigned i) {
-    const hit h = mesh_hit_of(m->s->f, surface_of(l, i));
-    const ray r = mesh_ray_of(m->s, i);
-    return tet_surface_at(facts_of(m, l, i), &r, &h);
+/* The facts of VD_N rays' tets; in the points, errors are not known yet. */
+SIMD void start_columns(mesh_shading *m, const tile_layer *l, unsigned i, unsigned which,
+                        point_columns *c, surface_point to[]) {
+    double t[VD_N] = {0.0};
+    memset(c, 0, sizeof *c);
+    for (unsigned left = which; left;) {
+        const unsigned first = (unsigned)__builtin_ctz(left);
+        const unsigned same = same_tet(&m->tets, i, left, first);
+        const tet_facts *f = facts_of(m, l, i + first);
+        left &= ~same;
+        point_columns_put(c, same, f);
+        for (unsigned of = same; of; of &= of - 1) {
+            const unsigned k = (unsigned)__builtin_ctz(of);
+            to[__builtin_popcount(which & ((1u << k) - 1u))] = f->point;
+            t[k] = surface_of(l, i + k)->t;
+        }
+    }
+    c->t = d_load(t);
+    for (int a = 0; a < 3; a++)
+        c->d[a] = d_load(m->s->rays.d[a] + i);
 }
 
 /* mesh_normals() has listed the layer's tets. */
 static void mesh_starts(void *work, const tile_layer *l, unsigned i, unsigned which,
                         surface_point to[]) {
     mesh_shading *m = work;
-    const tile_state *s = m->s;
     double error[VD_N];
-    unsigned n = 0, any = 0;
     point_columns c;
-    point_columns_begin(&c);
-    for (unsigned left = which; left; left &= left - 1, n++) {
-        const unsigned k = (unsigned)__builtin_ctz(left);
-        const tet_facts *f = facts_of(m, l, i + k);
-        to[n] = f->point;
-        any |= (unsigned)f->any << k;
-        if (f->any)
-            point_columns_put(&c, k, f);
-        c.t[k] = surface_of(l, i + k)->t;
-    }
-    for (int a = 0; a < 3; a++)
-        d_store(c.d[a], d_load(s->rays.d[a] + i));
-    const unsigned alone = point_errors(&c, s->f->projection->eye, error) | ~any;
-    n = 0;
-    for (unsigned left = which; left; left &= left - 1, n++) {
-        const unsigned k = (unsigned)__builtin_ctz(left);
-        if (alone >> k & 1u)
-            to[n] = mesh_start(m, l, i + k);
-        else
-            to[n].error = error[k];
-    }
+    start_columns(m, l, i, which, &c, to);
+    point_errors(&c, m->s->f->projection->eye, error);
+    for (unsigned left = which; left; left &= left - 1)
+        to++->error = error[__builtin_ctz(left)];
 }
 
 static const tile_kind mesh_kind_of_tile = {mesh_normals, mesh_starts};

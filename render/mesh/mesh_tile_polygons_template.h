@@ -27,7 +27,7 @@ typedef struct met_rays {
 static void take_surface(mesh_tile *w, unsigned of, unsigned i, double t, bool entering) {
     const tet_queue *q = &w->queue;
     const tile_surface found = {t, &q->at[of]->head, q->local[of], q->iso[of], entering};
-    if (!tile_state_take(&w->s, i, &found))
+    if (!tile_state_take(&w->s, i, found))
         return;
     if (w->s.reach[i] < (double)INFINITY)
         look_as_far(w, i);

@@ -6,8 +6,7 @@
 /* Look for hits in a treelet. True: nothing else needs to be looked at. */
 static bool walk_passage(const tracer *tr, const treelet *here, const ray *r, trace_state *state,
                          ray_counters *counters) {
-    if (!mesh_walk(&tr->isos, resident_mesh_of(here), r, &state->after, state->any, &state->best,
-                   counters))
+    if (!mesh_walk(&tr->isos, resident_mesh_of(here), r, state, counters))
         return false;
     if (!state->any)
         state->point = mesh_tracer_surface(tr, here, r, &state->best);

@@ -106,8 +106,8 @@ static bool passes_box(const mesh_slabs *line, const tet *x) {
 }
 
 static bool test_tet(const isovalue_list *isos, const resident_mesh *tr, uint32_t local,
-                     const ray *r, const mesh_slabs *line, const hit *after, hit *best,
-                     ray_counters *counters) {
+                     const ray *r, const mesh_slabs *line, trace_state *s, ray_counters *counters) {
+    const uint64_t cell = tr->first_tet + local;
     const tet x = mesh_walk_tet(tr, local);
     bool changed = false, active = false;
     if (!passes_box(line, &x))
@@ -115,14 +115,16 @@ static bool test_tet(const isovalue_list *isos, const resident_mesh *tr, uint32_
     for (int i = 0; i < isos->count; i++) {
         isopolygon g;
         hit found;
+        if (cell == s->origin && i == s->origin_iso)
+            continue;
         if (!isopolygon_of(&x, isos->isovalues[i], &g))
             continue;
         active = true;
-        if (!next_hit(&g, r, tr->first_tet + local, i, after, &found))
+        if (!next_hit(&g, r, cell, i, &s->after, &found))
             continue;
         counters->roots++;
-        if (tet_less(&found, best)) {
-            *best = found;
+        if (tet_less(&found, &s->best)) {
+            s->best = found;
             changed = true;
         }
     }
@@ -219,18 +221,18 @@ static int push_children(const code_slabs *s, const resident_mesh *tr, uint32_t 
 
 /* The active tets from `first` on. */
 static bool walk_leaf(const isovalue_list *isos, const resident_mesh *tr, uint32_t first,
-                      uint32_t end, const ray *r, const mesh_slabs *line, const hit *after,
-                      hit *best, ray_counters *counters) {
+                      uint32_t end, const ray *r, const mesh_slabs *line, trace_state *s,
+                      ray_counters *counters) {
     bool changed = false;
     for (uint32_t i = first; i < end; i++)
         if (tr->active->tets[i / 64] >> i % 64 & 1u)
-            changed |= test_tet(isos, tr, i, r, line, after, best, counters);
+            changed |= test_tet(isos, tr, i, r, line, s, counters);
     return changed;
 }
 
-bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r, const hit *after,
-               bool any, hit *best, ray_counters *counters) {
-    const code_slabs slabs = code_slabs_of(tr, r, after);
+bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r, trace_state *state,
+               ray_counters *counters) {
+    const code_slabs slabs = code_slabs_of(tr, r, &state->after);
     mesh_slabs line = mesh_slabs_of(r);
     line.t0 = -INFINITY;
     line.t1 = INFINITY;
@@ -239,18 +241,17 @@ bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r,
     bool changed = false;
     int top = 0;
     stack[top++] = (pending){-INFINITY, 0};
-    while (top > 0 && !(any && changed)) {
+    while (top > 0 && !(state->any && changed)) {
         const pending p = stack[--top];
-        if (p.t_in > best->t)
+        if (p.t_in > state->best.t)
             continue;
         if (!(p.child & MESH_LEAF)) {
             counters->nodes++;
-            top = push_children(&slabs, tr, p.child, best->t, stack, top);
+            top = push_children(&slabs, tr, p.child, state->best.t, stack, top);
             continue;
         }
         const uint32_t leaf = p.child & ~(uint32_t)MESH_LEAF;
-        changed |=
-            walk_leaf(isos, tr, first[leaf], first[leaf + 1], r, &line, after, best, counters);
+        changed |= walk_leaf(isos, tr, first[leaf], first[leaf + 1], r, &line, state, counters);
     }
     return changed;
 }

@@ -8,17 +8,16 @@
 #ifndef RENDER_MESH_MESH_WALK_H
 #define RENDER_MESH_MESH_WALK_H
 
-#include "render/counters.h"
-#include "render/isovalue_list.h"
 #include "render/mesh/tet_kernel.h"
-#include "stream/loader.h"
+#include "render/tracer.h"
 #include "stream/mesh_resident.h"
 
-/* mesh_walk() - lower *best to the first hit in this treelet that is strictly after `after` in
- * the order of mesh_tracer.h, if there is a lesser one. any: some hit there will do as well as the
- * first one. Returns whether it changed. */
-bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r, const hit *after,
-               bool any, hit *best, ray_counters *counters);
+/* mesh_walk() - lower state->best to the first hit in this treelet that counts, in the order of
+ * tet_less(), if there is a lesser one; where any hit will do, to some. Returns whether it changed.
+ *
+ * A tet's isopolygon is flat: a ray that begins there (state->origin) does not meet it again. */
+bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r, trace_state *state,
+               ray_counters *counters);
 
 /* mesh_walk_each() - visit() with every active tet of the treelet whose box the ray meets, as far
  * as it is not left before `after` or entered behind `nearest`; in no order. */

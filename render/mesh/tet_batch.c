@@ -1,16 +1,5 @@
 #include "render/mesh/tet_batch.h"
 
-void tet_rays_put(tet_rays *rays, int lane, const ray *r, const hit *after) {
-    for (int a = 0; a < 3; a++) {
-        rays->o[a][lane] = r->o[a];
-        rays->d[a][lane] = r->d[a];
-    }
-    rays->from[lane] = after->t > r->t0 ? after->t : r->t0;
-    rays->to[lane] = r->t1;
-    rays->best[lane] = hit_none();
-    rays->after[lane] = *after;
-}
-
 void tet_rays_clear(tet_rays *rays, int lane) {
     const ray none = {.d = {0.0, 0.0, 1.0}, .t0 = INFINITY, .t1 = -INFINITY};
     const hit before = hit_before_all();

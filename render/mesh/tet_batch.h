@@ -25,7 +25,16 @@ typedef struct tet_rays {
 
 /* tet_rays_put() - ray number `lane`; its hits come behind the crossing `after`, whatever that's
  * tet: hit_before_all(), or its last one. */
-void tet_rays_put(tet_rays *rays, int lane, const ray *r, const hit *after);
+static inline void tet_rays_put(tet_rays *rays, int lane, const ray *r, const hit *after) {
+    for (int a = 0; a < 3; a++) {
+        rays->o[a][lane] = r->o[a];
+        rays->d[a][lane] = r->d[a];
+    }
+    rays->from[lane] = after->t > r->t0 ? after->t : r->t0;
+    rays->to[lane] = r->t1;
+    rays->best[lane] = hit_none();
+    rays->after[lane] = *after;
+}
 
 /* tet_rays_clear() - no hit is found for this ray number; what was found is forgotten. For numbers
  * that no ray has: a version may look at all rays up to the next multiple of 16. */

@@ -31,10 +31,6 @@ const tet_cut tet_cuts[16] = {
 /* The triangles of a polygon, by its points: their first two edges are its own, but for one. */
 static const uint8_t corners_of[2][3] = {{0, 1, 2}, {0, 2, 3}};
 
-static double modulus_dot(const double a[3], const double b[3]) {
-    return fabs(a[0] * b[0]) + fabs(a[1] * b[1]) + fabs(a[2] * b[2]);
-}
-
 static double least(double a, double b) {
     return a < b ? a : b;
 }
@@ -111,7 +107,6 @@ typedef struct seen_polygon {
 /* Where the ray's line crosses a triangle. */
 typedef struct crossing {
     double t;
-    double slip;   /* what the weights' errors do to t, at most */
     bool entering; /* along the polygon's normal */
 } crossing;
 
@@ -146,11 +141,6 @@ static double along_of(const seen_polygon *s, int i) {
     return vec3_dot(s->r->d, s->a[i]);
 }
 
-/* The part of a range that a weight with this error may miss. */
-static double slip_of(double range, double error, double sum) {
-    return error < sum ? range * (error / sum) : range;
-}
-
 /* On the edge from i to j: by how far off the ray its ends lie. Symmetric in i and j to the bit. */
 static void cross_edge(const seen_polygon *s, int i, int j, crossing *out) {
     double off[2][3], far[2];
@@ -162,11 +152,6 @@ static void cross_edge(const seen_polygon *s, int i, int j, crossing *out) {
     const double sum = far[0] + far[1];
     out->t = kept_within(sum > 0.0 ? (far[1] * ti + far[0] * tj) / sum : 0.5 * (ti + tj),
                          least(ti, tj), most(ti, tj));
-    const double d = vec3_size(s->r->d);
-    double a = 0.0;
-    for (int k = 0; k < 3; k++)
-        a += most(fabs(s->a[i][k]), fabs(s->a[j][k]));
-    out->slip = slip_of(fabs(ti - tj), 8.0 * DBL_EPSILON * d * a, sum);
 }
 
 static void cross_inside(const seen_polygon *s, const uint8_t c[3], const exact_estimate w[3],
@@ -175,7 +160,6 @@ static void cross_inside(const seen_polygon *s, const uint8_t c[3], const exact_
     const double w0 = fabs(w[0].value), w1 = fabs(w[1].value), w2 = fabs(w[2].value);
     const double sum = w0 + w1 + w2, lo = least(t0, least(t1, t2)), hi = most(t0, most(t1, t2));
     out->t = kept_within(t0 + (w1 * (t1 - t0) + w2 * (t2 - t0)) / sum, lo, hi);
-    out->slip = slip_of(hi - lo, 2.0 * (w[0].bound + w[1].bound + w[2].bound), sum);
 }
 
 /* Whether the ray's line crosses a triangle of the polygon: its weights are all of one sign. */
@@ -205,14 +189,11 @@ static bool cross_triangle(const seen_polygon *s, const uint8_t c[3], crossing *
         cross_inside(s, c, w, out);
     } else if ((held & (held - 1)) == 0) {
         out->t = along_of(s, c[held >> 1]);
-        out->slip = 0.0;
     } else {
         const int gone = held == 6 ? 0 : held == 5 ? 1 : 2;
         cross_edge(s, c[(gone + 1) % 3], c[(gone + 2) % 3], out);
     }
-    const double square = vec3_dot(s->r->d, s->r->d);
-    out->t /= square;
-    out->slip /= square;
+    out->t /= vec3_dot(s->r->d, s->r->d);
     return true;
 }
 
@@ -236,33 +217,64 @@ bool isopolygon_hit(const isopolygon *g, const ray *r, uint64_t cell, int32_t is
 
 /* ---- what is known about a hit --------------------------------------------------------------- */
 
-bool tet_gradient(const tet *x, double gradient[3]) {
-    double e[3][3], df[3], normal[3][3];
+/* A direction across a surface, of unit length or the gradient, and what it may err by. */
+typedef struct across {
+    double direction[3], error[3];
+} across;
+
+/* With u = half an epsilon: sides err by u of themselves, differences of products of two by 4 u of
+ * the moduli, what the values make of them by 8 u; so does the determinant, of its own terms. */
+static bool find_gradient(const tet *x, across *out) {
+    double e[3][3], df[3], normal[3][3], moduli[3] = {0.0, 0.0, 0.0};
     for (int i = 0; i < 3; i++) {
         for (int k = 0; k < 3; k++)
             e[i][k] = (double)x->p[i + 1][k] - (double)x->p[0][k];
         df[i] = (double)x->f[i + 1] - (double)x->f[0];
     }
-    for (int i = 0; i < 3; i++)
-        vec3_cross(e[(i + 1) % 3], e[(i + 2) % 3], normal[i]);
+    for (int i = 0; i < 3; i++) {
+        const double *a = e[(i + 1) % 3], *b = e[(i + 2) % 3];
+        vec3_cross(a, b, normal[i]);
+        for (int k = 0; k < 3; k++) {
+            const int l = (k + 1) % 3, m = (k + 2) % 3;
+            moduli[k] += fabs(df[i]) * (fabs(a[l] * b[m]) + fabs(a[m] * b[l]));
+        }
+    }
     const double determinant = vec3_dot(e[0], normal[0]);
     const exact_estimate sure = exact_near(e[0], e[1], e[2]);
     if (!(fabs(determinant) > TET_GRADIENT_SURE / EXACT_BOUND * sure.bound) ||
         !isfinite(df[0] + df[1] + df[2]))
         return false;
-    for (int k = 0; k < 3; k++)
-        gradient[k] =
+    const double terms = sure.bound / EXACT_BOUND, size = fabs(determinant);
+    for (int k = 0; k < 3; k++) {
+        const double g =
             (df[0] * normal[0][k] + df[1] * normal[1][k] + df[2] * normal[2][k]) / determinant;
+        out->direction[k] = g;
+        out->error[k] = 5.0 * DBL_EPSILON * (moduli[k] / size + terms / size * fabs(g));
+    }
+    return true;
+}
+
+bool tet_gradient(const tet *x, double gradient[3]) {
+    across g;
+    if (!find_gradient(x, &g))
+        return false;
+    memcpy(gradient, g.direction, sizeof g.direction);
     return true;
 }
 
 /* Across the diagonals, or two edges of a triangle; false: it has no direction. */
-static bool normal_of(const isopolygon *g, double unit[3]) {
-    double e[2][3], normal[3];
+static bool find_normal(const isopolygon *g, across *out) {
+    double e[2][3], normal[3], moduli = 0.0;
     vec3_sub(g->p[2], g->p[0], e[0]);
     vec3_sub(g->p[3], g->p[1], e[1]);
     vec3_cross(e[0], e[1], normal);
-    return isfinite(normal[0] + normal[1] + normal[2]) && vec3_unit(normal, unit);
+    for (int k = 0; k < 3; k++) {
+        const int l = (k + 1) % 3, m = (k + 2) % 3;
+        moduli += fabs(e[0][l] * e[1][m]) + fabs(e[0][m] * e[1][l]);
+    }
+    for (int k = 0; k < 3; k++)
+        out->error[k] = 4.0 * DBL_EPSILON * (moduli / vec3_size(normal) + 1.0);
+    return isfinite(normal[0] + normal[1] + normal[2]) && vec3_unit(normal, out->direction);
 }
 
 static double shortest_edge(const tet *x) {
@@ -276,25 +288,12 @@ static double shortest_edge(const tet *x) {
     return sqrt(square);
 }
 
-/* Bound of |t - the line's own t of the polygon|; slip: of the crossing that has this t. */
-static double t_error(const seen_polygon *s, const hit *h) {
-    double slip = INFINITY, terms = 0.0;
-    for (int k = 0; k < s->g->count - 2; k++) {
-        crossing x;
-        if (cross_triangle(s, corners_of[k], &x) && x.t == h->t)
-            slip = least(slip, x.slip);
-    }
-    for (int i = 0; i < s->g->count; i++)
-        terms = most(terms, modulus_dot(s->r->d, s->a[i]));
-    return slip + 8.0 * DBL_EPSILON * terms / vec3_dot(s->r->d, s->r->d);
-}
-
 /* The gradient; where there is none, the polygon's normal (false), or nothing. */
-static bool gradient_of(const tet *x, const isopolygon *g, double gradient[3]) {
-    if (tet_gradient(x, gradient))
+static bool find_across(const tet *x, const isopolygon *g, across *out) {
+    if (find_gradient(x, out))
         return true;
-    if (!normal_of(g, gradient))
-        gradient[0] = gradient[1] = gradient[2] = 0.0;
+    if (!find_normal(g, out))
+        *out = (across){{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     return false;
 }
 
@@ -304,40 +303,46 @@ static void normal_against(const double gradient[3], float normal[3]) {
 }
 
 void tet_normal(const tet *x, double iso, float normal[3]) {
-    double gradient[3] = {0.0, 0.0, 0.0};
+    across n = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     isopolygon g;
-    if (!tet_gradient(x, gradient) && isopolygon_of(x, iso, &g))
-        (void)gradient_of(x, &g, gradient);
-    normal_against(gradient, normal);
+    if (!find_gradient(x, &n) && isopolygon_of(x, iso, &g))
+        (void)find_across(x, &g, &n);
+    normal_against(n.direction, normal);
 }
 
+/* A point of the polygon has the isovalue but for an error along its edge (8 epsilons of what the
+ * values are beside it) and one of its own rounding. */
 tet_facts tet_facts_of(const tet *x, double iso) {
-    tet_facts f = {.point = {.span = shortest_edge(x), .error = INFINITY}};
-    f.any = isopolygon_of(x, iso, &f.g);
-    if (!f.any)
+    tet_facts f = {.slack = INFINITY, .point = {.span = shortest_edge(x)}};
+    across n;
+    isopolygon g;
+    double range = 0.0;
+    if (!isopolygon_of(x, iso, &g))
         return f;
-    if (gradient_of(x, &f.g, f.point.gradient))
+    if (find_across(x, &g, &n))
         for (int i = 0; i < 4; i++)
-            f.range = most(f.range, fabs((double)x->f[i] - iso));
+            range = most(range, fabs((double)x->f[i] - iso));
+    f.slack = 8.0 * DBL_EPSILON * range;
+    memcpy(f.at, g.p[0], sizeof f.at);
+    memcpy(f.error, n.error, sizeof f.error);
+    memcpy(f.point.gradient, n.direction, sizeof n.direction);
     normal_against(f.point.gradient, f.point.normal);
     return f;
 }
 
+/* What f is beside the isovalue at the ray's point, seen from a point that has it, and what that
+ * errs by: 11 halves of an epsilon of the coordinates, which are rounded, subtracted and added up.
+ */
 surface_point tet_surface_at(const tet_facts *f, const ray *r, const hit *h) {
     surface_point point = f->point;
-    seen_polygon s;
-    if (!f->any)
-        return point;
-    see_polygon(&f->g, r, &s);
-    /* t moves the point along the ray; the ends and the ray's points are rounded; so is s. */
-    point.error =
-        fabs(vec3_dot(point.gradient, r->d)) * t_error(&s, h) + 8.0 * DBL_EPSILON * f->range;
+    double away[3], sum = f->slack;
     for (int k = 0; k < 3; k++) {
-        double far = fabs(r->o[k]) + fabs(h->t * r->d[k]);
-        for (int i = 0; i < f->g.count; i++)
-            far = most(far, fabs(f->g.p[i][k]));
-        point.error += fabs(point.gradient[k]) * 4.0 * DBL_EPSILON * far;
+        const double along = h->t * r->d[k];
+        const double far = most(fabs(r->o[k]) + fabs(along), fabs(f->at[k]));
+        away[k] = r->o[k] + along - f->at[k];
+        sum += fabs(point.gradient[k]) * 6.0 * DBL_EPSILON * far + f->error[k] * fabs(away[k]);
     }
+    point.error = fabs(vec3_dot(point.gradient, away)) + sum;
     return point;
 }
 

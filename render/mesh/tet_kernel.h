@@ -126,7 +126,7 @@ bool tet_gradient(const tet *x, double gradient[3]);
  * gradient  that of tet_gradient(). Where there is none: the polygon's unit normal, and `error` is
  *           a distance; zero where the polygon has none, either
  * error     bound of |f - iso| at the computed point o + t d, and where a ray begins that starts
- *           there: from the error of t and the rounding of all points involved
+ *           there: what it comes to, and the rounding of all points involved
  * span      the shortest edge of the tet
  * normal    unit, against gradient; zero where that is */
 surface_point tet_surface(const tet *x, const ray *r, double iso, const hit *h);
@@ -134,9 +134,9 @@ surface_point tet_surface(const tet *x, const ray *r, double iso, const hit *h);
 /* What all rays have in common that hit a tet's isopolygon: tet_facts_of(), then tet_surface_at()
  * for each ray is tet_surface(). */
 typedef struct tet_facts {
-    bool any; /* isopolygon */
-    isopolygon g;
-    double range;        /* of values beside the isovalue, where there is a gradient */
+    double at[3];        /* a point of the polygon */
+    double slack;        /* what its value may err by; INFINITY: there is none */
+    double error[3];     /* of the gradient */
     surface_point point; /* without its error */
 } tet_facts;
 tet_facts tet_facts_of(const tet *x, double iso);

@@ -145,6 +145,11 @@ SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
     for (int a = 0; a < 3; a++)
         FLOATS(i) out[a][i] = from[3 * at[i] + (uint32_t)a];
 }
+SIMD vf f_swap(vf a, unsigned by) {
+    vf v;
+    FLOATS(i) v[i] = a[(unsigned)i ^ by];
+    return v;
+}
 SIMD void f_store(float *to, vf a) {
     memcpy(to, &a, sizeof a);
 }
