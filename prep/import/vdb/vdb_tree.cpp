@@ -16,6 +16,9 @@ using openvdb::GridBase;
 
 namespace {
 
+/* Where `leafcast export' says of integers what they were. */
+const char *const narrow_key = "leafcast_type";
+
 /* What a value of a grid becomes: as it is, one of its components, or their length. */
 template <typename V> struct as_it_is {
     using sample = V;
@@ -39,6 +42,17 @@ template <> struct as_it_is<int64_t> {
         return double(v);
     }
 };
+/* Integers of fewer bits, which the grid's metadata say that its 32 bits hold. */
+template <typename S> struct narrowed {
+    using sample = S;
+    explicit narrowed(uint32_t) {}
+    S operator()(int32_t v) const {
+        if (v < std::numeric_limits<S>::min() || v > std::numeric_limits<S>::max())
+            vdb_fail(ST_CORRUPT, "a value of %d, where %s says that it is of fewer bits", v,
+                     narrow_key);
+        return S(v);
+    }
+};
 template <typename V> struct one_of {
     using sample = typename V::value_type;
     int index;
@@ -58,6 +72,15 @@ template <typename V> struct length_of {
 template <typename S> constexpr sample_type type_of();
 template <> constexpr sample_type type_of<uint8_t>() {
     return SAMPLE_U8;
+}
+template <> constexpr sample_type type_of<int8_t>() {
+    return SAMPLE_I8;
+}
+template <> constexpr sample_type type_of<uint16_t>() {
+    return SAMPLE_U16;
+}
+template <> constexpr sample_type type_of<int16_t>() {
+    return SAMPLE_I16;
 }
 template <> constexpr sample_type type_of<int32_t>() {
     return SAMPLE_I32;
@@ -168,6 +191,25 @@ template <typename GridT, typename Take> struct tree_of final : vdb_tree {
             fill(*child, to);
     }
 };
+
+template <typename S> using narrow_tree = tree_of<openvdb::Int32Grid, narrowed<S>>;
+
+/* Of integers whose metadata say what they were; null: of others. */
+std::unique_ptr<vdb_tree> make_narrow(const GridBase &grid) {
+    const auto said = grid.getMetadata<openvdb::StringMetadata>(narrow_key);
+    if (!said || grid.type() != openvdb::Int32Grid::gridType())
+        return nullptr;
+    const std::string &type = said->value();
+    if (type == "u8")
+        return std::make_unique<narrow_tree<uint8_t>>(0);
+    if (type == "i8")
+        return std::make_unique<narrow_tree<int8_t>>(0);
+    if (type == "u16")
+        return std::make_unique<narrow_tree<uint16_t>>(0);
+    if (type == "i16")
+        return std::make_unique<narrow_tree<int16_t>>(0);
+    return nullptr;
+}
 
 /* ---- kinds of grids ---- */
 
@@ -289,9 +331,12 @@ void open_tree(const vdb_request &q, vdb_facts &facts, std::unique_ptr<vdb_tree>
     vdb_archive archive(q.path);
     const vdb_grid &g = choose(archive, q);
     t = make_tree(g, q);
+    const GridBase::Ptr grid = archive.load(g);
+    if (auto narrow = make_narrow(*grid))
+        t = std::move(narrow);
     t->path = q.path;
     t->name = g.name;
-    t->grid = archive.load(g);
+    t->grid = grid;
     t->box = box_of(*t, q);
     facts.name = t->name.c_str();
     facts.type = t->type();
