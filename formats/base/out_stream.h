@@ -25,8 +25,8 @@ CHECKED status out_stream_text(out_stream *s, const char *text);
 CHECKED status out_stream_samples(out_stream *s, sample_type type, const void *samples,
                                   size_t count);
 
-/* out_stream_is_file() - whether it is a file that is not packed: then out_stream_patch() puts bytes
- * where others were written before. Errors as of out_stream_write(). */
+/* out_stream_is_file() - whether it is a file that is not packed: then out_stream_patch() puts
+ * bytes where others were written before. Errors as of out_stream_write(). */
 bool out_stream_is_file(const out_stream *s);
 CHECKED status out_stream_patch(out_stream *s, uint64_t offset, const void *data, size_t size);
 
