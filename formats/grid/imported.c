@@ -10,6 +10,7 @@
 #include "formats/base/wait.h"
 #include "formats/grid/layout_slices.h"
 #include "formats/grid/nrrd.h"
+#include "formats/grid/tile_stream.h"
 #include "formats/input/foreign.h"
 
 /* ---- the verb's output ---- */
@@ -77,8 +78,8 @@ enum { ARGUMENTS_MAX = 16, NUMBER_MAX = 24 };
 
 static status start(import *x, const volume_hints *h) {
     char component[NUMBER_MAX], step[NUMBER_MAX], memory[NUMBER_MAX];
-    const char *argv[ARGUMENTS_MAX] = {x->program, "-q", "-o", "-"};
-    int count = 4;
+    const char *argv[ARGUMENTS_MAX] = {x->program, "-q", "--tiles", "-o", "-"};
+    int count = 5;
     const struct {
         bool given;
         const char *option, *value;
@@ -134,11 +135,15 @@ static status open_import(mem *m, const foreign_format *f, const char *path,
     return byte_stream_open_source(m, path, &(byte_source){read_output, close_output, x}, out);
 }
 
-/* The verb writes NRRD. */
+/* The verb writes NRRD, or where it knows of quiet parts a tile stream. */
 static status open_slices(mem *m, const foreign_format *f, const char *path,
                           const volume_hints *hints, slice_source *out) {
     volume_layout l = {.m = m};
+    uint8_t quiet[SLICE_SAMPLE_MAX];
+    bool tiles = false;
     status st = open_import(m, f, path, hints, &l.data);
+    if (st == ST_OK)
+        st = tile_stream_known(&l, &tiles, quiet);
     if (st == ST_OK)
         st = nrrd_reader.layout(&l, hints);
     if (st == ST_OK) /* the verb has made the choice */
@@ -146,7 +151,7 @@ static status open_slices(mem *m, const foreign_format *f, const char *path,
     if (st == ST_OK)
         st = volume_layout_check(&l);
     if (st == ST_OK)
-        st = layout_slices_open(&l, out);
+        st = tiles ? tile_stream_open(&l, quiet, out) : layout_slices_open(&l, out);
     volume_layout_release(&l);
     out->format = f->name;
     out->importer = f->importer;

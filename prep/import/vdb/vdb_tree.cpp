@@ -6,6 +6,9 @@
 #include <limits>
 #include <memory>
 
+extern "C" {
+#include "formats/grid/slice_tiles.h"
+}
 #include "prep/import/vdb/vdb_archive.hpp"
 
 using openvdb::Coord;
@@ -103,7 +106,8 @@ struct vdb_tree {
 
     virtual ~vdb_tree() = default;
     virtual sample_type type() const = 0;
-    virtual void read(const CoordBBox &slab, void *slices) = 0;
+    virtual void read(const CoordBBox &slab, void *slices, uint8_t *busy) = 0;
+    virtual void background(void *to) const = 0;
 };
 
 namespace {
@@ -113,15 +117,44 @@ template <typename S> struct target {
     CoordBBox slab;
     S *samples;
     S background;
+    uint8_t *busy; /* maps of the slices; null: not asked for */
 
     S *row(int32_t x, int32_t y, int32_t z) const {
         const Coord d = slab.dim(), at = Coord(x, y, z) - slab.min();
         return samples + (std::size_t(at.z()) * d.y() + at.y()) * d.x() + at.x();
     }
+    /* Make all of it the background, or of maps what is something else. */
+    void clear() const {
+        const Coord d = slab.dim();
+        const uint32_t dims[3] = {uint32_t(d.x()), uint32_t(d.y()), uint32_t(d.z())};
+        if (!busy)
+            std::fill_n(samples, slab.volume(), background);
+        for (std::size_t z = 0, tiles = slice_tiles_count(dims); busy && z < dims[2]; z++)
+            for (std::size_t i = 0; i < tiles; i++) {
+                if (!busy[z * tiles + i])
+                    continue;
+                const slice_tile t = slice_tiles_at(dims, i);
+                slice_tiles_fill(dims, &t, sizeof(S), &background, samples + z * dims[0] * dims[1]);
+                busy[z * tiles + i] = 0;
+            }
+    }
+    /* A part of the slab may now be anything. */
+    void touch(const CoordBBox &part) const {
+        if (!busy || part.empty())
+            return;
+        const Coord d = slab.dim(), low = part.min() - slab.min(), high = part.max() - slab.min();
+        const std::size_t across = slice_tiles_along(uint32_t(d.x())),
+                          tiles = across * slice_tiles_along(uint32_t(d.y()));
+        for (int32_t z = low.z(); z <= high.z(); z++)
+            for (int32_t y = low.y() / SLICE_TILE; y <= high.y() / SLICE_TILE; y++)
+                std::fill_n(busy + z * tiles + y * across + low.x() / SLICE_TILE,
+                            high.x() / SLICE_TILE - low.x() / SLICE_TILE + 1, uint8_t(1));
+    }
     void fill(CoordBBox part, S value) const {
         if (memcmp(&value, &background, sizeof value) == 0)
             return;
         part.intersect(slab);
+        touch(part);
         for (int32_t z = part.min().z(); z <= part.max().z(); z++)
             for (int32_t y = part.min().y(); y <= part.max().y(); y++)
                 std::fill_n(row(part.min().x(), y, z), part.dim().x(), value);
@@ -142,6 +175,7 @@ template <typename GridT, typename Take> struct tree_of final : vdb_tree {
         const Coord origin = part.min();
         const openvdb::Index stride = leaf::DIM * leaf::DIM;
         part.intersect(to.slab);
+        to.touch(part);
         for (int32_t z = part.min().z(); z <= part.max().z(); z++)
             for (int32_t y = part.min().y(); y <= part.max().y(); y++) {
                 sample *row = to.row(part.min().x(), y, z);
@@ -180,10 +214,15 @@ template <typename GridT, typename Take> struct tree_of final : vdb_tree {
             node.addTile(n, openvdb::zeroVal<typename Node::ValueType>(), false);
     }
 
-    void read(const CoordBBox &slab, void *slices) override {
+    void background(void *to) const override {
+        const sample s = take(static_cast<const GridT &>(*grid).tree().root().background());
+        memcpy(to, &s, sizeof s);
+    }
+
+    void read(const CoordBBox &slab, void *slices, uint8_t *busy) override {
         auto &root = static_cast<GridT &>(*grid).tree().root();
-        const target<sample> to{slab, static_cast<sample *>(slices), take(root.background())};
-        std::fill_n(to.samples, slab.volume(), to.background);
+        const target<sample> to{slab, static_cast<sample *>(slices), take(root.background()), busy};
+        to.clear();
         for (auto tile = root.cbeginValueAll(); tile; ++tile)
             to.fill(CoordBBox::createCube(tile.getCoord(), tree::RootNodeType::ChildNodeType::DIM),
                     take(*tile));
@@ -386,16 +425,20 @@ status vdb_tree_open(const vdb_request *q, vdb_facts *facts, vdb_tree **out) {
     }
 }
 
-status vdb_tree_read(vdb_tree *t, uint32_t first, uint32_t count, void *slices) {
+status vdb_tree_read(vdb_tree *t, uint32_t first, uint32_t count, void *slices, uint8_t *busy) {
     try {
         CoordBBox slab = t->box;
         slab.min().z() = t->box.min().z() + int32_t(first);
         slab.max().z() = slab.min().z() + int32_t(count) - 1;
-        t->read(slab, slices);
+        t->read(slab, slices, busy);
         return ST_OK;
     } catch (...) {
         return vdb_told(t->path);
     }
+}
+
+void vdb_tree_background(const vdb_tree *t, void *sample) {
+    t->background(sample);
 }
 
 void vdb_tree_close(vdb_tree *t) {
