@@ -27,8 +27,9 @@ typedef struct bench {
 /* One level under way. */
 typedef struct stage {
     slab *slab;
-    pyramid *up;  /* makes the next level's slices; NULL at the last */
-    char *coarse; /* and here they come out */
+    pyramid *up;   /* makes the next level's slices; NULL at the last */
+    char *coarse;  /* and here they come out */
+    uint8_t *busy; /* their maps; NULL: there are none */
 } stage;
 
 typedef struct conversion {
@@ -151,10 +152,10 @@ static status push(conversion *c, read_slices in) {
         if (st != ST_OK || !s->up)
             return st;
         uint32_t coarse = pyramid_ready(s->up, in.count);
-        st = pyramid_feed(s->up, c->workers, in.samples, in.count, s->coarse);
+        st = pyramid_feed(s->up, c->workers, in.samples, in.busy, in.count, s->coarse, s->busy);
         if (st != ST_OK)
             return st;
-        in = (read_slices){s->coarse, NULL, coarse};
+        in = (read_slices){s->coarse, s->busy, coarse};
     }
     return ST_OK;
 }
@@ -218,6 +219,24 @@ static status create_stages(conversion *c, const char *output) {
     return ST_OK;
 }
 
+/* The input may tell where it is one value: then all levels do. */
+static status begin_maps(conversion *c) {
+    c->quiet = read_ahead_quiet(c->input);
+    for (uint32_t level = 0; c->quiet && level + 1 < c->layout->levels; level++) {
+        stage *s = &c->stages[level];
+        const size_t bytes = slice_tiles_count(c->layout->level[level + 1].dims) *
+                             convert_plan_slices(c->plan, level + 1);
+        s->busy = mem_alloc(c->m, bytes);
+        if (!s->busy)
+            return ST_NOMEM;
+        memset(s->busy, 1, bytes);
+        const status st = pyramid_quiet(s->up, c->quiet);
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
 /* All samples have been put. */
 static status check_empty(const conversion *c, const grid *g) {
     bool empty = c->o->refuse_empty;
@@ -262,6 +281,7 @@ static void release_set(conversion *c) {
         slab_destroy(c->stages[level].slab);
         pyramid_destroy(c->stages[level].up);
         mem_free(c->m, c->stages[level].coarse);
+        mem_free(c->m, c->stages[level].busy);
     }
     memset(c->stages, 0, sizeof c->stages);
     c->cells = NULL;
@@ -298,7 +318,8 @@ static status convert_set(conversion *c, volume *v, const char *output, read_ahe
         st = begin_histogram(c, g);
     if (st == ST_OK)
         st = read_ahead_create(c->m, v, c->plan->batch, &c->input);
-    c->quiet = st == ST_OK ? read_ahead_quiet(c->input) : NULL;
+    if (st == ST_OK)
+        st = begin_maps(c);
     if (st == ST_OK)
         st = convert_slices(c);
     if (st == ST_OK) {
