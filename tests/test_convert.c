@@ -65,7 +65,7 @@ static void *coarser(const leaf_level *fine, sample_type type, const void *sampl
     for (int a = 0; a < 3; a++)
         bytes *= pyramid_coarse(fine->dims[a]);
     void *coarse = malloc(bytes);
-    assert_int_equal(pyramid_feed(p, workers, samples, fine->dims[2], coarse), ST_OK);
+    assert_int_equal(pyramid_feed(p, workers, samples, NULL, fine->dims[2], coarse, NULL), ST_OK);
     pyramid_destroy(p);
     pool_destroy(workers);
     return coarse;

@@ -17,6 +17,7 @@
 #include "formats/grid/volume.h"
 #include "prep/export/grid_slices.h"
 #include "prep/export/sample_format.h"
+#include "prep/export/slice_files.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/naive_leaf.h"
 #include "tests/support/scratch.h"
@@ -417,6 +418,152 @@ static void test_vtr(void **state) {
     grid_release(&g, &m);
 }
 
+/* ---- TIFF ---- */
+
+static uint64_t little(const char *bytes, size_t at, int size) {
+    uint64_t value = 0;
+    for (int i = size; i-- > 0;)
+        value = value << 8 | (unsigned char)bytes[at + (size_t)i];
+    return value;
+}
+
+/* The value of a tag of a page. */
+static uint64_t tag_of(const char *bytes, uint64_t page, unsigned tag, bool big) {
+    const size_t entry = big ? 20 : 12, head = big ? 8 : 2;
+    const size_t count = little(bytes, page, big ? 8 : 2);
+    unsigned before = 0;
+    for (size_t i = 0; i < count; i++) {
+        const size_t at = page + head + i * entry;
+        const unsigned its = (unsigned)little(bytes, at, 2);
+        assert_true(its > before); /* in order */
+        before = its;
+        if (its == tag)
+            return little(bytes, at + (big ? 12 : 8), big ? 8 : 4);
+    }
+    fail_msg("no tag %u", tag);
+    return 0;
+}
+
+static uint64_t next_page(const char *bytes, uint64_t page, bool big) {
+    const size_t count = little(bytes, page, big ? 8 : 2);
+    return little(bytes, page + (big ? 8 + 20 * count : 2 + 12 * count), big ? 8 : 4);
+}
+
+static void check_pages(const char *bytes, const grid *g, size_t head, bool big) {
+    const uint64_t slice = grid_slice_bytes(g);
+    uint64_t page = little(bytes, big ? 8 : 4, big ? 8 : 4);
+    assert_memory_equal(bytes, big ? "II\x2b\0\x08\0\0" : "II\x2a", big ? 8 : 4);
+    for (uint32_t z = 0; z < g->dims[2]; z++, page = next_page(bytes, page, big)) {
+        assert_true(page > 0 && page % 2 == 0 && page < head);
+        assert_int_equal(tag_of(bytes, page, 256, big), g->dims[0]);
+        assert_int_equal(tag_of(bytes, page, 257, big), g->dims[1]);
+        assert_int_equal(tag_of(bytes, page, 258, big), 8 * sample_size(g->type));
+        assert_int_equal(tag_of(bytes, page, 259, big), 1);
+        assert_int_equal(tag_of(bytes, page, 262, big), 1);
+        assert_int_equal(tag_of(bytes, page, 273, big), head + z * slice);
+        assert_int_equal(tag_of(bytes, page, 278, big), g->dims[1]);
+        assert_int_equal(tag_of(bytes, page, 279, big), slice);
+        assert_int_equal(tag_of(bytes, page, 339, big), g->type == SAMPLE_F32 ? 3 : 1);
+    }
+    assert_int_equal(page, 0);
+}
+
+static void test_tiff(void **state) {
+    (void)state;
+    grid g = small_grid();
+    double map[12];
+    size_t size;
+    char *bytes = write_grid("tiff", &g, false, "a.tif", &size);
+    const size_t head = size - 2 * grid_samples(&g);
+    assert_int_equal(head % 64, 0);
+    check_pages(bytes, &g, head, false);
+    check_samples(&g, bytes + head);
+    const char *text = bytes + tag_of(bytes, little(bytes, 4, 4), 270, false);
+    assert_true(strlen(text) < head);
+    assert_non_null(strstr(text, "Name=\"a &lt;&quot;small&quot;&gt; &amp; grid\""));
+    const char *at = strstr(text, "<M K=\"to_world\">");
+    assert_non_null(at);
+    at += strlen("<M K=\"to_world\">");
+    for (int i = 0; i < 12; i++) {
+        char *end;
+        map[i] = strtod(at, &end);
+        at = end;
+    }
+    assert_memory_equal(at, "</M>", 4);
+    assert_memory_equal(map, g.to_world, sizeof map);
+    const uint64_t across = tag_of(bytes, little(bytes, 4, 4), 282, false);
+    const double pixels = (double)little(bytes, across, 4) / (double)little(bytes, across + 4, 4);
+    const double apart = sqrt(0.5 * 0.5 + 0.125 * 0.125 + 1);
+    assert_true(fabs(pixels * apart - 1) < 1e-8);
+    free(bytes);
+}
+
+/* The head alone of what is too large for 32 bits. */
+static void test_big_tiff(void **state) {
+    (void)state;
+    const uint32_t sizes[2][3] = {{65536, 32768, 1}, {65536, 32768, 2}};
+    for (int big = 0; big < 2; big++) {
+        grid g;
+        mem m;
+        out_stream *out;
+        size_t size;
+        mem_init(&m, 0);
+        grid_init(&g, sizes[big], SAMPLE_U8);
+        assert_int_equal(out_stream_create(&m, scratch_path("b.tif"), true, false, &out), ST_OK);
+        assert_int_equal(format_of("tiff")->head(&m, out, &g), ST_OK);
+        assert_int_equal(out_stream_commit(out), ST_OK);
+        assert_int_equal(mem_used(&m), 0);
+        char *bytes = scratch_read(scratch_path("b.tif"), &size);
+        check_pages(bytes, &g, size, big);
+        free(bytes);
+    }
+}
+
+/* One file a slice; nothing stays where one fails. */
+static void test_slices(void **state) {
+    (void)state;
+    grid g = small_grid();
+    const size_t slice = (size_t)g.dims[0] * g.dims[1], before = scratch_count();
+    uint16_t *samples = few_samples(&g);
+    char pattern[4096];
+    mem m;
+    mem_init(&m, 0);
+    snprintf(pattern, sizeof pattern, "%s", scratch_path("slice%02d.tif"));
+    slice_files *files;
+    assert_int_equal(slice_files_create(&m, pattern, false, format_of("tiff"), &g, &files), ST_OK);
+    assert_int_equal(slice_files_take(files, samples, slice), ST_OK);
+    assert_int_equal(slice_files_take(files, samples + slice, 2 * slice), ST_OK);
+    assert_int_equal(slice_files_end(files, ST_OK), ST_OK);
+    assert_int_equal(scratch_count(), before + 3);
+    grid one = g;
+    one.dims[2] = 1;
+    for (uint32_t z = 0; z < 3; z++) {
+        char name[32];
+        size_t size;
+        snprintf(name, sizeof name, "slice%02u.tif", z);
+        char *bytes = scratch_read(scratch_path(name), &size);
+        const size_t head = size - 2 * slice;
+        check_pages(bytes, &one, head, false);
+        assert_memory_equal(bytes + head, samples + z * slice, 2 * slice);
+        free(bytes);
+        if (z != 1)
+            remove(scratch_path(name));
+    }
+    /* slice01 is there already. */
+    assert_int_equal(slice_files_create(&m, pattern, false, format_of("tiff"), &g, &files),
+                     ST_EXISTS);
+    assert_int_equal(slice_files_create(&m, pattern, true, format_of("tiff"), &g, &files), ST_OK);
+    assert_int_equal(slice_files_take(files, samples, 2 * slice), ST_OK);
+    fault_arm(FAULT_WRITE, 1);
+    const status st = slice_files_take(files, samples, slice);
+    fault_arm(FAULT_WRITE, 0);
+    assert_int_not_equal(st, ST_OK);
+    assert_int_equal(slice_files_end(files, st), st);
+    assert_int_equal(scratch_count(), before);
+    assert_int_equal(mem_used(&m), 0);
+    free(samples);
+}
+
 /* A part lies in the world as that of its nodes in the whole. */
 static void test_maps(void **state) {
     (void)state;
@@ -453,11 +600,13 @@ static void test_maps(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_types),  cmocka_unit_test(test_budgets),
-        cmocka_unit_test(test_levels), cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_nrrd),   cmocka_unit_test(test_nifti),
-        cmocka_unit_test(test_packed), cmocka_unit_test(test_vti),
-        cmocka_unit_test(test_vtr),    cmocka_unit_test(test_maps),
+        cmocka_unit_test(test_types),    cmocka_unit_test(test_budgets),
+        cmocka_unit_test(test_levels),   cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_nrrd),     cmocka_unit_test(test_nifti),
+        cmocka_unit_test(test_packed),   cmocka_unit_test(test_vti),
+        cmocka_unit_test(test_vtr),      cmocka_unit_test(test_tiff),
+        cmocka_unit_test(test_big_tiff), cmocka_unit_test(test_slices),
+        cmocka_unit_test(test_maps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

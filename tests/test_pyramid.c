@@ -99,8 +99,9 @@ static void check_level(const fine *f, int threads, uint64_t seed) {
         count = count < f->dims[2] - z ? count : f->dims[2] - z;
         uint32_t made = pyramid_ready(p, count);
         assert_true(made <= count / 2 + 2 && done + made <= coarse[2]);
-        assert_int_equal(
-            pyramid_feed(p, workers, (const char *)f->samples + z * fine_bytes, count, out), ST_OK);
+        assert_int_equal(pyramid_feed(p, workers, (const char *)f->samples + z * fine_bytes, NULL,
+                                      count, out, NULL),
+                         ST_OK);
         for (uint32_t k = 0; k < made; k++)
             check_slice(f, coarse, done + k, out + k * coarse_bytes);
         done += made;

@@ -1,5 +1,6 @@
 #include "formats/base/out_stream.h"
 
+#include <assert.h>
 #include <endian.h>
 #include <limits.h>
 #include <string.h>
@@ -102,6 +103,15 @@ status out_stream_samples(out_stream *s, sample_type type, const void *samples, 
     if (__BYTE_ORDER == __BIG_ENDIAN)
         return write_swapped(s, type, samples, count);
     return out_stream_write(s, samples, count * sample_size(type));
+}
+
+bool out_stream_is_file(const out_stream *s) {
+    return s->file && !s->packed;
+}
+
+status out_stream_patch(out_stream *s, uint64_t offset, const void *data, size_t size) {
+    assert(out_stream_is_file(s));
+    return out_file_write_at(s->file, offset, data, size);
 }
 
 status out_stream_commit(out_stream *s) {

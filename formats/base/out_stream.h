@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "formats/base/mem.h"
 #include "formats/base/sample.h"
@@ -23,6 +24,11 @@ CHECKED status out_stream_write(out_stream *s, const void *data, size_t size);
 CHECKED status out_stream_text(out_stream *s, const char *text);
 CHECKED status out_stream_samples(out_stream *s, sample_type type, const void *samples,
                                   size_t count);
+
+/* out_stream_is_file() - whether it is a file that is not packed: then out_stream_patch() puts
+ * bytes where others were written before. Errors as of out_stream_write(). */
+bool out_stream_is_file(const out_stream *s);
+CHECKED status out_stream_patch(out_stream *s, uint64_t offset, const void *data, size_t size);
 
 /* out_stream_commit() - that was all: give the file its name. Consumes s in any case. */
 CHECKED status out_stream_commit(out_stream *s);

@@ -11,6 +11,7 @@
 #include "formats/base/wait.h"
 #include "formats/grid/layout_slices.h"
 #include "formats/grid/nrrd.h"
+#include "formats/grid/tile_stream.h"
 #include "formats/input/foreign.h"
 
 /* ---- the verb's output ---- */
@@ -82,11 +83,13 @@ static void close_output(void *ctx) {
 
 enum { ARGUMENTS_MAX = 16, NUMBER_MAX = 24 };
 
-/* first: two words that say what is wanted. */
-static status start(const import *x, const char *const first[2], size_t lent, child *c) {
+/* first: up to three words that say what is wanted. */
+static status start(const import *x, const char *const first[3], size_t lent, child *c) {
     char component[NUMBER_MAX], step[NUMBER_MAX], memory[NUMBER_MAX];
-    const char *argv[ARGUMENTS_MAX] = {x->program, "-q", first[0], first[1]};
-    int count = 4;
+    const char *argv[ARGUMENTS_MAX] = {x->program, "-q"};
+    int count = 2;
+    for (int i = 0; i < 3 && first[i]; i++)
+        argv[count++] = first[i];
     const struct {
         bool given;
         const char *option, *value;
@@ -132,7 +135,7 @@ static status copy_hints(import *x, const char *path, const volume_hints *hints)
 
 static status open_import(mem *m, const foreign_format *f, const char *path,
                           const volume_hints *hints, import **out, byte_stream **data) {
-    static const char *const samples[2] = {"-o", "-"};
+    static const char *const samples[3] = {"--tiles", "-o", "-"};
     import *x = mem_zalloc(m, sizeof *x);
     if (!x)
         return ST_NOMEM;
@@ -198,7 +201,7 @@ static status tell_items(const json_t *items, const slice_fields *to) {
 }
 
 static status tell_fields(void *ctx, const slice_fields *to) {
-    static const char *const list[2] = {"--list", "--json"};
+    static const char *const list[3] = {"--list", "--json", NULL};
     const import *x = ctx;
     json_t *root = NULL;
     child c;
@@ -213,12 +216,16 @@ static status tell_fields(void *ctx, const slice_fields *to) {
     return st;
 }
 
-/* The verb writes NRRD. */
+/* The verb writes NRRD, or where it knows of quiet parts a tile stream. */
 static status open_slices(mem *m, const foreign_format *f, const char *path,
                           const volume_hints *hints, slice_source *out) {
     volume_layout l = {.m = m};
+    uint8_t quiet[SLICE_SAMPLE_MAX];
+    bool tiles = false;
     import *x = NULL;
     status st = open_import(m, f, path, hints, &x, &l.data);
+    if (st == ST_OK)
+        st = tile_stream_known(&l, &tiles, quiet);
     if (st == ST_OK)
         st = nrrd_reader.layout(&l, hints);
     if (st == ST_OK) /* the verb has made the choice */
@@ -226,7 +233,7 @@ static status open_slices(mem *m, const foreign_format *f, const char *path,
     if (st == ST_OK)
         st = volume_layout_check(&l);
     if (st == ST_OK)
-        st = layout_slices_open(&l, out);
+        st = tiles ? tile_stream_open(&l, quiet, out) : layout_slices_open(&l, out);
     volume_layout_release(&l);
     out->format = f->name;
     out->importer = f->importer;

@@ -13,6 +13,7 @@
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
 #include "formats/grid/grid.h"
+#include "formats/grid/slice_tiles.h"
 
 /* One of the fields that a file has: an array, a grid, a data set, a variable. */
 typedef struct slice_field {
@@ -39,6 +40,10 @@ typedef struct slice_source {
      * them. Called for all slices in order, from 0 on, by one thread. What is not ST_OK ends the
      * reading, and is what volume_read() returns. */
     status (*read)(void *ctx, uint32_t first, uint32_t count, void *slices);
+    /* The same where large parts may be one value, with a map for each slice (slice_tiles.h):
+     * before, what `slices` holds, after, what has been read. NULL: this is not told. */
+    status (*read_tiles)(void *ctx, uint32_t first, uint32_t count, void *slices, uint8_t *busy);
+    uint8_t quiet[SLICE_SAMPLE_MAX]; /* that value, a sample of g.type */
     /* Behind the last slice: check what follows, and count it; see volume_finish(). NULL: nothing
      * can follow. */
     status (*finish)(void *ctx, uint64_t *trailing);

@@ -282,6 +282,17 @@ status volume_read(volume *v, uint32_t count, void *buffer) {
     return st;
 }
 
+bool volume_quiet(const volume *v, uint8_t sample[SLICE_SAMPLE_MAX]) {
+    memcpy(sample, v->from.quiet, SLICE_SAMPLE_MAX);
+    return v->from.read_tiles && !v->has_missing;
+}
+
+status volume_read_tiles(volume *v, uint32_t count, void *buffer, uint8_t *busy) {
+    const status st = v->from.read_tiles(v->from.ctx, v->slice, count, buffer, busy);
+    v->slice += count;
+    return st;
+}
+
 status volume_finish(volume *v, uint64_t *trailing) {
     uint64_t count = 0;
     status st = v->from.finish ? v->from.finish(v->from.ctx, &count) : ST_OK;

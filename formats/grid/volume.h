@@ -64,6 +64,12 @@ const char *volume_importer(const volume *v);
  * The caller does not ask for more slices than are left. */
 CHECKED status volume_read(volume *v, uint32_t count, void *buffer);
 
+/* volume_quiet() - whether large parts of v may be one value that its source tells of: out, a
+ * sample of volume_grid()->type. Then volume_read_tiles() reads as volume_read(), with a map for
+ * each slice (slice_tiles.h): before, what buffer holds, after, what has been read. */
+bool volume_quiet(const volume *v, uint8_t sample[SLICE_SAMPLE_MAX]);
+CHECKED status volume_read_tiles(volume *v, uint32_t count, void *buffer, uint8_t *busy);
+
 /* volume_finish() - after the last slice: check what is behind it (a gzip checksum) and count the
  * bytes that follow, which are allowed up to VOLUME_TRAILING_MAX where they must be read to be
  * counted. trailing may be NULL. */

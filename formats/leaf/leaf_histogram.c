@@ -1,20 +1,44 @@
 #include "formats/leaf/leaf_histogram.h"
 
 #include <math.h>
+#include <string.h>
+
+/* Without its samples. */
+static histogram_block block_of(const leaf_layout *l, const histogram_draw *d, uint32_t t,
+                                const leaf_payload *p) {
+    histogram_block b = {.type = l->type};
+    for (int a = 0; a < 3; a++) {
+        b.first[a] = l->place[t][a] << l->cells_log2;
+        b.end[a] = b.first[a] + p->cells[a];
+        /* The last treelet has the nodes of the far face, too. */
+        b.end[a] += b.end[a] + 1 == d->dims[a];
+    }
+    return b;
+}
 
 void leaf_histogram_take(const leaf_layout *l, const histogram_draw *d, const histogram_space *s,
                          uint32_t t, const void *payload, histogram_cell *cells) {
     const leaf_payload p = leaf_layout_payload(l, t);
-    const size_t row = p.samples[0], slice = row * p.samples[1];
-    histogram_block b = {.type = l->type, .row = row, .slice = slice};
-    b.samples =
-        (const char *)payload + p.samples_at + l->halo * (1 + row + slice) * sample_size(l->type);
-    for (int a = 0; a < 3; a++) {
-        b.first[a] = l->place[t][a] << l->cells_log2;
-        b.end[a] = b.first[a] + p.cells[a];
-        /* The last treelet has the nodes of the far face, too. */
-        b.end[a] += b.end[a] + 1 == d->dims[a];
-    }
+    histogram_block b = block_of(l, d, t, &p);
+    b.row = p.samples[0];
+    b.slice = b.row * p.samples[1];
+    b.samples = (const char *)payload + p.samples_at +
+                l->halo * (1 + b.row + b.slice) * sample_size(l->type);
+    histogram_draw_take(d, s, &b, cells);
+}
+
+/* A row of them that is all rows of all slices. */
+void leaf_histogram_take_one(const leaf_layout *l, const histogram_draw *d,
+                             const histogram_space *s, uint32_t t, const void *sample,
+                             histogram_cell *cells) {
+    enum { ROW = (1 << LEAF_CELLS_LOG2_MAX) + 1 };
+    const leaf_payload p = leaf_layout_payload(l, t);
+    const size_t width = sample_size(l->type);
+    float row[ROW];
+    histogram_block b = block_of(l, d, t, &p);
+    for (size_t i = 0; i < ROW; i++)
+        memcpy((char *)row + i * width, sample, width);
+    b.samples = row;
     histogram_draw_take(d, s, &b, cells);
 }
 

@@ -17,6 +17,11 @@
 void leaf_histogram_take(const leaf_layout *l, const histogram_draw *d, const histogram_space *s,
                          uint32_t t, const void *payload, histogram_cell *cells);
 
+/* leaf_histogram_take_one() - the same of a treelet all of whose samples are this one. */
+void leaf_histogram_take_one(const leaf_layout *l, const histogram_draw *d,
+                             const histogram_space *s, uint32_t t, const void *sample,
+                             histogram_cell *cells);
+
 /* leaf_histogram_take_tets() - the same of a mesh's treelet, whose first tet is number first_tet;
  * positions, values: of its vertices. */
 void leaf_histogram_take_tets(const histogram_run *r, uint64_t first_tet, const mesh_shape *s,

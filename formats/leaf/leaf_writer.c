@@ -1,4 +1,5 @@
 #include "formats/leaf/leaf_writer.h"
+#include "formats/leaf/implied_payload.h"
 
 #include <assert.h>
 #include <math.h>
@@ -471,6 +472,14 @@ status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
         return ST_OK;
     }
     return put_payload(w, k, p, payload, leaf_layout_payload_bytes(&w->layout, p), pack);
+}
+
+void leaf_writer_put_implied(leaf_writer *w, uint32_t set, uint32_t t, const leaf_entry *entry) {
+    const uint32_t p = leaf_layout_samples(&w->layout, set, t);
+    assert(w->layout.geometry->implies && implied_payload_may(entry->own, entry->flags));
+    memcpy(w->own[p], entry->own, sizeof entry->own);
+    w->flags[p] = entry->flags;
+    put_implied(w, p);
 }
 
 /* -0 becomes +0, as readers may compare bytes. */

@@ -100,6 +100,10 @@ void leaf_writer_range(const leaf_writer *w, uint32_t set, double range[2]);
 CHECKED status leaf_writer_put(leaf_writer *w, leaf_packer *k, uint32_t set, uint32_t t,
                                const leaf_entry *entry, const void *payload, void *pack);
 
+/* leaf_writer_put_implied() - the same of a grid's treelet whose payload is known to be implied
+ * (implied_payload.h). */
+void leaf_writer_put_implied(leaf_writer *w, uint32_t set, uint32_t t, const leaf_entry *entry);
+
 /* leaf_writer_put_topology() - treelet t of a mesh: its bounds (exact), its counts (without a
  * mesh_leaf_counts_fault()), and its topology, mesh_leaf_shape(counts).topology_bytes.
  * leaf_writer_put_values() - its values in a set, .values_bytes, after its topology; entry->own is

@@ -16,6 +16,7 @@
 #include "prep/export/grid_surface.h"
 #include "prep/export/piece_export.h"
 #include "prep/export/sample_format.h"
+#include "prep/export/slice_files.h"
 #include "prep/export/tet_pieces.h"
 #include "prep/export/tet_surface.h"
 
@@ -53,7 +54,8 @@ static const cli_use uses[] = {{KEY_BOX, SAMPLES | GRID_SURFACE},
                                {KEY_FLOATS, GRID_SURFACE | MESH_SURFACE}};
 
 static const struct argp_option options[] = {
-    {"format", KEY_FORMAT, "nrrd|raw|nifti|nifti1|nifti2|vti|vtr|ply|stl|vtp|vtu", CLI_BASIC,
+    {"format", KEY_FORMAT, "nrrd|raw|nifti|nifti1|nifti2|vti|vtr|tiff|vdb|ply|stl|vtp|vtu",
+     CLI_BASIC,
      "default: as the output's name ends (.nii: nifti); nifti is NIfTI-1 where that holds the grid "
      "exactly, else NIfTI-2",
      1},
@@ -68,7 +70,7 @@ static const struct argp_option options[] = {
      "coordinates of vertices as 32-bit floats instead of doubles: smaller, less exact", 3},
     {NULL, 0, NULL, 0, "Of several fields and steps:", 4},
     {"field", KEY_FIELD, "NAME", CLI_BASIC,
-     "this one; may be repeated for .vtu (default: all; of isosurfaces the first)", 4},
+     "this one; may be repeated for .vdb and .vtu (default: there all, else the first)", 4},
     {"step", KEY_STEP, "K", CLI_BASIC, "of time steps this one, from 0 on (0)", 4},
     {NULL, 0, NULL, 0, NULL, 0}};
 
@@ -145,9 +147,9 @@ static status find_format(arguments *a) {
     if (!a->samples && !a->pieces)
         return status_describe(ST_USAGE, "%s: which format? --format says it, or the name's end",
                                a->common.output);
-    if (a->pieces && a->gzip)
-        return status_describe(ST_USAGE, "%s: .%s is not packed by gzip", a->common.output,
-                               a->pieces->name);
+    if (a->gzip && (a->pieces || a->samples->unpacked))
+        return status_describe(ST_USAGE, "%s: %s is not packed by gzip", a->common.output,
+                               a->pieces ? a->pieces->name : a->samples->name);
     return ST_OK;
 }
 
@@ -178,7 +180,7 @@ static const cli_verb verb = {
     .set_option = set_option,
     .check = check,
     .input = "treelet file",
-    .args_doc = "F.leaf -o FILE.nrrd|.raw|.nii|.vti|.vtr\n"
+    .args_doc = "F.leaf -o FILE.nrrd|.raw|.nii|.vti|.vtr|.tif|.vdb\n"
                 "F.leaf --iso V -o FILE.ply|.stl|.vtp\nF.leaf -o FILE.vtu",
     .doc =
         "Write what is in a treelet file to another format: the samples of a grid, isosurfaces of "
@@ -186,8 +188,9 @@ static const cli_verb verb = {
         "\vExample:\n"
         "  leafcast export head.leaf --iso 1150 -o skull.ply\v"
         "Samples come out as they went in, to the bit, unless their type was not kept (u32, i32, "
-        "f64). What a format cannot hold is refused. Names that end in .gz are packed. Surfaces "
-        "are welded; their vertices lie on the interpolant's surface. Memory stays below "
+        "f64). What a format cannot hold is refused. Names that end in .gz are packed; "
+        "slice_%04d.tif is a file a slice. Surfaces are welded; their vertices lie on the "
+        "interpolant's surface. Memory stays below "
         "--memory (default 2G); what does not fit goes to temporary files beside the output (-o "
         "-: in $TMPDIR). The output's bytes depend on neither --memory nor --threads.",
 };
@@ -213,18 +216,85 @@ static status check_step(const arguments *a, const leaf_file *f) {
                            f->header.steps);
 }
 
-/* What of a grid. */
-static status choose_part(const arguments *a, const leaf_file *f, grid_part *part) {
-    uint32_t field = 0;
-    status st = grid_part_of(f, a->level, cli_given(&a->common, KEY_BOX) ? a->box : NULL, part);
+/* Whether the format has several. */
+static bool takes_all(const arguments *a) {
+    return a->samples ? a->samples->write != NULL : a->pieces->corners == 4;
+}
+
+/* The fields that are asked for, or all, or the first. fields: room for as many. */
+static status choose_fields(const arguments *a, const leaf_file *f, uint32_t *fields,
+                            uint32_t *count) {
+    status st = ST_OK;
+    *count = a->field_count ? a->field_count : takes_all(a) ? f->header.fields : 1;
+    if (*count > 1 && !takes_all(a))
+        return status_describe(ST_USAGE, "--field: %s are of one field",
+                               a->samples ? "samples" : "surfaces");
+    if (*count > ALL_MAX)
+        return status_describe(ST_UNSUPPORTED,
+                               "%s: %u fields: more than %d are not exported at once, "
+                               "--field says which",
+                               a->common.input, *count, ALL_MAX);
+    for (uint32_t i = 0; i < *count && st == ST_OK; i++) {
+        fields[i] = i;
+        if (a->field_count)
+            st = find_field(f, a->fields[i], &fields[i]);
+    }
+    return st;
+}
+
+/* Names as a file of VTK can have them: each its own, none empty. */
+static void name_fields(const leaf_file *f, const uint32_t *fields, uint32_t count,
+                        char (*names)[80], const char **list) {
+    for (uint32_t i = 0; i < count; i++) {
+        char own[64];
+        text_name(own, sizeof own, f->names[fields[i]]);
+        snprintf(names[i], sizeof names[i], "%s", own[0] ? own : "value");
+        for (uint32_t k = 0; k < i; k++)
+            if (strcmp(names[k], names[i]) == 0)
+                snprintf(names[i], sizeof names[i], "%s (field %u)", own[0] ? own : "value",
+                         fields[i]);
+        list[i] = names[i];
+    }
+}
+
+/* Fields that were chosen, with names. */
+typedef struct field_list {
+    uint32_t *fields, *sets; /* at the step */
+    char (*texts)[80];
+    const char **names;
+    uint32_t count;
+} field_list;
+
+static status list_fields(const arguments *a, mem *m, const leaf_file *f, field_list *l) {
+    const uint32_t most = f->header.fields + a->field_count;
+    *l = (field_list){.fields = mem_array(m, most, sizeof *l->fields),
+                      .sets = mem_array(m, most, sizeof *l->sets),
+                      .texts = mem_array(m, most, sizeof *l->texts),
+                      .names = mem_array(m, most, sizeof *l->names)};
+    status st = l->fields && l->sets && l->texts && l->names ? ST_OK : ST_NOMEM;
     if (st == ST_OK)
         st = check_step(a, f);
-    if (st == ST_OK && a->field_count > 1)
-        st = status_describe(ST_USAGE, "--field: samples are of one field");
-    if (st == ST_OK && a->field_count)
-        st = find_field(f, a->fields[0], &field);
-    part->set = leaf_layout_set(&f->layout, field, a->step);
+    if (st == ST_OK)
+        st = choose_fields(a, f, l->fields, &l->count);
+    if (st == ST_OK)
+        name_fields(f, l->fields, l->count, l->texts, l->names);
+    for (uint32_t i = 0; i < l->count && st == ST_OK; i++)
+        l->sets[i] = leaf_layout_set(&f->layout, l->fields[i], a->step);
     return st;
+}
+
+static void release_fields(mem *m, field_list *l) {
+    mem_free(m, l->fields);
+    mem_free(m, l->sets);
+    mem_free(m, l->texts);
+    mem_free(m, l->names);
+}
+
+/* What of a grid; of its first field. */
+static status choose_part(const arguments *a, const leaf_file *f, uint32_t field, grid_part *part) {
+    status st = grid_part_of(f, a->level, cli_given(&a->common, KEY_BOX) ? a->box : NULL, part);
+    part->set = leaf_layout_set(&f->layout, field, a->step < f->header.steps ? a->step : 0);
+    return st == ST_OK ? check_step(a, f) : st;
 }
 
 /* ---- samples ---- */
@@ -240,23 +310,39 @@ static status append(void *ctx, const void *samples, size_t count) {
     return out_stream_samples(sink->out, sink->type, samples, count);
 }
 
-static status write_samples(arguments *a, mem *m, leaf_file *f, const grid_part *part,
-                            const grid *g) {
+static status write_stream(const arguments *a, mem *m, const sample_export *e, const grid *g) {
     sample_sink sink = {.type = g->type};
-    status st = out_stream_create(m, a->common.output, a->common.force, a->gzip, &sink.out);
+    status st = out_stream_create(m, e->path, e->force, a->gzip, &sink.out);
     if (st != ST_OK)
         return st;
     if (a->samples->head)
         st = a->samples->head(m, sink.out, g);
     if (st == ST_OK)
-        st =
-            grid_slices_run(m, f, part, a->common.threads, cli_progress(&a->common), append, &sink);
+        st = grid_slices_run(m, e->f, e->part, e->threads, e->p, append, &sink);
     if (st == ST_OK && a->samples->tail)
         st = a->samples->tail(sink.out);
     if (st == ST_OK)
         return out_stream_commit(sink.out);
     out_stream_discard(sink.out);
     return st;
+}
+
+static bool is_sequence(const arguments *a) {
+    return a->samples && a->samples->slices && strchr(a->common.output, '%');
+}
+
+static status write_slices(const arguments *a, mem *m, const sample_export *e, const grid *g) {
+    slice_files *files = NULL;
+    status st = slice_files_create(m, e->path, e->force, a->samples, g, &files);
+    if (st == ST_OK)
+        st = grid_slices_run(m, e->f, e->part, e->threads, e->p, slice_files_take, files);
+    return slice_files_end(files, st);
+}
+
+static status write_samples(const arguments *a, mem *m, const sample_export *e, const grid *g) {
+    if (a->samples->write)
+        return a->samples->write(m, e);
+    return is_sequence(a) ? write_slices(a, m, e, g) : write_stream(a, m, e, g);
 }
 
 static status report_samples(const arguments *a, const grid *g, double seconds) {
@@ -277,16 +363,30 @@ static status report_samples(const arguments *a, const grid *g, double seconds) 
 static status export_samples(arguments *a, mem *m, leaf_file *f, double start) {
     grid_part part;
     grid g = {.dims = {0}};
-    status st = choose_part(a, f, &part);
+    field_list fields;
+    status st = list_fields(a, m, f, &fields);
+    if (st == ST_OK)
+        st = choose_part(a, f, fields.fields[0], &part);
     if (st == ST_OK)
         st = grid_part_describe(m, f, &part, &g);
     if (st == ST_OK && a->samples->check)
         st = a->samples->check(&g);
     if (st == ST_OK)
-        st = write_samples(a, m, f, &part, &g);
+        st = write_samples(a, m,
+                           &(sample_export){.f = f,
+                                            .part = &part,
+                                            .sets = fields.sets,
+                                            .names = fields.names,
+                                            .count = fields.count,
+                                            .path = a->common.output,
+                                            .force = a->common.force,
+                                            .threads = a->common.threads,
+                                            .p = cli_progress(&a->common)},
+                           &g);
     if (st == ST_OK)
         st = report_samples(a, &g, clock_seconds() - start);
     grid_release(&g, m);
+    release_fields(m, &fields);
     return st;
 }
 
@@ -342,8 +442,11 @@ static status write_pieces(arguments *a, mem *m, const piece_source *source, int
 static status export_grid_surface(arguments *a, mem *m, leaf_file *f, piece_info *info) {
     grid_part part;
     grid_surface *s = NULL;
-    status st = choose_part(a, f, &part);
+    uint32_t field = 0;
+    status st = a->field_count ? find_field(f, a->fields[0], &field) : ST_OK;
     const int threads = threads_for(a, m, grid_surface_worker(f));
+    if (st == ST_OK)
+        st = choose_part(a, f, field, &part);
     if (st == ST_OK)
         st = grid_surface_create(m, f, &part, a->isos, a->iso_count, threads, &s);
     if (st == ST_OK) {
@@ -385,66 +488,23 @@ static status export_tets(arguments *a, mem *m, const tet_choice *choice, piece_
     return st;
 }
 
-/* ---- fields of a mesh ---- */
-
-/* The fields that are asked for, or all, or for a surface the first. fields: room for as many. */
-static status choose_fields(const arguments *a, const leaf_file *f, uint32_t *fields,
-                            uint32_t *count) {
-    const bool surface = a->pieces->corners == 3;
-    status st = ST_OK;
-    *count = a->field_count ? a->field_count : surface ? 1 : f->header.fields;
-    if (*count > ALL_MAX)
-        return status_describe(ST_UNSUPPORTED,
-                               "%s: %u fields: more than %d are not exported at once, "
-                               "--field says which",
-                               a->common.input, *count, ALL_MAX);
-    for (uint32_t i = 0; i < *count && st == ST_OK; i++) {
-        fields[i] = i;
-        if (a->field_count)
-            st = find_field(f, a->fields[i], &fields[i]);
-    }
-    return st;
-}
-
-/* Names as a file of VTK can have them: each its own, none empty. */
-static void name_fields(const leaf_file *f, const uint32_t *fields, uint32_t count,
-                        char (*names)[80], const char **list) {
-    for (uint32_t i = 0; i < count; i++) {
-        char own[64];
-        text_name(own, sizeof own, f->names[fields[i]]);
-        snprintf(names[i], sizeof names[i], "%s", own[0] ? own : "value");
-        for (uint32_t k = 0; k < i; k++)
-            if (strcmp(names[k], names[i]) == 0)
-                snprintf(names[i], sizeof names[i], "%s (field %u)", own[0] ? own : "value",
-                         fields[i]);
-        list[i] = names[i];
-    }
-}
-
 static status export_mesh(arguments *a, mem *m, leaf_file *f, piece_info *info) {
-    const uint32_t most = f->header.fields + a->field_count;
-    uint32_t *fields = mem_array(m, most, sizeof *fields);
-    char(*names)[80] = mem_array(m, most, sizeof *names);
-    const char **list = mem_array(m, most, sizeof *list);
-    tet_choice choice = {.f = f, .fields = fields, .step = a->step};
+    const bool surface = a->pieces->corners == 3;
     double time = leaf_file_step_time(f, a->step < f->header.steps ? a->step : 0);
-    status st = fields && names && list ? ST_OK : ST_NOMEM;
-    if (st == ST_OK)
-        st = check_step(a, f);
-    if (st == ST_OK)
-        st = choose_fields(a, f, fields, &choice.count);
+    field_list fields;
+    status st = list_fields(a, m, f, &fields);
     if (st == ST_OK) {
-        const bool surface = a->pieces->corners == 3;
-        name_fields(f, fields, choice.count, names, list);
-        choice.gradients = surface;
-        info->fields = list;
-        info->field_count = choice.count;
+        const tet_choice choice = {.f = f,
+                                   .fields = fields.fields,
+                                   .count = fields.count,
+                                   .step = a->step,
+                                   .gradients = surface};
+        info->fields = fields.names;
+        info->field_count = fields.count;
         info->time = f->header.steps > 1 && !surface ? &time : NULL;
         st = surface ? export_mesh_surface(a, m, &choice, info) : export_tets(a, m, &choice, info);
     }
-    mem_free(m, fields);
-    mem_free(m, names);
-    mem_free(m, list);
+    release_fields(m, &fields);
     return st;
 }
 
@@ -498,7 +558,7 @@ static status run(arguments *a) {
     status st = file_guard_input(a->common.input);
     if (st == ST_OK)
         st = file_guard_output(a->common.output);
-    if (st == ST_OK && !to_stdout(a))
+    if (st == ST_OK && !to_stdout(a) && !is_sequence(a))
         st = out_file_check(&m, a->common.output, a->common.force);
     if (st == ST_OK)
         st = leaf_file_open(&m, a->common.input, &f);

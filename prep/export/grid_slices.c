@@ -1,8 +1,7 @@
 #include "prep/export/grid_slices.h"
 
-#include <string.h>
-
 #include "formats/base/pool.h"
+#include "prep/export/grid_box.h"
 
 /* Book-keeping beside what is planned: blocks' heads, the pool. */
 enum { SPARE_BYTES = 64 << 10 };
@@ -13,15 +12,13 @@ typedef struct job {
     const grid_part *part;
     pool *workers;
     int threads;
-    size_t width;            /* of a sample */
-    size_t payload;          /* room for one */
-    size_t slice;            /* bytes of one of the part */
-    char *payloads, *stored; /* one a thread; stored: NULL where nothing is packed */
-    char *slab;
-    uint32_t slices;            /* most in the slab */
-    uint32_t first, end;        /* those that are in it now */
-    uint32_t layer;             /* of treelets, that they are in */
-    uint32_t from[2], count[2]; /* treelets of the layer along x and y */
+    size_t width;               /* of a sample */
+    size_t payload;             /* room for one */
+    size_t slice;               /* bytes of one of the part */
+    char *payloads, *stored;    /* one a thread; stored: NULL where nothing is packed */
+    grid_box box;               /* the slab: slices that are in it now */
+    uint32_t slices;            /* most in it */
+    uint32_t from[3], count[3]; /* treelets of the layer that they are in */
 } job;
 
 static bool is_packed(const leaf_file *f) {
@@ -66,56 +63,23 @@ static status allocate(job *j) {
     j->payloads = mem_alloc(j->m, (size_t)j->threads * j->payload);
     if (is_packed(j->f))
         j->stored = mem_alloc(j->m, (size_t)j->threads * j->payload);
-    j->slab = mem_alloc(j->m, j->slices * j->slice);
-    return j->payloads && j->slab && (j->stored || !is_packed(j->f)) ? ST_OK : ST_NOMEM;
+    j->box.samples = mem_alloc(j->m, j->slices * j->slice);
+    return j->payloads && j->box.samples && (j->stored || !is_packed(j->f)) ? ST_OK : ST_NOMEM;
 }
 
 static void release(job *j) {
     mem_free(j->m, j->payloads);
     mem_free(j->m, j->stored);
-    mem_free(j->m, j->slab);
+    mem_free(j->m, j->box.samples);
     pool_destroy(j->workers);
 }
 
 /* ---- a treelet ---- */
 
-/* The nodes of a treelet along an axis that go into the slab: its own but for the last, which is
- * the next one's, within the part. */
-static void nodes_of(const job *j, const uint32_t place[3], int a, uint32_t *first, uint32_t *end) {
-    const leaf_level *l = &j->f->layout.level[j->part->level];
-    const uint32_t log2 = j->f->layout.cells_log2;
-    const uint32_t lo = a == 2 ? j->first : j->part->lo[a], hi = a == 2 ? j->end : j->part->end[a];
-    *first = place[a] << log2;
-    *end = place[a] + 1 == l->treelets[a] ? l->dims[a] : (place[a] + 1) << log2;
-    *first = *first > lo ? *first : lo;
-    *end = *end < hi ? *end : hi;
-}
-
-static void copy(const job *j, const leaf_payload *p, const uint32_t place[3],
-                 const char *payload) {
-    const leaf_layout *l = &j->f->layout;
-    uint32_t first[3], end[3], within[3];
-    for (int a = 0; a < 3; a++) {
-        nodes_of(j, place, a, &first[a], &end[a]);
-        within[a] = first[a] + l->halo - (place[a] << l->cells_log2);
-    }
-    const size_t row = j->width * (j->part->end[0] - j->part->lo[0]);
-    for (uint32_t z = first[2]; z < end[2]; z++)
-        for (uint32_t y = first[1]; y < end[1]; y++) {
-            const size_t at =
-                ((size_t)(within[2] + z - first[2]) * p->samples[1] + within[1] + y - first[1]) *
-                    p->samples[0] +
-                within[0];
-            memcpy(j->slab + (z - j->first) * j->slice + (y - j->part->lo[1]) * row +
-                       (first[0] - j->part->lo[0]) * j->width,
-                   payload + p->samples_at + at * j->width, (end[0] - first[0]) * j->width);
-        }
-}
-
 static status load_one(void *ctx, size_t index, int worker) {
     const job *j = ctx;
     const uint32_t place[3] = {j->from[0] + (uint32_t)(index % j->count[0]),
-                               j->from[1] + (uint32_t)(index / j->count[0]), j->layer};
+                               j->from[1] + (uint32_t)(index / j->count[0]), j->from[2]};
     const uint32_t t = leaf_layout_find(&j->f->layout, j->part->level, place);
     char *payload = j->payloads + (size_t)worker * j->payload;
     char *stored = j->stored ? j->stored + (size_t)worker * j->payload : NULL;
@@ -123,47 +87,36 @@ static status load_one(void *ctx, size_t index, int worker) {
     status st = leaf_file_load(j->f, element, stored, payload);
     if (st != ST_OK)
         return st;
-    const leaf_payload p = leaf_layout_payload(&j->f->layout, t);
-    copy(j, &p, place, payload);
+    grid_box_copy(&j->box, &j->f->layout, place, payload);
     return ST_OK;
 }
 
 /* ---- slab by slab ---- */
 
-/* The treelet that has a node as its own. */
-static uint32_t treelet_of(const job *j, int a, uint32_t node) {
-    const uint32_t t = node >> j->f->layout.cells_log2;
-    const uint32_t last = j->f->layout.level[j->part->level].treelets[a] - 1;
-    return t < last ? t : last;
-}
-
 static status load_slab(job *j, uint32_t first) {
-    const leaf_level *l = &j->f->layout.level[j->part->level];
-    j->layer = treelet_of(j, 2, first);
-    const uint32_t end =
-        j->layer + 1 == l->treelets[2] ? l->dims[2] : (j->layer + 1) << j->f->layout.cells_log2;
-    j->first = first;
-    j->end = end < j->part->end[2] ? end : j->part->end[2];
-    if (j->end - first > j->slices)
-        j->end = first + j->slices;
-    for (int a = 0; a < 2; a++) {
-        j->from[a] = treelet_of(j, a, j->part->lo[a]);
-        j->count[a] = treelet_of(j, a, j->part->end[a] - 1) - j->from[a] + 1;
-    }
+    const leaf_layout *l = &j->f->layout;
+    const uint32_t layer = grid_box_treelet(l, j->part->level, 2, first);
+    const uint32_t end = grid_box_end(l, j->part->level, 2, layer);
+    grid_box *b = &j->box;
+    b->lo[2] = first;
+    b->end[2] = end < j->part->end[2] ? end : j->part->end[2];
+    if (b->end[2] - first > j->slices)
+        b->end[2] = first + j->slices;
+    grid_box_treelets(b, l, j->from, j->count);
     return pool_run(j->workers, (size_t)j->count[0] * j->count[1], load_one, j);
 }
 
 status grid_slices_run(mem *m, leaf_file *f, const grid_part *part, int threads, const progress *p,
                        grid_slices_take take, void *ctx) {
-    job j = {.m = m, .f = f, .part = part, .threads = threads};
     const uint32_t lo = part->lo[2], end = part->end[2];
+    job j = {.m = m, .f = f, .part = part, .threads = threads, .box = grid_box_of(part)};
     status st = allocate(&j);
-    for (uint32_t z = lo; st == ST_OK && z < end; z = j.end) {
+    for (uint32_t z = lo; st == ST_OK && z < end; z = j.box.end[2]) {
         st = load_slab(&j, z);
         if (st == ST_OK)
-            st = take(ctx, j.slab, (j.end - z) * (j.slice / j.width));
+            st = take(ctx, j.box.samples, (j.box.end[2] - z) * (j.slice / j.width));
         if (st == ST_OK)
-            st = progress_step(p, "export", (double)(j.end - lo) / (end - lo));
+            st = progress_step(p, "export", (double)(j.box.end[2] - lo) / (end - lo));
     }
     release(&j);
     return st;

@@ -2,6 +2,8 @@
 
 #include "formats/grid/nrrd_writer.h"
 #include "prep/export/nifti_head.h"
+#include "prep/export/tiff_head.h"
+#include "prep/export/vdb_writer.h"
 #include "prep/export/vtk_head.h"
 
 static status nrrd_head(mem *m, out_stream *out, const grid *g) {
@@ -9,14 +11,26 @@ static status nrrd_head(mem *m, out_stream *out, const grid *g) {
     return nrrd_write_header(out, g);
 }
 
-/* Formats behind heavy libraries would be rows whose head() starts a process to write into. */
+#define TIFF(end)                                                                   \
+    {                                                                               \
+        .name = "tiff", .suffix = end, .check = tiff_head_check, .head = tiff_head, \
+        .unpacked = true, .slices = true                                            \
+    }
+
 const sample_format sample_formats[] = {
-    {"nrrd", ".nrrd", NULL, nrrd_head, NULL},
-    {"raw", ".raw", NULL, NULL, NULL},
-    {"nifti", ".nii", nifti_check2, nifti_head, NULL},
-    {"nifti1", NULL, nifti_check1, nifti_head1, NULL},
-    {"nifti2", NULL, nifti_check2, nifti_head2, NULL},
-    {"vti", ".vti", vtk_head_image_check, vtk_head_image, vtk_head_tail},
-    {"vtr", ".vtr", vtk_head_axes_check, vtk_head_axes, vtk_head_tail},
+    {.name = "nrrd", .suffix = ".nrrd", .head = nrrd_head},
+    {.name = "raw", .suffix = ".raw"},
+    {.name = "nifti", .suffix = ".nii", .check = nifti_check2, .head = nifti_head},
+    {.name = "nifti1", .check = nifti_check1, .head = nifti_head1},
+    {.name = "nifti2", .check = nifti_check2, .head = nifti_head2},
+    {"vti", ".vti", vtk_head_image_check, vtk_head_image, vtk_head_tail, NULL, false, false},
+    {"vtr", ".vtr", vtk_head_axes_check, vtk_head_axes, vtk_head_tail, NULL, false, false},
+    TIFF(".tif"),
+    TIFF(".tiff"),
+    {.name = "vdb",
+     .suffix = ".vdb",
+     .check = vdb_writer_check,
+     .write = vdb_writer_run,
+     .unpacked = true},
 };
 const int sample_format_count = sizeof sample_formats / sizeof *sample_formats;

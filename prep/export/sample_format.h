@@ -1,14 +1,29 @@
 /* sample_format.h - the formats to which samples of a grid are exported: a row of a table each.
  *
- * All are a head, the samples as they are in little endian, x fastest, and perhaps a tail; so all
- * are written as a stream, to a pipe, too, and can be packed by gzip. What a format cannot hold it
- * refuses.
+ * Most are a head, the samples as they are in little endian, x fastest, and perhaps a tail; so they
+ * are written as a stream, to a pipe, too, and can be packed by gzip. Others have a writer of their
+ * own. What a format cannot hold it refuses.
  */
 #ifndef PREP_EXPORT_SAMPLE_FORMAT_H
 #define PREP_EXPORT_SAMPLE_FORMAT_H
 
 #include "formats/base/out_stream.h"
+#include "formats/base/progress.h"
 #include "formats/grid/grid.h"
+#include "prep/export/grid_part.h"
+
+/* What is to be exported, and where to. */
+typedef struct sample_export {
+    leaf_file *f;
+    const grid_part *part;
+    const uint32_t *sets;     /* count of them, the first the part's own */
+    const char *const *names; /* of the sets, no two alike */
+    uint32_t count;           /* 1, but for formats of several fields */
+    const char *path;         /* "-": standard output */
+    bool force;
+    int threads;
+    const progress *p;
+} sample_export;
 
 typedef struct sample_format {
     const char *name;   /* --format */
@@ -17,6 +32,10 @@ typedef struct sample_format {
     status (*check)(const grid *g);
     status (*head)(mem *m, out_stream *out, const grid *g); /* NULL: none */
     status (*tail)(out_stream *out);                        /* NULL: none */
+    /* A writer of its own, of several fields; NULL: head, samples, tail, of one. */
+    status (*write)(mem *m, const sample_export *e);
+    bool unpacked; /* gzip would keep it from being read */
+    bool slices;   /* may be a file a slice, where the output's name has a %04d */
 } sample_format;
 
 extern const sample_format sample_formats[];

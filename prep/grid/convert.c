@@ -27,8 +27,9 @@ typedef struct bench {
 /* One level under way. */
 typedef struct stage {
     slab *slab;
-    pyramid *up;  /* makes the next level's slices; NULL at the last */
-    char *coarse; /* and here they come out */
+    pyramid *up;   /* makes the next level's slices; NULL at the last */
+    char *coarse;  /* and here they come out */
+    uint8_t *busy; /* their maps; NULL: there are none */
 } stage;
 
 typedef struct conversion {
@@ -43,6 +44,7 @@ typedef struct conversion {
     bench *benches; /* one a worker */
     stage stages[LEAF_LEVELS_MAX];
     read_ahead *input;
+    const void *quiet; /* the value of what maps say is not busy; NULL: there are no maps */
     uint32_t slices_done;
     /* Of the histogram; cells is NULL where there is to be none. */
     histogram_draw draw;
@@ -58,8 +60,21 @@ typedef struct cutting {
     uint32_t level;
 } cutting;
 
+/* All its samples are the quiet value. */
+static void imply_treelet(const conversion *c, uint32_t t) {
+    const float value = sample_get(c->layout->type, c->quiet, 0);
+    const leaf_entry entry = {.own = {value, value}};
+    if (c->cells && c->layout->level_of[t] == 0)
+        leaf_histogram_take_one(c->layout, &c->draw, &c->space, t, c->quiet, c->cells);
+    leaf_writer_put_implied(c->writer, c->set, t, &entry);
+}
+
 static status make_treelet(const conversion *c, const bench *b, const sample_box *box, uint32_t t) {
     treelet_summary summary;
+    if (treelet_build_quiet(c->layout, t, box)) {
+        imply_treelet(c, t);
+        return ST_OK;
+    }
     treelet_build(c->layout, t, box, b->scratch, b->payload, &summary);
     leaf_entry entry = {.own = {summary.own[0], summary.own[1]}, .flags = summary.flags};
     if (c->cells && c->layout->level_of[t] == 0)
@@ -112,48 +127,47 @@ static status take_slab(conversion *c, uint32_t level) {
 
 /* ---- slices go up the pyramid ---- */
 
-static status store_slices(conversion *c, uint32_t level, const char *slices, uint32_t count) {
+static status store_slices(conversion *c, uint32_t level, read_slices in) {
     slab *s = c->stages[level].slab;
     const uint32_t *dims = c->layout->level[level].dims;
     const size_t slice_bytes = (size_t)dims[0] * dims[1] * sample_size(c->layout->type);
-    while (count > 0) {
-        uint32_t room = slab_room(s), some = count < room ? count : room;
-        status st = slab_store(s, c->workers, slices, some);
+    while (in.count > 0) {
+        uint32_t room = slab_room(s), some = in.count < room ? in.count : room;
+        status st = slab_store(s, c->workers, in.samples, in.busy, some);
         while (st == ST_OK && slab_complete(s))
             st = take_slab(c, level);
         if (st != ST_OK)
             return st;
-        slices += some * slice_bytes;
-        count -= some;
+        in.samples += some * slice_bytes;
+        in.busy += in.busy ? some * slice_tiles_count(dims) : 0;
+        in.count -= some;
     }
     return ST_OK;
 }
 
-static status push(conversion *c, const char *slices, uint32_t count) {
-    for (uint32_t level = 0; count > 0; level++) {
-        status st = store_slices(c, level, slices, count);
+static status push(conversion *c, read_slices in) {
+    for (uint32_t level = 0; in.count > 0; level++) {
+        status st = store_slices(c, level, in);
         const stage *s = &c->stages[level];
         if (st != ST_OK || !s->up)
             return st;
-        uint32_t coarse = pyramid_ready(s->up, count);
-        st = pyramid_feed(s->up, c->workers, slices, count, s->coarse);
+        uint32_t coarse = pyramid_ready(s->up, in.count);
+        st = pyramid_feed(s->up, c->workers, in.samples, in.busy, in.count, s->coarse, s->busy);
         if (st != ST_OK)
             return st;
-        slices = s->coarse;
-        count = coarse;
+        in = (read_slices){s->coarse, s->busy, coarse};
     }
     return ST_OK;
 }
 
 static status convert_slices(conversion *c) {
     for (;;) {
-        const void *slices = NULL;
-        uint32_t count = 0;
-        status st = read_ahead_next(c->input, &slices, &count);
-        if (st != ST_OK || count == 0)
+        read_slices in;
+        status st = read_ahead_next(c->input, &in);
+        if (st != ST_OK || in.count == 0)
             return st;
-        st = push(c, slices, count);
-        c->slices_done += count;
+        st = push(c, in);
+        c->slices_done += in.count;
         if (st == ST_OK)
             st = progress_step(c->p, "convert", done(c));
         if (st != ST_OK)
@@ -205,6 +219,24 @@ static status create_stages(conversion *c, const char *output) {
     return ST_OK;
 }
 
+/* The input may tell where it is one value: then all levels do. */
+static status begin_maps(conversion *c) {
+    c->quiet = read_ahead_quiet(c->input);
+    for (uint32_t level = 0; c->quiet && level + 1 < c->layout->levels; level++) {
+        stage *s = &c->stages[level];
+        const size_t bytes = slice_tiles_count(c->layout->level[level + 1].dims) *
+                             convert_plan_slices(c->plan, level + 1);
+        s->busy = mem_alloc(c->m, bytes);
+        if (!s->busy)
+            return ST_NOMEM;
+        memset(s->busy, 1, bytes);
+        const status st = pyramid_quiet(s->up, c->quiet);
+        if (st != ST_OK)
+            return st;
+    }
+    return ST_OK;
+}
+
 /* All samples have been put. */
 static status check_empty(const conversion *c, const grid *g) {
     bool empty = c->o->refuse_empty;
@@ -249,6 +281,7 @@ static void release_set(conversion *c) {
         slab_destroy(c->stages[level].slab);
         pyramid_destroy(c->stages[level].up);
         mem_free(c->m, c->stages[level].coarse);
+        mem_free(c->m, c->stages[level].busy);
     }
     memset(c->stages, 0, sizeof c->stages);
     c->cells = NULL;
@@ -285,6 +318,8 @@ static status convert_set(conversion *c, volume *v, const char *output, read_ahe
         st = begin_histogram(c, g);
     if (st == ST_OK)
         st = read_ahead_create(c->m, v, c->plan->batch, &c->input);
+    if (st == ST_OK)
+        st = begin_maps(c);
     if (st == ST_OK)
         st = convert_slices(c);
     if (st == ST_OK) {

@@ -48,9 +48,10 @@ static uint64_t slab_side_memory(const grid *g, const convert_options *o,
         bytes += slab_memory(l, level, &held);
         if (level > 0) {
             const uint32_t *dims = l->level[level].dims;
-            bytes += (uint64_t)dims[0] * dims[1] * sample_size(l->type) *
-                         convert_plan_slices(plan, level) +
-                     4096;
+            bytes +=
+                ((uint64_t)dims[0] * dims[1] * sample_size(l->type) + slice_tiles_count(dims)) *
+                    convert_plan_slices(plan, level) +
+                4096;
         }
     }
     return bytes;

@@ -5,7 +5,9 @@
 #include <stdbool.h>
 #include <string.h>
 
-enum { TAPS = 5, BAND_ROWS = 16 };
+#include "formats/grid/slice_tiles.h"
+
+enum { TAPS = 5, BAND_ROWS = SLICE_TILE };
 
 /* Non-finite samples are kept track of beside f32 sums: the weights that went into a sum, and
  * whether its centre is missing. */
@@ -26,18 +28,22 @@ struct pyramid {
     char *planes[TAPS];
     uint16_t *weights[TAPS]; /* f32: valid for the bands that are dirty */
     bool *dirty[TAPS];       /* per band: a non-finite sample went into it */
+    /* With maps of busy tiles: those of planes, whose tiles are as wide as bands are high; what is
+     * quiet in planes and in coarse slices. */
+    uint8_t *busy[TAPS];
+    uint8_t quiet_sum[SLICE_SAMPLE_MAX], quiet[SLICE_SAMPLE_MAX];
     /* Per thread: rows filtered and thinned in x; fine row y is in row y % TAPS. */
     char *rows;
     uint16_t *row_weights;
 };
 
-/* ---- kernels: one row filtered in x, five rows in y, five in z ---- */
+/* ---- kernels: one row filtered in x, five rows in y, five in z; coarse nodes [first, end) ---- */
 
 typedef struct kernels {
     size_t sum_size;
-    void (*x)(const void *row, uint32_t nodes, void *sums, uint32_t coarse);
-    void (*y)(const void *const taps[TAPS], void *sums, uint32_t coarse);
-    void (*z)(const void *const taps[TAPS], void *samples, uint32_t coarse);
+    void (*x)(const void *row, uint32_t nodes, void *sums, uint32_t first, uint32_t end);
+    void (*y)(const void *const taps[TAPS], void *sums, uint32_t first, uint32_t end);
+    void (*z)(const void *const taps[TAPS], void *samples, uint32_t first, uint32_t end);
 } kernels;
 
 static uint32_t clamped(int64_t i, uint32_t nodes) {
@@ -49,40 +55,44 @@ static uint32_t clamped(int64_t i, uint32_t nodes) {
     (((((S)(v0) + (S)4 * (S)(v1)) + (S)6 * (S)(v2)) + (S)4 * (S)(v3)) + (S)(v4))
 
 /* T: the samples' type; P: one that holds sums over a plane; S: one in which sums are taken. */
-#define DEFINE_XY(T, P, S, suffix)                                                             \
-    static void x_##suffix(const void *from, uint32_t nodes, void *to, uint32_t coarse) {      \
-        const T *restrict v = from;                                                            \
-        P *restrict sums = to;                                                                 \
-        for (uint32_t i = 1; 2 * i + 2 < nodes; i++)                                           \
-            sums[i] =                                                                          \
-                (P)WEIGH(S, v[2 * i - 2], v[2 * i - 1], v[2 * i], v[2 * i + 1], v[2 * i + 2]); \
-        for (uint32_t i = 0; i < coarse; i++) {                                                \
-            if (i > 0 && 2 * i + 2 < nodes)                                                    \
-                i = (nodes - 1) / 2; /* the first that reaches over the end */                 \
-            T e[TAPS];                                                                         \
-            for (int d = 0; d < TAPS; d++)                                                     \
-                e[d] = v[clamped(2 * (int64_t)i + d - 2, nodes)];                              \
-            sums[i] = (P)WEIGH(S, e[0], e[1], e[2], e[3], e[4]);                               \
-        }                                                                                      \
-    }                                                                                          \
-    static void y_##suffix(const void *const taps[TAPS], void *to, uint32_t coarse) {          \
-        const P *a = taps[0], *b = taps[1], *c = taps[2], *d = taps[3], *e = taps[4];          \
-        P *restrict sums = to;                                                                 \
-        for (uint32_t i = 0; i < coarse; i++)                                                  \
-            sums[i] = (P)WEIGH(S, a[i], b[i], c[i], d[i], e[i]);                               \
+#define DEFINE_XY(T, P, S, suffix)                                                                 \
+    static void x_##suffix(const void *from, uint32_t nodes, void *to, uint32_t first,             \
+                           uint32_t end) {                                                         \
+        const T *restrict v = from;                                                                \
+        P *restrict sums = to;                                                                     \
+        const uint32_t over = (nodes - 1) / 2; /* the first that reaches over the end */           \
+        for (uint32_t i = first ? first : 1; i < over && i < end; i++)                             \
+            sums[i] =                                                                              \
+                (P)WEIGH(S, v[2 * i - 2], v[2 * i - 1], v[2 * i], v[2 * i + 1], v[2 * i + 2]);     \
+        for (uint32_t i = first; i < end; i++) {                                                   \
+            if (i > 0 && i < over)                                                                 \
+                i = over;                                                                          \
+            if (i >= end)                                                                          \
+                break;                                                                             \
+            T e[TAPS];                                                                             \
+            for (int d = 0; d < TAPS; d++)                                                         \
+                e[d] = v[clamped(2 * (int64_t)i + d - 2, nodes)];                                  \
+            sums[i] = (P)WEIGH(S, e[0], e[1], e[2], e[3], e[4]);                                   \
+        }                                                                                          \
+    }                                                                                              \
+    static void y_##suffix(const void *const taps[TAPS], void *to, uint32_t first, uint32_t end) { \
+        const P *a = taps[0], *b = taps[1], *c = taps[2], *d = taps[3], *e = taps[4];              \
+        P *restrict sums = to;                                                                     \
+        for (uint32_t i = first; i < end; i++)                                                     \
+            sums[i] = (P)WEIGH(S, a[i], b[i], c[i], d[i], e[i]);                                   \
     }
 
 /* Half to even: below a half nothing is carried, above it always, and at it where the quotient is
  * odd. Shifts of negative sums are arithmetic (as gcc and clang have them), so quotients are
  * rounded down first, then up alike. */
-#define DEFINE_Z_INTEGER(T, P, S, suffix)                                             \
-    static void z_##suffix(const void *const taps[TAPS], void *to, uint32_t coarse) { \
-        const P *a = taps[0], *b = taps[1], *c = taps[2], *d = taps[3], *e = taps[4]; \
-        T *restrict samples = to;                                                     \
-        for (uint32_t i = 0; i < coarse; i++) {                                       \
-            S sum = WEIGH(S, a[i], b[i], c[i], d[i], e[i]);                           \
-            samples[i] = (T)((sum + (WHOLE / 2 - 1) + ((sum >> 12) & 1)) >> 12);      \
-        }                                                                             \
+#define DEFINE_Z_INTEGER(T, P, S, suffix)                                                          \
+    static void z_##suffix(const void *const taps[TAPS], void *to, uint32_t first, uint32_t end) { \
+        const P *a = taps[0], *b = taps[1], *c = taps[2], *d = taps[3], *e = taps[4];              \
+        T *restrict samples = to;                                                                  \
+        for (uint32_t i = first; i < end; i++) {                                                   \
+            S sum = WEIGH(S, a[i], b[i], c[i], d[i], e[i]);                                        \
+            samples[i] = (T)((sum + (WHOLE / 2 - 1) + ((sum >> 12) & 1)) >> 12);                   \
+        }                                                                                          \
     }
 
 DEFINE_XY(uint8_t, uint16_t, uint32_t, u8)
@@ -95,10 +105,10 @@ DEFINE_Z_INTEGER(int8_t, int16_t, int32_t, i8)
 DEFINE_Z_INTEGER(uint16_t, uint32_t, uint32_t, u16)
 DEFINE_Z_INTEGER(int16_t, int32_t, int32_t, i16)
 
-static void z_f32(const void *const taps[TAPS], void *to, uint32_t coarse) {
+static void z_f32(const void *const taps[TAPS], void *to, uint32_t first, uint32_t end) {
     const double *a = taps[0], *b = taps[1], *c = taps[2], *d = taps[3], *e = taps[4];
     float *restrict samples = to;
-    for (uint32_t i = 0; i < coarse; i++)
+    for (uint32_t i = first; i < end; i++)
         samples[i] = (float)(WEIGH(double, a[i], b[i], c[i], d[i], e[i]) / WHOLE);
 }
 
@@ -160,14 +170,17 @@ static void z_missing(const double *const taps[TAPS], const uint16_t *const weig
 typedef struct feeding {
     pyramid *p;
     const char *fine;
+    const uint8_t *busy; /* NULL: there are no maps */
     uint32_t count;
     char *coarse;
+    uint8_t *coarse_busy;
 } feeding;
 
 typedef struct band {
     uint32_t first, last; /* coarse rows, last one not included */
     uint32_t index;
-    char *rows; /* TAPS rows of sums */
+    uint32_t tiles, fine_tiles[2]; /* coarse ones along x; fine ones */
+    char *rows;                    /* TAPS rows of sums */
     uint16_t *row_weights;
 } band;
 
@@ -181,24 +194,81 @@ static bool any_non_finite(const float *row, uint32_t nodes) {
     return found;
 }
 
-static bool is_dirty(const pyramid *p, const band *b, const char *slice, size_t row_bytes) {
+/* The fine rows that the band's reach. */
+static void fine_rows(const pyramid *p, const band *b, uint32_t *from, uint32_t *to) {
+    *from = clamped(2 * (int64_t)b->first - 2, p->fine[1]);
+    *to = clamped(2 * (int64_t)(b->last - 1) + 2, p->fine[1]);
+}
+
+/* busy: the slice's map, or NULL; what is quiet is finite. */
+static bool is_dirty(const pyramid *p, const band *b, const char *slice, const uint8_t *busy) {
+    const size_t row = p->fine[0];
+    uint32_t from, to;
+    fine_rows(p, b, &from, &to);
     if (p->type != SAMPLE_F32)
         return false;
-    uint32_t from = clamped(2 * (int64_t)b->first - 2, p->fine[1]);
-    uint32_t to = clamped(2 * (int64_t)(b->last - 1) + 2, p->fine[1]);
-    for (uint32_t y = from; y <= to; y++)
-        if (any_non_finite((const float *)(slice + y * row_bytes), p->fine[0]))
+    for (uint32_t y = from; y <= to; y++) {
+        const float *samples = (const float *)(const void *)slice + y * row;
+        if (!busy && any_non_finite(samples, p->fine[0]))
             return true;
+        for (uint32_t i = 0; busy && i < b->fine_tiles[0]; i++) {
+            const size_t tile = (size_t)(y / SLICE_TILE) * b->fine_tiles[0] + i;
+            const slice_tile t = slice_tiles_at(p->fine, tile);
+            if (busy[tile] && any_non_finite(samples + t.x, t.end_x - t.x))
+                return true;
+        }
+    }
     return false;
 }
 
-/* Filter and thin the band's part of fine slice z in x and y. */
-static void filter_plane(pyramid *p, const band *b, const char *slice, uint32_t z) {
+/* ---- tiles that are quiet are left out ---- */
+
+static uint32_t at_most(uint32_t i, uint32_t most) {
+    return i < most ? i : most;
+}
+
+/* Whether a coarse tile of the band reaches a busy tile of a fine slice. */
+static bool reaches_busy(const band *b, const uint8_t *busy, uint32_t tile) {
+    const uint32_t x0 = tile ? 2 * tile - 1 : 0, x1 = at_most(2 * tile + 2, b->fine_tiles[0] - 1);
+    const uint32_t y0 = b->index ? 2 * b->index - 1 : 0,
+                   y1 = at_most(2 * b->index + 2, b->fine_tiles[1] - 1);
+    uint32_t any = 0;
+    for (uint32_t y = y0; y <= y1; y++)
+        for (uint32_t x = x0; x <= x1; x++)
+            any |= busy[(size_t)y * b->fine_tiles[0] + x];
+    return any;
+}
+
+/* A tile of the band, of a slice or plane that has `size` bytes a node, becomes quiet. */
+static void quieten(const pyramid *p, const band *b, uint32_t tile, size_t size, const void *value,
+                    char *to, uint8_t *busy) {
+    if (*busy) {
+        const slice_tile t = slice_tiles_at(p->coarse, (size_t)b->index * b->tiles + tile);
+        slice_tiles_fill(p->coarse, &t, size, value, to);
+    }
+    *busy = 0;
+}
+
+/* Coarse nodes of the tiles from `tile` on that are busy, as far as they go on; returns the tile
+ * behind them. */
+static uint32_t busy_run(const pyramid *p, const band *b, const uint8_t *busy, uint32_t tile,
+                         uint32_t run[2]) {
+    run[0] = at_most(tile * SLICE_TILE, p->coarse[0]);
+    while (tile < b->tiles && busy[tile])
+        tile++;
+    run[1] = at_most(tile * SLICE_TILE, p->coarse[0]);
+    return tile;
+}
+
+/* ---- planes and slices ---- */
+
+/* Coarse nodes [run[0], run[1]) of the band's part of fine slice z, filtered and thinned in x and
+ * y. */
+static void filter_run(pyramid *p, const band *b, const char *slice, uint32_t z, bool dirty,
+                       const uint32_t run[2]) {
     const kernels *k = &all_kernels[p->type];
     const uint32_t width = p->coarse[0];
     const size_t row_bytes = p->fine[0] * sample_size(p->type), sum_bytes = width * k->sum_size;
-    const bool dirty = is_dirty(p, b, slice, row_bytes);
-    p->dirty[z % TAPS][b->index] = dirty;
     int64_t filtered = (int64_t)clamped(2 * (int64_t)b->first - 2, p->fine[1]) - 1;
     for (uint32_t j = b->first; j < b->last; j++) {
         const void *taps[TAPS];
@@ -213,27 +283,47 @@ static void filter_plane(pyramid *p, const band *b, const char *slice, uint32_t 
                     x_missing((const float *)(slice + y * row_bytes), p->fine[0], (double *)sums,
                               row_weights, width);
                 else
-                    k->x(slice + y * row_bytes, p->fine[0], sums, width);
+                    k->x(slice + y * row_bytes, p->fine[0], sums, run[0], run[1]);
             }
             taps[d] = sums;
             weights[d] = row_weights;
         }
-        k->y(taps, p->planes[z % TAPS] + j * sum_bytes, width);
+        k->y(taps, p->planes[z % TAPS] + j * sum_bytes, run[0], run[1]);
         if (dirty)
             add_weights(weights, p->weights[z % TAPS] + (size_t)j * width, width);
     }
 }
 
-/* The band's part of coarse slice k, from the planes around fine slice 2k. */
-static void filter_slice(const pyramid *p, const band *b, uint32_t k, char *slice) {
+/* The band's part of fine slice z. */
+static void filter_plane(pyramid *p, const band *b, const char *slice, const uint8_t *busy,
+                         uint32_t z) {
+    const bool dirty = is_dirty(p, b, slice, busy);
+    uint32_t run[2] = {0, p->coarse[0]};
+    p->dirty[z % TAPS][b->index] = dirty;
+    if (!busy || dirty)
+        filter_run(p, b, slice, z, dirty, run);
+    if (!busy)
+        return;
+    uint8_t *map = p->busy[z % TAPS] + (size_t)b->index * b->tiles;
+    for (uint32_t i = 0; i < b->tiles; i++) {
+        if (dirty || reaches_busy(b, busy, i))
+            map[i] = 1;
+        else
+            quieten(p, b, i, all_kernels[p->type].sum_size, p->quiet_sum, p->planes[z % TAPS],
+                    &map[i]);
+    }
+    for (uint32_t i = 0; !dirty && i < b->tiles; i++) {
+        i = busy_run(p, b, map, i, run);
+        if (run[0] < run[1])
+            filter_run(p, b, slice, z, false, run);
+    }
+}
+
+/* Coarse nodes of a run of the band's part of a coarse slice, from planes z. */
+static void sum_planes(const pyramid *p, const band *b, const uint32_t z[TAPS], bool dirty,
+                       const uint32_t run[2], char *slice) {
     const uint32_t width = p->coarse[0];
     const kernels *f = &all_kernels[p->type];
-    uint32_t z[TAPS];
-    bool dirty = false;
-    for (int d = 0; d < TAPS; d++) {
-        z[d] = clamped(2 * (int64_t)k + d - 2, p->fine[2]) % TAPS;
-        dirty |= p->dirty[z[d]][b->index];
-    }
     for (uint32_t j = b->first; j < b->last; j++) {
         const void *taps[TAPS];
         const uint16_t *weights[TAPS];
@@ -245,7 +335,36 @@ static void filter_slice(const pyramid *p, const band *b, uint32_t k, char *slic
         if (dirty)
             z_missing((const double *const *)taps, weights, (float *)row, width);
         else
-            f->z(taps, row, width);
+            f->z(taps, row, run[0], run[1]);
+    }
+}
+
+/* The band's part of coarse slice k, from the planes around fine slice 2k. */
+static void filter_slice(const pyramid *p, const band *b, uint32_t k, char *slice, uint8_t *busy) {
+    uint32_t z[TAPS], run[2] = {0, p->coarse[0]};
+    bool dirty = false;
+    for (int d = 0; d < TAPS; d++) {
+        z[d] = clamped(2 * (int64_t)k + d - 2, p->fine[2]) % TAPS;
+        dirty |= p->dirty[z[d]][b->index];
+    }
+    if (!busy || dirty)
+        sum_planes(p, b, z, dirty, run, slice);
+    if (!busy)
+        return;
+    uint8_t *map = busy + (size_t)b->index * b->tiles;
+    for (uint32_t i = 0; i < b->tiles; i++) {
+        uint32_t any = dirty;
+        for (int d = 0; d < TAPS; d++)
+            any |= p->busy[z[d]][(size_t)b->index * b->tiles + i];
+        if (any)
+            map[i] = 1;
+        else
+            quieten(p, b, i, sample_size(p->type), p->quiet, slice, &map[i]);
+    }
+    for (uint32_t i = 0; !dirty && i < b->tiles; i++) {
+        i = busy_run(p, b, map, i, run);
+        if (run[0] < run[1])
+            sum_planes(p, b, z, false, run, slice);
     }
 }
 
@@ -266,14 +385,20 @@ static status feed_band(void *ctx, size_t index, int worker) {
         .first = first,
         .last = first + (left < BAND_ROWS ? left : BAND_ROWS),
         .index = (uint32_t)index,
+        .tiles = slice_tiles_along(p->coarse[0]),
+        .fine_tiles = {slice_tiles_along(p->fine[0]), slice_tiles_along(p->fine[1])},
         .rows = p->rows + (size_t)worker * row_sums * all_kernels[p->type].sum_size,
         .row_weights = p->row_weights ? p->row_weights + (size_t)worker * row_sums : NULL,
     };
     uint32_t k = p->done;
     for (uint32_t i = 0; i < f->count; i++) {
-        filter_plane(p, &b, f->fine + i * fine_bytes, p->fed + i);
-        for (; k < ready(p, p->fed + i + 1); k++)
-            filter_slice(p, &b, k, f->coarse + (k - p->done) * coarse_bytes);
+        const uint8_t *busy = f->busy ? f->busy + i * slice_tiles_count(p->fine) : NULL;
+        filter_plane(p, &b, f->fine + i * fine_bytes, busy, p->fed + i);
+        for (; k < ready(p, p->fed + i + 1); k++) {
+            uint8_t *map =
+                f->busy ? f->coarse_busy + (k - p->done) * slice_tiles_count(p->coarse) : NULL;
+            filter_slice(p, &b, k, f->coarse + (k - p->done) * coarse_bytes, map);
+        }
     }
     return ST_OK;
 }
@@ -292,7 +417,8 @@ uint64_t pyramid_memory(sample_type type, const uint32_t fine[3], int threads) {
     uint64_t width = pyramid_coarse(fine[0]), plane = width * pyramid_coarse(fine[1]);
     uint64_t each = all_kernels[type].sum_size + (type == SAMPLE_F32 ? sizeof(uint16_t) : 0);
     return TAPS * each * (plane + (uint64_t)threads * width) + TAPS * bands(fine) +
-           sizeof(pyramid) + 4096;
+           TAPS * (uint64_t)slice_tiles_along((uint32_t)width) * bands(fine) + sizeof(pyramid) +
+           4096;
 }
 
 status pyramid_create(mem *m, sample_type type, const uint32_t fine[3], int threads,
@@ -336,6 +462,7 @@ void pyramid_destroy(pyramid *p) {
         mem_free(p->m, p->planes[i]);
         mem_free(p->m, p->dirty[i]);
         mem_free(p->m, p->weights[i]);
+        mem_free(p->m, p->busy[i]);
     }
     mem_free(p->m, p->rows);
     mem_free(p->m, p->row_weights);
@@ -346,9 +473,37 @@ uint32_t pyramid_ready(const pyramid *p, uint32_t count) {
     return ready(p, p->fed + count) - p->done;
 }
 
-status pyramid_feed(pyramid *p, pool *workers, const void *fine, uint32_t count, void *coarse) {
-    assert(p->fed + count <= p->fine[2]);
-    feeding f = {.p = p, .fine = fine, .count = count, .coarse = coarse};
+/* The sum is what the kernels make of it. */
+status pyramid_quiet(pyramid *p, const void *sample) {
+    const kernels *k = &all_kernels[p->type];
+    const size_t size = sample_size(p->type), tiles = slice_tiles_count(p->coarse);
+    double sums[TAPS], plane[TAPS];
+    char row[TAPS * SLICE_SAMPLE_MAX];
+    for (size_t i = 0; i < TAPS; i++)
+        memcpy(row + i * size, sample, size);
+    k->x(row, TAPS, sums, 0, 1);
+    const void *const taps[TAPS] = {sums, sums, sums, sums, sums};
+    k->y(taps, plane, 0, 1);
+    memcpy(p->quiet_sum, plane, k->sum_size);
+    memcpy(p->quiet, sample, size);
+    for (int i = 0; i < TAPS; i++) {
+        p->busy[i] = mem_alloc(p->m, tiles);
+        if (!p->busy[i])
+            return ST_NOMEM;
+        memset(p->busy[i], 1, tiles);
+    }
+    return ST_OK;
+}
+
+status pyramid_feed(pyramid *p, pool *workers, const void *fine, const uint8_t *busy,
+                    uint32_t count, void *coarse, uint8_t *coarse_busy) {
+    assert(p->fed + count <= p->fine[2] && (!busy || p->busy[0]));
+    feeding f = {.p = p,
+                 .fine = fine,
+                 .busy = busy,
+                 .count = count,
+                 .coarse = coarse,
+                 .coarse_busy = coarse_busy};
     status st = pool_run(workers, bands(p->fine), feed_band, &f);
     if (st != ST_OK)
         return st;

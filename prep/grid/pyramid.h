@@ -40,8 +40,14 @@ uint32_t pyramid_coarse(uint32_t fine);
 uint32_t pyramid_ready(const pyramid *p, uint32_t count);
 
 /* pyramid_feed() - the next `count` fine slices, one after the other in memory; the pyramid_ready()
- * coarse slices that become complete are written to coarse, likewise. */
-CHECKED status pyramid_feed(pyramid *p, pool *workers, const void *fine, uint32_t count,
-                            void *coarse);
+ * coarse slices that become complete are written to coarse, likewise. busy, coarse_busy: maps of
+ * the slices (slice_tiles.h), those of coarse before: of what it holds; or both NULL. Coarse
+ * samples are the same with maps and without. */
+CHECKED status pyramid_feed(pyramid *p, pool *workers, const void *fine, const uint8_t *busy,
+                            uint32_t count, void *coarse, uint8_t *coarse_busy);
+
+/* pyramid_quiet() - before the first slice, where slices come with maps: the value of what is not
+ * busy, a finite sample. */
+CHECKED status pyramid_quiet(pyramid *p, const void *sample);
 
 #endif

@@ -18,6 +18,9 @@ struct read_ahead {
     size_t slice_samples, slice_bytes; /* stored */
     void *raw;                         /* one slice as the input has it, where that is larger */
     char *slices[BATCHES];
+    uint8_t *busy[BATCHES]; /* maps of them, `tiles` bytes each; NULL: not known */
+    size_t tiles;
+    uint8_t quiet[SLICE_SAMPLE_MAX];
     pthread_t thread;
     bool started;
     pthread_mutex_t lock;
@@ -40,8 +43,29 @@ static uint64_t count_non_finite(const float *samples, size_t count) {
     return found;
 }
 
-static status read_slice(read_ahead *r, char *into) {
+/* Of busy tiles; what is quiet is finite. */
+static uint64_t count_in_tiles(const read_ahead *r, const float *slice, const uint8_t *busy) {
+    const uint32_t *dims = volume_grid(r->v)->dims;
+    uint64_t found = 0;
+    for (size_t i = 0; i < r->tiles; i++) {
+        const slice_tile t = slice_tiles_at(dims, i);
+        for (uint32_t y = t.y; busy[i] && y < t.end_y; y++)
+            found += count_non_finite(slice + (size_t)y * dims[0] + t.x, t.end_x - t.x);
+    }
+    return found;
+}
+
+static status read_tiles(read_ahead *r, char *into, uint8_t *busy) {
+    const status st = volume_read_tiles(r->v, 1, into, busy);
+    if (st == ST_OK && volume_grid(r->v)->type == SAMPLE_F32)
+        r->facts.non_finite += count_in_tiles(r, (const float *)into, busy);
+    return st;
+}
+
+static status read_slice(read_ahead *r, char *into, uint8_t *busy) {
     sample_type type = volume_grid(r->v)->type;
+    if (busy)
+        return read_tiles(r, into, busy);
     void *raw = r->raw ? r->raw : into;
     status st = volume_read(r->v, 1, raw);
     if (st != ST_OK)
@@ -80,7 +104,8 @@ static status read_batches(read_ahead *r) {
         for (uint32_t i = 0; i < count; i++) {
             if (must_quit(r))
                 return ST_OK;
-            status st = read_slice(r, r->slices[slot] + i * r->slice_bytes);
+            uint8_t *busy = r->busy[slot] ? r->busy[slot] + i * r->tiles : NULL;
+            status st = read_slice(r, r->slices[slot] + i * r->slice_bytes, busy);
             if (st != ST_OK)
                 return st;
         }
@@ -115,8 +140,33 @@ static bool needs_raw(const grid *g) {
 
 uint64_t read_ahead_memory(const grid *g, uint32_t batch) {
     uint64_t bytes = (uint64_t)BATCHES * batch * stored_slice_bytes(g) +
-                     (needs_raw(g) ? grid_slice_bytes(g) : 0);
+                     (needs_raw(g) ? grid_slice_bytes(g) : 0) +
+                     (uint64_t)BATCHES * batch * slice_tiles_count(g->dims);
     return bytes + sizeof(read_ahead) + 4096;
+}
+
+/* Whether the value of what is quiet is known to stay as it is: finite, its own zero. */
+static bool find_quiet(read_ahead *r) {
+    const grid *g = volume_grid(r->v);
+    float value = 0;
+    if (!volume_quiet(r->v, r->quiet) || sample_stored(g->type) != g->type)
+        return false;
+    if (g->type == SAMPLE_F32)
+        memcpy(&value, r->quiet, sizeof value);
+    return isfinite(value) && !(value == 0 && signbit(value));
+}
+
+static status create_maps(read_ahead *r) {
+    r->tiles = slice_tiles_count(volume_grid(r->v)->dims);
+    if (!find_quiet(r))
+        return ST_OK;
+    for (int i = 0; i < BATCHES; i++) {
+        r->busy[i] = mem_alloc(r->m, r->batch * r->tiles);
+        if (!r->busy[i])
+            return ST_NOMEM;
+        memset(r->busy[i], 1, r->batch * r->tiles);
+    }
+    return ST_OK;
 }
 
 status read_ahead_create(mem *m, volume *v, uint32_t batch, read_ahead **out) {
@@ -142,6 +192,9 @@ status read_ahead_create(mem *m, volume *v, uint32_t batch, read_ahead **out) {
         if (!r->slices[i])
             goto fail;
     }
+    st = create_maps(r);
+    if (st != ST_OK)
+        goto fail;
     st = thread_start(&r->thread, work, r, "the thread that reads the input");
     if (st != ST_OK)
         goto fail;
@@ -165,13 +218,19 @@ void read_ahead_destroy(read_ahead *r) {
     }
     pthread_cond_destroy(&r->changed);
     pthread_mutex_destroy(&r->lock);
-    for (int i = 0; i < BATCHES; i++)
+    for (int i = 0; i < BATCHES; i++) {
         mem_free(r->m, r->slices[i]);
+        mem_free(r->m, r->busy[i]);
+    }
     mem_free(r->m, r->raw);
     mem_free(r->m, r);
 }
 
-status read_ahead_next(read_ahead *r, const void **slices, uint32_t *count) {
+const void *read_ahead_quiet(const read_ahead *r) {
+    return r->busy[0] ? r->quiet : NULL;
+}
+
+status read_ahead_next(read_ahead *r, read_slices *out) {
     pthread_mutex_lock(&r->lock);
     r->released = r->taken;
     pthread_cond_broadcast(&r->changed);
@@ -180,14 +239,12 @@ status read_ahead_next(read_ahead *r, const void **slices, uint32_t *count) {
     bool more = r->filled > r->taken;
     if (more) {
         uint32_t slot = r->taken++ % BATCHES;
-        *slices = r->slices[slot];
-        *count = r->counts[slot];
+        *out = (read_slices){r->slices[slot], r->busy[slot], r->counts[slot]};
     }
     pthread_mutex_unlock(&r->lock);
     if (more)
         return ST_OK;
-    *slices = NULL;
-    *count = 0;
+    *out = (read_slices){0};
     return r->note.st == ST_OK ? ST_OK : status_note_raise(&r->note);
 }
 

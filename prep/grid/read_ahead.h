@@ -31,9 +31,21 @@ void read_ahead_destroy(read_ahead *r);
 /* read_ahead_memory() - bytes that read_ahead_create() takes. */
 uint64_t read_ahead_memory(const grid *g, uint32_t batch);
 
-/* read_ahead_next() - the next slices, one after the other, valid until the next call; *count
- * becomes 0 behind the last one. Waits for them. */
-CHECKED status read_ahead_next(read_ahead *r, const void **slices, uint32_t *count);
+/* Slices one after the other in memory. busy: their maps (slice_tiles.h) likewise; NULL: not known.
+ */
+typedef struct read_slices {
+    const char *samples;
+    const uint8_t *busy;
+    uint32_t count;
+} read_slices;
+
+/* read_ahead_next() - the next slices, valid until the next call; count becomes 0 behind the last
+ * one. Waits for them. */
+CHECKED status read_ahead_next(read_ahead *r, read_slices *out);
+
+/* read_ahead_quiet() - the value of what is not busy, a finite one; NULL where that is not known.
+ */
+const void *read_ahead_quiet(const read_ahead *r);
 
 /* read_ahead_end() - what was seen; once read_ahead_next() has given 0 slices. */
 read_ahead_facts read_ahead_end(const read_ahead *r);

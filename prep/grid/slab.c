@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/base/file.h"
+#include "formats/grid/slice_tiles.h"
 
 /* Sizes of one level's slabs and columns. */
 typedef struct shape {
@@ -28,6 +29,9 @@ struct slab {
     uint32_t current; /* slab that is filling or complete */
     const char **slices;
     char *samples; /* ring of `depth` slices; spilled: one column */
+    size_t tiles;  /* bytes of a slice's map */
+    uint8_t *busy; /* maps of the ring's slices; NULL: none have come */
+    const uint8_t **maps;
     /* spilled */
     out_file *file;
     char *staging; /* per thread, one column's part of a slice */
@@ -69,8 +73,8 @@ uint64_t slab_memory(const leaf_layout *l, uint32_t level, const slab_plan *plan
     shape s = shape_of(l, level, plan);
     uint64_t samples = plan->spilled
                            ? s.column_bytes + s.column_slice_bytes * (uint64_t)plan->threads
-                           : slice_bytes(&s) * s.depth;
-    return samples + s.depth * sizeof(char *) + sizeof(slab) + 4096;
+                           : (slice_bytes(&s) + slice_tiles_count(s.level->dims)) * s.depth;
+    return samples + 2 * s.depth * sizeof(char *) + sizeof(slab) + 4096;
 }
 
 uint64_t slab_spill_bytes(const leaf_layout *l, uint32_t level, const slab_plan *plan) {
@@ -86,10 +90,12 @@ status slab_create(mem *m, const leaf_layout *l, uint32_t level, const slab_plan
     s->shape = shape_of(l, level, plan);
     s->spilled = plan->spilled;
     status st = ST_NOMEM;
+    s->tiles = slice_tiles_count(s->shape.level->dims);
     s->slices = mem_array(m, s->shape.depth, sizeof *s->slices);
+    s->maps = mem_array(m, s->shape.depth, sizeof *s->maps);
     s->samples = mem_alloc(
         m, (size_t)(s->spilled ? s->shape.column_bytes : slice_bytes(&s->shape) * s->shape.depth));
-    if (!s->slices || !s->samples)
+    if (!s->slices || !s->maps || !s->samples)
         goto fail;
     if (s->spilled) {
         s->staging = mem_alloc(m, (size_t)s->shape.column_slice_bytes * (size_t)plan->threads);
@@ -112,6 +118,8 @@ void slab_destroy(slab *s) {
     out_file_discard(s->file);
     mem_free(s->m, s->slices);
     mem_free(s->m, s->samples);
+    mem_free(s->m, s->busy);
+    mem_free(s->m, s->maps);
     mem_free(s->m, s->staging);
     mem_free(s->m, s);
 }
@@ -143,6 +151,7 @@ uint32_t slab_room(const slab *s) {
 typedef struct storing {
     slab *s;
     const char *slices;
+    const uint8_t *busy;
 } storing;
 
 /* The part of a slice that lies in a column: rows [y0, y1], samples [x0, x1]. */
@@ -191,7 +200,12 @@ static status store_slice(void *ctx, size_t index, int worker) {
     uint32_t z = s->next_z + (uint32_t)index;
     const char *slice = job->slices + index * slice_bytes(sh);
     if (!s->spilled) {
-        memcpy(s->samples + z % sh->depth * slice_bytes(sh), slice, slice_bytes(sh));
+        char *to = s->samples + z % sh->depth * slice_bytes(sh);
+        if (s->busy)
+            slice_tiles_copy(sh->level->dims, sh->size, slice, job->busy + index * s->tiles, to,
+                             s->busy + z % sh->depth * s->tiles);
+        else
+            memcpy(to, slice, slice_bytes(sh));
         return ST_OK;
     }
     /* A slice near the border of two slabs belongs to both. */
@@ -209,10 +223,22 @@ static status store_slice(void *ctx, size_t index, int worker) {
     return ST_OK;
 }
 
-status slab_store(slab *s, pool *workers, const void *slices, uint32_t count) {
+/* The first maps that come. */
+static status begin_maps(slab *s) {
+    const size_t bytes = s->shape.depth * s->tiles;
+    s->busy = mem_alloc(s->m, bytes);
+    if (!s->busy)
+        return ST_NOMEM;
+    memset(s->busy, 1, bytes);
+    return ST_OK;
+}
+
+status slab_store(slab *s, pool *workers, const void *slices, const uint8_t *busy, uint32_t count) {
     assert(count <= slab_room(s));
-    storing job = {.s = s, .slices = slices};
-    status st = pool_run(workers, count, store_slice, &job);
+    storing job = {.s = s, .slices = slices, .busy = busy};
+    status st = busy && !s->busy && !s->spilled ? begin_maps(s) : ST_OK;
+    if (st == ST_OK)
+        st = pool_run(workers, count, store_slice, &job);
     if (st == ST_OK)
         s->next_z += count;
     return st;
@@ -226,8 +252,12 @@ uint32_t slab_boxes(const slab *s) {
 
 static void take_whole(slab *s, slab_box *out) {
     const shape *sh = &s->shape;
-    for (uint32_t i = 0; i < out->samples.size[2]; i++)
-        s->slices[i] = s->samples + (out->samples.origin[2] + i) % sh->depth * slice_bytes(sh);
+    for (uint32_t i = 0; i < out->samples.size[2]; i++) {
+        const size_t slot = (out->samples.origin[2] + i) % sh->depth;
+        s->slices[i] = s->samples + slot * slice_bytes(sh);
+        s->maps[i] = s->busy ? s->busy + slot * s->tiles : NULL;
+    }
+    out->samples.busy = s->busy ? s->maps : NULL;
     out->samples.size[0] = sh->level->dims[0];
     out->samples.size[1] = sh->level->dims[1];
     out->samples.row_bytes = sh->level->dims[0] * sh->size;

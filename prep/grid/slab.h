@@ -45,8 +45,10 @@ void slab_destroy(slab *s); /* NULL is fine */
 uint32_t slab_room(const slab *s);
 bool slab_complete(const slab *s);
 
-/* slab_store() - the next `count` slices, at most slab_room(), one after the other in memory. */
-CHECKED status slab_store(slab *s, pool *workers, const void *slices, uint32_t count);
+/* slab_store() - the next `count` slices, at most slab_room(), one after the other in memory. busy:
+ * maps of them (slice_tiles.h), or NULL, always or never. */
+CHECKED status slab_store(slab *s, pool *workers, const void *slices, const uint8_t *busy,
+                          uint32_t count);
 
 /* A box and the families whose samples it holds, in the level's grid of families (two treelets wide
  * on each axis). */

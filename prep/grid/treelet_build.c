@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "formats/grid/slice_tiles.h"
 #include "formats/leaf/quantize.h"
 
 enum {
@@ -201,6 +202,30 @@ static void merge_children(const uint8_t *child_lo, const uint8_t *child_hi, uin
         lo[m] = a;
         hi[m] = b;
     }
+}
+
+/* The nodes that a treelet has samples of along an axis. */
+static void nodes_of(const leaf_layout *l, uint32_t t, const leaf_payload *p, int a,
+                     uint32_t *first, uint32_t *last) {
+    const int64_t from = ((int64_t)l->place[t][a] << l->cells_log2) - l->halo;
+    const uint32_t nodes = l->level[l->level_of[t]].dims[a];
+    *first = clamped(from, nodes);
+    *last = clamped(from + p->samples[a] - 1, nodes);
+}
+
+bool treelet_build_quiet(const leaf_layout *l, uint32_t t, const sample_box *box) {
+    const leaf_payload p = leaf_layout_payload(l, t);
+    const uint32_t across = slice_tiles_along(l->level[l->level_of[t]].dims[0]);
+    uint32_t first[3], last[3], busy = 0;
+    if (!box->busy)
+        return false;
+    for (int a = 0; a < 3; a++)
+        nodes_of(l, t, &p, a, &first[a], &last[a]);
+    for (uint32_t z = first[2]; z <= last[2] && !busy; z++)
+        for (uint32_t y = first[1] / SLICE_TILE; y <= last[1] / SLICE_TILE; y++)
+            for (uint32_t x = first[0] / SLICE_TILE; x <= last[0] / SLICE_TILE; x++)
+                busy |= box->busy[z - box->origin[2]][(size_t)y * across + x];
+    return !busy;
 }
 
 void treelet_build(const leaf_layout *l, uint32_t t, const sample_box *box,

@@ -9,6 +9,7 @@
 #include "formats/base/clock.h"
 #include "formats/base/text.h"
 #include "formats/grid/nrrd_writer.h"
+#include "formats/grid/tile_stream.h"
 #include "prep/convert_defaults.h"
 #include "prep/import/crash.h"
 #include "prep/import/importer_options.h"
@@ -19,7 +20,7 @@ typedef struct arguments {
     cli_common common;
     const importer *importer;
     import_request q;
-    bool list;
+    bool list, tiles;
 } arguments;
 
 /* ---- options ---- */
@@ -32,6 +33,7 @@ static status set_option(void *own, int key, const char *text) {
         return cli_uint(text, "--component", 1, COMPONENT_MAX, &a->q.component);
     case IMPORT_KEY_STEP: return cli_uint(text, "--step", 0, STEP_MAX, &a->q.step);
     case IMPORT_KEY_LIST: a->list = true; return ST_OK;
+    case IMPORT_KEY_TILES: a->tiles = true; return ST_OK;
     default: return a->importer->set_option ? a->importer->set_option(key, text) : ST_AGAIN;
     }
 }
@@ -87,6 +89,71 @@ static status write_nrrd(mem *m, arguments *a, slice_source *from) {
     return st;
 }
 
+/* Some slices, their maps, and one slice packed. */
+typedef struct tile_block {
+    uint32_t room;
+    char *slices, *packed;
+    uint8_t *busy;
+} tile_block;
+
+enum { TILE_SLICES = 8 };
+
+static status make_block(mem *m, const grid *g, tile_block *b) {
+    const uint64_t bytes = grid_slice_bytes(g),
+                   room = m->limit ? m->limit / 4 / bytes : TILE_SLICES;
+    b->room = room < 1 ? 1 : room < TILE_SLICES ? (uint32_t)room : TILE_SLICES;
+    b->slices = mem_alloc(m, b->room * bytes);
+    b->packed = mem_alloc(m, bytes);
+    b->busy = mem_alloc(m, b->room * slice_tiles_count(g->dims));
+    if (!b->slices || !b->packed || !b->busy)
+        return ST_NOMEM;
+    memset(b->busy, 1, b->room * slice_tiles_count(g->dims));
+    return ST_OK;
+}
+
+static status send_block(out_stream *out, const grid *g, const tile_block *b, uint32_t count) {
+    status st = ST_OK;
+    for (uint32_t i = 0; i < count && st == ST_OK; i++)
+        st = tile_stream_slice(out, g, b->slices + i * grid_slice_bytes(g),
+                               b->busy + i * slice_tiles_count(g->dims), b->packed);
+    return st;
+}
+
+static status send_slices(const slice_source *from, const progress *p, const tile_block *b,
+                          out_stream *out) {
+    const grid *g = &from->g;
+    status st = ST_OK;
+    for (uint32_t z = 0, n; z < g->dims[2] && st == ST_OK; z += n) {
+        n = g->dims[2] - z < b->room ? g->dims[2] - z : b->room;
+        st = progress_step(p, "importing", (double)z / g->dims[2]);
+        if (st == ST_OK)
+            st = from->read_tiles(from->ctx, z, n, b->slices, b->busy);
+        if (st == ST_OK)
+            st = send_block(out, g, b, n);
+    }
+    return st;
+}
+
+static status write_tiles(mem *m, arguments *a, const slice_source *from) {
+    tile_block b = {0};
+    out_stream *out = NULL;
+    status st = make_block(m, &from->g, &b);
+    if (st == ST_OK)
+        st = out_stream_create(m, a->common.output, a->common.force, false, &out);
+    if (st == ST_OK)
+        st = tile_stream_begin(out, &from->g, from->quiet);
+    if (st == ST_OK)
+        st = send_slices(from, cli_progress(&a->common), &b, out);
+    if (st == ST_OK)
+        st = out_stream_commit(out);
+    else
+        out_stream_discard(out);
+    mem_free(m, b.slices);
+    mem_free(m, b.packed);
+    mem_free(m, b.busy);
+    return st;
+}
+
 static status report(const arguments *a, const grid *g, double seconds) {
     if (!a->common.json)
         return ST_OK;
@@ -106,7 +173,7 @@ static status import(mem *m, arguments *a) {
     if (st == ST_OK)
         st = grid_check(&from.g, from.name);
     if (st == ST_OK)
-        st = write_nrrd(m, a, &from);
+        st = a->tiles && from.read_tiles ? write_tiles(m, a, &from) : write_nrrd(m, a, &from);
     if (st == ST_OK)
         st = report(a, &from.g, clock_seconds() - start);
     slice_source_close(&from);

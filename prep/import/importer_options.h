@@ -12,10 +12,12 @@ enum {
     IMPORT_KEY_COMPONENT,
     IMPORT_KEY_STEP,
     IMPORT_KEY_LIST,
+    IMPORT_KEY_TILES,
     IMPORT_KEY_OWN
 };
 
-/* The end of an importer's table; a format without steps or components leaves their rows out. */
+/* The end of an importer's table; a format without steps or components leaves their rows out. Who
+ * asks for tiles can read a tile_stream.h where the importer has one. */
 #define IMPORT_FIELD(what)                              \
     {                                                   \
         "field", IMPORT_KEY_FIELD, "NAME", CLI_BASIC,   \
@@ -32,7 +34,9 @@ enum {
     { "step", IMPORT_KEY_STEP, "N", 0, "the time step to take (default: the first, 0)", 0 }
 #define IMPORT_LIST(what) \
     { "list", IMPORT_KEY_LIST, NULL, CLI_BASIC, "print what " what " there are; write nothing", 0 }
-#define IMPORT_END \
-    { NULL, 0, NULL, 0, NULL, 0 }
+#define IMPORT_END                                                        \
+    {"tiles", IMPORT_KEY_TILES, NULL, OPTION_HIDDEN, "for convert", 0}, { \
+        NULL, 0, NULL, 0, NULL, 0                                         \
+    }
 
 #endif

@@ -234,7 +234,7 @@ exits "OpenVDB with it" 0 bare convert "$tmp/OpenVDB" -o "$tmp/x.leaf" --force
 ok "is what it writes" cmp "$tmp/x.leaf" "$tmp/nrrd.leaf"
 ok "is said" says "OpenVDB, read by leafcast import-vdb"
 exits "with hints" 0 bare convert "$tmp/OpenVDB" --field=-a --component 2 --step 3 --memory 64M -o "$tmp/x.leaf" --force
-ok "hands them on" [ "$(tr '\n' ' ' <"$tmp/asked")" = "-q -o - --field -a --component 2 --step 3 --memory 33554432 -- $tmp/OpenVDB " ]
+ok "hands them on" [ "$(tr '\n' ' ' <"$tmp/asked")" = "-q --tiles -o - --field -a --component 2 --step 3 --memory 33554432 -- $tmp/OpenVDB " ]
 exits "info of it" 0 bare info "$tmp/OpenVDB"
 ok "tells the format" prints '^format  *OpenVDB$'
 ok "and the values" prints '^values  *[0-9]* \.\. [0-9]*$'

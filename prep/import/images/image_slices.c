@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/base/text.h"
+#include "formats/base/vec3.h"
 #include "prep/import/images/image_file.h"
 #include "prep/import/images/image_names.h"
 #include "prep/import/images/image_tags.h"
@@ -179,11 +180,23 @@ static double spacing_of(const stack *s, const image_wish *wish, int a) {
     return !imagej && s->first.unit > 0 ? s->first.unit / pixels : 1 / pixels;
 }
 
+/* As its description has the map; what was asked for replaces the length of an axis. */
+static void place_by_map(const stack *s, const image_wish *wish, grid *g) {
+    memcpy(g->to_world, s->tags.to_world, sizeof g->to_world);
+    for (int a = 0; a < 3; a++) {
+        const double column[3] = {g->to_world[0][a], g->to_world[1][a], g->to_world[2][a]};
+        for (int row = 0; row < 3 && wish->spacing[a] != 0; row++)
+            g->to_world[row][a] = column[row] / vec3_length(column) * wish->spacing[a];
+    }
+}
+
 static void describe_grid(const stack *s, const image_wish *wish, const char *path, grid *g) {
     const uint32_t slices = s->page_count < UINT32_MAX ? (uint32_t)s->page_count : UINT32_MAX;
     grid_init(g, (uint32_t[3]){s->first.width, s->first.height, slices}, s->type);
     for (int a = 0; a < 3; a++)
         g->to_world[a][a] = spacing_of(s, wish, a);
+    if (s->tags.mapped)
+        place_by_map(s, wish, g);
     text_file_name(g->name, sizeof g->name, path);
 }
 

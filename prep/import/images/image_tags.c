@@ -66,11 +66,16 @@ static status read_imagej(const char *path, const char *text, image_tags *t) {
 
 /* ---- OME ---- */
 
+enum { MAP_TEXT = 512 };
+
 typedef struct ome {
     const char *path;
     image_tags *t;
     uint32_t samples;
-    bool seen; /* the first of the Pixels */
+    bool seen;   /* the first of the Pixels */
+    bool in_map; /* within the element whose text is the map */
+    char map[MAP_TEXT];
+    size_t map_size;
     status st;
     status_note note;
 } ome;
@@ -106,10 +111,7 @@ static status take_attribute(const ome *o, const char *name, const char *value) 
     return ST_OK;
 }
 
-static void XMLCALL on_element(void *ctx, const char *name, const char **attributes) {
-    ome *o = ctx;
-    if (o->seen || !named(name, "Pixels"))
-        return;
+static void take_pixels(ome *o, const char **attributes) {
     o->seen = true;
     o->t->by = "OME";
     memcpy(o->t->order, "CZT", 4);
@@ -120,13 +122,43 @@ static void XMLCALL on_element(void *ctx, const char *name, const char **attribu
     status_note_take(&o->note, o->st);
 }
 
+static void XMLCALL on_element(void *ctx, const char *name, const char **attributes) {
+    ome *o = ctx;
+    if (!o->seen && named(name, "Pixels"))
+        take_pixels(o, attributes);
+    for (int i = 0; attributes[i] && named(name, "M"); i += 2)
+        o->in_map |= strcmp(attributes[i], "K") == 0 && strcmp(attributes[i + 1], "to_world") == 0;
+}
+
+static void XMLCALL on_text(void *ctx, const char *text, int size) {
+    ome *o = ctx;
+    if (o->in_map && (size_t)size < MAP_TEXT - o->map_size) {
+        memcpy(o->map + o->map_size, text, (size_t)size);
+        o->map_size += (size_t)size;
+    }
+}
+
+/* Where it is not twelve finite numbers it says nothing. */
+static void XMLCALL on_end(void *ctx, const char *name) {
+    ome *o = ctx;
+    double *map = o->t->to_world;
+    (void)name;
+    if (!o->in_map)
+        return;
+    o->in_map = false;
+    o->t->mapped = num_doubles(o->map, "", " ", 12, map) == ST_OK;
+    for (int i = 0; i < 12; i++)
+        o->t->mapped &= isfinite(map[i]) != 0;
+}
+
 static status read_ome(const char *path, const char *text, uint32_t samples, image_tags *t) {
     ome o = {.path = path, .t = t, .samples = samples, .st = ST_OK};
     XML_Parser parser = XML_ParserCreate(NULL);
     if (!parser)
         return status_describe(ST_NOMEM, "%s: no memory for its OME-XML", path);
     XML_SetUserData(parser, &o);
-    XML_SetElementHandler(parser, on_element, NULL);
+    XML_SetElementHandler(parser, on_element, on_end);
+    XML_SetCharacterDataHandler(parser, on_text);
     const enum XML_Status parsed = XML_Parse(parser, text, (int)strlen(text), 1);
     XML_ParserFree(parser);
     if (o.st != ST_OK)

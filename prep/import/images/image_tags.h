@@ -3,7 +3,8 @@
  *
  * ImageJ: lines such as "spacing=2.5", "channels=2"; pages are channels, then slices, then steps.
  * OME: an XML document whose first Pixels element has PhysicalSizeX, SizeC, DimensionOrder and so
- * on. Other descriptions say nothing.
+ * on; `leafcast export' annotates it with the whole map to the world (M with K="to_world"). Other
+ * descriptions say nothing.
  */
 #ifndef PREP_IMPORT_IMAGES_IMAGE_TAGS_H
 #define PREP_IMPORT_IMAGES_IMAGE_TAGS_H
@@ -20,6 +21,8 @@ typedef struct image_tags {
     uint32_t channels;      /* pages of one slice and step */
     uint32_t slices, steps; /* channels, slices and steps are at least 1 where `by` is set */
     char order[4];          /* which of C, Z, T goes on first, then, last: "CZT" */
+    bool mapped;            /* to_world is said: from pixel, row, slice; finite numbers */
+    double to_world[12];    /* row-major */
 } image_tags;
 
 /* image_tags_read() - samples: numbers a pixel, which OME counts as channels. path: for messages.

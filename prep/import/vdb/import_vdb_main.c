@@ -49,7 +49,11 @@ static status set_option(int key, const char *text) {
 /* ---- slices ---- */
 
 static status read_slices(void *ctx, uint32_t first, uint32_t count, void *slices) {
-    return vdb_tree_read(ctx, first, count, slices);
+    return vdb_tree_read(ctx, first, count, slices, NULL);
+}
+
+static status read_tiles(void *ctx, uint32_t first, uint32_t count, void *slices, uint8_t *busy) {
+    return vdb_tree_read(ctx, first, count, slices, busy);
 }
 
 static void close_tree(void *ctx) {
@@ -84,8 +88,10 @@ static status open_vdb(mem *m, const import_request *q, slice_source *out) {
                           .name = asked.path,
                           .m = m,
                           .read = read_slices,
+                          .read_tiles = read_tiles,
                           .close = close_tree,
                           .ctx = tree};
+    vdb_tree_background(tree, out->quiet);
     take_facts(&facts, &out->g);
     return ST_OK;
 }

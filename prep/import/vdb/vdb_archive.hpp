@@ -26,8 +26,8 @@ struct vdb_failure {
 /* Describe and throw. */
 [[noreturn]] void vdb_fail(status st, const char *fmt, ...) __attribute__((format(printf, 2, 3)));
 
-/* To be called before anything is read. OpenVDB allocates where it may not throw: a budget that ends
- * there ends the program, with the exit status of that. */
+/* To be called before anything is read. OpenVDB allocates where it may not throw: a budget that
+ * ends there ends the program, with the exit status of that. */
 void vdb_begin();
 
 /* The status of the exception that is being handled, described with the file's path. */
@@ -40,7 +40,7 @@ struct vdb_grid {
 };
 
 class vdb_archive : private openvdb::io::Archive {
-public:
+  public:
     /* Reads the header and, where the file has offsets, the list of its grids. */
     explicit vdb_archive(const std::string &path);
 
@@ -51,7 +51,7 @@ public:
      * the file allows that. */
     openvdb::GridBase::Ptr load(const vdb_grid &g);
 
-private:
+  private:
     void read_list();
     void read_all();
     void walk(const openvdb::io::GridDescriptor &d);

@@ -6,6 +6,9 @@
 #include <limits>
 #include <memory>
 
+extern "C" {
+#include "formats/grid/slice_tiles.h"
+}
 #include "prep/import/vdb/vdb_archive.hpp"
 
 using openvdb::Coord;
@@ -15,6 +18,9 @@ using openvdb::GridBase;
 /* ---- samples of values ---- */
 
 namespace {
+
+/* Where `leafcast export' says of integers what they were. */
+const char *const narrow_key = "leafcast_type";
 
 /* What a value of a grid becomes: as it is, one of its components, or their length. */
 template <typename V> struct as_it_is {
@@ -39,6 +45,17 @@ template <> struct as_it_is<int64_t> {
         return double(v);
     }
 };
+/* Integers of fewer bits, which the grid's metadata say that its 32 bits hold. */
+template <typename S> struct narrowed {
+    using sample = S;
+    explicit narrowed(uint32_t) {}
+    S operator()(int32_t v) const {
+        if (v < std::numeric_limits<S>::min() || v > std::numeric_limits<S>::max())
+            vdb_fail(ST_CORRUPT, "a value of %d, where %s says that it is of fewer bits", v,
+                     narrow_key);
+        return S(v);
+    }
+};
 template <typename V> struct one_of {
     using sample = typename V::value_type;
     int index;
@@ -58,6 +75,15 @@ template <typename V> struct length_of {
 template <typename S> constexpr sample_type type_of();
 template <> constexpr sample_type type_of<uint8_t>() {
     return SAMPLE_U8;
+}
+template <> constexpr sample_type type_of<int8_t>() {
+    return SAMPLE_I8;
+}
+template <> constexpr sample_type type_of<uint16_t>() {
+    return SAMPLE_U16;
+}
+template <> constexpr sample_type type_of<int16_t>() {
+    return SAMPLE_I16;
 }
 template <> constexpr sample_type type_of<int32_t>() {
     return SAMPLE_I32;
@@ -80,7 +106,8 @@ struct vdb_tree {
 
     virtual ~vdb_tree() = default;
     virtual sample_type type() const = 0;
-    virtual void read(const CoordBBox &slab, void *slices) = 0;
+    virtual void read(const CoordBBox &slab, void *slices, uint8_t *busy) = 0;
+    virtual void background(void *to) const = 0;
 };
 
 namespace {
@@ -90,15 +117,44 @@ template <typename S> struct target {
     CoordBBox slab;
     S *samples;
     S background;
+    uint8_t *busy; /* maps of the slices; null: not asked for */
 
     S *row(int32_t x, int32_t y, int32_t z) const {
         const Coord d = slab.dim(), at = Coord(x, y, z) - slab.min();
         return samples + (std::size_t(at.z()) * d.y() + at.y()) * d.x() + at.x();
     }
+    /* Make all of it the background, or of maps what is something else. */
+    void clear() const {
+        const Coord d = slab.dim();
+        const uint32_t dims[3] = {uint32_t(d.x()), uint32_t(d.y()), uint32_t(d.z())};
+        if (!busy)
+            std::fill_n(samples, slab.volume(), background);
+        for (std::size_t z = 0, tiles = slice_tiles_count(dims); busy && z < dims[2]; z++)
+            for (std::size_t i = 0; i < tiles; i++) {
+                if (!busy[z * tiles + i])
+                    continue;
+                const slice_tile t = slice_tiles_at(dims, i);
+                slice_tiles_fill(dims, &t, sizeof(S), &background, samples + z * dims[0] * dims[1]);
+                busy[z * tiles + i] = 0;
+            }
+    }
+    /* A part of the slab may now be anything. */
+    void touch(const CoordBBox &part) const {
+        if (!busy || part.empty())
+            return;
+        const Coord d = slab.dim(), low = part.min() - slab.min(), high = part.max() - slab.min();
+        const std::size_t across = slice_tiles_along(uint32_t(d.x())),
+                          tiles = across * slice_tiles_along(uint32_t(d.y()));
+        for (int32_t z = low.z(); z <= high.z(); z++)
+            for (int32_t y = low.y() / SLICE_TILE; y <= high.y() / SLICE_TILE; y++)
+                std::fill_n(busy + z * tiles + y * across + low.x() / SLICE_TILE,
+                            high.x() / SLICE_TILE - low.x() / SLICE_TILE + 1, uint8_t(1));
+    }
     void fill(CoordBBox part, S value) const {
         if (memcmp(&value, &background, sizeof value) == 0)
             return;
         part.intersect(slab);
+        touch(part);
         for (int32_t z = part.min().z(); z <= part.max().z(); z++)
             for (int32_t y = part.min().y(); y <= part.max().y(); y++)
                 std::fill_n(row(part.min().x(), y, z), part.dim().x(), value);
@@ -119,6 +175,7 @@ template <typename GridT, typename Take> struct tree_of final : vdb_tree {
         const Coord origin = part.min();
         const openvdb::Index stride = leaf::DIM * leaf::DIM;
         part.intersect(to.slab);
+        to.touch(part);
         for (int32_t z = part.min().z(); z <= part.max().z(); z++)
             for (int32_t y = part.min().y(); y <= part.max().y(); y++) {
                 sample *row = to.row(part.min().x(), y, z);
@@ -157,10 +214,15 @@ template <typename GridT, typename Take> struct tree_of final : vdb_tree {
             node.addTile(n, openvdb::zeroVal<typename Node::ValueType>(), false);
     }
 
-    void read(const CoordBBox &slab, void *slices) override {
+    void background(void *to) const override {
+        const sample s = take(static_cast<const GridT &>(*grid).tree().root().background());
+        memcpy(to, &s, sizeof s);
+    }
+
+    void read(const CoordBBox &slab, void *slices, uint8_t *busy) override {
         auto &root = static_cast<GridT &>(*grid).tree().root();
-        const target<sample> to{slab, static_cast<sample *>(slices), take(root.background())};
-        std::fill_n(to.samples, slab.volume(), to.background);
+        const target<sample> to{slab, static_cast<sample *>(slices), take(root.background()), busy};
+        to.clear();
         for (auto tile = root.cbeginValueAll(); tile; ++tile)
             to.fill(CoordBBox::createCube(tile.getCoord(), tree::RootNodeType::ChildNodeType::DIM),
                     take(*tile));
@@ -168,6 +230,25 @@ template <typename GridT, typename Take> struct tree_of final : vdb_tree {
             fill(*child, to);
     }
 };
+
+template <typename S> using narrow_tree = tree_of<openvdb::Int32Grid, narrowed<S>>;
+
+/* Of integers whose metadata say what they were; null: of others. */
+std::unique_ptr<vdb_tree> make_narrow(const GridBase &grid) {
+    const auto said = grid.getMetadata<openvdb::StringMetadata>(narrow_key);
+    if (!said || grid.type() != openvdb::Int32Grid::gridType())
+        return nullptr;
+    const std::string &type = said->value();
+    if (type == "u8")
+        return std::make_unique<narrow_tree<uint8_t>>(0);
+    if (type == "i8")
+        return std::make_unique<narrow_tree<int8_t>>(0);
+    if (type == "u16")
+        return std::make_unique<narrow_tree<uint16_t>>(0);
+    if (type == "i16")
+        return std::make_unique<narrow_tree<int16_t>>(0);
+    return nullptr;
+}
 
 /* ---- kinds of grids ---- */
 
@@ -289,9 +370,12 @@ void open_tree(const vdb_request &q, vdb_facts &facts, std::unique_ptr<vdb_tree>
     vdb_archive archive(q.path);
     const vdb_grid &g = choose(archive, q);
     t = make_tree(g, q);
+    const GridBase::Ptr grid = archive.load(g);
+    if (auto narrow = make_narrow(*grid))
+        t = std::move(narrow);
     t->path = q.path;
     t->name = g.name;
-    t->grid = archive.load(g);
+    t->grid = grid;
     t->box = box_of(*t, q);
     facts.name = t->name.c_str();
     facts.type = t->type();
@@ -341,16 +425,20 @@ status vdb_tree_open(const vdb_request *q, vdb_facts *facts, vdb_tree **out) {
     }
 }
 
-status vdb_tree_read(vdb_tree *t, uint32_t first, uint32_t count, void *slices) {
+status vdb_tree_read(vdb_tree *t, uint32_t first, uint32_t count, void *slices, uint8_t *busy) {
     try {
         CoordBBox slab = t->box;
         slab.min().z() = t->box.min().z() + int32_t(first);
         slab.max().z() = slab.min().z() + int32_t(count) - 1;
-        t->read(slab, slices);
+        t->read(slab, slices, busy);
         return ST_OK;
     } catch (...) {
         return vdb_told(t->path);
     }
+}
+
+void vdb_tree_background(const vdb_tree *t, void *sample) {
+    t->background(sample);
 }
 
 void vdb_tree_close(vdb_tree *t) {

@@ -44,8 +44,11 @@ typedef struct vdb_tree vdb_tree;
 CHECKED status vdb_tree_open(const vdb_request *q, vdb_facts *facts, vdb_tree **out);
 
 /* vdb_tree_read() - slices first .. first + count - 1 of the box, x fastest. Slices before those
- * cannot be asked for any more. */
-CHECKED status vdb_tree_read(vdb_tree *t, uint32_t first, uint32_t count, void *slices);
+ * cannot be asked for any more. busy: maps of them (slice_tiles.h), or NULL; what no node covers is
+ * quiet: it has the background, vdb_tree_background()'s sample. */
+CHECKED status vdb_tree_read(vdb_tree *t, uint32_t first, uint32_t count, void *slices,
+                             uint8_t *busy);
+void vdb_tree_background(const vdb_tree *t, void *sample);
 void vdb_tree_close(vdb_tree *t); /* NULL is fine */
 
 /* A grid of a file. */

@@ -1,0 +1,34 @@
+/* grid_box.h - a box of samples of a treelet file's grid, put together of treelets' payloads.
+ *
+ * Each node belongs to one treelet: the last node of a treelet is the next one's first, if there is
+ * a next one.
+ */
+#ifndef PREP_EXPORT_GRID_BOX_H
+#define PREP_EXPORT_GRID_BOX_H
+
+#include "prep/export/grid_part.h"
+
+typedef struct grid_box {
+    uint32_t level;
+    uint32_t lo[3], end[3]; /* its first node along each axis, and the one behind its last */
+    char *samples;          /* of the file's stored type, x fastest */
+} grid_box;
+
+/* grid_box_of() - all of a part; samples NULL. */
+grid_box grid_box_of(const grid_part *part);
+
+/* grid_box_treelet() - along an axis, the treelet that a node belongs to. grid_box_end() - the node
+ * behind the last one that belongs to a treelet. */
+uint32_t grid_box_treelet(const leaf_layout *l, uint32_t level, int axis, uint32_t node);
+uint32_t grid_box_end(const leaf_layout *l, uint32_t level, int axis, uint32_t treelet);
+
+/* grid_box_treelets() - those that nodes of the box belong to: the first and how many. */
+void grid_box_treelets(const grid_box *b, const leaf_layout *l, uint32_t first[3],
+                       uint32_t count[3]);
+
+/* grid_box_copy() - the nodes that belong to the treelet at a place, of its payload, as far as they
+ * are in the box. Threads may copy different treelets. */
+void grid_box_copy(const grid_box *b, const leaf_layout *l, const uint32_t place[3],
+                   const char *payload);
+
+#endif
