@@ -7,6 +7,7 @@
 
 #include "render/grid/cell_batch.h"
 #include "render/grid/grid_batch.h"
+#include "render/grid/grid_pieces.h"
 #include "render/grid/grid_tile.h"
 #include "render/grid/walk.h"
 #include "render/mesh/mesh_batch.h"
@@ -22,6 +23,7 @@ typedef struct kernels {
     cell_roots_fn roots; /* or all of them */
     tile_fn grid_tile;   /* a tile of primary rays through a grid; NULL: one by one */
     batch_fn grid_batch; /* rays of any kind through a grid; NULL: one by one */
+    segment_batch_fn grid_pieces; /* pieces of rays through a grid; NULL: one by one */
     tile_fn mesh_tile;   /* ... through a mesh */
     tile_fn mesh_packet; /* ... the way of W07 */
     tet_batch_fn tets;   /* many rays and an isopolygon */
