@@ -71,7 +71,7 @@ static size_t batch_scratch(const frame *f) {
 }
 
 static size_t pieces_bytes(const frame *f) {
-    return f->integrator->take ? up_to_64(sizeof(segment_batch)) : 0;
+    return f->integrator->take ? segment_batch_bytes() + up_to_64(f->integrator->take_scratch) : 0;
 }
 
 size_t frame_scratch_bytes(const frame *f) {

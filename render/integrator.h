@@ -45,8 +45,11 @@ typedef struct integrator {
      * of which there are no more, or none are wanted. */
     void (*answer)(const frame *f, ray_record *r, trace_result result);
     /* The next pieces of several rays, those of each in order: of ray i, r[i]; stop[i] = true where
-     * no more are wanted. The row may leave it out if it asks for none. */
-    void (*take)(const frame *f, ray_record *const r[], const segment_columns *pieces, bool stop[]);
+     * no more are wanted. scratch: so many bytes, 64-byte aligned, whatever is in them. The row may
+     * leave them out if it asks for none. */
+    size_t take_scratch;
+    void (*take)(const frame *f, ray_record *const r[], const segment_columns *pieces, bool stop[],
+                 void *scratch);
     /* The bundle of all rays on a leg of their way. */
     ray_bundle (*bundle)(const frame *f, uint32_t leg);
 

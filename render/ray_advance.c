@@ -48,12 +48,13 @@ static void go_on(const frame *f, ray_company *c, unsigned i, trace_result resul
 /* What take() is told. */
 typedef struct walkers {
     const frame *f;
+    void *scratch;
     ray_record *record[RAY_BATCH];
 } walkers;
 
 static void take(void *ctx, segment_batch *b) {
     const walkers *w = ctx;
-    w->f->integrator->take(w->f, w->record, &b->columns, b->stop);
+    w->f->integrator->take(w->f, w->record, &b->columns, b->stop, w->scratch);
 }
 
 /* Of those whose turn it is, all that ask for pieces. */
@@ -76,7 +77,7 @@ static void gather_walkers(ray_company *c, unsigned first, segment_batch *b, wal
 /* All pieces of all these. */
 static void walk_together(const frame *f, ray_company *c, unsigned first, segment_batch *b,
                           void *scratch, ray_counters *counters) {
-    walkers w = {.f = f};
+    walkers w = {.f = f, .scratch = (char *)b + segment_batch_bytes()};
     gather_walkers(c, first, b, &w);
     b->take = take;
     b->ctx = &w;

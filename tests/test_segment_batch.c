@@ -1,6 +1,6 @@
 /* test_segment_batch.c - the pieces of many rays in columns are those of rays one by one, to the
- * bit: every ISA, whatever is of interest, wherever rays begin and end, and however few treelets are
- * there.
+ * bit: every ISA, whatever is of interest, wherever rays begin and end, and however few treelets
+ * are there.
  */
 /* marks: long */
 #include <setjmp.h>
@@ -87,7 +87,8 @@ static void select_some(stage *s) {
 }
 
 static void stage_show(stage *s, const leafcast_scene *scene) {
-    const leafcast_surface surface = leafcast_surface_default(0.5 * (s->info.value_min + s->info.value_max));
+    const leafcast_surface surface =
+        leafcast_surface_default(0.5 * (s->info.value_min + s->info.value_max));
     const leafcast_camera view = leafcast_standard_view(s->v, 1.5, 40, 40);
     camera c;
     assert_int_equal(leafcast_select(s->v, &surface, 1), LEAFCAST_OK);
@@ -172,8 +173,7 @@ static void follow(stage *s, const segment_batch *b) {
     for (unsigned i = 0; i < b->count; i++) {
         segment piece;
         for (;;) {
-            want_result[i] =
-                segments_next(&s->tr, &b->rays[i], &want_state[i], &piece, &counters);
+            want_result[i] = segments_next(&s->tr, &b->rays[i], &want_state[i], &piece, &counters);
             if (want_result[i] != SEGMENTS_SOME)
                 break;
             piece.cell = 0;
@@ -204,8 +204,8 @@ static void judge_ray(stage *s, const segment_batch *b, unsigned i, const char *
         print_message("%s: ray %u of %u, o %a %a %a d %a %a %a t %a %a: %u pieces, not %u; result "
                       "%d, not %d; blocked %u, not %u\n",
                       kernel, i, b->count, r->o[0], r->o[1], r->o[2], r->d[0], r->d[1], r->d[2],
-                      r->t0, r->t1, have->count, cut.count, (int)b->result[i],
-                      (int)want_result[i], y->blocked, x->blocked);
+                      r->t0, r->t1, have->count, cut.count, (int)b->result[i], (int)want_result[i],
+                      y->blocked, x->blocked);
     for (unsigned k = 0; !right && k < have->count && k < cut.count; k++) {
         const segment *p = &cut.of[k], *q = &have->of[k];
         if (memcmp(p, q, sizeof *p) == 0)
@@ -270,8 +270,8 @@ static void judge(stage *s, segment_batch *b, bool impatient) {
     assert_true(treelets <= sizeof touched);
     for (unsigned i = 0; i < b->count; i++) {
         from[i] = segments_begin(want_ahead[i], SEGMENTS_KEPT);
-        patience[i] = impatient && one_in(s, 2) ? 1 + (uint32_t)field_random_below(&s->random, 50)
-                                                : FOREVER;
+        patience[i] =
+            impatient && one_in(s, 2) ? 1 + (uint32_t)field_random_below(&s->random, 50) : FOREVER;
         so_far[i].count = 0;
     }
     while (more) {

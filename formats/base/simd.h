@@ -13,8 +13,8 @@
  * floats from + 3 at[k] of lane k, and nothing behind them; d_load_rows() VD_N / D_ROW rows of
  * D_ROW doubles; d_load_at() from[at[k]] of lane k, d_gather() the same; l_gather() the 8 bytes at
  * from + at[k], at any address; f_of_bytes() VF_N bytes, but eight at most and zeros. d_reverse():
- * lane 0 last. d_of_low_floats(): of each lane's lower half. l_mul(): of lower halves. l_eq(): lanes
- * that are equal; l_odd(): those, as bits, whose lowest bit is set.
+ * lane 0 last. d_of_low_floats(): of each lane's lower half. l_mul(): of lower halves. l_eq():
+ * lanes that are equal; l_odd(): those, as bits, whose lowest bit is set.
  *
  * Arithmetic is written with + - * /, which the compilers know for vectors. min(a, b) is a < b ? a
  * : b and max(a, b) is a > b ? a : b, also for NaN. Comparisons with NaN are false. Loads and

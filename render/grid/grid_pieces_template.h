@@ -200,9 +200,9 @@ SIMD void put_crossings(pieces_walk *w, const rider *q, const int a) {
         const vl own = l_load(counting) + (uint64_t)k;
         const vl at_b = slab_cells(sb, t, b < a, (1u << count) - 1u);
         const vl at_c = slab_cells(sc, t, c < a, (1u << count) - 1u);
-        const vl cell = (own << (FIELD_BITS * a) | at_b << (FIELD_BITS * b) |
-                         at_c << (FIELD_BITS * c)) ^
-                        (q->flips | (uint64_t)a << AXIS_AT);
+        const vl cell =
+            (own << (FIELD_BITS * a) | at_b << (FIELD_BITS * b) | at_c << (FIELD_BITS * c)) ^
+            (q->flips | (uint64_t)a << AXIS_AT);
         uint64_t place[VD_N], cells[VD_N];
         l_store(place, own + at_b + at_c - before);
         l_store(cells, cell);
@@ -247,8 +247,8 @@ static void find_pieces(pieces_walk *w, const active_masks *masks) {
     for (unsigned p = 0; p < w->slots; p += VD_N) {
         const vl cell = cell_morton(l_load(w->cell + p));
         const vl block = l_gather(masks->cells, cell >> 6 << 3);
-        unsigned found = l_odd(block >> (cell & 63u)) &
-                         md_bits(d_lt(d_load(w->t + p), d_load(w->t + p + 1)));
+        unsigned found =
+            l_odd(block >> (cell & 63u)) & md_bits(d_lt(d_load(w->t + p), d_load(w->t + p + 1)));
         if (w->slots - p < VD_N)
             found &= (1u << (w->slots - p)) - 1u;
         for (; found; found &= found - 1)
@@ -388,9 +388,8 @@ static bool ride(pieces_walk *w, rider *q) {
     grid_passage passage;
     if (w->b->stop[q->number])
         return false;
-    const segments_result next =
-        grid_way_next(&q->way, w->tr, ray_of(w, q), w->b->state[q->number], w->counters, &at,
-                      &passage);
+    const segments_result next = grid_way_next(&q->way, w->tr, ray_of(w, q), w->b->state[q->number],
+                                               w->counters, &at, &passage);
     if (next == SEGMENTS_SOME)
         pass_treelet(w, q, at, &passage);
     else
