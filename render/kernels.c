@@ -25,6 +25,7 @@ static kernels kernels_of(cpu_isa isa) {
                      .roots = cell_roots_for(isa),
                      .grid_tile = grid_tile_for(isa),
                      .grid_batch = grid_batch_for(isa),
+                     .grid_pieces = grid_pieces_for(isa),
                      .mesh_tile = mesh_tile_for(isa),
                      .mesh_packet = mesh_packet_for(isa),
                      .tets = tet_batch_for(isa),

@@ -130,7 +130,6 @@ SIMD vd change_lanes(const piece_lanes *p, const smooth_lanes *s, int degree, vd
 
 /* portable_exp() of x <= 0. */
 SIMD vd exp_lanes(vd x) {
-    typedef int64_t vl __attribute__((vector_size(sizeof(vd))));
     static const double series[] = PORTABLE_EXP_SERIES;
     const vd ordinary = d_max(x, d_set(-700.0));
     const vd rounder = d_set(PORTABLE_ROUNDER);

@@ -7,11 +7,15 @@
  *   vd, md   VD_N doubles (2, 4, 8) and a mask over them       d_set d_load d_store ...
  *   vf, mf   VF_N floats (4, 8, 16) and a mask over them       f_set f_load f_store ...
  *   vi       VF_N 32-bit integers, for operators alone
+ *   vl       VD_N 64-bit integers, likewise, and a few words  l_set l_load l_store ...
  *
  * f_load_rows() takes VF_N / 4 rows of four floats, `stride` apart; f_load_triples() the three
  * floats from + 3 at[k] of lane k, and nothing behind them; d_load_rows() VD_N / D_ROW rows of
- * D_ROW doubles; d_load_at() from[at[k]] of lane k; f_of_bytes() VF_N bytes, but eight at most and
- * zeros. f_swap() exchanges lanes k and k ^ by: by is 1, 2, 4 or 8, less than VF_N.
+ * D_ROW doubles; d_load_at() from[at[k]] of lane k, d_gather() the same; l_gather() the 8 bytes at
+ * from + at[k], at any address; f_of_bytes() VF_N bytes, but eight at most and zeros. d_reverse():
+ * lane 0 last. d_of_low_floats(): of each lane's lower half. l_mul(): of lower halves. l_eq():
+ * lanes that are equal; l_odd(): those, as bits, whose lowest bit is set.
+ * f_swap() exchanges lanes k and k ^ by: by is 1, 2, 4 or 8, less than VF_N.
  *
  * Arithmetic is written with + - * /, which the compilers know for vectors. min(a, b) is a < b ? a
  * : b and max(a, b) is a > b ? a : b, also for NaN. Comparisons with NaN are false. Loads and
@@ -495,6 +499,90 @@ SIMD int i_any(vi a) {
     return !_mm_testz_si128((__m128i)a, (__m128i)a);
 #endif
 }
+
+typedef uint64_t vl __attribute__((vector_size(sizeof(vd))));
+
+SIMD vl l_set(uint64_t a) {
+    return (vl){0} + a;
+}
+SIMD vl l_load(const uint64_t *from) {
+    return (vl)d_load((const double *)(const void *)from);
+}
+SIMD void l_store(uint64_t *to, vl a) {
+    d_store((double *)(void *)to, (vd)a);
+}
+
+#if defined __AVX512F__
+SIMD vd d_gather(const double *from, vl at) {
+    return _mm512_i64gather_pd((__m512i)at, from, 8);
+}
+SIMD vl l_gather(const void *from, vl at) {
+    return (vl)_mm512_i64gather_epi64((__m512i)at, from, 1);
+}
+SIMD vd d_reverse(vd a) {
+    return _mm512_permutexvar_pd(_mm512_set_epi64(0, 1, 2, 3, 4, 5, 6, 7), a);
+}
+SIMD vd d_of_low_floats(vl a) {
+    return _mm512_cvtps_pd(_mm256_castsi256_ps(_mm512_cvtepi64_epi32((__m512i)a)));
+}
+SIMD vl l_mul(vl a, vl b) {
+    return (vl)_mm512_mul_epu32((__m512i)a, (__m512i)b);
+}
+SIMD md l_eq(vl a, vl b) {
+    return _mm512_cmpeq_epi64_mask((__m512i)a, (__m512i)b);
+}
+SIMD unsigned l_odd(vl a) {
+    return _mm512_test_epi64_mask((__m512i)a, _mm512_set1_epi64(1));
+}
+#elif defined __AVX2__
+SIMD vd d_gather(const double *from, vl at) {
+    return _mm256_i64gather_pd(from, (__m256i)at, 8);
+}
+SIMD vl l_gather(const void *from, vl at) {
+    return (vl)_mm256_i64gather_epi64(from, (__m256i)at, 1);
+}
+SIMD vd d_reverse(vd a) {
+    return _mm256_permute4x64_pd(a, 0x1b);
+}
+SIMD vd d_of_low_floats(vl a) {
+    const __m256i low =
+        _mm256_permutevar8x32_epi32((__m256i)a, _mm256_set_epi32(0, 0, 0, 0, 6, 4, 2, 0));
+    return _mm256_cvtps_pd(_mm_castsi128_ps(_mm256_castsi256_si128(low)));
+}
+SIMD vl l_mul(vl a, vl b) {
+    return (vl)_mm256_mul_epu32((__m256i)a, (__m256i)b);
+}
+SIMD md l_eq(vl a, vl b) {
+    return _mm256_castsi256_pd(_mm256_cmpeq_epi64((__m256i)a, (__m256i)b));
+}
+SIMD unsigned l_odd(vl a) {
+    return (unsigned)_mm256_movemask_pd((__m256d)(a << 63));
+}
+#else
+SIMD vd d_gather(const double *from, vl at) {
+    return _mm_set_pd(from[at[1]], from[at[0]]);
+}
+SIMD vl l_gather(const void *from, vl at) {
+    const char *bytes = from;
+    return (vl)_mm_unpacklo_epi64(_mm_loadl_epi64((const __m128i *)(const void *)(bytes + at[0])),
+                                  _mm_loadl_epi64((const __m128i *)(const void *)(bytes + at[1])));
+}
+SIMD vd d_reverse(vd a) {
+    return _mm_shuffle_pd(a, a, 1);
+}
+SIMD vd d_of_low_floats(vl a) {
+    return _mm_cvtps_pd(_mm_castsi128_ps(_mm_shuffle_epi32((__m128i)a, 0x08)));
+}
+SIMD vl l_mul(vl a, vl b) {
+    return (vl)_mm_mul_epu32((__m128i)a, (__m128i)b);
+}
+SIMD md l_eq(vl a, vl b) {
+    return _mm_castsi128_pd(_mm_cmpeq_epi64((__m128i)a, (__m128i)b));
+}
+SIMD unsigned l_odd(vl a) {
+    return (unsigned)_mm_movemask_pd((__m128d)(a << 63));
+}
+#endif
 
 /* Towards zero; for numbers that fit. */
 SIMD vi f_to_int(vf a) {

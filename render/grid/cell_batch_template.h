@@ -20,6 +20,7 @@
 
 #include "render/grid/cell_batch.h"
 #include "render/grid/cell_kernel.h"
+#include "render/grid/cell_visit_template.h"
 #include "render/grid/intersect.h"
 
 void SIMD_NAME(cell_batch)(const cell_batch *b, int lanes, const double *isovalues, int count,
@@ -30,18 +31,13 @@ enum { VECTORS = CELL_BATCH / VD_N, VECTOR_LANES = (1 << VD_N) - 1, PACK_MAX = C
 
 /* ---- the visit: cell_visit_of() ---- */
 
-typedef struct visits {
-    vd t_in, t_out, in[3], out[3];
-} visits;
-
 /* Cell coordinates at t; exact on the axis that is crossed. */
 SIMD void coordinates_at(const cell_batch *b, int at, vd t, vd axis, vd upper, vd lower, vd to[3]) {
     for (int a = 0; a < 3; a++) {
         const vd d = d_load(b->d[a] + at);
-        const vd u = (t * d - d_load(b->lo[a] + at)) * d_load(b->inv[a] + at);
-        const vd inside = d_min(d_set(1.0), d_max(d_set(0.0), u));
         const vd on_axis = d_select(d_lt(d, d_set(0.0)), upper, lower);
-        to[a] = d_select(d_eq(axis, d_set(a)), on_axis, inside);
+        to[a] = d_select(d_eq(axis, d_set(a)), on_axis,
+                         cell_coordinate(t, d, d_load(b->lo[a] + at), d_load(b->inv[a] + at)));
     }
 }
 
@@ -82,33 +78,6 @@ SIMD md differences(const cell_batch *b, int at, vd iso, vd f[8]) {
         all = md_and(all, inside);
     }
     return md_and_not(any, all);
-}
-
-SIMD vd mix(vd a, vd b, vd s) {
-    return (d_set(1.0) - s) * a + s * b;
-}
-
-SIMD void cubic(const visits *v, const vd f[8], vd b[4]) {
-    vd x[2][4], xy[4][2], m[8];
-    for (int i = 0; i < 4; i++) {
-        x[0][i] = mix(f[2 * i], f[2 * i + 1], v->in[0]);
-        x[1][i] = mix(f[2 * i], f[2 * i + 1], v->out[0]);
-    }
-    for (int i = 0; i < 2; i++) {
-        for (int k = 0; k < 2; k++) {
-            xy[i][k] = mix(x[i][2 * k], x[i][2 * k + 1], v->in[1]);
-            xy[i + 2][k] = mix(x[i][2 * k], x[i][2 * k + 1], v->out[1]);
-        }
-    }
-    for (int i = 0; i < 4; i++) {
-        m[i] = mix(xy[i][0], xy[i][1], v->in[2]);
-        m[i + 4] = mix(xy[i][0], xy[i][1], v->out[2]);
-    }
-    const vd third = d_set(1.0 / 3.0);
-    b[0] = m[0];
-    b[1] = (m[1] + m[2] + m[4]) * third;
-    b[2] = (m[3] + m[5] + m[6]) * third;
-    b[3] = m[7];
 }
 
 /* ---- marmitt: cell_roots(), the first of them ---- */

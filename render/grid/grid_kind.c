@@ -215,6 +215,10 @@ static batch_fn grid_batch(const kernels *k) {
     return k->grid_batch;
 }
 
+static segment_batch_fn grid_segment_batch(const kernels *k) {
+    return k->grid_pieces;
+}
+
 /* ---- The order of treelets ---- */
 
 /* The treelet of the level-0 grid that a coordinate falls into; outside, the one beyond. */
@@ -445,9 +449,10 @@ const kind grid_kind = {.name = "grid",
                         .rank = grid_rank,
                         .next = grid_tracer_next,
                         .surface = grid_tracer_surface,
-                        .batch_scratch = GRID_BATCH_SCRATCH,
+                        .batch_scratch = GRID_BATCH_SCRATCH, /* more than GRID_PIECES_SCRATCH */
                         .batch = grid_batch,
                         .segments = grid_segments,
+                        .segment_batch = grid_segment_batch,
                         .segments_error = grid_segments_error,
                         .cell_of_hit = grid_cell_of_hit,
                         .cell_of_segment = grid_cell_of_segment,

@@ -1,6 +1,6 @@
 #include "render/grid/grid_segments.h"
 
-#include "render/grid/grid_passage.h"
+#include "render/grid/grid_way.h"
 
 /* A node of a treelet still to be visited, as in walk.c. */
 typedef struct pending {
@@ -97,38 +97,19 @@ static segments_result stop(segments_state *state, segments_result otherwise) {
 
 segments_result grid_segments(const tracer *tr, const ray *r, segments_state *state,
                               ray_counters *counters) {
-    double t_in = fmax(r->t0, state->t_from), t_out = r->t1;
-    if (!tracer_box(tr, r, &t_in, &t_out))
+    grid_way way;
+    grid_passage passage;
+    const resident_grid *at;
+    if (!grid_way_begin(&way, tr, r, state))
         return SEGMENTS_END;
-    bool resuming = state->blocked != LEAF_NO_TREELET;
-    grid_passage stack[GRID_PASSAGES_MAX];
-    int top = 0;
-    stack[top++] = (grid_passage){t_in, t_out, 0, 0};
-    while (top > 0) {
-        const grid_passage node = stack[--top];
-        /* Crossings are the cells' own: where a node has no length, none of its cells has. So what
-         * lies before t_from, to the bit the end of a piece, does not come again. */
-        if (!(node.t_in < node.t_out))
-            continue;
-        if (!grid_passage_drawn(tr, &node)) {
-            counters->nodes++;
-            top = grid_passage_push(tr, r, &node, stack, top, &state->provisional);
-            continue;
-        }
-        if (!tr->treelets->own[node.t] || (resuming && node.t != state->blocked))
-            continue;
-        const resident_grid *at = resident_grid_of(tracer_enter(
-            tr, node.t, node.t_in, &state->t_from, &state->blocked, &state->provisional));
-        if (!at && !tr->preview)
-            return stop(state, SEGMENTS_BLOCKED);
-        resuming = false;
-        state->blocked = LEAF_NO_TREELET;
+    for (;;) {
+        const segments_result next = grid_way_next(&way, tr, r, state, counters, &at, &passage);
+        if (next != SEGMENTS_SOME)
+            return stop(state, next);
         const collector c = {tr->own, at, r, state, counters};
-        if (at && !walk_pieces(&c, &node))
+        if (!walk_pieces(&c, &passage))
             return stop(state, SEGMENTS_SOME);
     }
-    state->t_from = INFINITY;
-    return stop(state, SEGMENTS_END);
 }
 
 segments_error grid_segments_error(const tracer *tr, const ray *r, const double range[2]) {

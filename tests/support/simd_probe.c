@@ -54,6 +54,27 @@ static void meant_doubles(const simd_probe_input *in, int i, simd_probe_output *
     out->d[PROBE_NARROW][i] = (double)(float)a;
 }
 
+static uint64_t bits_of(double x) {
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+static void meant_integers(const simd_probe_input *in, int lanes, int i, simd_probe_output *out) {
+    const unsigned at = in->p >> i & 3u;
+    const uint32_t low = (uint32_t)bits_of(in->a[i]);
+    const uint64_t product = (uint64_t)low * (uint32_t)bits_of(in->b[i]);
+    float f;
+    memcpy(&f, &low, sizeof f);
+    out->d[PROBE_GATHER][i] = in->a[at + 1];
+    memcpy(&out->d[PROBE_BYTES][i], (const char *)in->a + at, sizeof(double));
+    out->d[PROBE_REVERSE][i] = in->a[lanes - 1 - i];
+    out->d[PROBE_LOW][i] = (double)f;
+    memcpy(&out->d[PROBE_PRODUCT][i], &product, sizeof product);
+    out->d_mask[PROBE_SAME] |= (uint32_t)(bits_of(in->a[i]) == bits_of(in->b[i])) << i;
+    out->d_mask[PROBE_ODD] |= (uint32_t)(bits_of(in->a[i]) & 1u) << i;
+}
+
 static void meant_floats(const simd_probe_input *in, int i, simd_probe_output *out) {
     const float x = in->x[i], y = in->y[i];
     out->f[PROBE_ADD][i] = x + y;
@@ -101,6 +122,7 @@ void simd_probe_meant(const simd_probe_input *in, int doubles, int floats, simd_
     out->floats = floats;
     for (int i = 0; i < doubles; i++) {
         meant_doubles(in, i, out);
+        meant_integers(in, doubles, i, out);
         MEANT_MASKS(out->d_mask, in->a[i], in->b[i], i);
     }
     for (int i = 0; i < floats; i++) {

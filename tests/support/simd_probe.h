@@ -39,6 +39,11 @@ enum {
     PROBE_TRIPLE_X, /* f_load_triples() from x, at the bits of p */
     PROBE_TRIPLE_Y,
     PROBE_TRIPLE_Z,
+    PROBE_GATHER,  /* d_gather() from a, one behind the bits of p */
+    PROBE_BYTES,   /* l_gather() from a, so many bytes on */
+    PROBE_REVERSE, /* of a */
+    PROBE_LOW,     /* d_of_low_floats() of the bits of a */
+    PROBE_PRODUCT, /* l_mul() of the bits of a and b */
     PROBE_WORDS
 };
 enum {
@@ -52,6 +57,8 @@ enum {
     PROBE_XOR,
     PROBE_AND_NOT,
     PROBE_OF_BITS,
+    PROBE_SAME, /* l_eq() of the bits of a and b */
+    PROBE_ODD,  /* l_odd() of the bits of a */
     PROBE_MASKS
 };
 

@@ -42,6 +42,22 @@ static void probe_doubles(const simd_probe_input *in, simd_probe_output *out) {
     out->d_mask[PROBE_OF_BITS] = md_bits(p);
 }
 
+static void probe_integers(const simd_probe_input *in, simd_probe_output *out) {
+    const vd a = d_load(in->a);
+    uint64_t number[VD_N], back[VD_N];
+    for (unsigned i = 0; i < VD_N; i++)
+        number[i] = in->p >> i & 3u;
+    const vl at = l_load(number);
+    l_store(back, at + l_set(1));
+    d_store(out->d[PROBE_GATHER], d_gather(in->a, l_load(back)));
+    d_store(out->d[PROBE_BYTES], (vd)l_gather(in->a, at));
+    d_store(out->d[PROBE_REVERSE], d_reverse(a));
+    d_store(out->d[PROBE_LOW], d_of_low_floats((vl)a));
+    d_store(out->d[PROBE_PRODUCT], (vd)l_mul((vl)a, (vl)d_load(in->b)));
+    out->d_mask[PROBE_SAME] = md_bits(l_eq((vl)a, (vl)d_load(in->b)));
+    out->d_mask[PROBE_ODD] = l_odd((vl)a);
+}
+
 static void probe_floats(const simd_probe_input *in, simd_probe_output *out) {
     const vf x = f_load(in->x), y = f_load(in->y);
     const mf p = mf_of_bits(in->p & ((1u << VF_N) - 1));
@@ -93,6 +109,7 @@ void SIMD_NAME(simd_probe)(const simd_probe_input *in, simd_probe_output *out) {
     out->doubles = VD_N;
     out->floats = VF_N;
     probe_doubles(in, out);
+    probe_integers(in, out);
     probe_floats(in, out);
 }
 

@@ -111,6 +111,57 @@ COMPARISON(d_eq, ==)
 COMPARISON(d_ge, >=)
 COMPARISON(d_gt, >)
 
+typedef uint64_t vl __attribute__((vector_size(8 * sizeof(uint64_t)), aligned(16)));
+
+SIMD vl l_set(uint64_t a) {
+    return (vl){a, a, a, a, a, a, a, a};
+}
+SIMD vl l_load(const uint64_t *from) {
+    vl v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+SIMD void l_store(uint64_t *to, vl a) {
+    memcpy(to, &a, sizeof a);
+}
+SIMD vd d_gather(const double *from, vl at) {
+    vd v;
+    LANES(i) v[i] = from[at[i]];
+    return v;
+}
+SIMD vl l_gather(const void *from, vl at) {
+    uint64_t v[VD_N];
+    LANES(i) memcpy(&v[i], (const char *)from + at[i], sizeof *v);
+    return l_load(v);
+}
+SIMD vd d_reverse(vd a) {
+    return (vd){a[7], a[6], a[5], a[4], a[3], a[2], a[1], a[0]};
+}
+SIMD vd d_of_low_floats(vl a) {
+    vd v;
+    LANES(i) {
+        const uint32_t low = (uint32_t)a[i];
+        float x;
+        memcpy(&x, &low, sizeof x);
+        v[i] = (double)x;
+    }
+    return v;
+}
+SIMD vl l_mul(vl a, vl b) {
+    LANES(i) a[i] = (a[i] & 0xffffffffu) * (b[i] & 0xffffffffu);
+    return a;
+}
+SIMD md l_eq(vl a, vl b) {
+    unsigned bits = 0;
+    LANES(i) bits |= (unsigned)(a[i] == b[i]) << i;
+    return (md)bits;
+}
+SIMD unsigned l_odd(vl a) {
+    unsigned bits = 0;
+    LANES(i) bits |= (unsigned)(a[i] & 1u) << i;
+    return bits;
+}
+
 typedef float vf __attribute__((vector_size(16 * sizeof(float)), aligned(16)));
 typedef int32_t vi __attribute__((vector_size(16 * sizeof(int32_t)), aligned(16)));
 typedef uint16_t mf;

@@ -1,0 +1,451 @@
+/* grid_pieces_template.h - grid_pieces.h for the ISA of the translation unit that includes it. */
+#ifndef RENDER_GRID_GRID_PIECES_TEMPLATE_H
+#define RENDER_GRID_GRID_PIECES_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include <math.h>
+#include <string.h>
+
+#include "render/grid/cell_visit_template.h"
+#include "render/grid/grid_pieces.h"
+#include "render/grid/grid_way.h"
+
+void SIMD_NAME(grid_pieces)(const tracer *tr, segment_batch *b, void *scratch,
+                            ray_counters *counters);
+
+enum {
+    SIDE_MAX = 1 << LEAF_CELLS_LOG2_MAX,
+    /* Planes, and what a search or a vector reaches over. */
+    PLANES_MAX = (SIDE_MAX + 1 + SIDE_MAX / 2 + 7) / 8 * 8,
+    SLOTS_MAX = 3 * SIDE_MAX + 2 * 8,
+    RIDERS = 8 /* a round of theirs is about a column; and they share a small cache */
+};
+
+/* ---- Cells as numbers ---- */
+
+/* A cell of a treelet, and the axis of the crossing before it; NO_AXIS: none. */
+enum { FIELD_BITS = 21, AXIS_AT = 62, NO_AXIS = 3 };
+
+SIMD vl cell_axis(vl cell) {
+    return cell >> AXIS_AT;
+}
+
+SIMD vl cell_place(vl cell, int a) {
+    return cell >> (FIELD_BITS * a) & 127u;
+}
+
+static uint64_t in_every_field(uint64_t bits) {
+    return bits | bits << FIELD_BITS | bits << 2 * FIELD_BITS;
+}
+
+/* Its number among the treelet's cells in Morton order. */
+SIMD vl cell_morton(vl cell) {
+    cell &= l_set(in_every_field(0x7f));
+    cell = (cell | cell << 8) & l_set(in_every_field(0x700f));
+    cell = (cell | cell << 4) & l_set(in_every_field(0x430c3));
+    cell = (cell | cell << 2) & l_set(in_every_field(0x49249));
+    return (cell | cell >> (FIELD_BITS - 1) | cell >> (2 * FIELD_BITS - 2)) &
+           ((1u << FIELD_BITS) - 1u);
+}
+
+/* ---- A ray ---- */
+
+/* The planes of one axis in a treelet as a ray comes to them. */
+typedef struct slab {
+    _Alignas(64) double t[PLANES_MAX]; /* of plane 0, 1, ...; INFINITY behind the last; NaN where
+                                          they are never crossed */
+    uint32_t first, last;              /* the cells that it is in at the passage's start and end */
+    double per_step;                   /* cells between them over the time */
+} slab;
+
+typedef struct rider {
+    unsigned number; /* in the batch */
+    bool riding;
+    const resident_grid *at; /* what the slabs are of; NULL: nothing yet */
+    uint64_t flips;          /* of cells' fields: ways down an axis count from its end */
+    slab slabs[3];
+    grid_way way;
+} rider;
+
+typedef struct pieces_walk {
+    const tracer *tr;
+    segment_batch *b;
+    ray_counters *counters;
+    /* Of one passage: where cells begin, cell after cell, and where the last one ends. */
+    unsigned slots;
+    _Alignas(64) double t[SLOTS_MAX];
+    uint64_t cell[SLOTS_MAX];
+    /* Those that are pieces. */
+    unsigned pieces;
+    uint64_t piece[SLOTS_MAX];
+    rider riders[RIDERS];
+} pieces_walk;
+_Static_assert(sizeof(pieces_walk) <= GRID_PIECES_SCRATCH, "a walk has room in its scratch");
+
+SIMD const ray *ray_of(const pieces_walk *w, const rider *q) {
+    return &w->b->rays[q->number];
+}
+
+SIMD const level_planes *planes_of(const pieces_walk *w, const resident_grid *at) {
+    const walk_scene *scene = w->tr->own;
+    return &scene->levels[at->level];
+}
+
+/* ---- Slabs ---- */
+
+/* All planes from `first` on, as cell_visit_of() divides. */
+static void slab_cross(slab *s, const double *first, uint32_t side, double o, double d) {
+    const vd from = d_set(o), per = d_set(d);
+    for (uint32_t k = 0; k < side; k += VD_N) {
+        const vd up = d_load(first + k);
+        if (d > 0.0)
+            d_store(s->t + k, (up - from) / per);
+        else
+            d_store(s->t + side - VD_N - k, (d_reverse(d_load(first + k + 1)) - from) / per);
+    }
+    s->t[side] = (first[d > 0.0 ? side : 0] - o) / d;
+    for (uint32_t k = side + 1; k < side + 1 + side / 2; k++)
+        s->t[k] = INFINITY;
+}
+
+/* The cell that owns a ray which stays between the planes of an axis. */
+static void slab_stay(slab *s, const double *first, uint32_t side, double held) {
+    s->first = 0;
+    while (s->first + 1 < side && held >= first[s->first + 1])
+        s->first++;
+    s->last = s->first;
+    s->t[s->first] = s->t[s->first + 1] = (double)NAN;
+}
+
+static void rider_enter(const pieces_walk *w, rider *q, const resident_grid *at) {
+    const level_planes *planes = planes_of(w, at);
+    const ray *r = ray_of(w, q);
+    const uint32_t side = 1u << w->tr->layout->cells_log2;
+    for (int a = 0; a < 3; a++) {
+        const double *first = planes->at[a] + at->first_cell[a];
+        if (q->at && q->at->level == at->level && q->at->first_cell[a] == at->first_cell[a])
+            continue;
+        if (r->d[a] == 0.0)
+            slab_stay(&q->slabs[a], first, side, r->held[a]);
+        else
+            slab_cross(&q->slabs[a], first, side, r->o[a], r->d[a]);
+    }
+    q->at = at;
+}
+
+/* The cells at both ends of a passage: of crossings at one t, all are behind the ray at its start,
+ * none is at its end. */
+static void slab_clip(slab *s, uint32_t side, double t_in, double t_out) {
+    unsigned behind = 0, met = 0;
+    for (uint32_t k = 0; k <= side; k += VD_N) {
+        const vd t = d_load(s->t + k);
+        behind += (unsigned)__builtin_popcount(md_bits(d_le(t, d_set(t_in))));
+        met += (unsigned)__builtin_popcount(md_bits(d_lt(t, d_set(t_out))));
+    }
+    s->first = behind > 0 ? behind - 1 : 0;
+    s->last = met > s->first + 1 ? met - 1 : s->first;
+    s->last = s->last < side ? s->last : side - 1;
+    s->per_step = (s->last + 1 - s->first) / (s->t[s->last + 1] - s->t[s->first]);
+}
+
+/* ---- Crossings in order ---- */
+
+/* Whether crossings of a slab come before those at t of another axis: at one t, those of the axis
+ * that is named first do. */
+SIMD md comes_before(vd crossing, vd t, bool named_first) {
+    return named_first ? d_le(crossing, t) : d_lt(crossing, t);
+}
+
+/* The cells of a slab at these t by halving: for planes as they may come. */
+static __attribute__((noinline)) vl slab_search(const slab *s, vd t, bool named_first) {
+    vl at = l_set(s->first);
+    unsigned step = 1;
+    while (2 * step <= s->last - s->first)
+        step *= 2;
+    for (; step > 0; step /= 2) {
+        const vl next = at + step;
+        at = (vl)d_select(comes_before(d_gather(s->t, next), t, named_first), (vd)next, (vd)at);
+    }
+    return at;
+}
+
+/* The cells of a slab at these t, which lie in the passage: a guess, as if all had one width, is
+ * mostly right. lanes: those that count. */
+SIMD vl slab_cells(const slab *s, vd t, bool named_first, unsigned lanes) {
+    const vd whole = d_set(0x1p52);
+    if (s->first == s->last)
+        return l_set(s->first);
+    const vd steps = (t - d_set(s->t[s->first])) * d_set(s->per_step) - d_set(0.5);
+    const vd most = d_set(s->last - s->first);
+    const vl guess =
+        (vl)(d_min(most, d_max(steps, d_set(0.0))) + whole) - (vl)whole + (uint64_t)s->first;
+    const md begun = comes_before(d_gather(s->t, guess), t, named_first);
+    const md over = comes_before(d_gather(s->t + 1, guess), t, named_first);
+    const bool right = (md_bits(md_and_not(begun, over)) & lanes) == lanes;
+    return right ? guess : slab_search(s, t, named_first);
+}
+
+/* The crossings of axis a, each with the cell behind it. */
+SIMD void put_crossings(pieces_walk *w, const rider *q, const int a) {
+    const int b = (a + 1) % 3, c = (a + 2) % 3;
+    const slab *s = &q->slabs[a], *sb = &q->slabs[b], *sc = &q->slabs[c];
+    const uint64_t before = (uint64_t)s->first + sb->first + sc->first;
+    static const uint64_t counting[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+    for (uint32_t k = s->first + 1; k <= s->last; k += VD_N) {
+        const unsigned left = s->last + 1 - k, count = left < VD_N ? left : VD_N;
+        const vd t = d_load(s->t + k);
+        const vl own = l_load(counting) + (uint64_t)k;
+        const vl at_b = slab_cells(sb, t, b < a, (1u << count) - 1u);
+        const vl at_c = slab_cells(sc, t, c < a, (1u << count) - 1u);
+        const vl cell =
+            (own << (FIELD_BITS * a) | at_b << (FIELD_BITS * b) | at_c << (FIELD_BITS * c)) ^
+            (q->flips | (uint64_t)a << AXIS_AT);
+        uint64_t place[VD_N], cells[VD_N];
+        l_store(place, own + at_b + at_c - before);
+        l_store(cells, cell);
+        for (unsigned i = 0; i < count; i++) {
+            w->t[place[i]] = s->t[k + i];
+            w->cell[place[i]] = cells[i];
+        }
+    }
+}
+
+/* The first cell, and what ends the last one: of crossings at one t, those of the last axis let in,
+ * those of the first one out; and t is theirs, also of zeros. */
+static void put_ends(pieces_walk *w, const rider *q, double t_in, double t_out) {
+    uint64_t first = 0, in = NO_AXIS, out = NO_AXIS;
+    w->slots = 1;
+    for (int a = 0; a < 3; a++) {
+        const slab *s = &q->slabs[a];
+        first |= (uint64_t)s->first << FIELD_BITS * a;
+        w->slots += s->last - s->first;
+        if (s->t[s->first] == t_in) {
+            t_in = s->t[s->first];
+            in = (uint64_t)a;
+        }
+        if (s->t[s->last + 1] == t_out && out == NO_AXIS) {
+            t_out = s->t[s->last + 1];
+            out = (uint64_t)a;
+        }
+    }
+    w->t[0] = t_in;
+    w->cell[0] = (first ^ q->flips) | in << AXIS_AT;
+    w->t[w->slots] = t_out;
+    for (unsigned i = 0; i < VD_N; i++) /* cells that vectors reach over */
+        w->cell[w->slots + i] = 0;
+    w->cell[w->slots] = out << AXIS_AT;
+}
+
+/* ---- Pieces ---- */
+
+/* Those of the cells that have a length and are of interest. */
+static void find_pieces(pieces_walk *w, const active_masks *masks) {
+    w->pieces = 0;
+    for (unsigned p = 0; p < w->slots; p += VD_N) {
+        const vl cell = cell_morton(l_load(w->cell + p));
+        const vl block = l_gather(masks->cells, cell >> 6 << 3);
+        unsigned found =
+            l_odd(block >> (cell & 63u)) & md_bits(d_lt(d_load(w->t + p), d_load(w->t + p + 1)));
+        if (w->slots - p < VD_N)
+            found &= (1u << (w->slots - p)) - 1u;
+        for (; found; found &= found - 1)
+            w->piece[w->pieces++] = p + (unsigned)__builtin_ctz(found);
+    }
+}
+
+/* How samples lie in a treelet: two of a row come together, as the last bytes of a word. */
+typedef struct sample_words {
+    const char *base;
+    uint64_t size, row, slice, halo;
+    uint64_t bits, sign; /* of an integer */
+    bool real;
+} sample_words;
+
+static sample_words words_of(const walk_scene *scene, const resident_grid *at) {
+    const uint64_t size = sample_size(scene->type), bits = size < 8 ? (1ull << 8 * size) - 1 : 0;
+    const bool is_signed = scene->type == SAMPLE_I8 || scene->type == SAMPLE_I16;
+    const uint64_t row = size * at->shape.samples[0];
+    return (sample_words){.base = (const char *)at->samples - (8 - 2 * size),
+                          .size = size,
+                          .row = row,
+                          .slice = row * at->shape.samples[1],
+                          .halo = scene->halo,
+                          .bits = bits,
+                          .sign = is_signed ? bits / 2 + 1 : 0,
+                          .real = scene->type == SAMPLE_F32};
+}
+
+/* An integer of up to 52 bits, of which `sign` is the sign's, as a double. */
+SIMD vd whole_number(vl bits, uint64_t sign) {
+    const double whole = 0x1p52;
+    return (vd)((bits ^ sign) | (vl)d_set(whole)) - d_set(whole + (double)sign);
+}
+
+/* Two neighbours along a row. */
+SIMD void sample_pair(const sample_words *s, vl at, vd f[2]) {
+    const vl word = l_gather(s->base, at);
+    if (s->real) {
+        f[0] = d_of_low_floats(word);
+        f[1] = d_of_low_floats(word >> 32);
+        return;
+    }
+    f[0] = whole_number(word >> (64 - 16 * s->size) & s->bits, s->sign);
+    f[1] = whole_number(word >> (64 - 8 * s->size), s->sign);
+}
+
+SIMD void cell_samples(const sample_words *s, vl cell, vd f[8]) {
+    vl at = l_mul(cell_place(cell, 0) + s->halo, l_set(s->size));
+    at += l_mul(cell_place(cell, 1) + s->halo, l_set(s->row));
+    at += l_mul(cell_place(cell, 2) + s->halo, l_set(s->slice));
+    sample_pair(s, at, f);
+    sample_pair(s, at + s->row, f + 2);
+    sample_pair(s, at + s->slice, f + 4);
+    sample_pair(s, at + (s->row + s->slice), f + 6);
+}
+
+/* Where the ray enters and leaves cells; next: what begins where they end. */
+SIMD void piece_visits(const pieces_walk *w, const rider *q, vl cell, vl next, visits *v) {
+    const level_planes *planes = planes_of(w, q->at);
+    const ray *r = ray_of(w, q);
+    for (int a = 0; a < 3; a++) {
+        const double *first = planes->at[a] + q->at->first_cell[a];
+        const double *inverse = planes->inverse[a] + q->at->first_cell[a];
+        const vl place = cell_place(cell, a);
+        const vd d = d_set(r->d[a]), lo = d_gather(first, place) - d_set(r->o[a]);
+        const vd inv = d_gather(inverse, place);
+        const double enters_at = r->d[a] < 0.0 ? 1.0 : 0.0;
+        v->in[a] = d_select(l_eq(cell_axis(cell), l_set((uint64_t)a)), d_set(enters_at),
+                            cell_coordinate(v->t_in, d, lo, inv));
+        v->out[a] = d_select(l_eq(cell_axis(next), l_set((uint64_t)a)), d_set(1.0 - enters_at),
+                             cell_coordinate(v->t_out, d, lo, inv));
+    }
+}
+
+/* Pieces from i on, as many as a vector takes, to the columns. */
+SIMD void put_pieces(pieces_walk *w, const rider *q, const sample_words *s, unsigned i) {
+    segment_columns *c = &w->b->columns;
+    const unsigned left = w->pieces - i, count = left < VD_N ? left : VD_N, to = c->count;
+    const vl at = l_load(w->piece + i), cell = l_gather(w->cell, at << 3);
+    visits v = {.t_in = d_gather(w->t, at), .t_out = d_gather(w->t + 1, at)};
+    vd f[8], b[4];
+    piece_visits(w, q, cell, l_gather(w->cell + 1, at << 3), &v);
+    cell_samples(s, cell, f);
+    cubic(&v, f, b);
+    d_store(c->t0 + to, v.t_in);
+    d_store(c->t1 + to, v.t_out);
+    for (int k = 0; k < 4; k++)
+        d_store(c->b[k] + to, b[k]);
+    for (unsigned k = 0; k < VD_N; k++) {
+        c->treelet[to + k] = q->at->head.id;
+        c->ray[to + k] = (uint8_t)q->number;
+    }
+    c->count += count;
+}
+
+/* All pieces of a passage to the columns, unless the ray wants no more. */
+static void give_pieces(pieces_walk *w, const rider *q) {
+    const sample_words s = words_of(w->tr->own, q->at);
+    w->counters->cells += w->pieces;
+    for (unsigned k = 0; k < VD_N; k++) /* lanes that no piece is left for */
+        w->piece[w->pieces + k] = w->piece[0];
+    w->b->columns.degree = 3;
+    for (unsigned i = 0; i < w->pieces; i += VD_N) {
+        if (w->b->columns.count > SEGMENT_COLUMNS - VD_N)
+            segment_batch_flush(w->b);
+        if (w->b->stop[q->number])
+            return;
+        put_pieces(w, q, &s, i);
+    }
+}
+
+/* ---- Rays ---- */
+
+static void pass_treelet(pieces_walk *w, rider *q, const resident_grid *at,
+                         const grid_passage *passage) {
+    const uint32_t side = 1u << w->tr->layout->cells_log2;
+    w->counters->nodes++;
+    if (!at->masks->root)
+        return;
+    rider_enter(w, q, at);
+    for (int a = 0; a < 3; a++)
+        if (ray_of(w, q)->d[a] != 0.0)
+            slab_clip(&q->slabs[a], side, passage->t_in, passage->t_out);
+    put_ends(w, q, passage->t_in, passage->t_out);
+    put_crossings(w, q, 0);
+    put_crossings(w, q, 1);
+    put_crossings(w, q, 2);
+    find_pieces(w, at->masks);
+    if (w->pieces > 0)
+        give_pieces(w, q);
+}
+
+/* Through the ray's next treelet. False: it is done with. */
+static bool ride(pieces_walk *w, rider *q) {
+    const resident_grid *at;
+    grid_passage passage;
+    if (w->b->stop[q->number])
+        return false;
+    const segments_result next = grid_way_next(&q->way, w->tr, ray_of(w, q), w->b->state[q->number],
+                                               w->counters, &at, &passage);
+    if (next == SEGMENTS_SOME)
+        pass_treelet(w, q, at, &passage);
+    else
+        w->b->result[q->number] = next;
+    return next == SEGMENTS_SOME;
+}
+
+/* Ray i, from where it is. False: there is nothing on its way. */
+static bool mount(pieces_walk *w, rider *q, unsigned i) {
+    const uint64_t last = (1u << w->tr->layout->cells_log2) - 1u;
+    const ray *r = &w->b->rays[i];
+    w->b->result[i] = SEGMENTS_END;
+    q->number = i;
+    q->at = NULL;
+    q->flips = 0;
+    for (int a = 0; a < 3; a++)
+        q->flips |= (r->d[a] < 0.0 ? last : 0) << FIELD_BITS * a;
+    return grid_way_begin(&q->way, w->tr, r, w->b->state[i]);
+}
+
+/* The next ray to go on, if there is one; one with pieces ahead goes by itself. */
+static bool mount_next(pieces_walk *w, rider *q, unsigned *next) {
+    while (*next < w->b->count) {
+        const unsigned i = (*next)++;
+        if (w->b->state[i]->count > 0)
+            segment_batch_single(w->tr, w->b, i, w->counters);
+        else if (mount(w, q, i))
+            return true;
+    }
+    return false;
+}
+
+void SIMD_NAME(grid_pieces)(const tracer *tr, segment_batch *b, void *scratch,
+                            ray_counters *counters) {
+    pieces_walk *w = scratch;
+    unsigned next = 0, riding = 0;
+    w->tr = tr;
+    w->b = b;
+    w->counters = counters;
+    for (unsigned i = 0; i < RIDERS; i++) {
+        w->riders[i].riding = mount_next(w, &w->riders[i], &next);
+        riding += w->riders[i].riding;
+    }
+    while (riding > 0) {
+        for (unsigned i = 0; i < RIDERS; i++) {
+            rider *q = &w->riders[i];
+            if (!q->riding || ride(w, q))
+                continue;
+            q->riding = mount_next(w, q, &next);
+            riding -= !q->riding;
+        }
+        /* So rays that want no more do not go far. */
+        if (b->columns.count >= SEGMENT_COLUMNS / 4)
+            segment_batch_flush(b);
+    }
+}
+
+#endif
+#endif

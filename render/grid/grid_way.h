@@ -1,0 +1,61 @@
+/* grid_way.h - the treelets that a ray which wants pieces (segments.h) passes, one after the other,
+ * resumable.
+ */
+#ifndef RENDER_GRID_GRID_WAY_H
+#define RENDER_GRID_GRID_WAY_H
+
+#include "render/grid/grid_passage.h"
+#include "render/segments.h"
+
+typedef struct grid_way {
+    bool resuming; /* at the treelet state->blocked */
+    int top;
+    grid_passage stack[GRID_PASSAGES_MAX];
+} grid_way;
+
+/* grid_way_begin() - from the ray's start, or from where *state has come. False: nothing is left.
+ */
+static inline bool grid_way_begin(grid_way *w, const tracer *tr, const ray *r,
+                                  const segments_state *state) {
+    double t_in = fmax(r->t0, state->t_from), t_out = r->t1;
+    if (!tracer_box(tr, r, &t_in, &t_out))
+        return false;
+    w->resuming = state->blocked != LEAF_NO_TREELET;
+    w->top = 1;
+    w->stack[0] = (grid_passage){t_in, t_out, 0, 0};
+    return true;
+}
+
+/* grid_way_next() - the next treelet to be walked, *at, and where: *passage. SEGMENTS_BLOCKED and
+ * SEGMENTS_END: none, and *state says why. */
+static inline segments_result grid_way_next(grid_way *w, const tracer *tr, const ray *r,
+                                            segments_state *state, ray_counters *counters,
+                                            const resident_grid **at, grid_passage *passage) {
+    while (w->top > 0) {
+        const grid_passage node = w->stack[--w->top];
+        /* Crossings are the cells' own: where a node has no length, none of its cells has. So what
+         * lies before t_from, to the bit the end of a piece, does not come again. */
+        if (!(node.t_in < node.t_out))
+            continue;
+        if (!grid_passage_drawn(tr, &node)) {
+            counters->nodes++;
+            w->top = grid_passage_push(tr, r, &node, w->stack, w->top, &state->provisional);
+            continue;
+        }
+        if (!tr->treelets->own[node.t] || (w->resuming && node.t != state->blocked))
+            continue;
+        *at = resident_grid_of(tracer_enter(tr, node.t, node.t_in, &state->t_from, &state->blocked,
+                                            &state->provisional));
+        if (!*at && !tr->preview)
+            return SEGMENTS_BLOCKED;
+        w->resuming = false;
+        state->blocked = LEAF_NO_TREELET;
+        *passage = node;
+        if (*at)
+            return SEGMENTS_SOME;
+    }
+    state->t_from = INFINITY;
+    return SEGMENTS_END;
+}
+
+#endif
