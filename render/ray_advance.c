@@ -38,7 +38,9 @@ static void go_on(const frame *f, ray_company *c, unsigned i, trace_result resul
     if (c->blocked[i]) {
         c->asks[i] = false;
         const ray_question *q = &c->question[i];
-        r->blocked = q->state ? q->state->blocked : q->walk->blocked;
+        r->blocked = q->state  ? q->state->blocked
+                     : q->walk ? q->walk->blocked
+                               : q->extreme->blocked;
         return;
     }
     f->integrator->answer(f, r, result);
@@ -47,11 +49,13 @@ static void go_on(const frame *f, ray_company *c, unsigned i, trace_result resul
 
 enum { WALK_AHEAD = 64 }; /* pieces: more saves time */
 
-/* The ray's pieces, one after the other. */
+/* The ray's pieces, one after the other, or its greatest value. */
 static trace_result walk(const frame *f, ray_company *c, unsigned i, ray_counters *counters) {
     ray_question *q = &c->question[i];
     segment ahead[WALK_AHEAD], piece;
     segments_result result;
+    if (!q->walk)
+        return extreme_next(q->tracer, &q->ray, q->extreme, counters);
     segments_move(q->walk, ahead, WALK_AHEAD);
     do
         result = segments_next(q->tracer, &q->ray, q->walk, &piece, counters);

@@ -5,6 +5,7 @@
 
 #include "formats/base/box3.h"
 #include "render/grid/grid_batch.h"
+#include "render/grid/grid_extreme.h"
 #include "render/grid/grid_projection.h"
 #include "render/grid/grid_segments.h"
 #include "render/grid/grid_tile.h"
@@ -350,6 +351,8 @@ const kind grid_kind = {.name = "grid",
                         .batch = grid_batch,
                         .segments = grid_segments,
                         .segments_error = grid_segments_error,
+                        .extreme_ways = grid_extreme_ways,
+                        .extreme = grid_extreme,
                         .cell_of_hit = grid_cell_of_hit,
                         .cell_of_segment = grid_cell_of_segment,
                         .cell_at = grid_cell_at};

@@ -1,0 +1,206 @@
+#include "render/grid/grid_extreme.h"
+
+#include "render/grid/grid_passage.h"
+#include "render/segments.h"
+
+/* ---- Treelets ---- */
+
+static float bound_of(const tracer *tr, const extreme_state *s, const grid_passage *node) {
+    const leaf_file *f = tr->treelets->file;
+    const uint32_t at = leaf_layout_samples(tr->layout, tr->set, node->t);
+    return extreme_bound(s, grid_passage_drawn(tr, node) ? f->own[at] : f->ranges[at]);
+}
+
+/* A preview passes something over, or draws it coarser: as much as there may be in it. */
+static void doubt(const tracer *tr, extreme_state *s, uint32_t t) {
+    const float bound = extreme_bound(
+        s, tr->treelets->file->ranges[leaf_layout_samples(tr->layout, tr->set, t)]);
+    s->doubt = bound > s->doubt ? bound : s->doubt;
+}
+
+void grid_extreme_ways(const tracer *tr, const ray *r, extreme_ways *ways, ray_counters *counters) {
+    double t_in = r->t0, t_out = r->t1;
+    grid_passage stack[GRID_PASSAGES_MAX];
+    int top = 0;
+    if (!tracer_box(tr, r, &t_in, &t_out))
+        return;
+    stack[top++] = (grid_passage){t_in, t_out, 0, 0};
+    while (top > 0) {
+        const grid_passage node = stack[--top];
+        bool absent = false;
+        if (!(node.t_in < node.t_out))
+            continue;
+        const float bound = bound_of(tr, ways->state, &node);
+        if (extreme_ways_skip(ways, bound, node.t_in))
+            continue;
+        if (!grid_passage_drawn(tr, &node)) {
+            counters->nodes++;
+            top = grid_passage_push(tr, r, &node, stack, top, &absent);
+            if (absent)
+                doubt(tr, ways->state, node.t);
+        } else if (tr->treelets->own[node.t]) {
+            extreme_ways_take(
+                ways, &(extreme_way){node.t_in, node.t_out, bound, node.t, node.octants});
+        }
+    }
+}
+
+/* ---- Codes ---- */
+
+/* What does not change on the way through a treelet, and what has been found. */
+typedef struct climb {
+    const walk_scene *scene;
+    const resident_grid *at;
+    const ray *r;
+    extreme_state *s;
+    ray_counters *counters;
+    quantizer codes;
+    int above, level; /* no node whose score's code is less has a score above, or as great as, what
+                         has been found */
+} climb;
+
+/* The least code of what reaches a value; the greatest code of what comes down to one. */
+static int code_up(const quantizer *q, double value) {
+    if (!(value <= q->hi))
+        return 256;
+    value = value > q->lo ? value : q->lo;
+    return quantizer_ceil(q, q->exact ? ceil(value) : value);
+}
+
+static int code_down(const quantizer *q, double value) {
+    if (!(value >= q->lo))
+        return -1;
+    value = value < q->hi ? value : q->hi;
+    return quantizer_floor(q, q->exact ? floor(value) : value);
+}
+
+/* Scores of codes are codes, or 255 minus them. */
+static void set_limits(climb *c) {
+    const quantizer *q = &c->codes;
+    const double value = extreme_value(c->s);
+    if (c->s->least) {
+        c->level = 255 - code_down(q, value);
+        c->above = q->exact ? 255 - code_down(q, ceil(value) - 1.0) : c->level;
+    } else {
+        c->level = code_up(q, value);
+        c->above = q->exact ? code_up(q, floor(value) + 1.0) : c->level;
+    }
+}
+
+/* Of the nodes of 2^size cells on a side, above blocks' insides. */
+static int node_score(const climb *c, uint32_t size, uint32_t morton) {
+    const uint32_t k = c->at->shape.node_levels + LEAF_BLOCK_LOG2 - size;
+    const uint8_t *lo = (const uint8_t *)c->at->head.payload + leaf_codes_at(k);
+    return c->s->least ? 255 - lo[morton] : lo[(UINT32_C(1) << (3 * k)) + morton];
+}
+
+/* ---- Cells ---- */
+
+static double greatest(const climb *c, const float samples[8]) {
+    double most = -INFINITY;
+    for (int i = 0; i < 8; i++) {
+        const double score = c->s->least ? -(double)samples[i] : (double)samples[i];
+        most = score > most ? score : most;
+    }
+    return most;
+}
+
+static void try_cell(climb *c, const uint32_t cell[3], double t_in) {
+    const cell_box box = walk_cell_box(&c->scene->levels[c->at->level], cell);
+    cell_visit visit;
+    float samples[8];
+    walk_cell_samples(c->scene, c->at, cell, samples);
+    const double most = greatest(c, samples);
+    if (!extreme_matters(c->s, most, t_in))
+        return;
+    c->counters->cells++;
+    if (!cell_visit_of(c->r, &box, &visit) || !(visit.t_in < visit.t_out))
+        return;
+    segment piece = {.t0 = visit.t_in, .t1 = visit.t_out, .degree = 3};
+    cell_values(&visit, samples, piece.b);
+    const segment_extent e = segment_range(&piece);
+    const double before = c->s->score, score = c->s->least ? -e.least : e.most;
+    extreme_offer(c->s, score < most ? score : most, c->s->least ? e.least_t : e.most_t);
+    if (c->s->score > before)
+        set_limits(c);
+}
+
+/* ---- Nodes ---- */
+
+typedef struct pending {
+    double t_in, t_out;
+    uint32_t cell[3];
+    uint32_t morton;
+    uint32_t size; /* 2^size cells on a side */
+    int score;     /* by its code, of blocks' insides by the block's */
+} pending;
+
+enum { STACK_MAX = 4 * (LEAF_CELLS_LOG2_MAX + 1) };
+
+static bool node_matters(const climb *c, int score, double t_in) {
+    return score >= c->above || (score >= c->level && t_in < c->s->t);
+}
+
+/* The best child comes last, of equal ones the nearest. */
+static int push_children(const climb *c, const pending *node, unsigned octants,
+                         pending stack[STACK_MAX], int top) {
+    const level_planes *planes = &c->scene->levels[c->at->level];
+    const unsigned mask = walk_children(c->at, node->size, node->morton) & octants;
+    const uint32_t half = 1u << (node->size - 1);
+    const int bottom = top;
+    double middle[3];
+    octree_child children[4];
+    c->counters->nodes++;
+    for (int a = 0; a < 3; a++)
+        middle[a] = planes->at[a][node->cell[a] + half];
+    for (int i = octree_step(c->r, middle, node->t_in, node->t_out, children); i-- > 0;) {
+        const unsigned o = children[i].octant;
+        const uint32_t morton = node->morton << 3 | o;
+        if (!(mask >> o & 1u) || !(children[i].t_in < children[i].t_out))
+            continue;
+        const int score =
+            node->size > LEAF_BLOCK_LOG2 ? node_score(c, node->size - 1, morton) : node->score;
+        if (!node_matters(c, score, children[i].t_in))
+            continue;
+        int at = top++;
+        for (; at > bottom && stack[at - 1].score > score; at--)
+            stack[at] = stack[at - 1];
+        stack[at] =
+            (pending){children[i].t_in, children[i].t_out, {0}, morton, node->size - 1, score};
+        for (int a = 0; a < 3; a++)
+            stack[at].cell[a] = node->cell[a] + (o >> a & 1u ? half : 0);
+    }
+    return top;
+}
+
+void grid_extreme(const tracer *tr, const treelet *found, const ray *r, const extreme_way *way,
+                  extreme_state *s, ray_counters *counters) {
+    const resident_grid *at = resident_grid_of(found);
+    const float *own = tr->treelets->file->own[leaf_layout_samples(tr->layout, tr->set, way->t)];
+    climb c = {.scene = tr->own,
+               .at = at,
+               .r = r,
+               .s = s,
+               .counters = counters,
+               .codes = quantizer_of(own[0], own[1], tr->layout->type)};
+    unsigned octants = way->octants ? way->octants : 255u;
+    pending stack[STACK_MAX];
+    int top = 0;
+    set_limits(&c);
+    stack[top++] = (pending){way->t_in,
+                             way->t_out,
+                             {at->first_cell[0], at->first_cell[1], at->first_cell[2]},
+                             0,
+                             at->shape.node_levels + LEAF_BLOCK_LOG2,
+                             255};
+    while (top > 0) {
+        const pending p = stack[--top];
+        if (!node_matters(&c, p.score, p.t_in))
+            continue;
+        if (p.size > 0)
+            top = push_children(&c, &p, octants, stack, top);
+        else
+            try_cell(&c, p.cell, p.t_in);
+        octants = 255u;
+    }
+}
