@@ -118,8 +118,8 @@ static bool is_right(const shot *s, const truth *t, double value, double z) {
 }
 
 /* What a ray a hair beside, before or behind sees: along edges, in faces, or from a boundary on that
- * may be other cells. */
-static bool is_right_beside(const shot *s, const ref_ray *ray, double value, double z) {
+ * may be other cells. Where there is nothing (empty), it may be a piece as short as that. */
+static bool is_right_beside(const shot *s, const ref_ray *ray, bool empty, double value, double z) {
     static truth t;
     const real d[3] = {ray->d[0], ray->d[1], ray->d[2]};
     double far = s->body->range.length;
@@ -130,12 +130,14 @@ static bool is_right_beside(const shot *s, const ref_ray *ray, double value, dou
         real shift[3];
         if (n < REF_SIDEWAYS)
             ref_sideways(d, n, shift);
+        const double along = n < REF_SIDEWAYS ? 0.0 : n == REF_SIDEWAYS ? 1e-9 * far : -1e-9 * far;
         for (int a = 0; a < 3 && n >= REF_SIDEWAYS; a++)
-            shift[a] = n == REF_SIDEWAYS ? d[a] : -d[a];
+            shift[a] = n == REF_SIDEWAYS ? -d[a] : d[a];
         for (int a = 0; a < 3; a++)
             moved.o[a] += (double)(1e-9L * far * shift[a]);
         ask(s, &moved, &t);
-        if (is_right(s, &t, value, z))
+        if (is_right(s, &t, value, z + along) ||
+            (empty && is_at(&t, (isfinite(z) ? z : 0.0) + along, (real)value, s->near)))
             return true;
     }
     return false;
@@ -151,7 +153,7 @@ static void judge(const shot *s, int i, verdict *v) {
     if (is_right(s, &t, s->value[i], s->z[i]))
         return;
     v->grazing++;
-    if (is_right_beside(s, &ray, s->value[i], s->z[i]))
+    if (is_right_beside(s, &ray, t.count == 0, s->value[i], s->z[i]))
         return;
     v->faults++;
     const ref_extent e = ref_project(t.pieces, t.count);
@@ -192,6 +194,21 @@ static void choose_clip(shot *s, field_random *r) {
     s->clip.box = s->scene.clip_box ? (const double(*)[3])s->box : NULL;
 }
 
+/* How far values may be off: more where cells are narrow beside the distance to the eye. */
+static real near_of(const shot *s) {
+    const transfer_range *range = &s->body->range;
+    const field *f = &s->body->field;
+    real far = 0, narrowest = s->body->mesh.tet_count > 0 ? range->length : INFINITY;
+    for (int a = 0; a < 3; a++) {
+        far += fabsl((real)s->camera.eye[a]) + fabsl((real)s->camera.look_at[a]);
+        for (long i = 0; s->body->mesh.tet_count == 0 && i + 1 < f->dims[a]; i++)
+            narrowest = fminl(narrowest, fabsl((real)f->spacing[a]) *
+                                             (f->axis[a] ? f->axis[a][i + 1] - f->axis[a][i] : 1));
+    }
+    return ((real)range->most - (real)range->least) * (1e-8L + 0x1p-45L * far / narrowest) +
+           1e-14L * fmaxl(fabsl((real)range->most), fabsl((real)range->least));
+}
+
 static void shot_begin(shot *s) {
     const leafcast_info info = leafcast_describe(s->body->volume);
     const transfer_range *range = &s->body->range;
@@ -212,8 +229,7 @@ static void shot_begin(shot *s) {
     s->shown = (leafcast_shown){.volume = s->body->volume};
     s->scene.volumes = &s->shown;
     s->scene.volume_count = 1;
-    s->near = 1e-8L * ((real)range->most - (real)range->least) +
-              1e-14L * fmaxl(fabsl((real)range->most), fabsl((real)range->least));
+    s->near = near_of(s);
 }
 
 static void shot_draw(shot *s) {
