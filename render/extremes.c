@@ -56,8 +56,7 @@ void extreme_ways_take(extreme_ways *w, const extreme_way *way) {
 static bool look_into(const tracer *tr, const ray *r, const extreme_way *way, extreme_state *s,
                       ray_counters *counters) {
     double t_from = 0.0;
-    const treelet *at =
-        tracer_enter(tr, way->t, way->t_in, &t_from, &s->blocked, &s->provisional);
+    const treelet *at = tracer_enter(tr, way->t, way->t_in, &t_from, &s->blocked, &s->provisional);
     if (!at && !tr->preview) {
         s->next = *way;
         return false;

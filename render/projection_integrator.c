@@ -10,7 +10,7 @@ typedef struct projected_ray {
     ray_record head; /* volume: the one that is being asked */
     bool begun;      /* to ask it */
     bool provisional;
-    double value, t;        /* the first that reaches the threshold; none: NaN, INFINITY */
+    double value, t;         /* the first that reaches the threshold; none: NaN, INFINITY */
     double integral, length; /* of the mean */
     extreme_state extreme;
     segments_state walk;

@@ -1,5 +1,6 @@
-/* projection_integrator.h - a pixel of the values on its ray: their maximum, minimum or mean, or the
- * first that reaches a threshold. Coloured by that value, opaque; where there is none, background.
+/* projection_integrator.h - a pixel of the values on its ray: their maximum, minimum or mean, or
+ * the first that reaches a threshold. Coloured by that value, opaque; where there is none,
+ * background.
  *
  * Conventions. f is the cells' own interpolant along the ray, inside the box and the clips. Cells
  * that touch NaN or inf give nothing, flat tets neither: a ray's way through the others, the data,

@@ -13,8 +13,8 @@ static float bound_of(const tracer *tr, const extreme_state *s, const grid_passa
 
 /* A preview passes something over, or draws it coarser: as much as there may be in it. */
 static void doubt(const tracer *tr, extreme_state *s, uint32_t t) {
-    const float bound = extreme_bound(
-        s, tr->treelets->file->ranges[leaf_layout_samples(tr->layout, tr->set, t)]);
+    const float bound =
+        extreme_bound(s, tr->treelets->file->ranges[leaf_layout_samples(tr->layout, tr->set, t)]);
     s->doubt = bound > s->doubt ? bound : s->doubt;
 }
 
@@ -39,8 +39,8 @@ void grid_extreme_ways(const tracer *tr, const ray *r, extreme_ways *ways, ray_c
             if (absent)
                 doubt(tr, ways->state, node.t);
         } else if (tr->treelets->own[node.t]) {
-            extreme_ways_take(
-                ways, &(extreme_way){node.t_in, node.t_out, bound, node.t, node.octants});
+            extreme_ways_take(ways,
+                              &(extreme_way){node.t_in, node.t_out, bound, node.t, node.octants});
         }
     }
 }

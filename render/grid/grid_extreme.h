@@ -1,5 +1,5 @@
-/* grid_extreme.h - the greatest or the least value on a ray through a grid (extremes.h): treelets by
- * the directory's ranges, nodes by the codes of theirs, cells by their samples.
+/* grid_extreme.h - the greatest or the least value on a ray through a grid (extremes.h): treelets
+ * by the directory's ranges, nodes by the codes of theirs, cells by their samples.
  *
  * Bounds are exact, and no cell is left out that could matter: a node's code of its greatest sample
  * is compared with that of the score that has been found, by the same monotone function.

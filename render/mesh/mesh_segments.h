@@ -20,8 +20,8 @@
 segments_result mesh_segments(const tracer *tr, const ray *r, segments_state *state,
                               ray_counters *counters);
 
-/* mesh_piece() - a tet's piece within the ray's [t0, t1]: all but where it is from. False: it has no
- * length. */
+/* mesh_piece() - a tet's piece within the ray's [t0, t1]: all but where it is from. False: it has
+ * no length. */
 bool mesh_piece(const tet *x, const ray *r, segment *s);
 
 /* mesh_segments_error() - the row's `segments_error`: the above; no face spans more of t than the
