@@ -8,12 +8,15 @@ extreme_state extreme_begin(bool least) {
     return (extreme_state){.least = least,
                            .score = -INFINITY,
                            .t = -INFINITY,
+                           .in = LEAF_NO_TREELET,
                            .doubt = (float)-INFINITY,
                            .next = none,
                            .blocked = LEAF_NO_TREELET};
 }
 
-void extreme_go_on(extreme_state *s) {
+void extreme_go_on(extreme_state *s, const tracer *tr) {
+    s->of = tr;
+    s->in = LEAF_NO_TREELET;
     s->next = none;
     s->blocked = LEAF_NO_TREELET;
     s->doubt = (float)-INFINITY;
@@ -67,9 +70,21 @@ static bool look_into(const tracer *tr, const ray *r, const extreme_way *way, ex
     return true;
 }
 
-trace_result extreme_next(const tracer *tr, const ray *r, extreme_state *s,
-                          ray_counters *counters) {
+/* What is found where the neighbour has. A treelet that is absent is not asked for. */
+static void look_near(const tracer *tr, const ray *r, const extreme_state *near, extreme_state *s,
+                      ray_counters *counters) {
+    const bool there = near && near->of == tr && near->in != LEAF_NO_TREELET;
+    if (!there || !tr->kind->extreme_near || tr->preview || extreme_found(s))
+        return;
+    const treelet *at = loader_lookup(tr->treelets, near->in);
+    if (at)
+        tr->kind->extreme_near(tr, at, r, near->t, s, counters);
+}
+
+trace_result extreme_next(const tracer *tr, const ray *r, const extreme_state *near,
+                          extreme_state *s, ray_counters *counters) {
     extreme_ways w;
+    look_near(tr, r, near, s, counters);
     w.state = s;
     w.behind = s->next;
     w.too = true;

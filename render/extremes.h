@@ -33,17 +33,22 @@ typedef struct extreme_state {
     bool provisional; /* preview: something that matters was coarser than wanted, or not there */
     float doubt;      /* preview: the greatest bound of what was not there */
     double score, t;  /* found so far; none: -INFINITY */
+    uint32_t in;      /* this treelet of the volume, LEAF_NO_TREELET: of none of it */
+    const tracer *of; /* the volume that is, or was, asked last */
     extreme_way next; /* where to resume; none: from the start */
     uint32_t blocked; /* next.t */
 } extreme_state;
 
-/* extreme_begin() - nothing is found. extreme_go_on() - in another volume, with what is found. */
+/* extreme_begin() - nothing is found. extreme_go_on() - in the first or another volume, with what is
+ * found. */
 extreme_state extreme_begin(bool least);
-void extreme_go_on(extreme_state *s);
+void extreme_go_on(extreme_state *s, const tracer *tr);
 
 /* extreme_next() - until no treelet matters (TRACE_MISS), or the treelet s->blocked is needed. For
- * kinds that have the rows. */
-trace_result extreme_next(const tracer *tr, const ray *r, extreme_state *s, ray_counters *counters);
+ * kinds that have the rows. near: what a neighbour of the ray has found; looking there first saves
+ * time, and changes nothing else. May be NULL. */
+trace_result extreme_next(const tracer *tr, const ray *r, const extreme_state *near,
+                          extreme_state *s, ray_counters *counters);
 
 /* extreme_found(), extreme_value() - whether anything is; what it is. */
 static inline bool extreme_found(const extreme_state *s) {
@@ -60,11 +65,12 @@ static inline bool extreme_matters(const extreme_state *s, double bound, double 
     return bound > s->score || (bound == s->score && t_in < s->t);
 }
 
-/* extreme_offer() - a score at t. */
-static inline void extreme_offer(extreme_state *s, double score, double t) {
+/* extreme_offer() - a score at t, in treelet `in`. */
+static inline void extreme_offer(extreme_state *s, double score, double t, uint32_t in) {
     if (extreme_matters(s, score, t)) {
         s->score = score;
         s->t = t;
+        s->in = in;
     }
 }
 

@@ -81,6 +81,9 @@ typedef struct kind {
                          ray_counters *counters);
     void (*extreme)(const tracer *tr, const treelet *at, const ray *r, const extreme_way *way,
                     extreme_state *s, ray_counters *counters);
+    /* The same in some cells about t, whatever is in the others; NULL: none. */
+    void (*extreme_near)(const tracer *tr, const treelet *at, const ray *r, double t,
+                         extreme_state *s, ray_counters *counters);
 
     /* ---- A cell ---- */
 

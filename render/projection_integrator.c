@@ -166,9 +166,9 @@ static void write(const frame *f, const projected_ray *p, ray_counters *counters
 /* ---- The machine ---- */
 
 /* Into a volume, which has not been asked yet. */
-static void begin_volume(projected_ray *p) {
+static void begin_volume(projected_ray *p, const tracer *tr) {
     p->walk = segments_begin(p->kept, WALK_KEPT);
-    extreme_go_on(&p->extreme);
+    extreme_go_on(&p->extreme, tr);
     p->begun = true;
 }
 
@@ -183,7 +183,7 @@ static bool projection_ask(const frame *f, ray_record *record, ray_question *q,
         if (!tracer_ray(q->tracer, origin, direction, 0.0, (double)INFINITY, &q->ray))
             continue;
         if (!p->begun)
-            begin_volume(p);
+            begin_volume(p, q->tracer);
         p->walk.ahead = p->kept; /* records are copied */
         q->state = NULL;
         q->walk = is_extreme(f) ? NULL : &p->walk;

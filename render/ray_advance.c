@@ -55,7 +55,7 @@ static trace_result walk(const frame *f, ray_company *c, unsigned i, ray_counter
     segment ahead[WALK_AHEAD], piece;
     segments_result result;
     if (!q->walk)
-        return extreme_next(q->tracer, &q->ray, q->extreme, counters);
+        return extreme_next(q->tracer, &q->ray, i > 0 ? q[-1].extreme : NULL, q->extreme, counters);
     segments_move(q->walk, ahead, WALK_AHEAD);
     do
         result = segments_next(q->tracer, &q->ray, q->walk, &piece, counters);
@@ -79,6 +79,7 @@ void ray_advance(const frame *f, ray_company *c, ray_batch *b, void *scratch,
                  ray_counters *counters) {
     for (unsigned i = 0; i < c->count; i++) {
         c->blocked[i] = false;
+        c->question[i].extreme = NULL;
         c->asks[i] = f->integrator->ask(f, c->record[i], &c->question[i], counters);
     }
     for (unsigned first = next_of(c); first < c->count; first = next_of(c)) {

@@ -120,7 +120,7 @@ static void try_cell(climb *c, const uint32_t cell[3], double t_in) {
     cell_values(&visit, samples, piece.b);
     const segment_extent e = segment_range(&piece);
     const double before = c->s->score, score = c->s->least ? -e.least : e.most;
-    extreme_offer(c->s, score < most ? score : most, c->s->least ? e.least_t : e.most_t);
+    extreme_offer(c->s, score < most ? score : most, c->s->least ? e.least_t : e.most_t, c->at->head.id);
     if (c->s->score > before)
         set_limits(c);
 }
@@ -173,20 +173,27 @@ static int push_children(const climb *c, const pending *node, unsigned octants,
     return top;
 }
 
-void grid_extreme(const tracer *tr, const treelet *found, const ray *r, const extreme_way *way,
-                  extreme_state *s, ray_counters *counters) {
-    const resident_grid *at = resident_grid_of(found);
-    const float *own = tr->treelets->file->own[leaf_layout_samples(tr->layout, tr->set, way->t)];
+static climb climb_of(const tracer *tr, const resident_grid *at, const ray *r, extreme_state *s,
+                      ray_counters *counters) {
+    const uint32_t p = leaf_layout_samples(tr->layout, tr->set, at->head.id);
+    const float *own = tr->treelets->file->own[p];
     climb c = {.scene = tr->own,
                .at = at,
                .r = r,
                .s = s,
                .counters = counters,
                .codes = quantizer_of(own[0], own[1], tr->layout->type)};
+    set_limits(&c);
+    return c;
+}
+
+void grid_extreme(const tracer *tr, const treelet *found, const ray *r, const extreme_way *way,
+                  extreme_state *s, ray_counters *counters) {
+    const resident_grid *at = resident_grid_of(found);
+    climb c = climb_of(tr, at, r, s, counters);
     unsigned octants = way->octants ? way->octants : 255u;
     pending stack[STACK_MAX];
     int top = 0;
-    set_limits(&c);
     stack[top++] = (pending){way->t_in,
                              way->t_out,
                              {at->first_cell[0], at->first_cell[1], at->first_cell[2]},
@@ -203,4 +210,36 @@ void grid_extreme(const tracer *tr, const treelet *found, const ray *r, const ex
             try_cell(&c, p.cell, p.t_in);
         octants = 255u;
     }
+}
+
+/* ---- Near a place ---- */
+
+/* The cell of the treelet that owns a coordinate, or the nearest one, in the treelet. */
+static uint32_t cell_near(const level_planes *planes, const resident_grid *at, int a, double x) {
+    uint32_t lo = 0, hi = at->shape.cells[a];
+    while (hi - lo > 1) {
+        const uint32_t middle = lo + (hi - lo) / 2;
+        if (planes->at[a][at->first_cell[a] + middle] <= x)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    return lo;
+}
+
+void grid_extreme_near(const tracer *tr, const treelet *found, const ray *r, double t,
+                       extreme_state *s, ray_counters *counters) {
+    const resident_grid *at = resident_grid_of(found);
+    climb c = climb_of(tr, at, r, s, counters);
+    const uint32_t levels = at->shape.node_levels + LEAF_BLOCK_LOG2;
+    uint32_t cell[3], morton = 0;
+    for (int a = 0; a < 3; a++) {
+        const uint32_t i =
+            cell_near(&c.scene->levels[at->level], at, a, r->o[a] + t * r->d[a]);
+        cell[a] = at->first_cell[a] + i;
+        for (uint32_t k = 0; k < levels; k++)
+            morton |= (i >> k & 1u) << (3 * k + (uint32_t)a);
+    }
+    if (walk_children(at, 1, morton >> 3) >> (morton & 7u) & 1u)
+        try_cell(&c, cell, t);
 }

@@ -9,10 +9,12 @@
 
 #include "render/extremes.h"
 
-/* grid_extreme_ways(), grid_extreme() - the rows `extreme_ways` and `extreme`. tr->own: a
- * walk_scene. */
+/* grid_extreme_ways(), grid_extreme(), grid_extreme_near() - the rows `extreme_ways`, `extreme` and
+ * `extreme_near`. tr->own: a walk_scene. */
 void grid_extreme_ways(const tracer *tr, const ray *r, extreme_ways *ways, ray_counters *counters);
 void grid_extreme(const tracer *tr, const treelet *at, const ray *r, const extreme_way *way,
                   extreme_state *s, ray_counters *counters);
+void grid_extreme_near(const tracer *tr, const treelet *at, const ray *r, double t,
+                       extreme_state *s, ray_counters *counters);
 
 #endif

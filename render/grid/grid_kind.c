@@ -353,6 +353,7 @@ const kind grid_kind = {.name = "grid",
                         .segments_error = grid_segments_error,
                         .extreme_ways = grid_extreme_ways,
                         .extreme = grid_extreme,
+                        .extreme_near = grid_extreme_near,
                         .cell_of_hit = grid_cell_of_hit,
                         .cell_of_segment = grid_cell_of_segment,
                         .cell_at = grid_cell_at};

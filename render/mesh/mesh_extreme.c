@@ -55,14 +55,13 @@ static void try_tet(void *ctx, const resident_mesh *at, uint32_t local, const te
     const climb *c = ctx;
     double most = -INFINITY;
     segment piece;
-    (void)at;
     (void)local;
     for (int k = 0; k < 4; k++)
         most = fmax(most, score_of(c, (double)x->f[k]));
     if (most < c->s->score || !mesh_piece(x, c->r, &piece))
         return;
-    extreme_offer(c->s, fmin(score_of(c, piece.b[0]), most), piece.t0);
-    extreme_offer(c->s, fmin(score_of(c, piece.b[1]), most), piece.t1);
+    extreme_offer(c->s, fmin(score_of(c, piece.b[0]), most), piece.t0, at->head.id);
+    extreme_offer(c->s, fmin(score_of(c, piece.b[1]), most), piece.t1, at->head.id);
 }
 
 void mesh_extreme(const tracer *tr, const treelet *at, const ray *r, const extreme_way *way,
