@@ -39,8 +39,8 @@ typedef struct extreme_state {
     uint32_t blocked; /* next.t */
 } extreme_state;
 
-/* extreme_begin() - nothing is found. extreme_go_on() - in the first or another volume, with what is
- * found. */
+/* extreme_begin() - nothing is found. extreme_go_on() - in the first or another volume, with what
+ * is found. */
 extreme_state extreme_begin(bool least);
 void extreme_go_on(extreme_state *s, const tracer *tr);
 

@@ -75,6 +75,15 @@ static void answer_together(const frame *f, ray_company *c, unsigned first, ray_
     }
 }
 
+/* The others whose turn it is. */
+static void answer_one_by_one(const frame *f, ray_company *c, unsigned first,
+                              ray_counters *counters) {
+    const uint32_t turn = turn_of(c->record[first]);
+    for (unsigned i = first; i < c->count; i++)
+        if (c->asks[i] && !c->question[i].state && turn_of(c->record[i]) == turn)
+            go_on(f, c, i, walk(f, c, i, counters), counters);
+}
+
 void ray_advance(const frame *f, ray_company *c, ray_batch *b, void *scratch,
                  ray_counters *counters) {
     for (unsigned i = 0; i < c->count; i++) {
@@ -86,6 +95,6 @@ void ray_advance(const frame *f, ray_company *c, ray_batch *b, void *scratch,
         if (c->question[first].state)
             answer_together(f, c, first, b, scratch, counters);
         else
-            go_on(f, c, first, walk(f, c, first, counters), counters);
+            answer_one_by_one(f, c, first, counters);
     }
 }

@@ -87,7 +87,7 @@ static void set_limits(climb *c) {
     }
 }
 
-/* Of the nodes of 2^size cells on a side, above blocks' insides. */
+/* Of the nodes of 2^size cells on a side, blocks or larger. */
 static int node_score(const climb *c, uint32_t size, uint32_t morton) {
     const uint32_t k = c->at->shape.node_levels + LEAF_BLOCK_LOG2 - size;
     const uint8_t *lo = (const uint8_t *)c->at->head.payload + leaf_codes_at(k);
@@ -106,13 +106,13 @@ static double greatest(const climb *c, const float samples[8]) {
 }
 
 static void try_cell(climb *c, const uint32_t cell[3], double t_in) {
-    const cell_box box = walk_cell_box(&c->scene->levels[c->at->level], cell);
     cell_visit visit;
     float samples[8];
     walk_cell_samples(c->scene, c->at, cell, samples);
     const double most = greatest(c, samples);
     if (!extreme_matters(c->s, most, t_in))
         return;
+    const cell_box box = walk_cell_box(&c->scene->levels[c->at->level], cell);
     c->counters->cells++;
     if (!cell_visit_of(c->r, &box, &visit) || !(visit.t_in < visit.t_out))
         return;
@@ -120,7 +120,8 @@ static void try_cell(climb *c, const uint32_t cell[3], double t_in) {
     cell_values(&visit, samples, piece.b);
     const segment_extent e = segment_range(&piece);
     const double before = c->s->score, score = c->s->least ? -e.least : e.most;
-    extreme_offer(c->s, score < most ? score : most, c->s->least ? e.least_t : e.most_t, c->at->head.id);
+    extreme_offer(c->s, score < most ? score : most, c->s->least ? e.least_t : e.most_t,
+                  c->at->head.id);
     if (c->s->score > before)
         set_limits(c);
 }
@@ -132,7 +133,7 @@ typedef struct pending {
     uint32_t cell[3];
     uint32_t morton;
     uint32_t size; /* 2^size cells on a side */
-    int score;     /* by its code, of blocks' insides by the block's */
+    int score;     /* by its code */
 } pending;
 
 enum { STACK_MAX = 4 * (LEAF_CELLS_LOG2_MAX + 1) };
@@ -158,8 +159,7 @@ static int push_children(const climb *c, const pending *node, unsigned octants,
         const uint32_t morton = node->morton << 3 | o;
         if (!(mask >> o & 1u) || !(children[i].t_in < children[i].t_out))
             continue;
-        const int score =
-            node->size > LEAF_BLOCK_LOG2 ? node_score(c, node->size - 1, morton) : node->score;
+        const int score = node_score(c, node->size - 1, morton);
         if (!node_matters(c, score, children[i].t_in))
             continue;
         int at = top++;
@@ -172,6 +172,70 @@ static int push_children(const climb *c, const pending *node, unsigned octants,
     }
     return top;
 }
+
+/* ---- Blocks ---- */
+
+enum { BLOCK = 1 << LEAF_BLOCK_LOG2 };
+
+/* A ray's way through a block along one axis: where it crosses the planes between cells that are
+ * still to come, by the cell kernel's own (plane - o) / d, and the cell before the next one. */
+typedef struct block_axis {
+    double t[BLOCK];
+    uint32_t crossed, cell;
+    int step;
+} block_axis;
+
+static block_axis block_axis_of(const ray *r, int a, const double *plane, double t_in) {
+    block_axis x = {.t = {INFINITY, INFINITY, INFINITY, INFINITY}};
+    if (r->d[a] == 0.0) {
+        for (int i = 1; i < BLOCK; i++)
+            x.cell += r->held[a] >= plane[i];
+        return x;
+    }
+    const bool back = r->d[a] < 0.0;
+    for (int i = 1; i < BLOCK; i++) {
+        x.t[i - 1] = (plane[back ? BLOCK - i : i] - r->o[a]) / r->d[a];
+        x.crossed += x.t[i - 1] < t_in;
+    }
+    x.cell = back ? BLOCK - 1 - x.crossed : x.crossed;
+    x.step = back ? -1 : 1;
+    return x;
+}
+
+static unsigned first_crossed(const block_axis x[3]) {
+    const double t[3] = {x[0].t[x[0].crossed], x[1].t[x[1].crossed], x[2].t[x[2].crossed]};
+    const unsigned of_two = t[1] < t[0];
+    return t[2] < t[of_two] ? 2 : of_two;
+}
+
+/* Cells have no codes: all that the ray passes, as far as they matter. */
+static void walk_block(climb *c, const pending *block) {
+    static const uint8_t spread[BLOCK] = {0, 1, 8, 9};
+    const level_planes *planes = &c->scene->levels[c->at->level];
+    const uint64_t active = c->at->masks->cells[block->morton];
+    block_axis x[3];
+    double from = block->t_in;
+    c->counters->nodes++;
+    for (int a = 0; a < 3; a++)
+        x[a] = block_axis_of(c->r, a, &planes->at[a][block->cell[a]], from);
+    while (node_matters(c, block->score, from)) {
+        const unsigned a = first_crossed(x);
+        const double next = x[a].t[x[a].crossed], to = fmin(next, block->t_out);
+        const unsigned bit = spread[x[0].cell] | spread[x[1].cell] << 1 | spread[x[2].cell] << 2;
+        if (from < to && active >> bit & 1u) {
+            const uint32_t cell[3] = {block->cell[0] + x[0].cell, block->cell[1] + x[1].cell,
+                                      block->cell[2] + x[2].cell};
+            try_cell(c, cell, from);
+        }
+        if (!(next <= block->t_out))
+            break;
+        from = next;
+        x[a].cell += (uint32_t)x[a].step;
+        x[a].crossed++;
+    }
+}
+
+/* ---- The tree ---- */
 
 static climb climb_of(const tracer *tr, const resident_grid *at, const ray *r, extreme_state *s,
                       ray_counters *counters) {
@@ -204,10 +268,10 @@ void grid_extreme(const tracer *tr, const treelet *found, const ray *r, const ex
         const pending p = stack[--top];
         if (!node_matters(&c, p.score, p.t_in))
             continue;
-        if (p.size > 0)
+        if (p.size > LEAF_BLOCK_LOG2)
             top = push_children(&c, &p, octants, stack, top);
         else
-            try_cell(&c, p.cell, p.t_in);
+            walk_block(&c, &p);
         octants = 255u;
     }
 }
@@ -234,8 +298,7 @@ void grid_extreme_near(const tracer *tr, const treelet *found, const ray *r, dou
     const uint32_t levels = at->shape.node_levels + LEAF_BLOCK_LOG2;
     uint32_t cell[3], morton = 0;
     for (int a = 0; a < 3; a++) {
-        const uint32_t i =
-            cell_near(&c.scene->levels[at->level], at, a, r->o[a] + t * r->d[a]);
+        const uint32_t i = cell_near(&c.scene->levels[at->level], at, a, r->o[a] + t * r->d[a]);
         cell[a] = at->first_cell[a] + i;
         for (uint32_t k = 0; k < levels; k++)
             morton |= (i >> k & 1u) << (3 * k + (uint32_t)a);
