@@ -1,5 +1,6 @@
 #include "render/grid/grid_extreme.h"
 
+#include "render/grid/block_passage.h"
 #include "render/grid/grid_passage.h"
 #include "render/segments.h"
 
@@ -96,20 +97,30 @@ static int node_score(const climb *c, uint32_t size, uint32_t morton) {
 
 /* ---- Cells ---- */
 
-static double greatest(const climb *c, const float samples[8]) {
-    double most = -INFINITY;
-    for (int i = 0; i < 8; i++) {
-        const double score = c->s->least ? -(double)samples[i] : (double)samples[i];
-        most = score > most ? score : most;
+static double greatest_sample(const extreme_state *s, const float samples[8]) {
+    float least = samples[0], most = samples[0];
+    for (int i = 1; i < 8; i++) {
+        least = samples[i] < least ? samples[i] : least;
+        most = samples[i] > most ? samples[i] : most;
     }
-    return most;
+    return s->least ? -(double)least : (double)most;
+}
+
+/* No value between control values is beyond all of them, but by rounding: three means of means. */
+static double greatest_control(const extreme_state *s, const double b[4]) {
+    double least = b[0], most = b[0];
+    for (int i = 1; i < 4; i++) {
+        least = b[i] < least ? b[i] : least;
+        most = b[i] > most ? b[i] : most;
+    }
+    return (s->least ? -least : most) + 0x1p-48 * (fabs(least) + fabs(most));
 }
 
 static void try_cell(climb *c, const uint32_t cell[3], double t_in) {
     cell_visit visit;
     float samples[8];
     walk_cell_samples(c->scene, c->at, cell, samples);
-    const double most = greatest(c, samples);
+    const double most = greatest_sample(c->s, samples);
     if (!extreme_matters(c->s, most, t_in))
         return;
     const cell_box box = walk_cell_box(&c->scene->levels[c->at->level], cell);
@@ -118,6 +129,8 @@ static void try_cell(climb *c, const uint32_t cell[3], double t_in) {
         return;
     segment piece = {.t0 = visit.t_in, .t1 = visit.t_out, .degree = 3};
     cell_values(&visit, samples, piece.b);
+    if (!extreme_matters(c->s, greatest_control(c->s, piece.b), visit.t_in))
+        return;
     const segment_extent e = segment_range(&piece);
     const double before = c->s->score, score = c->s->least ? -e.least : e.most;
     extreme_offer(c->s, score < most ? score : most, c->s->least ? e.least_t : e.most_t,
@@ -175,63 +188,18 @@ static int push_children(const climb *c, const pending *node, unsigned octants,
 
 /* ---- Blocks ---- */
 
-enum { BLOCK = 1 << LEAF_BLOCK_LOG2 };
-
-/* A ray's way through a block along one axis: where it crosses the planes between cells that are
- * still to come, by the cell kernel's own (plane - o) / d, and the cell before the next one. */
-typedef struct block_axis {
-    double t[BLOCK];
-    uint32_t crossed, cell;
-    int step;
-} block_axis;
-
-static block_axis block_axis_of(const ray *r, int a, const double *plane, double t_in) {
-    block_axis x = {.t = {INFINITY, INFINITY, INFINITY, INFINITY}};
-    if (r->d[a] == 0.0) {
-        for (int i = 1; i < BLOCK; i++)
-            x.cell += r->held[a] >= plane[i];
-        return x;
-    }
-    const bool back = r->d[a] < 0.0;
-    for (int i = 1; i < BLOCK; i++) {
-        x.t[i - 1] = (plane[back ? BLOCK - i : i] - r->o[a]) / r->d[a];
-        x.crossed += x.t[i - 1] < t_in;
-    }
-    x.cell = back ? BLOCK - 1 - x.crossed : x.crossed;
-    x.step = back ? -1 : 1;
-    return x;
-}
-
-static unsigned first_crossed(const block_axis x[3]) {
-    const double t[3] = {x[0].t[x[0].crossed], x[1].t[x[1].crossed], x[2].t[x[2].crossed]};
-    const unsigned of_two = t[1] < t[0];
-    return t[2] < t[of_two] ? 2 : of_two;
-}
-
 /* Cells have no codes: all that the ray passes, as far as they matter. */
 static void walk_block(climb *c, const pending *block) {
-    static const uint8_t spread[BLOCK] = {0, 1, 8, 9};
-    const level_planes *planes = &c->scene->levels[c->at->level];
-    const uint64_t active = c->at->masks->cells[block->morton];
-    block_axis x[3];
-    double from = block->t_in;
+    block_passage p =
+        block_passage_begin(&c->scene->levels[c->at->level], c->r, block->cell,
+                            c->at->masks->cells[block->morton], block->t_in, block->t_out);
+    uint32_t in_block[3], cell[3];
+    double from;
     c->counters->nodes++;
-    for (int a = 0; a < 3; a++)
-        x[a] = block_axis_of(c->r, a, &planes->at[a][block->cell[a]], from);
-    while (node_matters(c, block->score, from)) {
-        const unsigned a = first_crossed(x);
-        const double next = x[a].t[x[a].crossed], to = fmin(next, block->t_out);
-        const unsigned bit = spread[x[0].cell] | spread[x[1].cell] << 1 | spread[x[2].cell] << 2;
-        if (from < to && active >> bit & 1u) {
-            const uint32_t cell[3] = {block->cell[0] + x[0].cell, block->cell[1] + x[1].cell,
-                                      block->cell[2] + x[2].cell};
-            try_cell(c, cell, from);
-        }
-        if (!(next <= block->t_out))
-            break;
-        from = next;
-        x[a].cell += (uint32_t)x[a].step;
-        x[a].crossed++;
+    while (block_passage_next(&p, in_block, &from) && node_matters(c, block->score, from)) {
+        for (int a = 0; a < 3; a++)
+            cell[a] = block->cell[a] + in_block[a];
+        try_cell(c, cell, from);
     }
 }
 
