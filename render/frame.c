@@ -22,6 +22,7 @@ typedef struct easel {
     _Alignas(64) tile_outcome todo;
     ray_company *rays;
     char *records; /* WORK_BATCH */
+    segment_batch *pieces;
 } easel;
 _Static_assert((int)WORK_BATCH == (int)RAY_BATCH, "an item's rays go on together");
 
@@ -69,8 +70,13 @@ static size_t batch_scratch(const frame *f) {
     return up_to_64(most);
 }
 
+static size_t pieces_bytes(const frame *f) {
+    return f->integrator->take ? segment_batch_bytes() + up_to_64(f->integrator->take_scratch) : 0;
+}
+
 size_t frame_scratch_bytes(const frame *f) {
-    return sizeof(easel) + up_to_64(sizeof(ray_batch)) + batch_scratch(f) + shared_scratch(f);
+    return sizeof(easel) + up_to_64(sizeof(ray_batch)) + batch_scratch(f) + shared_scratch(f) +
+           pieces_bytes(f);
 }
 
 static easel *easel_of(const frame *f, int worker) {
@@ -83,6 +89,7 @@ static easel *easel_of(const frame *f, int worker) {
     e->todo.scratch = shared;
     e->rays = (ray_company *)shared;
     e->records = shared + sizeof *e->rays;
+    e->pieces = (segment_batch *)(shared + shared_scratch(f));
     return e;
 }
 
@@ -148,7 +155,7 @@ static uint32_t pixels_of(const tile_row rows[], uint32_t side) {
 }
 
 static void advance(const drawing *d, easel *e, tally *mine) {
-    ray_advance(d->f, e->rays, e->todo.batch, e->todo.batch_scratch, &mine->counters);
+    ray_advance(d->f, e->rays, e->todo.batch, e->pieces, e->todo.batch_scratch, &mine->counters);
 }
 
 /* Those that are blocked wait for their treelets; a record was promised to each. */

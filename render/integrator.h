@@ -12,7 +12,7 @@
 #include "render/extremes.h"
 #include "render/frame.h"
 #include "render/ray_bundle.h"
-#include "render/segments.h"
+#include "render/segment_batch.h"
 #include "render/tile.h"
 
 /* All that a frame knows of a ray; the integrator's part follows. */
@@ -31,12 +31,10 @@ typedef struct ray_question {
     const tracer *tracer;
     trace_state *state;   /* of the record */
     segments_state *walk; /* of the record: how far they have come, with room for */
-    segment *kept;        /* WALK_KEPT pieces ahead while the record waits */
+    segment *kept;        /* SEGMENTS_KEPT pieces ahead while the record waits */
     extreme_state *extreme;
     ray ray;
 } ray_question;
-
-enum { WALK_KEPT = 4 };
 
 typedef struct integrator {
     size_t record_bytes; /* head and part */
@@ -49,8 +47,12 @@ typedef struct integrator {
     /* Its state has been answered: TRACE_HIT or TRACE_MISS; the latter where there are no more
      * pieces, or none are wanted, and where the greatest value is certain. */
     void (*answer)(const frame *f, ray_record *r, trace_result result);
-    /* The next piece. False: no more are wanted. The row may leave it out if it asks for none. */
-    bool (*pass)(const frame *f, ray_record *r, const segment *piece);
+    /* The next pieces of several rays, those of each in order: of ray i, r[i]; stop[i] = true where
+     * no more are wanted. scratch: so many bytes, 64-byte aligned, whatever is in them. The row may
+     * leave them out if it asks for none. */
+    size_t take_scratch;
+    void (*take)(const frame *f, ray_record *const r[], const segment_columns *pieces, bool stop[],
+                 void *scratch);
     /* The bundle of all rays on a leg of their way. */
     ray_bundle (*bundle)(const frame *f, uint32_t leg);
 

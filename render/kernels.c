@@ -29,6 +29,7 @@ static kernels kernels_of(cpu_isa isa) {
                      .mesh_packet = mesh_packet_for(isa),
                      .tets = tet_batch_for(isa),
                      .mesh_batch = mesh_batch_for(isa),
+                     .medium = medium_batch_for(isa),
                      .packet = GRID_TILE};
 }
 

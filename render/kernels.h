@@ -9,6 +9,7 @@
 #include "render/grid/grid_batch.h"
 #include "render/grid/grid_tile.h"
 #include "render/grid/walk.h"
+#include "render/medium_batch.h"
 #include "render/mesh/mesh_batch.h"
 #include "render/mesh/mesh_packet.h"
 #include "render/mesh/mesh_tile.h"
@@ -17,17 +18,18 @@
 typedef struct kernels {
     const char *name;
     cpu_isa isa;
-    walk_fn grid_walk;   /* one ray through one treelet */
-    cell_batch_fn cells; /* many ray-cells: the first surface of each, */
-    cell_roots_fn roots; /* or all of them */
-    tile_fn grid_tile;   /* a tile of primary rays through a grid; NULL: one by one */
-    batch_fn grid_batch; /* rays of any kind through a grid; NULL: one by one */
-    tile_fn mesh_tile;   /* ... through a mesh */
-    tile_fn mesh_packet; /* ... the way of W07 */
-    tet_batch_fn tets;   /* many rays and an isopolygon */
-    batch_fn mesh_batch; /* a batch of rays through a mesh; NULL: one by one */
-    uint8_t packet;      /* pixels on a side that walk together: GRID_TILE, or less of it */
-    bool by_cell;        /* a batch never holds ray-cells of more than one cell */
+    walk_fn grid_walk;      /* one ray through one treelet */
+    cell_batch_fn cells;    /* many ray-cells: the first surface of each, */
+    cell_roots_fn roots;    /* or all of them */
+    tile_fn grid_tile;      /* a tile of primary rays through a grid; NULL: one by one */
+    batch_fn grid_batch;    /* rays of any kind through a grid; NULL: one by one */
+    tile_fn mesh_tile;      /* ... through a mesh */
+    tile_fn mesh_packet;    /* ... the way of W07 */
+    tet_batch_fn tets;      /* many rays and an isopolygon */
+    batch_fn mesh_batch;    /* a batch of rays through a mesh; NULL: one by one */
+    medium_batch_fn medium; /* many pieces of a medium */
+    uint8_t packet;         /* pixels on a side that walk together: GRID_TILE, or less of it */
+    bool by_cell;           /* a batch never holds ray-cells of more than one cell */
 } kernels;
 
 /* kernels_for() - NULL or "auto" for the best there is, or a name: that of an ISA, or of one of

@@ -13,7 +13,7 @@
 #include "render/leafcast_volume.h"
 #include "render/ray_batch.h"
 #include "render/ray_bundle.h"
-#include "render/segments.h"
+#include "render/segment_batch.h"
 #include "render/tile.h"
 
 typedef struct kind {
@@ -60,8 +60,8 @@ typedef struct kind {
     trace_result (*next)(const tracer *tr, const ray *r, trace_state *state,
                          ray_counters *counters);
     surface_point (*surface)(const tracer *tr, const treelet *at, const ray *r, const hit *h);
-    /* Many rays together: bytes that this needs; the kernel, NULL: one by one. Where there is none,
-     * the row may leave both out. */
+    /* Many rays together: bytes that this, and their pieces, need; the kernel, NULL: one by one.
+     * Where there is none, the row may leave both out. */
     size_t batch_scratch;
     batch_fn (*batch)(const kernels *k);
 
@@ -71,6 +71,9 @@ typedef struct kind {
     segments_result (*segments)(const tracer *tr, const ray *r, segments_state *state,
                                 ray_counters *counters);
 
+    /* Those of many rays together: the kernel, NULL: ray by ray. Its scratch is that of batches.
+     * The row may leave it out. */
+    segment_batch_fn (*segment_batch)(const kernels *k);
     /* segments_error_of(). */
     segments_error (*segments_error)(const tracer *tr, const ray *r, const double range[2]);
 

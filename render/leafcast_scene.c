@@ -120,7 +120,7 @@ status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const came
 }
 
 status volume_tracer(leafcast *v, const leafcast_scene *scene, const camera *c, tracer *tr) {
-    if (v->isovalue_count == 0 && v->beside.count == 0)
+    if (v->isovalue_count == 0 && !scene_is_filled(scene))
         return status_describe(ST_USAGE, "no isosurface is selected");
     return volume_tracer_of_all(v, scene, c, tr);
 }

@@ -8,8 +8,9 @@
 #include "render/shade.h"
 #include "render/surface_ray.h"
 
-/* What of the error is for the medium by its opacity, by its length, for the end. */
-static const double by_opacity = 0.5, by_length = 0.3, at_end = 0.15;
+/* What of the error is for the medium by its opacity, by its length, for the end, for what is left
+ * out inside a piece: that happens behind no more than 64 halvings, and counts twice. */
+static const double by_opacity = 0.5, by_length = 0.3, at_end = 0.1, in_piece = 0.04 / 128.0;
 
 /* What a ray does: look for the next surface, walk through the medium in front of it, meet it, be
  * lit there. */
@@ -25,7 +26,7 @@ typedef struct medium_ray {
     medium_stretch front;
     medium_stretch run; /* behind that: of pieces in one treelet */
     segments_state walk;
-    segment kept[WALK_KEPT];
+    segment kept[SEGMENTS_KEPT];
 } medium_ray;
 
 static medium_ray *medium_ray_of(ray_record *r) {
@@ -52,7 +53,9 @@ static medium_rule rule_of(const frame *f, uint32_t pixel) {
     const int v = filled_of(f);
     const tracer *tr = &f->tracer[v];
     const world_ray w = surface_ray_primary(f, pixel);
-    medium_rule rule = {.transfer = &look->media[v], .share = by_opacity * look->error};
+    medium_rule rule = {.transfer = &look->media[v],
+                        .share = by_opacity * look->error,
+                        .drop = in_piece * look->error};
     ray r;
     double t_in = w.t0, t_out = w.t1;
     if (!tracer_ray(tr, w.origin, w.direction, w.t0, w.t1, &r) ||
@@ -73,8 +76,8 @@ static void medium_begin(const frame *f, uint32_t pixel, ray_record *r) {
     p->front = p->run = medium_nothing();
 }
 
-static void end_run(medium_ray *p) {
-    medium_join(&p->front, &p->run);
+static void end_run(const frame *f, medium_ray *p) {
+    medium_join(&p->front, &p->run, look_of(f)->brightest);
     p->run = medium_nothing();
 }
 
@@ -86,20 +89,50 @@ static bool is_dark(const frame *f, medium_ray *p) {
 
 /* Nothing is seen of what is behind. */
 static void leave_out_rest(const frame *f, medium_ray *p) {
-    end_run(p);
+    end_run(f, p);
     p->front.rgb_error += (p->front.through + p->front.through_error) * look_of(f)->brightest;
     p->front.through_error += p->front.through;
     p->front.through = 0.0;
 }
 
-static bool medium_pass(const frame *f, ray_record *r, const segment *piece) {
-    medium_ray *p = medium_ray_of(r);
-    const medium_stretch seen = medium_of_piece(&p->rule, piece);
-    if (piece->treelet != p->treelet)
-        end_run(p);
-    p->treelet = piece->treelet;
-    medium_join(&p->run, &seen);
-    return !is_dark(f, p);
+/* What each piece is looked at by. */
+static void set_rules(const medium_look *look, ray_record *const r[], const segment_columns *c,
+                      medium_batch *m) {
+    m->share = by_opacity * look->error;
+    m->drop = in_piece * look->error;
+    for (unsigned i = 0; i < c->count; i++) {
+        const medium_rule *rule = &medium_ray_of(r[c->ray[i]])->rule;
+        m->per_length[i] = rule->per_length;
+        m->t_error[i] = rule->error.t;
+        m->value_error[i] = rule->error.value;
+    }
+}
+
+static medium_stretch stretch_of(const medium_batch *m, unsigned i) {
+    return (medium_stretch){{m->rgb[0][i], m->rgb[1][i], m->rgb[2][i]},
+                            m->through[i],
+                            m->rgb_error[i],
+                            m->through_error[i]};
+}
+
+static void medium_take(const frame *f, ray_record *const r[], const segment_columns *c,
+                        bool stop[], void *scratch) {
+    const medium_look *look = look_of(f);
+    medium_batch *m = scratch;
+    m->transfer = &look->media[filled_of(f)];
+    set_rules(look, r, c, m);
+    f->kernels->medium(m, c);
+    for (unsigned i = 0; i < c->count; i++) {
+        medium_ray *p = medium_ray_of(r[c->ray[i]]);
+        if (!m->seen[i] || stop[c->ray[i]])
+            continue;
+        const medium_stretch seen = stretch_of(m, i);
+        if (c->treelet[i] != p->treelet)
+            end_run(f, p);
+        p->treelet = c->treelet[i];
+        medium_join(&p->run, &seen, look->brightest);
+        stop[c->ray[i]] = is_dark(f, p);
+    }
 }
 
 /* Up to the surface. */
@@ -111,7 +144,7 @@ static bool ask_for_pieces(const frame *f, medium_ray *p, ray_question *q) {
         !tracer_ray(&f->tracer[v], w.origin, w.direction, p->from, p->way.search.found.t, &q->ray))
         return false;
     if (!p->begun) {
-        p->walk = segments_begin(p->kept, WALK_KEPT);
+        p->walk = segments_begin(p->kept, SEGMENTS_KEPT);
         p->treelet = LEAF_NO_TREELET;
         p->begun = true;
     }
@@ -133,6 +166,8 @@ static double depth_error_at(const frame *f, const medium_ray *p) {
     for (int a = 0; a < 3; a++)
         slope += at->gradient[a] * w.direction[a];
     const double most_k = look_of(f)->media[filled_of(f)].most_k;
+    if (most_k == 0.0)
+        return 0.0;
     return slope != 0.0 ? fmin(at->error / fabs(slope) * most_k, 1.0) : 1.0;
 }
 
@@ -144,7 +179,7 @@ static bool composite(const frame *f, medium_ray *p) {
         s.rgb[c] = opacity * (double)p->way.rgb[c];
     s.rgb_error = depth_error_at(f, p) * look_of(f)->brightest;
     s.through_error = depth_error_at(f, p) * s.through;
-    medium_join(&p->front, &s);
+    medium_join(&p->front, &s, look_of(f)->brightest);
     p->from = p->way.search.found.t;
     return surface_ray_pass(f, &p->way) && s.through > 0.0 && !is_dark(f, p);
 }
@@ -156,7 +191,8 @@ static double error_of(const medium_stretch *s, const float background[4]) {
     double brightest = 1.0;
     for (int c = 0; c < 3; c++)
         brightest = fmax(brightest, fabs((double)background[c]));
-    return s->rgb_error + s->through_error * brightest + 0x1p-48 * brightest;
+    /* The last term is of sums along the ray: no way has 2^18 pieces. */
+    return s->rgb_error + (s->through_error + 0x1p-33) * brightest;
 }
 
 static void write(const frame *f, medium_ray *p, ray_counters *counters) {
@@ -180,8 +216,8 @@ static void write(const frame *f, medium_ray *p, ray_counters *counters) {
 }
 
 static void end(const frame *f, medium_ray *p, ray_counters *counters) {
-    end_run(p);
-    if (is_dark(f, p) && p->front.through > 0.0)
+    end_run(f, p);
+    if (is_dark(f, p))
         leave_out_rest(f, p);
     write(f, p, counters);
 }
@@ -190,7 +226,7 @@ static void end(const frame *f, medium_ray *p, ray_counters *counters) {
 
 /* The surface, if there is one that can be seen. False: the pixel is done. */
 static bool meet(const frame *f, medium_ray *p, ray_counters *counters) {
-    end_run(p);
+    end_run(f, p);
     p->way.head.volume = 0;
     return surface_ray_meet(f, &p->way, counters) && !is_dark(f, p);
 }
@@ -233,5 +269,6 @@ const integrator medium_integrator = {.record_bytes = sizeof(medium_ray),
                                       .begin = medium_begin,
                                       .ask = medium_ask,
                                       .answer = medium_answer,
-                                      .pass = medium_pass,
+                                      .take_scratch = sizeof(medium_batch),
+                                      .take = medium_take,
                                       .bundle = surface_ray_bundle};

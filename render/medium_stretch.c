@@ -10,14 +10,9 @@ static const double unit = 0x1p-53; /* half an ulp of 1 */
 
 /* ---- Stretches ---- */
 
-static double brightest(const medium_stretch *s) {
-    return fmax(s->rgb[0], fmax(s->rgb[1], s->rgb[2]));
-}
-
-void medium_join(medium_stretch *front, const medium_stretch *behind) {
+void medium_join(medium_stretch *front, const medium_stretch *behind, double most_rgb) {
     const double reaching = front->through + front->through_error;
-    front->rgb_error += reaching * behind->rgb_error + front->through_error * brightest(behind) +
-                        4.0 * unit * (brightest(front) + brightest(behind));
+    front->rgb_error += reaching * behind->rgb_error + front->through_error * most_rgb;
     front->through_error = reaching * behind->through_error +
                            front->through_error * behind->through + unit * front->through;
     for (int c = 0; c < 3; c++)
@@ -41,25 +36,8 @@ typedef struct smooth {
 typedef struct smooth_span {
     const medium_rule *rule;
     const transfer_span *span;
-    double most_rgb;    /* in the span */
-    double rgb_change;  /* |dc|, of the component that changes most */
-    double w_error;     /* how far w may be off, at most 1 */
-    double depth_error; /* by length and depth apart from that */
+    double value_error;
 } smooth_span;
-
-static double largest_change(const transfer_span *s) {
-    double most = 0.0;
-    for (int c = 0; c < 3; c++)
-        most = fmax(most, fabs(s->rgb[1][c] - s->rgb[0][c]));
-    return most;
-}
-
-static double most_rgb(const transfer_span *s) {
-    double most = 0.0;
-    for (int c = 0; c < 3; c++)
-        most = fmax(most, fmax(s->rgb[0][c], s->rgb[1][c]));
-    return most;
-}
 
 static double mean_of(const double b[], int degree) {
     double sum = 0.0;
@@ -80,10 +58,7 @@ static void complete(const transfer_span *span, smooth *s) {
 
 /* The integral of w' tau, where tau has the Bernstein coefficients depth[0 .. degree + 1]. */
 static double depth_moment(const smooth *s, const double depth[]) {
-    /* Of degrees 2 and 4: C(2, i) C(4, j) / (C(6, i + j) 7), times the 3 of w'. */
-    static const double weight[3][5] = {{3.0 / 7.0, 2.0 / 7.0, 6.0 / 35.0, 3.0 / 35.0, 1.0 / 35.0},
-                                        {1.0 / 7.0, 8.0 / 35.0, 9.0 / 35.0, 8.0 / 35.0, 1.0 / 7.0},
-                                        {1.0 / 35.0, 3.0 / 35.0, 6.0 / 35.0, 2.0 / 7.0, 3.0 / 7.0}};
+    static const double weight[3][5] = MEDIUM_MOMENT;
     double sum = 0.0;
     if (s->degree == 1)
         return (s->w[1] - s->w[0]) * mean_of(depth, 2);
@@ -113,32 +88,39 @@ static double rgb_at(const transfer_span *span, int c, double w) {
     return (1.0 - w) * span->rgb[0][c] + w * span->rgb[1][c];
 }
 
-/* How far e^-depth may be off, as a share of itself. */
-static double relative_error(double depth_error) {
-    return depth_error < 0.5 ? 1.5 * depth_error : INFINITY;
+/* How far e^-depth may be off at most where the depth is off by so much. */
+static double shift_of(double depth_error) {
+    return fmin(1.5 * depth_error, 1.0);
 }
 
-/* The whole of it at once: (2), with the error of the tangent alone in *tangent. */
+/* The whole of it at once: (2), with (3) in *tangent. */
 static medium_stretch seen_at_once(const smooth_span *p, const smooth *s, double *tangent) {
+    const transfer_span *span = p->span;
     const double half = 0.5 * s->depth, through_half = portable_exp(-half);
     const bool thin = half < 1.0;
-    const double change = thin ? weighted_change(s, half, through_half) : 0.0;
-    const double first = in_unit(s->w[0]), last = in_unit(s->w[s->degree]);
+    const double bend = thin ? 0.25 * (half * half) : 0.5;
+    const double change =
+        (thin ? weighted_change(s, half, through_half) : 0.0) + bend * (s->w[s->degree] - s->w[0]);
+    const double first = s->w[0], last = s->w[s->degree];
     medium_stretch out = {.through = through_half * through_half};
     for (int c = 0; c < 3; c++) {
-        const double dc = p->span->rgb[1][c] - p->span->rgb[0][c];
-        out.rgb[c] = fmax(
-            rgb_at(p->span, c, first) - out.through * rgb_at(p->span, c, last) + dc * change, 0.0);
+        const double dc = span->rgb[1][c] - span->rgb[0][c];
+        const double seen =
+            (rgb_at(span, c, first) - out.through * rgb_at(span, c, last)) + dc * change;
+        out.rgb[c] = fmin(fmax(seen, 0.0), span->most_rgb);
     }
-    *tangent = p->rgb_change * s->variance * (thin ? 0.5 * half * half : 1.0);
-    const double shift = relative_error(p->depth_error * s->length);
+    const double spread = span->rgb_change * s->variance;
+    *tangent = spread * bend;
     /* Of the depth's own roundings, a share of it, nothing is left but x e^-x < 1. */
     const double rounding = 64.0 * unit;
-    const double opacity = 1.0 - out.through;
-    out.through_error = fmin(out.through * shift + rounding, 1.0);
+    const double depth_error =
+        (p->value_error * span->k_rate + 8.0 * unit * span->most_k) * s->length;
+    const double shift = shift_of(depth_error) + rounding;
+    out.through_error = depth_error < 0.5 ? out.through * shift + rounding : 1.0;
     out.rgb_error =
-        *tangent + fmin(shift + rounding, 1.0) * (p->most_rgb + p->rgb_change * s->variance) +
-        p->rgb_change * p->w_error * fmin(opacity + rounding, 1.0) + rounding * p->most_rgb;
+        (*tangent + shift * (span->most_rgb + spread)) +
+        (fmin(p->value_error * span->rgb_rate, span->most_rgb) * ((1.0 - out.through) + rounding) +
+         rounding * span->most_rgb);
     return out;
 }
 
@@ -165,21 +147,21 @@ static medium_stretch seen_of(const smooth_span *p, const smooth *s, int halving
     smooth half[2];
     const medium_rule *rule = p->rule;
     medium_stretch front = seen_at_once(p, s, &tangent);
-    const double opacity = 1.0 - front.through;
-    if (tangent <= rule->share * opacity + rule->per_length * s->length || halvings == 0)
+    const double allowed = rule->share * (1.0 - front.through) + rule->per_length * s->length;
+    if (tangent <= allowed || front.rgb_error - tangent > allowed || halvings == 0)
         return front;
     halve(p->span, s, half);
     front = seen_of(p, &half[0], halvings - 1);
     /* Where hardly anything comes through the front, what is behind may be left out. */
-    const double left = (front.through + front.through_error) * p->most_rgb;
-    if (front.rgb_error + left <= rule->share * (1.0 - front.through)) {
+    const double left = (front.through + front.through_error) * p->span->most_rgb;
+    if (left <= rule->drop) {
         front.rgb_error += left;
         front.through_error += front.through;
         front.through = 0.0;
         return front;
     }
     const medium_stretch back = seen_of(p, &half[1], halvings - 1);
-    medium_join(&front, &back);
+    medium_join(&front, &back, p->span->most_rgb);
     return front;
 }
 
@@ -216,25 +198,28 @@ static double coefficient(double w) {
     return w > -4.0 ? fmin(w, 5.0) : -4.0;
 }
 
-/* What is seen of [a, b], all of it in a span. */
+/* What is seen of a length of t, all of it in a span, with the value's Bernstein coefficients. */
+static medium_stretch seen_in(const piece_walk *walk, const transfer_span *span, const double f[4],
+                              double length) {
+    smooth s = {.degree = (int)walk->piece->degree, .length = length};
+    /* Where the span is narrower than the error, nothing is known of w. */
+    const bool unknown = walk->value_error * span->inverse >= 1.0;
+    for (int i = 0; i <= s.degree; i++)
+        s.w[i] = unknown ? 0.5 : coefficient((f[i] - span->base) * span->inverse);
+    complete(span, &s);
+    const smooth_span p = {walk->rule, span, walk->value_error};
+    return seen_of(&p, &s, HALVINGS_MAX);
+}
+
+/* [a, b] comes behind what has been seen, all of it in a span. */
 static void see(piece_walk *walk, const transfer_span *span, double a, double b) {
     const segment *piece = walk->piece;
     double f[4];
-    smooth s = {.degree = (int)piece->degree, .length = (b - a) * (piece->t1 - piece->t0)};
-    if (!(a < b) || !(span->k[0] > 0.0 || span->k[1] > 0.0))
+    if (!(a < b) || transfer_is_empty(span))
         return;
     part_of(piece, a, b, f);
-    for (int i = 0; i <= s.degree; i++)
-        s.w[i] = coefficient((f[i] - span->base) / span->width);
-    complete(span, &s);
-    smooth_span p = {.rule = walk->rule,
-                     .span = span,
-                     .most_rgb = most_rgb(span),
-                     .rgb_change = largest_change(span),
-                     .w_error = fmin(walk->value_error / span->width, 1.0)};
-    p.depth_error = p.w_error * fabs(span->k[1] - span->k[0]);
-    const medium_stretch seen = seen_of(&p, &s, HALVINGS_MAX);
-    medium_join(&walk->seen, &seen);
+    const medium_stretch seen = seen_in(walk, span, f, (b - a) * (piece->t1 - piece->t0));
+    medium_join(&walk->seen, &seen, walk->rule->transfer->most_rgb);
 }
 
 /* Where the value is v, between a and b, where it is fa and fb, on either side of v. */
@@ -293,8 +278,8 @@ static void change_near(const transfer *t, double v, double e, double *k, double
     double lo[4] = {INFINITY, INFINITY, INFINITY, INFINITY}, hi[4] = {0.0};
     for (int i = transfer_find(t, v - e); i < t->spans && t->span[i].from <= v + e; i++) {
         const transfer_span *s = &t->span[i];
-        const double at[2] = {in_unit((v - e - s->base) / s->width),
-                              in_unit((v + e - s->base) / s->width)};
+        const double at[2] = {in_unit((v - e - s->base) * s->inverse),
+                              in_unit((v + e - s->base) * s->inverse)};
         for (int side = 0; side < 2; side++) {
             for (int c = 0; c < 4; c++) {
                 const double x = c < 3 ? rgb_at(s, c, at[side])
@@ -308,17 +293,20 @@ static void change_near(const transfer *t, double v, double e, double *k, double
     *rgb = fmax(hi[0] - lo[0], fmax(hi[1] - lo[1], hi[2] - lo[2]));
 }
 
-/* What rounding may move over the point v of the transfer function, in [a, b] as above. */
-static void add_error_near(piece_walk *walk, double v, double a, double b, double fa, double fb) {
+/* What rounding may move over the end v of a span, in [a, b] as above, if rates do not tell. */
+static void add_error_near(piece_walk *walk, const transfer_span *below, double v, double a,
+                           double b, double fa, double fb) {
     const segment *piece = walk->piece;
     const transfer *t = walk->rule->transfer;
     const double e = 2.0 * walk->value_error;
     double k, rgb;
+    if (below->reach[1] > v + e && below[1].reach[0] < v - e)
+        return;
     change_near(t, v, e, &k, &rgb);
     const double length = length_near(walk, a, b, fa, fb, v, e) * (piece->t1 - piece->t0);
-    const double shift = relative_error(k * length);
-    walk->seen.through_error = fmin(walk->seen.through_error + fmin(shift, 1.0), 1.0);
-    walk->seen.rgb_error += fmin(shift, 1.0) * t->most_rgb + rgb * fmin(t->most_k * length, 1.0);
+    const double shift = shift_of(k * length);
+    walk->seen.through_error = fmin(walk->seen.through_error + shift, 1.0);
+    walk->seen.rgb_error += shift * t->most_rgb + rgb * fmin(t->most_k * length, 1.0);
 }
 
 /* A part [a, b] in which the value goes from fa to fb without turning. */
@@ -330,7 +318,7 @@ static void see_part(piece_walk *walk, double a, double b, double fa, double fb)
     double from = a, f_from = fa;
     const int first = transfer_find(t, fmin(fa, fb) - e), last = transfer_find(t, fmax(fa, fb) + e);
     for (int k = first; k < last; k++)
-        add_error_near(walk, t->span[k].to, a, b, fa, fb);
+        add_error_near(walk, &t->span[k], t->span[k].to, a, b, fa, fb);
     for (int end = transfer_find(t, fb); i != end; i += up) {
         const double v = up > 0 ? t->span[i].to : t->span[i].from;
         const double to = f_from == v ? from : cut_at(walk, v, from, f_from, b, fb);
@@ -353,33 +341,47 @@ static double value_error_of(const segment *s, const segments_error *error) {
     return error->value + by_t + 16.0 * unit * largest;
 }
 
-/* Whether the whole piece is where nothing is. */
-static bool is_empty(const transfer *t, const segment *piece, double value_error) {
+/* The span that the whole piece is in, and no error leads beyond its reach; NULL: there is none. */
+static const transfer_span *only_span(const transfer *t, const segment *piece, double value_error) {
     double lo = piece->b[0], hi = piece->b[0];
     for (uint32_t i = 1; i <= piece->degree; i++) {
         lo = fmin(lo, piece->b[i]);
         hi = fmax(hi, piece->b[i]);
     }
-    const int at = transfer_find(t, lo - value_error);
-    const transfer_span *s = &t->span[at];
-    return s->k[0] == 0.0 && s->k[1] == 0.0 && hi + value_error < s->to;
+    const transfer_span *s = &t->span[transfer_find(t, lo)];
+    const bool only =
+        hi < s->to && lo - value_error >= s->reach[0] && hi + value_error < s->reach[1];
+    return only ? s : NULL;
+}
+
+/* The ends of the piece are off, too. */
+static void add_ends(const medium_rule *rule, medium_stretch *seen) {
+    const double shift = shift_of(2.0 * rule->error.t * rule->transfer->most_k);
+    seen->through_error = fmin(seen->through_error + shift, 1.0);
+    seen->rgb_error += shift * rule->transfer->most_rgb;
+}
+
+static void see_parts(piece_walk *walk) {
+    double at[4] = {0.0}, value[4];
+    int ends = 1;
+    if (walk->piece->degree == 3)
+        ends += cubic_extrema(walk->piece->b, at + 1);
+    at[ends] = 1.0;
+    for (int i = 0; i <= ends; i++)
+        value[i] = segment_at(walk->piece, at[i]);
+    for (int i = 0; i < ends; i++)
+        see_part(walk, at[i], at[i + 1], value[i], value[i + 1]);
 }
 
 medium_stretch medium_of_piece(const medium_rule *rule, const segment *piece) {
-    double at[4] = {0.0}, value[4];
-    int ends = 1;
     piece_walk walk = {rule, piece, value_error_of(piece, &rule->error), medium_nothing()};
-    if (is_empty(rule->transfer, piece, walk.value_error))
+    const transfer_span *span = only_span(rule->transfer, piece, walk.value_error);
+    if (span && transfer_is_empty(span))
         return walk.seen;
-    if (piece->degree == 3)
-        ends += cubic_extrema(piece->b, at + 1);
-    at[ends] = 1.0;
-    for (int i = 0; i <= ends; i++)
-        value[i] = segment_at(piece, at[i]);
-    for (int i = 0; i < ends; i++)
-        see_part(&walk, at[i], at[i + 1], value[i], value[i + 1]);
-    const double shift = fmin(relative_error(2.0 * rule->error.t * rule->transfer->most_k), 1.0);
-    walk.seen.through_error = fmin(walk.seen.through_error + shift, 1.0);
-    walk.seen.rgb_error += shift * rule->transfer->most_rgb;
+    if (span)
+        walk.seen = seen_in(&walk, span, piece->b, piece->t1 - piece->t0);
+    else
+        see_parts(&walk);
+    add_ends(rule, &walk.seen);
     return walk.seen;
 }

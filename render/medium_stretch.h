@@ -20,11 +20,11 @@
  *
  *     integral of c k e^-tau = c(0) - c(1) e^-tau(1) + dc J,     J = integral of w' e^-tau ds (2)
  *
- * Of e^-tau the tangent at half the depth h = tau(1) / 2 is taken: then J is the integral of a
- * polynomial, which is exact, and |e^-tau - tangent| <= 1 - (1 + h) e^-h <= min(1, h^2 / 2), so
- * that
+ * Of e^-tau the tangent at half the depth h = tau(1) / 2 is taken, which is too small by 0 to
+ * 1 - (1 + h) e^-h <= R = min(1, h^2 / 2); so half of R is added. (Where h is 1 or more, 1/2 alone
+ * does it.) Then J is the integral of a polynomial, which is exact, and
  *
- *     error <= |dc| (integral of |w'|) min(1, h^2 / 2) (3)
+ *     error <= |dc| (integral of |w'|) R / 2                                            (3)
  *
  * with the sum of the differences of w's Bernstein coefficients for the integral of |w'|. Where
  * that is more than (1) allows, the stretch is halved.
@@ -58,14 +58,27 @@ static inline medium_stretch medium_nothing(void) {
 typedef struct medium_rule {
     const transfer *transfer;
     double share, per_length; /* see (1) */
+    double drop;              /* so much light may be left out inside a piece, once a halving */
     segments_error error;     /* of pieces */
 } medium_rule;
 
-/* medium_join() - *front becomes it with `behind` behind it. */
-void medium_join(medium_stretch *front, const medium_stretch *behind);
+/* medium_join() - *front becomes it with `behind` behind it, whose light is most_rgb at most. */
+void medium_join(medium_stretch *front, const medium_stretch *behind, double most_rgb);
 
 /* medium_of_piece() - what is seen of a piece in a volume that is filled with something. t counts
  * world length. */
 medium_stretch medium_of_piece(const medium_rule *rule, const segment *piece);
+
+/* ---- For vectors ---- */
+
+/* The integral of w' tau, of degrees 2 and 4, by Bernstein coefficients: C(2, i) C(4, j) /
+ * (C(6, i + j) 7), times the 3 of w'. */
+#define MEDIUM_MOMENT                                                     \
+    {                                                                     \
+        {3.0 / 7.0, 2.0 / 7.0, 6.0 / 35.0, 3.0 / 35.0, 1.0 / 35.0},       \
+            {1.0 / 7.0, 8.0 / 35.0, 9.0 / 35.0, 8.0 / 35.0, 1.0 / 7.0}, { \
+            1.0 / 35.0, 3.0 / 35.0, 6.0 / 35.0, 2.0 / 7.0, 3.0 / 7.0      \
+        }                                                                 \
+    }
 
 #endif

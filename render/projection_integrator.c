@@ -14,7 +14,7 @@ typedef struct projected_ray {
     double integral, length; /* of the mean */
     extreme_state extreme;
     segments_state walk;
-    segment kept[WALK_KEPT];
+    segment kept[SEGMENTS_KEPT];
 } projected_ray;
 
 static projected_ray *projected_ray_of(ray_record *r) {
@@ -45,6 +45,12 @@ static void projection_begin(const frame *f, uint32_t pixel, ray_record *r) {
 static double mean_of(const segment *piece) {
     const double *b = piece->b;
     return piece->degree == 3 ? 0.25 * (b[0] + b[1] + b[2] + b[3]) : 0.5 * (b[0] + b[1]);
+}
+
+static void add_mean(projected_ray *p, const segment *piece) {
+    const double length = piece->t1 - piece->t0;
+    p->integral += mean_of(piece) * length;
+    p->length += length;
 }
 
 /* Where the value reaches v, between a place where it does not and one where it does. */
@@ -89,14 +95,26 @@ static bool pass_first(projected_ray *p, const segment *piece, double v) {
     return false;
 }
 
-static bool projection_pass(const frame *f, ray_record *r, const segment *piece) {
-    projected_ray *p = projected_ray_of(r);
-    const double length = piece->t1 - piece->t0;
-    if (look_of(f)->project == LEAFCAST_PROJECT_FIRST)
-        return pass_first(p, piece, look_of(f)->value);
-    p->integral += mean_of(piece) * length;
-    p->length += length;
-    return true;
+/* Piece i. */
+static segment piece_of(const segment_columns *c, unsigned i) {
+    segment piece = {.t0 = c->t0[i], .t1 = c->t1[i], .degree = (uint32_t)c->degree};
+    for (int k = 0; k <= c->degree; k++)
+        piece.b[k] = c->b[k][i];
+    return piece;
+}
+
+static void projection_take(const frame *f, ray_record *const r[], const segment_columns *c,
+                            bool stop[], void *scratch) {
+    const projection_look *look = look_of(f);
+    (void)scratch;
+    for (unsigned i = 0; i < c->count; i++) {
+        projected_ray *p = projected_ray_of(r[c->ray[i]]);
+        const segment piece = piece_of(c, i);
+        if (look->project == LEAFCAST_PROJECT_MEAN)
+            add_mean(p, &piece);
+        else if (!stop[c->ray[i]])
+            stop[c->ray[i]] = !pass_first(p, &piece, look->value);
+    }
 }
 
 /* ---- Pixels ---- */
@@ -167,7 +185,7 @@ static void write(const frame *f, const projected_ray *p, ray_counters *counters
 
 /* Into a volume, which has not been asked yet. */
 static void begin_volume(projected_ray *p, const tracer *tr) {
-    p->walk = segments_begin(p->kept, WALK_KEPT);
+    p->walk = segments_begin(p->kept, SEGMENTS_KEPT);
     extreme_go_on(&p->extreme, tr);
     p->begun = true;
 }
@@ -213,5 +231,5 @@ const integrator projection_integrator = {.record_bytes = sizeof(projected_ray),
                                           .begin = projection_begin,
                                           .ask = projection_ask,
                                           .answer = projection_answer,
-                                          .pass = projection_pass,
+                                          .take = projection_take,
                                           .bundle = projection_bundle};

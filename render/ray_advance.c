@@ -47,21 +47,47 @@ static void go_on(const frame *f, ray_company *c, unsigned i, trace_result resul
     c->asks[i] = f->integrator->ask(f, r, &c->question[i], counters);
 }
 
-enum { WALK_AHEAD = 64 }; /* pieces: more saves time */
+/* What take() is told. */
+typedef struct walkers {
+    const frame *f;
+    void *scratch;
+    ray_record *record[RAY_BATCH];
+} walkers;
 
-/* The ray's pieces, one after the other, or its greatest value. */
-static trace_result walk(const frame *f, ray_company *c, unsigned i, ray_counters *counters) {
-    ray_question *q = &c->question[i];
-    segment ahead[WALK_AHEAD], piece;
-    segments_result result;
-    if (!q->walk)
-        return extreme_next(q->tracer, &q->ray, i > 0 ? q[-1].extreme : NULL, q->extreme, counters);
-    segments_move(q->walk, ahead, WALK_AHEAD);
-    do
-        result = segments_next(q->tracer, &q->ray, q->walk, &piece, counters);
-    while (result == SEGMENTS_SOME && f->integrator->pass(f, c->record[i], &piece));
-    segments_move(q->walk, q->kept, WALK_KEPT);
-    return result == SEGMENTS_BLOCKED ? TRACE_BLOCKED : TRACE_MISS;
+static void take(void *ctx, segment_batch *b) {
+    const walkers *w = ctx;
+    w->f->integrator->take(w->f, w->record, &b->columns, b->stop, w->scratch);
+}
+
+/* Of those whose turn it is, all that ask for pieces. */
+static void gather_walkers(ray_company *c, unsigned first, segment_batch *b, walkers *w) {
+    const tracer *tr = c->question[first].tracer;
+    const uint32_t turn = turn_of(c->record[first]);
+    b->count = 0;
+    for (unsigned i = first; i < c->count; i++) {
+        const ray_question *q = &c->question[i];
+        if (!c->asks[i] || q->state || !q->walk || q->tracer != tr || turn_of(c->record[i]) != turn)
+            continue;
+        b->rays[b->count] = q->ray;
+        b->state[b->count] = q->walk;
+        b->kept[b->count] = q->kept;
+        w->record[b->count] = c->record[i];
+        c->asked[b->count++] = (uint8_t)i;
+    }
+}
+
+/* All pieces of all these. */
+static void walk_together(const frame *f, ray_company *c, unsigned first, segment_batch *b,
+                          void *scratch, ray_counters *counters) {
+    walkers w = {.f = f, .scratch = (char *)b + segment_batch_bytes()};
+    gather_walkers(c, first, b, &w);
+    b->take = take;
+    b->ctx = &w;
+    segment_batch_walk(c->question[first].tracer, f->kernels, b, scratch, counters);
+    for (unsigned k = 0; k < b->count; k++)
+        go_on(f, c, c->asked[k],
+              b->result[k] == SEGMENTS_BLOCKED && !b->stop[k] ? TRACE_BLOCKED : TRACE_MISS,
+              counters);
 }
 
 /* Those whose turn it is together, as far as they ask for hits. */
@@ -75,16 +101,20 @@ static void answer_together(const frame *f, ray_company *c, unsigned first, ray_
     }
 }
 
-/* The others whose turn it is. */
-static void answer_one_by_one(const frame *f, ray_company *c, unsigned first,
-                              ray_counters *counters) {
+/* The others whose turn it is: the greatest values on their ways. */
+static void climb_one_by_one(const frame *f, ray_company *c, unsigned first,
+                             ray_counters *counters) {
     const uint32_t turn = turn_of(c->record[first]);
-    for (unsigned i = first; i < c->count; i++)
-        if (c->asks[i] && !c->question[i].state && turn_of(c->record[i]) == turn)
-            go_on(f, c, i, walk(f, c, i, counters), counters);
+    for (unsigned i = first; i < c->count; i++) {
+        const ray_question *q = &c->question[i];
+        if (!c->asks[i] || q->state || q->walk || turn_of(c->record[i]) != turn)
+            continue;
+        const extreme_state *near = i > 0 ? q[-1].extreme : NULL;
+        go_on(f, c, i, extreme_next(q->tracer, &q->ray, near, q->extreme, counters), counters);
+    }
 }
 
-void ray_advance(const frame *f, ray_company *c, ray_batch *b, void *scratch,
+void ray_advance(const frame *f, ray_company *c, ray_batch *b, segment_batch *pieces, void *scratch,
                  ray_counters *counters) {
     for (unsigned i = 0; i < c->count; i++) {
         c->blocked[i] = false;
@@ -94,7 +124,9 @@ void ray_advance(const frame *f, ray_company *c, ray_batch *b, void *scratch,
     for (unsigned first = next_of(c); first < c->count; first = next_of(c)) {
         if (c->question[first].state)
             answer_together(f, c, first, b, scratch, counters);
+        else if (c->question[first].walk)
+            walk_together(f, c, first, pieces, scratch, counters);
         else
-            answer_one_by_one(f, c, first, counters);
+            climb_one_by_one(f, c, first, counters);
     }
 }

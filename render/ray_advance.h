@@ -19,8 +19,10 @@ typedef struct ray_company {
 } ray_company;
 
 /* ray_advance() - all rays go on until their pixels are written or they are blocked; also those
- * that were blocked. *b and scratch: room, see ray_batch.h. */
-void ray_advance(const frame *f, ray_company *c, ray_batch *b, void *scratch,
+ * that were blocked. *b, *pieces and scratch: room, see ray_batch.h, segment_batch.h; *pieces,
+ * behind which is what integrator.take() needs, may be NULL for an integrator that asks for none.
+ */
+void ray_advance(const frame *f, ray_company *c, ray_batch *b, segment_batch *pieces, void *scratch,
                  ray_counters *counters);
 
 #endif

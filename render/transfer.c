@@ -1,17 +1,23 @@
 #include "render/transfer.h"
 
 #include <math.h>
+#include <string.h>
 
 /* ---- Making ---- */
 
 /* One span between two points, or beyond the first or the last one: then both are that one. */
 static transfer_span span_of(const leafcast_transfer_point *a, const leafcast_transfer_point *b) {
-    transfer_span s = {a->value, b->value, a->value, b->value - a->value, {0}, {{0}}};
+    transfer_span s = {.from = a->value, .to = b->value, .base = a->value};
     const leafcast_transfer_point *ends[2] = {a, b};
+    s.inverse = 1.0 / (s.to - s.from);
     for (int e = 0; e < 2; e++) {
         s.k[e] = ends[e]->extinction;
-        for (int c = 0; c < 3; c++)
+        s.most_k = fmax(s.most_k, s.k[e]);
+        for (int c = 0; c < 3; c++) {
             s.rgb[e][c] = (double)ends[e]->rgb[c];
+            s.most_rgb = fmax(s.most_rgb, s.rgb[e][c]);
+            s.rgb_change = fmax(s.rgb_change, fabs(s.rgb[e][c] - s.rgb[0][c]));
+        }
     }
     return s;
 }
@@ -20,15 +26,57 @@ static transfer_span beyond(const leafcast_transfer_point *p, double from, doubl
     transfer_span s = span_of(p, p);
     s.from = from;
     s.to = to;
-    s.base = 0.0;
-    s.width = INFINITY;
+    s.base = s.inverse = 0.0;
     return s;
+}
+
+/* Whether two neighbours are the same where they meet. */
+static bool is_smooth(const transfer_span *a, const transfer_span *b) {
+    bool same = a->k[1] == b->k[0];
+    for (int c = 0; c < 3; c++)
+        same = same && a->rgb[1][c] == b->rgb[0][c];
+    return same;
+}
+
+static void take_in_rates(transfer_span *s, const transfer_span *of) {
+    const double most = 1e300; /* times the smallest error is more than any change */
+    s->k_rate = fmax(s->k_rate, fmin(fabs(of->k[1] - of->k[0]) * of->inverse, most));
+    s->rgb_rate = fmax(s->rgb_rate, fmin(of->rgb_change * of->inverse, most));
+}
+
+/* What depends on neighbours. */
+static void reach_out(transfer *t) {
+    for (int i = 0; i < t->spans; i++) {
+        transfer_span *s = &t->span[i];
+        const bool below = i > 0 && is_smooth(s - 1, s);
+        const bool above = i + 1 < t->spans && is_smooth(s, s + 1);
+        s->reach[0] = below ? s[-1].from : s->from;
+        s->reach[1] = above ? s[1].to : s->to;
+        take_in_rates(s, s);
+        if (below)
+            take_in_rates(s, s - 1);
+        if (above)
+            take_in_rates(s, s + 1);
+    }
 }
 
 static void note_most(transfer *t, const leafcast_transfer_point *p) {
     t->most_k = fmax(t->most_k, p->extinction);
     for (int c = 0; c < 3; c++)
         t->most_rgb = fmax(t->most_rgb, (double)p->rgb[c]);
+}
+
+/* The spans once more, member by member. */
+static status make_columns(transfer *t, mem *m) {
+    const size_t members = sizeof *t->span / sizeof(double), spans = (size_t)t->spans;
+    t->columns = mem_array(m, spans * members, sizeof(double));
+    if (!t->columns)
+        return ST_NOMEM;
+    for (size_t i = 0; i < spans; i++)
+        for (size_t k = 0; k < members; k++)
+            memcpy(&t->columns[k * spans + i], (const char *)&t->span[i] + k * sizeof(double),
+                   sizeof(double));
+    return ST_OK;
 }
 
 status transfer_init(transfer *t, mem *m, const leafcast_medium *medium) {
@@ -43,14 +91,16 @@ status transfer_init(transfer *t, mem *m, const leafcast_medium *medium) {
     t->span[t->spans++] = beyond(&p[0], -INFINITY, p[0].value);
     for (int i = 0; i <= last; i++) {
         note_most(t, &p[i]);
-        if (i < last && p[i].value < p[i + 1].value)
+        if (i < last && p[i + 1].value - p[i].value >= TRANSFER_NARROWEST)
             t->span[t->spans++] = span_of(&p[i], &p[i + 1]);
     }
     t->span[t->spans++] = beyond(&p[last], p[last].value, INFINITY);
-    return ST_OK;
+    reach_out(t);
+    return make_columns(t, m);
 }
 
 void transfer_release(transfer *t, mem *m) {
+    mem_free(m, t->columns);
     mem_free(m, t->span);
     *t = (transfer){0};
 }
@@ -67,10 +117,6 @@ int transfer_find(const transfer *t, double value) {
             hi = middle;
     }
     return lo;
-}
-
-static bool matters(const transfer_span *s) {
-    return s->k[0] > 0.0 || s->k[1] > 0.0;
 }
 
 /* Two neighbours become one. */
@@ -96,15 +142,15 @@ int transfer_interest(const transfer *t, interest_interval of[], int max) {
     for (int i = 0; i < t->spans; i++) {
         const transfer_span *s = &t->span[i];
         const bool hi_open = s->to < INFINITY;
-        if (matters(s) && goes_on) {
+        if (!transfer_is_empty(s) && goes_on) {
             of[count - 1].hi = s->to;
             of[count - 1].hi_open = hi_open;
-        } else if (matters(s)) {
+        } else if (!transfer_is_empty(s)) {
             if (count == max)
                 count = take_in_gap(of, count, narrowest_gap(of, count));
             of[count++] = (interest_interval){s->from, s->to, !(s->k[0] > 0.0), hi_open};
         }
-        goes_on = matters(s);
+        goes_on = !transfer_is_empty(s);
     }
     return count;
 }

@@ -8,7 +8,7 @@
 _Static_assert(FLT_EVAL_METHOD == 0, "doubles must be evaluated as doubles");
 
 /* Adding and taking away 1.5 * 2^52 rounds a double below 2^51 to the nearest whole number. */
-static const double ROUNDER = 0x1.8p52;
+static const double ROUNDER = PORTABLE_ROUNDER;
 
 /* Taylor series about 0 for |a| <= pi / 4; the first terms left out are below 2^-57 of the result.
  */
@@ -70,22 +70,13 @@ double portable_exp(double x) {
     assert(x <= 700);
     if (x < -700)
         return 0;
-    /* x = n ln 2 + r; ln 2 in two parts, so that n times the first is exact. */
-    double rounded = x * 1.4426950408889634 + ROUNDER;
-    double n = rounded - ROUNDER;
-    double r = (x - n * 0x1.62e42fefap-1) - n * 0x1.cf79abc9e3b3ap-40;
-    double p = 1.0 / 6227020800.0;
-    p = p * r + 1.0 / 479001600.0;
-    p = p * r + 1.0 / 39916800.0;
-    p = p * r + 1.0 / 3628800.0;
-    p = p * r + 1.0 / 362880.0;
-    p = p * r + 1.0 / 40320.0;
-    p = p * r + 1.0 / 5040.0;
-    p = p * r + 1.0 / 720.0;
-    p = p * r + 1.0 / 120.0;
-    p = p * r + 1.0 / 24.0;
-    p = p * r + 1.0 / 6.0;
-    p = p * r + 0.5;
+    static const double series[] = PORTABLE_EXP_SERIES;
+    double rounded = x * PORTABLE_LOG2_E + PORTABLE_ROUNDER;
+    double n = rounded - PORTABLE_ROUNDER;
+    double r = (x - n * PORTABLE_LN2_HIGH) - n * PORTABLE_LN2_LOW;
+    double p = series[0];
+    for (size_t i = 1; i < sizeof series / sizeof *series; i++)
+        p = p * r + series[i];
     double value = 1 + (r + r * r * p);
     uint64_t bits = (uint64_t)((int64_t)n + 1023) << 52;
     double scale;

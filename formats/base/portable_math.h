@@ -17,4 +17,16 @@ double portable_cos(double t);
 /* portable_exp() - e^x for x <= 700; 0 below -700. */
 double portable_exp(double x);
 
+/* What portable_exp() is made of, for vectors: x = n ln 2 + r; ln 2 in two parts, so that n times
+ * the first is exact; the series of (e^r - 1 - r) / r^2, its last term first. */
+#define PORTABLE_ROUNDER  0x1.8p52
+#define PORTABLE_LOG2_E   1.4426950408889634
+#define PORTABLE_LN2_HIGH 0x1.62e42fefap-1
+#define PORTABLE_LN2_LOW  0x1.cf79abc9e3b3ap-40
+#define PORTABLE_EXP_SERIES                                                                       \
+    {                                                                                             \
+        1.0 / 6227020800.0, 1.0 / 479001600.0, 1.0 / 39916800.0, 1.0 / 3628800.0, 1.0 / 362880.0, \
+            1.0 / 40320.0, 1.0 / 5040.0, 1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5     \
+    }
+
 #endif
