@@ -127,7 +127,7 @@ static void colour_of(const projection_look *look, double value, double rgb[3]) 
         return;
     }
     const transfer_span *s = &look->colour->span[transfer_find(look->colour, value)];
-    const double w = (value - s->base) / s->width;
+    const double w = (value - s->base) * s->inverse;
     for (int c = 0; c < 3; c++)
         rgb[c] = (1.0 - w) * s->rgb[0][c] + w * s->rgb[1][c];
 }
