@@ -119,6 +119,8 @@ status arguments_check_scene(const leafcast_scene *s) {
         st = one_of("leafcast_scene.lod", (long long)s->lod, LEAFCAST_LOD_PIXEL);
     if (st == ST_OK)
         st = one_of("leafcast_scene.project", (long long)s->project, LEAFCAST_PROJECT_FIRST);
+    if (st == ST_OK && s->project == LEAFCAST_PROJECT_FIRST && !isfinite(s->project_value))
+        st = status_describe(ST_USAGE, "leafcast_scene.project_value is not a finite number");
     if (st == ST_OK)
         st = check_media(s);
     if (st == ST_OK && !samples_valid(s->samples))

@@ -9,6 +9,7 @@
 #ifndef RENDER_INTEGRATOR_H
 #define RENDER_INTEGRATOR_H
 
+#include "render/extremes.h"
 #include "render/frame.h"
 #include "render/ray_bundle.h"
 #include "render/segment_batch.h"
@@ -23,13 +24,15 @@ typedef struct ray_record {
     uint16_t leg;     /* on this leg of its way; treelets for lower ones come first */
 } ray_record;
 
-/* What is on a way through a volume: the next hit, which tracer_next() is to find, or all pieces
- * (segments_next()). */
+/* What is on a way through a volume: the next hit, which tracer_next() is to find, all pieces
+ * (segments_next()), or the greatest value (extreme_next()). Of the three states one is asked for,
+ * and those before it are NULL. */
 typedef struct ray_question {
     const tracer *tracer;
-    trace_state *state;   /* of the record; NULL: pieces are asked for */
+    trace_state *state;   /* of the record */
     segments_state *walk; /* of the record: how far they have come, with room for */
     segment *kept;        /* SEGMENTS_KEPT pieces ahead while the record waits */
+    extreme_state *extreme;
     ray ray;
 } ray_question;
 
@@ -41,8 +44,8 @@ typedef struct integrator {
     /* Go on to the next question, or until the pixel is written (false). Until it is answered the
      * question stays the same. */
     bool (*ask)(const frame *f, ray_record *r, ray_question *q, ray_counters *counters);
-    /* Its state has been answered: TRACE_HIT or TRACE_MISS; the latter where pieces were asked for,
-     * of which there are no more, or none are wanted. */
+    /* Its state has been answered: TRACE_HIT or TRACE_MISS; the latter where there are no more
+     * pieces, or none are wanted, and where the greatest value is certain. */
     void (*answer)(const frame *f, ray_record *r, trace_result result);
     /* The next pieces of several rays, those of each in order: of ray i, r[i]; stop[i] = true where
      * no more are wanted. scratch: so many bytes, 64-byte aligned, whatever is in them. The row may

@@ -7,6 +7,7 @@
 #ifndef RENDER_KIND_H
 #define RENDER_KIND_H
 
+#include "render/extremes.h"
 #include "render/frame.h"
 #include "render/kernels.h"
 #include "render/leafcast_volume.h"
@@ -75,6 +76,17 @@ typedef struct kind {
     segment_batch_fn (*segment_batch)(const kernels *k);
     /* segments_error_of(). */
     segments_error (*segments_error)(const tracer *tr, const ray *r, const double range[2]);
+
+    /* Greatest and least values, which extreme_next() is made of; both or neither. All treelets on
+     * the ray's way that it does not skip, by the directory alone, in any order. What there is in
+     * one of them: extreme_offer(). */
+    void (*extreme_ways)(const tracer *tr, const ray *r, extreme_ways *ways,
+                         ray_counters *counters);
+    void (*extreme)(const tracer *tr, const treelet *at, const ray *r, const extreme_way *way,
+                    extreme_state *s, ray_counters *counters);
+    /* The same in some cells about t, whatever is in the others; NULL: none. */
+    void (*extreme_near)(const tracer *tr, const treelet *at, const ray *r, double t,
+                         extreme_state *s, ray_counters *counters);
 
     /* ---- A cell ---- */
 

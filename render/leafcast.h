@@ -212,13 +212,17 @@ typedef struct leafcast_medium {
     int count; /* 0: nothing; else at most LEAFCAST_TRANSFER_POINTS_MAX */
 } leafcast_medium;
 
-/* What else may be made of the values on a ray. */
+/* What else may be made of the values on a ray: of the cells' own interpolant, inside what is
+ * clipped, as exact as rounding allows. Cells with NaN or inf among their samples give nothing. Of
+ * several volumes: of all values together. */
 typedef enum leafcast_project {
     LEAFCAST_PROJECT_NONE = 0,
-    LEAFCAST_PROJECT_MAX,
+    LEAFCAST_PROJECT_MAX, /* image.z: where it is; of several places the first */
     LEAFCAST_PROJECT_MIN,
-    LEAFCAST_PROJECT_MEAN, /* over the length of the ray's way through cells with data */
-    LEAFCAST_PROJECT_FIRST /* the first that reaches project_value */
+    LEAFCAST_PROJECT_MEAN, /* over the length of the ray's way through cells with data; image.z:
+                              +inf */
+    LEAFCAST_PROJECT_FIRST /* the first that reaches project_value: that, or more where data begins
+                              with more; image.z: where it is */
 } leafcast_project;
 
 /* A volume of a scene, and what it shows of it. */
@@ -273,9 +277,10 @@ typedef struct leafcast_scene {
      * space: in [1e-9, 1]; 0: half a step of 8 bits, 1/510. image.error says how far it is at most.
      */
     double error;
-    /* Instead of surfaces and media; coloured by the colours of the first medium. */
+    /* Instead of surfaces and media. Coloured by the colours of the first medium, whatever its
+     * extinction; without, grey from the least to the greatest value of the volumes' fields. */
     leafcast_project project;
-    double project_value; /* of LEAFCAST_PROJECT_FIRST */
+    double project_value; /* of LEAFCAST_PROJECT_FIRST: finite */
 } leafcast_scene;
 
 /* leafcast_init_scene(), leafcast_scene_default() - a headlight, diffuse, nothing clipped, exact,
@@ -361,7 +366,8 @@ LEAFCAST_API leafcast_status leafcast_fit_view(const leafcast *volume, uint32_t 
 typedef struct leafcast_image {
     size_t size;
     float *r, *g, *b, *a;
-    double *z;        /* of the nearest surface: distance along the unit ray, +inf on a miss */
+    double *z;        /* of the nearest surface, or as leafcast_project says: distance along the
+                         unit ray, +inf on a miss */
     float *normal[3]; /* unit, towards lower values; 0 on a miss */
     int32_t *id;      /* index of the nearest surface, -1 on a miss; surfaces of the volumes of a
                          scene are numbered through */

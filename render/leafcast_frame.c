@@ -1,6 +1,7 @@
 #include "render/leafcast.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "formats/base/clock.h"
 #include "formats/leaf/leaf_histogram.h"
@@ -9,12 +10,14 @@
 #include "render/leafcast_turn.h"
 #include "render/medium_integrator.h"
 #include "render/picture_bytes.h"
+#include "render/projection_integrator.h"
 #include "render/samples.h"
 #include "render/surface_integrator.h"
 
 struct leafcast_frame {
     turn t;           /* t.f.image: all planes, those made here among them */
     medium_look look; /* of surfaces, too */
+    projection_look projected;
     transfer media[LEAFCAST_VOLUMES_MAX];
     double ranges[LEAFCAST_VOLUMES_MAX][2];
     leafcast_image own; /* planes that are made here */
@@ -103,6 +106,40 @@ static status fill(leafcast_frame *fr) {
     return st;
 }
 
+/* What rays of a projection need of a volume, and which values it has. */
+static status project_volume(leafcast_frame *fr, int i) {
+    leafcast_shown *s = &fr->t.shown[i];
+    const leafcast_scene *scene = &fr->t.scene;
+    const interest_interval above = {.lo = scene->project_value, .hi = (double)INFINITY};
+    const uint32_t set = leaf_layout_set(&s->volume->file->layout, s->field, s->step);
+    double range[2];
+    if (!s->volume->kind->segments || !s->volume->kind->extreme)
+        return status_describe(ST_USAGE, "%s cannot be projected", s->volume->kind->name);
+    s->count = 0;
+    fr->t.beside[i] = scene->project == LEAFCAST_PROJECT_FIRST ? interest_of_intervals(&above, 1)
+                                                               : interest_of_all();
+    leaf_histogram_range(s->volume->file, set, range);
+    fr->projected.range[0] = fmin(fr->projected.range[0], range[0]);
+    fr->projected.range[1] = fmax(fr->projected.range[1], range[1]);
+    return ST_OK;
+}
+
+static status project_scene(leafcast_frame *fr) {
+    const leafcast_scene *scene = &fr->t.scene;
+    const bool coloured = scene->media_count > 0 && scene->media[0].count > 0;
+    status st = coloured ? transfer_init(&fr->media[0], fr->t.f.m, &scene->media[0]) : ST_OK;
+    fr->projected = (projection_look){.project = scene->project,
+                                      .value = scene->project_value,
+                                      .colour = coloured ? &fr->media[0] : NULL,
+                                      .range = {(double)INFINITY, -(double)INFINITY}};
+    memcpy(fr->projected.background, scene->background, sizeof scene->background);
+    fr->t.f.integrator = &projection_integrator;
+    fr->t.f.look = &fr->projected;
+    for (int i = 0; i < fr->t.volumes && st == ST_OK; i++)
+        st = project_volume(fr, i);
+    return st;
+}
+
 /* All that needs no treelets. */
 static status describe(leafcast_frame *fr, leafcast *v, const leafcast_scene *scene,
                        const leafcast_camera *from, const leafcast_image *image) {
@@ -117,7 +154,9 @@ static status describe(leafcast_frame *fr, leafcast *v, const leafcast_scene *sc
         fr->t.first_id, fr->t.coarse};
     f->integrator = &surface_integrator;
     f->look = &fr->look;
-    if (scene->media_count > 0)
+    if (scene->project != LEAFCAST_PROJECT_NONE)
+        st = project_scene(fr);
+    else if (scene->media_count > 0)
         st = fill(fr);
     f->cancel = &fr->cancelled;
     camera_window(&f->camera, image->x, image->y);

@@ -110,6 +110,7 @@ status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const came
     *tr = (tracer){.kind = v->kind,
                    .treelets = v->treelets,
                    .layout = &v->file->layout,
+                   .set = v->set,
                    .isos = {v->isovalue_count, v->isovalues},
                    .space = v->space,
                    .preview = scene->preview,

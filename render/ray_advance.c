@@ -38,7 +38,9 @@ static void go_on(const frame *f, ray_company *c, unsigned i, trace_result resul
     if (c->blocked[i]) {
         c->asks[i] = false;
         const ray_question *q = &c->question[i];
-        r->blocked = q->state ? q->state->blocked : q->walk->blocked;
+        r->blocked = q->state  ? q->state->blocked
+                     : q->walk ? q->walk->blocked
+                               : q->extreme->blocked;
         return;
     }
     f->integrator->answer(f, r, result);
@@ -64,7 +66,7 @@ static void gather_walkers(ray_company *c, unsigned first, segment_batch *b, wal
     b->count = 0;
     for (unsigned i = first; i < c->count; i++) {
         const ray_question *q = &c->question[i];
-        if (!c->asks[i] || q->state || q->tracer != tr || turn_of(c->record[i]) != turn)
+        if (!c->asks[i] || q->state || !q->walk || q->tracer != tr || turn_of(c->record[i]) != turn)
             continue;
         b->rays[b->count] = q->ray;
         b->state[b->count] = q->walk;
@@ -99,16 +101,32 @@ static void answer_together(const frame *f, ray_company *c, unsigned first, ray_
     }
 }
 
+/* The others whose turn it is: the greatest values on their ways. */
+static void climb_one_by_one(const frame *f, ray_company *c, unsigned first,
+                             ray_counters *counters) {
+    const uint32_t turn = turn_of(c->record[first]);
+    for (unsigned i = first; i < c->count; i++) {
+        const ray_question *q = &c->question[i];
+        if (!c->asks[i] || q->state || q->walk || turn_of(c->record[i]) != turn)
+            continue;
+        const extreme_state *near = i > 0 ? q[-1].extreme : NULL;
+        go_on(f, c, i, extreme_next(q->tracer, &q->ray, near, q->extreme, counters), counters);
+    }
+}
+
 void ray_advance(const frame *f, ray_company *c, ray_batch *b, segment_batch *pieces, void *scratch,
                  ray_counters *counters) {
     for (unsigned i = 0; i < c->count; i++) {
         c->blocked[i] = false;
+        c->question[i].extreme = NULL;
         c->asks[i] = f->integrator->ask(f, c->record[i], &c->question[i], counters);
     }
     for (unsigned first = next_of(c); first < c->count; first = next_of(c)) {
         if (c->question[first].state)
             answer_together(f, c, first, b, scratch, counters);
-        else
+        else if (c->question[first].walk)
             walk_together(f, c, first, pieces, scratch, counters);
+        else
+            climb_one_by_one(f, c, first, counters);
     }
 }

@@ -24,6 +24,7 @@ typedef struct tracer {
     const void *own; /* the kind's part */
     loader *treelets;
     const leaf_layout *layout;
+    uint32_t set; /* of values, that is drawn */
     isovalue_list isos;
     affine space;
     double box[2][3];      /* of the volume, grid space */

@@ -244,7 +244,7 @@ static status check_outputs(slice_run *o) {
     if (st == ST_OK && o->common.output)
         st = image_out_check(&o->out_options, o->common.output);
     if (st == ST_OK && o->values)
-        st = image_out_check_depth(&o->out_options, o->values);
+        st = image_out_check_raw(&o->out_options, o->values);
     if (st == ST_OK && o->stats_path)
         st = out_file_check(&o->m, o->stats_path, o->common.force);
     return st;
@@ -303,7 +303,7 @@ static bool report(void *ctx, double done) {
 }
 
 static status write_values(slice_run *o, image_target *to) {
-    const leafcast_image values = {.size = sizeof values, .z = o->value};
+    const leafcast_image values = {.size = sizeof values, .value = o->value};
     const picture p = {
         .width = o->place.slice.width, .height = o->place.slice.height, .image = &values};
     return image_out_finish(to, &p);
@@ -352,7 +352,7 @@ static status open_targets(slice_run *o, targets *to) {
     if (st == ST_OK && o->common.output)
         st = image_out_begin(o->out, o->common.output, &to->picture);
     if (st == ST_OK && o->values)
-        st = image_out_begin_depth(o->out, o->values, &to->values);
+        st = image_out_begin_raw(o->out, o->values, IMAGE_VALUE, &to->values);
     return st;
 }
 

@@ -6,6 +6,7 @@
 
 #include "formats/base/box3.h"
 #include "render/grid/grid_batch.h"
+#include "render/grid/grid_extreme.h"
 #include "render/grid/grid_projection.h"
 #include "render/grid/grid_segments.h"
 #include "render/grid/grid_tile.h"
@@ -454,6 +455,9 @@ const kind grid_kind = {.name = "grid",
                         .segments = grid_segments,
                         .segment_batch = grid_segment_batch,
                         .segments_error = grid_segments_error,
+                        .extreme_ways = grid_extreme_ways,
+                        .extreme = grid_extreme,
+                        .extreme_near = grid_extreme_near,
                         .cell_of_hit = grid_cell_of_hit,
                         .cell_of_segment = grid_cell_of_segment,
                         .treelet_at = grid_treelet_at,

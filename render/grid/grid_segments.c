@@ -1,5 +1,6 @@
 #include "render/grid/grid_segments.h"
 
+#include "render/grid/block_passage.h"
 #include "render/grid/grid_way.h"
 
 /* A node of a treelet still to be visited, as in walk.c. */
@@ -68,6 +69,23 @@ static int push_children(const collector *c, const pending *node, unsigned octan
     return top;
 }
 
+/* The pieces in a block. False: there was no room for all of them. */
+static bool walk_block(const collector *c, const pending *block) {
+    block_passage p =
+        block_passage_begin(&c->scene->levels[c->at->level], c->r, block->cell,
+                            c->at->masks->cells[block->morton], block->t_in, block->t_out);
+    uint32_t in_block[3], cell[3];
+    double from;
+    c->counters->nodes++;
+    while (block_passage_next(&p, in_block, &from)) {
+        for (int a = 0; a < 3; a++)
+            cell[a] = block->cell[a] + in_block[a];
+        if (!take_cell(c, cell))
+            return false;
+    }
+    return true;
+}
+
 /* The pieces in a treelet, front to back. False: there was no room for all of them. */
 static bool walk_pieces(const collector *c, const grid_passage *node) {
     unsigned octants = node->octants ? node->octants : 255u;
@@ -80,9 +98,9 @@ static bool walk_pieces(const collector *c, const grid_passage *node) {
                              c->at->shape.node_levels + LEAF_BLOCK_LOG2};
     while (top > 0) {
         const pending p = stack[--top];
-        if (p.size > 0)
+        if (p.size > LEAF_BLOCK_LOG2)
             top = push_children(c, &p, octants, stack, top);
-        else if (!take_cell(c, p.cell))
+        else if (!walk_block(c, &p))
             return false;
         octants = 255u;
     }

@@ -11,6 +11,7 @@
 #include "render/leafcast_scene.h"
 #include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_batch.h"
+#include "render/mesh/mesh_extreme.h"
 #include "render/mesh/mesh_projection.h"
 #include "render/mesh/mesh_segments.h"
 #include "render/mesh/mesh_tile.h"
@@ -328,6 +329,8 @@ const kind mesh_kind = {.name = "mesh",
                         .batch = mesh_batch,
                         .segments = mesh_segments,
                         .segments_error = mesh_segments_error,
+                        .extreme_ways = mesh_extreme_ways,
+                        .extreme = mesh_extreme,
                         .cell_of_hit = mesh_cell_of_hit,
                         .cell_of_segment = mesh_cell_of_segment,
                         .treelet_at = mesh_treelet_at,

@@ -2,7 +2,6 @@
 
 #include "render/mesh/mesh_passage.h"
 #include "render/mesh/mesh_tracer.h"
-#include "render/mesh/tet_segment.h"
 
 static segment_key key_of(const segment *s) {
     return (segment_key){s->t0, s->cell};
@@ -63,14 +62,19 @@ static void cut(const tet_piece *p, const ray *r, segment *s) {
     }
 }
 
+bool mesh_piece(const tet *x, const ray *r, segment *s) {
+    tet_piece p;
+    if (!tet_segment(x, r, &p) || !(p.t[0] < p.t[1]))
+        return false;
+    s->degree = 1;
+    cut(&p, r, s);
+    return s->t0 < s->t1;
+}
+
 static void visit_tet(void *ctx, const resident_mesh *at, uint32_t local, const tet *x) {
     const collector *c = ctx;
-    segment s = {.cell = at->first_tet + local, .treelet = at->head.id, .degree = 1};
-    tet_piece p;
-    if (!tet_segment(x, c->r, &p) || !(p.t[0] < p.t[1]))
-        return;
-    cut(&p, c->r, &s);
-    if (s.t0 < s.t1)
+    segment s = {.cell = at->first_tet + local, .treelet = at->head.id};
+    if (mesh_piece(x, c->r, &s))
         hold(c->state, &s);
 }
 
@@ -85,6 +89,7 @@ static segments_result go_on(const tracer *tr, const ray *r, segments_state *sta
     mesh_passages s;
     bool resuming = state->blocked != LEAF_NO_TREELET;
     mesh_passage at = {state->t_from, resuming ? state->blocked : state->entered};
+    const mesh_walk_visitor visitor = {.visit = visit_tet, .ctx = &c};
     mesh_passages_begin(&s, mesh_rays_of(tr)->tree, r, &after, counters);
     for (;; resuming = false) {
         if (!resuming) {
@@ -103,7 +108,7 @@ static segments_result go_on(const tracer *tr, const ray *r, segments_state *sta
         state->t_from = at.t_in;
         state->entered = at.t;
         if (here)
-            mesh_walk_each(here, r, &after, state->limit.t0, visit_tet, &c, counters);
+            mesh_walk_each(here, r, &after, state->limit.t0, &visitor, counters);
     }
 }
 

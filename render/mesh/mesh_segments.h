@@ -13,11 +13,16 @@
 #ifndef RENDER_MESH_MESH_SEGMENTS_H
 #define RENDER_MESH_MESH_SEGMENTS_H
 
+#include "render/mesh/tet_segment.h"
 #include "render/segments.h"
 
 /* mesh_segments() - the row's `segments`. tr->own: a mesh_rays. */
 segments_result mesh_segments(const tracer *tr, const ray *r, segments_state *state,
                               ray_counters *counters);
+
+/* mesh_piece() - a tet's piece within the ray's [t0, t1]: all but where it is from. False: it has
+ * no length. */
+bool mesh_piece(const tet *x, const ray *r, segment *s);
 
 /* mesh_segments_error() - the row's `segments_error`: the above; no face spans more of t than the
  * ray's way through the box, nor more values than there are. */

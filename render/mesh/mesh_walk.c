@@ -1,5 +1,6 @@
 #include "render/mesh/mesh_walk.h"
 
+#include <limits.h>
 #include <string.h>
 
 #include "formats/base/exact.h"
@@ -202,13 +203,13 @@ static unsigned meet_children(const code_slabs *s, const mesh_node *n, double ne
     return met;
 }
 
-/* Push a node's children that the ray meets before `nearest`, the first of them last. */
+/* Push those of a node's children that the ray meets before `nearest`, the first of them last. */
 static int push_children(const code_slabs *s, const resident_mesh *tr, uint32_t node,
-                         double nearest, pending stack[], int top) {
+                         unsigned chosen, double nearest, pending stack[], int top) {
     const mesh_node *n = &tr->nodes[node];
     const int bottom = top;
     double t_in[MESH_CHILDREN];
-    unsigned left = meet_children(s, n, nearest, t_in) & tr->active->children[node];
+    unsigned left = meet_children(s, n, nearest, t_in) & tr->active->children[node] & chosen;
     for (; left; left &= left - 1) {
         const unsigned c = (unsigned)__builtin_ctz(left);
         int at = top++;
@@ -247,7 +248,7 @@ bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r,
             continue;
         if (!(p.child & MESH_LEAF)) {
             counters->nodes++;
-            top = push_children(&slabs, tr, p.child, state->best.t, stack, top);
+            top = push_children(&slabs, tr, p.child, UINT_MAX, state->best.t, stack, top);
             continue;
         }
         const uint32_t leaf = p.child & ~(uint32_t)MESH_LEAF;
@@ -259,7 +260,7 @@ bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r,
 /* ---- All tets ---- */
 
 void mesh_walk_each(const resident_mesh *tr, const ray *r, const hit *after, double nearest,
-                    mesh_walk_visit *visit, void *ctx, ray_counters *counters) {
+                    const mesh_walk_visitor *v, ray_counters *counters) {
     const code_slabs slabs = code_slabs_of(tr, r, after);
     const mesh_slabs line = mesh_slabs_of(r);
     const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->head.payload);
@@ -270,7 +271,8 @@ void mesh_walk_each(const resident_mesh *tr, const ray *r, const hit *after, dou
         const pending p = stack[--top];
         if (!(p.child & MESH_LEAF)) {
             counters->nodes++;
-            top = push_children(&slabs, tr, p.child, nearest, stack, top);
+            const unsigned chosen = v->choose ? v->choose(v->ctx, tr, p.child) : UINT_MAX;
+            top = push_children(&slabs, tr, p.child, chosen, nearest, stack, top);
             continue;
         }
         const uint32_t leaf = p.child & ~(uint32_t)MESH_LEAF;
@@ -279,7 +281,7 @@ void mesh_walk_each(const resident_mesh *tr, const ray *r, const hit *after, dou
             if (!(tr->active->tets[i / 64] >> i % 64 & 1u) || !passes_box(&line, &x))
                 continue;
             counters->cells++;
-            visit(ctx, tr, i, &x);
+            v->visit(v->ctx, tr, i, &x);
         }
     }
 }

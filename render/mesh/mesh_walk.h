@@ -20,10 +20,15 @@ bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r,
                ray_counters *counters);
 
 /* mesh_walk_each() - visit() with every active tet of the treelet whose box the ray meets, as far
- * as it is not left before `after` or entered behind `nearest`; in no order. */
-typedef void mesh_walk_visit(void *ctx, const resident_mesh *tr, uint32_t local, const tet *x);
+ * as it is not left before `after` or entered behind `nearest`; in no order. Of a node only the
+ * children that choose() says, a bit each; NULL: all. */
+typedef struct mesh_walk_visitor {
+    void (*visit)(void *ctx, const resident_mesh *tr, uint32_t local, const tet *x);
+    unsigned (*choose)(void *ctx, const resident_mesh *tr, uint32_t node);
+    void *ctx;
+} mesh_walk_visitor;
 void mesh_walk_each(const resident_mesh *tr, const ray *r, const hit *after, double nearest,
-                    mesh_walk_visit *visit, void *ctx, ray_counters *counters);
+                    const mesh_walk_visitor *v, ray_counters *counters);
 
 /* mesh_walk_tet() - a tet of the treelet by its local number. */
 tet mesh_walk_tet(const resident_mesh *tr, uint32_t local);

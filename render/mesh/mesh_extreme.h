@@ -1,0 +1,15 @@
+/* mesh_extreme.h - the greatest or the least value on a ray through a mesh of tets (extremes.h):
+ * treelets by the directory's ranges, nodes by the codes of theirs, tets by their vertices.
+ */
+#ifndef RENDER_MESH_MESH_EXTREME_H
+#define RENDER_MESH_MESH_EXTREME_H
+
+#include "render/extremes.h"
+
+/* mesh_extreme_ways(), mesh_extreme() - the rows `extreme_ways` and `extreme`. tr->own: a
+ * mesh_rays. */
+void mesh_extreme_ways(const tracer *tr, const ray *r, extreme_ways *ways, ray_counters *counters);
+void mesh_extreme(const tracer *tr, const treelet *at, const ray *r, const extreme_way *way,
+                  extreme_state *s, ray_counters *counters);
+
+#endif
