@@ -209,7 +209,7 @@ static void test_check(void **state) {
     image_out *o = NULL;
     image_target *t = NULL;
     assert_int_equal(image_out_open(&budget, &plain, &o), ST_OK);
-    assert_int_equal(image_out_begin_depth(o, target, &t), ST_OK);
+    assert_int_equal(image_out_begin_raw(o, target, IMAGE_DEPTH, &t), ST_OK);
     assert_int_equal(image_out_finish(t, &(picture){.width = 3, .height = 2, .image = &IMAGE}),
                      ST_OK);
     image_out_close(o);

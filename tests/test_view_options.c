@@ -43,7 +43,7 @@ static status apply(script_frame *frame, const char *line) {
 }
 
 static script_frame start(void) {
-    script_frame frame = {.output = "", .depth = ""};
+    script_frame frame = {.file = {""}};
     view_options_init(&frame.view);
     return frame;
 }
@@ -72,8 +72,8 @@ static void test_script_says_all(void **state) {
     assert_true(v->scene.lod == LEAFCAST_LOD_LEVEL && v->scene.lod_level == 2);
     assert_true(v->scene.clip_plane_count == 1 && v->scene.clip_planes[0][3] == -5);
     assert_true(v->scene.background[3] == 1.0f);
-    assert_string_equal(f.output, "a.png");
-    assert_string_equal(f.depth, "a");
+    assert_string_equal(f.file[FRAME_PICTURE], "a.png");
+    assert_string_equal(f.file[FRAME_RAW + IMAGE_DEPTH], "a");
 }
 
 /* A key replaces what the command line said for its flag, and nothing else. */

@@ -2,6 +2,7 @@
 
 #include <assert.h>
 #include <float.h>
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -66,6 +67,37 @@ double portable_cos(double t) {
     return c;
 }
 
+/* The angle of (1, q), 0 <= q <= 1, in turns: that of the nearest eighth, and the rest by its
+ * series; the first term left out is below 2^-60. */
+static double angle_of_slope(double q) {
+    static const double EIGHTHS[9] = {0x0.0p+0,
+                                      0x1.4444750777668p-6,
+                                      0x1.3f670b6bdc73dp-5,
+                                      0x1.d3c3a482f3ab5p-5,
+                                      0x1.2e4051d9df308p-4,
+                                      0x1.6c266f6edfc1ep-4,
+                                      0x1.a37f5c4c419efp-4,
+                                      0x1.d49ab3ac8b1bbp-4,
+                                      0x1.0000000000000p-3};
+    const int k = (int)(8.0 * q + 0.5);
+    const double c = k / 8.0, r = (q - c) / (1.0 + q * c), z = r * r;
+    double p = -1.0 / 11.0;
+    p = p * z + 1.0 / 9.0;
+    p = p * z - 1.0 / 7.0;
+    p = p * z + 1.0 / 5.0;
+    p = p * z - 1.0 / 3.0;
+    return EIGHTHS[k] + (r + r * (z * p)) * 0.15915494309189535;
+}
+
+double portable_angle(double y, double x) {
+    const double across = fabs(x), up = fabs(y);
+    if (!(across > 0.0) && !(up > 0.0))
+        return 0.0;
+    double turns = up <= across ? angle_of_slope(up / across) : 0.25 - angle_of_slope(across / up);
+    turns = x < 0.0 ? 0.5 - turns : turns;
+    return y < 0.0 ? -turns : turns;
+}
+
 double portable_exp(double x) {
     assert(x <= 700);
     if (x < -700)
@@ -82,4 +114,22 @@ double portable_exp(double x) {
     double scale;
     memcpy(&scale, &bits, sizeof scale);
     return value * scale;
+}
+
+double portable_log(double x) {
+    int exponent;
+    assert(x > 0.0 && x <= DBL_MAX);
+    double m = frexp(x, &exponent);
+    if (m < 0.7071067811865476) {
+        m *= 2.0;
+        exponent--;
+    }
+    /* ln m = 2 artanh s, |s| <= 0.1716. */
+    const double s = (m - 1.0) / (m + 1.0), z = s * s;
+    double p = 0.0;
+    for (int k = 25; k >= 3; k -= 2)
+        p = p * z + 1.0 / k;
+    const double rest = 2.0 * s + 2.0 * s * (z * p), n = exponent;
+    /* ln 2 in two parts, so that n times the first is exact. */
+    return n * 0x1.62e42fefap-1 + (rest + n * 0x1.cf79abc9e3b3ap-40);
 }

@@ -94,7 +94,7 @@ typedef struct plane {
     plane_kind kind;
 } plane;
 
-enum { PLANES = 9 };
+enum { PLANES = 11 };
 
 /* The planes that are there. */
 static int planes_of(const leafcast_image *image, plane out[PLANES]) {
@@ -103,7 +103,8 @@ static int planes_of(const leafcast_image *image, plane out[PLANES]) {
         {"B", image->b, PLANE_FLOAT},           {"A", image->a, PLANE_FLOAT},
         {"Z", image->z, PLANE_DOUBLE},          {"N.x", image->normal[0], PLANE_FLOAT},
         {"N.y", image->normal[1], PLANE_FLOAT}, {"N.z", image->normal[2], PLANE_FLOAT},
-        {"id", image->id, PLANE_INT},
+        {"id", image->id, PLANE_INT},           {"error", image->error, PLANE_DOUBLE},
+        {"value", image->value, PLANE_DOUBLE},
     };
     int n = 0;
     for (int i = 0; i < PLANES; i++)

@@ -20,10 +20,29 @@ typedef struct image_format {
     bool parallel;                                /* goes over the threads */
 } image_format;
 
+static status put_doubles(const picture *p, const byte_sink *to, const double *plane,
+                          size_t values) {
+    return to->put(to->ctx, plane, (size_t)p->width * p->height * values * sizeof *plane);
+}
+
 static status write_depth(mem *m, pool *threads, const picture *p, const byte_sink *to) {
-    (void)m;
-    (void)threads;
-    return to->put(to->ctx, p->image->z, (size_t)p->width * p->height * sizeof *p->image->z);
+    (void)m, (void)threads;
+    return put_doubles(p, to, p->image->z, 1);
+}
+
+static status write_rgba(mem *m, pool *threads, const picture *p, const byte_sink *to) {
+    (void)m, (void)threads;
+    return put_doubles(p, to, p->image->rgba, 4);
+}
+
+static status write_error(mem *m, pool *threads, const picture *p, const byte_sink *to) {
+    (void)m, (void)threads;
+    return put_doubles(p, to, p->image->error, 1);
+}
+
+static status write_value(mem *m, pool *threads, const picture *p, const byte_sink *to) {
+    (void)m, (void)threads;
+    return put_doubles(p, to, p->image->value, 1);
 }
 
 static const image_format FORMATS[] = {
@@ -31,7 +50,11 @@ static const image_format FORMATS[] = {
     {.name = "ppm", .write = picture_ppm_write},
     {.name = "pfm", .write = picture_pfm_write},
     {.name = "exr", .all = true}};
-static const image_format DEPTH = {.name = "f64", .write = write_depth};
+static const image_format RAWS[IMAGE_RAWS] = {
+    [IMAGE_DEPTH] = {.name = "f64", .write = write_depth},
+    [IMAGE_RGBA] = {.name = "f64", .write = write_rgba},
+    [IMAGE_ERROR] = {.name = "f64", .write = write_error},
+    [IMAGE_VALUE] = {.name = "f64", .write = write_value}};
 enum { FORMAT_COUNT = sizeof FORMATS / sizeof *FORMATS };
 
 struct image_out {
@@ -80,7 +103,7 @@ size_t image_out_bytes(const image_out_options *options, const char *path, uint3
 
 /* ---- Before anything is opened ---- */
 
-status image_out_check_depth(const image_out_options *options, const char *path) {
+status image_out_check_raw(const image_out_options *options, const char *path) {
     struct stat info;
     if (is_stdout(path) && isatty(STDOUT_FILENO))
         return status_describe(ST_USAGE, "standard output is a terminal, which shows no bytes: "
@@ -98,7 +121,7 @@ status image_out_check(const image_out_options *options, const char *path) {
     if (!f)
         return status_describe(ST_USAGE,
                                "%s: the name of a picture ends in .png, .ppm, .pfm or .exr", path);
-    status st = image_out_check_depth(options, path);
+    status st = image_out_check_raw(options, path);
     return st == ST_OK && !f->write ? image_helper_check() : st;
 }
 
@@ -135,9 +158,9 @@ status image_out_begin(image_out *o, const char *path, image_target **out) {
     return st == ST_OK ? begin(o, path, format_of(&o->options, path), out) : st;
 }
 
-status image_out_begin_depth(image_out *o, const char *path, image_target **out) {
-    status st = image_out_check_depth(&o->options, path);
-    return st == ST_OK ? begin(o, path, &DEPTH, out) : st;
+status image_out_begin_raw(image_out *o, const char *path, image_raw which, image_target **out) {
+    status st = image_out_check_raw(&o->options, path);
+    return st == ST_OK ? begin(o, path, &RAWS[which], out) : st;
 }
 
 void image_out_discard(image_target *t) {

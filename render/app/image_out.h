@@ -1,9 +1,10 @@
-/* image_out.h - pictures and depth planes to files and to standard output.
+/* image_out.h - pictures and raw planes to files and to standard output.
  *
  * A picture's format is told by its name's end, in letters of any case, or by image_out_options.
  * PNG, PPM and PFM are written here; EXR by a helper process (image_helper.h), which is started
  * with the first picture that needs it and lives as long as the image_out. EXR gets the channels
- * R G B A Z N.x N.y N.z id, colours linear and premultiplied, as far as there are planes.
+ * R G B A Z N.x N.y N.z id error value, colours linear and premultiplied, as far as there are
+ * planes.
  *
  * A target is opened before its picture is drawn. Files appear under their name only when complete.
  * The name "-" is standard output, where pictures follow one another.
@@ -36,10 +37,10 @@ void image_out_close(image_out *o);
 
 /* image_out_check() - what would make image_out_begin() fail can be told before anything is opened:
  * a name of no picture (ST_USAGE), a file that is there already (ST_EXISTS, unless force), no
- * helper (ST_UNSUPPORTED), a terminal (ST_USAGE). image_out_check_depth(): the same of a depth
- * file. */
+ * helper (ST_UNSUPPORTED), a terminal (ST_USAGE). image_out_check_raw(): the same of a raw plane.
+ */
 CHECKED status image_out_check(const image_out_options *options, const char *path);
-CHECKED status image_out_check_depth(const image_out_options *options, const char *path);
+CHECKED status image_out_check_raw(const image_out_options *options, const char *path);
 
 /* image_out_wants_all() - whether this picture takes more than r, g, b and a. */
 bool image_out_wants_all(const image_out_options *options, const char *path);
@@ -49,10 +50,14 @@ size_t image_out_bytes(const image_out_options *options, const char *path, uint3
 
 typedef struct image_target image_target;
 
-/* image_out_begin() - open the file, start the helper if it is needed. image_out_begin_depth() - of
- * a depth file: doubles, little endian, row by row, nothing else. */
+/* Planes that may be written as they are: image.z, rgba (four values a pixel), error, value. */
+typedef enum image_raw { IMAGE_DEPTH, IMAGE_RGBA, IMAGE_ERROR, IMAGE_VALUE, IMAGE_RAWS } image_raw;
+
+/* image_out_begin() - open the file, start the helper if it is needed. image_out_begin_raw() - of a
+ * raw plane: doubles, little endian, row by row, nothing else. */
 CHECKED status image_out_begin(image_out *o, const char *path, image_target **out);
-CHECKED status image_out_begin_depth(image_out *o, const char *path, image_target **out);
+CHECKED status image_out_begin_raw(image_out *o, const char *path, image_raw which,
+                                   image_target **out);
 
 /* image_out_finish() - write the picture and give the file its name. Consumes the target in any
  * case. image_out_discard() - leave nothing; NULL is fine. */

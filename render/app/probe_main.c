@@ -452,7 +452,7 @@ static void print_answer(const probe_options *o, json_t *answer) {
 int main(int argc, char **argv) {
     static probe_options o = {.common = {.verb = "probe", .without = "output threads"}, .hits = 20};
     struct argp_option options[VIEW_OPTIONS_ROOM];
-    view_options_join(options, OPTIONS, "iso size eye look-at");
+    view_options_join(options, OPTIONS, false, "iso size eye look-at");
     const cli_verb verb = {
         .options = options,
         .set_option = set_option,

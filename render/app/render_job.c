@@ -4,7 +4,11 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "formats/base/file.h"
 #include "formats/base/num.h"
+#include "formats/base/printed_file.h"
+#include "render/app/legend.h"
+#include "render/app/transfer_file.h"
 
 enum { META_TEXT_MAX = 1024 };
 
@@ -29,6 +33,8 @@ static status open_volumes(render_job *job, const char *path, const leafcast_opt
 
 status render_job_open(render_job *job, const char *path, const leafcast_options *options) {
     mem_init(&job->m, 0);
+    for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
+        job->transfer[i].m = &job->m;
     job->source = path;
     status st = open_volumes(job, path, options);
     if (st == ST_OK)
@@ -40,8 +46,8 @@ status render_job_open(render_job *job, const char *path, const leafcast_options
 
 static void release_planes(render_job *job) {
     leafcast_image *i = &job->image;
-    void *const planes[] = {i->r,         i->g,         i->b,         i->a, i->z,
-                            i->normal[0], i->normal[1], i->normal[2], i->id};
+    void *const planes[] = {i->r,         i->g,         i->b,  i->a,    i->z,     i->normal[0],
+                            i->normal[1], i->normal[2], i->id, i->rgba, i->error, i->value};
     for (size_t p = 0; p < sizeof planes / sizeof *planes; p++)
         mem_free(&job->m, planes[p]);
     *i = (leafcast_image){.size = sizeof(leafcast_image)};
@@ -49,6 +55,8 @@ static void release_planes(render_job *job) {
 
 void render_job_close(render_job *job) {
     release_planes(job);
+    for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
+        transfer_list_release(&job->transfer[i]);
     image_out_close(job->files);
     job->files = NULL;
     for (int i = 0; i < job->also_count; i++) {
@@ -61,13 +69,13 @@ void render_job_close(render_job *job) {
 
 /* ---- before anything is drawn ---- */
 
-/* Where no isovalue is given, one that is worth a look. Before the volume is open any will do, as
- * nothing is drawn then. */
+/* Where no isovalue is given, and no medium, one that is worth a look. Before the volume is open
+ * any will do, as nothing is drawn then. */
 static status choose_isovalue(const leafcast *volume, view_options *v, double *suggested,
                               int *count) {
     uint32_t field;
     *count = 0;
-    if (v->isos > 0)
+    if (v->isos > 0 || view_options_filled(v))
         return ST_OK;
     v->isos = 1;
     v->surfaces[0].isovalue = 0.0;
@@ -92,6 +100,7 @@ static status check_also(const render_job *job, const view_options *first) {
     status st = ST_OK;
     for (int i = 0; i < job->also_count && job->volume && st == ST_OK; i++) {
         view_options *v = &job->also[i].view;
+        v->scene.project = first->scene.project;
         st = choose_isovalue(job->also[i].volume, v, suggested, &count);
         v->painted = painted;
         if (st == ST_OK)
@@ -101,21 +110,69 @@ static status check_also(const render_job *job, const view_options *first) {
     return st;
 }
 
+/* What the picture shows of its other volumes. */
+static void note_others(const render_job *job, view_options *first) {
+    const bool projected = first->scene.project != LEAFCAST_PROJECT_NONE;
+    for (int i = 0; i < job->also_count; i++) {
+        const view_options *v = &job->also[i].view;
+        const bool filled = medium_options_given(&v->medium);
+        first->others_transparent |= view_options_transparent(v);
+        first->others_surfaces |= v->isos > 0 || (!filled && !projected);
+        first->others_filled |= filled;
+    }
+}
+
+static bool has_medium(const view_options *v) {
+    return v->scene.project == LEAFCAST_PROJECT_NONE &&
+           (v->others_filled || medium_options_given(&v->medium));
+}
+
+static bool is_filled(const view_options *v) {
+    return v->others_filled || view_options_filled(v);
+}
+
+/* Files of what the picture does not have. */
+static status check_planes(const script_frame *frame) {
+    const view_options *v = &frame->view;
+    if (frame->file[FRAME_RAW + IMAGE_ERROR][0] && !has_medium(v))
+        return status_describe(ST_USAGE, "--error-f64 is of media: --tf, --colour-map or "
+                                         "--opacity V:A");
+    if (frame->file[FRAME_RAW + IMAGE_VALUE][0] && v->scene.project == LEAFCAST_PROJECT_NONE)
+        return status_describe(ST_USAGE, "--value-f64 is of --project");
+    if (frame->file[FRAME_TF][0] && !is_filled(v))
+        return status_describe(ST_USAGE, "--write-tf is of media and projections: --tf, "
+                                         "--colour-map, --opacity V:A or --project");
+    return ST_OK;
+}
+
+static status check_files(const render_job *job, const script_frame *frame) {
+    status st = check_planes(frame);
+    mem m;
+    mem_init(&m, 0);
+    for (int i = 0; i < FRAME_FILES && st == ST_OK; i++) {
+        const char *path = frame->file[i];
+        if (!path[0])
+            continue;
+        if (i == FRAME_PICTURE)
+            st = image_out_check(&job->out, path);
+        else if (i == FRAME_TF)
+            st = out_file_check(&m, path, job->out.force);
+        else
+            st = image_out_check_raw(&job->out, path);
+    }
+    return st;
+}
+
 status render_job_check(const render_job *job, script_frame *frame) {
     status st = choose_isovalue(job->volume, &frame->view, frame->suggested, &frame->suggestions);
-    for (int i = 0; i < job->also_count; i++)
-        frame->view.others_transparent |= view_options_transparent(&job->also[i].view);
+    note_others(job, &frame->view);
     if (st == ST_OK)
         st = view_options_check(&frame->view);
     if (st == ST_OK)
         st = check_also(job, &frame->view);
     if (st == ST_OK && job->volume)
         st = view_options_check_volume(&frame->view, job->volume);
-    if (st == ST_OK && frame->output[0])
-        st = image_out_check(&job->out, frame->output);
-    if (st == ST_OK && frame->depth[0])
-        st = image_out_check_depth(&job->out, frame->depth);
-    return st;
+    return st == ST_OK ? check_files(job, frame) : st;
 }
 
 /* ---- drawing ---- */
@@ -125,18 +182,27 @@ static leafcast_image planes_wanted(const render_job *job, const script_frame *f
     static float any_float;
     static double any_double;
     static int32_t any_id;
-    const bool colour = frame->output[0] || !frame->depth[0];
-    const bool all = image_out_wants_all(&job->out, frame->output);
-    const bool opaque = frame->view.scene.background[3] >= 1.0f; /* then so is every pixel */
+    bool raws = false, raw[IMAGE_RAWS];
+    for (int i = 0; i < IMAGE_RAWS; i++)
+        raws |= raw[i] = frame->file[FRAME_RAW + i][0] != 0;
+    const view_options *v = &frame->view;
+    const bool colour = frame->file[FRAME_PICTURE][0] || !raws;
+    const bool all = image_out_wants_all(&job->out, frame->file[FRAME_PICTURE]);
+    const bool opaque = v->scene.background[3] >= 1.0f; /* then so is every pixel */
+    const bool projected = v->scene.project != LEAFCAST_PROJECT_NONE;
     float *const c = colour ? &any_float : NULL, *const n = all ? &any_float : NULL;
     return (leafcast_image){.size = sizeof(leafcast_image),
                             .r = c,
                             .g = c,
                             .b = c,
                             .a = all || !opaque ? c : NULL,
-                            .z = all || frame->depth[0] ? &any_double : NULL,
+                            .z = all || raw[IMAGE_DEPTH] ? &any_double : NULL,
                             .normal = {n, n, n},
-                            .id = all ? &any_id : NULL};
+                            .id = all ? &any_id : NULL,
+                            .rgba = raw[IMAGE_RGBA] ? &any_double : NULL,
+                            .error =
+                                raw[IMAGE_ERROR] || (all && has_medium(v)) ? &any_double : NULL,
+                            .value = raw[IMAGE_VALUE] || (all && projected) ? &any_double : NULL};
 }
 
 /* A plane as it is wanted now: the one that is there, a new one, or NULL. *failed when there is no
@@ -159,8 +225,9 @@ static status make_planes(render_job *job, const script_frame *frame, const leaf
     leafcast_image *i = &job->image;
     if (job->width != camera->width || job->height != camera->height)
         release_planes(job);
-    status st = render_status(leafcast_check_room(
-        job->volume, scene, camera, &w, image_out_bytes(&job->out, frame->output, camera->width)));
+    status st = render_status(
+        leafcast_check_room(job->volume, scene, camera, &w,
+                            image_out_bytes(&job->out, frame->file[FRAME_PICTURE], camera->width)));
     if (st != ST_OK)
         return st;
     job->width = camera->width;
@@ -174,6 +241,9 @@ static status make_planes(render_job *job, const script_frame *frame, const leaf
     for (int a = 0; a < 3; a++)
         i->normal[a] = plane(job, i->normal[a], w.normal[a], sizeof *i->normal[a], &failed);
     i->id = plane(job, i->id, w.id, sizeof *i->id, &failed);
+    i->rgba = plane(job, i->rgba, w.rgba, 4 * sizeof *i->rgba, &failed);
+    i->error = plane(job, i->error, w.error, sizeof *i->error, &failed);
+    i->value = plane(job, i->value, w.value, sizeof *i->value, &failed);
     return failed ? ST_NOMEM : ST_OK;
 }
 
@@ -189,9 +259,10 @@ static bool same_surfaces(const render_job *job, const view_options *view) {
     return true;
 }
 
-/* Sweep the directory, unless the last picture had the same surfaces. */
+/* Sweep the directory, unless the last picture had the same surfaces. A scene that lists its
+ * volumes needs none. */
 static status select_surfaces(render_job *job, const view_options *view) {
-    if (same_surfaces(job, view))
+    if (view->isos == 0 || same_surfaces(job, view))
         return ST_OK;
     job->selected_count = 0;
     status st = render_status(leafcast_select(job->volume, view->surfaces, view->isos));
@@ -229,23 +300,68 @@ static bool report(void *ctx, double done) {
     return !p->watch->stop || !p->watch->stop(p->watch->ctx);
 }
 
-/* The scene, with all volumes where there are several. */
+static const view_options *view_of(const render_job *job, const view_options *first, int volume) {
+    return volume == 0 ? first : &job->also[volume - 1].view;
+}
+
+static const leafcast *volume_of(const render_job *job, int volume) {
+    return volume == 0 ? job->volume : job->also[volume - 1].volume;
+}
+
+/* What a volume of the picture is filled with. */
+static status fill_volume(render_job *job, const view_options *first, int volume) {
+    const view_options *v = view_of(job, first, volume);
+    const bool projected = first->scene.project != LEAFCAST_PROJECT_NONE;
+    transfer_list *t = &job->transfer[volume];
+    transfer_list_release(t);
+    status st = ST_OK;
+    if (projected ? volume == 0 : medium_options_given(&v->medium))
+        st = medium_options_make(&v->medium, volume_of(job, volume), job->shown[volume].field,
+                                 v->step, projected, t);
+    job->media[volume] = (leafcast_medium){t->points, (int)t->count};
+    return st;
+}
+
+/* The scene, with all volumes where there are several or media. */
 static status describe_scene(render_job *job, const view_options *view, leafcast_scene *scene) {
-    uint32_t field;
+    const int volumes = job->also_count + 1;
+    const bool filled = is_filled(view);
+    status st = ST_OK;
     *scene = view_options_scene(view, &job->experiments);
-    if (job->also_count == 0)
+    if (volumes == 1 && !filled)
         return ST_OK;
-    status st = view_options_field(view, job->volume, &field);
-    job->shown[0] = (leafcast_shown){job->volume, field, view->step, view->surfaces, view->isos};
-    for (int i = 0; i < job->also_count && st == ST_OK; i++) {
-        const render_also *also = &job->also[i];
-        st = view_options_field(&also->view, also->volume, &field);
-        job->shown[i + 1] = (leafcast_shown){also->volume, field, also->view.step,
-                                             also->view.surfaces, also->view.isos};
+    for (int i = 0; i < volumes && st == ST_OK; i++) {
+        const view_options *v = view_of(job, view, i);
+        leafcast *volume = i == 0 ? job->volume : job->also[i - 1].volume;
+        uint32_t field;
+        st = view_options_field(v, volume, &field);
+        job->shown[i] = (leafcast_shown){volume, field, v->step, v->surfaces, v->isos};
+        if (st == ST_OK && filled)
+            st = fill_volume(job, view, i);
     }
     scene->volumes = job->shown;
-    scene->volume_count = job->also_count + 1;
+    scene->volume_count = volumes;
+    scene->media = job->media;
+    scene->media_count = filled ? volumes : 0;
     return st;
+}
+
+/* The first volume that is filled; -1: none. */
+static int first_filled(const render_job *job, const leafcast_scene *scene) {
+    for (int i = 0; i < scene->media_count; i++)
+        if (job->transfer[i].count > 0)
+            return i;
+    return -1;
+}
+
+static void draw_legend(const render_job *job, const view_options *view,
+                        const leafcast_scene *scene) {
+    const int i = first_filled(job, scene);
+    double window[2];
+    if (!view->legend || i < 0)
+        return;
+    medium_options_window(&view_of(job, view, i)->medium, &job->transfer[i], window);
+    legend_draw(&job->image, job->width, job->height, &job->transfer[i], window);
 }
 
 static status trace(render_job *job, const leafcast_scene *scene, const leafcast_camera *camera,
@@ -323,32 +439,42 @@ static status finish_picture(render_job *job, const script_frame *frame,
 
 /* ---- a picture ---- */
 
-/* What a picture is written to; NULL: nothing. */
+/* What a picture and its raw planes are written to; NULL: nothing. */
 typedef struct targets {
-    image_target *picture, *depth;
+    image_target *file[FRAME_TF];
 } targets;
 
 static status open_targets(render_job *job, const script_frame *frame, targets *to) {
     status st = ST_OK;
-    if (frame->output[0])
-        st = image_out_begin(job->files, frame->output, &to->picture);
-    if (st == ST_OK && frame->depth[0])
-        st = image_out_begin_depth(job->files, frame->depth, &to->depth);
+    for (int i = 0; i < FRAME_TF && st == ST_OK; i++)
+        if (frame->file[i][0])
+            st = i == FRAME_PICTURE ? image_out_begin(job->files, frame->file[i], &to->file[i])
+                                    : image_out_begin_raw(job->files, frame->file[i],
+                                                          (image_raw)(i - FRAME_RAW), &to->file[i]);
     return st;
 }
 
+static void print_transfer(const void *ctx, FILE *out) {
+    const transfer_list *t = ctx;
+    transfer_file_print(t->points, t->count, out);
+}
+
+/* The picture last. */
 static status write_targets(render_job *job, const script_frame *frame,
-                            const leafcast_camera *camera, targets *to) {
-    const picture depth = {.width = job->width, .height = job->height, .image = &job->image};
-    targets now = *to;
+                            const leafcast_camera *camera, const leafcast_scene *scene,
+                            targets *to) {
+    const picture raw = {.width = job->width, .height = job->height, .image = &job->image};
+    const int filled = first_filled(job, scene);
     status st = ST_OK;
-    if (now.depth) {
-        to->depth = NULL;
-        st = image_out_finish(now.depth, &depth);
-    }
-    if (st == ST_OK && now.picture) {
-        to->picture = NULL;
-        st = finish_picture(job, frame, camera, now.picture);
+    if (frame->file[FRAME_TF][0] && filled >= 0)
+        st = printed_file_write(&job->m, frame->file[FRAME_TF], job->out.force, print_transfer,
+                                &job->transfer[filled]);
+    for (int i = FRAME_TF - 1; i >= 0 && st == ST_OK; i--) {
+        image_target *now = to->file[i];
+        to->file[i] = NULL;
+        if (now)
+            st = i == FRAME_PICTURE ? finish_picture(job, frame, camera, now)
+                                    : image_out_finish(now, &raw);
     }
     return st;
 }
@@ -392,18 +518,20 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
         st = trace(job, &scene, &camera, &stats->trace);
     const double traced = clock_seconds();
     if (st == ST_OK)
-        st = write_targets(job, frame, &camera, to);
+        draw_legend(job, &frame->view, &scene);
+    if (st == ST_OK)
+        st = write_targets(job, frame, &camera, &scene, to);
     stats->write_s = clock_seconds() - traced;
     return st;
 }
 
 status render_job_draw(render_job *job, const script_frame *frame, render_stats *stats) {
     const double begun = clock_seconds();
-    targets to = {NULL, NULL};
+    targets to = {{NULL}};
     *stats = (render_stats){.repeats = job->repeat};
     status st = draw_picture(job, frame, &to, stats);
-    image_out_discard(to.picture);
-    image_out_discard(to.depth);
+    for (int i = 0; i < FRAME_TF; i++)
+        image_out_discard(to.file[i]);
     if (several(job)) {
         stats->field = leafcast_field_name(job->volume, job->field);
         stats->step = job->step;

@@ -24,6 +24,8 @@ typedef struct render_job {
     render_also *also; /* also_count more, on the same device */
     int also_count;
     leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
+    transfer_list transfer[LEAFCAST_VOLUMES_MAX]; /* of the picture's volumes; none: no medium */
+    leafcast_medium media[LEAFCAST_VOLUMES_MAX];  /* these */
     leafcast_scene_experiments experiments;
     leafcast_info info;
     leafcast_camera fitted; /* to the first picture; width 0: to none yet */

@@ -18,7 +18,8 @@ typedef struct render_options {
     view_options view;
     leafcast_options open;
     leafcast_experiments experiments; /* of these */
-    const char *depth, *stats, *script, *iso_list, *camera_path, *format;
+    const char *files[FRAME_FILES];   /* but for the picture, which is -o */
+    const char *stats, *script, *iso_list, *camera_path, *format;
     bool series; /* --steps: */
     uint32_t first_step, last_step;
     render_also also[RENDER_ALSO_MAX]; /* --and: what follows is about the last of these */
@@ -36,8 +37,8 @@ typedef struct render_options {
 enum { PICTURES_MAX = 1000000 };
 
 enum {
-    DEPTH = 0x3000,
-    STATS,
+    FILES = 0x3000, /* and a frame_file */
+    STATS = FILES + FRAME_FILES,
     REPEAT,
     TURNTABLE,
     FAIL_EMPTY,
@@ -62,14 +63,23 @@ static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Outputs (-o takes .png, .ppm, .pfm, .exr; -: standard output):", 1},
     {"format", FORMAT, "NAME", 0, "png, ppm, pfm or exr, whatever the name's end is (-o -: png)",
      0},
-    {"depth-f64", DEPTH, "FILE", 0, "distances from the eye as raw doubles", 0},
+    {"depth-f64", FILES + FRAME_RAW + IMAGE_DEPTH, "FILE", 0,
+     "distances from the eye as raw doubles", 0},
+    {"rgba-f64", FILES + FRAME_RAW + IMAGE_RGBA, "FILE", 0,
+     "red, green, blue, alpha as raw doubles: linear, premultiplied, unrounded", 0},
+    {"error-f64", FILES + FRAME_RAW + IMAGE_ERROR, "FILE", 0,
+     "of media: how far a pixel is at most from the exact integral, as raw doubles", 0},
+    {"value-f64", FILES + FRAME_RAW + IMAGE_VALUE, "FILE", 0,
+     "of --project: the values as raw doubles; NaN where there is none", 0},
+    {"write-tf", FILES + FRAME_TF, "FILE", 0,
+     "the transfer function that is used, as text for --tf", 0},
     {"stats", STATS, "FILE", 0, "times, rays, treelets and bytes as JSON", 0},
     {"fail-empty", FAIL_EMPTY, NULL, 0, "exit 1 where a picture shows no surface", 0},
     {"repeat", REPEAT, "N", CLI_EXPERIMENT, "draw N times; the statistics are the median picture's",
      0},
     {"and", AND, "FILE", 0,
-     "a volume more, in the same picture; --iso, --color, --opacity, --field and --step behind it "
-     "are about that one. Repeatable",
+     "a volume more, in the same picture; --iso, --color, --opacity, --tf, --colour-map, --window, "
+     "--opacity-length, --field and --step behind it are about that one. Repeatable",
      10},
     {NULL, 0, NULL, 0, "Many pictures (-o out.png becomes out_0000.png ...):", 50},
     {"iso-list", ISO_LIST, "V1,V2,...", 0, "a picture for each isovalue; V:V is a picture with two",
@@ -156,6 +166,7 @@ static status add_volume(render_options *o, const char *path) {
     render_also *also = &o->also[o->also_count++];
     also->path = path;
     view_options_init(&also->view);
+    also->view.takes_media = true;
     return ST_OK;
 }
 
@@ -170,7 +181,6 @@ static status set_option(void *own, int key, const char *text) {
     status st = ST_OK;
     switch (key) {
     case AND: return add_volume(o, text);
-    case DEPTH: o->depth = text; return ST_OK;
     case FORMAT: o->format = text; return ST_OK;
     case STATS: o->stats = text; return ST_OK;
     case SCRIPT: o->script = text; return ST_OK;
@@ -181,6 +191,10 @@ static status set_option(void *own, int key, const char *text) {
     case FAIL_EMPTY: o->fail_empty = true; return ST_OK;
     case REPEAT: return cli_int(text, "--repeat", 1, 10000, &o->repeat);
     default:
+        if (key >= FILES && key < STATS) {
+            o->files[key - FILES] = text;
+            return ST_OK;
+        }
         st = set_machine(o, key, text);
         return st == ST_AGAIN ? view_options_set(view_of(o, key), key, text) : st;
     }
@@ -194,20 +208,29 @@ static bool to_stdout(const char *path) {
     return path && strcmp(path, "-") == 0;
 }
 
+/* Files beside the picture; streams: those that are standard output. */
+static int count_files(const render_options *o, bool streams) {
+    int n = 0;
+    for (int i = 0; i < FRAME_FILES; i++)
+        n += streams ? to_stdout(o->files[i]) : o->files[i] != NULL;
+    return n;
+}
+
 /* What must hold over all flags. */
 static status check_options(void *own) {
     const render_options *o = own;
     const bool sequence = is_sequence(o);
-    const bool output = o->common.output || o->depth || o->stats || o->common.json;
+    const int files = count_files(o, false), streams = count_files(o, true);
+    const bool output = o->common.output || files > 0 || o->stats || o->common.json;
     if (!o->common.input)
         return status_describe(ST_USAGE, "which treelet file?");
-    if (o->script && (sequence || o->common.output || o->depth || o->stats))
+    if (o->script && (sequence || o->common.output || files > 0 || o->stats))
         return status_describe(ST_USAGE,
                                "--script takes its outputs from its lines and answers them on "
                                "standard output");
-    if (to_stdout(o->common.output) + to_stdout(o->depth) + o->common.json > 1)
-        return status_describe(ST_USAGE, "standard output takes one of -o -, --depth-f64 - and "
-                                         "--json");
+    if (to_stdout(o->common.output) + streams + o->common.json > 1)
+        return status_describe(ST_USAGE, "standard output takes one of -o -, --depth-f64 - (or "
+                                         "another plane) and --json");
     if (!o->script && !output)
         return status_describe(ST_USAGE, "nothing to write: -o FILE.png");
     if (o->iso_list && o->view.isos > 0)
@@ -245,7 +268,7 @@ static bool say_absent(const render_options *o, const render_job *job, const vie
 static void say_empty(render_options *o, const render_job *job, const view_options *view,
                       const leafcast_stats *t) {
     const bool any = say_absent(o, job, view);
-    if (t->covered_pixels > 0)
+    if (t->covered_pixels > 0 || view_options_filled(view) || view->others_filled)
         return;
     o->empty++;
     if (any)
@@ -268,7 +291,9 @@ static void say_suggested(const render_options *o, const script_frame *frame) {
 
 static void say_done(const render_options *o, const script_frame *frame, const render_stats *s) {
     const leafcast_stats *t = &s->trace;
-    const char *name = frame->output[0] ? frame->output : frame->depth[0] ? frame->depth : "drawn";
+    const char *name = "drawn";
+    for (int i = FRAME_FILES - 1; i >= 0; i--)
+        name = frame->file[i][0] ? frame->file[i] : name;
     cli_note(&o->common, 1,
              "%s: %u x %u in %.3g s: trace %.3g (load %.3g), write %.3g; %.3g Mray/s; %llu of %llu "
              "active treelets, %.1f MB read",
@@ -279,6 +304,9 @@ static void say_done(const render_options *o, const script_frame *frame, const r
     if (t->provisional_pixels)
         cli_note(&o->common, 1, "%llu pixels are provisional",
                  (unsigned long long)t->provisional_pixels);
+    if (t->uncertified_pixels)
+        cli_note(&o->common, 1, "%llu pixels may be further off than --error: rounding alone may",
+                 (unsigned long long)t->uncertified_pixels);
     if (t->ill_conditioned)
         cli_note(&o->common, 2, "%llu shadow rays are ill-conditioned",
                  (unsigned long long)t->ill_conditioned);
@@ -293,7 +321,7 @@ static status draw(render_options *o, render_job *job, const script_frame *frame
     o->drawn++;
     say_empty(o, job, &frame->view, &s.trace);
     say_done(o, frame, &s);
-    *stats = render_stats_json(&s, &frame->view, frame->output);
+    *stats = render_stats_json(&s, &frame->view, frame->file[FRAME_PICTURE]);
     return ST_OK;
 }
 
@@ -342,14 +370,13 @@ static status next_isos(const char **list, view_options *view) {
 
 static status name_outputs(const render_options *o, bool many, int index, script_frame *frame) {
     status st = ST_OK;
-    const char *const names[2] = {o->common.output, o->depth};
-    char *const outs[2] = {frame->output, frame->depth};
-    for (int i = 0; i < 2 && st == ST_OK; i++) {
-        outs[i][0] = 0;
-        if (names[i] && many && strcmp(names[i], "-") != 0) /* pictures follow one another there */
-            st = sequence_name(names[i], index, outs[i], SCRIPT_PATH_MAX);
-        else if (names[i] &&
-                 (size_t)snprintf(outs[i], SCRIPT_PATH_MAX, "%s", names[i]) >= SCRIPT_PATH_MAX)
+    for (int i = 0; i < FRAME_FILES && st == ST_OK; i++) {
+        const char *name = i == FRAME_PICTURE ? o->common.output : o->files[i];
+        frame->file[i][0] = 0;
+        if (name && many && strcmp(name, "-") != 0) /* pictures follow one another there */
+            st = sequence_name(name, index, frame->file[i], SCRIPT_PATH_MAX);
+        else if (name &&
+                 (size_t)snprintf(frame->file[i], SCRIPT_PATH_MAX, "%s", name) >= SCRIPT_PATH_MAX)
             st = status_describe(ST_USAGE, "the name of a file is too long");
     }
     return st;
@@ -426,9 +453,10 @@ static status guard_inputs(const render_options *o) {
 static status guard_frame(const render_options *o, const script_frame *frame) {
     file_guard_next();
     status st = file_guard_output(o->stats);
-    if (st == ST_OK && frame->output[0])
-        st = file_guard_output(frame->output);
-    return st == ST_OK && frame->depth[0] ? file_guard_output(frame->depth) : st;
+    for (int i = 0; i < FRAME_FILES && st == ST_OK; i++)
+        if (frame->file[i][0])
+            st = file_guard_output(frame->file[i]);
+    return st;
 }
 
 static status check_sequence(const render_options *o, const render_job *job, sequence *s,
@@ -521,9 +549,10 @@ static status run_sequence(render_options *o, render_job *job) {
 /* ---- scripts ---- */
 
 static status check_line(const script_frame *frame) {
-    if (!to_stdout(frame->output) && !to_stdout(frame->depth))
-        return ST_OK;
-    return status_describe(ST_USAGE, "standard output is for a script's answers");
+    for (int i = 0; i < FRAME_FILES; i++)
+        if (to_stdout(frame->file[i]))
+            return status_describe(ST_USAGE, "standard output is for a script's answers");
+    return ST_OK;
 }
 
 static status answer_line(render_options *o, render_job *job, const char *text, size_t size,
@@ -533,7 +562,8 @@ static status answer_line(render_options *o, render_job *job, const char *text, 
     json_t *answer = NULL;
     snprintf(what, sizeof what, "line %ld", number);
     frame.view = o->view;
-    frame.output[0] = frame.depth[0] = 0;
+    for (int i = 0; i < FRAME_FILES; i++)
+        frame.file[i][0] = 0;
     status st = script_parse(&frame, text, size, what);
     if (st == ST_OK)
         st = check_line(&frame);
@@ -595,18 +625,20 @@ int main(int argc, char **argv) {
         .experiments = {.size = sizeof(leafcast_experiments)},
         .repeat = 1};
     struct argp_option options[VIEW_OPTIONS_ROOM];
-    view_options_join(options, OPTIONS,
-                      "iso color opacity size eye look-at light shadows clip-box");
+    view_options_join(
+        options, OPTIONS, true,
+        "iso color opacity tf colour-map project size eye look-at light shadows clip-box");
     const cli_verb verb = {
         .options = options,
         .set_option = set_option,
         .check = check_options,
         .input = "treelet file",
         .args_doc = "F.leaf -o FILE.png",
-        .doc = "Draw isosurfaces of a treelet file into a picture.\v"
+        .doc = "Draw isosurfaces of a treelet file, or see through it, into a picture.\v"
                "Example:\n  leafcast render bonsai.leaf --iso 37 -o bonsai.png\v"
-               "Without --iso it draws the isosurface that the histogram in the file suggests, and "
-               "says which. Without --eye the view fits what the isovalues make active: up is +z, "
+               "Without --iso, media and --project it draws the isosurface that the histogram in "
+               "the file suggests, and says which. Without --eye the view fits what the isovalues "
+               "make active: up is +z, "
                "the longer of the other sides lies across. --view standard and close look at the "
                "middle of the volume from the direction "
                "(1, 0.6, 0.8), 2.2 or 1.1 times its longest edge away. Vectors "
@@ -614,6 +646,7 @@ int main(int argc, char **argv) {
                "say otherwise. A mesh of tetrahedra has no levels of detail and no intersector but "
                "the exact one."};
     view_options_init(&o.view);
+    o.view.takes_media = true;
     cli_parse(&verb, &o.common, argc, argv);
 
     o.open.memory = o.common.memory;

@@ -89,6 +89,21 @@ static status apply_file(char *path, const json_t *value, const char *what, cons
     return ST_OK;
 }
 
+static const char *const FILE_KEYS[FRAME_FILES] = {[FRAME_PICTURE] = "output",
+                                                   [FRAME_RAW + IMAGE_DEPTH] = "depth-f64",
+                                                   [FRAME_RAW + IMAGE_RGBA] = "rgba-f64",
+                                                   [FRAME_RAW + IMAGE_ERROR] = "error-f64",
+                                                   [FRAME_RAW + IMAGE_VALUE] = "value-f64",
+                                                   [FRAME_TF] = "write-tf"};
+
+/* Which file a key names; FRAME_FILES: none. */
+static int find_file(const char *key) {
+    int which = 0;
+    while (which < FRAME_FILES && !view_options_same_name(key, FILE_KEYS[which]))
+        which++;
+    return which;
+}
+
 static status apply_object(script_frame *frame, json_t *object, const char *what, int depth) {
     if (!json_is_object(object) || depth == NEST_MAX)
         return status_describe(ST_USAGE, "%s: not a JSON object", what);
@@ -101,10 +116,8 @@ static status apply_object(script_frame *frame, json_t *object, const char *what
         value = json_object_iter_value(at);
         if (strcmp(key, "camera") == 0)
             st = apply_object(frame, value, what, depth + 1);
-        else if (strcmp(key, "output") == 0)
-            st = apply_file(frame->output, value, what, key);
-        else if (strcmp(key, "depth_f64") == 0 || strcmp(key, "depth-f64") == 0)
-            st = apply_file(frame->depth, value, what, key);
+        else if (find_file(key) < FRAME_FILES)
+            st = apply_file(frame->file[find_file(key)], value, what, key);
         else
             st = apply_flag(&frame->view, strcmp(key, "isovalues") == 0 ? "iso" : key, value, what);
     }

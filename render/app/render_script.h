@@ -10,7 +10,7 @@
  *
  *   "camera"               an object with eye, look_at, up, fov, view: as these keys outside
  *   "isovalues"            the same as "iso"
- *   "output", "depth_f64"  files to write
+ *   "output", "depth_f64", "rgba_f64", "error_f64", "value_f64", "write_tf"  files to write
  *
  * A key replaces what the command line said for that flag; what is not said stays as it is there.
  */
@@ -22,15 +22,23 @@
 
 #include "formats/base/mem.h"
 #include "formats/base/status.h"
+#include "render/app/image_out.h"
 #include "render/app/view_options.h"
 
 enum { SCRIPT_PATH_MAX = 4096 };
 
+/* The files of a picture: itself, raw planes as image_raw numbers them, its transfer function. */
+typedef enum frame_file {
+    FRAME_PICTURE,
+    FRAME_RAW,
+    FRAME_TF = FRAME_RAW + IMAGE_RAWS,
+    FRAME_FILES
+} frame_file;
+
 /* One picture to draw. */
 typedef struct script_frame {
     view_options view;
-    char output[SCRIPT_PATH_MAX];               /* "": no picture is written */
-    char depth[SCRIPT_PATH_MAX];                /* "": no depth file */
+    char file[FRAME_FILES][SCRIPT_PATH_MAX];    /* "": it is not written */
     double suggested[LEAFCAST_SUGGESTIONS_MAX]; /* by render_job_check(): the first is drawn; */
     int suggestions;                            /* 0: the isovalues were given */
 } script_frame;

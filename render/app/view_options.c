@@ -55,7 +55,9 @@ const struct argp_option view_options_table[] = {
      0},
     {"colour", COLOUR, NULL, OPTION_ALIAS, NULL, 0},
     {"opacity", OPACITY, "A", 0,
-     "opacity of the isosurface given at the same position, above 0 to 1 (1)", 0},
+     "opacity of the isosurface given at the same position, above 0 to 1 (1); or V:A,V:A,...: of a "
+     "medium, at values V",
+     0},
     {"layers", LAYERS, "N", 0, "stop each ray after N surfaces (0: no limit)", 0},
 
     {NULL, 0, NULL, 0, "Camera:", 20},
@@ -121,18 +123,27 @@ static bool has_own(const struct argp_option *own, const char *name) {
     return false;
 }
 
-void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own,
-                       const char *basic) {
-    int n = 0;
-    for (const struct argp_option *o = own; o->name || o->doc; o++)
-        out[n++] = *o;
-    for (const struct argp_option *o = view_options_table; o->name || o->doc; o++) {
+static int append_table(struct argp_option out[VIEW_OPTIONS_ROOM], int n,
+                        const struct argp_option *table, const struct argp_option *own,
+                        const char *basic) {
+    for (const struct argp_option *o = table; o->name || o->doc; o++) {
         assert(n < VIEW_OPTIONS_ROOM - 1);
         if (has_own(own, o->name))
             continue;
         out[n] = *o;
         out[n++].flags |= cli_options_listed(basic, o->name) ? CLI_BASIC : 0;
     }
+    return n;
+}
+
+void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own,
+                       bool media, const char *basic) {
+    int n = 0;
+    for (const struct argp_option *o = own; o->name || o->doc; o++)
+        out[n++] = *o;
+    n = append_table(out, n, view_options_table, own, basic);
+    if (media)
+        n = append_table(out, n, medium_options_table, own, basic);
     out[n] = (struct argp_option){0};
 }
 
@@ -145,19 +156,25 @@ void view_options_init(view_options *v) {
     memcpy(v->scene.background, slate, sizeof slate);
 }
 
+bool view_options_same_name(const char *name, const char *flag) {
+    size_t i = 0;
+    while (flag && name[i] && (name[i] == '_' ? '-' : name[i]) == flag[i])
+        i++;
+    return flag && !name[i] && !flag[i];
+}
+
 int view_options_key(const char *name, bool *repeats, bool *flag) {
-    for (const struct argp_option *o = view_options_table; o->name || o->doc; o++) {
-        size_t i = 0;
-        while (o->name && name[i] && (name[i] == '_' ? '-' : name[i]) == o->name[i])
-            i++;
-        if (!o->name || name[i] || o->name[i])
-            continue;
-        const int key = o->key;
-        *repeats = key == ISO || key == COLOUR || key == OPACITY || key == LIGHT ||
-                   key == POINT_LIGHT || key == CLIP_PLANE;
-        *flag = !o->arg && !(o->flags & OPTION_ALIAS);
-        return key;
-    }
+    const struct argp_option *const tables[] = {view_options_table, medium_options_table};
+    for (int t = 0; t < 2; t++)
+        for (const struct argp_option *o = tables[t]; o->name || o->doc; o++) {
+            if (!view_options_same_name(name, o->name))
+                continue;
+            const int key = o->key;
+            *repeats = key == ISO || key == COLOUR || key == OPACITY || key == LIGHT ||
+                       key == POINT_LIGHT || key == CLIP_PLANE;
+            *flag = !o->arg && !(o->flags & OPTION_ALIAS);
+            return key;
+        }
     return 0;
 }
 
@@ -251,6 +268,8 @@ static status add_colour(view_options *v, const char *text) {
 }
 
 static status add_opacity(view_options *v, const char *text) {
+    if (v->takes_media && strchr(text, ':'))
+        return medium_options_add_opacities(&v->medium, text);
     float *opacity = &v->surfaces[v->opacities].opacity;
     status st = room("--opacity", v->opacities, LEAFCAST_SURFACES_MAX);
     if (st == ST_OK)
@@ -384,6 +403,16 @@ static status set_extent(view_options *v, int key, const char *text) {
     }
 }
 
+static status set_medium(view_options *v, int key, const char *text) {
+    leafcast_scene *s = &v->scene;
+    switch (key) {
+    case MEDIUM_PROJECT: return medium_options_project(text, &s->project, &s->project_value);
+    case MEDIUM_ERROR: return medium_options_error(text, &s->error);
+    case MEDIUM_LEGEND: v->legend = true; return ST_OK;
+    default: return medium_options_set(&v->medium, key, text);
+    }
+}
+
 static status set_any(view_options *v, int key, const char *text) {
     status st = set_surface(v, key, text);
     if (st == ST_AGAIN)
@@ -396,11 +425,12 @@ static status set_any(view_options *v, int key, const char *text) {
         st = parse_field(text, v);
     if (st == ST_AGAIN && key == STEP)
         st = cli_uint(text, "--step", 0, UINT16_MAX, &v->step);
-    return st;
+    return st == ST_AGAIN ? set_medium(v, key, text) : st;
 }
 
 bool view_options_of_one(int key) {
-    return key == ISO || key == COLOUR || key == OPACITY || key == FIELD || key == STEP;
+    return key == ISO || key == COLOUR || key == OPACITY || key == FIELD || key == STEP ||
+           (key >= MEDIUM_TF && key <= MEDIUM_OPACITY_LENGTH);
 }
 
 static uint64_t bit_of(int key) {
@@ -421,7 +451,7 @@ void view_options_clear(view_options *v, int key) {
     switch (key) {
     case ISO: v->isos = 0; break;
     case COLOUR: v->colours = 0; break;
-    case OPACITY: v->opacities = 0; break;
+    case OPACITY: v->opacities = v->medium.opacities = 0; break;
     case LIGHT:
     case POINT_LIGHT:
         for (int i = 0; i < s->light_count; i++)
@@ -441,7 +471,11 @@ void view_options_clear(view_options *v, int key) {
     case FIELD: v->field[0] = 0; break;
     case STEP: v->step = 0; break;
     case ORTHO: v->camera.ortho_height = 0.0; break;
-    default: break; /* the others have one value, which is replaced */
+    case MEDIUM_PROJECT: s->project = LEAFCAST_PROJECT_NONE; break;
+    case MEDIUM_LEGEND: v->legend = false; break;
+    default:
+        medium_options_clear(&v->medium, key);
+        break; /* the others have one value, which is replaced */
     }
 }
 
@@ -481,6 +515,23 @@ static bool is_transparent(const view_options *v) {
     return v->others_transparent || view_options_transparent(v);
 }
 
+static bool has_surfaces(const view_options *v) {
+    return v->isos > 0 || v->others_surfaces;
+}
+
+static bool has_medium(const view_options *v) {
+    return v->scene.project == LEAFCAST_PROJECT_NONE &&
+           (v->others_filled || medium_options_given(&v->medium));
+}
+
+static bool is_filled(const view_options *v) {
+    return v->others_filled || view_options_filled(v);
+}
+
+static bool shows_no_surface(const view_options *v) {
+    return !has_surfaces(v);
+}
+
 typedef struct flag_need {
     int key;
     bool (*met)(const view_options *v);
@@ -488,6 +539,16 @@ typedef struct flag_need {
 } flag_need;
 
 static const flag_need NEEDS[] = {
+    {MEDIUM_PROJECT, shows_no_surface, "--project shows one value a pixel: without --iso"},
+    {MEDIUM_ERROR, has_medium, "--error is of media: --tf, --colour-map or --opacity V:A"},
+    {MEDIUM_LEGEND, is_filled,
+     "--legend is of media and projections: --tf, --colour-map, --opacity V:A or --project"},
+    {SHADING, has_surfaces, "--shading: there is no surface without --iso"},
+    {NORMALS, has_surfaces, "--normals: there is no surface without --iso"},
+    {LIGHT, has_surfaces, "--light: there is no surface without --iso"},
+    {POINT_LIGHT, has_surfaces, "--point-light: there is no surface without --iso"},
+    {AMBIENT, has_surfaces, "--ambient: there is no surface without --iso"},
+    {INTERSECTOR, has_surfaces, "--intersector: there is no surface without --iso"},
     {SHADOWS, has_light,
      "--shadows: the light at the eye casts none that can be seen; --light says where another is"},
     {LIGHT, is_lit, "--light: there is none in --shading flat"},
@@ -558,8 +619,12 @@ status view_options_check_volume(const view_options *v, const leafcast *volume) 
     return ST_OK;
 }
 
+bool view_options_filled(const view_options *v) {
+    return v->scene.project != LEAFCAST_PROJECT_NONE || medium_options_given(&v->medium);
+}
+
 status view_options_check(view_options *v) {
-    if (v->isos == 0)
+    if (v->isos == 0 && !view_options_filled(v))
         return status_describe(ST_USAGE, "which isosurface? --iso V");
     if (v->colours > v->isos || v->opacities > v->isos)
         return status_describe(ST_USAGE, "%d of --%s for %d of --iso: the k-th belongs to the k-th",
@@ -570,7 +635,9 @@ status view_options_check(view_options *v) {
         memcpy(v->surfaces[i].rgb, PALETTE[(v->painted + i) % PALETTE_SIZE], sizeof PALETTE[0]);
     for (int i = v->opacities; i < v->isos; i++)
         v->surfaces[i].opacity = 1.0f;
-    status st = view_options_check_camera(v);
+    status st = medium_options_check(&v->medium, v->scene.project != LEAFCAST_PROJECT_NONE);
+    if (st == ST_OK)
+        st = view_options_check_camera(v);
     return st == ST_OK ? check_needs(v) : st;
 }
 

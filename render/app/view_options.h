@@ -1,5 +1,5 @@
-/* view_options.h - the flags that say what a picture shows: isosurfaces, camera, light, shading,
- * clipping, level of detail, field and time step.
+/* view_options.h - the flags that say what a picture shows: isosurfaces, media, camera, light,
+ * shading, clipping, level of detail, field and time step.
  *
  * One table for all verbs that look at a volume, and for the JSON of render --script, whose keys
  * are the flags' names.
@@ -11,6 +11,7 @@
 #include <stdbool.h>
 
 #include "formats/base/status.h"
+#include "render/app/medium_options.h"
 #include "render/leafcast_experimental.h"
 
 enum { VIEW_FIELD_MAX = 64 };
@@ -31,18 +32,22 @@ typedef struct view_options {
     char field[VIEW_FIELD_MAX];  /* "": the first */
     uint32_t step;
     int painted; /* surfaces of other volumes in the picture: colours begin behind theirs */
-    bool others_transparent; /* some of theirs are: view_options_transparent() */
+    bool others_transparent;             /* some of theirs are: view_options_transparent() */
+    bool others_surfaces, others_filled; /* some volume has isosurfaces, or a medium */
+    bool takes_media;                    /* the verb draws media: set before flags are */
+    medium_options medium;
+    bool legend;
 } view_options;
 
 /* The table, for argp. */
 extern const struct argp_option view_options_table[];
 
 /* view_options_join() - a verb's own options, then the table but for what has the name of one of
- * them, for argp. basic: names, divided by blanks, of the table's options that the verb's --help
- * shows, too. */
-enum { VIEW_OPTIONS_ROOM = 64 };
+ * them, for argp; media: with medium_options_table. basic: names, divided by blanks, of the tables'
+ * options that the verb's --help shows, too. */
+enum { VIEW_OPTIONS_ROOM = 96 };
 void view_options_join(struct argp_option out[VIEW_OPTIONS_ROOM], const struct argp_option *own,
-                       const char *basic);
+                       bool media, const char *basic);
 
 void view_options_init(view_options *v);
 
@@ -64,13 +69,20 @@ void view_options_clear(view_options *v, int key);
 void view_options_inherit(view_options *v);
 
 /* view_options_key() - a flag's key by its long name, '_' for '-' allowed; 0 when there is none
- * such. *repeats: it may be given several times; *flag: it takes no value. */
+ * such. *repeats: it may be given several times; *flag: it takes no value.
+ * view_options_same_name() - whether a name is that of a flag, likewise. */
 int view_options_key(const char *name, bool *repeats, bool *flag);
+bool view_options_same_name(const char *name, const char *flag);
 
 /* view_options_transparent() - whether --opacity makes a surface transparent. */
 bool view_options_transparent(const view_options *v);
 
-/* view_options_check() - what must hold over all flags: at least one isovalue, no more colours or
+/* view_options_filled() - whether the volume is: a medium or a projection, with isosurfaces or
+ * without any. */
+bool view_options_filled(const view_options *v);
+
+/* view_options_check() - what must hold over all flags: at least one isovalue, unless the volume is
+ * filled, no more colours or
  * opacities than isovalues, no flag that would change nothing. */
 CHECKED status view_options_check(view_options *v);
 

@@ -380,7 +380,7 @@ int main(int argc, char **argv) {
     static bench_options o = {.common = {.verb = "bench", .without = "memory"},
                               .job = {.count = 500000, .largest = 1024}};
     struct argp_option options[VIEW_OPTIONS_ROOM];
-    view_options_join(options, OPTIONS, "iso size");
+    view_options_join(options, OPTIONS, false, "iso size");
     const cli_verb verb = {.options = options,
                            .set_option = set_option,
                            .check = take_arguments,

@@ -160,7 +160,7 @@ static status run(peers_options *o) {
 int main(int argc, char **argv) {
     static peers_options o = {.common = {.verb = "bench peers"}, .runs = 9};
     struct argp_option options[VIEW_OPTIONS_ROOM];
-    view_options_join(options, OPTIONS, "iso size opacity layers light shadows");
+    view_options_join(options, OPTIONS, false, "iso size opacity layers light shadows");
     const cli_verb verb = {
         .options = options,
         .set_option = set_option,

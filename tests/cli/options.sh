@@ -102,6 +102,10 @@ mesh="$tmp/m.leaf --iso 0.3"
 sed "s|@grid|$grid|g; s|@mesh|$mesh|g; s|@|$tmp/|g" >"$tmp/table" <<'TABLE'
 render|--format|says|@grid --size 8x8 -o -|--format pfm
 render|--depth-f64|makes z|@grid --size 8x8|--depth-f64 @z
+render|--rgba-f64|makes rgba|@g.leaf --tf auto --size 8x8|--rgba-f64 @rgba
+render|--error-f64|makes errors|@g.leaf --tf auto --size 8x8|--error-f64 @errors
+render|--value-f64|makes value|@g.leaf --project max --size 8x8|--value-f64 @value
+render|--write-tf|makes tf|@g.leaf --tf auto --size 8x8|--write-tf @tf
 render|--stats|makes s|@grid --size 8x8|--stats @s
 render|--fail-empty|exit 1|@g.leaf --iso 999 --size 8x8 --json|--fail-empty
 render|--repeat|stats|@grid|--repeat 3
@@ -120,6 +124,14 @@ render|--iso|picture|@grid|--iso 150 --opacity 0.4
 render|--color|picture|@grid|--color red
 render|--colour|picture|@grid|--colour red
 render|--opacity|picture|@grid|--opacity 0.4
+render|--tf|picture|@g.leaf --colour-map grey|--tf ct
+render|--colour-map|picture|@g.leaf --tf auto|--colour-map plasma
+render|--color-map|picture|@g.leaf --tf auto|--color-map plasma
+render|--window|picture|@g.leaf --colour-map plasma|--window 100,120
+render|--opacity-length|picture|@g.leaf --opacity 90:0,200:0.5|--opacity-length 9
+render|--error|shown media|
+render|--project|picture|@g.leaf --colour-map grey|--project max
+render|--legend|shown media|
 render|--layers|picture|@grid --opacity 0.4|--layers 1
 render|--view|picture|@grid|--view close
 render|--eye|picture|@grid|--eye 90,80,70

@@ -1,0 +1,171 @@
+#include "render/app/transfer_preset.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "render/app/colour_map.h"
+
+enum { ROWS_MAX = 6 };
+
+/* A point at a percentile of the samples above a threshold. */
+typedef struct row {
+    int above;    /* 0: the one of what stands out, 1: the one of what is dense */
+    double share; /* of these samples, 0 .. 1, that are below */
+    float rgb[3]; /* linear */
+    double weight;
+} row;
+
+/* depth: the optical depth of a way as long as the diagonal, on average. */
+static const struct preset {
+    const char *name, *map; /* map: of its colours; NULL: those of its rows */
+    double depth;
+    int count;
+    row rows[ROWS_MAX];
+} PRESETS[] = {
+    {"auto", "viridis", 2.0, 3, {{0, 0.0, {0}, 0.0}, {0, 0.5, {0}, 0.3}, {0, 0.99, {0}, 1.0}}},
+    {"ct",
+     NULL,
+     4.0,
+     5,
+     {{0, 0.0, {0.40f, 0.10f, 0.05f}, 0.0},
+      {0, 0.2, {0.60f, 0.22f, 0.12f}, 0.04},
+      {1, 0.0, {0.80f, 0.42f, 0.25f}, 0.06},
+      {1, 0.4, {0.95f, 0.85f, 0.68f}, 0.7},
+      {1, 0.95, {1.0f, 0.98f, 0.93f}, 1.0}}},
+    {"mr",
+     NULL,
+     3.0,
+     4,
+     {{0, 0.0, {0.10f, 0.04f, 0.03f}, 0.0},
+      {0, 0.5, {0.45f, 0.25f, 0.18f}, 0.12},
+      {0, 0.9, {0.85f, 0.70f, 0.55f}, 0.5},
+      {0, 0.99, {1.0f, 0.97f, 0.90f}, 1.0}}}};
+
+enum { PRESETS_COUNT = sizeof PRESETS / sizeof *PRESETS };
+
+static const struct preset *find(const char *name) {
+    for (int i = 0; i < PRESETS_COUNT; i++)
+        if (strcmp(name, PRESETS[i].name) == 0)
+            return &PRESETS[i];
+    return NULL;
+}
+
+bool transfer_preset_is(const char *name) {
+    return find(name) != NULL;
+}
+
+const char *transfer_preset_names(void) {
+    return "auto|ct|mr";
+}
+
+/* ---- The histogram ---- */
+
+static double middle_of(const leafcast_histogram *h, uint32_t bin) {
+    return 0.5 * h->edges[bin] + 0.5 * h->edges[bin + 1];
+}
+
+/* Otsu: the bin, behind `first`, at which the bins from first on part into two whose means are
+ * apart the most, by their weights; `first` where all samples share a bin. */
+static uint32_t threshold(const leafcast_histogram *h, uint32_t first) {
+    double count = 0.0, sum = 0.0, below = 0.0, sum_below = 0.0, best = 0.0;
+    uint32_t found = first;
+    /* Relative to the first, so that far from 0 no digits are lost. */
+    const double origin = middle_of(h, first);
+    for (uint32_t i = first; i < h->bins; i++) {
+        count += h->samples[i];
+        sum += h->samples[i] * (middle_of(h, i) - origin);
+    }
+    for (uint32_t i = first; i + 1 < h->bins; i++) {
+        below += h->samples[i];
+        sum_below += h->samples[i] * (middle_of(h, i) - origin);
+        if (!(below > 0.0 && below < count))
+            continue;
+        const double apart = sum_below / below - (sum - sum_below) / (count - below);
+        /* Divided first: values may be as large as floats are. */
+        const double parted = below / count * (1.0 - below / count) * apart * apart;
+        if (parted > best) {
+            best = parted;
+            found = i + 1;
+        }
+    }
+    return found;
+}
+
+/* The value below which this share of the samples of bins from `first` on is. */
+static double percentile(const leafcast_histogram *h, uint32_t first, double share) {
+    double count = 0.0;
+    for (uint32_t i = first; i < h->bins; i++)
+        count += h->samples[i];
+    double left = share * count;
+    for (uint32_t i = first; i < h->bins; i++) {
+        const double here = h->samples[i];
+        if (left <= here && here > 0.0)
+            return h->edges[i] + left / here * (h->edges[i + 1] - h->edges[i]);
+        left -= here;
+    }
+    return h->edges[h->bins];
+}
+
+/* ---- The function ---- */
+
+/* Its weights as extinctions. */
+static status weigh(const struct preset *p, const leafcast_histogram *h, transfer_list *colours,
+                    transfer_list *extinctions) {
+    uint32_t first[2];
+    double before = -INFINITY;
+    status st = ST_OK;
+    first[0] = threshold(h, 0);
+    first[1] = threshold(h, first[0]);
+    for (int i = 0; i < p->count && st == ST_OK; i++) {
+        const row *r = &p->rows[i];
+        leafcast_transfer_point point = {.value =
+                                             fmax(before, percentile(h, first[r->above], r->share)),
+                                         .extinction = r->weight};
+        memcpy(point.rgb, r->rgb, sizeof point.rgb);
+        before = point.value;
+        st = transfer_list_add(extinctions, point);
+        if (st == ST_OK && !p->map)
+            st = transfer_list_add(colours, point);
+    }
+    return st;
+}
+
+static double mean_weight(const leafcast_histogram *h, const transfer_list *t) {
+    double sum = 0.0, count = 0.0;
+    for (uint32_t i = 0; i < h->bins; i++) {
+        sum += h->samples[i] * transfer_list_at(t, middle_of(h, i), true).extinction;
+        count += h->samples[i];
+    }
+    return count > 0.0 ? sum / count : 0.0;
+}
+
+/* Extinctions such that a diagonal's depth is as wanted on average. What is very sparse swallows no
+ * more than nearly all on a 500th of it. */
+static void scale(transfer_list *t, double depth, double mean, double length) {
+    enum { STRONGEST = 2500 };
+    const double factor =
+        length > 0.0 ? fmin(mean > 0.0 ? depth / mean : 0.0, STRONGEST) / length : 0.0;
+    for (size_t i = 0; i < t->count; i++)
+        t->points[i].extinction *= isfinite(factor) ? factor : 0.0;
+}
+
+status transfer_preset_make(const char *name, const leafcast_histogram *h, double length,
+                            transfer_list *colours, transfer_list *extinctions) {
+    const struct preset *p = find(name);
+    status st = ST_OK;
+    if (h->bins == 0) {
+        st = transfer_list_add(colours, (leafcast_transfer_point){0});
+        return st == ST_OK ? transfer_list_add(extinctions, (leafcast_transfer_point){0}) : st;
+    }
+    st = weigh(p, h, colours, extinctions);
+    if (st == ST_OK && p->map)
+        st = colour_map_named(p->map, colours);
+    if (st != ST_OK)
+        return st;
+    if (p->map)
+        transfer_list_stretch(colours, (const double[2]){0.0, 1.0},
+                              (const double[2]){extinctions->points[0].value,
+                                                extinctions->points[extinctions->count - 1].value});
+    scale(extinctions, p->depth, mean_weight(h, extinctions), length);
+    return ST_OK;
+}
