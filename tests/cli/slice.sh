@@ -64,6 +64,11 @@ exits "a grey picture" 0 "$leafcast" slice "$leaf" --axis z --index 0 --nearest 
 ok "shows the values" bytes "$tmp/p.ppm" 'all(p[y][x] == 3 * (x + 2 * (39 - y),) for x in range(50) for y in range(40))'
 exits "in the window of the field" 0 "$leafcast" slice "$leaf" --size 50x40 -o "$tmp/q.ppm" --json
 ok "which is told" json 'j["window"] == [0, 243]'
+exits "a colour map" 0 "$leafcast" slice "$leaf" --axis z --index 0 --nearest --size 50x40 --window 0,127 --colour-map viridis -o "$tmp/m.ppm"
+ok "from its first colour to its last" bytes "$tmp/m.ppm" 'p[39][0] == (0x44, 1, 0x54) and p[0][49] == (0xfd, 0xe7, 0x25)'
+exits "a transfer function" 0 sh -c 'printf "0 1 0 0 0\n60 1 0 0 9\n60 0 0 1 9\n99 0 0 1 9\n" >"$1/two.tf"' sh "$tmp"
+exits "gives its colours" 0 "$leafcast" slice "$leaf" --axis z --index 0 --nearest --size 50x40 --tf "$tmp/two.tf" -o "$tmp/t.ppm"
+ok "with its step" bytes "$tmp/t.ppm" 'all(p[y][x] == ((255, 0, 0) if x + 2 * (39 - y) < 60 else (0, 0, 255)) for x in range(50) for y in range(40))'
 exits "an isoline" 0 "$leafcast" slice "$leaf" --axis z --index 0 --nearest --size 50x40 --window 0,255 --iso 60 --color 0,0,1 -o "$tmp/i.ppm"
 ok "where it should be" bytes "$tmp/i.ppm" 'p[9][0] == (0, 0, 255) and p[0][0][0] == 78 and p[39][49][2] == 49'
 exits "a picture of a part" 0 "$leafcast" slice "$leaf" --origin -10,5,-3 --u 40,0,0 --v 0,10,0 --size 40x10 -o "$tmp/a.png"
