@@ -269,8 +269,9 @@ typedef struct leafcast_scene {
     const leafcast_medium *media;                         /* what its volumes are filled with, */
     int media_count; /* as many as volumes (volume_count 0: 1); or 0: nothing is */
     /* How far a channel (r, g, b, a) of a picture with media may be from the integral along the ray
-     * through the pixel's centre: in [1e-9, 1]; 0: half a step of 8 bits, 1/510. image.error says
-     * how far it is at most. */
+     * through the pixel's centre, as that ray is when it has been rounded to the volume's own
+     * space: in [1e-9, 1]; 0: half a step of 8 bits, 1/510. image.error says how far it is at most.
+     */
     double error;
     /* Instead of surfaces and media; coloured by the colours of the first medium. */
     leafcast_project project;

@@ -14,7 +14,7 @@ void medium_batch_single(medium_batch *m, const segment_columns *pieces, unsigne
     m->through[i] = seen.through;
     m->rgb_error[i] = seen.rgb_error;
     m->through_error[i] = seen.through_error;
-    m->seen[i] = 1;
+    m->seen[i] = seen.through != 1.0 || seen.through_error != 0.0 || seen.rgb_error != 0.0;
 }
 
 static void medium_batch_scalar(medium_batch *m, const segment_columns *pieces) {

@@ -86,11 +86,13 @@ typedef struct smooth_lanes {
 SIMD void complete_lanes(const piece_lanes *p, int degree, smooth_lanes *s) {
     const vd k0 = OF_SPAN(&p->span, k[0]), k1 = OF_SPAN(&p->span, k[1]);
     const vd base = OF_SPAN(&p->span, base), inverse = OF_SPAN(&p->span, inverse);
+    const md unknown = d_ge(p->value_error * inverse, d_set(1.0));
     vd sum = d_set(0.0);
     s->variance = d_set(0.0);
     for (int i = 0; i <= degree; i++) {
         const vd w = (p->b[i] - base) * inverse;
-        s->w[i] = d_select(d_gt(w, d_set(-4.0)), d_min(w, d_set(5.0)), d_set(-4.0));
+        const vd known = d_select(d_gt(w, d_set(-4.0)), d_min(w, d_set(5.0)), d_set(-4.0));
+        s->w[i] = d_select(unknown, d_set(0.5), known);
         s->k[i] = (d_set(1.0) - s->w[i]) * k0 + s->w[i] * k1;
         if (i > 0)
             s->variance = s->variance + d_abs(s->w[i] - s->w[i - 1]);
@@ -155,14 +157,14 @@ SIMD md see_lanes(medium_batch *m, unsigned i, int degree, const piece_lanes *p)
     const vd change = d_select(thin, change_lanes(p, &s, degree, half, through_half), zero) +
                       bend * (s.w[degree] - s.w[0]);
     const vd first = s.w[0], last = s.w[degree], through = through_half * through_half;
+    const vd most_rgb = OF_SPAN(&p->span, most_rgb);
     for (int c = 0; c < 3; c++) {
         const vd c0 = OF_SPAN(&p->span, rgb[0][c]), c1 = OF_SPAN(&p->span, rgb[1][c]);
         const vd at_first = (one - first) * c0 + first * c1,
                  at_last = (one - last) * c0 + last * c1;
         const vd seen = (at_first - through * at_last) + (c1 - c0) * change;
-        d_store(m->rgb[c] + i, d_max(seen, zero));
+        d_store(m->rgb[c] + i, d_min(d_max(seen, zero), most_rgb));
     }
-    const vd most_rgb = OF_SPAN(&p->span, most_rgb);
     const vd spread = OF_SPAN(&p->span, rgb_change) * s.variance;
     const vd tangent = spread * bend;
     const vd depth_error =

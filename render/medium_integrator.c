@@ -166,6 +166,8 @@ static double depth_error_at(const frame *f, const medium_ray *p) {
     for (int a = 0; a < 3; a++)
         slope += at->gradient[a] * w.direction[a];
     const double most_k = look_of(f)->media[filled_of(f)].most_k;
+    if (most_k == 0.0)
+        return 0.0;
     return slope != 0.0 ? fmin(at->error / fabs(slope) * most_k, 1.0) : 1.0;
 }
 

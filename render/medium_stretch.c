@@ -107,7 +107,7 @@ static medium_stretch seen_at_once(const smooth_span *p, const smooth *s, double
         const double dc = span->rgb[1][c] - span->rgb[0][c];
         const double seen =
             (rgb_at(span, c, first) - out.through * rgb_at(span, c, last)) + dc * change;
-        out.rgb[c] = fmax(seen, 0.0);
+        out.rgb[c] = fmin(fmax(seen, 0.0), span->most_rgb);
     }
     const double spread = span->rgb_change * s->variance;
     *tangent = spread * bend;
@@ -202,8 +202,10 @@ static double coefficient(double w) {
 static medium_stretch seen_in(const piece_walk *walk, const transfer_span *span, const double f[4],
                               double length) {
     smooth s = {.degree = (int)walk->piece->degree, .length = length};
+    /* Where the span is narrower than the error, nothing is known of w. */
+    const bool unknown = walk->value_error * span->inverse >= 1.0;
     for (int i = 0; i <= s.degree; i++)
-        s.w[i] = coefficient((f[i] - span->base) * span->inverse);
+        s.w[i] = unknown ? 0.5 : coefficient((f[i] - span->base) * span->inverse);
     complete(span, &s);
     const smooth_span p = {walk->rule, span, walk->value_error};
     return seen_of(&p, &s, HALVINGS_MAX);
