@@ -428,6 +428,7 @@ static const struct wrong {
     {"{\"RGBPoints\": [0,0,0,0], \"Points\": [0,2,0.5,0]}", ST_CORRUPT, "\"Points\", point 1"},
     {"[{\"Name\": \"a\", \"RGBPoints\": [0,0,0,0]}, {\"Name\": \"b\", \"RGBPoints\": [0,0,0,0]}]",
      ST_USAGE, "which of its 2 maps? FILE#NAME: \"a\", \"b\""},
+    {"[{\"Name\": \"a\"}, {}]", ST_USAGE, "which of its 2 maps?"},
     {"<a>", ST_CORRUPT, "line 1: expected XML"},
     {"<a/>", ST_CORRUPT, "expected a colour map"},
     {"<a>\n<ColorMap/></a>", ST_CORRUPT, "expected points"},
@@ -467,18 +468,51 @@ static void test_refused(void **state) {
     transfer_file_release(&f);
 }
 
+static const char *const GOOD[] = {
+    "0 0 0 0 0\n1 1 1 1 1 # end\n", PARAVIEW,
+    "<a><ColorMap space='Lab'><Point x='0' o='1' r='0' g='0' b='0'/></ColorMap></a>"};
+
+/* Good files with some bytes changed: what is read could be drawn, what is not is said. */
+static void test_mutated(void **state) {
+    (void)state;
+    enum { ROUNDS = 3000, SEED = 21 };
+    srand48(SEED);
+    for (int k = 0; k < ROUNDS; k++) {
+        char text[1024];
+        transfer_file f = {0};
+        snprintf(text, sizeof text, "%s", GOOD[k % 3]);
+        const size_t size = strlen(text);
+        for (int n = 0; n < 1 + k % 4; n++) {
+            static const char likely[] = "0123456789.-+eE \n,[]{}<>\"'=#";
+            text[lrand48() % (long)size] =
+                k % 2 ? likely[lrand48() % (long)(sizeof likely - 1)] : (char)lrand48();
+        }
+        const status st = transfer_file_read(&budget, scratch_write("mutated", text, size), &f);
+        const transfer_list *const lists[] = {&f.colours, &f.extinctions};
+        if (st != ST_OK && !strstr(status_text(), "mutated"))
+            fail_msg("round %d of seed %d: \"%s\"", k, SEED, status_text());
+        for (int i = 0; i < 2 && st == ST_OK; i++)
+            for (size_t n = 0; n < lists[i]->count; n++) {
+                const leafcast_transfer_point *p = &lists[i]->points[n];
+                assert_true(fabs(p->value) <= 1e300 && (n == 0 || p[-1].value <= p->value));
+                assert_true(p->extinction >= 0.0 && p->extinction <= TRANSFER_LIST_MOST);
+                for (int c = 0; c < 3; c++)
+                    assert_true(p->rgb[c] >= 0.0f && isfinite(p->rgb[c]));
+            }
+        transfer_file_release(&f);
+    }
+    assert_int_equal(mem_used(&budget), 0);
+}
+
 /* Every beginning of a good file is read or refused with words, and leaves nothing. */
 static void test_beginnings(void **state) {
     (void)state;
-    const char *const good[] = {
-        "0 0 0 0 0\n1 1 1 1 1 # end\n", PARAVIEW,
-        "<a><ColorMap space='Lab'><Point x='0' o='1' r='0' g='0' b='0'/></ColorMap></a>"};
     for (int k = 0; k < 3; k++)
-        for (size_t n = 0; n < strlen(good[k]); n++) {
+        for (size_t n = 0; n < strlen(GOOD[k]); n++) {
             transfer_file f = {0};
-            const status st = transfer_file_read(&budget, scratch_write("part", good[k], n), &f);
+            const status st = transfer_file_read(&budget, scratch_write("part", GOOD[k], n), &f);
             if (st != ST_OK && !strstr(status_text(), "part"))
-                fail_msg("%zu bytes of %s: \"%s\"", n, good[k], status_text());
+                fail_msg("%zu bytes of %s: \"%s\"", n, GOOD[k], status_text());
             transfer_file_release(&f);
         }
     assert_int_equal(mem_used(&budget), 0);
@@ -631,6 +665,7 @@ int main(void) {
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_beginnings),
         cmocka_unit_test(test_floods),
+        cmocka_unit_test(test_mutated),
         cmocka_unit_test(test_no_memory),
         cmocka_unit_test(test_at),
         cmocka_unit_test(test_stretch),

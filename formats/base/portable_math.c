@@ -130,6 +130,5 @@ double portable_log(double x) {
     for (int k = 25; k >= 3; k -= 2)
         p = p * z + 1.0 / k;
     const double rest = 2.0 * s + 2.0 * s * (z * p), n = exponent;
-    /* ln 2 in two parts, so that n times the first is exact. */
-    return n * 0x1.62e42fefap-1 + (rest + n * 0x1.cf79abc9e3b3ap-40);
+    return n * PORTABLE_LN2_HIGH + (rest + n * PORTABLE_LN2_LOW);
 }

@@ -32,7 +32,7 @@ static status check_value(double value, const double *before, const char *where)
 static status add_colour(paraview_map *p, colour_point c, const char *where) {
     const size_t n = p->colour_count;
     status st = check_value(c.value, n ? &p->colours[n - 1].value : NULL, where);
-    if (st == ST_OK && !(in_unit(&c.rgb[0]) & in_unit(&c.rgb[1]) & in_unit(&c.rgb[2])))
+    if (st == ST_OK && !(in_unit(&c.rgb[0]) && in_unit(&c.rgb[1]) && in_unit(&c.rgb[2])))
         st = status_describe(ST_CORRUPT, "%s: expected red, green and blue of 0 to 1", where);
     if (st == ST_OK)
         st = mem_grow(p->m, &p->colours, sizeof *p->colours, n, 32, &p->colour_room);
@@ -44,7 +44,7 @@ static status add_colour(paraview_map *p, colour_point c, const char *where) {
 static status add_opacity(paraview_map *p, opacity_point o, const char *where) {
     const size_t n = p->opacity_count;
     status st = check_value(o.value, n ? &p->opacities[n - 1].value : NULL, where);
-    if (st == ST_OK && !(in_unit(&o.opacity) & in_unit(&o.middle) & in_unit(&o.sharpness)))
+    if (st == ST_OK && !(in_unit(&o.opacity) && in_unit(&o.middle) && in_unit(&o.sharpness)))
         st = status_describe(ST_CORRUPT,
                              "%s: expected an opacity, a midpoint and a sharpness of 0 "
                              "to 1",
@@ -195,7 +195,7 @@ status paraview_map_read_json(paraview_map *p, byte_stream *s) {
         const char *name = json_string_value(json_object_get(map, "Name"));
         if (!json_is_object(map))
             st = status_describe(ST_CORRUPT, "%s: expected an object, or an array of them", file);
-        else if (begin_map(p, name ? name : ""))
+        else if (begin_map(p, name ? name : "") && (p->wanted || count == 1))
             st = read_json_map(p, map, file);
     }
     json_decref(root);

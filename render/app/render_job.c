@@ -10,7 +10,7 @@
 #include "render/app/legend.h"
 #include "render/app/transfer_file.h"
 
-enum { META_TEXT_MAX = 1024 };
+enum { META_TEXT_MAX = 1024, NOTES_MAX = 16 };
 
 status render_status(leafcast_status st) {
     return (status)st;
@@ -122,24 +122,15 @@ static void note_others(const render_job *job, view_options *first) {
     }
 }
 
-static bool has_medium(const view_options *v) {
-    return v->scene.project == LEAFCAST_PROJECT_NONE &&
-           (v->others_filled || medium_options_given(&v->medium));
-}
-
-static bool is_filled(const view_options *v) {
-    return v->others_filled || view_options_filled(v);
-}
-
 /* Files of what the picture does not have. */
 static status check_planes(const script_frame *frame) {
     const view_options *v = &frame->view;
-    if (frame->file[FRAME_RAW + IMAGE_ERROR][0] && !has_medium(v))
+    if (frame->file[FRAME_RAW + IMAGE_ERROR][0] && !view_options_any_medium(v))
         return status_describe(ST_USAGE, "--error-f64 is of media: --tf, --colour-map or "
                                          "--opacity V:A");
     if (frame->file[FRAME_RAW + IMAGE_VALUE][0] && v->scene.project == LEAFCAST_PROJECT_NONE)
         return status_describe(ST_USAGE, "--value-f64 is of --project");
-    if (frame->file[FRAME_TF][0] && !is_filled(v))
+    if (frame->file[FRAME_TF][0] && !view_options_any_filled(v))
         return status_describe(ST_USAGE, "--write-tf is of media and projections: --tf, "
                                          "--colour-map, --opacity V:A or --project");
     return ST_OK;
@@ -191,18 +182,18 @@ static leafcast_image planes_wanted(const render_job *job, const script_frame *f
     const bool opaque = v->scene.background[3] >= 1.0f; /* then so is every pixel */
     const bool projected = v->scene.project != LEAFCAST_PROJECT_NONE;
     float *const c = colour ? &any_float : NULL, *const n = all ? &any_float : NULL;
-    return (leafcast_image){.size = sizeof(leafcast_image),
-                            .r = c,
-                            .g = c,
-                            .b = c,
-                            .a = all || !opaque ? c : NULL,
-                            .z = all || raw[IMAGE_DEPTH] ? &any_double : NULL,
-                            .normal = {n, n, n},
-                            .id = all ? &any_id : NULL,
-                            .rgba = raw[IMAGE_RGBA] ? &any_double : NULL,
-                            .error =
-                                raw[IMAGE_ERROR] || (all && has_medium(v)) ? &any_double : NULL,
-                            .value = raw[IMAGE_VALUE] || (all && projected) ? &any_double : NULL};
+    return (leafcast_image){
+        .size = sizeof(leafcast_image),
+        .r = c,
+        .g = c,
+        .b = c,
+        .a = all || !opaque ? c : NULL,
+        .z = all || raw[IMAGE_DEPTH] ? &any_double : NULL,
+        .normal = {n, n, n},
+        .id = all ? &any_id : NULL,
+        .rgba = raw[IMAGE_RGBA] ? &any_double : NULL,
+        .error = raw[IMAGE_ERROR] || (all && view_options_any_medium(v)) ? &any_double : NULL,
+        .value = raw[IMAGE_VALUE] || (all && projected) ? &any_double : NULL};
 }
 
 /* A plane as it is wanted now: the one that is there, a new one, or NULL. *failed when there is no
@@ -304,20 +295,22 @@ static const view_options *view_of(const render_job *job, const view_options *fi
     return volume == 0 ? first : &job->also[volume - 1].view;
 }
 
-static const leafcast *volume_of(const render_job *job, int volume) {
-    return volume == 0 ? job->volume : job->also[volume - 1].volume;
-}
-
 /* What a volume of the picture is filled with. */
 static status fill_volume(render_job *job, const view_options *first, int volume) {
-    const view_options *v = view_of(job, first, volume);
+    const leafcast_shown *shown = &job->shown[volume];
+    const medium_options *medium = &view_of(job, first, volume)->medium;
     const bool projected = first->scene.project != LEAFCAST_PROJECT_NONE;
     transfer_list *t = &job->transfer[volume];
-    transfer_list_release(t);
     status st = ST_OK;
-    if (projected ? volume == 0 : medium_options_given(&v->medium))
-        st = medium_options_make(&v->medium, volume_of(job, volume), job->shown[volume].field,
-                                 v->step, projected, t);
+    if (!job->measured[volume].known || job->measured[volume].field != shown->field) {
+        job->measured[volume].known = true;
+        job->measured[volume].field = shown->field;
+        job->measured[volume].step = shown->step;
+    }
+    transfer_list_release(t);
+    if (projected ? volume == 0 : medium_options_given(medium))
+        st = medium_options_make(medium, shown->volume, shown->field, job->measured[volume].step,
+                                 projected, t);
     job->media[volume] = (leafcast_medium){t->points, (int)t->count};
     return st;
 }
@@ -325,7 +318,7 @@ static status fill_volume(render_job *job, const view_options *first, int volume
 /* The scene, with all volumes where there are several or media. */
 static status describe_scene(render_job *job, const view_options *view, leafcast_scene *scene) {
     const int volumes = job->also_count + 1;
-    const bool filled = is_filled(view);
+    const bool filled = view_options_any_filled(view);
     status st = ST_OK;
     *scene = view_options_scene(view, &job->experiments);
     if (volumes == 1 && !filled)
@@ -403,37 +396,69 @@ static bool several(const render_job *job) {
     return job->info.fields > 1 || job->info.steps > 1;
 }
 
+/* What a picture is made of, as texts. */
+typedef struct notes {
+    image_meta meta[NOTES_MAX];
+    char text[NOTES_MAX][META_TEXT_MAX]; /* those that are numbers */
+    size_t count;
+} notes;
+
+static void note_text(notes *n, const char *key, const char *text) {
+    n->meta[n->count++] = (image_meta){key, text};
+}
+
+static void note_numbers(notes *n, const char *key, const double *x, int count) {
+    char *text = n->text[n->count];
+    text[0] = 0;
+    numbers_text(text, 0, x, count);
+    note_text(n, key, text);
+}
+
+/* What fills it, as far as flags say. */
+static void note_medium(notes *n, const view_options *v) {
+    const medium_options *m = &v->medium;
+    double flat[2 * MEDIUM_OPACITIES_MAX];
+    if (m->tf[0])
+        note_text(n, "tf", m->tf);
+    if (m->colour_map[0])
+        note_text(n, "colour_map", m->colour_map);
+    if (m->windowed)
+        note_numbers(n, "window", m->window, 2);
+    if (m->opacities > 0) {
+        memcpy(flat, m->opacity, sizeof flat);
+        note_numbers(n, "opacity", flat, 2 * m->opacities);
+    }
+    if (m->opacity_length > 0.0)
+        note_numbers(n, "opacity_length", &m->opacity_length, 1);
+    if (v->scene.error > 0.0)
+        note_numbers(n, "error", &v->scene.error, 1);
+}
+
 /* What one needs to draw the picture again goes into it. */
 static status finish_picture(render_job *job, const script_frame *frame,
                              const leafcast_camera *camera, image_target *to) {
-    char isos[META_TEXT_MAX] = "", eye[META_TEXT_MAX] = "", look_at[META_TEXT_MAX] = "";
-    char up[META_TEXT_MAX] = "", fov[META_TEXT_MAX] = "", step[META_TEXT_MAX] = "";
-    const double number = job->step;
-    size_t n = 0;
-    for (int i = 0; i < frame->view.isos; i++)
-        n = numbers_text(isos, n, &frame->view.surfaces[i].isovalue, 1);
-    numbers_text(eye, 0, camera->eye, 3);
-    numbers_text(look_at, 0, camera->look_at, 3);
-    numbers_text(up, 0, camera->up, 3);
-    numbers_text(fov, 0, &camera->fov, 1);
-    numbers_text(step, 0, &number, 1);
+    notes n = {.count = 0};
+    double isos[LEAFCAST_SURFACES_MAX];
+    const double step = job->step;
     const char *slash = strrchr(job->source, '/');
-    const image_meta meta[] = {{"volume", slash ? slash + 1 : job->source},
-                               {"isovalues", isos},
-                               {"eye", eye},
-                               {"look_at", look_at},
-                               {"up", up},
-                               {"fov", fov},
-                               {"field", leafcast_field_name(job->volume, job->field)},
-                               {"step", step}};
-    const picture p = {
-        .width = job->width,
-        .height = job->height,
-        .image = &job->image,
-        .meta = meta,
-        /* The last two only where there is more than one. */
-        .meta_count = sizeof meta / sizeof *meta - (several(job) ? 0 : 2),
-    };
+    for (int i = 0; i < frame->view.isos; i++)
+        isos[i] = frame->view.surfaces[i].isovalue;
+    note_text(&n, "volume", slash ? slash + 1 : job->source);
+    note_numbers(&n, "isovalues", isos, frame->view.isos);
+    note_numbers(&n, "eye", camera->eye, 3);
+    note_numbers(&n, "look_at", camera->look_at, 3);
+    note_numbers(&n, "up", camera->up, 3);
+    note_numbers(&n, "fov", &camera->fov, 1);
+    if (several(job)) {
+        note_text(&n, "field", leafcast_field_name(job->volume, job->field));
+        note_numbers(&n, "step", &step, 1);
+    }
+    note_medium(&n, &frame->view);
+    const picture p = {.width = job->width,
+                       .height = job->height,
+                       .image = &job->image,
+                       .meta = n.meta,
+                       .meta_count = n.count};
     return image_out_finish(to, &p);
 }
 

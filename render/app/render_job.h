@@ -26,6 +26,12 @@ typedef struct render_job {
     leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
     transfer_list transfer[LEAFCAST_VOLUMES_MAX]; /* of the picture's volumes; none: no medium */
     leafcast_medium media[LEAFCAST_VOLUMES_MAX];  /* these */
+    /* Whose values presets and windows go by: a run's first picture of this field has set the step,
+     * so that colours mean the same at every step. */
+    struct {
+        bool known;
+        uint32_t field, step;
+    } measured[LEAFCAST_VOLUMES_MAX];
     leafcast_scene_experiments experiments;
     leafcast_info info;
     leafcast_camera fitted; /* to the first picture; width 0: to none yet */

@@ -268,7 +268,7 @@ static bool say_absent(const render_options *o, const render_job *job, const vie
 static void say_empty(render_options *o, const render_job *job, const view_options *view,
                       const leafcast_stats *t) {
     const bool any = say_absent(o, job, view);
-    if (t->covered_pixels > 0 || view_options_filled(view) || view->others_filled)
+    if (t->covered_pixels > 0 || view_options_any_filled(view))
         return;
     o->empty++;
     if (any)

@@ -519,13 +519,16 @@ static bool has_surfaces(const view_options *v) {
     return v->isos > 0 || v->others_surfaces;
 }
 
-static bool has_medium(const view_options *v) {
-    return v->scene.project == LEAFCAST_PROJECT_NONE &&
-           (v->others_filled || medium_options_given(&v->medium));
+bool view_options_filled(const view_options *v) {
+    return v->scene.project != LEAFCAST_PROJECT_NONE || medium_options_given(&v->medium);
 }
 
-static bool is_filled(const view_options *v) {
+bool view_options_any_filled(const view_options *v) {
     return v->others_filled || view_options_filled(v);
+}
+
+bool view_options_any_medium(const view_options *v) {
+    return v->scene.project == LEAFCAST_PROJECT_NONE && view_options_any_filled(v);
 }
 
 static bool shows_no_surface(const view_options *v) {
@@ -540,8 +543,9 @@ typedef struct flag_need {
 
 static const flag_need NEEDS[] = {
     {MEDIUM_PROJECT, shows_no_surface, "--project shows one value a pixel: without --iso"},
-    {MEDIUM_ERROR, has_medium, "--error is of media: --tf, --colour-map or --opacity V:A"},
-    {MEDIUM_LEGEND, is_filled,
+    {MEDIUM_ERROR, view_options_any_medium,
+     "--error is of media: --tf, --colour-map or --opacity V:A"},
+    {MEDIUM_LEGEND, view_options_any_filled,
      "--legend is of media and projections: --tf, --colour-map, --opacity V:A or --project"},
     {SHADING, has_surfaces, "--shading: there is no surface without --iso"},
     {NORMALS, has_surfaces, "--normals: there is no surface without --iso"},
@@ -617,10 +621,6 @@ status view_options_check_volume(const view_options *v, const leafcast *volume) 
     if (strcmp(info.kind, "mesh") == 0)
         return check_flags(v, MESH_NEEDS, sizeof MESH_NEEDS / sizeof *MESH_NEEDS);
     return ST_OK;
-}
-
-bool view_options_filled(const view_options *v) {
-    return v->scene.project != LEAFCAST_PROJECT_NONE || medium_options_given(&v->medium);
 }
 
 status view_options_check(view_options *v) {

@@ -81,6 +81,11 @@ bool view_options_transparent(const view_options *v);
  * without any. */
 bool view_options_filled(const view_options *v);
 
+/* view_options_any_filled(), view_options_any_medium() - likewise of all volumes in the picture;
+ * the second: a medium is seen. */
+bool view_options_any_filled(const view_options *v);
+bool view_options_any_medium(const view_options *v);
+
 /* view_options_check() - what must hold over all flags: at least one isovalue, unless the volume is
  * filled, no more colours or
  * opacities than isovalues, no flag that would change nothing. */

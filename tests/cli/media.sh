@@ -51,6 +51,16 @@ ok "is in the picture" [ "$(cmp -l "$tmp/legend.ppm" "$tmp/none.ppm" | wc -l)" -
 ok "not in raw colours" cmp "$tmp/with" "$tmp/without"
 exits "of several pictures" 0 draw --tf auto --turntable 2 --write-tf "$tmp/turn.tf" --error-f64 "$tmp/turn"
 ok "each has its own" [ -s "$tmp/turn_0001.tf" -a -s "$tmp/turn_0001" ]
+"$leafcast" generate noise --seed 1 --tets --dims 7 -o "$tmp/m_0000.mesh" -q
+"$leafcast" generate noise --seed 2 --tets --dims 7 -o "$tmp/m_0001.mesh" -q
+"$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" -o "$tmp/m.leaf" -q
+exits "time steps" 0 "$leafcast" render "$tmp/m.leaf" --colour-map plasma --steps 0:1 --size 8x8 -q --write-tf "$tmp/s.tf"
+ok "share the first one's colours" cmp "$tmp/s_0000.tf" "$tmp/s_0001.tf"
+exits "the second alone" 0 "$leafcast" render "$tmp/m.leaf" --colour-map plasma --step 1 --size 8x8 -q --write-tf "$tmp/s1.tf"
+ok "has its own" [ "$(cksum <"$tmp/s1.tf")" != "$(cksum <"$tmp/s_0001.tf")" ]
+exits "a PNG" 0 draw --tf auto --window 3,30 --colour-map magma --error 1/100 -o "$tmp/a.png"
+ok "says what it was made with" [ "$(grep -aoc 'leafcast:\(tf\|colour_map\|window\|error\)' "$tmp/a.png")" -ge 1 -a \
+    "$(grep -ao 'leafcast:\(tf\|colour_map\|window\|error\)' "$tmp/a.png" | sort -u | wc -l)" = 4 ]
 exits "a second volume's medium" 0 draw --iso 40 --and "$tmp/v.leaf" --tf auto -o "$tmp/and.ppm"
 if draw --tf auto -o "$tmp/a.exr" 2>/dev/null; then
     ok "EXR says the error" grep -aq error "$tmp/a.exr"
