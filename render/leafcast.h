@@ -549,8 +549,8 @@ LEAFCAST_API leafcast_status leafcast_probe_point(leafcast *volume, const double
                                                   leafcast_sample *sample);
 
 /* leafcast_sample_points() - the same of count points. By all threads of the device, within its
- * budget. A treelet is read once, whatever the order of the points, and only where there are some.
- */
+ * budget. Treelets are read where there are points, and once, whatever the order of these: more
+ * often only where memory is scarce, so that points (12 bytes each) or treelets must wait. */
 LEAFCAST_API leafcast_status leafcast_sample_points(leafcast *volume, const double (*points)[3],
                                                     size_t count, leafcast_sample *samples);
 

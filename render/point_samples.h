@@ -6,7 +6,8 @@
  * the budget has slots for; all points that wait for those that have come are sampled by all
  * threads, while further ones are read. A point that is not in its treelet goes on to the list of
  * its next one, which lies behind. So treelets without points are not read, and those with points
- * once, unless so few slots remain that a point comes too late. What is found depends on the point
+ * once, but where a point comes to a treelet that has given way already, or where there is not room
+ * for all points at a time: they are taken in chunks then. What is found depends on the point
  * alone.
  */
 #ifndef RENDER_POINT_SAMPLES_H

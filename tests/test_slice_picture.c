@@ -24,13 +24,34 @@ static void fill(const slice_look *look) {
     slice_picture_fill(look, value, WIDTH, HEIGHT, &out);
 }
 
+/* From black at lo to white at hi. */
+static slice_look grey_look(double lo, double hi) {
+    static leafcast_transfer_point greys[256];
+    const size_t count = sizeof greys / sizeof *greys;
+    for (size_t i = 0; i < count; i++) {
+        const double share = (double)i / (double)(count - 1);
+        const float grey = (float)picture_linear(share);
+        greys[i] = (leafcast_transfer_point){.value = (1 - share) * lo + share * hi,
+                                             .rgb = {grey, grey, grey}};
+    }
+    return (slice_look){.colours = {.points = greys, .count = count}};
+}
+
+static slice_look line_look(const double *isovalues, int isos) {
+    slice_look look = grey_look(1e8, 2e8);
+    look.isovalues = isovalues;
+    look.isos = isos;
+    look.line[0] = look.line[1] = look.line[2] = 1;
+    return look;
+}
+
 static void test_greys(void **state) {
     static byte_table bytes;
     (void)state;
     picture_bytes_init(&bytes);
     for (int i = 0; i < PIXELS; i++)
         value[i] = i % 7 == 0 ? (double)NAN : i % 300 - 20;
-    const slice_look look = {.window = {0, 255}};
+    const slice_look look = grey_look(0, 255);
     fill(&look);
     for (int i = 0; i < PIXELS; i++) {
         const bool none = isnan(value[i]);
@@ -50,8 +71,7 @@ static void test_straight_lines(void **state) {
         double along = 0.0;
         for (int i = 0; i < PIXELS; i++)
             value[i] = (i % WIDTH) * x + (i / WIDTH) * y;
-        const slice_look look = {
-            .window = {1e8, 2e8}, .isovalues = &iso, .isos = 1, .line = {1, 1, 1}};
+        const slice_look look = line_look(&iso, 1);
         fill(&look);
         /* Across the line, in whole rows or columns. */
         const bool rows = steps[0] > steps[1];
@@ -98,7 +118,7 @@ static void check_lines(const double *isos, int count) {
 static void test_no_gap(void **state) {
     (void)state;
     const double isos[] = {0.0, 0.81};
-    const slice_look look = {.window = {1e8, 2e8}, .isovalues = isos, .isos = 2, .line = {1, 1, 1}};
+    const slice_look look = line_look(isos, 2);
     field_random r = {3};
     for (int kind = 0; kind < 3; kind++) {
         for (int i = 0; i < PIXELS; i++) {

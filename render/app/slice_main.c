@@ -14,6 +14,8 @@
 #include "formats/base/printed_file.h"
 #include "render/app/colour.h"
 #include "render/app/image_out.h"
+#include "render/app/legend.h"
+#include "render/app/medium_options.h"
 #include "render/app/render_job.h"
 #include "render/app/slice_options.h"
 #include "render/app/slice_picture.h"
@@ -25,7 +27,8 @@ typedef struct slice_run {
     slice_options place;
     slice_look look;
     double isovalues[ISOS_MAX];
-    bool window; /* was given */
+    medium_options medium; /* its colours */
+    bool legend;
     const char *field, *format, *values, *stats_path;
     uint32_t step, field_number;
     mem m;
@@ -40,15 +43,23 @@ typedef struct slice_run {
 
 /* ---- Flags ---- */
 
-enum { FIELD = 0x3000, STEP, WINDOW, ISO, COLOR, COLOUR, FORMAT, VALUES, STATS };
+enum { FIELD = 0x3000, STEP, ISO, COLOR, COLOUR, FORMAT, VALUES, STATS };
 
 static const struct argp_option OPTIONS[] = {
     {"field", FIELD, "NAME", 0,
      "volumes with several fields: this one, by name or number (the first)", 2},
     {"step", STEP, "K", 0, "volumes with time steps: this one, counted from 0 (0)", 2},
     {NULL, 0, NULL, 0, "The picture:", 3},
-    {"window", WINDOW, "LO,HI", CLI_BASIC,
-     "the values that are black and white (the least and the largest of the field)", 0},
+    {"colour-map", MEDIUM_COLOUR_MAP, "NAME", CLI_BASIC,
+     "grey, viridis, plasma, inferno, magma, cool-warm, rainbow or a file of --tf's (of several "
+     "maps in it FILE#NAME) (grey)",
+     0},
+    {"color-map", MEDIUM_COLOUR_MAP, NULL, OPTION_ALIAS, NULL, 0},
+    {"tf", MEDIUM_TF, "FILE", 0,
+     "the colours of a transfer function: auto, ct, mr or a file, as render takes it", 0},
+    {"window", MEDIUM_WINDOW, "LO,HI", CLI_BASIC,
+     "the values of the map's first and last colour (the field's range)", 0},
+    {"legend", MEDIUM_LEGEND, NULL, 0, "draw a bar of the colours with their values", 0},
     {"iso", ISO, "V[,V...]", CLI_BASIC, "an isoline of each value, on top. Repeatable", 0},
     {"color", COLOR, "COLOR", 0, "of the isolines: red, R,G,B (linear) or #rrggbb (sRGB)", 0},
     {"colour", COLOUR, "COLOR", OPTION_ALIAS, NULL, 0},
@@ -71,13 +82,9 @@ static status add_isovalues(slice_run *o, const char *text) {
     return st;
 }
 
-static status set_window(slice_run *o, const char *text) {
-    const status st = cli_vector(text, "--window", 2, o->look.window);
-    if (st == ST_OK && !(o->look.window[0] < o->look.window[1]))
-        return status_describe(ST_USAGE, "--window: \"%s\" is not LO,HI, the lower value first",
-                               text);
-    o->window = true;
-    return st;
+static status set_colours(slice_run *o, int key, const char *text) {
+    const status st = medium_options_set(&o->medium, key, text);
+    return st == ST_AGAIN ? slice_options_set(&o->place, key, text) : st;
 }
 
 static status set_option(void *own, int key, const char *text) {
@@ -85,14 +92,14 @@ static status set_option(void *own, int key, const char *text) {
     switch (key) {
     case FIELD: o->field = text; return ST_OK;
     case STEP: return cli_uint(text, "--step", 0, UINT16_MAX, &o->step);
-    case WINDOW: return set_window(o, text);
+    case MEDIUM_LEGEND: o->legend = true; return ST_OK;
     case ISO: return add_isovalues(o, text);
     case COLOR:
     case COLOUR: return colour_parse(text, "--color", o->look.line, NULL);
     case FORMAT: o->format = text; return ST_OK;
     case VALUES: o->values = text; return ST_OK;
     case STATS: o->stats_path = text; return ST_OK;
-    default: return slice_options_set(&o->place, key, text);
+    default: return set_colours(o, key, text);
     }
 }
 
@@ -106,14 +113,22 @@ static status check_picture(const slice_run *o) {
         int key;
         const char *name;
     } of_pictures[] = {
-        {WINDOW, "--window"}, {ISO, "--iso"}, {COLOR, "--color"}, {FORMAT, "--format"}};
-    for (int i = 0; i < 4 && !o->common.output; i++)
+        {MEDIUM_COLOUR_MAP, "--colour-map"},
+        {MEDIUM_TF, "--tf"},
+        {MEDIUM_WINDOW, "--window"},
+        {MEDIUM_LEGEND, "--legend"},
+        {ISO, "--iso"},
+        {COLOR, "--color"},
+        {COLOUR, "--colour"},
+        {FORMAT, "--format"},
+    };
+    for (size_t i = 0; i < sizeof of_pictures / sizeof *of_pictures && !o->common.output; i++)
         if (cli_given(&o->common, of_pictures[i].key))
             return status_describe(ST_USAGE, "%s is for a picture: -o", of_pictures[i].name);
     const bool colour = cli_given(&o->common, COLOR) || cli_given(&o->common, COLOUR);
     if (colour && o->look.isos == 0)
         return status_describe(ST_USAGE, "--color is for isolines: --iso V");
-    return ST_OK;
+    return medium_options_check(&o->medium, true);
 }
 
 static status check_options(void *own) {
@@ -165,8 +180,11 @@ static void set_values(const slice_run *o, json_t *root) {
     json_object_set_new(root, "pixels", json_integer(seen));
     json_object_set_new(root, "least", cli_json_real(least));
     json_object_set_new(root, "most", cli_json_real(most));
-    if (o->common.output)
-        json_object_set_new(root, "window", reals(o->look.window, 2));
+    double window[2];
+    if (!o->common.output)
+        return;
+    medium_options_window(&o->medium, &o->look.colours, window);
+    json_object_set_new(root, "window", reals(window, 2));
 }
 
 static void set_set(const slice_run *o, json_t *root) {
@@ -250,18 +268,6 @@ static status check_outputs(slice_run *o) {
     return st;
 }
 
-/* The window is the field's range, unless it was said. */
-static status choose_window(slice_run *o) {
-    double range[2];
-    if (o->window)
-        return ST_OK;
-    const status st = render_status(leafcast_range(o->volume, o->field_number, o->step, range));
-    const bool any = range[0] < range[1];
-    o->look.window[0] = any ? range[0] : 0.0;
-    o->look.window[1] = any ? range[1] : 1.0;
-    return st;
-}
-
 static status open_volume(slice_run *o) {
     const leafcast_options options = {
         .size = sizeof options, .memory = o->common.memory, .threads = o->common.threads};
@@ -270,8 +276,9 @@ static status open_volume(slice_run *o) {
         st = render_status(leafcast_find_field(o->volume, o->field, &o->field_number));
     if (st == ST_OK)
         st = render_status(leafcast_select_set(o->volume, o->field_number, o->step));
-    if (st == ST_OK)
-        st = choose_window(o);
+    if (st == ST_OK && o->common.output)
+        st = medium_options_make(&o->medium, o->volume, o->field_number, o->step, true,
+                                 &o->look.colours);
     return st == ST_OK ? slice_options_place(&o->place, o->volume) : st;
 }
 
@@ -286,6 +293,7 @@ static status make_planes(slice_run *o) {
     const size_t pixels = pixels_of(o);
     o->value = mem_alloc(&o->m, pixels * sizeof *o->value);
     bool failed = !o->value;
+    o->image.value = o->value;
     o->image.size = sizeof o->image;
     for (int i = 0; i < 4 && o->common.output; i++) {
         *planes[i] = mem_alloc(&o->m, pixels * sizeof **planes[i]);
@@ -303,9 +311,8 @@ static bool report(void *ctx, double done) {
 }
 
 static status write_values(slice_run *o, image_target *to) {
-    const leafcast_image values = {.size = sizeof values, .value = o->value};
     const picture p = {
-        .width = o->place.slice.width, .height = o->place.slice.height, .image = &values};
+        .width = o->place.slice.width, .height = o->place.slice.height, .image = &o->image};
     return image_out_finish(to, &p);
 }
 
@@ -322,13 +329,15 @@ static void numbers(char text[256], const double *x, int count) {
 static status write_picture(slice_run *o, image_target *to) {
     const leafcast_slice_pixels *s = &o->place.slice;
     const char *slash = strrchr(o->common.input, '/');
-    char origin[256], u[256], v[256], window[256];
+    char origin[256], u[256], v[256], range[256];
+    double window[2];
+    medium_options_window(&o->medium, &o->look.colours, window);
     numbers(origin, s->origin, 3);
     numbers(u, s->u, 3);
     numbers(v, s->v, 3);
-    numbers(window, o->look.window, 2);
+    numbers(range, window, 2);
     const image_meta meta[] = {{"volume", slash ? slash + 1 : o->common.input},
-                               {"window", window},
+                               {"window", range},
                                {"v", v},
                                {"origin", origin},
                                {"u", u}};
@@ -339,6 +348,8 @@ static status write_picture(slice_run *o, image_target *to) {
                        .meta_count = s->line_count > 0 ? 3 : 5};
     o->look.isovalues = o->isovalues;
     slice_picture_fill(&o->look, o->value, s->width, s->height, &o->image);
+    if (o->legend)
+        legend_draw(&o->image, s->width, s->height, &o->look.colours, window);
     return image_out_finish(to, &p);
 }
 
@@ -408,6 +419,7 @@ static void release(slice_run *o) {
     mem_free(&o->m, o->image.a);
     leafcast_close(o->volume);
     slice_options_release(&o->place);
+    transfer_list_release(&o->look.colours);
 }
 
 /* The place's rows, then the verb's own. */
@@ -434,7 +446,7 @@ int main(int argc, char **argv) {
                "there is no data, the picture is transparent. Across x and y, z goes up; across "
                "z, y does."};
     mem_init(&o.m, 0);
-    o.place.m = &o.m;
+    o.place.m = o.look.colours.m = &o.m;
     cli_parse(&verb, &o.common, argc, argv);
     const progress *watch = cli_progress(&o.common);
     o.out_options = (image_out_options){.force = o.common.force,

@@ -3,8 +3,6 @@
 #include <math.h>
 #include <stdbool.h>
 
-#include "render/picture_bytes.h"
-
 /* Of a line, in pixels; and how far away it may have its other side. */
 static const double HALF_WIDTH = 0.75;
 enum { REACH = 2 };
@@ -57,12 +55,6 @@ static double coverage(const slice_look *look, const plane *p, uint32_t x, uint3
     return most;
 }
 
-/* In linear light: a screen shows evenly spread greys. */
-static double grey_of(const slice_look *look, double value) {
-    const double share = (value - look->window[0]) / (look->window[1] - look->window[0]);
-    return picture_linear(fmin(fmax(share, 0.0), 1.0));
-}
-
 static void fill_pixel(const slice_look *look, const plane *p, uint32_t x, uint32_t y,
                        const leafcast_image *out) {
     const size_t i = (size_t)y * p->width + x;
@@ -73,9 +65,10 @@ static void fill_pixel(const slice_look *look, const plane *p, uint32_t x, uint3
         rgb[c][i] = 0.0f;
     if (isnan(value))
         return;
-    const double line = coverage(look, p, x, y), grey = grey_of(look, value);
+    const double line = coverage(look, p, x, y);
+    const leafcast_transfer_point colour = transfer_list_at(&look->colours, value, true);
     for (int c = 0; c < 3; c++)
-        rgb[c][i] = (float)((1.0 - line) * grey + line * (double)look->line[c]);
+        rgb[c][i] = (float)((1.0 - line) * (double)colour.rgb[c] + line * (double)look->line[c]);
 }
 
 void slice_picture_fill(const slice_look *look, const double *value, uint32_t width,

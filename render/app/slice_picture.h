@@ -1,18 +1,17 @@
 /* slice_picture.h - values of a slice as colours.
  *
- * A value's colour is that of its place in the window; what is below or above has the colour of the
- * window's end. Where there is no value (NaN) the picture is transparent. Isolines are 1.5 pixels
- * wide and antialiased: a pixel's distance to one is the value's distance to the isovalue by its
+ * Where there is no value (NaN) the picture is transparent. Isolines are 1.5 pixels wide and
+ * antialiased: a pixel's distance to one is the value's distance to the isovalue by its
  * gradient in the picture, which is taken from the neighbouring pixels. A line has no gap: of two
  * neighbours on both sides of an isovalue one is at most half a pixel away by this.
  */
 #ifndef RENDER_APP_SLICE_PICTURE_H
 #define RENDER_APP_SLICE_PICTURE_H
 
-#include "render/leafcast.h"
+#include "render/app/transfer_list.h"
 
 typedef struct slice_look {
-    double window[2]; /* values of the first colour and the last one; [0] < [1] */
+    transfer_list colours; /* of values; their extinctions do not matter */
     const double *isovalues;
     int isos;
     float line[3]; /* the isolines' colour, linear */

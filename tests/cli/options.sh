@@ -344,6 +344,10 @@ slice|--level|output|@g.leaf --format ppm --size 9x8|--level 1
 slice|--field|refused no field|@m.leaf --json|--field none
 slice|--step|output|@m.leaf --format ppm|--step 1
 slice|--window|output|@g.leaf --format ppm|--window 50,200
+slice|--colour-map|output|@g.leaf --format ppm|--colour-map viridis
+slice|--color-map|output|@g.leaf --format ppm|--color-map viridis
+slice|--tf|output|@g.leaf --format ppm|--tf auto
+slice|--legend|output|@g.leaf --format ppm --size 200x200|--legend
 slice|--iso|output|@g.leaf --format ppm|--iso 120
 slice|--color|output|@g.leaf --format ppm --iso 120|--color red
 slice|--colour|output|@g.leaf --format ppm --iso 120|--colour red

@@ -64,6 +64,11 @@ exits "a grey picture" 0 "$leafcast" slice "$leaf" --axis z --index 0 --nearest 
 ok "shows the values" bytes "$tmp/p.ppm" 'all(p[y][x] == 3 * (x + 2 * (39 - y),) for x in range(50) for y in range(40))'
 exits "in the window of the field" 0 "$leafcast" slice "$leaf" --size 50x40 -o "$tmp/q.ppm" --json
 ok "which is told" json 'j["window"] == [0, 243]'
+exits "a colour map" 0 "$leafcast" slice "$leaf" --axis z --index 0 --nearest --size 50x40 --window 0,127 --colour-map viridis -o "$tmp/m.ppm"
+ok "from its first colour to its last" bytes "$tmp/m.ppm" 'p[39][0] == (0x44, 1, 0x54) and p[0][49] == (0xfd, 0xe7, 0x25)'
+exits "a transfer function" 0 sh -c 'printf "0 1 0 0 0\n60 1 0 0 9\n60 0 0 1 9\n99 0 0 1 9\n" >"$1/two.tf"' sh "$tmp"
+exits "gives its colours" 0 "$leafcast" slice "$leaf" --axis z --index 0 --nearest --size 50x40 --tf "$tmp/two.tf" -o "$tmp/t.ppm"
+ok "with its step" bytes "$tmp/t.ppm" 'all(p[y][x] == ((255, 0, 0) if x + 2 * (39 - y) < 60 else (0, 0, 255)) for x in range(50) for y in range(40))'
 exits "an isoline" 0 "$leafcast" slice "$leaf" --axis z --index 0 --nearest --size 50x40 --window 0,255 --iso 60 --color 0,0,1 -o "$tmp/i.ppm"
 ok "where it should be" bytes "$tmp/i.ppm" 'p[9][0] == (0, 0, 255) and p[0][0][0] == 78 and p[39][49][2] == 49'
 exits "a picture of a part" 0 "$leafcast" slice "$leaf" --origin -10,5,-3 --u 40,0,0 --v 0,10,0 --size 40x10 -o "$tmp/a.png"
@@ -88,10 +93,22 @@ exits "converted" 0 "$leafcast" convert "$tmp/hole.raw" --dims 3,3,3 --type f32 
 exits "is no data" 0 "$leafcast" slice "$tmp/hole.leaf" --at 0.5 --size 2x2 $f64
 ok "in its cells" values "$tmp/z.f64" 'nan(at(0, 1)) and nan(at(1, 1)) and at(0, 0) == at(1, 0) == 1'
 
-exits "a mesh" 0 "$leafcast" generate sphere --tets --dims 9 --steps 2 --deform 0.3 -o "$tmp/m.mesh" -q
+exits "a mesh" 0 "$leafcast" generate buckyball --tets --dims 11 --steps 4 --deform 0.4 -o "$tmp/m.mesh" -q
 exits "converted" 0 "$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" -o "$tmp/m.leaf" -q
 exits "sliced" 0 "$leafcast" slice "$tmp/m.leaf" --step 1 $f64 -o "$tmp/m.png"
 ok "its step is told" json 'j["step"] == 1 and min(j["size"]) > 400'
+exits "a moved mesh by itself" 0 "$leafcast" convert "$tmp/m_0001.mesh" -o "$tmp/m1.leaf" -q
+part="--origin 1,1,3 --u 6,0,1 --v 0,6,1 --size 40x30 --json --force"
+exits "sliced" 0 "$leafcast" slice "$tmp/m1.leaf" $part --value-f64 "$tmp/one.f64"
+exits "as a step of both" 0 "$leafcast" slice "$tmp/m.leaf" $part --step 1 --value-f64 "$tmp/two.f64"
+exits "as the other step" 0 "$leafcast" slice "$tmp/m.leaf" $part --step 0 --value-f64 "$tmp/zero.f64"
+near() { python3 -c 'import array, math, sys
+a, b = (array.array("d", open(f, "rb").read()) for f in sys.argv[1:])
+same = [x == y or abs(x - y) < 1e-6 or math.isnan(x) and math.isnan(y) for x, y in zip(a, b)]
+sys.exit(len(a) != 1200 or sum(same) < 1190)' "$tmp/$1" "$tmp/$2"; }
+ok "has the same values" near one.f64 two.f64
+not_near() { ! near "$@"; }
+ok "not those of the other step" not_near one.f64 zero.f64
 exits "has no layers" 2 "$leafcast" slice "$tmp/m.leaf" --index 1 --json
 
 for wrong in "" "$leaf" "$leaf --at 1" "$leaf --json --at 1 --index 2" "$leaf --json --at 999" "$leaf --json --index 50" \
