@@ -22,7 +22,7 @@ typedef struct easel {
     _Alignas(64) tile_outcome todo;
     ray_company *rays;
     char *records; /* WORK_BATCH */
-    segment_batch *pieces;
+    ray_pieces *pieces;
 } easel;
 _Static_assert((int)WORK_BATCH == (int)RAY_BATCH, "an item's rays go on together");
 
@@ -71,7 +71,7 @@ static size_t batch_scratch(const frame *f) {
 }
 
 static size_t pieces_bytes(const frame *f) {
-    return f->integrator->take ? segment_batch_bytes() + up_to_64(f->integrator->take_scratch) : 0;
+    return f->integrator->take ? ray_pieces_bytes(f->integrator) : 0;
 }
 
 size_t frame_scratch_bytes(const frame *f) {
@@ -89,7 +89,7 @@ static easel *easel_of(const frame *f, int worker) {
     e->todo.scratch = shared;
     e->rays = (ray_company *)shared;
     e->records = shared + sizeof *e->rays;
-    e->pieces = (segment_batch *)(shared + shared_scratch(f));
+    e->pieces = (ray_pieces *)(shared + shared_scratch(f));
     return e;
 }
 

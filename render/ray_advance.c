@@ -47,20 +47,18 @@ static void go_on(const frame *f, ray_company *c, unsigned i, trace_result resul
     c->asks[i] = f->integrator->ask(f, r, &c->question[i], counters);
 }
 
-/* What take() is told. */
-typedef struct walkers {
-    const frame *f;
-    void *scratch;
-    ray_record *record[RAY_BATCH];
-} walkers;
+size_t ray_pieces_bytes(const integrator *by) {
+    return (sizeof(ray_pieces) + by->take_scratch + 63) / 64 * 64;
+}
 
 static void take(void *ctx, segment_batch *b) {
-    const walkers *w = ctx;
-    w->f->integrator->take(w->f, w->record, &b->columns, b->stop, w->scratch);
+    ray_pieces *p = ctx;
+    p->f->integrator->take(p->f, p->record, &b->columns, b->stop, p->scratch);
 }
 
 /* Of those whose turn it is, all that ask for pieces. */
-static void gather_walkers(ray_company *c, unsigned first, segment_batch *b, walkers *w) {
+static void gather_walkers(ray_company *c, unsigned first, ray_pieces *p) {
+    segment_batch *b = &p->batch;
     const tracer *tr = c->question[first].tracer;
     const uint32_t turn = turn_of(c->record[first]);
     b->count = 0;
@@ -71,18 +69,19 @@ static void gather_walkers(ray_company *c, unsigned first, segment_batch *b, wal
         b->rays[b->count] = q->ray;
         b->state[b->count] = q->walk;
         b->kept[b->count] = q->kept;
-        w->record[b->count] = c->record[i];
+        p->record[b->count] = c->record[i];
         c->asked[b->count++] = (uint8_t)i;
     }
 }
 
 /* All pieces of all these. */
-static void walk_together(const frame *f, ray_company *c, unsigned first, segment_batch *b,
+static void walk_together(const frame *f, ray_company *c, unsigned first, ray_pieces *p,
                           void *scratch, ray_counters *counters) {
-    walkers w = {.f = f, .scratch = (char *)b + segment_batch_bytes()};
-    gather_walkers(c, first, b, &w);
+    segment_batch *b = &p->batch;
+    p->f = f;
+    gather_walkers(c, first, p);
     b->take = take;
-    b->ctx = &w;
+    b->ctx = p;
     segment_batch_walk(c->question[first].tracer, f->kernels, b, scratch, counters);
     for (unsigned k = 0; k < b->count; k++)
         go_on(f, c, c->asked[k],
@@ -114,7 +113,7 @@ static void climb_one_by_one(const frame *f, ray_company *c, unsigned first,
     }
 }
 
-void ray_advance(const frame *f, ray_company *c, ray_batch *b, segment_batch *pieces, void *scratch,
+void ray_advance(const frame *f, ray_company *c, ray_batch *b, ray_pieces *pieces, void *scratch,
                  ray_counters *counters) {
     for (unsigned i = 0; i < c->count; i++) {
         c->blocked[i] = false;

@@ -18,11 +18,21 @@ typedef struct ray_company {
     uint8_t asked[RAY_BATCH]; /* those that are asked together, by number */
 } ray_company;
 
+/* Room for what integrator.take() is given. */
+typedef struct ray_pieces {
+    segment_batch batch;
+    const frame *f;
+    ray_record *record[RAY_BATCH];
+    _Alignas(64) char scratch[]; /* integrator.take_scratch bytes */
+} ray_pieces;
+
+/* ray_pieces_bytes() - of one, a multiple of 64. */
+size_t ray_pieces_bytes(const integrator *by);
+
 /* ray_advance() - all rays go on until their pixels are written or they are blocked; also those
- * that were blocked. *b, *pieces and scratch: room, see ray_batch.h, segment_batch.h; *pieces,
- * behind which is what integrator.take() needs, may be NULL for an integrator that asks for none.
- */
-void ray_advance(const frame *f, ray_company *c, ray_batch *b, segment_batch *pieces, void *scratch,
+ * that were blocked. *b, *pieces and scratch: room, see ray_batch.h; pieces may be NULL for an
+ * integrator that asks for none. */
+void ray_advance(const frame *f, ray_company *c, ray_batch *b, ray_pieces *pieces, void *scratch,
                  ray_counters *counters);
 
 #endif

@@ -37,11 +37,6 @@ typedef struct segment_batch {
 
 enum { SEGMENTS_KEPT = 4 };
 
-/* segment_batch_bytes() - of one; a multiple of 64. */
-static inline size_t segment_batch_bytes(void) {
-    return (sizeof(segment_batch) + 63) / 64 * 64;
-}
-
 /* segment_batch_fn - a kind's kernel: all rays of *b. scratch: kind.batch_scratch bytes of the
  * caller's, 64-byte aligned, whatever is in them. */
 typedef void (*segment_batch_fn)(const tracer *tr, segment_batch *b, void *scratch,
