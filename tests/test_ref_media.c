@@ -289,7 +289,7 @@ static void check_ray(const field *f, const ref_volume *v, int kind, field_rando
     assert_alike(&c, &other, 2e-14L);
     for (int a = 0; a < 3; a++)
         assert_true(c.rgb[a] >= 0 && c.rgb[a] <= 1 - c.transmittance + 1e-15L);
-    if (is_tame(hostile_transfer_name(kind)) && field_random_below(r, 10) == 0) {
+    if (is_tame(hostile_transfer_name(kind)) && field_random_below(r, 30) == 0) {
         const ref_colour plain = by_steps(of, 2, 0, 3 * (real)diagonal(v), 100000);
         assert_alike(&c, &plain, 2e-3L);
     }
@@ -303,7 +303,7 @@ static void test_two_rules(void **state) {
         assert_true(field_make(&f, field_name(i), 9, FIELD_SEED));
         const ref_volume v = field_volume(&f);
         for (int kind = 0; kind < hostile_transfer_kinds(); kind++)
-            for (int n = 0; n < 6; n++)
+            for (int n = 0; n < 3; n++)
                 check_ray(&f, &v, kind, &r);
         field_release(&f);
     }

@@ -467,7 +467,7 @@ void medium_lab_draw(const medium_job *job, medium_tally *sum) {
 static real value_slack(const shot *s, const ref_ray *ray) {
     const medium_body *b = s->job->body;
     const leafcast_info info = leafcast_describe(b->volume);
-    double far = b->range.length, narrow = b->range.length;
+    double far = b->range.length, narrow = INFINITY;
     for (int a = 0; a < 3; a++) {
         far = fmax(far, fabs(ray->o[a]) + fabs(info.bounds[0][a]) + fabs(info.bounds[1][a]));
         const long cells = b->mesh.tet_count > 0 ? CUBES : b->field.dims[a] - 1;
