@@ -524,6 +524,12 @@ static void test_places(void **state) {
     first.clip_planes[0][3] = -11.0;
     look_along(v, &first, false, is);
     assert_true(is[0] == 200.0 && is[1] == 13.0);
+    first = scene_of(3, 200.0); /* it is reached where the way ends */
+    first.clip_box = true;
+    memcpy(first.clip_min, (double[3]){-9, -9, -9}, sizeof first.clip_min);
+    memcpy(first.clip_max, (double[3]){8, 9, 9}, sizeof first.clip_max);
+    look_along(v, &first, false, is);
+    assert_true(is[0] == 200.0 && is[1] == 10.0);
     leafcast_scene clipped = scene_of(0, 0);
     clipped.clip_box = true;
     memcpy(clipped.clip_min, (double[3]){14.5, -9, -9}, sizeof clipped.clip_min);
