@@ -50,6 +50,7 @@ static bool surface_ask(const frame *f, ray_record *record, ray_question *q,
         if (surface_ray_light(f, &p->way, q, counters))
             return true;
     } while (composite(f, p));
+    shade_background(p->rgba, surface_look_of(f)->scene->background);
     surface_ray_write(f, &p->way, p->rgba, counters);
     return false;
 }

@@ -142,12 +142,11 @@ bool surface_ray_pass(const frame *f, surface_ray *p) {
     return p->layers != surface_look_of(f)->scene->layers_max;
 }
 
-void surface_ray_write(const frame *f, const surface_ray *p, float rgba[4],
+void surface_ray_write(const frame *f, const surface_ray *p, const float rgba[4],
                        ray_counters *counters) {
     const leafcast_image *image = &f->image;
     const size_t at = frame_plane(f, p->head.pixel);
     float *const planes[4] = {image->r, image->g, image->b, image->a};
-    shade_background(rgba, surface_look_of(f)->scene->background);
     for (int c = 0; c < 4; c++)
         if (planes[c])
             planes[c][at] = rgba[c];

@@ -48,7 +48,8 @@ void surface_ray_answer(const frame *f, surface_ray *p, trace_result result);
 /* surface_ray_bundle() - of all rays on a leg: an integrator's `bundle`. */
 ray_bundle surface_ray_bundle(const frame *f, uint32_t leg);
 
-/* surface_ray_write() - the pixel's colour, premultiplied; the background comes in, too. */
-void surface_ray_write(const frame *f, const surface_ray *p, float rgba[4], ray_counters *counters);
+/* surface_ray_write() - the pixel's colour, premultiplied, the background in it. */
+void surface_ray_write(const frame *f, const surface_ray *p, const float rgba[4],
+                       ray_counters *counters);
 
 #endif

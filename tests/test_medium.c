@@ -19,6 +19,12 @@
 #include "formats/base/cpu.h"
 #include "tests/support/medium_lab.h"
 
+#if defined __SANITIZE_THREAD__ || defined __SANITIZE_ADDRESS__ /* where all take minutes */
+enum { EVERY = 9, EVERY_BITS = 34 };
+#else
+enum { EVERY = 1, EVERY_BITS = 17 };
+#endif
+
 static const char *program;
 
 static uint64_t number_of(const char *name) {
@@ -80,7 +86,7 @@ static void check_body(int index, medium_tally *all) {
 static void test_within_the_bound(void **state) {
     (void)state;
     medium_tally all = {0};
-    for (int i = 0; i < medium_body_count(); i += getenv("LEAFCAST_STRESS_STOP") ? 8 : 1)
+    for (int i = 0; i < medium_body_count(); i += getenv("LEAFCAST_STRESS_STOP") ? 8 : EVERY)
         check_body(i, &all);
     medium_tally_print("all", "all", &all);
     if (medium_tally_faults(&all) > 0)
@@ -149,7 +155,7 @@ static void test_same_bits(void **state) {
     (void)state;
     if (getenv("LEAFCAST_STRESS_STOP"))
         skip(); /* wrong on purpose, in the scalar code alone: that is found without this */
-    for (int i = 1; i < medium_body_count(); i += 17)
+    for (int i = 1; i < medium_body_count(); i += EVERY_BITS)
         check_bits(i);
 }
 

@@ -221,14 +221,35 @@ static field_random shot_begin(shot *s, const medium_job *job) {
     return r;
 }
 
+/* The planes of floats are the doubles, rounded. */
+static void check_planes(const shot *s, float planes[4][MEDIUM_PIXELS]) {
+    for (int i = 0; i < MEDIUM_PIXELS; i++)
+        for (int c = 0; c < 4; c++)
+            if (planes[c][i] != (float)s->rgba[i][c])
+                fail_msg("pixel %d, channel %d: %a, not %a rounded", i, c, (double)planes[c][i],
+                         s->rgba[i][c]);
+}
+
 static leafcast_status shot_draw(shot *s) {
-    const leafcast_image image = {
-        .size = sizeof image, .rgba = s->rgba[0], .error = s->error, .value = s->value, .z = s->z};
+    float planes[4][MEDIUM_PIXELS];
+    const leafcast_image image = {.size = sizeof image,
+                                  .r = planes[0],
+                                  .g = planes[1],
+                                  .b = planes[2],
+                                  .a = planes[3],
+                                  .rgba = s->rgba[0],
+                                  .error = s->error,
+                                  .value = s->value,
+                                  .z = s->z};
     s->scene.volumes = &s->shown;
     s->scene.volume_count = 1;
     s->scene.media = &s->medium;
     s->scene.media_count = 1;
-    return leafcast_trace(s->shown.volume, &s->scene, &s->camera, &image, &s->stats, NULL, NULL);
+    const leafcast_status st =
+        leafcast_trace(s->shown.volume, &s->scene, &s->camera, &image, &s->stats, NULL, NULL);
+    if (st == LEAFCAST_OK)
+        check_planes(s, planes);
+    return st;
 }
 
 static ref_ray shot_ray(const shot *s, int pixel) {
