@@ -26,7 +26,7 @@
 
 /* A volume: opened, and for the reference. One at a time. */
 typedef struct medium_body {
-    char name[32];
+    char name[40];
     const char *path;
     leafcast *volume;
     field field;   /* of a grid */
