@@ -1,7 +1,5 @@
 #include "render/leafcast_turn.h"
 
-#include <string.h>
-
 #include "render/coarse_preview.h"
 #include "render/kind.h"
 
@@ -15,7 +13,8 @@ status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
     int32_t id = 0;
     for (int i = 0; i < t->volumes && st == ST_OK; i++) {
         leafcast_shown *s = &t->shown[i];
-        memcpy(t->surfaces[i], s->surfaces, (size_t)s->count * sizeof *s->surfaces);
+        for (int k = 0; k < s->count; k++)
+            t->surfaces[i][k] = s->surfaces[k];
         s->surfaces = t->surfaces[i];
         t->first_id[i] = id;
         id += s->count;

@@ -1,5 +1,6 @@
 #include "formats/base/cli.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -181,7 +182,13 @@ static int row_of(int key) {
 }
 
 bool cli_given(const cli_common *common, int key) {
-    return common->given >> row_of(key) & 1;
+    const int row = row_of(key);
+    return common->given[row / 64] >> row % 64 & 1;
+}
+
+static void note_given(cli_common *c, int row) {
+    assert(row < (int)(8 * sizeof c->given));
+    c->given[row / 64] |= (uint64_t)1 << row % 64;
 }
 
 status cli_check_uses(const cli_common *common, const cli_use *uses, size_t count, unsigned input,
@@ -218,7 +225,7 @@ static error_t parse_verb(int key, char *arg, struct argp_state *state) {
         if (st == ST_AGAIN)
             return ARGP_ERR_UNKNOWN;
         usage_unless(state, st);
-        c->given |= (uint64_t)1 << row_of(key);
+        note_given(c, row_of(key));
         return 0;
     }
 }

@@ -29,7 +29,7 @@ typedef struct cli_common {
     bool json;          /* --json */
     bool json_lines;    /* --json gives a line each time: set by the verb, before it prints any */
     bool force;         /* --force: overwrite outputs */
-    uint64_t given;     /* of the verb's own options: cli_given() */
+    uint64_t given[2];  /* of the verb's own options: cli_given() */
 } cli_common;
 
 typedef struct cli_verb {

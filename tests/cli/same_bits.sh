@@ -78,6 +78,6 @@ done <<SUMS
 349372635 18445 mesh_clip.ppm
 1078771577 49152 mesh_clip.f64
 2688949483 1979 grid.probe
-3699458214 2755 mesh.probe
+3509312383 2756 mesh.probe
 SUMS
 finish
