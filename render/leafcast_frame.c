@@ -156,7 +156,7 @@ static status describe(leafcast_frame *fr, leafcast *v, const leafcast_scene *sc
     f->look = &fr->look;
     if (scene->project != LEAFCAST_PROJECT_NONE)
         st = project_scene(fr);
-    else if (scene->media_count > 0)
+    else if (fr->t.scene.media_count > 0)
         st = fill(fr);
     f->cancel = &fr->cancelled;
     camera_window(&f->camera, image->x, image->y);

@@ -3,6 +3,14 @@
 #include "render/coarse_preview.h"
 #include "render/kind.h"
 
+/* How many there are, or 0 where nothing is in any of them. */
+static int filled_media(const leafcast_scene *scene) {
+    for (int i = 0; i < scene->media_count; i++)
+        if (scene->media[i].count > 0)
+            return scene->media_count;
+    return 0;
+}
+
 status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
     *t = (turn){.device = v->device, .scene = *scene};
     status st = scene_volumes(v, scene, t->shown, &t->volumes);
@@ -10,6 +18,7 @@ status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
         t->experiments = *scene->experiments;
         t->scene.experiments = &t->experiments;
     }
+    t->scene.media_count = st == ST_OK ? filled_media(scene) : 0;
     int32_t id = 0;
     for (int i = 0; i < t->volumes && st == ST_OK; i++) {
         leafcast_shown *s = &t->shown[i];

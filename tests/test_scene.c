@@ -693,8 +693,60 @@ static void four_threads_draw_one_volume(void **state) {
     host_many(*state, 4, false);
 }
 
+/* Media without points are none. */
+static void media_of_nothing_change_nothing(void **state) {
+    const stage *s = *state;
+    static picture with, without;
+    const leafcast_medium nothing[2] = {{NULL, 0}, {NULL, 0}};
+    const leafcast_camera c = view_of(68);
+    pair v;
+    open_pair(&v, s, NULL, 0);
+    leafcast_scene scene = lit(&v);
+    pictures_draw(v.volume[0], &scene, &c, &without, NULL);
+    scene.media = nothing;
+    scene.media_count = 2;
+    pictures_draw(v.volume[0], &scene, &c, &with, NULL);
+    same_picture(&with, &without);
+    v.shown[0].count = v.shown[1].count = 0;
+    const leafcast_image image = {.size = sizeof image, .z = with.z};
+    assert_int_equal(leafcast_trace(v.volume[0], &scene, &c, &image, NULL, NULL, NULL),
+                     LEAFCAST_USAGE);
+    close_pair(&v);
+}
+
+/* Rays and probes look for surfaces; where a scene has only media there are none. */
+static void media_are_no_surfaces(void **state) {
+    const stage *s = *state;
+    const leafcast_transfer_point point = {0.5, {1, 1, 1}, 0.1};
+    const leafcast_medium media[2] = {{&point, 1}, {NULL, 0}};
+    const leafcast_camera c = view_of(68);
+    leafcast_ray ray = {.t1 = (double)INFINITY};
+    leafcast_ray_hit first = {.t = 0};
+    leafcast_hit hits[4];
+    uint8_t occluded = 1;
+    int count = -1;
+    pair v;
+    open_pair(&v, s, NULL, 0);
+    leafcast_pixel_ray(&c, PICTURE_WIDTH * 0.5, PICTURE_HEIGHT * 0.5, ray.origin, ray.direction);
+    v.scene.media = media;
+    v.scene.media_count = 2;
+    v.shown[0].count = v.shown[1].count = 0;
+    assert_int_equal(leafcast_trace_rays(v.volume[0], &v.scene, &ray, 1, &first), LEAFCAST_OK);
+    assert_true(isinf(first.t) && first.surface == -1);
+    assert_int_equal(leafcast_occluded_rays(v.volume[0], &v.scene, &ray, 1, &occluded),
+                     LEAFCAST_OK);
+    assert_int_equal(occluded, 0);
+    assert_int_equal(
+        leafcast_probe_ray(v.volume[0], &v.scene, ray.origin, ray.direction, hits, 4, &count),
+        LEAFCAST_OK);
+    assert_int_equal(count, 0);
+    close_pair(&v);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(media_of_nothing_change_nothing),
+        cmocka_unit_test(media_are_no_surfaces),
         cmocka_unit_test(two_volumes_are_what_the_references_say),
         cmocka_unit_test(budgets_and_threads_do_not_show),
         cmocka_unit_test(host_threads_draw_the_same),
