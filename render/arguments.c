@@ -4,6 +4,7 @@
 
 #include "formats/public_status.h"
 #include "render/leafcast_experimental.h"
+#include "render/preintegrated_table.h"
 #include "render/samples.h"
 
 /* One of an enumeration's values, which are 0 .. last. An enum may be signed or not. */
@@ -48,15 +49,41 @@ status arguments_check_surfaces(const leafcast_surface *surfaces, int count) {
     return ST_OK;
 }
 
-static status check_scene_experiments(const leafcast_scene_experiments *e) {
-    const status st = public_size("leafcast_scene_experiments", e->size, sizeof *e);
-    return st != ST_OK ? st
-                       : one_of("leafcast_scene_experiments.intersector", (long long)e->intersector,
-                                LEAFCAST_SCHWARZE);
-}
-
 /* Values and light that sums of products of them do not overflow with. */
 static const double medium_most = 1e100, value_most = 1e300;
+
+static status check_steps(const leafcast_scene_experiments *e) {
+    if (e->summing == LEAFCAST_CERTIFIED)
+        return ST_OK;
+    if (!(e->step >= LEAFCAST_STEP_LEAST && e->step <= LEAFCAST_STEP_MOST))
+        return status_describe(ST_USAGE,
+                               "leafcast_scene_experiments.step is %g: %g to %g cells "
+                               "are possible",
+                               e->step, LEAFCAST_STEP_LEAST, LEAFCAST_STEP_MOST);
+    if (!(e->opaque >= 0.0 && e->opaque <= 1.0))
+        return status_describe(
+            ST_USAGE, "leafcast_scene_experiments.opaque is %g: 0 to 1 are possible", e->opaque);
+    if (e->table != 0 && (e->table < PREINTEGRATED_SIDE_MIN || e->table > PREINTEGRATED_SIDE_MAX))
+        return status_describe(ST_USAGE,
+                               "leafcast_scene_experiments.table is %d: %d to %d are possible",
+                               e->table, PREINTEGRATED_SIDE_MIN, PREINTEGRATED_SIDE_MAX);
+    return ST_OK;
+}
+
+static status check_scene_experiments(const leafcast_scene_experiments *e) {
+    status st = public_size("leafcast_scene_experiments", e->size, sizeof *e);
+    if (st == ST_OK)
+        st = one_of("leafcast_scene_experiments.intersector", (long long)e->intersector,
+                    LEAFCAST_SCHWARZE);
+    if (st == ST_OK && !(e->homogeneous >= 0.0 && e->homogeneous <= value_most))
+        st = status_describe(ST_USAGE,
+                             "leafcast_scene_experiments.homogeneous is %g: 0 to %g is possible",
+                             e->homogeneous, value_most);
+    if (st == ST_OK)
+        st = one_of("leafcast_scene_experiments.summing", (long long)e->summing,
+                    LEAFCAST_PREINTEGRATED);
+    return st == ST_OK ? check_steps(e) : st;
+}
 
 static status check_point(const leafcast_medium *medium, int i) {
     const leafcast_transfer_point *p = &medium->points[i];
@@ -87,17 +114,14 @@ static status check_medium(const leafcast_medium *medium) {
 
 static status check_media(const leafcast_scene *s) {
     const int volumes = s->volume_count > 0 ? s->volume_count : 1;
-    int filled = 0;
     status st = ST_OK;
     if (s->media_count != 0 && s->media_count != volumes)
         return status_describe(ST_USAGE, "leafcast_scene.media_count is %d: there are %d volumes",
                                s->media_count, volumes);
-    for (int i = 0; i < s->media_count && st == ST_OK; i++) {
+    for (int i = 0; i < s->media_count && st == ST_OK; i++)
         st = check_medium(&s->media[i]);
-        filled += s->media[i].count > 0;
-    }
-    if (st == ST_OK && filled > 1)
-        st = status_describe(ST_USAGE, "%d volumes are filled with media: one can be", filled);
+    if (st == ST_OK && s->caps && s->cap_colours)
+        st = check_medium(s->cap_colours);
     if (st == ST_OK && s->error != 0.0 && !(s->error >= 1e-9 && s->error <= 1.0))
         st = status_describe(ST_USAGE, "leafcast_scene.error is %g: 1e-9 to 1 are possible, and 0",
                              s->error);

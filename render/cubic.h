@@ -3,6 +3,14 @@
 #define RENDER_CUBIC_H
 
 #include <math.h>
+#include <stdbool.h>
+
+/* cubic_is_monotone() - of a cubic in Bernstein form: it rises or falls all the way, as its
+ * coefficients do; false does not mean that it turns. */
+static inline bool cubic_is_monotone(const double b[4]) {
+    return (b[0] <= b[1] && b[1] <= b[2] && b[2] <= b[3]) ||
+           (b[0] >= b[1] && b[1] >= b[2] && b[2] >= b[3]);
+}
 
 /* cubic_extrema() - of a cubic in Bernstein form: those strictly inside (0, 1), ascending; returns
  * their number, 0 to 2. */

@@ -24,7 +24,7 @@ void extreme_go_on(extreme_state *s, const tracer *tr) {
 
 /* ---- The order ---- */
 
-static bool way_less(const extreme_way *a, const extreme_way *b) {
+bool extreme_way_before(const extreme_way *a, const extreme_way *b) {
     if (a->bound != b->bound)
         return a->bound > b->bound;
     if (a->t_in != b->t_in)
@@ -35,7 +35,7 @@ static bool way_less(const extreme_way *a, const extreme_way *b) {
 static bool is_wanted(const extreme_ways *w, const extreme_way *way) {
     if (w->behind.t == LEAF_NO_TREELET)
         return true;
-    return w->too ? !way_less(way, &w->behind) : way_less(&w->behind, way);
+    return w->too ? !extreme_way_before(way, &w->behind) : extreme_way_before(&w->behind, way);
 }
 
 void extreme_ways_take(extreme_ways *w, const extreme_way *way) {
@@ -43,12 +43,12 @@ void extreme_ways_take(extreme_ways *w, const extreme_way *way) {
         return;
     if (w->count == EXTREME_WAYS_MAX) {
         w->full = true;
-        if (!way_less(way, &w->of[w->count - 1]))
+        if (!extreme_way_before(way, &w->of[w->count - 1]))
             return;
         w->count--;
     }
     uint32_t at = w->count++;
-    for (; at > 0 && way_less(way, &w->of[at - 1]); at--)
+    for (; at > 0 && extreme_way_before(way, &w->of[at - 1]); at--)
         w->of[at] = w->of[at - 1];
     w->of[at] = *way;
 }

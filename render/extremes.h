@@ -65,14 +65,18 @@ static inline bool extreme_matters(const extreme_state *s, double bound, double 
     return bound > s->score || (bound == s->score && t_in < s->t);
 }
 
-/* extreme_offer() - a score at t, in treelet `in`. */
-static inline void extreme_offer(extreme_state *s, double score, double t, uint32_t in) {
-    if (extreme_matters(s, score, t)) {
-        s->score = score;
-        s->t = t;
-        s->in = in;
-    }
+/* extreme_offer() - a score at t, in treelet `in`; whether it is better. */
+static inline bool extreme_offer(extreme_state *s, double score, double t, uint32_t in) {
+    if (!extreme_matters(s, score, t))
+        return false;
+    s->score = score;
+    s->t = t;
+    s->in = in;
+    return true;
 }
+
+/* extreme_way_before() - whether a comes before b in the order of treelets. */
+bool extreme_way_before(const extreme_way *a, const extreme_way *b);
 
 /* extreme_bound() - of values in range[0] .. range[1]. */
 static inline float extreme_bound(const extreme_state *s, const float range[2]) {

@@ -45,16 +45,16 @@ static size_t up_to_64(size_t bytes) {
     return (bytes + 63) / 64 * 64;
 }
 
-static size_t company_bytes(const frame *f) {
-    return up_to_64(sizeof(ray_company) + WORK_BATCH * f->integrator->record_bytes);
-}
-
 uint32_t frame_records_min(const frame *f) {
     return (uint32_t)pool_threads(f->threads) * tile_side(f) * tile_side(f);
 }
 
 size_t frame_record_bytes(const frame *f) {
-    return f->integrator->record_bytes;
+    return f->integrator->record_bytes + f->record_more;
+}
+
+static size_t company_bytes(const frame *f) {
+    return up_to_64(sizeof(ray_company) + WORK_BATCH * frame_record_bytes(f));
 }
 
 /* What a tile's kernel and rays that go on together have in turn. */
@@ -108,8 +108,7 @@ size_t frame_bytes(const frame *f, uint32_t records_max) {
     const uint32_t side = tile_side(f);
     const size_t tiles = (size_t)tiles_of(f->width, side) * tiles_of(f->height, side);
     return frame_work_bytes(treelets_of(f), tiles) +
-           ray_records_bytes(f->integrator->record_bytes, records_max) +
-           tiles * side * sizeof(tile_row) +
+           ray_records_bytes(frame_record_bytes(f), records_max) + tiles * side * sizeof(tile_row) +
            ((size_t)pool_threads(f->threads) + 1) * sizeof(tally) + sizeof(drawing) + 128;
 }
 
@@ -169,8 +168,7 @@ static status keep_blocked(drawing *d, const ray_company *rays, uint32_t *count,
             continue;
         st = ray_records_take(&d->records, &own->reserve, to);
         if (st == ST_OK)
-            memcpy(ray_records_at(&d->records, *to), rays->record[i],
-                   d->f->integrator->record_bytes);
+            memcpy(ray_records_at(&d->records, *to), rays->record[i], frame_record_bytes(d->f));
         ++*count;
     }
     if (st == ST_OK && *count > 0)
@@ -198,7 +196,7 @@ static void begin_square(const drawing *d, easel *e, uint32_t x0, uint32_t y0, u
         tile_row left = e->todo.open[row] >> x & ((UINT32_C(1) << SQUARE) - 1);
         for (; left; left &= left - 1) {
             const uint32_t column = x0 + x + (uint32_t)__builtin_ctz(left);
-            char *record = e->records + rays->count * f->integrator->record_bytes;
+            char *record = e->records + rays->count * frame_record_bytes(f);
             rays->record[rays->count] = (ray_record *)record;
             f->integrator->begin(f, (y0 + row) * f->width + column, (ray_record *)record);
             rays->count++;
@@ -358,7 +356,7 @@ static status drawing_init(drawing *d, const frame *f) {
     *d = (drawing){.f = f, .side = side, .tiles_x = tiles_of(f->width, side)};
     d->tiles = d->tiles_x * tiles_of(f->height, side);
     const status records =
-        ray_records_init(&d->records, f->m, f->integrator->record_bytes, f->records_max);
+        ray_records_init(&d->records, f->m, frame_record_bytes(f), f->records_max);
     const status work = frame_work_init(&d->work, f, &d->records, d->tiles);
     d->tallies = mem_array(f->m, (size_t)pool_threads(f->threads), sizeof *d->tallies);
     d->to_do = mem_array(f->m, d->tiles, side * sizeof *d->to_do);

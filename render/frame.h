@@ -30,7 +30,8 @@ typedef struct frame {
     const tracer *tracer; /* one a volume */
     int volumes;
     const struct integrator *integrator;
-    const void *look; /* the integrator's part: what it makes of rays */
+    const void *look;   /* the integrator's part: what it makes of rays */
+    size_t record_more; /* bytes that its records have for this look, a multiple of 8 */
     camera camera;
     const struct kernels *kernels;
     const projection *projection; /* of the first volume, or NULL: where tiles of a kind need it */

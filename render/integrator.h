@@ -26,18 +26,20 @@ typedef struct ray_record {
 
 /* What is on a way through a volume: the next hit, which tracer_next() is to find, all pieces
  * (segments_next()), or the greatest value (extreme_next()). Of the three states one is asked for,
- * and those before it are NULL. */
+ * and those before it are NULL. Or nothing, until a treelet is there that an integrator has missed
+ * by itself: none is asked for. */
 typedef struct ray_question {
     const tracer *tracer;
     trace_state *state;   /* of the record */
     segments_state *walk; /* of the record: how far they have come, with room for */
     segment *kept;        /* SEGMENTS_KEPT pieces ahead while the record waits */
     extreme_state *extreme;
+    uint32_t missed; /* the treelet, where all are NULL */
     ray ray;
 } ray_question;
 
 typedef struct integrator {
-    size_t record_bytes; /* head and part */
+    size_t record_bytes; /* head and part; frame.record_more bytes follow */
 
     /* The ray of a pixel before anything is traced. */
     void (*begin)(const frame *f, uint32_t pixel, ray_record *r);

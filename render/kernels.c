@@ -26,11 +26,13 @@ static kernels kernels_of(cpu_isa isa) {
                      .grid_tile = grid_tile_for(isa),
                      .grid_batch = grid_batch_for(isa),
                      .grid_pieces = grid_pieces_for(isa),
+                     .grid_peaks = grid_peaks_for(isa),
                      .mesh_tile = mesh_tile_for(isa),
                      .mesh_packet = mesh_packet_for(isa),
                      .tets = tet_batch_for(isa),
                      .mesh_batch = mesh_batch_for(isa),
                      .medium = medium_batch_for(isa),
+                     .stepping = stepping_batch_for(isa),
                      .packet = GRID_TILE};
 }
 

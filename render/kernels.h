@@ -7,6 +7,7 @@
 
 #include "render/grid/cell_batch.h"
 #include "render/grid/grid_batch.h"
+#include "render/grid/grid_peaks.h"
 #include "render/grid/grid_pieces.h"
 #include "render/grid/grid_tile.h"
 #include "render/grid/walk.h"
@@ -15,6 +16,7 @@
 #include "render/mesh/mesh_packet.h"
 #include "render/mesh/mesh_tile.h"
 #include "render/mesh/tet_batch.h"
+#include "render/stepping_batch.h"
 
 typedef struct kernels {
     const char *name;
@@ -25,11 +27,13 @@ typedef struct kernels {
     tile_fn grid_tile;            /* a tile of primary rays through a grid; NULL: one by one */
     batch_fn grid_batch;          /* rays of any kind through a grid; NULL: one by one */
     segment_batch_fn grid_pieces; /* pieces of rays through a grid; NULL: ray by ray */
+    extreme_batch_fn grid_peaks;  /* greatest values on rays through a grid; NULL: ray by ray */
     tile_fn mesh_tile;            /* ... through a mesh */
     tile_fn mesh_packet;          /* ... the way of W07 */
     tet_batch_fn tets;            /* many rays and an isopolygon */
     batch_fn mesh_batch;          /* a batch of rays through a mesh; NULL: one by one */
     medium_batch_fn medium;       /* many pieces of a medium */
+    stepping_batch_fn stepping;   /* ... in equal steps */
     uint8_t packet; /* pixels on a side that walk together: GRID_TILE, or less of it */
     bool by_cell;   /* a batch never holds ray-cells of more than one cell */
 } kernels;

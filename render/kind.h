@@ -7,6 +7,7 @@
 #ifndef RENDER_KIND_H
 #define RENDER_KIND_H
 
+#include "render/extreme_batch.h"
 #include "render/extremes.h"
 #include "render/frame.h"
 #include "render/kernels.h"
@@ -87,6 +88,9 @@ typedef struct kind {
     /* The same in some cells about t, whatever is in the others; NULL: none. */
     void (*extreme_near)(const tracer *tr, const treelet *at, const ray *r, double t,
                          extreme_state *s, ray_counters *counters);
+    /* Those of many rays together: the kernel, NULL: ray by ray. Its scratch is that of batches.
+     * The row may leave it out. */
+    extreme_batch_fn (*extreme_batch)(const kernels *k);
 
     /* ---- A cell ---- */
 

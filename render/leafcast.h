@@ -198,7 +198,8 @@ typedef enum leafcast_lod {
  * is there. Two points at one value are a step, at which the second holds.
  *
  * Along a ray, which light of colour c is seen of a stretch dt with extinction k: c k dt, times
- * what of it comes through all that is in front. */
+ * what of it comes through all that is in front. Where several volumes are filled at one place,
+ * their k add, and so do their c k. */
 typedef struct leafcast_transfer_point {
     double value;      /* finite; not falling from point to point */
     float rgb[3];      /* 0 and more */
@@ -281,6 +282,13 @@ typedef struct leafcast_scene {
      * extinction; without, grey from the least to the greatest value of the volumes' fields. */
     leafcast_project project;
     double project_value; /* of LEAFCAST_PROJECT_FIRST: finite */
+    /* What clips have cut open is closed: where a ray enters through a clip at a value of an
+     * isovalue or more, it meets the surface of the greatest such isovalue there, whose normal is
+     * the clip's. Shadows do not fall on caps. Not in a preview; and caps are drawn at once,
+     * however little time leafcast_frame_advance() has. */
+    bool caps;
+    const leafcast_medium *cap_colours; /* colours of caps by the value there, as they are; NULL:
+                                           the surface's colour, lit */
 } leafcast_scene;
 
 /* leafcast_init_scene(), leafcast_scene_default() - a headlight, diffuse, nothing clipped, exact,

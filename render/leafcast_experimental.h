@@ -58,10 +58,32 @@ typedef enum leafcast_intersector {
     LEAFCAST_SCHWARZE
 } leafcast_intersector;
 
+/* How the light of a medium is summed up along a ray. All but the first are there to be compared
+ * with: nobody knows how far off they are, image.error is +inf, and all pixels are uncertified.
+ * They draw one volume without surfaces, in steps of `step` times leafcast_info.cell_size, and end
+ * a ray at an opacity of `opaque`. */
+typedef enum leafcast_summing {
+    LEAFCAST_CERTIFIED = 0,
+    LEAFCAST_STEPS,        /* colour and extinction as in the middle of each step */
+    LEAFCAST_PREINTEGRATED /* as by the values at both ends of each step, from a table */
+} leafcast_summing;
+
+#define LEAFCAST_STEP_LEAST 1e-4
+#define LEAFCAST_STEP_MOST  1e4
+
 /* leafcast_scene.experiments: read while the call runs; frames copy it. */
 typedef struct leafcast_scene_experiments {
     size_t size;
     leafcast_intersector intersector;
+    /* Of a medium in a grid, if above 0: nodes and treelets whose values differ by so much at most
+     * are taken as if they had one value, their middle (M08 4.5; to a 512th of the volume's range).
+     * leafcast_image.error says what comes of it. 0: where the error that is asked for allows it.
+     */
+    double homogeneous;
+    leafcast_summing summing;
+    double step;   /* LEAFCAST_STEP_LEAST to LEAFCAST_STEP_MOST */
+    double opaque; /* above 0 to 1; 0: 0.9999 */
+    int table;     /* LEAFCAST_PREINTEGRATED: entries a side, 16 to 2048; 0: 256 */
 } leafcast_scene_experiments;
 
 #ifdef __cplusplus

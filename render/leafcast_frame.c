@@ -7,18 +7,23 @@
 #include "formats/leaf/leaf_histogram.h"
 #include "render/arguments.h"
 #include "render/kind.h"
+#include "render/leafcast_caps.h"
 #include "render/leafcast_turn.h"
 #include "render/medium_integrator.h"
 #include "render/picture_bytes.h"
+#include "render/preintegrated_integrator.h"
 #include "render/projection_integrator.h"
 #include "render/samples.h"
+#include "render/stepping_integrator.h"
 #include "render/surface_integrator.h"
 
 struct leafcast_frame {
     turn t;           /* t.f.image: all planes, those made here among them */
     medium_look look; /* of surfaces, too */
     projection_look projected;
+    preintegrated_look stepped; /* in other steps, too */
     transfer media[LEAFCAST_VOLUMES_MAX];
+    transfer cap_colours; /* without spans: surfaces' own */
     double ranges[LEAFCAST_VOLUMES_MAX][2];
     leafcast_image own; /* planes that are made here */
     byte_table bytes;   /* for rgba8 */
@@ -88,6 +93,44 @@ static status fill_volume(leafcast_frame *fr, int i) {
 static void empty(leafcast_frame *fr) {
     for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
         transfer_release(&fr->media[i], &fr->t.device->budget);
+    transfer_release(&fr->cap_colours, &fr->t.device->budget);
+    preintegrated_table_release(&fr->stepped.table, &fr->t.device->budget);
+}
+
+/* Media without a bound. */
+static status fill_for_steps(leafcast_frame *fr) {
+    enum { TABLE = 256 };
+    const leafcast_scene *scene = &fr->t.scene;
+    const leafcast_scene_experiments *e = scene->experiments;
+    frame *f = &fr->t.f;
+    if (fr->t.volumes > 1 || fr->t.shown[0].count > 0)
+        return status_describe(ST_USAGE, "media in steps: one volume without isosurfaces");
+    const leafcast_info info = leafcast_describe(fr->t.shown[0].volume);
+    stepping_look *steps = &fr->stepped.steps;
+    *steps = (stepping_look){.medium = &fr->media[0],
+                             .step = e->step * info.cell_size,
+                             .opaque = e->opaque > 0.0 ? e->opaque : 0.9999};
+    memcpy(steps->background, scene->background, sizeof scene->background);
+    f->integrator = &stepping_integrator;
+    f->look = &fr->stepped;
+    if (e->summing != LEAFCAST_PREINTEGRATED)
+        return ST_OK;
+    f->integrator = &preintegrated_integrator;
+    return preintegrated_table_make(&fr->stepped.table, f->m, f->threads, steps->medium,
+                                    fr->ranges[0], steps->step, e->table > 0 ? e->table : TABLE);
+}
+
+/* Of the one volume that is filled, what need not be looked at closely. */
+static homogeneous homogeneous_of(const leafcast_frame *fr, int i) {
+    const leafcast *v = fr->t.shown[i].volume;
+    const leafcast_scene_experiments *e = fr->t.scene.experiments;
+    leafcast_info info = {0};
+    double square = 0.0;
+    v->kind->describe(v, &info);
+    for (int a = 0; a < 3; a++)
+        square += (info.bounds[1][a] - info.bounds[0][a]) * (info.bounds[1][a] - info.bounds[0][a]);
+    return medium_homogeneous(&fr->look, i, sqrt(square), v->file->layout.type != SAMPLE_F32,
+                              e ? e->homogeneous : 0.0);
 }
 
 /* What volumes are filled with. */
@@ -101,8 +144,18 @@ static status fill(leafcast_frame *fr) {
     fr->look.brightest = fmax(1.0, brightest_surface(fr));
     for (int c = 0; c < 3; c++)
         fr->look.brightest = fmax(fr->look.brightest, fabs((double)scene->background[c]));
-    for (int i = 0; i < fr->t.volumes && st == ST_OK; i++)
+    fr->look.filled = 0;
+    for (int i = 0; i < fr->t.volumes && st == ST_OK; i++) {
         st = fill_volume(fr, i);
+        fr->look.filled += fr->media[i].spans > 0;
+    }
+    const bool certified = !scene->experiments || scene->experiments->summing == LEAFCAST_CERTIFIED;
+    if (st == ST_OK && !certified)
+        return fill_for_steps(fr);
+    fr->t.f.record_more = medium_record_more(fr->look.filled);
+    for (int i = 0; i < fr->t.volumes && st == ST_OK && fr->look.filled == 1; i++)
+        if (fr->media[i].spans > 0)
+            fr->t.beside[i].whole = homogeneous_of(fr, i);
     return st;
 }
 
@@ -158,6 +211,8 @@ static status describe(leafcast_frame *fr, leafcast *v, const leafcast_scene *sc
         st = project_scene(fr);
     else if (fr->t.scene.media_count > 0)
         st = fill(fr);
+    if (st == ST_OK && scene->caps && scene->cap_colours)
+        st = transfer_init(&fr->cap_colours, f->m, scene->cap_colours);
     f->cancel = &fr->cancelled;
     camera_window(&f->camera, image->x, image->y);
     f->image = *image;
@@ -287,12 +342,21 @@ static void add_counters(leafcast_frame *fr) {
         all->covered_pixels = covered;
 }
 
+static status cap(leafcast_frame *fr) {
+    if (!fr->t.scene.caps || fr->t.scene.preview)
+        return ST_OK;
+    const transfer *colours = fr->cap_colours.spans > 0 ? &fr->cap_colours : NULL;
+    const status st = caps_draw(&fr->t, &fr->drawn, colours, &fr->counters);
+    return st == ST_OK ? turn_prepare(&fr->t) : st;
+}
+
 static status end_part(leafcast_frame *fr) {
     const int sample = fr->part++ - fr->first_sample;
     add_counters(fr);
     projection_release(&fr->projection);
-    if (fr->parts == 1 || sample <= 0)
-        return ST_OK;
+    const status st = cap(fr);
+    if (st != ST_OK || fr->parts == 1 || sample <= 0)
+        return st;
     const bool last = fr->part == fr->parts;
     return samples_add(fr->t.f.threads, &fr->t.f.image, &fr->sample,
                        last ? 1.0f / (float)fr->t.scene.samples : 1.0f);

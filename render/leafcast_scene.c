@@ -48,7 +48,11 @@ static interest wanted_of(const leafcast *v) {
         of[count++] = (interest_interval){v->isovalues[i], v->isovalues[i], false, true};
     for (int i = 0; i < v->beside.count; i++)
         of[count++] = v->beside.of[i];
-    return interest_of_intervals(of, count);
+    interest wanted = interest_of_intervals(of, count);
+    wanted.whole = v->beside.whole;
+    for (int i = 0; i < v->isovalue_count; i++)
+        homogeneous_except(&wanted.whole, v->isovalues[i]);
+    return wanted;
 }
 
 void volume_show(leafcast *v, uint32_t field, uint32_t step, const leafcast_surface *surfaces,

@@ -25,9 +25,11 @@ static void listed_found(void *ctx, size_t i, const double point[3], const leafc
     list->samples[i] = *s;
 }
 
-static leafcast_status sample(const point_samples *p, leafcast_stats *stats) {
+/* In the field and at the step that are selected. */
+static leafcast_status sample(point_samples *p, leafcast_stats *stats) {
     leafcast *v = p->volume;
     device_lock(v->device);
+    p->set = leaf_layout_set(&v->file->layout, v->field, v->step);
     const status st = volume_check_file(v, point_samples_run(p, stats));
     device_unlock(v->device);
     return public_status(st);
@@ -36,7 +38,7 @@ static leafcast_status sample(const point_samples *p, leafcast_stats *stats) {
 leafcast_status leafcast_sample_points(leafcast *v, const double (*points)[3], size_t count,
                                        leafcast_sample *samples) {
     point_list list = {points, samples};
-    const point_samples p = {
+    point_samples p = {
         .volume = v, .count = count, .point = listed_point, .found = listed_found, .ctx = &list};
     return sample(&p, NULL);
 }

@@ -4,13 +4,18 @@
 #include <string.h>
 
 #include "render/kind.h"
-#include "render/medium_stretch.h"
+#include "render/medium_overlay.h"
+#include "render/medium_whole.h"
+#include "render/overlay_ray.h"
 #include "render/shade.h"
 #include "render/surface_ray.h"
 
 /* What of the error is for the medium by its opacity, by its length, for the end, for what is left
- * out inside a piece: that happens behind no more than 64 halvings, and counts twice. */
+ * out inside a piece: that happens behind no more than 64 spans or halvings, and counts twice. */
 static const double by_opacity = 0.5, by_length = 0.3, at_end = 0.1, in_piece = 0.04 / 128.0;
+
+/* And beside a cut, where several media are at one place. */
+static const double at_cut = 0x1p-18;
 
 /* What a ray does: look for the next surface, walk through the medium in front of it, meet it, be
  * lit there. */
@@ -19,7 +24,8 @@ typedef enum stage { FINDING, WALKING, MEETING, LIGHTING } stage;
 typedef struct medium_ray {
     surface_ray way;
     stage stage;
-    bool begun; /* to walk */
+    bool begun;     /* to walk; */
+    double reached; /* so far, through several media */
     medium_rule rule;
     uint32_t treelet; /* of the last piece */
     double from;      /* t: everything before it is in `front` */
@@ -27,6 +33,7 @@ typedef struct medium_ray {
     medium_stretch run; /* behind that: of pieces in one treelet */
     segments_state walk;
     segment kept[SEGMENTS_KEPT];
+    overlay_lane lanes[]; /* of all that are filled, where they are several */
 } medium_ray;
 
 static medium_ray *medium_ray_of(ray_record *r) {
@@ -39,18 +46,20 @@ static const medium_look *look_of(const frame *f) {
 
 /* ---- The medium ---- */
 
-/* The volume that is filled. */
-static int filled_of(const frame *f) {
-    int v = 0;
+/* The first volume that is filled, from v on. */
+static int filled_from(const frame *f, int v) {
     while (v < f->volumes && look_of(f)->media[v].spans == 0)
         v++;
     return v;
 }
 
-/* Of pieces on the whole ray. */
-static medium_rule rule_of(const frame *f, uint32_t pixel) {
+static bool overlaid(const frame *f) {
+    return look_of(f)->filled > 1;
+}
+
+/* Of pieces in a volume on the whole ray; its way through that is taken into way[]. */
+static medium_rule rule_of(const frame *f, uint32_t pixel, int v, double way[2]) {
     const medium_look *look = look_of(f);
-    const int v = filled_of(f);
     const tracer *tr = &f->tracer[v];
     const world_ray w = surface_ray_primary(f, pixel);
     medium_rule rule = {.transfer = &look->media[v],
@@ -61,18 +70,31 @@ static medium_rule rule_of(const frame *f, uint32_t pixel) {
     if (!tracer_ray(tr, w.origin, w.direction, w.t0, w.t1, &r) ||
         !tracer_box(tr, &r, &t_in, &t_out))
         return rule;
-    rule.per_length = by_length * look->error / fmax(t_out - t_in, 1e-300);
+    way[0] = fmin(way[0], t_in);
+    way[1] = fmax(way[1], t_out);
     rule.error = segments_error_of(tr, &r, look->range[v]);
     return rule;
 }
 
+/* What a length may err by. */
+static double per_length_of(const frame *f, const double way[2]) {
+    return by_length * look_of(f)->error / fmax(way[1] - way[0], 1e-300);
+}
+
 static void medium_begin(const frame *f, uint32_t pixel, ray_record *r) {
     medium_ray *p = medium_ray_of(r);
+    double way[2] = {INFINITY, 0.0};
     surface_ray_begin(pixel, &p->way);
     p->stage = FINDING;
     p->begun = false;
     p->from = 0.0;
-    p->rule = rule_of(f, pixel);
+    p->rule = rule_of(f, pixel, filled_from(f, 0), way);
+    for (int i = 0, v = filled_from(f, 0); i < look_of(f)->filled && overlaid(f); i++) {
+        p->lanes[i].volume = (uint16_t)v;
+        p->lanes[i].error = rule_of(f, pixel, v, way).error;
+        v = filled_from(f, v + 1);
+    }
+    p->rule.per_length = way[1] >= way[0] ? per_length_of(f, way) : 0.0;
     p->front = p->run = medium_nothing();
 }
 
@@ -119,11 +141,13 @@ static void medium_take(const frame *f, ray_record *const r[], const segment_col
                         bool stop[], void *scratch) {
     const medium_look *look = look_of(f);
     medium_batch *m = scratch;
-    m->transfer = &look->media[filled_of(f)];
+    m->transfer = &look->media[filled_from(f, 0)];
     set_rules(look, r, c, m);
     f->kernels->medium(m, c);
     for (unsigned i = 0; i < c->count; i++) {
         medium_ray *p = medium_ray_of(r[c->ray[i]]);
+        if (c->spread[i] > 0.0)
+            medium_batch_whole(m, c, i);
         if (!m->seen[i] || stop[c->ray[i]])
             continue;
         const medium_stretch seen = stretch_of(m, i);
@@ -135,13 +159,20 @@ static void medium_take(const frame *f, ray_record *const r[], const segment_col
     }
 }
 
-/* Up to the surface. */
+/* The rest of the ray up to the surface. */
+static world_ray way_of(const frame *f, const medium_ray *p) {
+    world_ray w = surface_ray_primary(f, p->way.head.pixel);
+    w.t0 = p->from;
+    w.t1 = p->way.search.found.t;
+    return w;
+}
+
+/* Up to the surface, through one volume. */
 static bool ask_for_pieces(const frame *f, medium_ray *p, ray_question *q) {
-    const int v = filled_of(f);
-    const world_ray w = surface_ray_primary(f, p->way.head.pixel);
+    const int v = filled_from(f, 0);
+    const world_ray w = way_of(f, p);
     p->way.head.volume = (uint16_t)v;
-    if (v == f->volumes || is_dark(f, p) ||
-        !tracer_ray(&f->tracer[v], w.origin, w.direction, p->from, p->way.search.found.t, &q->ray))
+    if (is_dark(f, p) || !tracer_ray(&f->tracer[v], w.origin, w.direction, w.t0, w.t1, &q->ray))
         return false;
     if (!p->begun) {
         p->walk = segments_begin(p->kept, SEGMENTS_KEPT);
@@ -156,6 +187,68 @@ static bool ask_for_pieces(const frame *f, medium_ray *p, ray_question *q) {
     return true;
 }
 
+/* ---- Several media ---- */
+
+/* How a lane's pieces are looked at. */
+static medium_rule lane_rule(const frame *f, const medium_ray *p, const overlay_lane *l) {
+    medium_rule rule = p->rule;
+    rule.transfer = &look_of(f)->media[l->volume];
+    rule.error = l->error;
+    return rule;
+}
+
+/* What is seen of a stretch. */
+static medium_stretch seen_of(const frame *f, const medium_ray *p, const overlay_stretch *s) {
+    const medium_overlay_rule all = {p->rule.share, p->rule.per_length, p->rule.drop,
+                                     at_cut * look_of(f)->error, look_of(f)->brightest};
+    medium_layer layers[MEDIUM_LAYERS_MAX];
+    for (int i = 0; i < s->count; i++) {
+        const segment *piece = &s->lane[i]->piece;
+        const medium_rule rule = lane_rule(f, p, s->lane[i]);
+        const double length = piece->t1 - piece->t0;
+        if (s->count == 1 && s->t0 == piece->t0 && s->t1 == piece->t1)
+            return medium_of_piece(&rule, piece);
+        layers[i] = medium_layer_of(&rule, piece, (s->t0 - piece->t0) / length,
+                                    (s->t1 - piece->t0) / length);
+    }
+    return medium_of_layers(&all, layers, s->count, s->t1 - s->t0);
+}
+
+/* Up to the surface, through all that are filled; true: a treelet is missed. */
+static bool pass_media(const frame *f, medium_ray *p, ray_question *q, ray_counters *counters) {
+    const world_ray w = way_of(f, p);
+    const int count = look_of(f)->filled;
+    overlay_stretch stretch;
+    int missed;
+    segments_result result = SEGMENTS_SOME;
+    if (!p->begun) {
+        overlay_begin(p->lanes, count);
+        p->reached = p->from;
+        p->begun = true;
+    }
+    while (result == SEGMENTS_SOME && !is_dark(f, p)) {
+        result = overlay_next(f, &w, p->lanes, count, &p->reached, &stretch, &missed, counters);
+        if (result != SEGMENTS_SOME)
+            break;
+        const medium_stretch seen = seen_of(f, p, &stretch);
+        medium_join(&p->run, &seen, look_of(f)->brightest);
+    }
+    if (result != SEGMENTS_BLOCKED)
+        return false;
+    p->way.head.volume = p->lanes[missed].volume;
+    q->state = NULL;
+    q->walk = NULL;
+    q->extreme = NULL;
+    q->missed = p->lanes[missed].walk.blocked;
+    return true;
+}
+
+static void end_media(medium_ray *p, int count) {
+    for (int i = 0; i < count; i++)
+        p->way.provisional |= p->lanes[i].walk.provisional;
+    p->begun = false;
+}
+
 /* ---- Surfaces ---- */
 
 /* The surface is off by that much of t, and more or less of the medium is in front of it. */
@@ -165,7 +258,9 @@ static double depth_error_at(const frame *f, const medium_ray *p) {
     double slope = 0.0;
     for (int a = 0; a < 3; a++)
         slope += at->gradient[a] * w.direction[a];
-    const double most_k = look_of(f)->media[filled_of(f)].most_k;
+    double most_k = 0.0;
+    for (int v = 0; v < f->volumes; v++)
+        most_k += look_of(f)->media[v].most_k;
     if (most_k == 0.0)
         return 0.0;
     return slope != 0.0 ? fmin(at->error / fabs(slope) * most_k, 1.0) : 1.0;
@@ -231,6 +326,16 @@ static bool meet(const frame *f, medium_ray *p, ray_counters *counters) {
     return surface_ray_meet(f, &p->way, counters) && !is_dark(f, p);
 }
 
+/* Through what is in front of the surface. */
+static bool walk(const frame *f, medium_ray *p, ray_question *q, ray_counters *counters) {
+    if (!overlaid(f))
+        return ask_for_pieces(f, p, q);
+    if (pass_media(f, p, q, counters))
+        return true;
+    end_media(p, look_of(f)->filled);
+    return false;
+}
+
 static bool medium_ask(const frame *f, ray_record *record, ray_question *q,
                        ray_counters *counters) {
     medium_ray *p = medium_ray_of(record);
@@ -240,7 +345,7 @@ static bool medium_ask(const frame *f, ray_record *record, ray_question *q,
                 return true;
             p->stage = WALKING;
         }
-        if (p->stage == WALKING && ask_for_pieces(f, p, q))
+        if (p->stage == WALKING && walk(f, p, q, counters))
             return true;
         if (p->stage != LIGHTING)
             more = meet(f, p, counters);
@@ -263,6 +368,21 @@ static void medium_answer(const frame *f, ray_record *record, trace_result resul
     p->way.provisional |= p->walk.provisional;
     p->begun = false;
     p->stage = MEETING;
+}
+
+homogeneous medium_homogeneous(const medium_look *look, int v, double longest, bool integers,
+                               double threshold) {
+    const medium_whole_rule rule = {.transfer = &look->media[v],
+                                    .share = by_opacity * look->error,
+                                    .per_length = by_length * look->error /
+                                                  fmax(longest * (1.0 + 0x1p-20), 1e-300),
+                                    .brightest = look->brightest,
+                                    .threshold = threshold};
+    return medium_whole(&rule, look->range[v], integers);
+}
+
+size_t medium_record_more(int filled) {
+    return filled > 1 ? (size_t)filled * sizeof(overlay_lane) : 0;
 }
 
 const integrator medium_integrator = {.record_bytes = sizeof(medium_ray),

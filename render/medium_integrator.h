@@ -1,5 +1,7 @@
 /* medium_integrator.h - media, with surfaces in them: what a ray sees up to the next surface, that
- * surface, and so on behind it (medium_stretch.h, surface_ray.h).
+ * surface, and so on behind it (medium_stretch.h, surface_ray.h). One filled volume's pieces come
+ * with those of other rays; several volumes' are laid over each other ray by ray (overlay_ray.h,
+ * medium_overlay.h).
  *
  * The error of a pixel is shared out: so much for what is seen of the medium, by its opacity and by
  * its length, and what is left for the end: a ray is done when nothing of more weight can come.
@@ -10,16 +12,27 @@
 
 #include "render/surface_integrator.h"
 #include "render/transfer.h"
+#include "stream/homogeneous.h"
 
 extern const integrator medium_integrator;
+
+/* medium_record_more() - frame.record_more of so many volumes that are filled. */
+size_t medium_record_more(int filled);
 
 /* frame.look */
 typedef struct medium_look {
     surface_look surfaces;    /* first: it is that integrator's look, too */
     const transfer *media;    /* a volume; without spans: it is filled with nothing */
     const double (*range)[2]; /* a volume: its values lie in */
+    int filled;               /* how many are */
     double error;             /* a channel may be off by */
     double brightest; /* the largest component of any medium's colour, surface's, light's, ... */
 } medium_look;
+
+/* medium_homogeneous() - which values of volume v, if it alone is filled, may be taken for one
+ * (medium_whole.h). longest: at least the world length of any ray in it; threshold: 0, or as in
+ * leafcast_experimental.h. */
+homogeneous medium_homogeneous(const medium_look *look, int v, double longest, bool integers,
+                               double threshold);
 
 #endif

@@ -8,18 +8,6 @@
 
 static const double unit = 0x1p-53; /* half an ulp of 1 */
 
-/* ---- Stretches ---- */
-
-void medium_join(medium_stretch *front, const medium_stretch *behind, double most_rgb) {
-    const double reaching = front->through + front->through_error;
-    front->rgb_error += reaching * behind->rgb_error + front->through_error * most_rgb;
-    front->through_error = reaching * behind->through_error +
-                           front->through_error * behind->through + unit * front->through;
-    for (int c = 0; c < 3; c++)
-        front->rgb[c] += front->through * behind->rgb[c];
-    front->through *= behind->through;
-}
-
 /* ---- Between two cuts ---- */
 
 /* A stretch in one span of the transfer function. */
@@ -32,7 +20,7 @@ typedef struct smooth {
     double variance; /* sum of the differences of w */
 } smooth;
 
-/* What does not change while a stretch is halved. */
+/* What is the same for all steps through a span. */
 typedef struct smooth_span {
     const medium_rule *rule;
     const transfer_span *span;
@@ -124,127 +112,143 @@ static medium_stretch seen_at_once(const smooth_span *p, const smooth *s, double
     return out;
 }
 
-static void halve(const transfer_span *span, const smooth *s, smooth half[2]) {
-    double b[4];
-    memcpy(b, s->w, sizeof b);
-    half[0] = half[1] = *s;
-    for (int i = 0; i <= s->degree; i++) {
-        half[0].w[i] = b[0];
-        half[1].w[s->degree - i] = b[s->degree - i];
-        for (int k = 0; k < s->degree - i; k++)
-            b[k] = 0.5 * (b[k] + b[k + 1]);
-    }
-    for (int i = 0; i < 2; i++) {
-        half[i].length = 0.5 * s->length;
-        complete(span, &half[i]);
-    }
-}
-
-enum { HALVINGS_MAX = 60 };
-
-static medium_stretch seen_of(const smooth_span *p, const smooth *s, int halvings) {
-    double tangent;
-    smooth half[2];
-    const medium_rule *rule = p->rule;
-    medium_stretch front = seen_at_once(p, s, &tangent);
-    const double allowed = rule->share * (1.0 - front.through) + rule->per_length * s->length;
-    if (tangent <= allowed || front.rgb_error - tangent > allowed || halvings == 0)
-        return front;
-    halve(p->span, s, half);
-    front = seen_of(p, &half[0], halvings - 1);
-    /* Where hardly anything comes through the front, what is behind may be left out. */
-    const double left = (front.through + front.through_error) * p->span->most_rgb;
-    if (left <= rule->drop) {
-        front.rgb_error += left;
-        front.through_error += front.through;
-        front.through = 0.0;
-        return front;
-    }
-    const medium_stretch back = seen_of(p, &half[1], halvings - 1);
-    medium_join(&front, &back, p->span->most_rgb);
-    return front;
-}
-
-/* ---- Cuts ---- */
+/* ---- In a span ---- */
 
 typedef struct piece_walk {
     const medium_rule *rule;
     const segment *piece;
     double value_error;
     medium_stretch seen;
+    double near_rgb, near_through; /* errors near cuts: of the whole piece */
 } piece_walk;
-
-/* The Bernstein coefficients of the value over [a, b] of a piece. */
-static void part_of(const segment *s, double a, double b, double out[4]) {
-    /* Its blossom: first what is left of b, then of that what is right of a. */
-    const int n = (int)s->degree;
-    double p[4], at = b > 0.0 ? a / b : 0.0;
-    memcpy(p, s->b, sizeof p);
-    for (int i = 0; i <= n; i++) {
-        out[i] = p[0];
-        for (int k = 0; k < n - i; k++)
-            p[k] = (1.0 - b) * p[k] + b * p[k + 1];
-    }
-    memcpy(p, out, sizeof p);
-    for (int i = 0; i <= n; i++) {
-        out[n - i] = p[n - i];
-        for (int k = 0; k < n - i; k++)
-            p[k] = (1.0 - at) * p[k] + at * p[k + 1];
-    }
-}
 
 /* No polynomial of this degree with 0 <= w <= 1 has others; but where w is nothing but rounding. */
 static double coefficient(double w) {
     return w > -4.0 ? fmin(w, 5.0) : -4.0;
 }
 
-/* What is seen of a length of t, all of it in a span, with the value's Bernstein coefficients. */
-static medium_stretch seen_in(const piece_walk *walk, const transfer_span *span, const double f[4],
-                              double length) {
-    smooth s = {.degree = (int)walk->piece->degree, .length = length};
+/* [a, b] of a piece at once; *fit: how its tangent's error compares with what is allowed, 1 or more
+ * where that is enough, or where less of the stretch would not help. */
+static medium_stretch seen_between(const segment *piece, const smooth_span *p, double a, double b,
+                                   double *fit) {
+    const medium_rule *rule = p->rule;
+    smooth s = {.degree = (int)piece->degree, .length = (b - a) * (piece->t1 - piece->t0)};
     /* Where the span is narrower than the error, nothing is known of w. */
-    const bool unknown = walk->value_error * span->inverse >= 1.0;
+    const bool unknown = p->value_error * p->span->inverse >= 1.0;
+    double f[4], tangent;
+    segment_part(piece, a, b, f);
     for (int i = 0; i <= s.degree; i++)
-        s.w[i] = unknown ? 0.5 : coefficient((f[i] - span->base) * span->inverse);
-    complete(span, &s);
-    const smooth_span p = {walk->rule, span, walk->value_error};
-    return seen_of(&p, &s, HALVINGS_MAX);
+        s.w[i] = unknown ? 0.5 : coefficient((f[i] - p->span->base) * p->span->inverse);
+    complete(p->span, &s);
+    const medium_stretch out = seen_at_once(p, &s, &tangent);
+    const double allowed = rule->share * (1.0 - out.through) + rule->per_length * s.length;
+    const bool enough = tangent <= allowed || out.rgb_error - tangent > allowed;
+    *fit = enough ? fmax(allowed / tangent, 1.0) : allowed / tangent;
+    return out;
 }
 
-/* [a, b] comes behind what has been seen, all of it in a span. */
-static void see(piece_walk *walk, const transfer_span *span, double a, double b) {
-    const segment *piece = walk->piece;
-    double f[4];
-    if (!(a < b) || transfer_is_empty(span))
+/* The next step: the error is about as its square, compared with what is allowed. */
+static double next_step(double step, double fit) {
+    return step * fmin(fmax(MEDIUM_STEP_SHARE * sqrt(fit), MEDIUM_STEP_LEAST), MEDIUM_STEP_MOST);
+}
+
+/* [a, b] of a piece step by step, the first of which is no longer than `step`. */
+static medium_stretch seen_by_steps(const segment *piece, const smooth_span *p, double a, double b,
+                                    double step) {
+    const double most_rgb = p->span->most_rgb;
+    medium_stretch seen = medium_nothing();
+    while (a < b) {
+        const double to = b - a > step ? a + step : b;
+        double fit;
+        const medium_stretch next = seen_between(piece, p, a, to, &fit);
+        step = next_step(to - a, fit);
+        if (fit < 1.0 && step > MEDIUM_STEP_SHORTEST)
+            continue;
+        medium_join(&seen, &next, most_rgb);
+        step = fmax(step, MEDIUM_STEP_SHORTEST);
+        a = to;
+        /* Where hardly anything comes through the front, what is behind may be left out. */
+        const double left = (seen.through + seen.through_error) * most_rgb;
+        if (a < b && left <= p->rule->drop) {
+            seen.rgb_error += left;
+            seen.through_error += seen.through;
+            seen.through = 0.0;
+            break;
+        }
+    }
+    return seen;
+}
+
+/* What is seen of [a, b], all of it in a span, but that the value there is off by up to `off`. */
+static medium_stretch seen_in(const piece_walk *walk, const transfer_span *span, double a, double b,
+                              double off) {
+    const smooth_span p = {walk->rule, span, walk->value_error + 2.0 * off};
+    double fit;
+    const medium_stretch seen = seen_between(walk->piece, &p, a, b, &fit);
+    return fit < 1.0 ? seen_by_steps(walk->piece, &p, a, b, next_step(b - a, fit)) : seen;
+}
+
+/* ---- Cuts ---- */
+
+/* Of a piece; `off`: how far the value there is from the one meant. */
+typedef struct cut {
+    double at, off;
+} cut;
+
+/* [from, to] comes behind what has been seen, all of it in a span. */
+static void see(piece_walk *walk, const transfer_span *span, const cut *from, const cut *to) {
+    if (!(from->at < to->at) || transfer_is_empty(span))
         return;
-    part_of(piece, a, b, f);
-    const medium_stretch seen = seen_in(walk, span, f, (b - a) * (piece->t1 - piece->t0));
+    const medium_stretch seen = seen_in(walk, span, from->at, to->at, fmax(from->off, to->off));
     medium_join(&walk->seen, &seen, walk->rule->transfer->most_rgb);
 }
 
-/* Where the value is v, between a and b, where it is fa and fb, on either side of v. */
-static double cut_at(const piece_walk *walk, double v, double a, double fa, double b, double fb) {
-    const bool rising = fa < fb;
-    double ga = fa - v, gb = fb - v, at = a;
-    for (int i = 0; i < 128; i++) {
-        /* Two steps of false position that forget one end by halves, then one by the middle. */
-        at = i % 3 < 2 && ga != gb ? a - ga * ((b - a) / (gb - ga)) : 0.5 * (a + b);
-        if (!(at > a && at < b))
-            at = 0.5 * (a + b);
-        const double g = segment_at(walk->piece, at) - v;
-        if (!(at > a && at < b) || fabs(g) <= walk->value_error)
-            break;
-        if (rising == (g < 0.0)) {
-            a = at;
-            ga = g;
-            gb *= 0.5;
-        } else {
-            b = at;
-            gb = g;
-            ga *= 0.5;
-        }
+/* A part [a, b] of a piece, in which the value goes from fa to fb without turning. */
+typedef struct part {
+    double a, b, fa, fb;
+} part;
+
+/* The value at a place, its first and its second derivative. */
+typedef struct value_there {
+    double value, slope, bend;
+} value_there;
+
+static value_there value_there_of(const segment *s, double at) {
+    double b[4];
+    value_there v = {0.0, 0.0, 0.0};
+    memcpy(b, s->b, sizeof b);
+    for (uint32_t left = s->degree; left > 0; left--) {
+        v.slope = b[1] - b[0];
+        if (left == 2)
+            v.bend = (b[2] - b[1]) - v.slope;
+        for (uint32_t i = 0; i < left; i++)
+            b[i] = (1.0 - at) * b[i] + at * b[i + 1];
     }
-    return at;
+    v.value = b[0];
+    v.slope *= s->degree;
+    v.bend *= s->degree * (s->degree - 1);
+    return v;
+}
+
+/* Where the value is v, which is between fa and fb, or so near that it does not matter: Halley's
+ * steps as long as they stay between what is known to be on either side, now and then its middle.
+ */
+static cut cut_at(const segment *piece, const part *p, double v, double enough) {
+    const bool rising = p->fa < p->fb;
+    double a = p->a, b = p->b;
+    double at = fmin(a + (b - a) * ((v - p->fa) / (p->fb - p->fa)), b);
+    for (int i = 0;; i++) {
+        const value_there f = value_there_of(piece, at);
+        const double off = f.value - v;
+        if (fabs(off) <= enough || i == MEDIUM_CUT_STEPS)
+            return (cut){at, fabs(off)};
+        if (rising == (off < 0.0))
+            a = at;
+        else
+            b = at;
+        const double next = at - off * f.slope / (f.slope * f.slope - 0.5 * off * f.bend);
+        at = next > a && next < b && i % 4 < 3 ? next : 0.5 * (a + b);
+    }
 }
 
 /* An upper bound of the n-th root of x in [0, 1]. */
@@ -256,21 +260,19 @@ static double root_above(double x, int n) {
     return fmin(ldexp(1.0, -((-exponent) / n)), 1.0);
 }
 
-/* Of a part [a, b] of a piece, in which the value goes from fa to fb without turning: at most so
- * long is what is within e of v. */
-static double length_near(const piece_walk *walk, double a, double b, double fa, double fb,
-                          double v, double e) {
+/* At most so long is what is within e of v. */
+static double length_near(const piece_walk *walk, const part *p, double v, double e) {
     const int n = (int)walk->piece->degree;
-    const double most = fmax(fabs(fa - v), fabs(fb - v));
+    const double most = fmax(fabs(p->fa - v), fabs(p->fb - v));
     double f[4], slope = INFINITY;
     if (most <= e)
-        return b - a;
-    part_of(walk->piece, a, b, f);
+        return p->b - p->a;
+    segment_part(walk->piece, p->a, p->b, f);
     for (int i = 0; i < n; i++)
-        slope = fmin(slope, (fb > fa ? f[i + 1] - f[i] : f[i] - f[i + 1]) * n);
+        slope = fmin(slope, (p->fb > p->fa ? f[i + 1] - f[i] : f[i] - f[i + 1]) * n);
     const double by_degree = 4.0 * root_above(e / (2.0 * most), n);
     const double by_slope = slope > 0.0 ? 2.0 * e / slope : INFINITY;
-    return (b - a) * fmin(fmin(by_degree, by_slope), 1.0);
+    return (p->b - p->a) * fmin(fmin(by_degree, by_slope), 1.0);
 }
 
 /* How much extinction and colour differ where the value is within e of v. */
@@ -293,52 +295,48 @@ static void change_near(const transfer *t, double v, double e, double *k, double
     *rgb = fmax(hi[0] - lo[0], fmax(hi[1] - lo[1], hi[2] - lo[2]));
 }
 
-/* What rounding may move over the end v of a span, in [a, b] as above, if rates do not tell. */
-static void add_error_near(piece_walk *walk, const transfer_span *below, double v, double a,
-                           double b, double fa, double fb) {
+/* What rounding, and a cut that is off, may move over the end of a span, if rates do not tell. */
+static void add_error_near(piece_walk *walk, const part *p, int span, double off) {
     const segment *piece = walk->piece;
     const transfer *t = walk->rule->transfer;
-    const double e = 2.0 * walk->value_error;
+    const double v = t->span[span].to, e = 2.0 * walk->value_error + off;
     double k, rgb;
-    if (below->reach[1] > v + e && below[1].reach[0] < v - e)
+    if (transfer_reaches(t, span, e))
         return;
     change_near(t, v, e, &k, &rgb);
-    const double length = length_near(walk, a, b, fa, fb, v, e) * (piece->t1 - piece->t0);
+    const double length = length_near(walk, p, v, e) * (piece->t1 - piece->t0);
     const double shift = shift_of(k * length);
-    walk->seen.through_error = fmin(walk->seen.through_error + shift, 1.0);
-    walk->seen.rgb_error += shift * t->most_rgb + rgb * fmin(t->most_k * length, 1.0);
+    walk->near_through += shift;
+    walk->near_rgb += shift * t->most_rgb + rgb * fmin(t->most_k * length, 1.0);
 }
 
-/* A part [a, b] in which the value goes from fa to fb without turning. */
-static void see_part(piece_walk *walk, double a, double b, double fa, double fb) {
+/* The ends of spans that the part does not pass, but that the error may. */
+static void add_errors_beside(piece_walk *walk, const part *p, int lowest, int highest) {
     const transfer *t = walk->rule->transfer;
     const double e = walk->value_error;
-    const int up = fa < fb ? 1 : -1;
-    int i = transfer_find(t, fa);
-    double from = a, f_from = fa;
-    const int first = transfer_find(t, fmin(fa, fb) - e), last = transfer_find(t, fmax(fa, fb) + e);
-    for (int k = first; k < last; k++)
-        add_error_near(walk, &t->span[k], t->span[k].to, a, b, fa, fb);
-    for (int end = transfer_find(t, fb); i != end; i += up) {
-        const double v = up > 0 ? t->span[i].to : t->span[i].from;
-        const double to = f_from == v ? from : cut_at(walk, v, from, f_from, b, fb);
-        see(walk, &t->span[i], from, to);
-        from = to;
-        f_from = v;
-    }
-    see(walk, &t->span[i], from, b);
+    for (int k = lowest - 1; k >= 0 && t->span[k].to > fmin(p->fa, p->fb) - e; k--)
+        add_error_near(walk, p, k, 0.0);
+    for (int k = highest; k + 1 < t->spans && t->span[k].to <= fmax(p->fa, p->fb) + e; k++)
+        add_error_near(walk, p, k, 0.0);
 }
 
-/* How far the value may be off at a given t. */
-static double value_error_of(const segment *s, const segments_error *error) {
-    double largest = fabs(s->b[0]), step = 0.0;
-    for (uint32_t i = 0; i < s->degree; i++) {
-        largest = fmax(largest, fabs(s->b[i + 1]));
-        step = fmax(step, fabs(s->b[i + 1] - s->b[i]));
+static void see_part(piece_walk *walk, const part *p) {
+    const transfer *t = walk->rule->transfer;
+    const int up = p->fa < p->fb ? 1 : -1, end = transfer_find(t, p->fb);
+    int i = transfer_find(t, p->fa);
+    cut from = {p->a, 0.0};
+    add_errors_beside(walk, p, i < end ? i : end, i < end ? end : i);
+    for (; i != end; i += up) {
+        const transfer_span *below = &t->span[up > 0 ? i : i - 1];
+        cut to = cut_at(walk->piece, p, below->to, fmax(walk->value_error, below->give));
+        /* Those of neighbours may have changed places, if they are off that much. */
+        if (to.at < from.at)
+            to = (cut){from.at, fmax(from.off, to.off)};
+        add_error_near(walk, p, (int)(below - t->span), to.off);
+        see(walk, &t->span[i], &from, &to);
+        from = to;
     }
-    /* The slope is a mean of its Bernstein coefficients; and nothing leaves the range of those. */
-    const double by_t = s->degree * step * fmin(error->t / (s->t1 - s->t0), 1.0);
-    return error->value + by_t + 16.0 * unit * largest;
+    see(walk, &t->span[i], &from, &(cut){p->b, 0.0});
 }
 
 /* The span that the whole piece is in, and no error leads beyond its reach; NULL: there is none. */
@@ -354,34 +352,40 @@ static const transfer_span *only_span(const transfer *t, const segment *piece, d
     return only ? s : NULL;
 }
 
-/* The ends of the piece are off, too. */
-static void add_ends(const medium_rule *rule, medium_stretch *seen) {
-    const double shift = shift_of(2.0 * rule->error.t * rule->transfer->most_k);
+void medium_add_ends(const transfer *t, double t_error, medium_stretch *seen) {
+    const double shift = shift_of(2.0 * t_error * t->most_k);
     seen->through_error = fmin(seen->through_error + shift, 1.0);
-    seen->rgb_error += shift * rule->transfer->most_rgb;
+    seen->rgb_error += shift * t->most_rgb;
 }
 
 static void see_parts(piece_walk *walk) {
-    double at[4] = {0.0}, value[4];
-    int ends = 1;
-    if (walk->piece->degree == 3)
-        ends += cubic_extrema(walk->piece->b, at + 1);
-    at[ends] = 1.0;
-    for (int i = 0; i <= ends; i++)
-        value[i] = segment_at(walk->piece, at[i]);
-    for (int i = 0; i < ends; i++)
-        see_part(walk, at[i], at[i + 1], value[i], value[i + 1]);
+    const segment *s = walk->piece;
+    double at[2];
+    part p = {0.0, 0.0, 0.0, s->b[0]};
+    const int turns = s->degree == 3 && !cubic_is_monotone(s->b) ? cubic_extrema(s->b, at) : 0;
+    for (int i = 0; i <= turns; i++) {
+        p.a = p.b;
+        p.fa = p.fb;
+        p.b = i < turns ? at[i] : 1.0;
+        p.fb = i < turns ? segment_at(s, at[i]) : s->b[s->degree];
+        see_part(walk, &p);
+    }
 }
 
 medium_stretch medium_of_piece(const medium_rule *rule, const segment *piece) {
-    piece_walk walk = {rule, piece, value_error_of(piece, &rule->error), medium_nothing()};
+    piece_walk walk = {.rule = rule,
+                       .piece = piece,
+                       .value_error = segment_value_error(piece, &rule->error),
+                       .seen = medium_nothing()};
     const transfer_span *span = only_span(rule->transfer, piece, walk.value_error);
     if (span && transfer_is_empty(span))
         return walk.seen;
     if (span)
-        walk.seen = seen_in(&walk, span, piece->b, piece->t1 - piece->t0);
+        see(&walk, span, &(cut){0.0, 0.0}, &(cut){1.0, 0.0});
     else
         see_parts(&walk);
-    add_ends(rule, &walk.seen);
+    walk.seen.rgb_error += walk.near_rgb;
+    walk.seen.through_error += walk.near_through;
+    medium_add_ends(rule->transfer, rule->error.t, &walk.seen);
     return walk.seen;
 }

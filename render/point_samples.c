@@ -317,7 +317,7 @@ status point_samples_run(const point_samples *p, leafcast_stats *stats) {
     const double start = clock_seconds();
     waiting w = {.job = p};
     loader_forget_failures(v->treelets);
-    loader_select_set(v->treelets, v->set = leaf_layout_set(&v->file->layout, v->field, v->step));
+    loader_select_set(v->treelets, v->set = p->set);
     const loader_stats before = loader_statistics(v->treelets);
     status st = prepare(&w);
     while (st == ST_OK && w.first < p->count)

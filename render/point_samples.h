@@ -16,8 +16,9 @@
 #include "render/leafcast_volume.h"
 
 typedef struct point_samples {
-    leafcast *volume; /* in the set that is selected */
-    uint32_t level;   /* of detail */
+    leafcast *volume;
+    uint32_t set;   /* of values: a field at a step */
+    uint32_t level; /* of detail */
     size_t count;
     /* The i-th point, and what is there (inside: false, where nothing is); by any thread, each
      * once. */

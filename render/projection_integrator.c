@@ -126,10 +126,7 @@ static void colour_of(const projection_look *look, double value, double rgb[3]) 
         rgb[0] = rgb[1] = rgb[2] = fmin(fmax(share, 0.0), 1.0);
         return;
     }
-    const transfer_span *s = &look->colour->span[transfer_find(look->colour, value)];
-    const double w = (value - s->base) * s->inverse;
-    for (int c = 0; c < 3; c++)
-        rgb[c] = (1.0 - w) * s->rgb[0][c] + w * s->rgb[1][c];
+    transfer_rgb(look->colour, value, rgb);
 }
 
 static void write_colour(const frame *f, size_t at, double value) {
@@ -194,8 +191,9 @@ static bool projection_ask(const frame *f, ray_record *record, ray_question *q,
                            ray_counters *counters) {
     projected_ray *p = projected_ray_of(record);
     double origin[3], direction[3];
-    camera_ray(&f->camera, p->head.pixel % f->width + 0.5, p->head.pixel / f->width + 0.5, origin,
-               direction);
+    if (p->head.volume < f->volumes)
+        camera_ray(&f->camera, p->head.pixel % f->width + 0.5, p->head.pixel / f->width + 0.5,
+                   origin, direction);
     for (; p->head.volume < f->volumes; p->head.volume++) {
         q->tracer = &f->tracer[p->head.volume];
         if (!tracer_ray(q->tracer, origin, direction, 0.0, (double)INFINITY, &q->ray))

@@ -30,6 +30,14 @@ static void gather(ray_company *c, unsigned first, ray_batch *b) {
     }
 }
 
+/* What a question waits for. */
+static uint32_t absent_of(const ray_question *q) {
+    return q->state     ? q->state->blocked
+           : q->walk    ? q->walk->blocked
+           : q->extreme ? q->extreme->blocked
+                        : q->missed;
+}
+
 /* Tell ray i the answer, and let it go on to its next question. */
 static void go_on(const frame *f, ray_company *c, unsigned i, trace_result result,
                   ray_counters *counters) {
@@ -37,10 +45,7 @@ static void go_on(const frame *f, ray_company *c, unsigned i, trace_result resul
     c->blocked[i] = result == TRACE_BLOCKED;
     if (c->blocked[i]) {
         c->asks[i] = false;
-        const ray_question *q = &c->question[i];
-        r->blocked = q->state  ? q->state->blocked
-                     : q->walk ? q->walk->blocked
-                               : q->extreme->blocked;
+        r->blocked = absent_of(&c->question[i]);
         return;
     }
     f->integrator->answer(f, r, result);
@@ -100,17 +105,25 @@ static void answer_together(const frame *f, ray_company *c, unsigned first, ray_
     }
 }
 
-/* The others whose turn it is: the greatest values on their ways. */
-static void climb_one_by_one(const frame *f, ray_company *c, unsigned first,
-                             ray_counters *counters) {
+/* Of those whose turn it is, all that ask for the greatest values on their ways. */
+static void climb_together(const frame *f, ray_company *c, unsigned first, ray_pieces *p,
+                           void *scratch, ray_counters *counters) {
+    extreme_batch *b = &p->extremes;
+    const tracer *tr = c->question[first].tracer;
     const uint32_t turn = turn_of(c->record[first]);
+    b->count = 0;
     for (unsigned i = first; i < c->count; i++) {
         const ray_question *q = &c->question[i];
-        if (!c->asks[i] || q->state || q->walk || turn_of(c->record[i]) != turn)
+        if (!c->asks[i] || q->state || q->walk || !q->extreme || q->tracer != tr ||
+            turn_of(c->record[i]) != turn)
             continue;
-        const extreme_state *near = i > 0 ? q[-1].extreme : NULL;
-        go_on(f, c, i, extreme_next(q->tracer, &q->ray, near, q->extreme, counters), counters);
+        b->rays[b->count] = q->ray;
+        b->state[b->count] = q->extreme;
+        c->asked[b->count++] = (uint8_t)i;
     }
+    extreme_batch_next(tr, f->kernels, b, scratch, counters);
+    for (unsigned k = 0; k < b->count; k++)
+        go_on(f, c, c->asked[k], b->result[k], counters);
 }
 
 void ray_advance(const frame *f, ray_company *c, ray_batch *b, ray_pieces *pieces, void *scratch,
@@ -125,7 +138,9 @@ void ray_advance(const frame *f, ray_company *c, ray_batch *b, ray_pieces *piece
             answer_together(f, c, first, b, scratch, counters);
         else if (c->question[first].walk)
             walk_together(f, c, first, pieces, scratch, counters);
+        else if (c->question[first].extreme)
+            climb_together(f, c, first, pieces, scratch, counters);
         else
-            climb_one_by_one(f, c, first, counters);
+            go_on(f, c, first, TRACE_BLOCKED, counters);
     }
 }

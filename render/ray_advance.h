@@ -6,6 +6,7 @@
 #ifndef RENDER_RAY_ADVANCE_H
 #define RENDER_RAY_ADVANCE_H
 
+#include "render/extreme_batch.h"
 #include "render/integrator.h"
 #include "render/ray_batch.h"
 
@@ -18,9 +19,12 @@ typedef struct ray_company {
     uint8_t asked[RAY_BATCH]; /* those that are asked together, by number */
 } ray_company;
 
-/* Room for what integrator.take() is given. */
+/* Room for what integrator.take() is given, or for rays that look for the greatest value. */
 typedef struct ray_pieces {
-    segment_batch batch;
+    union {
+        segment_batch batch;
+        extreme_batch extremes;
+    };
     const frame *f;
     ray_record *record[RAY_BATCH];
     _Alignas(64) char scratch[]; /* integrator.take_scratch bytes */

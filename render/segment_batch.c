@@ -2,18 +2,6 @@
 
 #include "render/kind.h"
 
-static void add(segment_batch *b, unsigned i, const segment *s) {
-    segment_columns *c = &b->columns;
-    const unsigned at = c->count++;
-    c->degree = (int)s->degree;
-    c->t0[at] = s->t0;
-    c->t1[at] = s->t1;
-    for (uint32_t k = 0; k <= s->degree; k++)
-        c->b[k][at] = s->b[k];
-    c->treelet[at] = s->treelet;
-    c->ray[at] = (uint8_t)i;
-}
-
 enum { AHEAD = 64 }; /* pieces: more saves time */
 
 void segment_batch_single(const tracer *tr, segment_batch *b, unsigned i, ray_counters *counters) {
@@ -24,7 +12,7 @@ void segment_batch_single(const tracer *tr, segment_batch *b, unsigned i, ray_co
     while (!b->stop[i] && result == SEGMENTS_SOME) {
         result = segments_next(tr, &b->rays[i], s, &piece, counters);
         if (result == SEGMENTS_SOME)
-            add(b, i, &piece);
+            segment_batch_add(b, i, &piece);
         if (b->columns.count == SEGMENT_COLUMNS)
             segment_batch_flush(b);
     }

@@ -17,6 +17,7 @@ typedef struct segment_columns {
     int degree; /* of all pieces */
     _Alignas(64) double t0[SEGMENT_COLUMNS], t1[SEGMENT_COLUMNS];
     double b[4][SEGMENT_COLUMNS]; /* b[0] .. b[degree] */
+    double spread[SEGMENT_COLUMNS];
     uint32_t treelet[SEGMENT_COLUMNS];
     uint8_t ray[SEGMENT_COLUMNS]; /* its number in the batch */
 } segment_columns;
@@ -54,6 +55,20 @@ static inline void segment_batch_flush(segment_batch *b) {
     if (b->columns.count > 0)
         b->take(b->ctx, b);
     b->columns.count = 0;
+}
+
+/* segment_batch_add() - a piece of ray i; there is room. */
+static inline void segment_batch_add(segment_batch *b, unsigned i, const segment *s) {
+    segment_columns *c = &b->columns;
+    const unsigned at = c->count++;
+    c->degree = (int)s->degree;
+    c->t0[at] = s->t0;
+    c->t1[at] = s->t1;
+    for (uint32_t k = 0; k <= s->degree; k++)
+        c->b[k][at] = s->b[k];
+    c->spread[at] = s->spread;
+    c->treelet[at] = s->treelet;
+    c->ray[at] = (uint8_t)i;
 }
 
 /* segment_batch_single() - the same for ray i alone, behind what is in the columns. */

@@ -49,6 +49,17 @@ segments_error segments_error_of(const tracer *tr, const ray *r, const double ra
     return tr->kind->segments_error(tr, r, range);
 }
 
+double segment_value_error(const segment *s, const segments_error *error) {
+    double largest = fabs(s->b[0]), step = 0.0;
+    for (uint32_t i = 0; i < s->degree; i++) {
+        largest = fmax(largest, fabs(s->b[i + 1]));
+        step = fmax(step, fabs(s->b[i + 1] - s->b[i]));
+    }
+    /* The slope is a mean of its Bernstein coefficients; and nothing leaves the range of those. */
+    const double by_t = s->degree * step * fmin(error->t / (s->t1 - s->t0), 1.0);
+    return error->value + by_t + 16.0 * 0x1p-53 * largest;
+}
+
 /* ---- A piece ---- */
 
 static double mix(double a, double b, double s) {
@@ -62,6 +73,39 @@ double segment_at(const segment *s, double at) {
         for (uint32_t i = 0; i < left; i++)
             b[i] = mix(b[i], b[i + 1], at);
     return b[0];
+}
+
+/* Its blossom: first what is left of b, then of that what is right of a. */
+void segment_part(const segment *s, double a, double b, double out[4]) {
+    const int n = (int)s->degree;
+    double p[4], at = b > 0.0 ? a / b : 0.0;
+    memcpy(p, s->b, sizeof p);
+    for (int i = 0; i <= n; i++) {
+        out[i] = p[0];
+        for (int k = 0; k < n - i; k++)
+            p[k] = (1.0 - b) * p[k] + b * p[k + 1];
+    }
+    memcpy(p, out, sizeof p);
+    for (int i = 0; i <= n; i++) {
+        out[n - i] = p[n - i];
+        for (int k = 0; k < n - i; k++)
+            p[k] = (1.0 - at) * p[k] + at * p[k + 1];
+    }
+}
+
+double segment_spread(const double range[2], double middle) {
+    double spread = fmax(range[1] - middle, middle - range[0]);
+    while (middle - spread > range[0] || middle + spread < range[1])
+        spread = nextafter(spread, INFINITY);
+    return fmax(spread, SEGMENT_EXACT);
+}
+
+void segment_values(double middle, double spread, double range[2]) {
+    range[0] = range[1] = middle;
+    if (spread > SEGMENT_EXACT) {
+        range[0] -= spread;
+        range[1] += spread;
+    }
 }
 
 double segment_t(const segment *s, double at) {

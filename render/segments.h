@@ -17,6 +17,9 @@
  *   - What a ray in a face, along an edge or through a vertex belongs to: in a grid, to the cell
  *     that owns [i, i + 1); in a mesh, to the tet that it would pass if it were moved by (e, e^2,
  *     e^3), e infinitely small. So nothing is counted twice or left out.
+ *   - Where the selection says that it does not matter which value of a range it is
+ *     (stream/homogeneous.h), a node or a treelet of a grid may be one piece, of the range's middle
+ *     and with half its width, or SEGMENT_EXACT, as spread. Elsewhere that is 0.
  *   - t and values err by no more than grid_segments.h and mesh_segments.h say.
  *   - The same bits whatever was resident when, and however little.
  *
@@ -36,7 +39,8 @@
 typedef struct segment {
     double t0, t1;
     double b[4];
-    uint64_t cell;    /* as in a hit */
+    double spread;    /* above 0: the value may be off by so much; see above */
+    uint64_t cell;    /* as in a hit; of several cells: one of theirs */
     uint32_t treelet; /* that it came from */
     uint32_t degree;  /* 1 (a tet), 3 (a trilinear cell) */
 } segment;
@@ -74,14 +78,25 @@ segments_result segments_next(const tracer *tr, const ray *r, segments_state *st
                               ray_counters *counters);
 
 /* segments_move() - what is ahead to other memory, with room for `room` pieces, at least 1: those
- * that come first; the others will be found again. Before the state is suspended in little room,
- * and when it goes on in more. */
+ * that come first; the others will be found again. Before a state that is blocked is suspended in
+ * little room, and when it goes on in more. */
 void segments_move(segments_state *state, segment *to, uint32_t room);
 
 /* ---- A piece ---- */
 
 /* segment_at() - the value at parameter s in [0, 1] of the piece, the very ends at 0 and 1. */
 double segment_at(const segment *s, double at);
+
+/* segment_part() - into out[0] .. out[degree]: the coefficients over [a, b], in [0, 1] of it. */
+void segment_part(const segment *s, double a, double b, double out[4]);
+
+/* The spread of a piece that was taken whole and has one value. */
+#define SEGMENT_EXACT 0x1p-1022
+
+/* segment_spread() - for values from range[0] to range[1], with their middle. segment_values() -
+ * the same range again, or a little more where it has no exact middle. */
+double segment_spread(const double range[2], double middle);
+void segment_values(double middle, double spread, double range[2]);
 
 /* segment_t() - t there. */
 double segment_t(const segment *s, double at);
@@ -99,6 +114,10 @@ typedef struct segments_error {
     double t;     /* their ends */
     double value; /* at a given t but for what comes of that */
 } segments_error;
+
+/* segment_value_error() - how far the value of a piece may be off at a given t, and what of it has
+ * been worked out by halvings. */
+double segment_value_error(const segment *s, const segments_error *error);
 
 /* segments_error_of() - on a ray through a volume whose values are in range[0] .. range[1]. */
 segments_error segments_error_of(const tracer *tr, const ray *r, const double range[2]);

@@ -1,5 +1,7 @@
 #include "render/tracer.h"
 
+#include <math.h>
+
 #include "render/kind.h"
 #include "render/ray_box.h"
 
@@ -16,6 +18,20 @@ static bool cut(const double plane[4], const double o[3], const double d[3], dou
     if (slope < 0.0 && t < *t1)
         *t1 = t;
     return *t0 <= *t1;
+}
+
+int tracer_enters_by(const tracer *tr, const double origin[3], const double direction[3],
+                     double *t) {
+    double t0 = 0.0, t1 = INFINITY;
+    int by = -1;
+    for (int i = 0; i < tr->clip_count; i++) {
+        const double before = t0;
+        if (!cut(tr->clip[i], origin, direction, &t0, &t1))
+            return -1;
+        by = t0 > before ? i : by;
+    }
+    *t = t0;
+    return by;
 }
 
 bool tracer_box(const tracer *tr, const ray *r, double *t0, double *t1) {

@@ -57,6 +57,11 @@ typedef struct trace_state {
 bool tracer_ray(const tracer *tr, const double origin[3], const double direction[3], double t0,
                 double t1, ray *out);
 
+/* tracer_enters_by() - the clip plane by which a world-space ray from t = 0 on enters what all of
+ * them leave, and where: *t. -1: it begins inside, or nothing of it is left. */
+int tracer_enters_by(const tracer *tr, const double origin[3], const double direction[3],
+                     double *t);
+
 /* tracer_direction(), tracer_ray_along() - the same in two steps, for many rays of one direction:
  * what it is in grid space, and then each ray; out->d has it already. */
 void tracer_direction(const tracer *tr, const double direction[3], double in_grid[3]);

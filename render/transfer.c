@@ -44,6 +44,12 @@ static void take_in_rates(transfer_span *s, const transfer_span *of) {
     s->rgb_rate = fmax(s->rgb_rate, fmin(of->rgb_change * of->inverse, most));
 }
 
+/* Whatever the value is off by there adds twice as much times the rate to the error. So little does
+ * not matter even where a piece is a million times as deep as light goes. */
+static double give_of(const transfer_span *below, const transfer_span *above) {
+    return 0x1p-32 * fmin(below->to - below->from, above->to - above->from);
+}
+
 /* What depends on neighbours. */
 static void reach_out(transfer *t) {
     for (int i = 0; i < t->spans; i++) {
@@ -52,6 +58,7 @@ static void reach_out(transfer *t) {
         const bool above = i + 1 < t->spans && is_smooth(s, s + 1);
         s->reach[0] = below ? s[-1].from : s->from;
         s->reach[1] = above ? s[1].to : s->to;
+        s->give = above ? give_of(s, s + 1) : 0.0;
         take_in_rates(s, s);
         if (below)
             take_in_rates(s, s - 1);
@@ -66,16 +73,12 @@ static void note_most(transfer *t, const leafcast_transfer_point *p) {
         t->most_rgb = fmax(t->most_rgb, (double)p->rgb[c]);
 }
 
-/* The spans once more, member by member. */
-static status make_columns(transfer *t, mem *m) {
-    const size_t members = sizeof *t->span / sizeof(double), spans = (size_t)t->spans;
-    t->columns = mem_array(m, spans * members, sizeof(double));
-    if (!t->columns)
+static status note_from(transfer *t, mem *m) {
+    t->from = mem_array(m, (size_t)t->spans, sizeof *t->from);
+    if (!t->from)
         return ST_NOMEM;
-    for (size_t i = 0; i < spans; i++)
-        for (size_t k = 0; k < members; k++)
-            memcpy(&t->columns[k * spans + i], (const char *)&t->span[i] + k * sizeof(double),
-                   sizeof(double));
+    for (int i = 0; i < t->spans; i++)
+        t->from[i] = t->span[i].from;
     return ST_OK;
 }
 
@@ -93,14 +96,16 @@ status transfer_init(transfer *t, mem *m, const leafcast_medium *medium) {
         note_most(t, &p[i]);
         if (i < last && p[i + 1].value - p[i].value >= TRANSFER_NARROWEST)
             t->span[t->spans++] = span_of(&p[i], &p[i + 1]);
+        else if (i < last)
+            t->narrow |= p[i].value < p[i + 1].value;
     }
     t->span[t->spans++] = beyond(&p[last], p[last].value, INFINITY);
     reach_out(t);
-    return make_columns(t, m);
+    return note_from(t, m);
 }
 
 void transfer_release(transfer *t, mem *m) {
-    mem_free(m, t->columns);
+    mem_free(m, t->from);
     mem_free(m, t->span);
     *t = (transfer){0};
 }
@@ -117,6 +122,37 @@ int transfer_find(const transfer *t, double value) {
             hi = middle;
     }
     return lo;
+}
+
+void transfer_rgb(const transfer *t, double value, double rgb[3]) {
+    const transfer_span *s = &t->span[transfer_find(t, value)];
+    const double w = (value - s->base) * s->inverse;
+    for (int c = 0; c < 3; c++)
+        rgb[c] = (1.0 - w) * s->rgb[0][c] + w * s->rgb[1][c];
+}
+
+static void widen(double range[2], double x) {
+    range[0] = fmin(range[0], x);
+    range[1] = fmax(range[1], x);
+}
+
+static void take_in(transfer_extent *e, const transfer_span *s, double value) {
+    const double w = fmin(fmax((value - s->base) * s->inverse, 0.0), 1.0);
+    widen(e->k, (1.0 - w) * s->k[0] + w * s->k[1]);
+    for (int c = 0; c < 3 && !transfer_is_empty(s); c++)
+        widen(e->rgb[c], (1.0 - w) * s->rgb[0][c] + w * s->rgb[1][c]);
+}
+
+transfer_extent transfer_extent_of(const transfer *t, double lo, double hi) {
+    const double none[2] = {INFINITY, 0.0};
+    transfer_extent e = {.k = {INFINITY, 0.0}};
+    for (int c = 0; c < 3; c++)
+        memcpy(e.rgb[c], none, sizeof none);
+    for (int i = transfer_find(t, lo); i < t->spans && t->span[i].from <= hi; i++) {
+        take_in(&e, &t->span[i], fmax(lo, t->span[i].from));
+        take_in(&e, &t->span[i], fmin(hi, t->span[i].to));
+    }
+    return e;
 }
 
 /* Two neighbours become one. */

@@ -11,21 +11,27 @@
 
 /* The values v with from <= v < to. There the extinction is k[0] + w (k[1] - k[0]), likewise the
  * colour, with w = (v - base) inverse in [0, 1]. The first span begins at -INFINITY, the last one
- * ends at INFINITY: they are constant, and w is 0. All members are double: vectors look them up by
- * column. */
+ * ends at INFINITY: they are constant, and w is 0. All members are double, and vectors load them by
+ * fours. */
 typedef struct transfer_span {
     double from, to;
+    /* A value that is off by e leads to a function that is off by e times the rates, as long as it
+     * and what it is taken for lie between reach[0] and reach[1]: in this span, and in those next
+     * to it unless there is a step between. */
+    double reach[2];
+
     double base, inverse; /* of the width */
     double k[2];
+
     double rgb[2][3];
-    double most_k;     /* the larger of k[0], k[1] */
     double most_rgb;   /* the largest component of its colours, */
     double rgb_change; /* and how much one changes at most */
-    /* A value that is off by e leads to a function that is off by e times these, as long as it and
-     * what it is taken for lie between reach[0] and reach[1]: in this span, and in those next to it
-     * unless there is a step between. */
+
+    double most_k; /* the larger of k[0], k[1] */
     double k_rate, rgb_rate;
-    double reach[2];
+    /* How far off the value may be where a ray is cut at `to`: a small part of the narrower of the
+     * two spans, or nothing where there is a step. */
+    double give;
 } transfer_span;
 
 /* Spans that are narrower are steps. */
@@ -34,20 +40,16 @@ typedef struct transfer_span {
 typedef struct transfer {
     transfer_span *span;
     int spans;       /* at least 1; 0: nothing is filled */
-    double *columns; /* the same, member by member */
+    double *from;    /* of each span, once more */
     double most_k;   /* the largest extinction, */
     double most_rgb; /* and the largest component of a colour */
+    bool narrow;     /* points that are not at one value count as a step */
 } transfer;
 
 /* transfer_init() - of a medium that has been checked (arguments.h). transfer_release() - also
  * where that failed, and of a zeroed one. */
 CHECKED status transfer_init(transfer *t, mem *m, const leafcast_medium *medium);
 void transfer_release(transfer *t, mem *m);
-
-/* transfer_column() - a member of all spans; offset: its own in the struct. */
-static inline const double *transfer_column(const transfer *t, size_t offset) {
-    return t->columns + offset / sizeof(double) * (size_t)t->spans;
-}
 
 /* transfer_is_empty() - nothing is where the value is in the span. */
 static inline bool transfer_is_empty(const transfer_span *s) {
@@ -56,6 +58,24 @@ static inline bool transfer_is_empty(const transfer_span *s) {
 
 /* transfer_find() - the number of the span that holds a value. */
 int transfer_find(const transfer *t, double value);
+
+/* transfer_rgb() - the colour of a value. */
+void transfer_rgb(const transfer *t, double value, double rgb[3]);
+
+/* transfer_reaches() - where the value is within e of the end of a span, but not the last one's,
+ * rates tell what may change. */
+static inline bool transfer_reaches(const transfer *t, int span, double e) {
+    const transfer_span *s = &t->span[span];
+    return s[0].reach[1] > s->to + e && s[1].reach[0] < s->to - e;
+}
+
+/* Extinction and colour of all values in a range; colours that nothing has do not count. */
+typedef struct transfer_extent {
+    double k[2], rgb[3][2]; /* the least and the largest */
+} transfer_extent;
+
+/* transfer_extent_of() - of [lo, hi]. */
+transfer_extent transfer_extent_of(const transfer *t, double lo, double hi);
 
 /* transfer_interest() - into intervals[]: the values that matter, those of some extinction; where
  * there would be more intervals than `max`, the narrowest gaps between them are taken in. Returns

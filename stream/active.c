@@ -12,7 +12,7 @@ enum { BLOCK = 1 << LEAF_BLOCK_LOG2, NODES = BLOCK + 1 };
 size_t active_bytes(uint32_t node_levels) {
     size_t nodes = active_nodes_at(node_levels);
     size_t blocks = (size_t)1 << (3 * node_levels);
-    return sizeof(active_masks) + blocks * sizeof(uint64_t) + (nodes + 7) / 8 * 8;
+    return sizeof(active_masks) + blocks * sizeof(uint64_t) + (nodes + 7) / 8 * 8 + blocks;
 }
 
 active_masks *active_init(void *block, uint32_t node_levels) {
@@ -20,6 +20,7 @@ active_masks *active_init(void *block, uint32_t node_levels) {
     memset(masks, 0, active_bytes(node_levels));
     masks->cells = (uint64_t *)(masks + 1);
     masks->nodes = (uint8_t *)(masks->cells + ((size_t)1 << (3 * node_levels)));
+    masks->whole = masks->nodes + (active_nodes_at(node_levels) + 7) / 8 * 8;
     return masks;
 }
 
@@ -176,6 +177,68 @@ static uint8_t held_siblings(const uint8_t *lo, const uint8_t *hi, const interes
     return (uint8_t)mask;
 }
 
+void active_bound(active_masks *masks, uint32_t levels) {
+    static const uint8_t lower[3] = {0x55, 0x33, 0x0f};
+    const uint8_t *leaves = masks->nodes + active_nodes_at(levels - 1);
+    uint32_t layers[3] = {0, 0, 0};
+    for (uint32_t group = 0; group < 1u << (3 * (levels - 1)); group++) {
+        uint32_t at[3];
+        if (!leaves[group])
+            continue;
+        morton_decode(group, levels - 1, at);
+        for (int a = 0; a < 3; a++)
+            layers[a] |= ((leaves[group] & lower[a] ? 1u : 0u) |
+                          (leaves[group] & ~lower[a] & 255u ? 2u : 0u))
+                         << (2 * at[a]);
+    }
+    for (int a = 0; a < 3 && masks->root; a++) {
+        masks->first[a] = (uint8_t)__builtin_ctz(layers[a]);
+        masks->end[a] = (uint8_t)(32 - __builtin_clz(layers[a]));
+    }
+}
+
+void active_range(const leaf_file *f, uint32_t p, const void *payload, uint32_t k, uint32_t i,
+                  double range[2]) {
+    const quantizer q = quantizer_of(f->own[p][0], f->own[p][1], f->layout.type);
+    const uint8_t *lo = (const uint8_t *)payload + leaf_codes_at(k), *hi = lo + (1u << (3 * k));
+    /* Where codes are rounded, values too were when they were made. */
+    const double unsure = q.exact ? 0.0 : 1e-5;
+    const double per_code = q.scale > 0.0 ? 1.0 / q.scale : 0.0;
+    range[0] = fmax(q.lo + (lo[i] - unsure) * per_code, q.lo);
+    range[1] = fmin(q.lo + (hi[i] + unsure) * per_code, q.hi);
+}
+
+static bool node_is_active(const active_masks *masks, uint32_t k, uint32_t i) {
+    const uint8_t *siblings = k == 1 ? &masks->root : masks->nodes + active_nodes_at(k - 1);
+    return siblings[i >> 3] >> (i & 7u) & 1u;
+}
+
+void active_whole(active_masks *masks, const leaf_file *f, uint32_t p, const void *payload,
+                  const homogeneous *in) {
+    const uint32_t levels = leaf_layout_payload(&f->layout, p % f->layout.treelets).node_levels;
+    masks->some_whole = false;
+    if (in->bins == 0 || (f->flags[p] & LEAF_FLAG_NON_FINITE))
+        return;
+    memset(masks->whole, 0, (size_t)1 << (3 * levels));
+    for (uint32_t k = 1; k <= levels; k++) {
+        const uint32_t below = 3 * (levels - k);
+        for (uint32_t i = 0; i < 1u << (3 * k); i++) {
+            double range[2];
+            if (masks->whole[i << below] || !node_is_active(masks, k, i))
+                continue;
+            active_range(f, p, payload, k, i, range);
+            if (!homogeneous_holds(in, range[0], range[1]))
+                continue;
+            memset(masks->whole + (i << below), (int)(levels + 1 - k), (size_t)1 << below);
+            masks->some_whole = true;
+        }
+    }
+    for (int a = 0; a < 3 && masks->some_whole; a++) {
+        masks->first[a] = 0;
+        masks->end[a] = (uint8_t)(1u << levels);
+    }
+}
+
 void active_compute(active_masks *masks, const leaf_file *f, uint32_t p, const void *payload,
                     const interest *in) {
     const leaf_payload shape = leaf_layout_payload(&f->layout, p % f->layout.treelets);
@@ -225,6 +288,7 @@ void active_compute(active_masks *masks, const leaf_file *f, uint32_t p, const v
                 masks->root = (uint8_t)active;
         }
     }
+    active_bound(masks, levels);
 }
 
 active_fn *active_for(cpu_isa isa) {

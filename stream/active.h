@@ -24,6 +24,9 @@
 /* Masks of one treelet; lies in front of its arrays in one block of active_bytes(). */
 typedef struct active_masks {
     uint8_t root; /* children of the root (their cells: B / 2 on a side) that hold an active cell */
+    uint8_t first[3], end[3]; /* the blocks with one lie between these; nothing is set for none */
+    bool some_whole;          /* then nodes with active cells may be taken whole (homogeneous.h): */
+    uint8_t *whole;  /* one a block: 0, or of how many levels the whole node is that it is in */
     uint8_t *nodes;  /* child masks of tree levels 1 .. K-1: 8, 64, ... bytes, level after level */
     uint64_t *cells; /* 8^K: one a block of 4^3 cells, Morton order */
 } active_masks;
@@ -33,6 +36,18 @@ size_t active_bytes(uint32_t node_levels);
 
 /* active_init() - lay the masks out in a block of active_bytes(); everything inactive. */
 active_masks *active_init(void *block, uint32_t node_levels);
+
+/* active_bound() - set first[] and end[] by the nodes. */
+void active_bound(active_masks *masks, uint32_t node_levels);
+
+/* active_whole() - then, which nodes are taken whole; first[] and end[] leave nothing out there. */
+void active_whole(active_masks *masks, const leaf_file *f, uint32_t p, const void *payload,
+                  const homogeneous *in);
+
+/* active_range() - at least the range of the samples of node i of tree level k (1 .. K), which has
+ * cells and no NaN or inf. */
+void active_range(const leaf_file *f, uint32_t p, const void *payload, uint32_t k, uint32_t i,
+                  double range[2]);
 
 /* active_compute() - masks of a grid's payload p (leaf_layout_samples()) for an interest. Of the
  * samples only those of blocks whose codes meet it decide. */

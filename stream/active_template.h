@@ -547,6 +547,7 @@ void SIMD_NAME(active_compute)(active_masks *masks, const leaf_file *f, uint32_t
         if (want_rows(held, side, x, wanted))
             word_of_cells(masks, &s, &shape, x, wanted, f->flags[p] & LEAF_FLAG_NON_FINITE, &part);
     sum_up(masks, levels, held);
+    active_bound(masks, levels);
 }
 
 #endif

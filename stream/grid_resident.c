@@ -77,7 +77,9 @@ static void destroy(const resident_store *s, treelet *tr) {
 }
 
 static void mask(const resident_store *s, treelet *tr, const interest *in) {
-    s->compute(resident_grid_of(tr)->masks, s->file, payload_of(s, tr), tr->payload, in);
+    active_masks *masks = resident_grid_of(tr)->masks;
+    s->compute(masks, s->file, payload_of(s, tr), tr->payload, in);
+    active_whole(masks, s->file, payload_of(s, tr), tr->payload, &in->whole);
 }
 
 const resident_kind grid_resident = {.shares = false,

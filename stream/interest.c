@@ -92,7 +92,7 @@ interest interest_of_all(void) {
 /* ---- Asking ---- */
 
 bool interest_same(const interest *a, const interest *b) {
-    bool same = a->count == b->count;
+    bool same = a->count == b->count && homogeneous_same(&a->whole, &b->whole);
     for (int i = 0; same && i < a->count; i++) {
         const interest_interval *x = &a->of[i], *y = &b->of[i];
         same = x->lo == y->lo && x->hi == y->hi && x->lo_open == y->lo_open &&

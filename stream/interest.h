@@ -20,6 +20,7 @@
 #include <stdbool.h>
 
 #include "formats/leaf/quantize.h"
+#include "stream/homogeneous.h"
 
 enum { INTEREST_MAX = 64 };
 
@@ -41,6 +42,7 @@ typedef struct interest {
     int count;
     interest_interval of[INTEREST_MAX];
     interest_limits limits[INTEREST_MAX]; /* of each */
+    homogeneous whole; /* of what meets it, what is taken whole; set after it was made */
 } interest;
 
 /* interest_of_intervals() - 0 <= count <= INTEREST_MAX, in any order. */

@@ -8,6 +8,7 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/heap.h"
+#include "stream/sweep.h"
 #include "stream/treelet_cache.h"
 
 typedef enum residence { ABSENT, QUEUED, LOADING, READY, FAILED } residence;
@@ -396,6 +397,7 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, readers *giv
     h->capacity = 1;
     h->kind = resident_kind_of(f);
     l->own = mem_array(m, n, 1);
+    l->whole = mem_array(m, n, 1);
     l->children = mem_array(m, n, 1);
     l->resident = mem_array(m, n, sizeof *l->resident);
     h->state = mem_array(m, n, sizeof *h->state);
@@ -405,8 +407,8 @@ status loader_create(mem *m, leaf_file *f, const loader_options *o, readers *giv
     h->existing = existing_octants(m, &f->layout);
     h->held = mem_array(m, n, 1);
     st = arrivals_init(&l->arrivals, m, (uint32_t)n);
-    if (!l->own || !l->children || !l->resident || !h->state || !h->queue || !h->slots ||
-        !h->cache.of || !h->existing || !h->held)
+    if (!l->own || !l->whole || !l->children || !l->resident || !h->state || !h->queue ||
+        !h->slots || !h->cache.of || !h->existing || !h->held)
         st = ST_NOMEM;
     if (st == ST_OK)
         st = grow_tree(l);
@@ -465,6 +467,7 @@ void loader_destroy(loader *l) {
     arrivals_release(&l->arrivals, l->m);
     mem_free(l->m, l->resident);
     mem_free(l->m, l->children);
+    mem_free(l->m, l->whole);
     mem_free(l->m, l->own);
     mem_free(l->m, l);
 }
@@ -486,24 +489,17 @@ static void rest(struct loader_private *h) {
     quiesce(h);
 }
 
-/* Of each range whether it meets the interest: without a branch. */
-static void holding(const float (*ranges)[2], uint32_t count, const interest *in, uint8_t *held) {
-    memset(held, 0, count);
-    for (int i = 0; i < in->count; i++) {
-        const interest_limits at = in->limits[i];
-        for (uint32_t t = 0; t < count; t++)
-            held[t] |= (uint8_t)((ranges[t][0] < at.beyond) & (ranges[t][1] >= at.reach));
-    }
-}
-
 /* The sweep: which treelets are of interest themselves, and which children's subtrees are. */
-static void sweep_ranges(loader *l) {
+static void sweep(loader *l) {
     const leaf_file *f = l->file;
     const struct loader_private *h = l->hidden;
     const uint32_t treelets = f->layout.treelets, inner = f->layout.level[0].first;
     const size_t first = (size_t)treelets * h->set;
-    holding((const float(*)[2])f->own + first, treelets, &h->selected, l->own);
-    holding((const float(*)[2])f->ranges + first, treelets, &h->selected, h->held);
+    sweep_ranges((const float(*)[2])f->own + first, treelets, &h->selected, l->own);
+    sweep_ranges((const float(*)[2])f->ranges + first, treelets, &h->selected, h->held);
+    memset(l->whole, 0, treelets);
+    if (!l->tree) /* where treelets lie side by side */
+        sweep_whole(f, h->set, &h->selected.whole, l->own, l->whole);
     uint64_t bytes = 0;
     uint32_t active = 0;
     for (uint32_t t = 0; t < treelets; t++) {
@@ -546,7 +542,7 @@ static void sort_resident(loader *l) {
 
 /* Another selection. With the lock held. */
 static void select_anew(loader *l) {
-    sweep_ranges(l);
+    sweep(l);
     sort_resident(l);
 }
 
@@ -601,7 +597,7 @@ void loader_select_gradients(loader *l, bool needed) {
         strip_cache(l);
         h->store.gradients = needed;
         h->slot_bytes = slot_bytes_of(l);
-        sweep_ranges(l);
+        sweep(l);
     }
     pthread_mutex_unlock(&h->lock);
 }

@@ -46,8 +46,9 @@ typedef struct loader {
     mem *m;
     leaf_file *file;
     /* Per treelet, for the selected interest; read-only while tracing. */
-    uint8_t *own;      /* 1: the range of its own level meets it */
-    uint8_t *children; /* octants whose subtree does, by the merged ranges */
+    uint8_t *own;      /* 1: the range of its own level meets it, and it must be looked at */
+    uint8_t *whole;    /* 1: it meets it, but is taken whole (homogeneous.h): it is not read */
+    uint8_t *children; /* octants whose subtree meets it, by the merged ranges */
     _Atomic(treelet *) *resident;
     arrivals arrivals;        /* that became READY or FAILED; the listeners' to take */
     const treelet_tree *tree; /* where treelets overlap; else NULL */

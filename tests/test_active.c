@@ -91,6 +91,12 @@ static void true_masks(active_masks *masks, const leaf_file *f, uint32_t t, cons
                     const uint32_t child = at >> (3 * (k + LEAF_BLOCK_LOG2 - j - 1));
                     masks->nodes[active_nodes_at(j) + child / 8] |= (uint8_t)(1u << child % 8);
                 }
+                for (int a = 0; a < 3; a++) {
+                    const uint8_t block = (uint8_t)(cell[a] >> LEAF_BLOCK_LOG2);
+                    masks->first[a] =
+                        masks->root && masks->first[a] < block ? masks->first[a] : block;
+                    masks->end[a] = masks->end[a] > block ? masks->end[a] : block + 1;
+                }
                 masks->root |= (uint8_t)(1u << (at >> (3 * (k + LEAF_BLOCK_LOG2 - 1))));
             }
 }
@@ -102,6 +108,10 @@ static void assert_same_masks(const active_masks *got, const active_masks *want,
     const size_t nodes = active_nodes_at(levels), blocks = (size_t)1 << (3 * levels);
     if (got->root != want->root)
         fail_msg("%s: the root has children %02x, not %02x", what, got->root, want->root);
+    for (int a = 0; a < 3 && want->root; a++)
+        if (got->first[a] != want->first[a] || got->end[a] != want->end[a])
+            fail_msg("%s: active blocks from %d to %d on axis %d, not %d to %d", what,
+                     got->first[a], got->end[a], a, want->first[a], want->end[a]);
     for (size_t i = 0; i < nodes; i++)
         if (got->nodes[i] != want->nodes[i])
             fail_msg("%s: node %zu has children %02x, not %02x", what, i, got->nodes[i],
@@ -125,6 +135,8 @@ static active_masks *dirty(const guarded *g, uint32_t levels) {
     active_masks *masks = active_init(g->block, levels);
     memset(masks->cells, 0xa5, active_bytes(levels) - sizeof *masks);
     masks->root = 0x5a;
+    memset(masks->first, 0x5a, sizeof masks->first);
+    memset(masks->end, 0x5a, sizeof masks->end);
     return masks;
 }
 

@@ -66,7 +66,7 @@ static void check_body(int index, medium_tally *all) {
         medium_tally t = {0};
         for (uint64_t i = 0; i < number_of("LEAFCAST_STRESS"); i++) {
             const uint64_t seed = (number_of("LEAFCAST_SEED") + i) * 1000 + (uint64_t)kind;
-            medium_lab_draw(&(medium_job){&b, kind, seed, program, false}, &t);
+            medium_lab_draw(&(medium_job){&b, NULL, kind, seed, program, false}, &t);
         }
         if (medium_tally_faults(&t) > 0)
             medium_tally_print(b.name, hostile_transfer_name(kind), &t);
@@ -100,7 +100,7 @@ static void test_within_the_bound(void **state) {
 
 static void draw_with(medium_body *b, const leafcast_options *o, int kind, medium_planes *planes) {
     assert_int_equal(medium_body_reopen(b, o), LEAFCAST_OK);
-    assert_int_equal(medium_lab_planes(&(medium_job){b, kind, 7, program, false}, planes),
+    assert_int_equal(medium_lab_planes(&(medium_job){b, NULL, kind, 7, program, false}, planes),
                      LEAFCAST_OK);
 }
 
@@ -122,7 +122,7 @@ static int check_budgets(medium_body *b, int kind, const medium_planes *want) {
     for (int count = 0;; count++) {
         leafcast_status st = medium_body_reopen(b, &o);
         if (st == LEAFCAST_OK)
-            st = medium_lab_planes(&(medium_job){b, kind, 7, program, false}, &got);
+            st = medium_lab_planes(&(medium_job){b, NULL, kind, 7, program, false}, &got);
         if (st == LEAFCAST_NOMEM)
             return count;
         assert_int_equal(st, LEAFCAST_OK);
@@ -167,7 +167,8 @@ static int rerun(char **argv) {
         medium_body b;
         medium_tally t = {0};
         medium_body_make(&b, i, options_of(i));
-        medium_lab_draw(&(medium_job){&b, kind, strtoull(argv[2], NULL, 10), program, true}, &t);
+        medium_lab_draw(&(medium_job){&b, NULL, kind, strtoull(argv[2], NULL, 10), program, true},
+                        &t);
         medium_tally_print(b.name, hostile_transfer_name(kind), &t);
         medium_body_release(&b);
         return medium_tally_faults(&t) > 0;

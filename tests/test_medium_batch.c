@@ -79,7 +79,17 @@ static void same(const char *name, const medium_batch *got, const medium_batch *
                  s[0].rgb_error, s[1].through, s[1].rgb_error);
 }
 
-/* Pieces that the scalar code cuts or halves are its own; some must be left to vectors. */
+/* Of the pieces looked at by vectors. */
+static struct { unsigned long pieces, alone, cut, stretches, stepped; } tally;
+
+static void note(const medium_batch *m, unsigned pieces) {
+    tally.pieces += pieces;
+    tally.alone += m->alone;
+    tally.cut += m->cut;
+    tally.stretches += m->stretches;
+    tally.stepped += m->stepped;
+}
+
 static void the_same_bits(void **state) {
     static segment_columns pieces;
     static medium_batch got, meant;
@@ -103,12 +113,20 @@ static void the_same_bits(void **state) {
         for (int v = 1; v < versions(); v++) {
             const char *name;
             const medium_batch_fn kernel = version(v, &name);
+            got.alone = got.cut = got.stretches = got.stepped = 0;
             kernel(&got, &pieces);
+            note(&got, pieces.count);
             for (unsigned i = 0; i < pieces.count; i++)
                 same(name, &got, &meant, i);
         }
         transfer_release(&t, &m);
     }
+    print_message("# of %lu pieces %lu alone; %lu cuts, %lu stretches, %lu by steps\n",
+                  tally.pieces, tally.alone, tally.cut, tally.stretches, tally.stepped);
+    assert_true(tally.alone > 0 && tally.alone < tally.pieces / 2);
+    assert_true(tally.cut > tally.pieces / 4);
+    assert_true(tally.stretches > tally.pieces / 4);
+    assert_true(tally.stepped > tally.stretches / 100);
 }
 
 int main(void) {

@@ -32,7 +32,7 @@ static void check_body(int index, medium_tally *all) {
     for (int kind = LEAFCAST_PROJECT_MAX; kind <= (int)LEAFCAST_PROJECT_FIRST; kind++)
         for (uint64_t n = 0; n < number_of("LEAFCAST_STRESS"); n++) {
             const uint64_t seed = (number_of("LEAFCAST_SEED") + n) * 1000 + (uint64_t)kind;
-            medium_lab_project(&(medium_job){&b, kind, seed, program, false}, &t);
+            medium_lab_project(&(medium_job){&b, NULL, kind, seed, program, false}, &t);
         }
     medium_tally_print(b.name, "projected", &t);
     if (medium_tally_faults(&t) > 0 && getenv("LEAFCAST_STRESS_STOP"))
@@ -58,7 +58,8 @@ static int rerun(char **argv) {
         medium_body b;
         medium_tally t = {0};
         medium_body_make(&b, i, &two_threads);
-        const medium_job job = {&b, atoi(argv[1]), strtoull(argv[2], NULL, 10), program, true};
+        const medium_job job = {&b,      NULL, atoi(argv[1]), strtoull(argv[2], NULL, 10),
+                                program, true};
         medium_lab_project(&job, &t);
         medium_tally_print(b.name, "projected", &t);
         medium_body_release(&b);

@@ -18,6 +18,7 @@
 #include "tests/support/grid_batch_wide.h"
 #include "tests/support/lab_leaf.h"
 #include "tests/support/pictures.h"
+#include "tests/support/ray_stage.h"
 
 #ifdef __SANITIZE_ADDRESS__
 enum { BATCHES = 8, SCENES = 6 };
@@ -147,23 +148,6 @@ static void stage_show(stage *s, int count, const leafcast_scene *scene) {
     volume_show(s->v, 0, 0, surfaces, count);
     assert_int_equal(camera_init(&c, &view), ST_OK);
     assert_int_equal(volume_tracer(s->v, scene, &c, &s->tr), ST_OK);
-}
-
-/* One treelet in `of` stays absent, at random; 0: none. */
-static void bring_in(stage *s, long of) {
-    const uint32_t treelets = s->v->file->layout.treelets;
-    loader_request *requests = malloc(treelets * sizeof *requests);
-    size_t count = 0;
-    assert_non_null(requests);
-    loader_clear(s->v->treelets);
-    loader_set_capacity(s->v->treelets, treelets, 0);
-    for (uint32_t t = 0; t < treelets; t++)
-        if (of == 0 || field_random_below(&s->random, of) > 0)
-            requests[count++] = (loader_request){t, t};
-    if (count > 0)
-        assert_int_equal(loader_admit(s->v->treelets, requests, count), ST_OK);
-    assert_int_equal(loader_settle(s->v->treelets), ST_OK);
-    free(requests);
 }
 
 static double unit(stage *s) {
@@ -371,7 +355,7 @@ static void check_all(const source_row *row) {
         stage_open(&s, row, i);
         for (int count = 1; count <= 3; count += 2) {
             stage_show(&s, count, &scene);
-            bring_in(&s, 0);
+            ray_stage_admit(s.v, &s.random, 0);
             judge_some(&s, BATCHES);
             assert_int_equal(s.blocked, 0);
         }
@@ -401,11 +385,11 @@ static void test_every_scene(void **state) {
         stage_open(&s, &rows[0], i % field_count());
         leafcast_scene scene = pictures_scene(i, &s.info);
         stage_show(&s, 1 + i % 3, &scene);
-        bring_in(&s, 0);
+        ray_stage_admit(s.v, &s.random, 0);
         judge_some(&s, BATCHES / 4);
         scene.preview = true;
         stage_show(&s, 1 + i % 3, &scene);
-        bring_in(&s, 3);
+        ray_stage_admit(s.v, &s.random, 3);
         judge_some(&s, BATCHES / 8);
         stage_close(&s);
     }
@@ -423,10 +407,10 @@ static void test_absent_treelets(void **state) {
             stage_open(&s, &rows[k], i);
             stage_show(&s, 1, &scene);
             for (int round = 0; round < BATCHES / 4; round++) {
-                bring_in(&s, 1 + round % 7);
+                ray_stage_admit(s.v, &s.random, 1 + round % 7);
                 fill(&s, &b, (bundle)(round % BUNDLES));
                 judge(&s, &b, round);
-                bring_in(&s, 2);
+                ray_stage_admit(s.v, &s.random, 2);
                 judge(&s, &b, round);
             }
             blocked += s.blocked;

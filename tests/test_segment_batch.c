@@ -12,13 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "formats/base/cpu.h"
-#include "render/kind.h"
-#include "tests/support/fixture.h"
-#include "tests/support/grid_pieces_wide.h"
-#include "tests/support/interests.h"
-#include "tests/support/lab_leaf.h"
 #include "tests/support/pictures.h"
+#include "tests/support/ray_stage.h"
 
 #ifdef __SANITIZE_ADDRESS__
 enum { BATCHES = 2, SCENES = 6 };
@@ -27,107 +22,6 @@ enum { BATCHES = 8, SCENES = 36 };
 #endif
 
 enum { PIECES_MAX = 600, FOREVER = UINT32_MAX };
-
-/* ---- A volume, and the rays through it ---- */
-
-typedef struct stage {
-    leafcast *v;
-    tracer tr;
-    leafcast_info info;
-    ref_volume world;    /* a grid; */
-    const lab_mesh *lab; /* or a mesh */
-    kernels with[8];
-    int kernel_count;
-    void *scratch;
-    field_random random;
-    size_t rays, pieces, blocked;
-} stage;
-
-static void add_kernels(stage *s, const char *name) {
-    if (kernels_for(name, &s->with[s->kernel_count]))
-        s->kernel_count++;
-}
-
-static void stage_open(stage *s, const char *path, uint64_t seed) {
-    *s = (stage){.random = {seed}};
-    s->v = fixture_open(path, NULL);
-    s->info = leafcast_describe(s->v);
-    for (int isa = 0; isa <= (int)cpu_best(); isa++)
-        add_kernels(s, cpu_isa_name((cpu_isa)isa));
-    add_kernels(s, "scalar");
-    s->with[s->kernel_count - 1].grid_pieces = grid_pieces_wide;
-    s->scratch = aligned_alloc(64, (s->v->kind->batch_scratch + 127) / 64 * 64);
-    assert_non_null(s->scratch);
-}
-
-static void stage_close(stage *s, const char *name) {
-    print_message("# %s: %zu rays, %zu pieces, %zu blocked\n", name, s->rays, s->pieces,
-                  s->blocked);
-    free(s->scratch);
-    leafcast_close(s->v);
-}
-
-static double unit(stage *s) {
-    return field_random_unit(&s->random);
-}
-
-static bool one_in(stage *s, long of) {
-    return field_random_below(&s->random, of) == 0;
-}
-
-/* All, or a set of values at random. */
-static void select_some(stage *s) {
-    interests set;
-    double values[8];
-    const interest all = interest_of_all();
-    for (int i = 0; i < 8; i++)
-        values[i] = s->info.value_min + unit(s) * (s->info.value_max - s->info.value_min);
-    interests_random(&set, &s->random, values, 8);
-    loader_select(s->v->treelets, one_in(s, 2) ? &all : &set.in);
-}
-
-static void stage_show(stage *s, const leafcast_scene *scene) {
-    const leafcast_surface surface =
-        leafcast_surface_default(0.5 * (s->info.value_min + s->info.value_max));
-    const leafcast_camera view = leafcast_standard_view(s->v, 1.5, 40, 40);
-    camera c;
-    assert_int_equal(leafcast_select(s->v, &surface, 1), LEAFCAST_OK);
-    volume_show(s->v, 0, 0, &surface, 1);
-    assert_int_equal(camera_init(&c, &view), ST_OK);
-    assert_int_equal(volume_tracer(s->v, scene, &c, &s->tr), ST_OK);
-    select_some(s);
-}
-
-/* One treelet in `of` stays absent, at random; 0: none. */
-static void bring_in(stage *s, long of) {
-    const uint32_t treelets = s->v->file->layout.treelets;
-    loader_request *requests = malloc(treelets * sizeof *requests);
-    size_t count = 0;
-    assert_non_null(requests);
-    loader_clear(s->v->treelets);
-    loader_set_capacity(s->v->treelets, treelets, 0);
-    for (uint32_t t = 0; t < treelets; t++)
-        if (of == 0 || field_random_below(&s->random, of) > 0)
-            requests[count++] = (loader_request){t, t};
-    if (count > 0)
-        assert_int_equal(loader_admit(s->v->treelets, requests, count), ST_OK);
-    assert_int_equal(loader_settle(s->v->treelets), ST_OK);
-    free(requests);
-}
-
-static ref_ray aim(stage *s) {
-    field_random *r = &s->random;
-    if (s->lab)
-        return lab_mesh_ray(s->lab, (lab_ray)field_random_below(r, LAB_RAY_KINDS), r);
-    switch (field_random_below(r, 6)) {
-    case 0:
-    case 1: return field_exact_ray(&s->world, r); /* along axes and planes, through corners */
-    case 2: return field_aimed_ray(&s->world, r, 5);
-    case 3: return field_random_ray(&s->world, r, 1e6);
-    case 4: return field_random_ray(&s->world, r, 20);
-    default: return field_random_ray(&s->world, r, -1);
-    }
-}
 
 /* ---- Pieces ---- */
 
@@ -156,6 +50,7 @@ static void take(void *ctx, segment_batch *b) {
     for (unsigned i = 0; i < c->count; i++) {
         segment s = {.t0 = c->t0[i],
                      .t1 = c->t1[i],
+                     .spread = c->spread[i],
                      .treelet = c->treelet[i],
                      .degree = (uint32_t)c->degree};
         assert_true(c->ray[i] < b->count);
@@ -169,7 +64,7 @@ static void take(void *ctx, segment_batch *b) {
 }
 
 /* One by one, as far as treelets are there. */
-static void follow(stage *s, const segment_batch *b) {
+static void follow(ray_stage *s, const segment_batch *b) {
     ray_counters counters = {0};
     for (unsigned i = 0; i < b->count; i++) {
         segment piece;
@@ -190,7 +85,7 @@ static bool same_pieces(const given *want, const given *have) {
     return have->count == want->count;
 }
 
-static void judge_ray(stage *s, const segment_batch *b, unsigned i, const char *kernel) {
+static void judge_ray(ray_stage *s, const segment_batch *b, unsigned i, const char *kernel) {
     const ray *r = &b->rays[i];
     const given *want = &wanted[i], *have = &got[i];
     const segments_state *x = &want_state[i], *y = &got_state[i];
@@ -222,22 +117,18 @@ static void judge_ray(stage *s, const segment_batch *b, unsigned i, const char *
 
 /* ---- Batches ---- */
 
-static void fill(stage *s, segment_batch *b) {
+static void fill(ray_stage *s, segment_batch *b) {
     const unsigned most =
-        one_in(s, 2) ? 1 + (unsigned)field_random_below(&s->random, 20) : RAY_BATCH;
+        ray_stage_one_in(s, 2) ? 1 + (unsigned)field_random_below(&s->random, 20) : RAY_BATCH;
     b->count = 0;
     for (unsigned i = 0; i < most; i++) {
-        const ref_ray r = aim(s);
-        const bool cut = one_in(s, 3);
-        const double t0 = cut ? 1.5 * unit(s) - 0.5 : 0.0;
-        b->count += tracer_ray(&s->tr, r.o, r.d, t0, cut && one_in(s, 2) ? t0 + unit(s) : INFINITY,
+        const ref_ray r = ray_stage_aim(s);
+        const bool cut = ray_stage_one_in(s, 3);
+        const double t0 = cut ? 1.5 * ray_stage_unit(s) - 0.5 : 0.0;
+        b->count += tracer_ray(&s->tr, r.o, r.d, t0,
+                               cut && ray_stage_one_in(s, 2) ? t0 + ray_stage_unit(s) : INFINITY,
                                &b->rays[b->count]);
     }
-}
-
-static void clear_touched(const stage *s) {
-    for (uint32_t t = 0; t < s->v->file->layout.treelets; t++)
-        atomic_store(&s->tr.touched[t], 0);
 }
 
 /* From where all rays are in `from`, with what is ahead of them. */
@@ -251,7 +142,7 @@ static void set_out(const segments_state from[], segments_state to[],
 }
 
 /* By kernel k from where all rays are in `from`. */
-static void walk(stage *s, segment_batch *b, int k, const segments_state from[]) {
+static void walk(ray_stage *s, segment_batch *b, int k, const segments_state from[]) {
     ray_counters counters = {0};
     size_t before = 0, after = 0;
     set_out(from, got_state, got_ahead);
@@ -262,7 +153,7 @@ static void walk(stage *s, segment_batch *b, int k, const segments_state from[])
     }
     b->take = take;
     memset(s->scratch, 0xa5, s->v->kind->batch_scratch);
-    clear_touched(s);
+    ray_stage_clear_touched(s);
     segment_batch_walk(&s->tr, &s->with[k], b, s->scratch, &counters);
     for (unsigned i = 0; i < b->count; i++)
         after += got[i].count;
@@ -270,7 +161,7 @@ static void walk(stage *s, segment_batch *b, int k, const segments_state from[])
 }
 
 /* A ray that has been on its way by itself may have pieces ahead. */
-static void begin_alone(stage *s, const ray *r, segments_state *state, given *so_far) {
+static void begin_alone(ray_stage *s, const ray *r, segments_state *state, given *so_far) {
     ray_counters counters = {0};
     segment piece;
     if (segments_next(&s->tr, r, state, &piece, &counters) != SEGMENTS_SOME)
@@ -280,9 +171,17 @@ static void begin_alone(stage *s, const ray *r, segments_state *state, given *so
     segments_move(state, state->ahead, SEGMENTS_KEPT);
 }
 
+static size_t whole; /* pieces with a spread */
+
+static void count_pieces(ray_stage *s, const given *g) {
+    s->found += g->count;
+    for (unsigned i = 0; i < g->count; i++)
+        whole += g->of[i].spread > 0.0;
+}
+
 /* All kernels' pieces up to where treelets are absent, and the treelets that count as visible; then
  * these come, and rays go on. */
-static void judge(stage *s, segment_batch *b, bool impatient) {
+static void judge(ray_stage *s, segment_batch *b, bool impatient) {
     static segments_state from[RAY_BATCH];
     static given so_far[RAY_BATCH];
     static uint8_t touched[1 << 16];
@@ -292,9 +191,9 @@ static void judge(stage *s, segment_batch *b, bool impatient) {
     for (unsigned i = 0; i < b->count; i++) {
         from[i] = segments_begin(ahead[i], SEGMENTS_KEPT);
         so_far[i].count = 0;
-        if (one_in(s, 8))
+        if (ray_stage_one_in(s, 8))
             begin_alone(s, &b->rays[i], &from[i], &so_far[i]);
-        patience[i] = impatient && one_in(s, 2)
+        patience[i] = impatient && ray_stage_one_in(s, 2)
                           ? so_far[i].count + 1 + (uint32_t)field_random_below(&s->random, 50)
                           : FOREVER;
     }
@@ -302,7 +201,7 @@ static void judge(stage *s, segment_batch *b, bool impatient) {
         more = false;
         set_out(from, want_state, want_ahead);
         memcpy(wanted, so_far, sizeof so_far);
-        clear_touched(s);
+        ray_stage_clear_touched(s);
         follow(s, b);
         for (uint32_t t = 0; t < treelets; t++)
             touched[t] = atomic_load(&s->tr.touched[t]);
@@ -328,11 +227,11 @@ static void judge(stage *s, segment_batch *b, bool impatient) {
         }
     }
     for (unsigned i = 0; i < b->count; i++)
-        s->pieces += wanted[i].count;
+        count_pieces(s, &wanted[i]);
     s->rays += b->count;
 }
 
-static void judge_some(stage *s, int batches) {
+static void judge_some(ray_stage *s, int batches) {
     static segment_batch b;
     for (int i = 0; i < batches; i++) {
         fill(s, &b);
@@ -344,18 +243,20 @@ static void judge_some(stage *s, int batches) {
 
 /* Returns how many rays had to wait. */
 static size_t check_field(field *f, int seed, uint32_t cells_log2) {
-    stage s;
+    ray_stage s;
     const leafcast_scene scene = leafcast_scene_default();
-    stage_open(&s, fixture_leaf(f, cells_log2, (uint32_t)seed % 3 > 0, false), (uint64_t)seed + 1);
+    ray_stage_open(&s, fixture_leaf(f, cells_log2, (uint32_t)seed % 3 > 0, false),
+                   (uint64_t)seed + 1);
+    s.homogeneous = true;
     s.world = field_volume(f);
     for (int absent = 0; absent < 9; absent += 4) {
-        stage_show(&s, &scene);
-        bring_in(&s, absent);
+        ray_stage_show(&s, &scene);
+        ray_stage_bring_in(&s, absent);
         judge_some(&s, BATCHES);
         assert_true(s.blocked == 0 || absent > 0);
     }
-    assert_true(s.pieces > s.rays);
-    stage_close(&s, f->name);
+    assert_true(s.found > s.rays);
+    ray_stage_close(&s, f->name);
     return s.blocked;
 }
 
@@ -369,6 +270,7 @@ static void test_every_field(void **state) {
         field_release(&f);
     }
     assert_true(blocked > 20 * (size_t)field_count());
+    assert_true(whole > 100 * (size_t)field_count());
 }
 
 static void test_larger_treelets(void **state) {
@@ -403,20 +305,21 @@ static void test_other_types(void **state) {
 static void test_every_scene(void **state) {
     (void)state;
     for (int i = 0; i < SCENES; i++) {
-        stage s;
+        ray_stage s;
         field f;
         assert_true(field_make(&f, field_name(i % field_count()), 37, FIELD_SEED));
-        stage_open(&s, fixture_leaf(&f, 4, i % 3 > 0, false), (uint64_t)i + 1);
+        ray_stage_open(&s, fixture_leaf(&f, 4, i % 3 > 0, false), (uint64_t)i + 1);
+        s.homogeneous = true;
         s.world = field_volume(&f);
         leafcast_scene scene = pictures_scene(i, &s.info);
-        stage_show(&s, &scene);
-        bring_in(&s, 3);
+        ray_stage_show(&s, &scene);
+        ray_stage_bring_in(&s, 3);
         judge_some(&s, 2);
         scene.preview = true;
-        stage_show(&s, &scene);
-        bring_in(&s, 3);
+        ray_stage_show(&s, &scene);
+        ray_stage_bring_in(&s, 3);
         judge_some(&s, 2);
-        stage_close(&s, f.name);
+        ray_stage_close(&s, f.name);
         field_release(&f);
     }
 }
@@ -424,17 +327,18 @@ static void test_every_scene(void **state) {
 /* Rays of a kind without a kernel go one by one. */
 static void test_mesh(void **state) {
     (void)state;
-    stage s;
+    ray_stage s;
     lab_mesh lab;
     const leafcast_scene scene = leafcast_scene_default();
     assert_true(lab_mesh_make(&lab, "sphere", 5, FIELD_SEED));
-    stage_open(&s, lab_leaf_make(&lab, 40, false), 1);
+    ray_stage_open(&s, lab_leaf_make(&lab, 40, false), 1);
+    s.homogeneous = true;
     s.lab = &lab;
-    stage_show(&s, &scene);
-    bring_in(&s, 5);
+    ray_stage_show(&s, &scene);
+    ray_stage_bring_in(&s, 5);
     judge_some(&s, BATCHES);
-    assert_true(s.blocked > 0 && s.pieces > s.rays);
-    stage_close(&s, "mesh");
+    assert_true(s.blocked > 0 && s.found > s.rays);
+    ray_stage_close(&s, "mesh");
     lab_mesh_release(&lab);
 }
 

@@ -11,11 +11,12 @@
  *
  * f_load_rows() takes VF_N / 4 rows of four floats, `stride` apart; f_load_triples() the three
  * floats from + 3 at[k] of lane k, and nothing behind them; d_load_rows() VD_N / D_ROW rows of
- * D_ROW doubles; d_load_at() from[at[k]] of lane k, d_gather() the same; l_gather() the 8 bytes at
- * from + at[k], at any address; f_of_bytes() VF_N bytes, but eight at most and zeros. d_reverse():
- * lane 0 last. d_of_low_floats(): of each lane's lower half. l_mul(): of lower halves. l_eq():
- * lanes that are equal; l_odd(): those, as bits, whose lowest bit is set.
- * f_swap() exchanges lanes k and k ^ by: by is 1, 2, 4 or 8, less than VF_N.
+ * D_ROW doubles; d_load_at() from[at[k]] of lane k, d_gather() the same; d_load_four() four of
+ * them, from + stride at[k] of lane k on; l_gather() the 8 bytes at from + at[k], at any address;
+ * f_of_bytes() VF_N bytes, but eight at most and zeros. d_reverse(): lane 0 last.
+ * d_of_low_floats(): of each lane's lower half. l_mul(): of lower halves. l_eq(): lanes that are
+ * equal; l_odd(): those, as bits, whose lowest bit is set. f_swap() exchanges lanes k and k ^ by:
+ * by is 1, 2, 4 or 8, less than VF_N.
  *
  * Arithmetic is written with + - * /, which the compilers know for vectors. min(a, b) is a < b ? a
  * : b and max(a, b) is a > b ? a : b, also for NaN. Comparisons with NaN are false. Loads and
@@ -153,6 +154,20 @@ SIMD vd d_load_at(const double *from, const uint16_t at[]) {
     return _mm512_set_pd(from[at[7]], from[at[6]], from[at[5]], from[at[4]], from[at[3]],
                          from[at[2]], from[at[1]], from[at[0]]);
 }
+SIMD void d_load_four(const double *from, int stride, const uint16_t at[], vd out[4]) {
+    vd row[4];
+    for (int k = 0; k < 4; k++)
+        row[k] = _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(from + stride * at[k])),
+                                    _mm256_loadu_pd(from + stride * at[k + 4]), 1);
+    const vd even = _mm512_unpacklo_pd(row[0], row[1]), even2 = _mm512_unpacklo_pd(row[2], row[3]);
+    const vd odd = _mm512_unpackhi_pd(row[0], row[1]), odd2 = _mm512_unpackhi_pd(row[2], row[3]);
+    const __m512i low = _mm512_set_epi64(13, 12, 5, 4, 9, 8, 1, 0);
+    const __m512i high = _mm512_set_epi64(15, 14, 7, 6, 11, 10, 3, 2);
+    out[0] = _mm512_permutex2var_pd(even, low, even2);
+    out[1] = _mm512_permutex2var_pd(odd, low, odd2);
+    out[2] = _mm512_permutex2var_pd(even, high, even2);
+    out[3] = _mm512_permutex2var_pd(odd, high, odd2);
+}
 SIMD vf f_swap(vf a, unsigned by) {
     return by == 1   ? _mm512_permute_ps(a, 0xb1)
            : by == 2 ? _mm512_permute_ps(a, 0x4e)
@@ -264,6 +279,17 @@ SIMD vd d_load_rows(const double *from, int stride) {
 SIMD vd d_load_at(const double *from, const uint16_t at[]) {
     return _mm256_set_pd(from[at[3]], from[at[2]], from[at[1]], from[at[0]]);
 }
+SIMD void d_load_four(const double *from, int stride, const uint16_t at[], vd out[4]) {
+    vd row[4];
+    for (int k = 0; k < 4; k++)
+        row[k] = _mm256_loadu_pd(from + stride * at[k]);
+    const vd even = _mm256_unpacklo_pd(row[0], row[1]), even2 = _mm256_unpacklo_pd(row[2], row[3]);
+    const vd odd = _mm256_unpackhi_pd(row[0], row[1]), odd2 = _mm256_unpackhi_pd(row[2], row[3]);
+    out[0] = _mm256_permute2f128_pd(even, even2, 0x20);
+    out[1] = _mm256_permute2f128_pd(odd, odd2, 0x20);
+    out[2] = _mm256_permute2f128_pd(even, even2, 0x31);
+    out[3] = _mm256_permute2f128_pd(odd, odd2, 0x31);
+}
 SIMD vf f_swap(vf a, unsigned by) {
     return by == 1   ? _mm256_permute_ps(a, 0xb1)
            : by == 2 ? _mm256_permute_ps(a, 0x4e)
@@ -371,6 +397,14 @@ SIMD vd d_load_rows(const double *from, int stride) {
 }
 SIMD vd d_load_at(const double *from, const uint16_t at[]) {
     return _mm_set_pd(from[at[1]], from[at[0]]);
+}
+SIMD void d_load_four(const double *from, int stride, const uint16_t at[], vd out[4]) {
+    for (int k = 0; k < 4; k += 2) {
+        const vd row = _mm_loadu_pd(from + stride * at[0] + k);
+        const vd row2 = _mm_loadu_pd(from + stride * at[1] + k);
+        out[k] = _mm_unpacklo_pd(row, row2);
+        out[k + 1] = _mm_unpackhi_pd(row, row2);
+    }
 }
 SIMD vf f_swap(vf a, unsigned by) {
     return by == 1 ? _mm_shuffle_ps(a, a, 0xb1) : _mm_shuffle_ps(a, a, 0x4e);

@@ -4,12 +4,14 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats/base/cli_options.h"
 #include "formats/base/cli_value.h"
 #include "formats/base/num.h"
 #include "render/app/colour_map.h"
 #include "render/app/opacity_curve.h"
 #include "render/app/transfer_file.h"
 #include "render/app/transfer_preset.h"
+#include "render/preintegrated_table.h"
 
 const struct argp_option medium_options_table[] = {
     {NULL, 0, NULL, 0, "Media (the volume itself is seen; with --iso, too, both):", 15},
@@ -32,11 +34,24 @@ const struct argp_option medium_options_table[] = {
     {"error", MEDIUM_ERROR, "E", 0,
      "how far a channel of a pixel may be from the exact integral, such as 1e-3 or 1/510 (1/510)",
      0},
+    {"homogeneous", MEDIUM_HOMOGENEOUS, "V", CLI_EXPERIMENT,
+     "take nodes and treelets of a grid whose values differ by at most V for one value, whatever "
+     "the error (0: where --error allows it)",
+     0},
     {"project", MEDIUM_PROJECT, "max|min|mean|first=V", 0,
      "instead, one value a pixel in the colours of --colour-map or --tf: the largest, the "
      "smallest, the mean, or the first that reaches V",
      0},
+    {"caps", MEDIUM_CAPS, "NAME", OPTION_ARG_OPTIONAL,
+     "close isosurfaces that clips have cut open: in the surface's color, or by the values there "
+     "in "
+     "the colours NAME, as of --colour-map",
+     40},
     {"legend", MEDIUM_LEGEND, NULL, 0, "draw a bar of the colours with their values", 0},
+    {"medium", MEDIUM_SUMMING, "certified|steps=F[,A]|preintegrated=F[,N]", CLI_EXPERIMENT,
+     "to compare with: in steps of F cells, such as 1/2, whose error nobody knows; rays end at an "
+     "opacity of A (0.9999); each looked up in a table of N by N entries (256)",
+     0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 /* ---- Values ---- */
@@ -118,16 +133,59 @@ void medium_options_clear(medium_options *o, int key) {
     }
 }
 
-status medium_options_error(const char *text, double *error) {
+status medium_options_caps(const char *text, medium_options *o) {
+    *o = (medium_options){.windowed = false};
+    return text ? take_name(text, "--caps", o->colour_map) : ST_OK;
+}
+
+/* "V" or "V/W" */
+static status take_ratio(const char *text, const char *what, double *out) {
     double part[2] = {0.0, 1.0};
-    status st = strchr(text, '/') ? num_doubles(text, "--error", "/", 2, part)
-                                  : num_double(text, "--error", part);
-    if (st != ST_OK)
+    status st =
+        strchr(text, '/') ? num_doubles(text, what, "/", 2, part) : num_double(text, what, part);
+    *out = part[0] / part[1];
+    return st;
+}
+
+status medium_options_error(const char *text, double *error) {
+    status st = take_ratio(text, "--error", error);
+    if (st == ST_OK && !(*error >= 1e-9 && *error <= 1.0))
+        st = status_describe(ST_USAGE, "--error: %s is not in 1e-9 .. 1", text);
+    return st;
+}
+
+/* "F", of "F" or "F,REST" behind the '='; returns the rest, or NULL. */
+static status take_step(const char *text, double *step, const char **rest) {
+    char first[80];
+    const size_t n = strcspn(text, ",");
+    snprintf(first, sizeof first, "%.*s", (int)(n < 79 ? n : 79), text);
+    *rest = text[n] ? text + n + 1 : NULL;
+    status st = take_ratio(first, "--medium", step);
+    if (st == ST_OK && !(*step >= LEAFCAST_STEP_LEAST && *step <= LEAFCAST_STEP_MOST))
+        st = status_describe(ST_USAGE, "--medium: steps of %g to %g cells are possible, not of %s",
+                             LEAFCAST_STEP_LEAST, LEAFCAST_STEP_MOST, first);
+    return st;
+}
+
+status medium_options_summing(const char *text, leafcast_scene_experiments *e) {
+    const size_t name = strcspn(text, "=");
+    const char *rest = NULL;
+    int which = 0;
+    char word[20];
+    snprintf(word, sizeof word, "%.*s", (int)(name < 19 ? name : 19), text);
+    if (cli_word(word, "--medium", "certified|steps|preintegrated", &which) != ST_OK ||
+        (which > 0) != (text[name] == '='))
+        return status_describe(
+            ST_USAGE, "--medium: \"%s\" is none of certified, steps=F, preintegrated=F", text);
+    e->summing = (leafcast_summing)which;
+    e->step = e->opaque = 0.0;
+    e->table = 0;
+    status st = which > 0 ? take_step(text + name + 1, &e->step, &rest) : ST_OK;
+    if (st != ST_OK || !rest)
         return st;
-    *error = part[0] / part[1];
-    if (!(*error >= 1e-9 && *error <= 1.0))
-        return status_describe(ST_USAGE, "--error: %s is not in 1e-9 .. 1", text);
-    return ST_OK;
+    return e->summing == LEAFCAST_STEPS ? cli_finite(rest, "--medium", 0.0, 1.0, &e->opaque)
+                                        : cli_int(rest, "--medium", PREINTEGRATED_SIDE_MIN,
+                                                  PREINTEGRATED_SIDE_MAX, &e->table);
 }
 
 status medium_options_project(const char *text, leafcast_project *project, double *value) {

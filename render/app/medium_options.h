@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "render/app/transfer_list.h"
+#include "render/leafcast_experimental.h"
 
 enum { MEDIUM_NAME_MAX = 512, MEDIUM_OPACITIES_MAX = 32 };
 
@@ -23,7 +24,10 @@ enum {
     MEDIUM_OPACITY_LENGTH,
     MEDIUM_PROJECT,
     MEDIUM_ERROR,
-    MEDIUM_LEGEND
+    MEDIUM_HOMOGENEOUS,
+    MEDIUM_LEGEND,
+    MEDIUM_CAPS,
+    MEDIUM_SUMMING
 };
 
 /* Start with all zeros. */
@@ -54,11 +58,17 @@ bool medium_options_given(const medium_options *o);
  * are used. */
 CHECKED status medium_options_check(const medium_options *o, bool projected);
 
+/* medium_options_caps() - of --caps: NULL, or a name as --colour-map's, which *o becomes. */
+CHECKED status medium_options_caps(const char *text, medium_options *o);
+
 /* medium_options_error() - of --error: a number or a fraction such as 1/510. */
 CHECKED status medium_options_error(const char *text, double *error);
 
 /* medium_options_project() - of --project: max, min, mean or first=V. */
 CHECKED status medium_options_project(const char *text, leafcast_project *project, double *value);
+
+/* medium_options_summing() - of --medium: certified, steps=F[,A] or preintegrated=F[,N]. */
+CHECKED status medium_options_summing(const char *text, leafcast_scene_experiments *e);
 
 /* medium_options_make() - the transfer function for a field at a step of a volume, into an empty
  * list. projected: as above. ST_USAGE, and what reading a file returns. */

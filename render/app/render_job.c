@@ -35,6 +35,7 @@ status render_job_open(render_job *job, const char *path, const leafcast_options
     mem_init(&job->m, 0);
     for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
         job->transfer[i].m = &job->m;
+    job->caps.m = &job->m;
     job->source = path;
     status st = open_volumes(job, path, options);
     if (st == ST_OK)
@@ -57,6 +58,7 @@ void render_job_close(render_job *job) {
     release_planes(job);
     for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
         transfer_list_release(&job->transfer[i]);
+    transfer_list_release(&job->caps);
     image_out_close(job->files);
     job->files = NULL;
     for (int i = 0; i < job->also_count; i++) {
@@ -161,6 +163,13 @@ status render_job_check(const render_job *job, script_frame *frame) {
         st = view_options_check(&frame->view);
     if (st == ST_OK)
         st = check_also(job, &frame->view);
+    if (st == ST_OK && job->certify && !view_options_any_medium(&frame->view))
+        st =
+            status_describe(ST_USAGE, "--certify is of media: --tf, --colour-map or --opacity V:A");
+    if (st == ST_OK && job->certify && frame->view.experiments.summing != LEAFCAST_CERTIFIED)
+        st = status_describe(ST_USAGE, "--certify: steps of --medium have no error that is known");
+    if (st == ST_OK && job->certify && frame->view.scene.samples > 1)
+        st = status_describe(ST_USAGE, "--certify is of one sample a pixel: without --samples");
     if (st == ST_OK && job->volume)
         st = view_options_check_volume(&frame->view, job->volume);
     return st == ST_OK ? check_files(job, frame) : st;
@@ -178,6 +187,7 @@ static leafcast_image planes_wanted(const render_job *job, const script_frame *f
         raws |= raw[i] = frame->file[FRAME_RAW + i][0] != 0;
     const view_options *v = &frame->view;
     const bool colour = frame->file[FRAME_PICTURE][0] || !raws;
+    const bool certify = job->certify;
     const bool all = image_out_wants_all(&job->out, frame->file[FRAME_PICTURE]);
     const bool opaque = v->scene.background[3] >= 1.0f; /* then so is every pixel */
     const bool projected = v->scene.project != LEAFCAST_PROJECT_NONE;
@@ -191,8 +201,9 @@ static leafcast_image planes_wanted(const render_job *job, const script_frame *f
         .z = all || raw[IMAGE_DEPTH] ? &any_double : NULL,
         .normal = {n, n, n},
         .id = all ? &any_id : NULL,
-        .rgba = raw[IMAGE_RGBA] ? &any_double : NULL,
-        .error = raw[IMAGE_ERROR] || (all && view_options_any_medium(v)) ? &any_double : NULL,
+        .rgba = raw[IMAGE_RGBA] || certify ? &any_double : NULL,
+        .error =
+            raw[IMAGE_ERROR] || certify || (all && view_options_any_medium(v)) ? &any_double : NULL,
         .value = raw[IMAGE_VALUE] || (all && projected) ? &any_double : NULL};
 }
 
@@ -315,14 +326,28 @@ static status fill_volume(render_job *job, const view_options *first, int volume
     return st;
 }
 
+/* By the values of the first volume. */
+static status colour_caps(render_job *job, const view_options *v, leafcast_scene *scene) {
+    uint32_t field;
+    transfer_list_release(&job->caps);
+    if (!v->scene.caps || !v->caps.colour_map[0])
+        return ST_OK;
+    status st = view_options_field(v, job->volume, &field);
+    if (st == ST_OK)
+        st = medium_options_make(&v->caps, job->volume, field, v->step, true, &job->caps);
+    job->cap_colours = (leafcast_medium){job->caps.points, (int)job->caps.count};
+    scene->cap_colours = &job->cap_colours;
+    return st;
+}
+
 /* The scene, with all volumes where there are several or media. */
 static status describe_scene(render_job *job, const view_options *view, leafcast_scene *scene) {
     const int volumes = job->also_count + 1;
     const bool filled = view_options_any_filled(view);
-    status st = ST_OK;
     *scene = view_options_scene(view, &job->experiments);
-    if (volumes == 1 && !filled)
-        return ST_OK;
+    status st = colour_caps(job, view, scene);
+    if (st != ST_OK || (volumes == 1 && !filled))
+        return st;
     for (int i = 0; i < volumes && st == ST_OK; i++) {
         const view_options *v = view_of(job, view, i);
         leafcast *volume = i == 0 ? job->volume : job->also[i - 1].volume;
@@ -541,6 +566,9 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
         st = select_set(job, &frame->view);
     if (st == ST_OK)
         st = trace(job, &scene, &camera, &stats->trace);
+    if (st == ST_OK && job->certify)
+        st =
+            certificate_make(job->volume, &scene, &camera, &job->image, &job->m, &stats->certified);
     const double traced = clock_seconds();
     if (st == ST_OK)
         draw_legend(job, &frame->view, &scene);

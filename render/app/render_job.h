@@ -26,6 +26,8 @@ typedef struct render_job {
     leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
     transfer_list transfer[LEAFCAST_VOLUMES_MAX]; /* of the picture's volumes; none: no medium */
     leafcast_medium media[LEAFCAST_VOLUMES_MAX];  /* these */
+    transfer_list caps;                           /* colours of caps; none: surfaces' own */
+    leafcast_medium cap_colours;
     /* Whose values presets and windows go by: a run's first picture of this field has set the step,
      * so that colours mean the same at every step. */
     struct {
@@ -41,6 +43,7 @@ typedef struct render_job {
                            unknown, only stop() is asked */
     image_out_options out;
     int repeat;
+    bool certify; /* see certificate.h */
     /* Kept between pictures. */
     image_out *files;
     leafcast_image image;

@@ -26,7 +26,7 @@ typedef struct render_options {
     int also_count;
     int repeat;
     int turns; /* --turntable; 0: none */
-    bool fail_empty;
+    bool fail_empty, certify;
     int drawn; /* pictures so far; of these */
     int empty; /* without any surface */
 } render_options;
@@ -42,6 +42,7 @@ enum {
     REPEAT,
     TURNTABLE,
     FAIL_EMPTY,
+    CERTIFY,
     ISO_LIST,
     CAMERA_PATH,
     SCRIPT,
@@ -75,6 +76,10 @@ static const struct argp_option OPTIONS[] = {
      "the transfer function that is used, as text for --tf", 0},
     {"stats", STATS, "FILE", 0, "times, rays, treelets and bytes as JSON", 0},
     {"fail-empty", FAIL_EMPTY, NULL, 0, "exit 1 where a picture shows no surface", 0},
+    {"certify", CERTIFY, NULL, 0,
+     "of media: draw again with half of the bound, and see that no channel differs by more than "
+     "both bounds; else exit 1, without a picture",
+     0},
     {"repeat", REPEAT, "N", CLI_EXPERIMENT, "draw N times; the statistics are the median picture's",
      0},
     {"and", AND, "FILE", 0,
@@ -189,6 +194,7 @@ static status set_option(void *own, int key, const char *text) {
     case STEPS: return set_steps(o, text);
     case TURNTABLE: return cli_int(text, "--turntable", 1, PICTURES_MAX, &o->turns);
     case FAIL_EMPTY: o->fail_empty = true; return ST_OK;
+    case CERTIFY: o->certify = true; return ST_OK;
     case REPEAT: return cli_int(text, "--repeat", 1, 10000, &o->repeat);
     default:
         if (key >= FILES && key < STATS) {
@@ -304,6 +310,11 @@ static void say_done(const render_options *o, const script_frame *frame, const r
     if (t->provisional_pixels)
         cli_note(&o->common, 1, "%llu pixels are provisional",
                  (unsigned long long)t->provisional_pixels);
+    if (s->certified.made)
+        cli_note(&o->common, 0,
+                 "certified: with half of the bound no channel differs by more than "
+                 "%.3g, %.3g of both bounds",
+                 s->certified.difference, s->certified.of_bounds);
     if (t->uncertified_pixels)
         cli_note(&o->common, 1, "%llu pixels may be further off than --error: rounding alone may",
                  (unsigned long long)t->uncertified_pixels);
@@ -652,6 +663,7 @@ int main(int argc, char **argv) {
     o.open.memory = o.common.memory;
     o.open.threads = o.common.threads;
     render_job job = {.repeat = o.repeat,
+                      .certify = o.certify,
                       .also = o.also,
                       .also_count = o.also_count,
                       .watch = cli_progress(&o.common)};

@@ -76,6 +76,10 @@ json_t *render_stats_json(const render_stats *s, const view_options *view, const
 #undef COUNTER
     if (t->isorange_tests > 0)
         json_object_set_new(root, "packets", packets(t));
+    if (s->certified.made)
+        json_object_set_new(root, "certified",
+                            json_pack("{s:f, s:f}", "difference", s->certified.difference,
+                                      "of_bounds", s->certified.of_bounds));
     json_object_set_new(root, "repeats", json_integer(s->repeats));
     json_object_set_new(root, "threads", json_integer(t->threads));
     json_object_set_new(root, "isa", json_string(t->isa ? t->isa : "scalar"));

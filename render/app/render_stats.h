@@ -4,6 +4,7 @@
 
 #include <jansson.h>
 
+#include "render/app/certificate.h"
 #include "render/app/view_options.h"
 #include "render/leafcast.h"
 
@@ -14,7 +15,8 @@ typedef struct render_stats {
     uint64_t peak_rss_bytes; /* of the process so far */
     const char *field; /* of a mesh with several fields or steps, else NULL: what was drawn, */
     uint32_t step;
-    double time; /* of the step */
+    double time;           /* of the step */
+    certificate certified; /* of --certify */
     int repeats; /* the picture was drawn so often; trace is the one of median render time */
 } render_stats;
 

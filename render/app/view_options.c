@@ -398,7 +398,7 @@ static status set_extent(view_options *v, int key, const char *text) {
     case LOD: return parse_lod(text, &v->scene);
     case PREVIEW: v->scene.preview = true; return ST_OK;
     case SWEEP: v->scene.sweep = true; return ST_OK;
-    case INTERSECTOR: return parse_intersector(text, &v->intersector);
+    case INTERSECTOR: return parse_intersector(text, &v->experiments.intersector);
     default: return ST_AGAIN;
     }
 }
@@ -408,7 +408,11 @@ static status set_medium(view_options *v, int key, const char *text) {
     switch (key) {
     case MEDIUM_PROJECT: return medium_options_project(text, &s->project, &s->project_value);
     case MEDIUM_ERROR: return medium_options_error(text, &s->error);
+    case MEDIUM_HOMOGENEOUS:
+        return cli_finite(text, "--homogeneous", 0.0, 1e300, &v->experiments.homogeneous);
     case MEDIUM_LEGEND: v->legend = true; return ST_OK;
+    case MEDIUM_SUMMING: return medium_options_summing(text, &v->experiments);
+    case MEDIUM_CAPS: s->caps = true; return medium_options_caps(text, &v->caps);
     default: return medium_options_set(&v->medium, key, text);
     }
 }
@@ -473,6 +477,7 @@ void view_options_clear(view_options *v, int key) {
     case ORTHO: v->camera.ortho_height = 0.0; break;
     case MEDIUM_PROJECT: s->project = LEAFCAST_PROJECT_NONE; break;
     case MEDIUM_LEGEND: v->legend = false; break;
+    case MEDIUM_CAPS: s->caps = false; break;
     default:
         medium_options_clear(&v->medium, key);
         break; /* the others have one value, which is replaced */
@@ -531,8 +536,16 @@ bool view_options_any_medium(const view_options *v) {
     return v->scene.project == LEAFCAST_PROJECT_NONE && view_options_any_filled(v);
 }
 
+static bool is_certified(const view_options *v) {
+    return v->experiments.summing == LEAFCAST_CERTIFIED;
+}
+
 static bool shows_no_surface(const view_options *v) {
     return !has_surfaces(v);
+}
+
+static bool is_clipped(const view_options *v) {
+    return v->scene.clip_box || v->scene.clip_plane_count > 0;
 }
 
 typedef struct flag_need {
@@ -545,8 +558,15 @@ static const flag_need NEEDS[] = {
     {MEDIUM_PROJECT, shows_no_surface, "--project shows one value a pixel: without --iso"},
     {MEDIUM_ERROR, view_options_any_medium,
      "--error is of media: --tf, --colour-map or --opacity V:A"},
+    {MEDIUM_HOMOGENEOUS, view_options_any_medium,
+     "--homogeneous is of media: --tf, --colour-map or --opacity V:A"},
+    {MEDIUM_ERROR, is_certified, "--error: steps of --medium have none that is known"},
+    {MEDIUM_SUMMING, view_options_any_medium,
+     "--medium is of media: --tf, --colour-map or --opacity V:A"},
     {MEDIUM_LEGEND, view_options_any_filled,
      "--legend is of media and projections: --tf, --colour-map, --opacity V:A or --project"},
+    {MEDIUM_CAPS, has_surfaces, "--caps: there is no surface without --iso"},
+    {MEDIUM_CAPS, is_clipped, "--caps: nothing is cut open without --clip-box or --clip-plane"},
     {SHADING, has_surfaces, "--shading: there is no surface without --iso"},
     {NORMALS, has_surfaces, "--normals: there is no surface without --iso"},
     {LIGHT, has_surfaces, "--light: there is no surface without --iso"},
@@ -588,7 +608,7 @@ static bool lod_is_exact(const view_options *v) {
 }
 
 static bool intersector_is_exact(const view_options *v) {
-    return v->intersector == LEAFCAST_MARMITT;
+    return v->experiments.intersector == LEAFCAST_MARMITT;
 }
 
 static bool normals_of_grids(const view_options *v) {
@@ -682,7 +702,8 @@ static void step_back(leafcast_camera *c, const leafcast *volume) {
 
 leafcast_scene view_options_scene(const view_options *v, leafcast_scene_experiments *e) {
     leafcast_scene scene = v->scene;
-    *e = (leafcast_scene_experiments){.size = sizeof *e, .intersector = v->intersector};
+    *e = v->experiments;
+    e->size = sizeof *e;
     scene.experiments = e;
     return scene;
 }

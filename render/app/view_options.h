@@ -21,7 +21,7 @@ typedef struct view_options {
         surfaces[LEAFCAST_SURFACES_MAX]; /* view_options_check() has filled in what was not given */
     int isos, colours, opacities;        /* how often each flag was given */
     leafcast_scene scene;                /* without experiments: view_options_scene() */
-    leafcast_intersector intersector;
+    leafcast_scene_experiments experiments;
     leafcast_camera camera; /* width and height, and what the flags below say was given */
     bool eye, look_at, up, fov;
     uint64_t given;              /* which flags: a bit each, of view_options.c */
@@ -36,6 +36,7 @@ typedef struct view_options {
     bool others_surfaces, others_filled; /* some volume has isosurfaces, or a medium */
     bool takes_media;                    /* the verb draws media: set before flags are */
     medium_options medium;
+    medium_options caps; /* colours of --caps; colour_map "": surfaces' own */
     bool legend;
 } view_options;
 

@@ -141,8 +141,8 @@ static void scale_rows(bench_table *t, const bench_subject *volumes,
 status bench_figure414(bench_job *job) {
     static const char *const names[] = {"ml-32",  "ml-64",   "ml-128", "ml-256",
                                         "ml-512", "ml-1024", NULL};
-    static bench_racer racers[SIZES][CONTESTANTS]; /* large */
-    bench_subject volumes[SIZES];
+    static bench_racer racers[SIZES][CONTESTANTS]; /* large, */
+    static bench_subject volumes[SIZES];           /* too */
     int sizes = 0;
     memset(racers, 0, sizeof racers);
     bench_table_init(&job->table,

@@ -24,7 +24,19 @@ typedef struct bench_options {
     bench_job job;
 } bench_options;
 
-enum { RUNS = 0x3000, COUNT, PLOT, OUT, SCRATCH, DATA, FORM, LARGEST, AGAINST, BASELINES };
+enum {
+    RUNS = 0x3000,
+    COUNT,
+    PLOT,
+    OUT,
+    SCRATCH,
+    DATA,
+    FORM,
+    LARGEST,
+    AGAINST,
+    BASELINES,
+    TRANSFER
+};
 enum { BRIEF = 1, FULL };
 
 static const struct argp_option OPTIONS[] = {
@@ -41,7 +53,16 @@ static const struct argp_option OPTIONS[] = {
     {"runs", RUNS, "N", CLI_BASIC, "runs of each, interleaved; medians are reported (9, brief: 3)",
      0},
     {"scratch", SCRATCH, "DIR", 0, "keep converted volumes there (in $TMPDIR, for this run)", 0},
+    {"tf", TRANSFER, "T", 0,
+     "media: with this transfer function. Repeatable (opaque, thin, positive)", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
+
+static status add_transfer(bench_job *job, const char *text) {
+    if (job->transfer_count == BENCH_TRANSFERS)
+        return status_describe(ST_USAGE, "--tf: more than %d of them", BENCH_TRANSFERS);
+    job->transfers[job->transfer_count++] = text;
+    return ST_OK;
+}
 
 static status set_form(bench_options *o, const char *text) {
     o->form = strcmp(text, "brief") == 0 ? BRIEF : strcmp(text, "full") == 0 ? FULL : 0;
@@ -61,6 +82,7 @@ static status set_option(void *own, int key, const char *text) {
     case DATA: o->data = text; return ST_OK;
     case AGAINST: o->against = text; return ST_OK;
     case BASELINES: o->baselines = text; return ST_OK;
+    case TRANSFER: return add_transfer(&o->job, text);
     default: return view_options_set(&o->job.view, key, text);
     }
 }
@@ -260,6 +282,11 @@ static bool has_runs(const bench_options *o, const bench_suite *suite) {
     return !suite || !suite->once;
 }
 
+static bool has_media(const bench_options *o, const bench_suite *suite) {
+    (void)o;
+    return !suite || suite->media;
+}
+
 static bool has_store(const bench_options *o, const bench_suite *suite) {
     (void)suite;
     return !o->job.target;
@@ -274,6 +301,7 @@ static status check_needs(const bench_options *o, const bench_suite *suite) {
                  {COUNT, has_ray_cells, "--ray-cells: is for intersectors"},
                  {AGAINST, has_counts, "--against: this suite has no counts"},
                  {BASELINES, has_counts, "--baselines: this suite has no counts"},
+                 {TRANSFER, has_media, "--tf: is for media"},
                  {RUNS, has_runs, "--runs: this suite needs one"},
                  {DATA, has_store, "--data: there is a file already"},
                  {SCRATCH, has_store, "--scratch: there is a file already"}};

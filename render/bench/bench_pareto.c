@@ -30,7 +30,8 @@ static status enter(const bench_subject *s, const contestant *c, bench_racer *r)
     const bench_entry e = {s->path, NULL, s->view.surfaces[0].isovalue,
                            1,       2.2,  s->view.camera.width / c->shrink};
     status st = bench_race_enter(&e, r);
-    r->experiments = (leafcast_scene_experiments){sizeof r->experiments, c->how->id};
+    r->experiments =
+        (leafcast_scene_experiments){.size = sizeof r->experiments, .intersector = c->how->id};
     r->scene.experiments = &r->experiments;
     r->scene.lod = c->level ? LEAFCAST_LOD_LEVEL : LEAFCAST_LOD_EXACT;
     r->scene.lod_level = c->level;

@@ -14,28 +14,46 @@
 #include "formats/base/printed_file.h"
 #include "render/app/image_out.h"
 #include "render/bench/bench_plot.h"
+#include "render/bench/peer_media.h"
 #include "render/bench/peer_race.h"
+
+enum { TRANSFERS_MAX = 8 };
 
 typedef struct peers_options {
     cli_common common;
     view_options view;
     const char *picture, *plot;
     int runs;
+    bool media;
+    const char *transfers[TRANSFERS_MAX]; /* so many; none: opaque, thin, positive */
+    int transfer_count;
     double step;
     mem m;
     bench_table table;
 } peers_options;
 
-enum { RUNS = 0x3000, PICTURE, PLOT, STEP };
+enum { RUNS = 0x3000, PICTURE, PLOT, STEP, MEDIA, TRANSFER };
 
 static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Measuring:", 1},
+    {"media", MEDIA, NULL, CLI_BASIC, "the volume itself is seen: beside VTK's ray caster", 0},
     {"picture", PICTURE, "FILE.png", CLI_BASIC, "ours, Embree's, and how far apart, side by side",
      0},
     {"plot", PLOT, "FILE.svg", CLI_BASIC, "draw the table's main columns", 0},
     {"runs", RUNS, "N", CLI_BASIC, "runs of each, interleaved; medians are reported (9)", 0},
     {"step", STEP, "D", CLI_BASIC, "between new isovalues (a thousandth of the volume's range)", 0},
+    {"tf", TRANSFER, "T", CLI_BASIC,
+     "--media: with this transfer function, as bench media has it. Repeatable (opaque, thin, "
+     "positive)",
+     0},
     {NULL, 0, NULL, 0, NULL, 0}};
+
+static status add_transfer(peers_options *o, const char *text) {
+    if (o->transfer_count == TRANSFERS_MAX)
+        return status_describe(ST_USAGE, "--tf: more than %d of them", TRANSFERS_MAX);
+    o->transfers[o->transfer_count++] = text;
+    return ST_OK;
+}
 
 static status set_step(peers_options *o, const char *text) {
     status st = num_double(text, "--step", &o->step);
@@ -52,6 +70,8 @@ static status set_option(void *own, int key, const char *text) {
     case STEP: return set_step(o, text);
     case PICTURE: o->picture = text; return ST_OK;
     case PLOT: o->plot = text; return ST_OK;
+    case MEDIA: o->media = true; return ST_OK;
+    case TRANSFER: return add_transfer(o, text);
     default:
         st = view_options_set(&o->view, key, text);
         if (st == ST_OK && o->view.field[0])
@@ -70,8 +90,11 @@ static void print_csv(const void *table, FILE *out) {
 }
 
 static void print_bars(const void *table, FILE *out) {
-    static const bench_chart charts[] = {{"ms", "+-", false}, {"x Embree", NULL, false}};
-    bench_plot(table, 2, charts, sizeof charts / sizeof *charts, out);
+    static const bench_chart charts[] = {
+        {"ms", "+-", false}, {"x Embree", NULL, false}, {"x ours", NULL, false}};
+    const bench_table *t = table;
+    const int labels = bench_table_column(t, "transfer") == 0 ? 3 : 2;
+    bench_plot(t, labels, charts, sizeof charts / sizeof *charts, out);
 }
 
 static status write_table(peers_options *o, const char *path,
@@ -84,13 +107,26 @@ static status write_table(peers_options *o, const char *path,
     "iso color opacity layers size samples view eye look-at up fov ambient shading normals light " \
     "point-light shadows clip-box clip-plane lod preview"
 
+/* What would change nothing. */
+static status check_flags(const peers_options *o) {
+    if (!o->media && o->transfer_count > 0)
+        return status_describe(ST_USAGE, "--tf: is for --media");
+    if (o->media && (o->picture || o->step != 0.0))
+        return status_describe(ST_USAGE, "%s: is not for --media",
+                               o->picture ? "--picture" : "--step");
+    return view_options_only(&o->view,
+                             o->media     ? "size view eye look-at up fov ortho"
+                             : o->picture ? PEER_FLAGS " background"
+                                          : PEER_FLAGS,
+                             o->media ? "bench peers --media" : "bench peers");
+}
+
 /* What would fail only after minutes. */
 static status check(peers_options *o) {
     const char *const outputs[] = {o->common.output, o->plot};
-    status st = view_options_only(&o->view, o->picture ? PEER_FLAGS " background" : PEER_FLAGS,
-                                  "bench peers");
+    status st = check_flags(o);
     if (st == ST_OK)
-        st = peer_race_check(&o->view);
+        st = o->media ? view_options_check_camera(&o->view) : peer_race_check(&o->view);
     if (st == ST_OK)
         st = file_guard_input(o->common.input);
     for (int i = 0; i < 2 && st == ST_OK; i++) {
@@ -108,7 +144,7 @@ static status check(peers_options *o) {
 /* A thousandth of the volume's range, unless said otherwise. */
 static status find_step(peers_options *o) {
     leafcast *volume = NULL;
-    if (o->step != 0.0)
+    if (o->step != 0.0 || o->media)
         return ST_OK;
     status st = (status)leafcast_open(o->common.input, NULL, &volume);
     if (st == ST_OK) {
@@ -119,8 +155,32 @@ static status find_step(peers_options *o) {
     return st;
 }
 
+static status run_surfaces(peers_options *o, const peer_race_options *race,
+                           peer_race_missing *missing) {
+    bench_table_init(&o->table,
+                     "Peers: the same volume, isovalue, camera, picture, shading and threads; "
+                     "medians of wall clock, runs interleaved",
+                     peer_race_headings);
+    return peer_race_run(&o->m, race, &o->table, missing);
+}
+
+static status run_media(peers_options *o, const peer_race_options *race,
+                        peer_race_missing *missing) {
+    static const char *const own[] = {"opaque", "thin", "positive"};
+    const int count = o->transfer_count > 0 ? o->transfer_count : 3;
+    status st = ST_OK;
+    bench_table_init(&o->table,
+                     "Peers: the same volume, transfer function, camera, pixels and threads; "
+                     "medians of wall clock, runs interleaved",
+                     peer_media_headings);
+    for (int i = 0; i < count && st == ST_OK; i++)
+        st = peer_media_run(&o->m, race, o->transfer_count > 0 ? o->transfers[i] : own[i],
+                            &o->table, missing);
+    return st;
+}
+
 static status run(peers_options *o) {
-    peer_race_missing missing;
+    peer_race_missing missing = {0};
     status st = check(o);
     if (st == ST_OK)
         st = find_step(o);
@@ -135,11 +195,7 @@ static status run(peers_options *o) {
                                     .picture = o->picture,
                                     .force = o->common.force,
                                     .progress = cli_progress(&o->common)};
-    bench_table_init(&o->table,
-                     "Peers: the same volume, isovalue, camera, picture, shading and threads; "
-                     "medians of wall clock, runs interleaved",
-                     peer_race_headings);
-    st = peer_race_run(&o->m, &race, &o->table, &missing);
+    st = o->media ? run_media(o, &race, &missing) : run_surfaces(o, &race, &missing);
     if (st)
         return st;
     cli_results(&o->common, false);
@@ -167,7 +223,8 @@ int main(int argc, char **argv) {
         .check = check_options,
         .input = "file",
         .args_doc = "F.leaf --iso V",
-        .doc = "Measure beside others: Embree on the extracted triangles, VTK's flying edges.\v"
+        .doc = "Measure beside others: Embree on the extracted triangles, VTK's flying edges; "
+               "with --media, VTK's ray caster.\v"
                "Example:\n  leafcast bench peers bonsai.leaf --iso 37 --light 0,1,2 --shadows\v"
                "The same volume, isovalue, camera, picture and threads, in turn. A new isovalue: "
                "another one for each picture; `ms` then holds what it takes to get at it. "

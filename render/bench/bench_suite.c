@@ -8,9 +8,11 @@
 #include "render/bench/bench_intersect.h"
 #include "render/bench/bench_isovalue.h"
 #include "render/bench/bench_lanes.h"
+#include "render/bench/bench_media.h"
 #include "render/bench/bench_nodes.h"
 #include "render/bench/bench_packets.h"
 #include "render/bench/bench_pareto.h"
+#include "render/bench/bench_projections.h"
 #include "render/bench/bench_threads.h"
 #include "render/bench/bench_time.h"
 #include "render/bench/bench_walk.h"
@@ -269,6 +271,31 @@ static const bench_suite SUITES[] = {
                .log_y = true,
                .mark = "front",
                .marked = "front"}},
+    {.name = "media",
+     .takes = "[F.leaf] [--tf T]...",
+     .about = "time against error of media, certified and in steps (M08 table\n4.9); T: opaque, "
+              "thin, positive, or as render --tf has it",
+     .run = bench_media,
+     .view = "size view eye look-at up fov clip-box clip-plane",
+     .surfaces = "",
+     .media = true,
+     .labels = 4,
+     .curve = {.x = "ms",
+               .y = "worst",
+               .labels = 4,
+               .series = {"transfer", "way"},
+               .log_x = true,
+               .log_y = true,
+               .mark = "front",
+               .marked = "front"}},
+    {.name = "projections",
+     .takes = "[F.leaf --iso V]",
+     .about = "greatest, least, mean and first value on rays, beside the\nisosurface",
+     .run = bench_projections,
+     .view = "size view eye look-at up fov clip-box clip-plane",
+     .surfaces = "iso",
+     .labels = 2,
+     .charts = {{"ms", "+-", false}, {"x surface", NULL, false}, {"read %", NULL, false}}},
     {.name = "packets",
      .takes = "[F.leaf --iso V]",
      .about = "packets of 2x2 to 16x16 rays in a mesh (W07 table 4)",

@@ -12,6 +12,8 @@
 #include "render/bench/bench_store.h"
 #include "render/bench/bench_table.h"
 
+enum { BENCH_TRANSFERS = 8 };
+
 /* What the command line says, and the table under way. */
 typedef struct bench_job {
     mem m;
@@ -25,6 +27,8 @@ typedef struct bench_job {
     int runs;    /* of each, interleaved */
     int count;   /* ray-cells at most */
     int threads; /* of suites whose subject they are, as the common flag says */
+    const char *transfers[BENCH_TRANSFERS]; /* media: so many of them; none: its own */
+    int transfer_count;
     const progress *progress;
     bench_table table;
 } bench_job;
@@ -43,6 +47,7 @@ typedef struct bench_suite {
     bool picture;                           /* -o is a picture, not the table */
     bool alone;                             /* not part of `all` */
     bool series;                            /* of a field's time steps */
+    bool media;                             /* of transfer functions */
     int labels;                             /* columns that name a row */
     const bench_count *counts;              /* columns that have a baseline; NULL: none */
     bench_chart charts[BENCH_SUITE_CHARTS]; /* bars; ends at a NULL column */

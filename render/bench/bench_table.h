@@ -6,7 +6,7 @@
 #include <jansson.h>
 #include <stdio.h>
 
-enum { BENCH_COLUMNS = 24, BENCH_ROWS = 256, BENCH_TEXT = 40 };
+enum { BENCH_COLUMNS = 24, BENCH_ROWS = 512, BENCH_TEXT = 40 };
 
 typedef struct bench_table {
     const char *title;

@@ -14,13 +14,15 @@
 #include "formats/base/sibling.h"
 
 static const char HELPER[] = "leafcast-peer-vtk";
-enum { FIELD_AT = 3, NO_VTK = 77, LINE = 256 };
+enum { FIELD_AT = 3, PICTURE_AT, NO_VTK = 77, LINE = 256 };
 
 struct peer_vtk {
     pid_t pid;
     FILE *ask, *answer;
     char version[32];
     mem *m;
+    int picture;    /* a file without a name that the child writes */
+    size_t numbers; /* of it */
 };
 
 /* The samples as a file without a name. */
@@ -40,13 +42,14 @@ static status share_field(const peer_field *f, int *out) {
     return ST_OK;
 }
 
-static int spawn(const char *program, char *const arguments[], const int fds[3], pid_t *pid) {
-    static const int targets[3] = {STDIN_FILENO, STDOUT_FILENO, FIELD_AT};
+enum { FDS = 4 };
+static int spawn(const char *program, char *const arguments[], const int fds[FDS], pid_t *pid) {
+    static const int targets[FDS] = {STDIN_FILENO, STDOUT_FILENO, FIELD_AT, PICTURE_AT};
     posix_spawn_file_actions_t actions;
     int error = posix_spawn_file_actions_init(&actions);
     if (error)
         return error;
-    for (int i = 0; i < 3 && !error; i++)
+    for (int i = 0; i < FDS && !error; i++)
         error = posix_spawn_file_actions_adddup2(&actions, fds[i], targets[i]);
     if (!error)
         error = posix_spawn(pid, program, &actions, NULL, arguments, environ);
@@ -59,7 +62,7 @@ static status start(peer_vtk *v, const char *program, char *const arguments[], i
     int in[2] = {-1, -1}, out[2] = {-1, -1};
     int error = pipe2(in, O_CLOEXEC) || pipe2(out, O_CLOEXEC) ? errno : 0;
     if (!error) {
-        const int fds[3] = {in[0], out[1], field};
+        const int fds[FDS] = {in[0], out[1], field, v->picture};
         error = spawn(program, arguments, fds, &v->pid);
     }
     close(in[0]);
@@ -93,6 +96,9 @@ static status greet(peer_vtk *v, const peer_field *f, int threads) {
                          text[4], text[5], text[6], NULL};
     int field = -1;
     status st = share_field(f, &field);
+    v->picture = memfd_create(HELPER, MFD_CLOEXEC);
+    if (st == ST_OK && v->picture < 0)
+        st = file_failed(errno, HELPER, "cannot share a picture");
     if (st == ST_OK)
         st = start(v, program, arguments, field);
     if (field >= 0)
@@ -111,6 +117,7 @@ status peer_vtk_start(mem *m, const peer_field *field, int threads, peer_vtk **o
     if (!v)
         return ST_NOMEM;
     v->m = m;
+    v->picture = -1;
     status st = greet(v, field, threads);
     if (st) {
         peer_vtk_stop(v);
@@ -127,6 +134,8 @@ void peer_vtk_stop(peer_vtk *v) {
         fclose(v->ask);
     if (v->answer)
         fclose(v->answer);
+    if (v->picture >= 0)
+        close(v->picture);
     while (v->pid > 0 && waitpid(v->pid, NULL, 0) < 0 && errno == EINTR)
         continue;
     mem_free(v->m, v);
@@ -150,6 +159,67 @@ status peer_vtk_extract(peer_vtk *v, double isovalue, double *seconds, uint64_t 
         st = num_int(end + 1, HELPER, 0, INT64_MAX, &count);
     *triangles = (uint64_t)count;
     return st;
+}
+
+/* ---- Pictures ---- */
+
+static void say_numbers(peer_vtk *v, const double *x, int count) {
+    char text[NUM_TEXT_MAX];
+    for (int i = 0; i < count; i++) {
+        num_print(x[i], text);
+        fprintf(v->ask, " %s", text);
+    }
+}
+
+status peer_vtk_fill(peer_vtk *v, const peer_vtk_scene *s) {
+    const leafcast_camera *c = &s->camera;
+    fprintf(v->ask, "medium %s %d", s->type, s->count);
+    say_numbers(v, &s->length, 1);
+    fprintf(v->ask, "\n");
+    for (int i = 0; i < s->count; i++) {
+        const leafcast_transfer_point *p = &s->points[i];
+        const double x[] = {p->value, (double)p->rgb[0], (double)p->rgb[1], (double)p->rgb[2],
+                            p->extinction};
+        say_numbers(v, x, 5);
+        fprintf(v->ask, "\n");
+    }
+    fprintf(v->ask, "view %s %u %u", s->type, c->width, c->height);
+    say_numbers(v, c->eye, 3);
+    say_numbers(v, c->look_at, 3);
+    say_numbers(v, c->up, 3);
+    say_numbers(v, &c->fov, 1);
+    say_numbers(v, &c->ortho_height, 1);
+    fprintf(v->ask, "\n");
+    v->numbers = (size_t)4 * c->width * c->height;
+    return fflush(v->ask) == 0 ? ST_OK : ended(v);
+}
+
+/* What is in the file. */
+static status read_picture(peer_vtk *v, double *rgba) {
+    enum { PART = 4096 };
+    uint16_t part[PART];
+    for (size_t at = 0; at < v->numbers;) {
+        const size_t left = v->numbers - at, want = left < PART ? left : PART;
+        const ssize_t n = pread(v->picture, part, want * sizeof *part, (off_t)(at * sizeof *part));
+        if (n < (ssize_t)sizeof *part)
+            return status_describe(ST_FAILED, "%s: a picture that is too short", HELPER);
+        for (size_t i = 0; i < (size_t)n / sizeof *part; i++)
+            rgba[at++] = part[i] / 32767.0;
+    }
+    return ST_OK;
+}
+
+status peer_vtk_cast(peer_vtk *v, const char *type, double distance, double *seconds,
+                     double *rgba) {
+    char line[LINE];
+    fprintf(v->ask, "cast %s", type);
+    say_numbers(v, &distance, 1);
+    fprintf(v->ask, "\n");
+    if (fflush(v->ask) != 0 || !fgets(line, sizeof line, v->answer))
+        return ended(v);
+    line[strcspn(line, "\n")] = 0;
+    const status st = num_double(line, HELPER, seconds);
+    return st == ST_OK ? read_picture(v, rgba) : st;
 }
 
 const char *peer_vtk_version(const peer_vtk *v) {

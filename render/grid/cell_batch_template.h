@@ -29,43 +29,6 @@ void SIMD_NAME(cell_roots)(const cell_batch *b, int lanes, double isovalue, cell
 
 enum { VECTORS = CELL_BATCH / VD_N, VECTOR_LANES = (1 << VD_N) - 1, PACK_MAX = CELL_BATCH - 4 };
 
-/* ---- the visit: cell_visit_of() ---- */
-
-/* Cell coordinates at t; exact on the axis that is crossed. */
-SIMD void coordinates_at(const cell_batch *b, int at, vd t, vd axis, vd upper, vd lower, vd to[3]) {
-    for (int a = 0; a < 3; a++) {
-        const vd d = d_load(b->d[a] + at);
-        const vd on_axis = d_select(d_lt(d, d_set(0.0)), upper, lower);
-        to[a] = d_select(d_eq(axis, d_set(a)), on_axis,
-                         cell_coordinate(t, d, d_load(b->lo[a] + at), d_load(b->inv[a] + at)));
-    }
-}
-
-/* The lanes from `at` on that visit their cells. */
-SIMD md visit(const cell_batch *b, int at, visits *v) {
-    const vd t0 = d_load(b->t0 + at), none = d_set(-1.0), end = d_set(3.0);
-    vd t_in = t0, t_out = d_load(b->t1 + at), axis_in = none, axis_out = end;
-    md gone = md_of_bits(0);
-    for (int a = 0; a < 3; a++) {
-        const vd d = d_load(b->d[a] + at), lo = d_load(b->lo[a] + at), hi = d_load(b->hi[a] + at);
-        const md up = d_gt(d, d_set(0.0));
-        const vd near = d_select(up, lo, hi) / d, far = d_select(up, hi, lo) / d;
-        gone = md_or(gone, md_or(d_lt(far, t0), md_and(up, d_eq(far, t0))));
-        const md enters = d_ge(near, t_in);
-        t_in = d_select(enters, near, t_in);
-        axis_in = d_select(enters, d_set(a), axis_in);
-        const md leaves = md_or(d_lt(far, t_out), md_and(d_eq(far, t_out), d_eq(axis_out, end)));
-        t_out = d_select(leaves, far, t_out);
-        axis_out = d_select(leaves, d_set(a), axis_out);
-    }
-    const md empty = md_or(d_gt(t_in, t_out), md_and(d_eq(t_in, t_out), d_ge(axis_in, axis_out)));
-    v->t_in = t_in;
-    v->t_out = t_out;
-    coordinates_at(b, at, t_in, axis_in, d_set(1.0), d_set(0.0), v->in);
-    coordinates_at(b, at, t_out, axis_out, d_set(0.0), d_set(1.0), v->out);
-    return md_and_not(md_and_not(md_of_bits(VECTOR_LANES), gone), empty);
-}
-
 /* ---- the cubic: cell_cubic() ---- */
 
 /* Samples without the isovalue; the lanes that are active. */
@@ -412,7 +375,7 @@ SIMD void batch_with(const cell_batch *b, int lanes, const double *isovalues, in
     unsigned visited = 0;
     for (int k = 0, at = 0; at < lanes; k++, at += VD_N) {
         best[k] = d_set(INFINITY);
-        visited |= md_bits(visit(b, at, &v[k])) << at;
+        visited |= md_bits(visits_of(b, at, &v[k])) << at;
     }
     visited &= (1u << lanes) - 1;
     out->found = out->entering = out->at_exit = 0;
@@ -463,7 +426,7 @@ void SIMD_NAME(cell_roots)(const cell_batch *b, int lanes, double isovalue, cell
     _Alignas(64) double s[CELL_ROOTS_MAX][CELL_BATCH];
     unsigned visited = 0;
     for (int k = 0, at = 0; at < lanes; k++, at += VD_N)
-        visited |= md_bits(visit(b, at, &v[k])) << at;
+        visited |= md_bits(visits_of(b, at, &v[k])) << at;
     cubics_of(b, v, visited & ((1u << lanes) - 1), isovalue, &q);
     plain_roots(&q, s[0]);
     memset(out->found, 0, sizeof out->found);

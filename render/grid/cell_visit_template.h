@@ -8,6 +8,10 @@
 
 #ifdef SIMD_NAME
 
+#include <math.h>
+
+#include "render/grid/cell_batch.h"
+
 /* Where rays are in their cells: cell_visit. */
 typedef struct visits {
     vd t_in, t_out, in[3], out[3];
@@ -16,6 +20,41 @@ typedef struct visits {
 /* The coordinate at t between two planes, of which the lower one is `lo` from the origin. */
 SIMD vd cell_coordinate(vd t, vd d, vd lo, vd inverse) {
     return d_min(d_set(1.0), d_max(d_set(0.0), (t * d - lo) * inverse));
+}
+
+/* Cell coordinates at t; exact on the axis that is crossed. */
+SIMD void coordinates_at(const cell_batch *b, int at, vd t, vd axis, vd upper, vd lower, vd to[3]) {
+    for (int a = 0; a < 3; a++) {
+        const vd d = d_load(b->d[a] + at);
+        const vd on_axis = d_select(d_lt(d, d_set(0.0)), upper, lower);
+        to[a] = d_select(d_eq(axis, d_set(a)), on_axis,
+                         cell_coordinate(t, d, d_load(b->lo[a] + at), d_load(b->inv[a] + at)));
+    }
+}
+
+/* The lanes from `at` on that visit their cells: cell_visit_of(). */
+SIMD md visits_of(const cell_batch *b, int at, visits *v) {
+    const vd t0 = d_load(b->t0 + at), none = d_set(-1.0), end = d_set(3.0);
+    vd t_in = t0, t_out = d_load(b->t1 + at), axis_in = none, axis_out = end;
+    md gone = md_of_bits(0);
+    for (int a = 0; a < 3; a++) {
+        const vd d = d_load(b->d[a] + at), lo = d_load(b->lo[a] + at), hi = d_load(b->hi[a] + at);
+        const md up = d_gt(d, d_set(0.0));
+        const vd near = d_select(up, lo, hi) / d, far = d_select(up, hi, lo) / d;
+        gone = md_or(gone, md_or(d_lt(far, t0), md_and(up, d_eq(far, t0))));
+        const md enters = d_ge(near, t_in);
+        t_in = d_select(enters, near, t_in);
+        axis_in = d_select(enters, d_set(a), axis_in);
+        const md leaves = md_or(d_lt(far, t_out), md_and(d_eq(far, t_out), d_eq(axis_out, end)));
+        t_out = d_select(leaves, far, t_out);
+        axis_out = d_select(leaves, d_set(a), axis_out);
+    }
+    const md empty = md_or(d_gt(t_in, t_out), md_and(d_eq(t_in, t_out), d_ge(axis_in, axis_out)));
+    v->t_in = t_in;
+    v->t_out = t_out;
+    coordinates_at(b, at, t_in, axis_in, d_set(1.0), d_set(0.0), v->in);
+    coordinates_at(b, at, t_out, axis_out, d_set(0.0), d_set(1.0), v->out);
+    return md_and_not(md_and_not(md_of_bits((1u << VD_N) - 1u), gone), empty);
 }
 
 SIMD vd mix(vd a, vd b, vd s) {

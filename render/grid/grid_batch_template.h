@@ -8,6 +8,8 @@
 #ifdef SIMD_NAME
 
 #include "render/grid/grid_batch.h"
+#include "render/grid/grid_legs_template.h"
+#include "render/grid/grid_queue_template.h"
 #include "render/grid/grid_rays_template.h"
 #include "render/grid/grid_start_template.h"
 #include "render/grid/grid_tracer.h"
@@ -18,18 +20,6 @@
 
 void SIMD_NAME(grid_batch_trace)(const tracer *tr, const kernels *k, ray_batch *b, void *scratch,
                                  ray_counters *counters);
-
-/* Ray-cells, one a lane, on their way to the filter. Lanes of a cell are beside each other; what is
- * the cell's is stored a vector at a time from the first of them on, and so reaches over. */
-typedef struct cell_queue {
-    float lo[3][2 * VF_N], hi[3][2 * VF_N], inv[3][2 * VF_N]; /* planes, from the middle on */
-    float samples[8][2 * VF_N];
-    uint32_t ray[VF_N]; /* its place */
-    uint8_t cell[VF_N]; /* of these: */
-    const resident_grid *at[VF_N];
-    uint32_t cells[VF_N][3];
-    unsigned count, cell_count;
-} cell_queue;
 
 /* A subtree of the directory; a node of a treelet's tree, a cube of 2^size cells. */
 typedef struct directory_node {
@@ -50,9 +40,8 @@ typedef struct batch_walk {
     const kernels *kernels;
     ray_batch *b;
     ray_counters *counters;
-    bool filter;               /* the intersector is the one that the filter knows */
-    double middle[3], size[3]; /* of all planes: half of where they are, from there to the last */
-    double per_size[3];
+    bool filter; /* the intersector is the one that the filter knows */
+    grid_extent extent;
     grid_legs legs;
     grid_rays rays;
     ray_set open;    /* still look for a surface */
@@ -213,21 +202,10 @@ static void flush(batch_walk *w) {
 /* Let ray i wait for the cell kernel's answer. */
 static void add_to_batch(batch_walk *w, const resident_grid *at, const uint32_t cell[3],
                          const float samples[8], unsigned i) {
-    const level_planes *planes = &w->scene->levels[at->level];
-    const ray *r = ray_at(w, i);
-    cell_batch *b = &w->batch;
     const unsigned k = w->waiting++;
-    for (int a = 0; a < 3; a++) {
-        b->d[a][k] = r->d[a] != 0.0 ? r->d[a] : CELL_ALONG;
-        b->lo[a][k] = planes->at[a][cell[a]] - r->o[a];
-        b->hi[a][k] = planes->at[a][cell[a] + 1] - r->o[a];
-        b->inv[a][k] = planes->inverse[a][cell[a]];
+    cell_batch_put(&w->batch, k, &w->scene->levels[at->level], ray_at(w, i), cell, samples);
+    for (int a = 0; a < 3; a++)
         w->cell_of[k][a] = cell[a];
-    }
-    b->t0[k] = r->t0;
-    b->t1[k] = r->t1;
-    for (int s = 0; s < 8; s++)
-        b->samples[s][k] = samples[s];
     w->ray_of[k] = (uint8_t)i;
     w->after[k] = state_at(w, i)->after.t;
     w->starts |= (unsigned)(w->after[k] > -INFINITY) << k;
@@ -237,67 +215,13 @@ static void add_to_batch(batch_walk *w, const resident_grid *at, const uint32_t 
         flush(w);
 }
 
-/* Whether a ray with a component of 0 is what the batch can do with in a cell: see CELL_ALONG. */
 static bool goes_along(const batch_walk *w, const resident_grid *at, const uint32_t cell[3],
                        unsigned i) {
-    const level_planes *planes = &w->scene->levels[at->level];
-    const ray *r = ray_at(w, i);
-    bool along = fabs(w->rays.t_in[i]) <= CELL_ALONG_T && fabs(w->rays.t_out[i]) <= CELL_ALONG_T;
-    for (int a = 0; a < 3; a++) {
-        const double lo = planes->at[a][cell[a]] - r->o[a],
-                     hi = planes->at[a][cell[a] + 1] - r->o[a];
-        along &= r->d[a] != 0.0 || (fabs(lo) >= CELL_ALONG_NEAR && fabs(hi) >= CELL_ALONG_NEAR);
-    }
-    return along;
+    return cell_batch_along(&w->scene->levels[at->level], ray_at(w, i), cell, w->rays.t_in[i],
+                            w->rays.t_out[i]);
 }
 
 /* ---- The filter ---- */
-
-/* Where the queue's rays come into their cells, and how far they go, in the cells' coordinates; e:
- * by how much these may err, less 3, in units of may_cross()'s e. */
-typedef struct queue_visits {
-    near_way way;
-    vf e;
-} queue_visits;
-
-SIMD queue_visits queue_visits_of(const grid_rays *g, const cell_queue *q) {
-    queue_visits v = {.e = f_set(0.0f)};
-    vf o[3], d[3], r[3], span[3], lo[3];
-    f_load_triples(g->o_of[0], q->ray, o);
-    f_load_triples(g->d_of[0], q->ray, d);
-    f_load_triples(g->per_d_of[0], q->ray, r);
-    f_load_triples(g->span_of[0], q->ray, span);
-    vf t_in = span[0], t_out = span[1];
-    for (int a = 0; a < 3; a++) {
-        const vf hi = f_load(q->hi[a]) - o[a];
-        lo[a] = f_load(q->lo[a]) - o[a];
-        const vf to_lo = lo[a] * r[a], to_hi = hi * r[a];
-        /* A ray along the planes is between them all the way. */
-        const mf across = f_gt(f_abs(d[a]), f_set(0.0f));
-        t_in = f_select(across, f_max(t_in, f_min(to_lo, to_hi)), t_in);
-        t_out = f_select(across, f_min(t_out, f_max(to_lo, to_hi)), t_out);
-        v.e = v.e + (f_max(f_abs(lo[a]), f_abs(hi)) + f_set(g->astray[a])) * f_load(q->inv[a]);
-    }
-    for (int a = 0; a < 3; a++) {
-        const vf inv = f_load(q->inv[a]);
-        v.way.in[a] = near_coordinate(t_in, d[a], lo[a], inv);
-        v.way.way[a] = near_coordinate(t_out, d[a], lo[a], inv) - v.way.in[a];
-    }
-    return v;
-}
-
-/* The bound has more for planes as seen from where each ray comes in, which may be off by as much
- * as `astray` has added, and for corners f without the isovalue that are off by less than `off`. */
-SIMD near_forms queue_forms(const vf f[8], vf e, vf off) {
-    near_forms forms;
-    vf largest = f_set(0.0f);
-    for (int s = 0; s < 8; s++)
-        largest = f_max(largest, f_abs(f[s]));
-    near_coefficients(f, forms.c);
-    forms.bound = largest * ((f_set(2048.0f + 96.0f) + f_set(32.0f) * e) * f_set(UNIT)) +
-                  f_set(0x1p-130f) + off;
-    return forms;
-}
 
 /* Which lanes may cross any of the surfaces. */
 SIMD unsigned queue_may_cross(const grid_rays *g, const cell_queue *q, const walk_scene *scene) {
@@ -352,19 +276,6 @@ static void queue_flush(batch_walk *w) {
     }
 }
 
-/* A cell for the lanes that follow. */
-SIMD void queue_cell(cell_queue *q, const resident_grid *at, const uint32_t cell[3],
-                     const float planes[3][3]) {
-    const unsigned c = q->cell_count++;
-    q->at[c] = at;
-    for (int a = 0; a < 3; a++) {
-        q->cells[c][a] = cell[a];
-        f_store(q->lo[a] + q->count, f_set(planes[a][0]));
-        f_store(q->hi[a] + q->count, f_set(planes[a][1]));
-        f_store(q->inv[a] + q->count, f_set(planes[a][2]));
-    }
-}
-
 SIMD void queue_ray(batch_walk *w, unsigned i) {
     cell_queue *q = &w->queue;
     q->ray[q->count] = i;
@@ -379,8 +290,8 @@ static void walk_cell(batch_walk *w, const resident_grid *at, const uint32_t cel
     float near[3][3];
     walk_cell_prefetch(w->scene, at, cell);
     for (int a = 0; a < 3; a++) {
-        near[a][0] = (float)(planes->at[a][cell[a]] - w->middle[a]);
-        near[a][1] = (float)(planes->at[a][cell[a] + 1] - w->middle[a]);
+        near[a][0] = (float)(planes->at[a][cell[a]] - w->extent.middle[a]);
+        near[a][1] = (float)(planes->at[a][cell[a] + 1] - w->extent.middle[a]);
         near[a][2] = (float)planes->inverse[a][cell[a]];
     }
     queue_cell(&w->queue, at, cell, near);
@@ -614,7 +525,7 @@ static void deliver(batch_walk *w) {
 
 /* All rays of w->legs, which go to one octant. */
 static void walk_octant(batch_walk *w) {
-    grid_rays_make(&w->rays, &w->legs, w->middle, w->size);
+    grid_rays_make(&w->rays, &w->legs, w->extent.middle, w->extent.size);
     w->open = w->pending = w->queued = w->single = w->level = (ray_set){{0}};
     w->waiting = w->starts = 0;
     w->queue = (cell_queue){.count = 0};
@@ -630,100 +541,27 @@ static void walk_octant(batch_walk *w) {
     deliver(w);
 }
 
-/* A ray as the kernel looks at it first. */
-typedef struct ray_way {
-    double per_d[3], t_in, t_out, t_box;
-    unsigned octant;
-} ray_way;
-
-/* Whether the kernel can do with a ray's direction. */
-static bool ordinary(const batch_walk *w, const ray *r, ray_way *way) {
-    double least = INFINITY, most = 0.0;
-    bool usable = true;
-    way->octant = 0;
-    for (int a = 0; a < 3; a++) {
-        const double d = fabs(r->d[a]), across = d * w->per_size[a];
-        way->octant |= (unsigned)(r->d[a] < 0.0) << a;
-        way->per_d[a] = d > 0.0 ? 1.0 / r->d[a] : PER_NOTHING;
-        if (d == 0.0)
-            continue;
-        usable &= d >= EXTENT_MIN && d <= EXTENT_MAX;
-        least = across < least ? across : least;
-        most = across > most ? across : most;
-    }
-    return usable && least >= COMPONENT_MIN * most;
-}
-
-/* tracer_box(), give or take roundings: generous. */
-static bool meets_box(const batch_walk *w, const ray *r, ray_way *way) {
-    const double(*box)[3] = w->tr->box;
-    double t_in = -INFINITY, t_out = INFINITY;
-    for (int a = 0; a < 3; a++) {
-        const bool back = way->octant >> a & 1u;
-        if (r->d[a] == 0.0 && (r->o[a] < box[0][a] || r->o[a] > box[1][a]))
-            return false;
-        if (r->d[a] == 0.0)
-            continue;
-        const double near = (box[back][a] - r->o[a]) * way->per_d[a];
-        const double far = (box[!back][a] - r->o[a]) * way->per_d[a];
-        t_in = near > t_in ? near : t_in;
-        t_out = far < t_out ? far : t_out;
-    }
-    way->t_box = t_in - 0x1p-50 * fabs(t_in);
-    t_out += 0x1p-50 * fabs(t_out);
-    way->t_in = way->t_box > way->t_in ? way->t_box : way->t_in;
-    way->t_out = t_out < way->t_out ? t_out : way->t_out;
-    return way->t_in <= way->t_out;
-}
-
 enum { DONE = 8, ALONE };
 
 /* What becomes of ray i: one of an octant's, one that goes by itself, or done: nothing of the
  * volume is in its way, or behind what it has. */
-static uint8_t begin_ray(const batch_walk *w, unsigned i, ray_way *way) {
+static uint8_t begin_ray(const batch_walk *w, unsigned i, grid_approach *way) {
     const ray *r = &w->b->rays[i];
     const trace_state *state = &w->b->states[i];
-    if (state->blocked != LEAF_NO_TREELET || !ordinary(w, r, way))
+    if (state->blocked != LEAF_NO_TREELET || !grid_way_ordinary(&w->extent, r, way))
         return ALONE;
     way->t_in = r->t0 > state->after.t ? r->t0 : state->after.t;
     way->t_out = r->t1 < state->best.t ? r->t1 : state->best.t;
-    if (meets_box(w, r, way))
+    if (grid_way_meets_box(w->tr, r, way))
         return (uint8_t)way->octant;
     w->b->results[i] = hit_exists(&state->best) ? TRACE_HIT : TRACE_MISS;
     return DONE;
 }
 
-/* The planes' extent. False: out of floats' range. */
-static bool begin_walk(batch_walk *w) {
-    const leaf_layout *layout = w->tr->layout;
-    const level_planes *top = &w->scene->levels[layout->level_of[0]];
-    bool usable =
-        !w->tr->preview && w->scene->intersect == intersector_find(w->scene->intersector)->next_hit;
-    for (int a = 0; a < 3; a++) {
-        const double lo = top->at[a][0], hi = top->at[a][1u << layout->cells_log2];
-        w->middle[a] = 0.5 * (lo + hi);
-        w->size[a] = 0.5 * (hi - lo);
-        w->per_size[a] = 1.0 / w->size[a];
-        usable &= w->size[a] >= EXTENT_MIN && w->size[a] <= EXTENT_MAX;
-    }
-    return usable;
-}
-
-static void add_leg(grid_legs *legs, const ray_batch *b, unsigned i, const ray_way *way) {
-    const unsigned to = legs->count++;
-    legs->number[to] = (uint8_t)i;
-    legs->r[to] = &b->rays[i];
-    legs->t_in[to] = way->t_in;
-    legs->t_out[to] = way->t_out;
-    legs->t_box[to] = way->t_box;
-    for (int a = 0; a < 3; a++)
-        legs->per_d[to][a] = way->per_d[a];
-}
-
 void SIMD_NAME(grid_batch_trace)(const tracer *tr, const kernels *k, ray_batch *b, void *scratch,
                                  ray_counters *counters) {
     batch_walk *w = scratch;
-    ray_way ways[RAY_BATCH];
+    grid_approach ways[RAY_BATCH];
     uint8_t goes[RAY_BATCH];
     unsigned octants = 0;
     w->tr = tr;
@@ -732,7 +570,8 @@ void SIMD_NAME(grid_batch_trace)(const tracer *tr, const kernels *k, ray_batch *
     w->b = b;
     w->counters = counters;
     w->filter = w->scene->intersector == LEAFCAST_MARMITT;
-    const bool usable = begin_walk(w);
+    const bool usable = grid_extent_of(&w->extent, tr) && !tr->preview &&
+                        w->scene->intersect == intersector_find(w->scene->intersector)->next_hit;
     for (unsigned i = 0; i < b->count; i++) {
         goes[i] = usable ? begin_ray(w, i, &ways[i]) : (uint8_t)ALONE;
         octants |= 1u << goes[i];
@@ -744,7 +583,7 @@ void SIMD_NAME(grid_batch_trace)(const tracer *tr, const kernels *k, ray_batch *
         w->legs.count = 0;
         for (unsigned i = 0; i < b->count; i++)
             if (goes[i] == octant)
-                add_leg(&w->legs, b, i, &ways[i]);
+                grid_legs_add(&w->legs, b->rays, i, &ways[i]);
         walk_octant(w);
     }
 }

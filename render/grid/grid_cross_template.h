@@ -40,6 +40,27 @@ SIMD vf near_coordinate(vf t, vf d, vf lo, vf inv) {
     return f_min(f_max((t * d - lo) * inv, f_set(0.0f)), f_set(1.0f));
 }
 
+/* The control values of the cubic along a visit: cell_cubic(), but for rounding. */
+SIMD void near_controls(const near_way *v, const vf c[8], vf b[4]) {
+    const vf *in = v->in, *way = v->way;
+    const vf x = in[0], y = in[1], z = in[2];
+    /* Per power of x and y, as a linear function along the visit: e + s h. */
+    const vf e0 = c[0] + c[3] * z, h0 = c[3] * way[2];
+    const vf ex = c[1] + c[6] * z, hx = c[6] * way[2];
+    const vf ey = c[2] + c[5] * z, hy = c[5] * way[2];
+    const vf exy = c[4] + c[7] * z, hxy = c[7] * way[2];
+    const vf xy = x * y, xy1 = x * way[1] + y * way[0], xy2 = way[0] * way[1];
+    const vf k0 = e0 + ex * x + ey * y + exy * xy;
+    const vf k1 = h0 + hx * x + ex * way[0] + hy * y + ey * way[1] + hxy * xy + exy * xy1;
+    const vf k2 = hx * way[0] + hy * way[1] + hxy * xy1 + exy * xy2;
+    const vf k3 = hxy * xy2;
+    const vf third = f_set(1.0f / 3.0f);
+    b[0] = k0;
+    b[1] = k0 + third * k1;
+    b[2] = b[1] + third * (k1 + k2);
+    b[3] = k0 + k1 + k2 + k3;
+}
+
 /* Which rays' control polygons (cell_cubic()) may change side: the others have no root, says the
  * cell kernel too.
  *
@@ -54,23 +75,11 @@ SIMD vf near_coordinate(vf t, vf d, vf lo, vf inv) {
  * Where results are denormal, 2^-149 a step. Together with the kernel's own rounding, 2^-50 F, less
  * than F (2048 u + 2 (e_x + e_y + e_z)) + 2^-130. */
 SIMD unsigned may_cross(const near_way *v, const near_forms *forms) {
-    const vf *in = v->in, *way = v->way, *c = forms->c, bound = forms->bound;
-    const vf x = in[0], y = in[1], z = in[2];
-    /* Per power of x and y, as a linear function along the visit: e + s h. */
-    const vf e0 = c[0] + c[3] * z, h0 = c[3] * way[2];
-    const vf ex = c[1] + c[6] * z, hx = c[6] * way[2];
-    const vf ey = c[2] + c[5] * z, hy = c[5] * way[2];
-    const vf exy = c[4] + c[7] * z, hxy = c[7] * way[2];
-    const vf xy = x * y, xy1 = x * way[1] + y * way[0], xy2 = way[0] * way[1];
-    const vf k0 = e0 + ex * x + ey * y + exy * xy;
-    const vf k1 = h0 + hx * x + ex * way[0] + hy * y + ey * way[1] + hxy * xy + exy * xy1;
-    const vf k2 = hx * way[0] + hy * way[1] + hxy * xy1 + exy * xy2;
-    const vf k3 = hxy * xy2;
-    const vf third = f_set(1.0f / 3.0f), b1 = k0 + third * k1, b2 = b1 + third * (k1 + k2);
-    const vf b3 = k0 + k1 + k2 + k3;
-    const vf least = f_min(f_min(k0, b3), f_min(b1, b2));
-    const vf greatest = f_max(f_max(k0, b3), f_max(b1, b2));
-    return ~mf_bits(mf_or(f_gt(least, bound), f_lt(greatest, f_set(-0.0f) - bound)));
+    vf b[4];
+    near_controls(v, forms->c, b);
+    const vf least = f_min(f_min(b[0], b[3]), f_min(b[1], b[2]));
+    const vf greatest = f_max(f_max(b[0], b[3]), f_max(b[1], b[2]));
+    return ~mf_bits(mf_or(f_gt(least, forms->bound), f_lt(greatest, f_set(-0.0f) - forms->bound)));
 }
 
 #endif

@@ -116,25 +116,30 @@ static double greatest_control(const extreme_state *s, const double b[4]) {
     return (s->least ? -least : most) + 0x1p-48 * (fabs(least) + fabs(most));
 }
 
-static void try_cell(climb *c, const uint32_t cell[3], double t_in) {
+bool grid_extreme_cell(const walk_scene *scene, const resident_grid *at, const ray *r,
+                       const uint32_t cell[3], const float samples[8], extreme_state *s) {
+    const cell_box box = walk_cell_box(&scene->levels[at->level], cell);
     cell_visit visit;
-    float samples[8];
-    walk_cell_samples(c->scene, c->at, cell, samples);
-    const double most = greatest_sample(c->s, samples);
-    if (!extreme_matters(c->s, most, t_in))
-        return;
-    const cell_box box = walk_cell_box(&c->scene->levels[c->at->level], cell);
-    c->counters->cells++;
-    if (!cell_visit_of(c->r, &box, &visit) || !(visit.t_in < visit.t_out))
-        return;
+    if (!cell_visit_of(r, &box, &visit) || !(visit.t_in < visit.t_out))
+        return false;
     segment piece = {.t0 = visit.t_in, .t1 = visit.t_out, .degree = 3};
     cell_values(&visit, samples, piece.b);
-    if (!extreme_matters(c->s, greatest_control(c->s, piece.b), visit.t_in))
-        return;
+    if (!extreme_matters(s, greatest_control(s, piece.b), visit.t_in))
+        return false;
     const segment_extent e = segment_range(&piece);
-    const double before = c->s->score, score = c->s->least ? -e.least : e.most;
-    extreme_offer(c->s, score < most ? score : most, c->s->least ? e.least_t : e.most_t,
-                  c->at->head.id);
+    const double most = greatest_sample(s, samples), score = s->least ? -e.least : e.most;
+    return extreme_offer(s, score < most ? score : most, s->least ? e.least_t : e.most_t,
+                         at->head.id);
+}
+
+static void try_cell(climb *c, const uint32_t cell[3], double t_in) {
+    float samples[8];
+    const double before = c->s->score;
+    walk_cell_samples(c->scene, c->at, cell, samples);
+    if (!extreme_matters(c->s, greatest_sample(c->s, samples), t_in))
+        return;
+    c->counters->cells++;
+    (void)grid_extreme_cell(c->scene, c->at, c->r, cell, samples, c->s);
     if (c->s->score > before)
         set_limits(c);
 }

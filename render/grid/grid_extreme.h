@@ -8,6 +8,7 @@
 #define RENDER_GRID_GRID_EXTREME_H
 
 #include "render/extremes.h"
+#include "render/grid/walk.h"
 
 /* grid_extreme_ways(), grid_extreme(), grid_extreme_near() - the rows `extreme_ways`, `extreme` and
  * `extreme_near`. tr->own: a walk_scene. */
@@ -16,5 +17,10 @@ void grid_extreme(const tracer *tr, const treelet *at, const ray *r, const extre
                   extreme_state *s, ray_counters *counters);
 void grid_extreme_near(const tracer *tr, const treelet *at, const ray *r, double t,
                        extreme_state *s, ray_counters *counters);
+
+/* grid_extreme_cell() - what is in one cell of a treelet: the truth of all kernels. Whether that
+ * changes what is found. */
+bool grid_extreme_cell(const walk_scene *scene, const resident_grid *at, const ray *r,
+                       const uint32_t cell[3], const float samples[8], extreme_state *s);
 
 #endif

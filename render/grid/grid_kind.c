@@ -220,6 +220,10 @@ static segment_batch_fn grid_segment_batch(const kernels *k) {
     return k->grid_pieces;
 }
 
+static extreme_batch_fn grid_extreme_batch(const kernels *k) {
+    return k->grid_peaks;
+}
+
 /* ---- The order of treelets ---- */
 
 /* The treelet of the level-0 grid that a coordinate falls into; outside, the one beyond. */
@@ -450,7 +454,7 @@ const kind grid_kind = {.name = "grid",
                         .rank = grid_rank,
                         .next = grid_tracer_next,
                         .surface = grid_tracer_surface,
-                        .batch_scratch = GRID_BATCH_SCRATCH, /* more than GRID_PIECES_SCRATCH */
+                        .batch_scratch = GRID_PEAKS_SCRATCH, /* more than the others need */
                         .batch = grid_batch,
                         .segments = grid_segments,
                         .segment_batch = grid_segment_batch,
@@ -458,6 +462,7 @@ const kind grid_kind = {.name = "grid",
                         .extreme_ways = grid_extreme_ways,
                         .extreme = grid_extreme,
                         .extreme_near = grid_extreme_near,
+                        .extreme_batch = grid_extreme_batch,
                         .cell_of_hit = grid_cell_of_hit,
                         .cell_of_segment = grid_cell_of_segment,
                         .treelet_at = grid_treelet_at,

@@ -47,7 +47,7 @@ static inline int grid_passage_push(const tracer *tr, const ray *r, const grid_p
         if (tr->preview && tr->treelets->own[p.t] && !loader_lookup(tr->treelets, p.t)) {
             /* The finest resident ancestor stands in, as far as this one is above it. */
             *provisional = true;
-            if (!loader_lookup(tr->treelets, node->t))
+            if (!tr->treelets->whole[node->t] && !loader_lookup(tr->treelets, node->t))
                 continue;
             p.t = node->t;
             p.octants = 1u << o;

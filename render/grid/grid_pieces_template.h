@@ -9,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "render/grid/block_way.h"
 #include "render/grid/cell_visit_template.h"
 #include "render/grid/grid_pieces.h"
 #include "render/grid/grid_way.h"
@@ -134,6 +135,18 @@ static void rider_enter(const pieces_walk *w, rider *q, const resident_grid *at)
             slab_cross(&q->slabs[a], first, side, r->o[a], r->d[a]);
     }
     q->at = at;
+}
+
+/* What of [*t_in, *t_out] lies in the layers of active blocks along an axis. */
+static void slab_narrow(const slab *s, const active_masks *masks, const int a, uint32_t side,
+                        bool back, double *t_in, double *t_out) {
+    const uint32_t first = (uint32_t)masks->first[a] << LEAF_BLOCK_LOG2;
+    const uint32_t end = (uint32_t)masks->end[a] << LEAF_BLOCK_LOG2;
+    const uint32_t in = back ? side - end : first, out = back ? side - first : end;
+    if (in > 0 && s->t[in] > *t_in)
+        *t_in = s->t[in];
+    if (out < side && s->t[out] < *t_out)
+        *t_out = s->t[out];
 }
 
 /* The cells at both ends of a passage: of crossings at one t, all are behind the ray at its start,
@@ -338,6 +351,7 @@ SIMD void put_pieces(pieces_walk *w, const rider *q, const sample_words *s, unsi
     d_store(c->t1 + to, v.t_out);
     for (int k = 0; k < 4; k++)
         d_store(c->b[k] + to, b[k]);
+    d_store(c->spread + to, d_set(0.0));
     for (unsigned k = 0; k < VD_N; k++) {
         c->treelet[to + k] = q->at->head.id;
         c->ray[to + k] = (uint8_t)q->number;
@@ -363,23 +377,82 @@ static void give_pieces(pieces_walk *w, const rider *q) {
 
 /* ---- Rays ---- */
 
-static void pass_treelet(pieces_walk *w, rider *q, const resident_grid *at,
-                         const grid_passage *passage) {
+static void give_whole(pieces_walk *w, const rider *q, const segment *piece) {
+    w->counters->cells++;
+    if (w->b->columns.count == SEGMENT_COLUMNS)
+        segment_batch_flush(w->b);
+    if (!w->b->stop[q->number])
+        segment_batch_add(w->b, q->number, piece);
+}
+
+/* The pieces in cells between t_in and t_out. */
+static void pass_cells(pieces_walk *w, rider *q, double t_in, double t_out) {
+    const resident_grid *at = q->at;
     const uint32_t side = 1u << w->tr->layout->cells_log2;
-    w->counters->nodes++;
-    if (!at->masks->root)
-        return;
-    rider_enter(w, q, at);
+    const ray *r = ray_of(w, q);
     for (int a = 0; a < 3; a++)
-        if (ray_of(w, q)->d[a] != 0.0)
-            slab_clip(&q->slabs[a], side, passage->t_in, passage->t_out);
-    put_ends(w, q, passage->t_in, passage->t_out);
+        if (r->d[a] != 0.0)
+            slab_narrow(&q->slabs[a], at->masks, a, side, r->d[a] < 0.0, &t_in, &t_out);
+    if (!(t_in < t_out))
+        return;
+    for (int a = 0; a < 3; a++)
+        if (r->d[a] != 0.0)
+            slab_clip(&q->slabs[a], side, t_in, t_out);
+    put_ends(w, q, t_in, t_out);
     put_crossings(w, q, 0);
     put_crossings(w, q, 1);
     put_crossings(w, q, 2);
     find_pieces(w, at->masks);
     if (w->pieces > 0)
         give_pieces(w, q);
+}
+
+static block_axis_way axis_way(const slab *s, double d, uint32_t side, double t_in) {
+    block_axis_way x = {.planes = s->t, .back = d < 0.0};
+    x.at = d == 0.0 ? s->first >> LEAF_BLOCK_LOG2 : 0;
+    if (d == 0.0)
+        return x;
+    x.leaves = 1u << LEAF_BLOCK_LOG2;
+    while (x.leaves < side && s->t[x.leaves] <= t_in)
+        x.leaves += 1u << LEAF_BLOCK_LOG2;
+    x.left = (side - x.leaves) >> LEAF_BLOCK_LOG2;
+    x.at = x.back ? x.left : (x.leaves >> LEAF_BLOCK_LOG2) - 1;
+    return x;
+}
+
+/* Through a treelet with nodes that are taken whole. */
+static void pass_blocks(pieces_walk *w, rider *q, const grid_passage *passage) {
+    const resident_grid *at = q->at;
+    const uint32_t side = 1u << w->tr->layout->cells_log2;
+    block_way way = {.t_in = passage->t_in, .t_out = passage->t_out};
+    block_stretch s;
+    for (int a = 0; a < 3; a++)
+        way.axis[a] = axis_way(&q->slabs[a], ray_of(w, q)->d[a], side, way.t_in);
+    while (!w->b->stop[q->number] && block_way_next(&way, at->masks, &s)) {
+        if (s.whole) {
+            const segment piece = block_way_node(w->tr->treelets->file, w->tr->layout, at, &s);
+            give_whole(w, q, &piece);
+        } else if (s.active) {
+            pass_cells(w, q, s.t_in, s.t_out);
+        }
+    }
+}
+
+static void pass_treelet(pieces_walk *w, rider *q, const resident_grid *at,
+                         const grid_passage *passage) {
+    if (!at) {
+        const segment piece = block_way_treelet(w->tr, passage->t, passage->t_in, passage->t_out);
+        give_whole(w, q, &piece);
+        return;
+    }
+    w->counters->nodes++;
+    if (!at->masks->root)
+        return;
+    rider_enter(w, q, at);
+    if (at->masks->some_whole)
+        pass_blocks(w, q, passage);
+    else
+        pass_cells(w, q, passage->t_in, passage->t_out);
 }
 
 /* Through the ray's next treelet. False: it is done with. */

@@ -181,7 +181,38 @@ SIMD node_planes node_planes_of(const grid_rays *g, const level_planes *planes,
     return n;
 }
 
-/* The rays that meet each of a node's children; in order: child k is octant k ^ back. */
+/* Where the VF_N rays from `at` on come to both halves of a node on each axis, and leave them. */
+typedef struct halves_met {
+    vf near[3][2], far[3][2];
+} halves_met;
+
+SIMD halves_met halves_met_of(const grid_rays *g, const node_planes *n, unsigned at) {
+    halves_met m;
+    for (int a = 0; a < 3; a++) {
+        const vf near_o = f_load(g->near_o[a] + at), far_o = f_load(g->far_o[a] + at);
+        const vf r = f_load(g->reciprocal[a] + at);
+        for (int h = 0; h < 2; h++) {
+            m.near[a][h] = (f_set(n->near[a][h]) - near_o) * r;
+            m.far[a][h] = (f_set(n->far[a][h]) - far_o) * r;
+        }
+    }
+    const vf t1 = f_load(g->t1 + at);
+    for (int h = 0; h < 2; h++) {
+        m.near[2][h] = f_max(m.near[2][h], f_set(0.0f));
+        m.far[2][h] = f_min(m.far[2][h], t1);
+    }
+    return m;
+}
+
+/* In order: child k is octant k ^ back. */
+SIMD vf child_near(const halves_met *m, unsigned k) {
+    return f_max(f_max(m->near[2][k >> 2], m->near[1][k >> 1 & 1]), m->near[0][k & 1]);
+}
+SIMD vf child_far(const halves_met *m, unsigned k) {
+    return f_min(f_min(m->far[2][k >> 2], m->far[1][k >> 1 & 1]), m->far[0][k & 1]);
+}
+
+/* The rays that meet each of a node's children. */
 SIMD void children_met(const grid_rays *g, const node_planes *n, const ray_set *in,
                        ray_set met[8]) {
     const uint64_t all = (UINT64_C(1) << VF_N) - 1;
@@ -189,26 +220,9 @@ SIMD void children_met(const grid_rays *g, const node_planes *n, const ray_set *
         uint64_t of[8] = {0, 0, 0, 0, 0, 0, 0, 0};
         for (uint64_t left = in->of[w]; left;) {
             const unsigned shift = (unsigned)__builtin_ctzll(left) & ~(VF_N - 1u);
-            const unsigned at = 64 * w + shift;
-            vf near[3][2], far[3][2];
-            for (int a = 0; a < 3; a++) {
-                const vf near_o = f_load(g->near_o[a] + at), far_o = f_load(g->far_o[a] + at);
-                const vf r = f_load(g->reciprocal[a] + at);
-                for (int h = 0; h < 2; h++) {
-                    near[a][h] = (f_set(n->near[a][h]) - near_o) * r;
-                    far[a][h] = (f_set(n->far[a][h]) - far_o) * r;
-                }
-            }
-            const vf t1 = f_load(g->t1 + at);
-            for (int h = 0; h < 2; h++) {
-                near[2][h] = f_max(near[2][h], f_set(0.0f));
-                far[2][h] = f_min(far[2][h], t1);
-            }
-            for (unsigned k = 0; k < 8; k++) {
-                const vf t_in = f_max(f_max(near[2][k >> 2], near[1][k >> 1 & 1]), near[0][k & 1]);
-                const vf t_out = f_min(f_min(far[2][k >> 2], far[1][k >> 1 & 1]), far[0][k & 1]);
-                of[k] |= (uint64_t)mf_bits(f_le(t_in, t_out)) << shift;
-            }
+            const halves_met m = halves_met_of(g, n, 64 * w + shift);
+            for (unsigned k = 0; k < 8; k++)
+                of[k] |= (uint64_t)mf_bits(f_le(child_near(&m, k), child_far(&m, k))) << shift;
             left &= ~(all << shift);
         }
         for (unsigned k = 0; k < 8; k++)

@@ -1,6 +1,7 @@
 #include "render/grid/grid_segments.h"
 
 #include "render/grid/block_passage.h"
+#include "render/grid/block_way.h"
 #include "render/grid/grid_way.h"
 
 /* A node of a treelet still to be visited, as in walk.c. */
@@ -13,6 +14,7 @@ typedef struct pending {
 
 /* What a walk through a treelet does not change. */
 typedef struct collector {
+    const tracer *tr;
     const walk_scene *scene;
     const resident_grid *at;
     const ray *r;
@@ -41,6 +43,18 @@ static bool take_cell(const collector *c, const uint32_t cell[3]) {
                        .degree = 3};
     cell_values(&visit, samples, piece->b);
     s->t_from = visit.t_out;
+    return true;
+}
+
+/* A node or treelet as a whole; its first cell. False: as above. */
+static bool take_whole(segments_state *s, ray_counters *counters, const segment *piece,
+                       uint64_t cell) {
+    counters->cells++;
+    if (s->count == s->room)
+        return false;
+    s->ahead[s->count] = *piece;
+    s->ahead[s->count++].cell = cell;
+    s->t_from = piece->t1;
     return true;
 }
 
@@ -86,6 +100,26 @@ static bool walk_block(const collector *c, const pending *block) {
     return true;
 }
 
+/* Whether the node is the largest one that is taken whole there. */
+static bool is_whole(const collector *c, const pending *node) {
+    const active_masks *masks = c->at->masks;
+    if (!masks->some_whole || node->size == c->at->shape.node_levels + LEAF_BLOCK_LOG2)
+        return false;
+    const uint32_t levels = node->size - LEAF_BLOCK_LOG2;
+    return masks->whole[node->morton << 3 * levels] == levels + 1;
+}
+
+static bool walk_whole(const collector *c, const pending *node) {
+    const uint32_t levels = node->size - LEAF_BLOCK_LOG2;
+    const block_stretch all = {.t_in = node->t_in,
+                               .t_out = node->t_out,
+                               .node = node->morton << 3 * levels,
+                               .whole = levels + 1};
+    const segment piece = block_way_node(c->tr->treelets->file, c->tr->layout, c->at, &all);
+    return take_whole(c->state, c->counters, &piece,
+                      walk_cell_index(&c->scene->levels[c->at->level], node->cell));
+}
+
 /* The pieces in a treelet, front to back. False: there was no room for all of them. */
 static bool walk_pieces(const collector *c, const grid_passage *node) {
     unsigned octants = node->octants ? node->octants : 255u;
@@ -98,13 +132,24 @@ static bool walk_pieces(const collector *c, const grid_passage *node) {
                              c->at->shape.node_levels + LEAF_BLOCK_LOG2};
     while (top > 0) {
         const pending p = stack[--top];
-        if (p.size > LEAF_BLOCK_LOG2)
-            top = push_children(c, &p, octants, stack, top);
-        else if (!walk_block(c, &p))
+        const bool whole = is_whole(c, &p);
+        if (whole ? !walk_whole(c, &p) : p.size == LEAF_BLOCK_LOG2 && !walk_block(c, &p))
             return false;
+        if (!whole && p.size > LEAF_BLOCK_LOG2)
+            top = push_children(c, &p, octants, stack, top);
         octants = 255u;
     }
     return true;
+}
+
+static bool walk_treelet_whole(const collector *c, const grid_passage *node) {
+    const leaf_layout *layout = c->tr->layout;
+    const segment piece = block_way_treelet(c->tr, node->t, node->t_in, node->t_out);
+    uint32_t cell[3];
+    for (int a = 0; a < 3; a++)
+        cell[a] = layout->place[node->t][a] << layout->cells_log2;
+    return take_whole(c->state, c->counters, &piece,
+                      walk_cell_index(&c->scene->levels[layout->level_of[node->t]], cell));
 }
 
 /* What there is to be given out, else why there is nothing. */
@@ -124,8 +169,8 @@ segments_result grid_segments(const tracer *tr, const ray *r, segments_state *st
         const segments_result next = grid_way_next(&way, tr, r, state, counters, &at, &passage);
         if (next != SEGMENTS_SOME)
             return stop(state, next);
-        const collector c = {tr->own, at, r, state, counters};
-        if (!walk_pieces(&c, &passage))
+        const collector c = {tr, tr->own, at, r, state, counters};
+        if (at ? !walk_pieces(&c, &passage) : !walk_treelet_whole(&c, &passage))
             return stop(state, SEGMENTS_SOME);
     }
 }

@@ -26,8 +26,8 @@ static inline bool grid_way_begin(grid_way *w, const tracer *tr, const ray *r,
     return true;
 }
 
-/* grid_way_next() - the next treelet to be walked, *at, and where: *passage. SEGMENTS_BLOCKED and
- * SEGMENTS_END: none, and *state says why. */
+/* grid_way_next() - the next treelet to be walked, *at, and where: *passage. NULL: it is taken
+ * whole (loader.whole). SEGMENTS_BLOCKED and SEGMENTS_END: there is none, and *state says why. */
 static inline segments_result grid_way_next(grid_way *w, const tracer *tr, const ray *r,
                                             segments_state *state, ray_counters *counters,
                                             const resident_grid **at, grid_passage *passage) {
@@ -42,15 +42,19 @@ static inline segments_result grid_way_next(grid_way *w, const tracer *tr, const
             w->top = grid_passage_push(tr, r, &node, w->stack, w->top, &state->provisional);
             continue;
         }
-        if (!tr->treelets->own[node.t] || (w->resuming && node.t != state->blocked))
+        const bool whole = tr->treelets->whole[node.t];
+        if (!(tr->treelets->own[node.t] || whole) || (w->resuming && node.t != state->blocked))
             continue;
+        *passage = node;
+        *at = NULL;
+        if (whole)
+            return SEGMENTS_SOME;
         *at = resident_grid_of(tracer_enter(tr, node.t, node.t_in, &state->t_from, &state->blocked,
                                             &state->provisional));
         if (!*at && !tr->preview)
             return SEGMENTS_BLOCKED;
         w->resuming = false;
         state->blocked = LEAF_NO_TREELET;
-        *passage = node;
         if (*at)
             return SEGMENTS_SOME;
     }

@@ -5,7 +5,7 @@
 leaf=$tmp/v.leaf
 says() { grep -q -- "$1" "$tmp/$2"; }
 csv() { # csv FILE EXPRESSION: python, with the rows as dictionaries in t
-    python3 -c 'import csv, sys
+    python3 -c 'import csv, fractions, sys
 t = list(csv.DictReader(open(sys.argv[1])))
 sys.exit(not eval(f"({sys.argv[2]})"))' "$@"
 }
@@ -92,6 +92,30 @@ for isa in {r["isa"] for r in t}:
     assert n["covers"] < 0.5 * n["tets"] and n["covering"] < 0.55 * n["covers"] and n["looked_at"] < 0.7 * n["covering"]
     assert n["polygons"] == n["looked_at"] and full["polygons"] > 85 and full["rays"] > 80
     assert n["polygons_hit"] > 0.85 * n["polygons"] and n["rays"] < 1.2 * n["polygons"]' "$tmp/t.csv"
+judge_media() { # judge_media FILE PICTURES
+    ok "media: what is certified is within its claim, and that within what was asked for" csv "$1" \
+        'all(float(r["worst"]) <= float(r["claimed"]) + float(r["ref bound"]) and float(r["claimed"]) <= float(fractions.Fraction(r["setting"])) for r in t if r["way"] == "certified")'
+    ok "media: what is not claims nothing" csv "$1" 'all((r["claimed"] == "-") == (r["way"] not in ("certified", "threshold")) for r in t)'
+    ok "media: a threshold says what comes of it" csv "$1" 'all(float(r["worst"]) <= float(r["claimed"]) + float(r["ref bound"]) for r in t if r["way"] == "threshold")'
+    ok "media: errors are in order, time is there" csv "$1" \
+        'all(0 <= float(r["99 %"]) <= float(r["worst"]) and 0 < float(r["rms"]) <= float(r["worst"]) and float(r["ms"]) > 0 and (float(r["> 1/510 %"]) > 0) == (float(r["worst"]) > 1 / 510) for r in t)'
+    ok "media: small steps are nearer than large ones" csv "$1" \
+        "len(t) == $2"' * len([r for r in t if r["transfer"] == t[0]["transfer"]]) and all(30 * float(b["rms"]) < float(a["rms"]) for a in t if (a["way"], a["setting"]) == ("steps", "1") for b in t if (b["transfer"], b["way"], b["setting"]) == (a["transfer"], "steps", "1/16"))'
+    ok "media: the ratio is that of times" csv "$1" \
+        'all(r["steps/this"] in ("-", "not reached") or min(float(o["ms"]) for o in t if o["transfer"] == r["transfer"] and o["way"] == "steps") * 0.98 < float(r["steps/this"]) * float(r["ms"]) < 1.02 * min(float(o["ms"]) for o in t if o["transfer"] == r["transfer"] and o["way"] == "steps" and float(o["worst"]) <= float(r["worst"]) * 1.001) for r in t)'
+}
+judge_media "$tmp/all/media.csv" 3
+exits "media of a file" 0 "$leafcast" bench media "$leaf" --tf ct --tf thin --size 24x24 --runs 1 --clip-box 0,0,0,20,40,40 -o "$tmp/media.csv"
+judge_media "$tmp/media.csv" 2
+exits "projections" 0 "$leafcast" bench projections "$leaf" --iso 128 --size 40x30 --runs 1 -o "$tmp/x.csv"
+for file in "$tmp/all/projections.csv" "$tmp/x.csv"; do
+    ok "projections: values are those of single rays" csv "$file" 'len(t) == 5 and all(r["differ"] == "0" for r in t)'
+    ok "projections: no more is read than may be needed" csv "$file" \
+        'all(0 < int(r["read"]) <= int(r["active"]) and float(r["ms"]) > 0 for r in t) and t[0]["draws"] == "surface" and t[0]["x surface"] == "1.000"'
+    ok "projections: each sees the volume" csv "$file" \
+        'len({r["px"] for r in t if r["draws"] in ("max", "min", "mean")}) == 1 and all(0 < int(r["px"]) <= int(t[1]["px"]) for r in t)'
+done
+exits "no such transfer function" 2 "$leafcast" bench media "$leaf" --tf nothing --size 24x24 --runs 1
 exits "all, once more" 1 "$leafcast" bench all --out "$tmp/all"
 exits "all of a file" 2 "$leafcast" bench all "$leaf" --iso 128 --out "$tmp/all2"
 exits "a suite of a file" 0 "$leafcast" bench zoom "$leaf" --iso 128 --size 32x32 --runs 1

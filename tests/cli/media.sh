@@ -71,6 +71,27 @@ gzip -c "$tmp/auto.tf" >"$tmp/packed.tf.gz"
 exits "a packed file" 0 draw --tf "$tmp/packed.tf.gz" --rgba-f64 "$tmp/again"
 ok "is read" cmp "$tmp/first" "$tmp/again"
 
+# ---- to compare with ----
+# shellcheck disable=SC2086
+exits "in steps" 0 draw --tf "$tmp/one.tf" $view --medium steps=1/3 --rgba-f64 "$tmp/rgba" --error-f64 "$tmp/error"
+ok "a constant medium is as by formula, too" numbers "$tmp/rgba" 'all(abs(x[4 * i + 3] - 1 + math.exp(-1.2)) < 1e-12 for i in range(1200))'
+ok "but nobody knows" numbers "$tmp/error" 'all(e == math.inf for e in x)'
+# shellcheck disable=SC2086
+exits "up to an opacity, by cells" 0 draw --tf "$tmp/one.tf" $view --medium steps=1/3,0.5 --rgba-f64 "$tmp/rgba"
+ok "and no further" numbers "$tmp/rgba" 'all(abs(x[4 * i + 3] - 1 + math.exp(-0.9)) < 1e-12 for i in range(1200))'
+# shellcheck disable=SC2086
+exits "pre-integrated" 0 draw --tf "$tmp/one.tf" $view --medium preintegrated=2,64 --rgba-f64 "$tmp/rgba"
+ok "that too" numbers "$tmp/rgba" 'all(abs(x[4 * i + 3] - 1 + math.exp(-1.2)) < 1e-6 for i in range(1200))'
+exits "too small a table" 2 draw --tf auto --medium preintegrated=1,8 -o "$tmp/no.ppm"
+exits "steps with a surface" 2 draw --tf auto --iso 35 --medium steps=1 -o "$tmp/no.ppm"
+ok "are refused" says 'without isosurfaces'
+exits "steps of nothing" 2 draw --tf auto --medium steps=0 -o "$tmp/no.ppm"
+exits "steps with an error" 2 draw --tf auto --medium steps=1 --error 1/100 -o "$tmp/no.ppm"
+exits "no medium" 2 draw --iso 35 --medium steps=1 -o "$tmp/no.ppm"
+exits "steps with a certificate" 2 draw --tf auto --medium steps=1 --certify -o "$tmp/no.ppm"
+ok "have none" says 'no error that is known'
+exits "no such way" 2 draw --tf auto --medium guessed -o "$tmp/no.ppm"
+
 # ---- scripts ----
 cat >"$tmp/lines" <<LINES
 {"tf": "$tmp/auto.tf", "rgba_f64": "$tmp/line1"}
@@ -234,6 +255,11 @@ not a finite number|--project first=nan
 without --iso|--project max --iso 30
 without opacities|--project max --opacity 3:0.5
 --legend is of|--legend
+--caps: nothing is cut|--iso 50 --caps
+--caps: there is no surface|--tf ct --caps --clip-plane 1,0,0,-3
+is neither a file nor one of|--iso 50 --caps=pink --clip-plane 1,0,0,-3
+--certify is of media|--iso 50 --certify
+--certify is of one sample|--tf ct --certify --samples 4
 --error-f64 is of media|--error-f64 @e
 --value-f64 is of --project|--tf ct --value-f64 @e
 --write-tf is of|--write-tf @e

@@ -107,6 +107,7 @@ render|--error-f64|makes errors|@g.leaf --tf auto --size 8x8|--error-f64 @errors
 render|--value-f64|makes value|@g.leaf --project max --size 8x8|--value-f64 @value
 render|--write-tf|makes tf|@g.leaf --tf auto --size 8x8|--write-tf @tf
 render|--stats|makes s|@grid --size 8x8|--stats @s
+render|--certify|stats|@g.leaf --tf auto --size 16x16|--certify
 render|--fail-empty|exit 1|@g.leaf --iso 999 --size 8x8 --json|--fail-empty
 render|--repeat|stats|@grid|--repeat 3
 render|--iso-list|makes i_0001.png|@g.leaf --size 8x8 -o @i.png|--iso-list 100,120
@@ -130,8 +131,10 @@ render|--color-map|picture|@g.leaf --tf auto|--color-map plasma
 render|--window|picture|@g.leaf --colour-map plasma|--window 100,120
 render|--opacity-length|picture|@g.leaf --opacity 90:0,200:0.5|--opacity-length 9
 render|--error|shown media|
+render|--homogeneous|picture|@g.leaf --tf auto|--homogeneous 1000
 render|--project|picture|@g.leaf --colour-map grey|--project max
 render|--legend|shown media|
+render|--medium|picture|@g.leaf --tf auto|--medium steps=3
 render|--layers|picture|@grid --opacity 0.4|--layers 1
 render|--view|picture|@grid|--view close
 render|--eye|picture|@grid|--eye 90,80,70
@@ -154,6 +157,7 @@ render|--background|picture|@grid|--background navy
 render|--field|exit 2|@mesh --size 8x8 --json|--field none
 render|--step|picture|@mesh|--step 1
 render|--clip-box|picture|@grid|--clip-box 0,0,0,20,36,44
+render|--caps|picture|@grid --clip-plane -1,0,0,15|--caps
 render|--clip-plane|picture|@grid|--clip-plane 1,0,0,-15
 render|--lod|picture|@grid|--lod 1
 render|--preview|stats|@grid|--preview
@@ -197,6 +201,7 @@ bench|--form|refused brief or full|walk @grid --size 16x16 --runs 1|--form long
 bench|--largest|refused figure414|frames|--largest 64
 bench|--out|makes d/walk.csv|walk @grid --size 16x16 --runs 1|--out @d
 bench|--plot|makes p.svg|walk @grid --size 16x16 --runs 1|--plot @p.svg
+bench|--tf|refused is for media|walk @grid|--tf auto
 bench|--ray-cells|counts|intersectors noise --runs 1 --ray-cells 90|--ray-cells 80
 bench|--runs|refused needs one|kernel @grid --size 8x8|--runs 2
 bench|--iso|counts|walk @grid --size 16x16 --runs 1 --opacity 0.5|--iso 150
@@ -239,6 +244,8 @@ bench|--help|shown help|
 bench|--help-all|shown help|
 bench|--usage|says|walk @grid --size 16x16 --runs 1|--usage
 bench|--version|says|walk @grid --size 16x16 --runs 1|--version
+bench peers|--media|shown peers|
+bench peers|--tf|shown peers|
 bench peers|--picture|shown peers|
 bench peers|--plot|shown peers|
 bench peers|--runs|shown peers|

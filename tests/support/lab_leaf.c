@@ -11,7 +11,9 @@
 #include "tests/support/scratch.h"
 
 const char *lab_leaf_make(const lab_mesh *lab, uint32_t treelet_tets, bool gradients) {
-    const char *input = scratch_path("mesh"), *output = scratch_path("leaf");
+    static unsigned serial; /* two may be open at a time */
+    const char *input = scratch_path("mesh"),
+               *output = scratch_path(serial++ % 2 ? "leaf" : "leaf2");
     mem m;
     mesh_stream_writer *w;
     mesh_input *x;

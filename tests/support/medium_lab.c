@@ -152,10 +152,11 @@ size_t medium_body_pieces(const medium_body *b, const ref_ray *ray, const ref_cl
 /* A picture and what it must show. */
 typedef struct shot {
     const medium_job *job;
-    leafcast_transfer_point points[HOSTILE_POINTS_MAX];
-    leafcast_medium medium;
+    int bodies; /* 1 or 2 */
+    leafcast_transfer_point points[2][HOSTILE_POINTS_MAX];
+    leafcast_medium media[2];
     leafcast_surface surface;
-    leafcast_shown shown;
+    leafcast_shown shown[2];
     leafcast_scene scene;
     leafcast_camera camera;
     double planes[LEAFCAST_CLIP_PLANES_MAX][4], box[2][3];
@@ -165,6 +166,10 @@ typedef struct shot {
     double rgba[PIXELS][4], error[PIXELS], value[PIXELS], z[PIXELS];
     leafcast_stats stats;
 } shot;
+
+static const medium_body *body_of(const shot *s, int i) {
+    return i == 0 ? s->job->body : s->job->beside;
+}
 
 static void choose_clip(shot *s, field_random *r) {
     const leafcast_info info = leafcast_describe(s->job->body->volume);
@@ -214,7 +219,9 @@ static field_random shot_begin(shot *s, const medium_job *job) {
     *s = (shot){.job = job};
     s->scene = leafcast_scene_default();
     s->stats.size = sizeof s->stats;
-    s->shown = (leafcast_shown){.volume = job->body->volume};
+    s->bodies = job->beside ? 2 : 1;
+    for (int i = 0; i < s->bodies; i++)
+        s->shown[i].volume = body_of(s, i)->volume;
     choose_camera(s, &r);
     choose_clip(s, &r);
     choose_background(s, &r);
@@ -241,12 +248,12 @@ static leafcast_status shot_draw(shot *s) {
                                   .error = s->error,
                                   .value = s->value,
                                   .z = s->z};
-    s->scene.volumes = &s->shown;
-    s->scene.volume_count = 1;
-    s->scene.media = &s->medium;
-    s->scene.media_count = 1;
+    s->scene.volumes = s->shown;
+    s->scene.volume_count = s->bodies;
+    s->scene.media = s->media;
+    s->scene.media_count = s->bodies;
     const leafcast_status st =
-        leafcast_trace(s->shown.volume, &s->scene, &s->camera, &image, &s->stats, NULL, NULL);
+        leafcast_trace(s->shown[0].volume, &s->scene, &s->camera, &image, &s->stats, NULL, NULL);
     if (st == LEAFCAST_OK)
         check_planes(s, planes);
     return st;
@@ -266,9 +273,8 @@ static real length_of(const medium_body *b, const ref_ray *ray, const ref_clip *
     return ref_project(pieces, count).length;
 }
 
-/* Whether a ray a hair beside sees much more data, or less. */
-static bool grazes_data(const shot *s, const ref_ray *ray) {
-    const medium_body *b = s->job->body;
+/* Whether a ray a hair beside sees much more data of a body, or less. */
+static bool grazes_body(const shot *s, const medium_body *b, const ref_ray *ray) {
     const real d[3] = {ray->d[0], ray->d[1], ray->d[2]}, own = length_of(b, ray, &s->clip);
     double far = b->range.length;
     for (int a = 0; a < 3; a++)
@@ -287,9 +293,14 @@ static bool grazes_data(const shot *s, const ref_ray *ray) {
     return false;
 }
 
+static bool grazes_data(const shot *s, const ref_ray *ray) {
+    return grazes_body(s, body_of(s, 0), ray) ||
+           (s->bodies == 2 && grazes_body(s, body_of(s, 1), ray));
+}
+
 static bool grazes_surface(const shot *s, const ref_ray *ray) {
     const medium_body *b = s->job->body;
-    if (s->shown.count == 0)
+    if (s->shown[0].count == 0)
         return false;
     if (b->mesh.tet_count == 0)
         return ref_grazing(&b->as_grid, ray, &s->surface.isovalue, 1, &s->clip, 64);
@@ -314,7 +325,7 @@ static size_t surfaces_of(const shot *s, const ref_ray *ray, ref_surface out[HIT
     static ref_hit hits[HITS_MAX];
     const medium_body *b = s->job->body;
     size_t count = 0;
-    if (s->shown.count == 0)
+    if (s->shown[0].count == 0)
         return 0;
     if (b->mesh.tet_count > 0) {
         tet_ref *of = tet_ref_create(&b->as_mesh);
@@ -332,18 +343,22 @@ static size_t surfaces_of(const shot *s, const ref_ray *ray, ref_surface out[HIT
 }
 
 static ref_colour truth_of(const shot *s, const ref_ray *ray, size_t *pieces_seen) {
-    static ref_piece pieces[PIECES_MAX];
+    static ref_piece pieces[2][PIECES_MAX];
     static ref_surface surfaces[HITS_MAX];
-    const ref_medium of = {pieces,
-                           medium_body_pieces(s->job->body, ray, &s->clip, pieces, PIECES_MAX),
-                           s->points, s->medium.count};
-    const ref_media m = {.of = &of,
-                         .count = 1,
+    ref_medium of[2];
+    const ref_media m = {.of = of,
+                         .count = s->bodies,
                          .surfaces = surfaces,
                          .surface_count = (int)surfaces_of(s, ray, surfaces),
                          .background = {s->scene.background[0], s->scene.background[1],
                                         s->scene.background[2], s->scene.background[3]}};
-    *pieces_seen = of.count;
+    *pieces_seen = 0;
+    for (int i = 0; i < s->bodies; i++) {
+        const size_t count =
+            medium_body_pieces(body_of(s, i), ray, &s->clip, pieces[i], PIECES_MAX);
+        of[i] = (ref_medium){pieces[i], count, s->points[i], s->media[i].count};
+        *pieces_seen += count;
+    }
     return ref_media_colour(&m);
 }
 
@@ -359,21 +374,27 @@ static real error_of(const double rgba[4], const ref_colour *truth) {
 /* What doubles cannot tell apart, though the reference can. */
 static const real SLACK = 4e-15L;
 
+static bool is_in_world_space(const medium_body *b) {
+    bool same = true;
+    for (int a = 0; a < 3; a++)
+        same = same &&
+               (b->mesh.tet_count > 0 || (b->field.spacing[a] == 1 && b->field.origin[a] == 0));
+    return same;
+}
+
 /* How much the truth changes when the ray is moved by what its way into the volume's own space may
  * round off; 0 where that is the world. */
 static real moved_by_rounding(const shot *s, const ref_ray *ray, const ref_colour *truth) {
-    const field *f = &s->job->body->field;
     real most = 0;
-    bool same = true;
-    for (int a = 0; a < 3; a++)
-        same =
-            same && (s->job->body->mesh.tet_count > 0 || (f->spacing[a] == 1 && f->origin[a] == 0));
-    for (int n = 0; n < 6 && !same; n++) {
-        const int a = n / 2;
+    for (int n = 0; n < 6 * s->bodies; n++) {
+        const int a = n % 6 / 2;
+        const medium_body *b = body_of(s, n / 6);
         const double by =
-            8 * 0x1p-53 * (fabs(ray->o[a]) + fabs(f->origin[a]) + s->job->body->range.length);
+            8 * 0x1p-53 * (fabs(ray->o[a]) + fabs(b->field.origin[a]) + b->range.length);
         ref_ray moved = *ray;
         size_t seen;
+        if (is_in_world_space(b))
+            continue;
         moved.o[a] += n % 2 ? by : -by;
         const ref_colour c = truth_of(s, &moved, &seen);
         const double rgba[4] = {(double)c.rgb[0], (double)c.rgb[1], (double)c.rgb[2],
@@ -390,12 +411,12 @@ static void tell_way(const shot *s, const ref_ray *ray, int pixel) {
     static ref_surface surfaces[HITS_MAX];
     int pieces = 0, found = 0;
     double length = 0.0;
-    (void)leafcast_probe_segments(s->shown.volume, &s->scene, ray->o, ray->d, own, PIECES_MAX,
+    (void)leafcast_probe_segments(s->shown[0].volume, &s->scene, ray->o, ray->d, own, PIECES_MAX,
                                   &pieces);
     for (int i = 0; i < pieces; i++)
         length += own[i].t1 - own[i].t0;
-    if (s->shown.count > 0)
-        (void)leafcast_probe_ray(s->shown.volume, &s->scene, ray->o, ray->d, hits, HITS_MAX,
+    if (s->shown[0].count > 0)
+        (void)leafcast_probe_ray(s->shown[0].volume, &s->scene, ray->o, ray->d, hits, HITS_MAX,
                                  &found);
     fprintf(stderr, "# %d: length %.17g, not %.17Lg; %d surfaces, not %zu\n", pixel, length,
             length_of(s->job->body, ray, &s->clip), found, surfaces_of(s, ray, surfaces));
@@ -443,13 +464,17 @@ static void shot_of_medium(shot *s, const medium_job *job) {
     field_random r = shot_begin(s, job);
     s->scene.error = asked[field_random_below(&r, 6)];
     s->asked = s->scene.error > 0.0 ? s->scene.error : 1.0 / 510;
-    s->medium.points = s->points;
-    s->medium.count = hostile_transfer(job->kind, &b->range, &r, s->points);
+    s->media[0] =
+        (leafcast_medium){s->points[0], hostile_transfer(job->kind, &b->range, &r, s->points[0])};
     s->surface = leafcast_surface_default(b->mesh.tet_count > 0 ? b->mesh.iso : b->field.iso);
     s->surface.opacity = field_random_below(&r, 2) ? 1.0F : 0.3F;
     s->scene.shading = LEAFCAST_SHADING_FLAT;
-    s->shown.surfaces = &s->surface;
-    s->shown.count = field_random_below(&r, 4) == 0 && b->tame;
+    s->shown[0].surfaces = &s->surface;
+    s->shown[0].count = field_random_below(&r, 4) == 0 && b->tame;
+    if (job->beside)
+        s->media[1] = (leafcast_medium){
+            s->points[1], hostile_transfer((int)field_random_below(&r, hostile_transfer_kinds()),
+                                           &job->beside->range, &r, s->points[1])};
 }
 
 leafcast_status medium_lab_planes(const medium_job *job, medium_planes *planes) {
@@ -473,7 +498,8 @@ void medium_lab_draw(const medium_job *job, medium_tally *sum) {
     for (int i = 0; i < PIXELS; i++)
         judge(&s, i, sum, &refused);
     sum->refused += refused;
-    sum->needless += s.asked > 1e-4 ? refused : 0;
+    /* Where a surface is flat, its place is not known. */
+    sum->needless += s.asked > 1e-4 && s.shown[0].count == 0 ? refused : 0;
     if (refused != s.stats.uncertified_pixels) {
         sum->loose++;
         tell(&s, -1, "pixels above the bound that was asked for, and counted ones", refused,

@@ -55,7 +55,7 @@ size_t medium_body_pieces(const medium_body *b, const ref_ray *ray, const ref_cl
 typedef struct medium_tally {
     uint64_t rays, seen; /* seen: something is on the way */
     uint64_t outside, loose, refused, grazing;
-    uint64_t needless; /* refused though the bound asked for is wide */
+    uint64_t needless; /* refused though the bound asked for is wide, and without a surface */
     uint64_t rounded;  /* right but for the rounding of the ray to the volume's own space */
     double worst;      /* error, in bounds */
 } medium_tally;
@@ -63,7 +63,8 @@ typedef struct medium_tally {
 /* One picture. */
 typedef struct medium_job {
     const medium_body *body;
-    int kind; /* of hostile_transfer() */
+    const medium_body *beside; /* filled too, on the same device; NULL: nothing is */
+    int kind;                  /* of hostile_transfer() */
     uint64_t seed;
     const char *rerun; /* how a printed line begins: the program */
     bool tell_all;     /* print every pixel */

@@ -136,10 +136,12 @@ leafcast_camera pictures_view(const leafcast *volume, int kind, field_random *r)
 }
 
 leafcast_scene pictures_scene(int kind, const leafcast_info *info) {
-    enum { SIZE = sizeof(leafcast_scene_experiments) };
     static const leafcast_scene_experiments all[] = {
-        {SIZE, LEAFCAST_MARMITT}, {SIZE, LEAFCAST_MARMITT_3}, {SIZE, LEAFCAST_MIDPOINT},
-        {SIZE, LEAFCAST_LINEAR},  {SIZE, LEAFCAST_NEUBAUER},  {SIZE, LEAFCAST_SCHWARZE}};
+#define WITH(how) {.size = sizeof(leafcast_scene_experiments), .intersector = LEAFCAST_##how}
+        WITH(MARMITT),  WITH(MARMITT_3), WITH(MIDPOINT), WITH(LINEAR),
+        WITH(NEUBAUER), WITH(SCHWARZE)
+#undef WITH
+    };
     leafcast_scene s = leafcast_scene_default();
     s.experiments = &all[kind % 6];
     s.shading = (leafcast_shading)(kind % 3);

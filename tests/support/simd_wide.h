@@ -48,6 +48,10 @@ SIMD vd d_load_at(const double *from, const uint16_t at[]) {
     LANES(i) v[i] = from[at[i]];
     return v;
 }
+SIMD void d_load_four(const double *from, int stride, const uint16_t at[], vd out[4]) {
+    for (int k = 0; k < 4; k++)
+        LANES(i) out[k][i] = from[stride * at[i] + k];
+}
 SIMD vd d_of_floats(const float *from) {
     vd v;
     LANES(i) v[i] = (double)from[i];

@@ -1,0 +1,267 @@
+/* grid_peak_cells_template.h - ray-cells on a climb through a grid (grid_peaks.h): which may
+ * matter, and what is in them; included by the units of an ISA (see formats/base/simd.h).
+ */
+#ifndef RENDER_GRID_GRID_PEAK_CELLS_TEMPLATE_H
+#define RENDER_GRID_GRID_PEAK_CELLS_TEMPLATE_H
+
+#include "formats/base/simd.h"
+
+#ifdef SIMD_NAME
+
+#include "render/extreme_batch.h"
+#include "render/grid/cell_visit_template.h"
+#include "render/grid/grid_extreme.h"
+#include "render/grid/grid_queue_template.h"
+
+/* What rays have found, by their places, as nodes and cells compare it: scores rounded down. Where
+ * that is exact, those that reach the same matter as far as `t`, counted as that of grid_rays and
+ * rounded up; else not at all: -INFINITY. */
+typedef struct peaks {
+    float score[RAY_BATCH + 1], t[RAY_BATCH + 1]; /* the last: nobody's */
+} peaks;
+
+/* Ray-cells to be computed. */
+typedef struct peak_batch {
+    cell_batch cells;
+    unsigned count;
+    uint8_t ray[CELL_BATCH]; /* its place */
+    uint32_t treelet[CELL_BATCH];
+    _Alignas(64) double score[CELL_BATCH]; /* found before */
+} peak_batch;
+
+typedef struct peak_cells {
+    const walk_scene *scene;
+    extreme_batch *b;
+    grid_rays rays;
+    bool least; /* what is looked for; sign: of scores */
+    float sign;
+    ray_set level;            /* have a component of 0 */
+    peaks found, in_block;    /* in_block: by slots, */
+    uint16_t slot[RAY_BATCH]; /* that a ray has while a block is climbed; RAY_BATCH: none */
+    cell_queue queue;
+    peak_batch batch;
+} peak_cells;
+
+SIMD const ray *peak_ray(const peak_cells *p, unsigned i) {
+    return &p->b->rays[p->rays.ray[i]];
+}
+
+SIMD extreme_state *peak_state(const peak_cells *p, unsigned i) {
+    return p->b->state[p->rays.ray[i]];
+}
+
+/* ---- What has been found ---- */
+
+/* peaks_know() - what ray i has found. */
+static void peaks_know(peak_cells *p, unsigned i) {
+    const extreme_state *s = peak_state(p, i);
+    float score = (float)s->score, t = -INFINITY;
+    if ((double)score > s->score)
+        score -= fabsf(score) * 0x1p-23f + 0x1p-149f;
+    if (extreme_found(s) && (double)score == s->score) {
+        t = (float)(s->t - p->rays.t_in[i]) * (1.0f + 4.0f * UNIT);
+        t = t > 0.0f ? t : 0.0f;
+    }
+    p->found.score[i] = p->in_block.score[p->slot[i]] = score;
+    p->found.t[i] = p->in_block.t[p->slot[i]] = t;
+}
+
+/* peak_cells_enter(), peak_cells_leave() - ray i has a slot, or none. */
+SIMD void peak_cells_enter(peak_cells *p, unsigned i, unsigned slot) {
+    p->slot[i] = (uint16_t)slot;
+    p->in_block.score[slot] = p->found.score[i];
+    p->in_block.t[slot] = p->found.t[i];
+}
+SIMD void peak_cells_leave(peak_cells *p, unsigned i) {
+    p->slot[i] = RAY_BATCH;
+}
+
+/* peaks_matter() - of the VF_N rays from `at` on, those to which scores up to `bound` matter from
+ * t_in on. */
+SIMD mf peaks_matter(const peaks *found, unsigned at, vf bound, vf t_in) {
+    const vf score = f_load(found->score + at);
+    const mf before = f_le(t_in, f_load(found->t + at));
+    return mf_or(f_gt(bound, score), mf_and(f_eq(bound, score), before));
+}
+
+/* ---- In double ---- */
+
+/* The greatest, or the least, on a cubic, and the parameter where it is first: segment_range(). */
+typedef struct cubic_peak {
+    vd value, at;
+} cubic_peak;
+
+SIMD vd cubic_value(const vd b[4], vd s) {
+    const vd b01 = mix(b[0], b[1], s), b12 = mix(b[1], b[2], s), b23 = mix(b[2], b[3], s);
+    return mix(mix(b01, b12, s), mix(b12, b23, s), s);
+}
+
+SIMD void offer_value(cubic_peak *best, vd value, vd at, md there, vd sign) {
+    const md better = md_and(there, d_gt(value * sign, best->value * sign));
+    best->value = d_select(better, value, best->value);
+    best->at = d_select(better, at, best->at);
+}
+
+/* cubic_extrema(), and the ends. */
+SIMD cubic_peak cubic_peak_of(const vd b[4], vd sign) {
+    const vd zero = d_set(0.0), one = d_set(1.0), none = d_set(-1.0);
+    const vd q0 = b[1] - b[0], q1 = b[2] - b[1], q2 = b[3] - b[2];
+    const vd half_b = q1 - q0, a = (q2 - q1) - half_b, discriminant = q1 * q1 - q0 * q2;
+    const vd root = d_sqrt(d_max(discriminant, zero));
+    const vd w = d_set(-0.0) - (half_b + d_select(d_ge(half_b, zero), root, d_set(-0.0) - root));
+    const vd of_a = d_select(d_eq(a, zero), none, w / a);
+    const vd of_w = d_select(d_eq(w, zero), none, q0 / w);
+    const md swapped = d_lt(of_w, of_a), real = d_ge(discriminant, zero);
+    const vd s0 = d_select(swapped, of_w, of_a), s1 = d_select(swapped, of_a, of_w);
+    cubic_peak best = {b[0], zero};
+    offer_value(&best, cubic_value(b, s0), s0, md_and(real, md_and(d_gt(s0, zero), d_lt(s0, one))),
+                sign);
+    offer_value(&best, cubic_value(b, s1), s1, md_and(real, md_and(d_gt(s1, zero), d_lt(s1, one))),
+                sign);
+    offer_value(&best, b[3], one, md_of_bits(~0u), sign);
+    return best;
+}
+
+/* No value is beyond all control values, but by rounding. */
+SIMD vd most_control(const vd b[4], vd sign) {
+    vd most = b[0] * sign, size = d_abs(b[0]);
+    for (int i = 1; i < 4; i++) {
+        most = d_max(most, b[i] * sign);
+        size = d_max(size, d_abs(b[i]));
+    }
+    return most + d_set(0x1p-47) * size;
+}
+
+SIMD void take_peaks(peak_cells *p, int at, unsigned lanes, vd score, vd t) {
+    double scores[VD_N], ts[VD_N];
+    d_store(scores, score);
+    d_store(ts, t);
+    for (; lanes; lanes &= lanes - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(lanes), i = p->batch.ray[(unsigned)at + k];
+        extreme_state *s = peak_state(p, i);
+        if (!extreme_matters(s, scores[k], ts[k]))
+            continue;
+        extreme_offer(s, scores[k], ts[k], p->batch.treelet[(unsigned)at + k]);
+        peaks_know(p, i);
+    }
+}
+
+/* A vector of ray-cells. */
+SIMD void compute_peaks(peak_cells *p, int at, unsigned lanes) {
+    const cell_batch *cells = &p->batch.cells;
+    const vd sign = d_set((double)p->sign), before = d_load(p->batch.score + at);
+    visits v;
+    vd f[8], b[4], most = d_of_floats(cells->samples[0] + at) * sign;
+    const md visited = visits_of(cells, at, &v);
+    for (int i = 0; i < 8; i++) {
+        f[i] = d_of_floats(cells->samples[i] + at);
+        most = d_max(f[i] * sign, most);
+    }
+    cubic(&v, f, b);
+    const md there = md_and(md_and(visited, d_lt(v.t_in, v.t_out)),
+                            d_ge(d_min(most, most_control(b, sign)), before));
+    lanes &= md_bits(there);
+    if (!lanes)
+        return;
+    const cubic_peak peak = cubic_peak_of(b, sign);
+    const vd score = d_min(peak.value * sign, most);
+    const vd line = d_min(v.t_in + peak.at * (v.t_out - v.t_in), v.t_out);
+    const vd inside = d_select(d_gt(peak.at, d_set(0.0)), line, v.t_in); /* also of -0 */
+    const vd t = d_select(d_lt(peak.at, d_set(1.0)), inside, v.t_out);
+    take_peaks(p, at, lanes & md_bits(d_ge(score, before)), score, t);
+}
+
+static void peak_batch_flush(peak_cells *p) {
+    const unsigned count = p->batch.count;
+    p->batch.count = 0;
+    for (unsigned at = 0; at < count; at += VD_N)
+        compute_peaks(p, (int)at, count - at < VD_N ? (1u << (count - at)) - 1u : ~0u);
+}
+
+static void peak_batch_add(peak_cells *p, const resident_grid *at, const uint32_t cell[3],
+                           const float samples[8], unsigned i) {
+    peak_batch *b = &p->batch;
+    const level_planes *planes = &p->scene->levels[at->level];
+    const ray *r = peak_ray(p, i);
+    if (ray_set_has(&p->level, i) &&
+        !cell_batch_along(planes, r, cell, p->rays.t_in[i], p->rays.t_out[i])) {
+        if (grid_extreme_cell(p->scene, at, r, cell, samples, peak_state(p, i)))
+            peaks_know(p, i);
+        return;
+    }
+    const unsigned k = b->count++;
+    cell_batch_put(&b->cells, k, planes, r, cell, samples);
+    b->ray[k] = (uint8_t)i;
+    b->treelet[k] = at->head.id;
+    b->score[k] = peak_state(p, i)->score;
+    if (b->count == CELL_BATCH)
+        peak_batch_flush(p);
+}
+
+/* ---- In single precision ---- */
+
+/* Lanes whose greatest control value may reach what their rays have found. Scores without that are
+ * as exact as samples without an isovalue: the proof is that of may_cross(). */
+SIMD unsigned queue_may_matter(const peak_cells *p) {
+    const cell_queue *q = &p->queue;
+    const queue_visits v = queue_visits_of(&p->rays, q);
+    float found[VF_N] = {0};
+    vf f[8], b[4];
+    for (unsigned k = 0; k < q->count; k++)
+        found[k] = p->found.score[q->ray[k]];
+    for (int s = 0; s < 8; s++)
+        f[s] = f_load(q->samples[s]) - f_load(found);
+    const near_forms forms = queue_forms(f, v.e, f_set(0.0f));
+    near_controls(&v.way, forms.c, b);
+    const vf most = f_max(f_max(b[0], b[3]), f_max(b[1], b[2]));
+    /* NaN is no reason to drop a ray: nothing is found yet. */
+    return ~mf_bits(f_lt(most, f_set(-0.0f) - forms.bound)) & ((1u << q->count) - 1u);
+}
+
+static void peak_queue_flush(peak_cells *p) {
+    cell_queue *q = &p->queue;
+    unsigned left = q->count > 0 ? queue_may_matter(p) : 0;
+    q->count = q->cell_count = 0;
+    for (; left; left &= left - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(left), c = q->cell[k];
+        float samples[8];
+        for (int s = 0; s < 8; s++)
+            samples[s] = q->samples[s][k] * p->sign;
+        peak_batch_add(p, q->at[c], q->cells[c], samples, q->ray[k]);
+    }
+}
+
+/* peak_cells_flush() - compute all that has been collected. */
+static void peak_cells_flush(peak_cells *p) {
+    peak_queue_flush(p);
+    peak_batch_flush(p);
+}
+
+/* A cell for the lanes that follow, with its scores. */
+SIMD void queue_scores(cell_queue *q, const resident_grid *at, const uint32_t cell[3],
+                       const float planes[3][3], const float scores[8]) {
+    queue_cell(q, at, cell, planes);
+    for (int s = 0; s < 8; s++)
+        f_store(q->samples[s] + q->count, f_set(scores[s]));
+}
+
+/* peak_cells_add() - a cell for rays: bit k is the one at places[k]. */
+static void peak_cells_add(peak_cells *p, const resident_grid *at, const uint32_t cell[3],
+                           const float planes[3][3], const float scores[8], const uint8_t places[],
+                           unsigned rays) {
+    cell_queue *q = &p->queue;
+    if (q->count == VF_N)
+        peak_queue_flush(p);
+    queue_scores(q, at, cell, planes, scores);
+    for (; rays; rays &= rays - 1) {
+        if (q->count == VF_N) {
+            peak_queue_flush(p);
+            queue_scores(q, at, cell, planes, scores);
+        }
+        q->ray[q->count] = places[__builtin_ctz(rays)];
+        q->cell[q->count++] = (uint8_t)(q->cell_count - 1);
+    }
+}
+
+#endif
+#endif

@@ -1,0 +1,1 @@
+#include "render/grid/grid_peaks_template.h"

@@ -1,0 +1,1 @@
+#include "render/stepping_batch_template.h"

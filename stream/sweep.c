@@ -1,0 +1,24 @@
+#include "stream/sweep.h"
+
+#include <string.h>
+
+/* Without a branch. */
+void sweep_ranges(const float (*ranges)[2], uint32_t count, const interest *in, uint8_t *held) {
+    memset(held, 0, count);
+    for (int i = 0; i < in->count; i++) {
+        const interest_limits at = in->limits[i];
+        for (uint32_t t = 0; t < count; t++)
+            held[t] |= (uint8_t)((ranges[t][0] < at.beyond) & (ranges[t][1] >= at.reach));
+    }
+}
+
+void sweep_whole(const leaf_file *f, uint32_t set, const homogeneous *in, uint8_t *own,
+                 uint8_t *whole) {
+    const size_t first = (size_t)f->layout.treelets * set;
+    for (uint32_t t = 0; t < f->layout.treelets && in->bins > 0; t++) {
+        const float *range = f->own[first + t];
+        whole[t] = own[t] && !(f->flags[first + t] & LEAF_FLAG_NON_FINITE) &&
+                   homogeneous_holds(in, (double)range[0], (double)range[1]);
+        own[t] = own[t] && !whole[t];
+    }
+}
