@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/support/leaf_files.h"
 #include "tests/support/pictures.h"
 #include "tests/support/ray_stage.h"
 
@@ -247,6 +248,23 @@ static void test_every_scene(void **state) {
     }
 }
 
+/* Single rays keep some treelets in order at a time, batches all. */
+static void test_long_way(void **state) {
+    (void)state;
+    static extreme_batch b;
+    ray_stage s;
+    const leafcast_scene scene = leafcast_scene_default();
+    ray_stage_open(&s, leaf_files_long("long.leaf"), 2);
+    ray_stage_show(&s, &scene);
+    ray_stage_bring_in(&s, 0);
+    for (b.count = 0; b.count < 16;)
+        b.count += tracer_ray(&s.tr, (double[3]){-2.0, 2.3 + 0.5 * b.count, 1.7},
+                              (double[3]){1, 0, 0}, 0.0, INFINITY, &b.rays[b.count]);
+    judge(&s, &b, false, 0);
+    assert_true(s.found > 0);
+    ray_stage_close(&s, "long");
+}
+
 /* Rays of a kind without a kernel go one by one. */
 static void test_mesh(void **state) {
     (void)state;
@@ -268,7 +286,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_field), cmocka_unit_test(test_larger_treelets),
         cmocka_unit_test(test_other_types), cmocka_unit_test(test_ties),
-        cmocka_unit_test(test_every_scene), cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_every_scene), cmocka_unit_test(test_long_way),
+        cmocka_unit_test(test_mesh),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

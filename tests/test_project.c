@@ -539,28 +539,16 @@ static void test_places(void **state) {
     leafcast_close(v);
 }
 
-/* Sixty treelets in a row, each with more than the ray sees anywhere, and the greatest value in the
- * last of them: more than are kept in order at a time. */
 static void test_long_way(void **state) {
     (void)state;
-    enum { LONG = 60 * 16 + 1, WIDE = 17 };
-    leaf_case c = leaf_files_case(LONG, WIDE, WIDE, SAMPLE_F32);
-    float *samples = malloc((size_t)LONG * WIDE * WIDE * sizeof *samples);
-    assert_non_null(samples);
-    for (size_t i = 0; i < (size_t)LONG * WIDE * WIDE; i++) {
-        const size_t x = i % LONG, y = i / LONG % WIDE;
-        samples[i] = y > 14 ? 1000.0F - (float)(x / 16) : x == LONG - 2 ? 5.0F : 1.0F;
-    }
-    c.samples = samples;
-    leafcast *v = fixture_open(leaf_files_make(&c, "long.leaf"), NULL);
+    leafcast *v = fixture_open(leaf_files_long("long.leaf"), NULL);
     const leafcast_scene max = scene_of(0, 0);
     double is[3];
     for (int again = 0; again < 2; again++) { /* with treelets absent, and with all there */
         look_along(v, &max, false, is);
-        assert_true(is[0] == 5.0 && is[1] == LONG);
+        assert_true(is[0] == 5.0 && is[1] == LEAF_FILES_LONG);
     }
     leafcast_close(v);
-    free(samples);
 }
 
 static void test_colours(void **state) {

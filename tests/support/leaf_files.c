@@ -111,3 +111,18 @@ const char *leaf_files_make(const leaf_case *c, const char *name) {
     assert_int_equal(mem_used(&m), 0);
     return scratch_path(name);
 }
+
+const char *leaf_files_long(const char *name) {
+    enum { WIDE = 17 };
+    leaf_case c = leaf_files_case(LEAF_FILES_LONG, WIDE, WIDE, SAMPLE_F32);
+    float *samples = malloc((size_t)LEAF_FILES_LONG * WIDE * WIDE * sizeof *samples);
+    assert_non_null(samples);
+    for (size_t i = 0; i < (size_t)LEAF_FILES_LONG * WIDE * WIDE; i++) {
+        const size_t x = i % LEAF_FILES_LONG, y = i / LEAF_FILES_LONG % WIDE;
+        samples[i] = y > 14 ? 1000.0F - (float)(x / 16) : x == LEAF_FILES_LONG - 2 ? 5.0F : 1.0F;
+    }
+    c.samples = samples;
+    const char *path = leaf_files_make(&c, name);
+    free(samples);
+    return path;
+}

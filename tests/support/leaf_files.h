@@ -36,4 +36,10 @@ uint64_t leaf_files_least(const leaf_case *c);
  * returns the path. */
 const char *leaf_files_make(const leaf_case *c, const char *name);
 
+/* leaf_files_long() - sixty treelets in a row along x, each with more than is anywhere at y = 2.3,
+ * where the greatest value is 5, in the last of them, and 1 elsewhere: more treelets than a ray
+ * keeps in order at a time. Returns the path. */
+enum { LEAF_FILES_LONG = 60 * 16 + 1 };
+const char *leaf_files_long(const char *name);
+
 #endif
