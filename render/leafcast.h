@@ -289,6 +289,14 @@ typedef struct leafcast_scene {
     bool caps;
     const leafcast_medium *cap_colours; /* colours of caps by the value there, as they are; NULL:
                                            the surface's colour, lit */
+    /* Colours of media are lit as surfaces are (M08 eq. 4.6, two-sided, without shadows and
+     * highlights), with the gradient of the value as the normal: in grids central differences, or
+     * as analytic_normals says; in meshes that of the tet, or as smooth_normals says. Not
+     * certified: image.error is +inf, and all pixels are uncertified. */
+    bool shade_media;
+    /* Where the value changes by less than this share of its range in a cell, the lighting fades
+     * away: flat regions and noise stay as they are. 0 to 1; 0: 1/32. */
+    double shade_fade;
 } leafcast_scene;
 
 /* leafcast_init_scene(), leafcast_scene_default() - a headlight, diffuse, nothing clipped, exact,

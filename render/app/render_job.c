@@ -168,6 +168,9 @@ status render_job_check(const render_job *job, script_frame *frame) {
             status_describe(ST_USAGE, "--certify is of media: --tf, --colour-map or --opacity V:A");
     if (st == ST_OK && job->certify && frame->view.experiments.summing != LEAFCAST_CERTIFIED)
         st = status_describe(ST_USAGE, "--certify: steps of --medium have no error that is known");
+    if (st == ST_OK && job->certify && frame->view.scene.shade_media)
+        st = status_describe(ST_USAGE, "--certify: what --shade-medium shades has no error that is "
+                                       "known");
     if (st == ST_OK && job->certify && frame->view.scene.samples > 1)
         st = status_describe(ST_USAGE, "--certify is of one sample a pixel: without --samples");
     if (st == ST_OK && job->volume)

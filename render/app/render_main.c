@@ -315,7 +315,9 @@ static void say_done(const render_options *o, const script_frame *frame, const r
                  "certified: with half of the bound no channel differs by more than "
                  "%.3g, %.3g of both bounds",
                  s->certified.difference, s->certified.of_bounds);
-    if (t->uncertified_pixels)
+    if (frame->view.scene.shade_media)
+        cli_note(&o->common, 1, "the medium is shaded: not certified, --error is of what is not");
+    else if (t->uncertified_pixels)
         cli_note(&o->common, 1, "%llu pixels may be further off than --error: rounding alone may",
                  (unsigned long long)t->uncertified_pixels);
     if (t->ill_conditioned)

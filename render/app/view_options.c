@@ -410,6 +410,7 @@ static status set_medium(view_options *v, int key, const char *text) {
     case MEDIUM_ERROR: return medium_options_error(text, &s->error);
     case MEDIUM_HOMOGENEOUS:
         return cli_finite(text, "--homogeneous", 0.0, 1e300, &v->experiments.homogeneous);
+    case MEDIUM_SHADE: s->shade_media = true; return medium_options_shade(text, &s->shade_fade);
     case MEDIUM_LEGEND: v->legend = true; return ST_OK;
     case MEDIUM_SUMMING: return medium_options_summing(text, &v->experiments);
     case MEDIUM_CAPS: s->caps = true; return medium_options_caps(text, &v->caps);
@@ -477,6 +478,7 @@ void view_options_clear(view_options *v, int key) {
     case ORTHO: v->camera.ortho_height = 0.0; break;
     case MEDIUM_PROJECT: s->project = LEAFCAST_PROJECT_NONE; break;
     case MEDIUM_LEGEND: v->legend = false; break;
+    case MEDIUM_SHADE: s->shade_media = false; break;
     case MEDIUM_CAPS: s->caps = false; break;
     default:
         medium_options_clear(&v->medium, key);
@@ -498,11 +500,11 @@ static const float PALETTE[][3] = {{0.90f, 0.85f, 0.75f}, {0.75f, 0.13f, 0.10f},
 /* ---- flags that would change nothing ---- */
 
 static bool is_lit(const view_options *v) {
-    return v->scene.shading != LEAFCAST_SHADING_FLAT;
+    return v->scene.shading != LEAFCAST_SHADING_FLAT || v->scene.shade_media;
 }
 
 static bool has_light(const view_options *v) {
-    return is_lit(v) && v->scene.light_count > 0;
+    return v->scene.shading != LEAFCAST_SHADING_FLAT && v->scene.light_count > 0;
 }
 
 static bool is_phong(const view_options *v) {
@@ -524,6 +526,10 @@ static bool has_surfaces(const view_options *v) {
     return v->isos > 0 || v->others_surfaces;
 }
 
+static bool has_normals(const view_options *v) {
+    return has_surfaces(v) || v->scene.shade_media;
+}
+
 bool view_options_filled(const view_options *v) {
     return v->scene.project != LEAFCAST_PROJECT_NONE || medium_options_given(&v->medium);
 }
@@ -538,6 +544,10 @@ bool view_options_any_medium(const view_options *v) {
 
 static bool is_certified(const view_options *v) {
     return v->experiments.summing == LEAFCAST_CERTIFIED;
+}
+
+static bool not_shaded(const view_options *v) {
+    return !v->scene.shade_media;
 }
 
 static bool shows_no_surface(const view_options *v) {
@@ -561,6 +571,11 @@ static const flag_need NEEDS[] = {
     {MEDIUM_HOMOGENEOUS, view_options_any_medium,
      "--homogeneous is of media: --tf, --colour-map or --opacity V:A"},
     {MEDIUM_ERROR, is_certified, "--error: steps of --medium have none that is known"},
+    {MEDIUM_SHADE, view_options_any_medium,
+     "--shade-medium is of media: --tf, --colour-map or --opacity V:A"},
+    {MEDIUM_SHADE, is_certified, "--shade-medium: steps of --medium are not shaded"},
+    {MEDIUM_HOMOGENEOUS, not_shaded,
+     "--homogeneous: what --shade-medium shades is not taken whole"},
     {MEDIUM_SUMMING, view_options_any_medium,
      "--medium is of media: --tf, --colour-map or --opacity V:A"},
     {MEDIUM_LEGEND, view_options_any_filled,
@@ -568,10 +583,10 @@ static const flag_need NEEDS[] = {
     {MEDIUM_CAPS, has_surfaces, "--caps: there is no surface without --iso"},
     {MEDIUM_CAPS, is_clipped, "--caps: nothing is cut open without --clip-box or --clip-plane"},
     {SHADING, has_surfaces, "--shading: there is no surface without --iso"},
-    {NORMALS, has_surfaces, "--normals: there is no surface without --iso"},
-    {LIGHT, has_surfaces, "--light: there is no surface without --iso"},
-    {POINT_LIGHT, has_surfaces, "--point-light: there is no surface without --iso"},
-    {AMBIENT, has_surfaces, "--ambient: there is no surface without --iso"},
+    {NORMALS, has_normals, "--normals: there is no surface without --iso"},
+    {LIGHT, has_normals, "--light: there is no surface without --iso"},
+    {POINT_LIGHT, has_normals, "--point-light: there is no surface without --iso"},
+    {AMBIENT, has_normals, "--ambient: there is no surface without --iso"},
     {INTERSECTOR, has_surfaces, "--intersector: there is no surface without --iso"},
     {SHADOWS, has_light,
      "--shadows: the light at the eye casts none that can be seen; --light says where another is"},

@@ -132,6 +132,7 @@ render|--window|picture|@g.leaf --colour-map plasma|--window 100,120
 render|--opacity-length|picture|@g.leaf --opacity 90:0,200:0.5|--opacity-length 9
 render|--error|shown media|
 render|--homogeneous|picture|@g.leaf --tf auto|--homogeneous 1000
+render|--shade-medium|picture|@g.leaf --tf auto|--shade-medium
 render|--project|picture|@g.leaf --colour-map grey|--project max
 render|--legend|shown media|
 render|--medium|picture|@g.leaf --tf auto|--medium steps=3
