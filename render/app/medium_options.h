@@ -28,7 +28,10 @@ enum {
     MEDIUM_LEGEND,
     MEDIUM_CAPS,
     MEDIUM_SUMMING,
-    MEDIUM_SHADE
+    MEDIUM_SHADE,
+    MEDIUM_ANNOTATE,
+    MEDIUM_TITLE,
+    MEDIUM_UNIT
 };
 
 /* Start with all zeros. */
