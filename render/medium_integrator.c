@@ -141,19 +141,12 @@ static medium_stretch stretch_of(const medium_batch *m, unsigned i) {
                             m->through_error[i]};
 }
 
-/* Whether there is something in piece i. */
-static bool is_seen(medium_batch *m, const segment_columns *c, unsigned i) {
-    if (c->spread[i] > 0.0)
-        medium_batch_whole(m, c, i);
-    return m->seen[i];
-}
-
 /* Pieces i to `end` - 1, all of one ray in one treelet. Returns whether what is behind does not
  * count any more. */
-static bool join_pieces(const frame *f, medium_ray *p, medium_batch *m, const segment_columns *c,
-                        unsigned i, unsigned end) {
+static bool join_pieces(const frame *f, medium_ray *p, const medium_batch *m,
+                        const segment_columns *c, unsigned i, unsigned end) {
     const double most_rgb = look_of(f)->brightest, least = at_end * look_of(f)->error;
-    while (i < end && !is_seen(m, c, i))
+    while (i < end && !m->seen[i])
         i++;
     if (i == end)
         return false;
@@ -164,7 +157,7 @@ static bool join_pieces(const frame *f, medium_ray *p, medium_batch *m, const se
     medium_stretch run = p->run; /* a copy stays in registers */
     bool dark = false;
     for (; i < end && !dark; i++) {
-        if (!is_seen(m, c, i))
+        if (!m->seen[i])
             continue;
         const medium_stretch seen = stretch_of(m, i);
         medium_join(&run, &seen, most_rgb);
@@ -181,6 +174,9 @@ static void medium_take(const frame *f, ray_record *const r[], const segment_col
     m->transfer = &look->media[filled_from(f, 0)];
     set_rules(look, r, c, m);
     f->kernels->medium(m, c);
+    for (unsigned i = 0; i < c->count; i++)
+        if (c->spread[i] > 0.0)
+            medium_batch_whole(m, c, i);
     for (unsigned i = 0, end; i < c->count; i = end) {
         const unsigned number = c->ray[i];
         medium_ray *p = medium_ray_of(r[number]);
