@@ -37,9 +37,6 @@ typedef struct transfer_span {
 /* Spans of which columns are kept: of each member, those of all spans. */
 enum { TRANSFER_FEW = 16, TRANSFER_COLUMNS = sizeof(transfer_span) / sizeof(double) };
 
-/* Spans that are narrower are steps. */
-#define TRANSFER_NARROWEST 1e-290
-
 typedef struct transfer {
     transfer_span *span;
     int spans;       /* at least 1; 0: nothing is filled */
@@ -47,7 +44,6 @@ typedef struct transfer {
     double *column;  /* TRANSFER_COLUMNS, each TRANSFER_FEW long; NULL: there are more spans */
     double most_k;   /* the largest extinction, */
     double most_rgb; /* and the largest component of a colour */
-    bool narrow;     /* points that are not at one value count as a step */
 } transfer;
 
 /* transfer_init() - of a medium that has been checked (arguments.h). transfer_release() - also
