@@ -25,14 +25,43 @@ typedef struct span_lanes {
     vd most_k, k_rate, rgb_rate;
 } span_lanes;
 
-/* Four members of spans, from this one on. */
+/* Members of spans from this one on: four at a time, or each from its column. */
 #define LOAD_SPANS(t, at, member, out)                                \
     d_load_four((const double *)(const void *)(t)->span +             \
                     offsetof(transfer_span, member) / sizeof(double), \
                 (int)(sizeof(transfer_span) / sizeof(double)), at, out)
 
+SIMD void find_members(const transfer *t, vl at, size_t offset, int count, vd out[]) {
+    const double *column = t->column + offset / sizeof(double) * TRANSFER_FEW;
+    for (int i = 0; i < count; i++)
+        out[i] = d_look_up_half(column + i * TRANSFER_FEW, at);
+}
+
+#define FIND_SPANS(t, at, member, count, out) \
+    find_members(t, at, offsetof(transfer_span, member), count, out)
+
+SIMD void look_up_spans(const transfer *t, vl at, span_lanes *s) {
+    vd pair[2], rates[3];
+    FIND_SPANS(t, at, base, 1, &s->base);
+    FIND_SPANS(t, at, inverse, 1, &s->inverse);
+    FIND_SPANS(t, at, k, 2, s->k);
+    FIND_SPANS(t, at, rgb[0], 3, s->rgb[0]);
+    FIND_SPANS(t, at, rgb[1], 3, s->rgb[1]);
+    FIND_SPANS(t, at, most_rgb, 2, pair);
+    s->most_rgb = pair[0];
+    s->rgb_change = pair[1];
+    FIND_SPANS(t, at, most_k, 3, rates);
+    s->most_k = rates[0];
+    s->k_rate = rates[1];
+    s->rgb_rate = rates[2];
+}
+
 SIMD void load_spans(const transfer *t, const uint16_t at[], span_lanes *s) {
     vd four[4];
+    if (D_LOOKS_UP && t->column) {
+        look_up_spans(t, l_of_shorts(at), s);
+        return;
+    }
     LOAD_SPANS(t, at, base, four);
     s->base = four[0];
     s->inverse = four[1];
@@ -51,6 +80,14 @@ SIMD void load_spans(const transfer *t, const uint16_t at[], span_lanes *s) {
     s->most_k = four[0];
     s->k_rate = four[1];
     s->rgb_rate = four[2];
+}
+
+/* Where the lanes' spans begin and end, and how far rates reach. */
+SIMD void load_ends(const transfer *t, const uint16_t at[], vd ends[4]) {
+    if (D_LOOKS_UP && t->column)
+        FIND_SPANS(t, l_of_shorts(at), from, 4, ends);
+    else
+        LOAD_SPANS(t, at, from, ends);
 }
 
 /* ---- Stretches ---- */
@@ -190,12 +227,13 @@ SIMD vd lanes_value_error(const medium_batch *m, unsigned i, int degree, const v
 enum { COUNTED_SPANS = 5 * VD_N };
 
 /* The number of spans that begin at the value or below, but for the first one, whose every value
- * is: as the lowest bits. */
+ * is. */
 SIMD vl count_below(const double *from, int spans, vd value) {
-    vd count = d_set(0x1p52);
+    const vd one = (vd)l_set(1), none = (vd)l_set(0);
+    vl count = l_set(0);
     for (int i = 1; i < spans; i++)
-        count = count + d_select(d_le(d_set(from[i]), value), d_set(1.0), d_set(0.0));
-    return (vl)count;
+        count += (vl)d_select(d_le(d_set(from[i]), value), one, none);
+    return count;
 }
 
 SIMD vl search_below(const double *from, int spans, vd value) {
@@ -236,7 +274,7 @@ SIMD void load_pieces(medium_batch *m, const segment_columns *c, unsigned i, int
     const unsigned lanes = c->count - i < VD_N ? c->count - i : VD_N;
     find_lanes(m->transfer, lo, lanes, p->low);
     vd ends[4];
-    LOAD_SPANS(m->transfer, p->low, from, ends);
+    load_ends(m->transfer, p->low, ends);
     load_spans(m->transfer, p->low, &s->span);
     const md here = md_of_bits((1u << lanes) - 1);
     const md below = d_lt(hi, ends[1]);

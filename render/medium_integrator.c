@@ -117,16 +117,20 @@ static void leave_out_rest(const frame *f, medium_ray *p) {
     p->front.through = 0.0;
 }
 
-/* What each piece is looked at by. */
+/* What each piece is looked at by. Those of a ray mostly follow each other. */
 static void set_rules(const medium_look *look, ray_record *const r[], const segment_columns *c,
                       medium_batch *m) {
     m->share = by_opacity * look->error;
     m->drop = in_piece * look->error;
-    for (unsigned i = 0; i < c->count; i++) {
-        const medium_rule *rule = &medium_ray_of(r[c->ray[i]])->rule;
-        m->per_length[i] = rule->per_length;
-        m->t_error[i] = rule->error.t;
-        m->value_error[i] = rule->error.value;
+    for (unsigned i = 0; i < c->count;) {
+        const unsigned number = c->ray[i];
+        const medium_rule *rule = &medium_ray_of(r[number])->rule;
+        const double per_length = rule->per_length, t = rule->error.t, value = rule->error.value;
+        for (; i < c->count && c->ray[i] == number; i++) {
+            m->per_length[i] = per_length;
+            m->t_error[i] = t;
+            m->value_error[i] = value;
+        }
     }
 }
 
@@ -226,6 +230,36 @@ static void shade_piece(const frame *f, const medium_ray *p, const segment_colum
 
 /* ---- Pieces ---- */
 
+/* Pieces i to `end` - 1, all of one ray in one treelet; on: NULL where they are not shaded.
+ * Returns whether what is behind does not count any more. */
+static bool join_pieces(const frame *f, medium_ray *p, const medium_batch *m,
+                        const segment_columns *c, unsigned i, unsigned end, lit_ray *on) {
+    const double most_rgb = look_of(f)->brightest, least = at_end * look_of(f)->error;
+    while (i < end && !m->seen[i])
+        i++;
+    if (i == end)
+        return false;
+    if (c->treelet[i] != p->treelet)
+        end_run(f, p);
+    p->treelet = c->treelet[i];
+    const double in_front = p->front.through;
+    medium_stretch run = p->run; /* a copy stays in registers */
+    bool dark = false;
+    for (; i < end && !dark; i++) {
+        if (!m->seen[i])
+            continue;
+        medium_stretch seen = stretch_of(m, i);
+        if (on) {
+            p->run = run;
+            shade_piece(f, p, c, i, on, &seen);
+        }
+        medium_join(&run, &seen, most_rgb);
+        dark = in_front * run.through * most_rgb <= least; /* is_dark() */
+    }
+    p->run = run;
+    return dark;
+}
+
 static void medium_take(const frame *f, ray_record *const r[], const segment_columns *c,
                         bool stop[], void *scratch) {
     const medium_look *look = look_of(f);
@@ -234,20 +268,17 @@ static void medium_take(const frame *f, ray_record *const r[], const segment_col
     m->transfer = &look->media[filled_from(f, 0)];
     set_rules(look, r, c, m);
     f->kernels->medium(m, c);
-    for (unsigned i = 0; i < c->count; i++) {
-        medium_ray *p = medium_ray_of(r[c->ray[i]]);
+    for (unsigned i = 0; i < c->count; i++)
         if (c->spread[i] > 0.0)
             medium_batch_whole(m, c, i);
-        if (!m->seen[i] || stop[c->ray[i]])
-            continue;
-        medium_stretch seen = stretch_of(m, i);
-        if (c->treelet[i] != p->treelet)
-            end_run(f, p);
-        p->treelet = c->treelet[i];
-        if (look->shade)
-            shade_piece(f, p, c, i, &on, &seen);
-        medium_join(&p->run, &seen, look->brightest);
-        stop[c->ray[i]] = is_dark(f, p);
+    for (unsigned i = 0, end; i < c->count; i = end) {
+        const unsigned number = c->ray[i];
+        medium_ray *p = medium_ray_of(r[number]);
+        for (end = i + 1;
+             end < c->count && c->ray[end] == number && c->treelet[end] == c->treelet[i];)
+            end++;
+        if (!stop[number])
+            stop[number] = join_pieces(f, p, m, c, i, end, look->shade ? &on : NULL);
     }
 }
 

@@ -82,6 +82,22 @@ static status note_from(transfer *t, mem *m) {
     return ST_OK;
 }
 
+static status note_columns(transfer *t, mem *m) {
+    if (t->spans > TRANSFER_FEW)
+        return ST_OK;
+    t->column = mem_array(m, (size_t)TRANSFER_COLUMNS * TRANSFER_FEW, sizeof *t->column);
+    if (!t->column)
+        return ST_NOMEM;
+    for (size_t i = 0; i < TRANSFER_FEW; i++) {
+        const size_t span = i < (size_t)t->spans ? i : 0; /* all may be read */
+        double member[TRANSFER_COLUMNS];
+        memcpy(member, &t->span[span], sizeof member);
+        for (size_t k = 0; k < TRANSFER_COLUMNS; k++)
+            t->column[k * TRANSFER_FEW + i] = member[k];
+    }
+    return ST_OK;
+}
+
 status transfer_init(transfer *t, mem *m, const leafcast_medium *medium) {
     const leafcast_transfer_point *p = medium->points;
     const int last = medium->count - 1;
@@ -99,10 +115,12 @@ status transfer_init(transfer *t, mem *m, const leafcast_medium *medium) {
     }
     t->span[t->spans++] = beyond(&p[last], p[last].value, INFINITY);
     reach_out(t);
-    return note_from(t, m);
+    const status st = note_from(t, m);
+    return st == ST_OK ? note_columns(t, m) : st;
 }
 
 void transfer_release(transfer *t, mem *m) {
+    mem_free(m, t->column);
     mem_free(m, t->from);
     mem_free(m, t->span);
     *t = (transfer){0};

@@ -11,8 +11,8 @@
 
 /* The values v with from <= v < to. There the extinction is k[0] + w (k[1] - k[0]), likewise the
  * colour, with w = (v - base) inverse in [0, 1]. The first span begins at -INFINITY, the last one
- * ends at INFINITY: they are constant, and w is 0. All members are double, and vectors load them by
- * fours. */
+ * ends at INFINITY: they are constant, and w is 0. All members are double: vectors load them by
+ * fours, or look them up in columns. */
 typedef struct transfer_span {
     double from, to;
     /* A value that is off by e leads to a function that is off by e times the rates, as long as it
@@ -34,10 +34,14 @@ typedef struct transfer_span {
     double give;
 } transfer_span;
 
+/* Spans of which columns are kept: of each member, those of all spans. */
+enum { TRANSFER_FEW = 16, TRANSFER_COLUMNS = sizeof(transfer_span) / sizeof(double) };
+
 typedef struct transfer {
     transfer_span *span;
     int spans;       /* at least 1; 0: nothing is filled */
     double *from;    /* of each span, once more */
+    double *column;  /* TRANSFER_COLUMNS, each TRANSFER_FEW long; NULL: there are more spans */
     double most_k;   /* the largest extinction, */
     double most_rgb; /* and the largest component of a colour */
 } transfer;

@@ -220,7 +220,8 @@ void active_whole(active_masks *masks, const leaf_file *f, uint32_t p, const voi
     if (in->bins == 0 || (f->flags[p] & LEAF_FLAG_NON_FINITE))
         return;
     memset(masks->whole, 0, (size_t)1 << (3 * levels));
-    for (uint32_t k = 1; k <= levels; k++) {
+    /* Single blocks are not: their few cells on a ray's way cost less by vectors than a piece. */
+    for (uint32_t k = 1; k < levels; k++) {
         const uint32_t below = 3 * (levels - k);
         for (uint32_t i = 0; i < 1u << (3 * k); i++) {
             double range[2];

@@ -40,7 +40,8 @@ active_masks *active_init(void *block, uint32_t node_levels);
 /* active_bound() - set first[] and end[] by the nodes. */
 void active_bound(active_masks *masks, uint32_t node_levels);
 
-/* active_whole() - then, which nodes are taken whole; first[] and end[] leave nothing out there. */
+/* active_whole() - then, which nodes of two levels or more are taken whole; first[] and end[] leave
+ * nothing out there. */
 void active_whole(active_masks *masks, const leaf_file *f, uint32_t p, const void *payload,
                   const homogeneous *in);
 

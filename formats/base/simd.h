@@ -12,10 +12,14 @@
  * f_load_rows() takes VF_N / 4 rows of four floats, `stride` apart; f_load_triples() the three
  * floats from + 3 at[k] of lane k, and nothing behind them; d_load_rows() VD_N / D_ROW rows of
  * D_ROW doubles; d_load_at() from[at[k]] of lane k, d_gather() the same; d_load_four() four of
- * them, from + stride at[k] of lane k on; l_gather() the 8 bytes at from + at[k], at any address;
+ * them, from + stride at[k] of lane k on; d_look_up() is d_gather() from a table, of which all
+ * D_TABLE doubles may be read, d_look_up_half() from one of half as many: of use where D_LOOKS_UP;
+ * l_of_shorts() are VD_N 16-bit numbers; l_gather() the 8 bytes at from + at[k], at any address;
  * f_of_bytes() VF_N bytes, but eight at most and zeros. d_reverse(): lane 0 last.
  * d_of_low_floats(): of each lane's lower half. l_mul(): of lower halves. l_eq(): lanes that are
- * equal; l_odd(): those, as bits, whose lowest bit is set. f_swap() exchanges lanes k and k ^ by:
+ * equal; l_odd(): those, as bits, whose lowest bit is set. d_pack() and l_pack() store the lanes
+ * that have a bit one behind the other; what is behind them, up to VD_N in all, may be overwritten
+ * with any of the lanes or zeros. f_swap() exchanges lanes k and k ^ by:
  * by is 1, 2, 4 or 8, less than VF_N.
  *
  * Arithmetic is written with + - * /, which the compilers know for vectors. min(a, b) is a < b ? a
@@ -546,9 +550,26 @@ SIMD void l_store(uint64_t *to, vl a) {
     d_store((double *)(void *)to, (vd)a);
 }
 
+enum { D_TABLE = 32 };
+
 #if defined __AVX512F__
+enum { D_LOOKS_UP = 1 };
 SIMD vd d_gather(const double *from, vl at) {
     return _mm512_i64gather_pd((__m512i)at, from, 8);
+}
+/* Gathers take five times as long. */
+SIMD vd d_look_up_half(const double *from, vl at) {
+    return _mm512_permutex2var_pd(d_load(from), (__m512i)at, d_load(from + 8));
+}
+SIMD vd d_look_up(const double *from, vl at) {
+    const md upper = _mm512_test_epi64_mask((__m512i)at, _mm512_set1_epi64(D_TABLE / 2));
+    return d_select(upper, d_look_up_half(from + D_TABLE / 2, at), d_look_up_half(from, at));
+}
+SIMD vl l_of_shorts(const uint16_t *from) {
+    return (vl)_mm512_cvtepu16_epi64(_mm_loadu_si128((const __m128i *)(const void *)from));
+}
+SIMD void d_pack(double *to, vd a, unsigned bits) {
+    d_store(to, _mm512_maskz_compress_pd((__mmask8)bits, a));
 }
 SIMD vl l_gather(const void *from, vl at) {
     return (vl)_mm512_i64gather_epi64((__m512i)at, from, 1);
@@ -617,6 +638,31 @@ SIMD unsigned l_odd(vl a) {
     return (unsigned)_mm_movemask_pd((__m128d)(a << 63));
 }
 #endif
+
+#if !defined __AVX512F__
+enum { D_LOOKS_UP = 0 };
+SIMD vl l_of_shorts(const uint16_t *from) {
+    vl v;
+    for (unsigned k = 0; k < VD_N; k++)
+        v[k] = from[k];
+    return v;
+}
+SIMD vd d_look_up_half(const double *from, vl at) {
+    return d_gather(from, at);
+}
+SIMD vd d_look_up(const double *from, vl at) {
+    return d_gather(from, at);
+}
+SIMD void d_pack(double *to, vd a, unsigned bits) {
+    for (unsigned k = 0; k < VD_N; k++) {
+        *to = a[k];
+        to += bits >> k & 1u;
+    }
+}
+#endif
+SIMD void l_pack(uint64_t *to, vl a, unsigned bits) {
+    d_pack((double *)(void *)to, (vd)a, bits);
+}
 
 /* Towards zero; for numbers that fit. */
 SIMD vi f_to_int(vf a) {

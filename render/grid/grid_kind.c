@@ -440,6 +440,10 @@ static status grid_layer(const leafcast *v, int axis, uint32_t node, double orig
     return ST_OK;
 }
 
+_Static_assert((int)GRID_PEAKS_SCRATCH >= (int)GRID_PIECES_SCRATCH &&
+                   (int)GRID_PEAKS_SCRATCH >= (int)GRID_BATCH_SCRATCH,
+               "one scratch for all");
+
 const kind grid_kind = {.name = "grid",
                         .open = grid_open,
                         .close = grid_close,

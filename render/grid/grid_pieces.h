@@ -15,7 +15,7 @@
 #include "render/segment_batch.h"
 
 /* What such a kernel needs. */
-enum { GRID_PIECES_SCRATCH = 48 << 10 };
+enum { GRID_PIECES_SCRATCH = 96 << 10 };
 
 /* grid_pieces_for() - NULL where there is none: every ray by itself. */
 segment_batch_fn grid_pieces_for(cpu_isa isa);

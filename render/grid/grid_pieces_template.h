@@ -22,16 +22,24 @@ enum {
     /* Planes, and what a search or a vector reaches over. */
     PLANES_MAX = (SIDE_MAX + 1 + SIDE_MAX / 2 + 7) / 8 * 8,
     SLOTS_MAX = 3 * SIDE_MAX + 2 * 8,
-    RIDERS = 8 /* a round of theirs is about a column; and they share a small cache */
+    /* A round of theirs is about a column; and they share a small cache. */
+    RIDERS = 8,
+    /* Of a ray at a time: behind those that are opaque none are wanted. */
+    PIECES_A_TURN = 16
 };
 
 /* ---- Cells as numbers ---- */
 
-/* A cell of a treelet, and the axis of the crossing before it; NO_AXIS: none. */
-enum { FIELD_BITS = 21, AXIS_AT = 62, NO_AXIS = 3 };
+/* A cell of a treelet, the axis of the crossing before it, and, of a piece, that of the one behind
+ * it; NO_AXIS: none. */
+enum { FIELD_BITS = 21, AXIS_AT = 62, NEXT_AXIS_AT = 56, NO_AXIS = 3 };
 
 SIMD vl cell_axis(vl cell) {
     return cell >> AXIS_AT;
+}
+
+SIMD vl cell_next_axis(vl cell) {
+    return cell >> NEXT_AXIS_AT & 3u;
 }
 
 SIMD vl cell_place(vl cell, int a) {
@@ -67,21 +75,23 @@ typedef struct rider {
     bool riding;
     const resident_grid *at; /* what the slabs are of; NULL: nothing yet */
     uint64_t flips;          /* of cells' fields: ways down an axis count from its end */
-    slab slabs[3];
     grid_way way;
+    bool by_blocks; /* it is in a treelet with nodes that are taken whole: */
+    block_way blocks;
+    slab slabs[3];
+    /* Of one passage: where cells begin, cell after cell, and where the last one ends; */
+    unsigned slots;
+    _Alignas(64) double t[SLOTS_MAX];
+    uint64_t cell[SLOTS_MAX];
+    /* then, at their front, those that are pieces, with their ends, of which some are given. */
+    unsigned pieces, given;
+    double t_out[SLOTS_MAX];
 } rider;
 
 typedef struct pieces_walk {
     const tracer *tr;
     segment_batch *b;
     ray_counters *counters;
-    /* Of one passage: where cells begin, cell after cell, and where the last one ends. */
-    unsigned slots;
-    _Alignas(64) double t[SLOTS_MAX];
-    uint64_t cell[SLOTS_MAX];
-    /* Those that are pieces. */
-    unsigned pieces;
-    uint64_t piece[SLOTS_MAX];
     rider riders[RIDERS];
 } pieces_walk;
 _Static_assert(sizeof(pieces_walk) <= GRID_PIECES_SCRATCH, "a walk has room in its scratch");
@@ -93,6 +103,11 @@ SIMD const ray *ray_of(const pieces_walk *w, const rider *q) {
 SIMD const level_planes *planes_of(const pieces_walk *w, const resident_grid *at) {
     const walk_scene *scene = w->tr->own;
     return &scene->levels[at->level];
+}
+
+/* Planes, or what belongs to them, of all cells of a treelet along an axis. */
+SIMD vd of_planes(const double *from, vl place, uint32_t side) {
+    return side == D_TABLE ? d_look_up(from, place) : d_gather(from, place);
 }
 
 /* ---- Slabs ---- */
@@ -187,7 +202,7 @@ static __attribute__((noinline)) vl slab_search(const slab *s, vd t, bool named_
 
 /* The cells of a slab at these t, which lie in the passage: a guess, as if all had one width, is
  * mostly right. lanes: those that count. */
-SIMD vl slab_cells(const slab *s, vd t, bool named_first, unsigned lanes) {
+SIMD vl slab_cells(const slab *s, uint32_t side, vd t, bool named_first, unsigned lanes) {
     const vd whole = d_set(0x1p52);
     if (s->first == s->last)
         return l_set(s->first);
@@ -195,14 +210,14 @@ SIMD vl slab_cells(const slab *s, vd t, bool named_first, unsigned lanes) {
     const vd most = d_set(s->last - s->first);
     const vl guess =
         (vl)(d_min(most, d_max(steps, d_set(0.0))) + whole) - (vl)whole + (uint64_t)s->first;
-    const md begun = comes_before(d_gather(s->t, guess), t, named_first);
-    const md over = comes_before(d_gather(s->t + 1, guess), t, named_first);
+    const md begun = comes_before(of_planes(s->t, guess, side), t, named_first);
+    const md over = comes_before(of_planes(s->t + 1, guess, side), t, named_first);
     const bool right = (md_bits(md_and_not(begun, over)) & lanes) == lanes;
     return right ? guess : slab_search(s, t, named_first);
 }
 
 /* The crossings of axis a, each with the cell behind it. */
-SIMD void put_crossings(pieces_walk *w, const rider *q, const int a) {
+SIMD void put_crossings(rider *q, const int a, uint32_t side) {
     const int b = (a + 1) % 3, c = (a + 2) % 3;
     const slab *s = &q->slabs[a], *sb = &q->slabs[b], *sc = &q->slabs[c];
     const uint64_t before = (uint64_t)s->first + sb->first + sc->first;
@@ -211,8 +226,8 @@ SIMD void put_crossings(pieces_walk *w, const rider *q, const int a) {
         const unsigned left = s->last + 1 - k, count = left < VD_N ? left : VD_N;
         const vd t = d_load(s->t + k);
         const vl own = l_load(counting) + (uint64_t)k;
-        const vl at_b = slab_cells(sb, t, b < a, (1u << count) - 1u);
-        const vl at_c = slab_cells(sc, t, c < a, (1u << count) - 1u);
+        const vl at_b = slab_cells(sb, side, t, b < a, (1u << count) - 1u);
+        const vl at_c = slab_cells(sc, side, t, c < a, (1u << count) - 1u);
         const vl cell =
             (own << (FIELD_BITS * a) | at_b << (FIELD_BITS * b) | at_c << (FIELD_BITS * c)) ^
             (q->flips | (uint64_t)a << AXIS_AT);
@@ -220,21 +235,21 @@ SIMD void put_crossings(pieces_walk *w, const rider *q, const int a) {
         l_store(place, own + at_b + at_c - before);
         l_store(cells, cell);
         for (unsigned i = 0; i < count; i++) {
-            w->t[place[i]] = s->t[k + i];
-            w->cell[place[i]] = cells[i];
+            q->t[place[i]] = s->t[k + i];
+            q->cell[place[i]] = cells[i];
         }
     }
 }
 
 /* The first cell, and what ends the last one: of crossings at one t, those of the last axis let in,
  * those of the first one out; and t is theirs, also of zeros. */
-static void put_ends(pieces_walk *w, const rider *q, double t_in, double t_out) {
+static void put_ends(rider *q, double t_in, double t_out) {
     uint64_t first = 0, in = NO_AXIS, out = NO_AXIS;
-    w->slots = 1;
+    q->slots = 1;
     for (int a = 0; a < 3; a++) {
         const slab *s = &q->slabs[a];
         first |= (uint64_t)s->first << FIELD_BITS * a;
-        w->slots += s->last - s->first;
+        q->slots += s->last - s->first;
         if (s->t[s->first] == t_in) {
             t_in = s->t[s->first];
             in = (uint64_t)a;
@@ -244,29 +259,34 @@ static void put_ends(pieces_walk *w, const rider *q, double t_in, double t_out) 
             out = (uint64_t)a;
         }
     }
-    w->t[0] = t_in;
-    w->cell[0] = (first ^ q->flips) | in << AXIS_AT;
-    w->t[w->slots] = t_out;
+    q->t[0] = t_in;
+    q->cell[0] = (first ^ q->flips) | in << AXIS_AT;
+    q->t[q->slots] = t_out;
     for (unsigned i = 0; i < VD_N; i++) /* cells that vectors reach over */
-        w->cell[w->slots + i] = 0;
-    w->cell[w->slots] = out << AXIS_AT;
+        q->cell[q->slots + i] = 0;
+    q->cell[q->slots] = out << AXIS_AT;
 }
 
 /* ---- Pieces ---- */
 
-/* Those of the cells that have a length and are of interest. */
-static void find_pieces(pieces_walk *w, const active_masks *masks) {
-    w->pieces = 0;
-    for (unsigned p = 0; p < w->slots; p += VD_N) {
-        const vl cell = cell_morton(l_load(w->cell + p));
-        const vl block = l_gather(masks->cells, cell >> 6 << 3);
-        unsigned found =
-            l_odd(block >> (cell & 63u)) & md_bits(d_lt(d_load(w->t + p), d_load(w->t + p + 1)));
-        if (w->slots - p < VD_N)
-            found &= (1u << (w->slots - p)) - 1u;
-        for (; found; found &= found - 1)
-            w->piece[w->pieces++] = p + (unsigned)__builtin_ctz(found);
+/* Those of the cells that have a length and are of interest. What is packed does not reach what is
+ * still to be looked at. */
+static void find_pieces(rider *q, const active_masks *masks) {
+    q->pieces = q->given = 0;
+    for (unsigned p = 0; p < q->slots; p += VD_N) {
+        const vl cell = l_load(q->cell + p), next = l_load(q->cell + p + 1);
+        const vd t_in = d_load(q->t + p), t_out = d_load(q->t + p + 1);
+        const vl number = cell_morton(cell);
+        const vl block = l_gather(masks->cells, number >> 6 << 3);
+        unsigned found = l_odd(block >> (number & 63u)) & md_bits(d_lt(t_in, t_out));
+        if (q->slots - p < VD_N)
+            found &= (1u << (q->slots - p)) - 1u;
+        d_pack(q->t + q->pieces, t_in, found);
+        d_pack(q->t_out + q->pieces, t_out, found);
+        l_pack(q->cell + q->pieces, cell | cell_axis(next) << NEXT_AXIS_AT, found);
+        q->pieces += (unsigned)__builtin_popcount(found);
     }
+    l_store(q->cell + q->pieces, l_set(0)); /* cells that vectors reach over */
 }
 
 /* How samples lie in a treelet: two of a row come together, as the last bytes of a word. */
@@ -319,20 +339,21 @@ SIMD void cell_samples(const sample_words *s, vl cell, vd f[8]) {
     sample_pair(s, at + (s->row + s->slice), f + 6);
 }
 
-/* Where the ray enters and leaves cells; next: what begins where they end. */
-SIMD void piece_visits(const pieces_walk *w, const rider *q, vl cell, vl next, visits *v) {
+/* Where the ray enters and leaves cells. */
+SIMD void piece_visits(const pieces_walk *w, const rider *q, vl cell, visits *v) {
+    const uint32_t side = 1u << w->tr->layout->cells_log2;
     const level_planes *planes = planes_of(w, q->at);
     const ray *r = ray_of(w, q);
     for (int a = 0; a < 3; a++) {
         const double *first = planes->at[a] + q->at->first_cell[a];
         const double *inverse = planes->inverse[a] + q->at->first_cell[a];
         const vl place = cell_place(cell, a);
-        const vd d = d_set(r->d[a]), lo = d_gather(first, place) - d_set(r->o[a]);
-        const vd inv = d_gather(inverse, place);
+        const vd d = d_set(r->d[a]), lo = of_planes(first, place, side) - d_set(r->o[a]);
+        const vd inv = of_planes(inverse, place, side);
         const double enters_at = r->d[a] < 0.0 ? 1.0 : 0.0;
         v->in[a] = d_select(l_eq(cell_axis(cell), l_set((uint64_t)a)), d_set(enters_at),
                             cell_coordinate(v->t_in, d, lo, inv));
-        v->out[a] = d_select(l_eq(cell_axis(next), l_set((uint64_t)a)), d_set(1.0 - enters_at),
+        v->out[a] = d_select(l_eq(cell_next_axis(cell), l_set((uint64_t)a)), d_set(1.0 - enters_at),
                              cell_coordinate(v->t_out, d, lo, inv));
     }
 }
@@ -340,11 +361,11 @@ SIMD void piece_visits(const pieces_walk *w, const rider *q, vl cell, vl next, v
 /* Pieces from i on, as many as a vector takes, to the columns. */
 SIMD void put_pieces(pieces_walk *w, const rider *q, const sample_words *s, unsigned i) {
     segment_columns *c = &w->b->columns;
-    const unsigned left = w->pieces - i, count = left < VD_N ? left : VD_N, to = c->count;
-    const vl at = l_load(w->piece + i), cell = l_gather(w->cell, at << 3);
-    visits v = {.t_in = d_gather(w->t, at), .t_out = d_gather(w->t + 1, at)};
+    const unsigned left = q->pieces - i, count = left < VD_N ? left : VD_N, to = c->count;
+    const vl cell = l_load(q->cell + i);
+    visits v = {.t_in = d_load(q->t + i), .t_out = d_load(q->t_out + i)};
     vd f[8], b[4];
-    piece_visits(w, q, cell, l_gather(w->cell + 1, at << 3), &v);
+    piece_visits(w, q, cell, &v);
     cell_samples(s, cell, f);
     cubic(&v, f, b);
     d_store(c->t0 + to, v.t_in);
@@ -359,20 +380,20 @@ SIMD void put_pieces(pieces_walk *w, const rider *q, const sample_words *s, unsi
     c->count += count;
 }
 
-/* All pieces of a passage to the columns, unless the ray wants no more. */
-static void give_pieces(pieces_walk *w, const rider *q) {
+/* Some pieces of the passage to the columns, unless the ray wants no more. */
+static void give_pieces(pieces_walk *w, rider *q) {
     const sample_words s = words_of(w->tr->own, q->at);
-    w->counters->cells += w->pieces;
-    for (unsigned k = 0; k < VD_N; k++) /* lanes that no piece is left for */
-        w->piece[w->pieces + k] = w->piece[0];
+    const unsigned left = q->pieces - q->given;
+    const unsigned end = q->given + (left < PIECES_A_TURN ? left : PIECES_A_TURN);
     w->b->columns.degree = 3;
-    for (unsigned i = 0; i < w->pieces; i += VD_N) {
+    for (; q->given < end; q->given += VD_N) {
         if (w->b->columns.count > SEGMENT_COLUMNS - VD_N)
             segment_batch_flush(w->b);
         if (w->b->stop[q->number])
             return;
-        put_pieces(w, q, &s, i);
+        put_pieces(w, q, &s, q->given);
     }
+    q->given = end;
 }
 
 /* ---- Rays ---- */
@@ -398,12 +419,13 @@ static void pass_cells(pieces_walk *w, rider *q, double t_in, double t_out) {
     for (int a = 0; a < 3; a++)
         if (r->d[a] != 0.0)
             slab_clip(&q->slabs[a], side, t_in, t_out);
-    put_ends(w, q, t_in, t_out);
-    put_crossings(w, q, 0);
-    put_crossings(w, q, 1);
-    put_crossings(w, q, 2);
-    find_pieces(w, at->masks);
-    if (w->pieces > 0)
+    put_ends(q, t_in, t_out);
+    put_crossings(q, 0, side);
+    put_crossings(q, 1, side);
+    put_crossings(q, 2, side);
+    find_pieces(q, at->masks);
+    w->counters->cells += q->pieces;
+    if (q->pieces > 0)
         give_pieces(w, q);
 }
 
@@ -420,17 +442,23 @@ static block_axis_way axis_way(const slab *s, double d, uint32_t side, double t_
     return x;
 }
 
-/* Through a treelet with nodes that are taken whole. */
-static void pass_blocks(pieces_walk *w, rider *q, const grid_passage *passage) {
-    const resident_grid *at = q->at;
+/* Into a treelet with nodes that are taken whole. */
+static void enter_blocks(pieces_walk *w, rider *q, const grid_passage *passage) {
     const uint32_t side = 1u << w->tr->layout->cells_log2;
-    block_way way = {.t_in = passage->t_in, .t_out = passage->t_out};
-    block_stretch s;
+    q->blocks = (block_way){.t_in = passage->t_in, .t_out = passage->t_out};
     for (int a = 0; a < 3; a++)
-        way.axis[a] = axis_way(&q->slabs[a], ray_of(w, q)->d[a], side, way.t_in);
-    while (!w->b->stop[q->number] && block_way_next(&way, at->masks, &s)) {
+        q->blocks.axis[a] = axis_way(&q->slabs[a], ray_of(w, q)->d[a], side, passage->t_in);
+}
+
+/* Through it up to the next pieces. */
+static void pass_blocks(pieces_walk *w, rider *q) {
+    block_stretch s;
+    while (q->given == q->pieces && !w->b->stop[q->number]) {
+        q->by_blocks = block_way_next(&q->blocks, q->at->masks, &s);
+        if (!q->by_blocks)
+            return;
         if (s.whole) {
-            const segment piece = block_way_node(w->tr->treelets->file, w->tr->layout, at, &s);
+            const segment piece = block_way_node(w->tr->treelets->file, w->tr->layout, q->at, &s);
             give_whole(w, q, &piece);
         } else if (s.active) {
             pass_cells(w, q, s.t_in, s.t_out);
@@ -449,18 +477,27 @@ static void pass_treelet(pieces_walk *w, rider *q, const resident_grid *at,
     if (!at->masks->root)
         return;
     rider_enter(w, q, at);
-    if (at->masks->some_whole)
-        pass_blocks(w, q, passage);
+    q->by_blocks = at->masks->some_whole;
+    if (q->by_blocks)
+        enter_blocks(w, q, passage);
     else
         pass_cells(w, q, passage->t_in, passage->t_out);
 }
 
-/* Through the ray's next treelet. False: it is done with. */
+/* On with the ray, as far as some pieces or a treelet. False: it is done with. */
 static bool ride(pieces_walk *w, rider *q) {
     const resident_grid *at;
     grid_passage passage;
     if (w->b->stop[q->number])
         return false;
+    if (q->given < q->pieces) {
+        give_pieces(w, q);
+        return true;
+    }
+    if (q->by_blocks) {
+        pass_blocks(w, q);
+        return true;
+    }
     const segments_result next = grid_way_next(&q->way, w->tr, ray_of(w, q), w->b->state[q->number],
                                                w->counters, &at, &passage);
     if (next == SEGMENTS_SOME)
@@ -477,6 +514,8 @@ static bool mount(pieces_walk *w, rider *q, unsigned i) {
     w->b->result[i] = SEGMENTS_END;
     q->number = i;
     q->at = NULL;
+    q->by_blocks = false;
+    q->pieces = q->given = 0;
     q->flips = 0;
     for (int a = 0; a < 3; a++)
         q->flips |= (r->d[a] < 0.0 ? last : 0) << FIELD_BITS * a;

@@ -75,6 +75,23 @@ static void meant_integers(const simd_probe_input *in, int lanes, int i, simd_pr
     out->d_mask[PROBE_ODD] |= (uint32_t)(bits_of(in->a[i]) & 1u) << i;
 }
 
+/* The lanes that q has bits for, then 1. */
+static double packed(const simd_probe_input *in, int lanes, int i) {
+    for (int k = 0; k < lanes; k++)
+        if ((in->q >> k & 1u) && i-- == 0)
+            return in->a[k];
+    return 1.0;
+}
+
+static void meant_tables(const simd_probe_input *in, int lanes, int i, simd_probe_output *out) {
+    const unsigned five = in->p >> i & 31u;
+    const uint64_t number = (uint16_t)(in->p << i);
+    out->d[PROBE_TABLE][i] = five < 16 ? in->a[five] : in->b[five - 16];
+    out->d[PROBE_HALF][i] = in->a[in->p >> i & 15u];
+    memcpy(&out->d[PROBE_SHORTS][i], &number, sizeof number);
+    out->d[PROBE_PACK][i] = packed(in, lanes, i);
+}
+
 static void meant_floats(const simd_probe_input *in, int i, simd_probe_output *out) {
     const float x = in->x[i], y = in->y[i];
     out->f[PROBE_ADD][i] = x + y;
@@ -123,6 +140,7 @@ void simd_probe_meant(const simd_probe_input *in, int doubles, int floats, simd_
     for (int i = 0; i < doubles; i++) {
         meant_doubles(in, i, out);
         meant_integers(in, doubles, i, out);
+        meant_tables(in, doubles, i, out);
         MEANT_MASKS(out->d_mask, in->a[i], in->b[i], i);
     }
     for (int i = 0; i < floats; i++) {

@@ -44,6 +44,10 @@ enum {
     PROBE_REVERSE, /* of a */
     PROBE_LOW,     /* d_of_low_floats() of the bits of a */
     PROBE_PRODUCT, /* l_mul() of the bits of a and b */
+    PROBE_TABLE,   /* d_look_up() in a, then b, at five bits of p */
+    PROBE_HALF,    /* d_look_up_half() in a, at four bits of p */
+    PROBE_SHORTS,  /* l_of_shorts() of p, lane i so far up */
+    PROBE_PACK,    /* a by d_pack() where q has bits, then 1 */
     PROBE_WORDS
 };
 enum {

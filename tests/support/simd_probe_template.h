@@ -58,6 +58,27 @@ static void probe_integers(const simd_probe_input *in, simd_probe_output *out) {
     out->d_mask[PROBE_ODD] = l_odd((vl)a);
 }
 
+static void probe_tables(const simd_probe_input *in, simd_probe_output *out) {
+    double table[D_TABLE], packed[2 * VD_N];
+    uint64_t five[VD_N], four[VD_N];
+    uint16_t shorts[VD_N];
+    for (unsigned i = 0; i < D_TABLE; i++)
+        table[i] = i < SIMD_PROBE_F ? in->a[i] : in->b[i - SIMD_PROBE_F];
+    for (unsigned i = 0; i < VD_N; i++) {
+        five[i] = in->p >> i & 31u;
+        four[i] = in->p >> i & 15u;
+        shorts[i] = (uint16_t)(in->p << i);
+    }
+    const unsigned lanes = in->q & ((1u << VD_N) - 1u);
+    const int count = __builtin_popcount(lanes);
+    d_pack(packed, d_load(in->a), lanes);
+    d_store(packed + count, d_set(1.0));
+    d_store(out->d[PROBE_PACK], d_load(packed));
+    d_store(out->d[PROBE_TABLE], d_look_up(table, l_load(five)));
+    d_store(out->d[PROBE_HALF], d_look_up_half(table, l_load(four)));
+    d_store(out->d[PROBE_SHORTS], (vd)l_of_shorts(shorts));
+}
+
 static void probe_floats(const simd_probe_input *in, simd_probe_output *out) {
     const vf x = f_load(in->x), y = f_load(in->y);
     const mf p = mf_of_bits(in->p & ((1u << VF_N) - 1));
@@ -110,6 +131,7 @@ void SIMD_NAME(simd_probe)(const simd_probe_input *in, simd_probe_output *out) {
     out->floats = VF_N;
     probe_doubles(in, out);
     probe_integers(in, out);
+    probe_tables(in, out);
     probe_floats(in, out);
 }
 

@@ -138,6 +138,31 @@ SIMD vl l_gather(const void *from, vl at) {
     LANES(i) memcpy(&v[i], (const char *)from + at[i], sizeof *v);
     return l_load(v);
 }
+enum { D_TABLE = 32, D_LOOKS_UP = 1 };
+SIMD vl l_of_shorts(const uint16_t *from) {
+    vl v;
+    LANES(i) v[i] = from[i];
+    return v;
+}
+SIMD vd d_look_up_half(const double *from, vl at) {
+    LANES(i) assert(at[i] < D_TABLE / 2);
+    return d_gather(from, at);
+}
+SIMD vd d_look_up(const double *from, vl at) {
+    LANES(i) assert(at[i] < D_TABLE);
+    return d_gather(from, at);
+}
+SIMD void d_pack(double *to, vd a, unsigned bits) {
+    double packed[VD_N] = {0.0};
+    int n = 0;
+    LANES(i) if (bits >> i & 1) packed[n++] = a[i];
+    memcpy(to, packed, sizeof packed);
+}
+SIMD void l_pack(uint64_t *to, vl a, unsigned bits) {
+    vd same;
+    memcpy(&same, &a, sizeof same);
+    d_pack((double *)(void *)to, same, bits);
+}
 SIMD vd d_reverse(vd a) {
     return (vd){a[7], a[6], a[5], a[4], a[3], a[2], a[1], a[0]};
 }
