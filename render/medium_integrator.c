@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "render/kind.h"
+#include "render/medium_doubt.h"
 #include "render/medium_overlay.h"
 #include "render/medium_whole.h"
 #include "render/overlay_ray.h"
@@ -25,12 +26,15 @@ typedef struct medium_ray {
     surface_ray way;
     stage stage;
     bool begun;     /* to walk; */
+    bool guessed;   /* preview: something of a medium was not there, */
+    bool unbounded; /* and may be off by anything */
     double reached; /* so far, through several media */
     medium_rule rule;
     uint32_t treelet; /* of the last piece */
     double from;      /* t: everything before it is in `front` */
     medium_stretch front;
     medium_stretch run; /* behind that: of pieces in one treelet */
+    medium_doubt doubt; /* preview: and what is to come behind that */
     segments_state walk;
     segment kept[SEGMENTS_KEPT];
     overlay_lane lanes[]; /* of all that are filled, where they are several */
@@ -86,7 +90,8 @@ static void medium_begin(const frame *f, uint32_t pixel, ray_record *r) {
     double way[2] = {INFINITY, 0.0};
     surface_ray_begin(pixel, &p->way);
     p->stage = FINDING;
-    p->begun = false;
+    p->begun = p->guessed = p->unbounded = false;
+    p->doubt = (medium_doubt){0};
     p->from = 0.0;
     p->rule = rule_of(f, pixel, filled_from(f, 0), way);
     for (int i = 0, v = filled_from(f, 0); i < look_of(f)->filled && overlaid(f); i++) {
@@ -137,10 +142,37 @@ static medium_stretch stretch_of(const medium_batch *m, unsigned i) {
                             m->through_error[i]};
 }
 
+/* What is in doubt before t comes behind what has been seen. */
+static void settle(const frame *f, medium_ray *p, double t) {
+    medium_stretch seen;
+    if (!medium_doubt_take(&p->doubt, &p->rule, t, &seen))
+        return;
+    medium_join(&p->run, &seen, look_of(f)->brightest);
+    medium_doubt_limit(&p->run, look_of(f)->brightest);
+}
+
+/* Piece i in a preview. True: it is a doubt, or a guess, or comes too late. */
+static bool take_doubt(const frame *f, medium_ray *p, const medium_batch *m,
+                       const segment_columns *c, unsigned i, bool *stop) {
+    settle(f, p, c->t0[i]);
+    *stop = *stop || is_dark(f, p);
+    if (*stop)
+        return true;
+    if (c->spread[i] < 0.0) {
+        const segment is = {
+            .t0 = c->t0[i], .t1 = c->t1[i], .spread = c->spread[i], .treelet = c->treelet[i]};
+        medium_doubt_begin(&p->doubt, &f->tracer[filled_from(f, 0)], &is);
+        return true;
+    }
+    const medium_stretch seen = m->seen[i] ? stretch_of(m, i) : medium_nothing();
+    return medium_doubt_guess(&p->doubt, c->t1[i], &seen);
+}
+
 static void medium_take(const frame *f, ray_record *const r[], const segment_columns *c,
                         bool stop[], void *scratch) {
     const medium_look *look = look_of(f);
     medium_batch *m = scratch;
+    const bool doubts = f->tracer[filled_from(f, 0)].doubts;
     m->transfer = &look->media[filled_from(f, 0)];
     set_rules(look, r, c, m);
     f->kernels->medium(m, c);
@@ -148,6 +180,8 @@ static void medium_take(const frame *f, ray_record *const r[], const segment_col
         medium_ray *p = medium_ray_of(r[c->ray[i]]);
         if (c->spread[i] > 0.0)
             medium_batch_whole(m, c, i);
+        if (doubts && take_doubt(f, p, m, c, i, &stop[c->ray[i]]))
+            continue;
         if (!m->seen[i] || stop[c->ray[i]])
             continue;
         const medium_stretch seen = stretch_of(m, i);
@@ -245,7 +279,7 @@ static bool pass_media(const frame *f, medium_ray *p, ray_question *q, ray_count
 
 static void end_media(medium_ray *p, int count) {
     for (int i = 0; i < count; i++)
-        p->way.provisional |= p->lanes[i].walk.provisional;
+        p->unbounded |= p->lanes[i].walk.provisional;
     p->begun = false;
 }
 
@@ -281,6 +315,18 @@ static bool composite(const frame *f, medium_ray *p) {
 
 /* ---- The pixel ---- */
 
+/* No channel x is further off than all that there may be of it. */
+static double most_off(const frame *f, const float background[4], const double x[4]) {
+    const double behind = (double)background[3];
+    double most = 0.0;
+    for (int c = 0; c < 4; c++) {
+        const double all = c < 3 ? look_of(f)->brightest * fmax(behind, 1.0) : fmax(behind, 1.0);
+        const double none = c < 3 ? fmin((double)background[c] * behind, 0.0) : fmin(behind, 0.0);
+        most = fmax(most, fmax(all - x[c], x[c] - none));
+    }
+    return most;
+}
+
 /* Of any channel, before the background. */
 static double error_of(const medium_stretch *s, const float background[4]) {
     double brightest = 1.0;
@@ -290,21 +336,38 @@ static double error_of(const medium_stretch *s, const float background[4]) {
     return s->rgb_error + (s->through_error + 0x1p-33) * brightest;
 }
 
+/* Of the pixel with channels x. What is not known of its surfaces may be anywhere. */
+static double pixel_error(const frame *f, medium_ray *p, const double x[4],
+                          ray_counters *counters) {
+    const float *background = look_of(f)->surfaces.scene->background;
+    const bool unbounded = p->unbounded || p->way.provisional;
+    double error = error_of(&p->front, background);
+    p->way.provisional |= p->guessed || p->unbounded;
+    if (!p->way.provisional) {
+        counters->uncertified_pixels += error > look_of(f)->error;
+        return error;
+    }
+    const double most = most_off(f, background, x);
+    error = unbounded ? most : fmin(error, most);
+    ray_counters_doubt(counters, error);
+    return error;
+}
+
 static void write(const frame *f, medium_ray *p, ray_counters *counters) {
     const leafcast_image *image = &f->image;
     const float *background = look_of(f)->surfaces.scene->background;
     const size_t at = frame_plane(f, p->way.head.pixel);
     const medium_stretch *s = &p->front;
     const double rest = s->through * (double)background[3];
+    double x[4];
     float rgba[4];
     for (int c = 0; c < 4; c++) {
-        const double x = c < 3 ? s->rgb[c] + rest * (double)background[c] : 1.0 - s->through + rest;
+        x[c] = c < 3 ? s->rgb[c] + rest * (double)background[c] : 1.0 - s->through + rest;
         if (image->rgba)
-            image->rgba[4 * at + (size_t)c] = x;
-        rgba[c] = (float)x;
+            image->rgba[4 * at + (size_t)c] = x[c];
+        rgba[c] = (float)x[c];
     }
-    const double error = error_of(s, background);
-    counters->uncertified_pixels += error > look_of(f)->error;
+    const double error = pixel_error(f, p, x, counters);
     if (image->error)
         image->error[at] = error;
     surface_ray_write(f, &p->way, rgba, counters);
@@ -365,7 +428,8 @@ static void medium_answer(const frame *f, ray_record *record, trace_result resul
         surface_ray_answer(f, &p->way, result);
         return;
     }
-    p->way.provisional |= p->walk.provisional;
+    settle(f, p, INFINITY);
+    p->guessed |= p->walk.provisional;
     p->begun = false;
     p->stage = MEETING;
 }

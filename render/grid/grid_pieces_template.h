@@ -377,12 +377,22 @@ static void give_pieces(pieces_walk *w, const rider *q) {
 
 /* ---- Rays ---- */
 
-static void give_whole(pieces_walk *w, const rider *q, const segment *piece) {
-    w->counters->cells++;
+static void give(pieces_walk *w, const rider *q, const segment *piece) {
     if (w->b->columns.count == SEGMENT_COLUMNS)
         segment_batch_flush(w->b);
     if (!w->b->stop[q->number])
         segment_batch_add(w->b, q->number, piece);
+}
+
+static void give_whole(pieces_walk *w, const rider *q, const segment *piece) {
+    w->counters->cells++;
+    give(w, q, piece);
+}
+
+static void give_doubt(pieces_walk *w, const rider *q) {
+    segments_state *s = w->b->state[q->number];
+    give(w, q, &q->way.doubt);
+    s->doubted = q->way.doubt.treelet;
 }
 
 /* The pieces in cells between t_in and t_out. */
@@ -440,6 +450,10 @@ static void pass_blocks(pieces_walk *w, rider *q, const grid_passage *passage) {
 
 static void pass_treelet(pieces_walk *w, rider *q, const resident_grid *at,
                          const grid_passage *passage) {
+    if (q->way.doubted)
+        give_doubt(w, q);
+    if (!at && passage->t == LEAF_NO_TREELET)
+        return;
     if (!at) {
         const segment piece = block_way_treelet(w->tr, passage->t, passage->t_in, passage->t_out);
         give_whole(w, q, &piece);
