@@ -418,8 +418,8 @@ typedef struct leafcast_stats {
     uint64_t box_tests, polygon_tests, interval_tests, isorange_tests, isopolygons;
     int threads;
     const char *isa;
-    /* Of media, over the provisional pixels: how far these may be off, as image.error says. 0: there
-     * are none. */
+    /* Of media, over the provisional pixels: how far these may be off, as image.error says. 0:
+     * there are none. */
     double provisional_error_mean, provisional_error_most;
 } leafcast_stats;
 

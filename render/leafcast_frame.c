@@ -426,8 +426,7 @@ static void fill_stats(const leafcast_frame *fr, leafcast_stats *stats) {
 #undef COUNTER
     if (c->most_doubt > 0.0) {
         stats->provisional_error_most = c->most_doubt;
-        stats->provisional_error_mean =
-            (double)c->doubt * 0x1p-32 / (double)c->provisional_pixels;
+        stats->provisional_error_mean = (double)c->doubt * 0x1p-32 / (double)c->provisional_pixels;
     }
     turn_stats(&fr->t, stats);
 }

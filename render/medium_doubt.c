@@ -35,20 +35,36 @@ void medium_doubt_within(const medium_rule *rule, const double range[2], bool ga
     seen->through_error = bring_within(&seen->through, least, most) + rounding;
     seen->rgb_error = 0.0;
     for (int c = 0; c < 3; c++) {
-        const double off = bring_within(&seen->rgb[c], x.rgb[c][0] * (1.0 - most),
-                                        x.rgb[c][1] * (1.0 - least));
+        const double off =
+            bring_within(&seen->rgb[c], x.rgb[c][0] * (1.0 - most), x.rgb[c][1] * (1.0 - least));
         seen->rgb_error = fmax(seen->rgb_error, off + rounding * x.rgb[c][1]);
     }
     medium_add_ends(rule->transfer, 1.5 * rule->error.t, seen);
 }
 
-void medium_doubt_limit(medium_stretch *seen, double most_rgb) {
+/* No component of light is more than most_rgb times the opacity: how far it may be off then. */
+static double bring_to_light(medium_stretch *seen, double most_rgb) {
     const double least_through = fmax(seen->through - seen->through_error, 0.0);
     const double most = most_rgb * (1.0 - least_through) * (1.0 + 0x1p-40);
-    double limit = 0.0;
+    double off = 0.0;
     for (int c = 0; c < 3; c++)
-        limit = fmax(limit, fmax(most - seen->rgb[c], seen->rgb[c]));
-    seen->rgb_error = fmin(seen->rgb_error, limit);
+        off = fmax(off, bring_within(&seen->rgb[c], 0.0, most));
+    return off;
+}
+
+void medium_doubt_join(medium_stretch *front, const medium_stretch *behind, double most_rgb) {
+    const double reaching = fmin(front->through + front->through_error, 1.0);
+    const double rgb_error = front->rgb_error + reaching * behind->rgb_error;
+    const double through_error = reaching * behind->through_error;
+    const double error = front->through_error;
+    double light = 0.0;
+    for (int c = 0; c < 3; c++)
+        light = fmax(light, behind->rgb[c]);
+    medium_join(front, behind, most_rgb);
+    front->through_error =
+        fmin(through_error + error * behind->through, fmax(front->through, 1.0 - front->through)) +
+        0x1p-52;
+    front->rgb_error = fmin(rgb_error + error * light, bring_to_light(front, most_rgb));
 }
 
 /* ---- On the way ---- */

@@ -11,8 +11,8 @@
  *
  * for the light of a stretch is a mean of its colours times its opacity. What is drawn is a guess,
  * by coarser treelets or by nothing, brought within (1). Its error is the distance to the further
- * end, and so true whatever the guess is. No linear rule (medium_stretch.h) is kept: that many doubts
- * in a row are not off by more than there is to be seen, medium_doubt_limit() says.
+ * end, and so true whatever the guess is. The rule of medium_stretch.h is not kept; but many doubts
+ * in a row are off by no more than there is to be seen (medium_doubt_join()).
  */
 #ifndef RENDER_MEDIUM_DOUBT_H
 #define RENDER_MEDIUM_DOUBT_H
@@ -21,10 +21,10 @@
 
 /* A ray in it. Zeroed: in none. */
 typedef struct medium_doubt {
-    double from, to; /* t: what is in doubt, and was not yet taken; from >= to: nothing */
-    double range[2]; /* of the values there */
-    bool gaps;       /* there may be none in places */
-    bool beside;     /* between pieces, which are true; else in place of them */
+    double from, to;      /* t: what is in doubt, and was not yet taken; from >= to: nothing */
+    double range[2];      /* of the values there */
+    bool gaps;            /* there may be none in places */
+    bool beside;          /* between pieces, which are true; else in place of them */
     medium_stretch guess; /* by such pieces, so far */
 } medium_doubt;
 
@@ -32,8 +32,8 @@ typedef struct medium_doubt {
  * taken. */
 void medium_doubt_begin(medium_doubt *d, const tracer *tr, const segment *is);
 
-/* medium_doubt_take() - what is known to be seen of it before t, where the next piece begins. False:
- * nothing, or not yet. */
+/* medium_doubt_take() - what is known to be seen of it before t, where the next piece begins.
+ * False: nothing, or not yet. */
 bool medium_doubt_take(medium_doubt *d, const medium_rule *rule, double t, medium_stretch *seen);
 
 /* medium_doubt_guess() - a piece that ends at t1 comes next, of which that is seen. True: it is a
@@ -45,7 +45,8 @@ bool medium_doubt_guess(medium_doubt *d, double t1, const medium_stretch *seen);
 void medium_doubt_within(const medium_rule *rule, const double range[2], bool gaps, double length,
                          medium_stretch *seen);
 
-/* medium_doubt_limit() - no component of light is more than most_rgb times the opacity. */
-void medium_doubt_limit(medium_stretch *seen, double most_rgb);
+/* medium_doubt_join() - medium_join() where a doubt is among it: no more comes through than all,
+ * and no component of light is more than most_rgb times the opacity. */
+void medium_doubt_join(medium_stretch *front, const medium_stretch *behind, double most_rgb);
 
 #endif

@@ -26,8 +26,8 @@ typedef struct medium_ray {
     surface_ray way;
     stage stage;
     bool begun;     /* to walk; */
-    bool guessed;   /* preview: something of a medium was not there, */
-    bool unbounded; /* and may be off by anything */
+    bool doubted;   /* preview: it has come to a doubt */
+    bool unbounded; /* preview: something was not there that may be anything */
     double reached; /* so far, through several media */
     medium_rule rule;
     uint32_t treelet; /* of the last piece */
@@ -90,7 +90,7 @@ static void medium_begin(const frame *f, uint32_t pixel, ray_record *r) {
     double way[2] = {INFINITY, 0.0};
     surface_ray_begin(pixel, &p->way);
     p->stage = FINDING;
-    p->begun = p->guessed = p->unbounded = false;
+    p->begun = p->doubted = p->unbounded = false;
     p->doubt = (medium_doubt){0};
     p->from = 0.0;
     p->rule = rule_of(f, pixel, filled_from(f, 0), way);
@@ -103,8 +103,16 @@ static void medium_begin(const frame *f, uint32_t pixel, ray_record *r) {
     p->front = p->run = medium_nothing();
 }
 
+static void join(const frame *f, const medium_ray *p, medium_stretch *front,
+                 const medium_stretch *behind) {
+    if (p->doubted)
+        medium_doubt_join(front, behind, look_of(f)->brightest);
+    else
+        medium_join(front, behind, look_of(f)->brightest);
+}
+
 static void end_run(const frame *f, medium_ray *p) {
-    medium_join(&p->front, &p->run, look_of(f)->brightest);
+    join(f, p, &p->front, &p->run);
     p->run = medium_nothing();
 }
 
@@ -147,8 +155,7 @@ static void settle(const frame *f, medium_ray *p, double t) {
     medium_stretch seen;
     if (!medium_doubt_take(&p->doubt, &p->rule, t, &seen))
         return;
-    medium_join(&p->run, &seen, look_of(f)->brightest);
-    medium_doubt_limit(&p->run, look_of(f)->brightest);
+    join(f, p, &p->run, &seen);
 }
 
 /* Piece i in a preview. True: it is a doubt, or a guess, or comes too late. */
@@ -161,6 +168,7 @@ static bool take_doubt(const frame *f, medium_ray *p, const medium_batch *m,
     if (c->spread[i] < 0.0) {
         const segment is = {
             .t0 = c->t0[i], .t1 = c->t1[i], .spread = c->spread[i], .treelet = c->treelet[i]};
+        p->doubted = true;
         medium_doubt_begin(&p->doubt, &f->tracer[filled_from(f, 0)], &is);
         return true;
     }
@@ -188,7 +196,7 @@ static void medium_take(const frame *f, ray_record *const r[], const segment_col
         if (c->treelet[i] != p->treelet)
             end_run(f, p);
         p->treelet = c->treelet[i];
-        medium_join(&p->run, &seen, look->brightest);
+        join(f, p, &p->run, &seen);
         stop[c->ray[i]] = is_dark(f, p);
     }
 }
@@ -308,7 +316,7 @@ static bool composite(const frame *f, medium_ray *p) {
         s.rgb[c] = opacity * (double)p->way.rgb[c];
     s.rgb_error = depth_error_at(f, p) * look_of(f)->brightest;
     s.through_error = depth_error_at(f, p) * s.through;
-    medium_join(&p->front, &s, look_of(f)->brightest);
+    join(f, p, &p->front, &s);
     p->from = p->way.search.found.t;
     return surface_ray_pass(f, &p->way) && s.through > 0.0 && !is_dark(f, p);
 }
@@ -342,7 +350,7 @@ static double pixel_error(const frame *f, medium_ray *p, const double x[4],
     const float *background = look_of(f)->surfaces.scene->background;
     const bool unbounded = p->unbounded || p->way.provisional;
     double error = error_of(&p->front, background);
-    p->way.provisional |= p->guessed || p->unbounded;
+    p->way.provisional |= p->doubted || p->unbounded;
     if (!p->way.provisional) {
         counters->uncertified_pixels += error > look_of(f)->error;
         return error;
@@ -429,7 +437,6 @@ static void medium_answer(const frame *f, ray_record *record, trace_result resul
         return;
     }
     settle(f, p, INFINITY);
-    p->guessed |= p->walk.provisional;
     p->begun = false;
     p->stage = MEETING;
 }

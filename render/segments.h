@@ -42,8 +42,8 @@
 typedef struct segment {
     double t0, t1;
     double b[4];
-    double spread;    /* above 0: the value may be off by so much; below: it is a doubt; see above */
-    uint64_t cell;    /* as in a hit; of several cells: one of theirs */
+    double spread; /* above 0: the value may be off by so much; below: it is a doubt; see above */
+    uint64_t cell; /* as in a hit; of several cells: one of theirs */
     uint32_t treelet; /* that it came from */
     uint32_t degree;  /* 1 (a tet), 3 (a trilinear cell) */
 } segment;
@@ -102,8 +102,9 @@ void segment_part(const segment *s, double a, double b, double out[4]);
 double segment_spread(const double range[2], double middle);
 void segment_values(double middle, double spread, double range[2]);
 
-/* What a doubt has as spread: from t0 to t1 the pieces that follow are guesses, in place of those of
- * `treelet`, which fills all of that; or `treelet` may have pieces there, where others leave room.
+/* What a doubt has as spread: from t0 to t1 the pieces that follow are guesses, in place of those
+ * of `treelet`, which fills all of that; or `treelet` may have pieces there, where others leave
+ * room.
  */
 #define SEGMENT_GUESSED (-1.0)
 #define SEGMENT_BESIDE  (-2.0)

@@ -46,7 +46,8 @@ static inline int grid_passage_push(const tracer *tr, const ray *r, const grid_p
         const uint32_t rank = (uint32_t)__builtin_popcount(existing & ((1u << o) - 1u));
         grid_passage p = {children[i].t_in, children[i].t_out, layout->first_child[node->t] + rank,
                           0};
-        if (tr->preview && provisional && tr->treelets->own[p.t] && !loader_lookup(tr->treelets, p.t)) {
+        if (tr->preview && provisional && tr->treelets->own[p.t] &&
+            !loader_lookup(tr->treelets, p.t)) {
             *provisional = true;
             if (!tr->treelets->whole[node->t] && !loader_lookup(tr->treelets, node->t))
                 continue;

@@ -377,21 +377,17 @@ static void give_pieces(pieces_walk *w, const rider *q) {
 
 /* ---- Rays ---- */
 
-static void give(pieces_walk *w, const rider *q, const segment *piece) {
+static void give_whole(pieces_walk *w, const rider *q, const segment *piece) {
+    w->counters->cells++;
     if (w->b->columns.count == SEGMENT_COLUMNS)
         segment_batch_flush(w->b);
     if (!w->b->stop[q->number])
         segment_batch_add(w->b, q->number, piece);
 }
 
-static void give_whole(pieces_walk *w, const rider *q, const segment *piece) {
-    w->counters->cells++;
-    give(w, q, piece);
-}
-
 static void give_doubt(pieces_walk *w, const rider *q) {
     segments_state *s = w->b->state[q->number];
-    give(w, q, &q->way.doubt);
+    give_whole(w, q, &q->way.doubt);
     s->doubted = q->way.doubt.treelet;
 }
 

@@ -143,7 +143,8 @@ static bool walk_pieces(const collector *c, const grid_passage *node) {
 }
 
 /* False: no room. */
-static bool tell_doubt(segments_state *s, const segment *doubt) {
+static bool tell_doubt(segments_state *s, ray_counters *counters, const segment *doubt) {
+    counters->cells++;
     if (s->count == s->room)
         return false;
     s->ahead[s->count++] = *doubt;
@@ -183,7 +184,7 @@ segments_result grid_segments(const tracer *tr, const ray *r, segments_state *st
         if (next != SEGMENTS_SOME)
             return stop(state, next);
         const collector c = {tr, tr->own, at, r, state, counters};
-        if (way.doubted && !tell_doubt(state, &way.doubt))
+        if (way.doubted && !tell_doubt(state, counters, &way.doubt))
             return stop(state, SEGMENTS_SOME);
         if (at ? !walk_pieces(&c, &passage) : !walk_treelet_whole(&c, &passage))
             return stop(state, SEGMENTS_SOME);

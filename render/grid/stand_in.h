@@ -1,5 +1,5 @@
-/* stand_in.h - what a preview draws in place of a grid's treelet that is absent: its finest ancestor
- * of which something is known.
+/* stand_in.h - what a preview draws in place of a grid's treelet that is absent: its finest
+ * ancestor of which something is known.
  */
 #ifndef RENDER_GRID_STAND_IN_H
 #define RENDER_GRID_STAND_IN_H
