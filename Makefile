@@ -272,6 +272,13 @@ $(LEFT_OUT):
 	@rm -f $@
 	@echo "leafcast $(@:$B/libexec/leafcast-%=%) is left out: its library is not here (scripts/setup-debian --list)"
 
+# Tables of measurements say what was measured.
+COMMIT := $(shell git describe --always --dirty=+ --exclude='*' 2>/dev/null)
+$B/commit: FORCE
+	$(call remember,$(COMMIT))
+$B/obj/render/bench/%_main.o: ISA := -DBENCH_COMMIT='"$(COMMIT)"'
+$(patsubst %.c,$B/obj/%.o,$(filter render/bench/%,$(MAINS))): $B/commit
+
 PEERS    := $(call verb,render/bench/bench_peers_main.c)
 PEER_VTK := $B/libexec/leafcast-peer-vtk
 # Embree is linked into the peers' benchmark alone, which is made for this machine: a peer runs as

@@ -201,7 +201,7 @@ typedef enum leafcast_lod {
  * what of it comes through all that is in front. Where several volumes are filled at one place,
  * their k add, and so do their c k. */
 typedef struct leafcast_transfer_point {
-    double value;      /* finite; not falling from point to point */
+    double value;      /* finite; that of the point before, or at least 1e-290 more */
     float rgb[3];      /* 0 and more */
     double extinction; /* per world length: 0 and more, finite */
 } leafcast_transfer_point;

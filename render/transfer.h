@@ -34,7 +34,7 @@ typedef struct transfer_span {
     double give;
 } transfer_span;
 
-/* Spans that are narrower are steps. */
+/* No span is narrower (arguments.h). */
 #define TRANSFER_NARROWEST 1e-290
 
 typedef struct transfer {
@@ -43,7 +43,6 @@ typedef struct transfer {
     double *from;    /* of each span, once more */
     double most_k;   /* the largest extinction, */
     double most_rgb; /* and the largest component of a colour */
-    bool narrow;     /* points that are not at one value count as a step */
 } transfer;
 
 /* transfer_init() - of a medium that has been checked (arguments.h). transfer_release() - also
