@@ -12,20 +12,10 @@ static double bring_within(double *x, double lo, double hi) {
     return fmax(hi - *x, *x - lo);
 }
 
-/* Of a step that is narrower than numbers, extents do not know what is in it. */
-static transfer_extent extent_of(const transfer *t, const double range[2]) {
-    transfer_extent all = {.k = {0.0, t->most_k}};
-    if (!t->narrow)
-        return transfer_extent_of(t, range[0], range[1]);
-    for (int c = 0; c < 3; c++)
-        all.rgb[c][1] = t->most_rgb;
-    return all;
-}
-
 void medium_doubt_within(const medium_rule *rule, const double range[2], bool gaps, double length,
                          medium_stretch *seen) {
     const double rounding = 64.0 * 0x1p-53;
-    const transfer_extent x = extent_of(rule->transfer, range);
+    const transfer_extent x = transfer_extent_of(rule->transfer, range[0], range[1]);
     const double most = portable_exp(-((gaps ? 0.0 : x.k[0]) * length));
     const double least = portable_exp(-(x.k[1] * length));
     if (x.k[1] == 0.0) {

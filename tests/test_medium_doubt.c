@@ -125,6 +125,72 @@ static void test_ranges(void **state) {
     assert_true(said > 50);
 }
 
+/* Black fog of unknown density, and something bright behind it. */
+static void test_fog(void **state) {
+    (void)state;
+    const leafcast_transfer_point points[] = {
+        {0.0, {0.0f, 0.0f, 0.0f}, 0.0},
+        {1.0, {0.0f, 0.0f, 0.0f}, 1.0},
+        {1.0, {0.8f, 0.8f, 0.8f}, 100.0},
+        {2.0, {0.8f, 0.8f, 0.8f}, 100.0},
+    };
+    const leafcast_medium medium = {points, 4};
+    const double fog[2] = {0.0, 0.75}, lamp[2] = {1.5, 1.5};
+    medium_stretch all = medium_nothing(), behind = medium_nothing();
+    transfer t;
+    mem m;
+    mem_init(&m, 0);
+    assert_int_equal(transfer_init(&t, &m, &medium), ST_OK);
+    const medium_rule rule = {.transfer = &t};
+    medium_doubt_within(&rule, fog, false, 1.0, &all);
+    assert_true(all.through == 1.0 && all.rgb_error < 1e-12);
+    assert_true(fabs(all.through_error - (1.0 - exp(-0.75))) < 1e-12);
+    medium_doubt_within(&rule, lamp, false, 1.0, &behind);
+    assert_true(behind.rgb_error < 1e-12 && behind.through < 1e-12);
+    medium_doubt_join(&all, &behind, 1.0);
+    assert_true(fabs(all.rgb[0] - 0.8) < 1e-6 &&
+                fabs(all.rgb_error - 0.8 * (1.0 - exp(-0.75))) < 1e-6);
+    transfer_release(&t, &m);
+}
+
+/* Treelets that overlap on a ray, with a piece between. */
+static void test_beside(void **state) {
+    (void)state;
+    float own[3][2] = {{0.0f, 1.0f}, {5.0f, 6.0f}, {2.0f, 3.0f}};
+    uint8_t flags[3] = {0, 0, LEAF_FLAG_NON_FINITE};
+    const leafcast_transfer_point points[] = {{0.0, {0.5f, 0.5f, 0.5f}, 3.0},
+                                              {6.0, {0.5f, 0.5f, 0.5f}, 0.0}};
+    const leafcast_medium medium = {points, 2};
+    leaf_file f = {.own = own, .flags = flags};
+    f.layout.treelets = 3;
+    loader l = {.file = &f};
+    const tracer tr = {.treelets = &l, .layout = &f.layout};
+    double range[2];
+    medium_doubt d = {0};
+    medium_stretch seen = medium_nothing();
+    transfer t;
+    mem m;
+    mem_init(&m, 0);
+    assert_int_equal(transfer_init(&t, &m, &medium), ST_OK);
+    const medium_rule rule = {.transfer = &t};
+    assert_true(!segment_doubted(&tr, 1, range) && range[0] == 5.0 && range[1] == 6.0);
+    assert_true(segment_doubted(&tr, 2, range) && range[0] == 2.0 && range[1] == 3.0);
+    for (uint32_t first = 0; first < 2; first++) {
+        const segment a = segment_doubt(&tr, first, SEGMENT_BESIDE, 1.0, 4.0);
+        const segment b = segment_doubt(&tr, 1 - first, SEGMENT_BESIDE, 2.0, 3.5);
+        d = (medium_doubt){0};
+        medium_doubt_begin(&d, &tr, &a);
+        assert_true(medium_doubt_take(&d, &rule, 2.0, &seen) && d.from == 2.0);
+        medium_doubt_begin(&d, &tr, &b);
+        assert_true(d.range[0] == 0.0 && d.range[1] == 6.0 && d.from == 2.0 && d.to == 4.0);
+        assert_false(medium_doubt_guess(&d, 3.0, &seen));
+        assert_true(medium_doubt_take(&d, &rule, 9.0, &seen) && d.from == 4.0);
+        assert_true(seen.through == 1.0 && fabs(seen.through_error - (1.0 - exp(-3.0))) < 1e-12);
+        assert_false(medium_doubt_take(&d, &rule, 9.0, &seen));
+    }
+    transfer_release(&t, &m);
+}
+
 /* ---- Pictures ---- */
 
 enum { SIDE = 14, PIXELS = SIDE * SIDE, NODES = 68 };
@@ -331,6 +397,26 @@ static void test_meshes(void **state) {
     assert_true(s.pixels > 1000 && s.off > s.pixels / 10 && s.told > s.pixels / 20);
 }
 
+/* Where nothing but holes may make a difference: values do not. */
+static void test_holes(void **state) {
+    (void)state;
+    static shot s;
+    field f;
+    assert_true(field_make(&f, "missing", NODES, FIELD_SEED));
+    s.path = fixture_leaf(&f, 4, 1, false);
+    leafcast *v = fixture_open(s.path, NULL);
+    s.points[0] = (leafcast_transfer_point){0.0, {0.1f, 0.2f, 0.3f}, 0.02};
+    s.medium = (leafcast_medium){s.points, 1};
+    s.scene = leafcast_scene_default();
+    s.camera = leafcast_standard_view(v, 1.2, SIDE, SIDE);
+    draw(&s, v, false, &s.exact);
+    leafcast_close(v);
+    for (uint64_t seed = 0; seed < 6; seed++)
+        check_preview(&s, seed, "holes");
+    assert_true(s.pixels > PIXELS && s.off > 0);
+    field_release(&f);
+}
+
 /* ---- Where data are flat ---- */
 
 /* A smooth field of which nothing but the coarse levels is there: most is known for all that. */
@@ -450,11 +536,46 @@ static void test_doubts(void **state) {
     }
 }
 
+/* Where the one treelet that is there has cells larger than what is missing, it is no guess. */
+static void test_many_levels(void **state) {
+    (void)state;
+    enum { LONG = 540, WIDE = 5 };
+    static float samples[LONG * WIDE * WIDE];
+    field_random r = {1};
+    field f = {.name = "long",
+               .type = "u8",
+               .dims = {LONG, WIDE, WIDE},
+               .samples = samples,
+               .spacing = {1, 1, 1}};
+    leafcast_scene scene = leafcast_scene_default();
+    loader_request root = {0, 0};
+    ray_stage s;
+    for (int i = 0; i < LONG * WIDE * WIDE; i++)
+        samples[i] = (float)field_random_below(&r, 256);
+    ray_stage_open(&s, fixture_leaf(&f, 4, 1, false), 1);
+    scene.preview = true;
+    s.world = field_volume(&f);
+    ray_stage_show(&s, &scene);
+    const interest all = interest_of_all();
+    loader_select(s.v->treelets, &all);
+    s.tr.doubts = true;
+    loader_clear(s.v->treelets);
+    loader_set_capacity(s.v->treelets, 1, 0);
+    assert_int_equal(loader_admit(s.v->treelets, &root, 1), ST_OK);
+    assert_int_equal(loader_settle(s.v->treelets), ST_OK);
+    assert_true(s.tr.layout->levels > 6);
+    assert_true(check_doubts(&s, 200) > 50);
+    ray_stage_close(&s, f.name);
+}
+
 int main(int argc, char **argv) {
     if (argc == 2)
         cmocka_set_test_filter(argv[1]);
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_ranges), cmocka_unit_test(test_doubts),
-                                       cmocka_unit_test(test_smooth), cmocka_unit_test(test_grids),
-                                       cmocka_unit_test(test_meshes)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_ranges),      cmocka_unit_test(test_fog),
+        cmocka_unit_test(test_beside),      cmocka_unit_test(test_holes),
+        cmocka_unit_test(test_many_levels), cmocka_unit_test(test_doubts),
+        cmocka_unit_test(test_smooth),      cmocka_unit_test(test_grids),
+        cmocka_unit_test(test_meshes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
