@@ -6,6 +6,10 @@
  * The error of a pixel is shared out: so much for what is seen of the medium, by its opacity and by
  * its length, and what is left for the end: a ray is done when nothing of more weight can come.
  * The light of surfaces is taken as it is, shadows through media are not drawn.
+ *
+ * A preview goes on where treelets are absent, with a guess and a bound of its own
+ * (medium_doubt.h). Where surfaces are not sure, or several media are at one place, its bound is all
+ * that may be seen.
  */
 #ifndef RENDER_MEDIUM_INTEGRATOR_H
 #define RENDER_MEDIUM_INTEGRATOR_H
