@@ -152,7 +152,7 @@ static status fill(leafcast_frame *fr) {
     const bool certified = !scene->experiments || scene->experiments->summing == LEAFCAST_CERTIFIED;
     if (st == ST_OK && !certified)
         return fill_for_steps(fr);
-    fr->t.f.record_more = medium_record_more(fr->look.filled);
+    fr->t.f.record_more = medium_record_more(fr->look.filled, scene->preview);
     for (int i = 0; i < fr->t.volumes && st == ST_OK && fr->look.filled == 1; i++)
         if (fr->media[i].spans > 0)
             fr->t.beside[i].whole = homogeneous_of(fr, i);

@@ -12,11 +12,11 @@ static double bring_within(double *x, double lo, double hi) {
     return fmax(hi - *x, *x - lo);
 }
 
-void medium_doubt_within(const medium_rule *rule, const double range[2], bool gaps, double length,
+void medium_doubt_within(const medium_rule *rule, const medium_doubtful *what, double length,
                          medium_stretch *seen) {
     const double rounding = 64.0 * 0x1p-53;
-    const transfer_extent x = transfer_extent_of(rule->transfer, range[0], range[1]);
-    const double most = portable_exp(-((gaps ? 0.0 : x.k[0]) * length));
+    const transfer_extent x = what->extent;
+    const double most = portable_exp(-((what->gaps ? 0.0 : x.k[0]) * length));
     const double least = portable_exp(-(x.k[1] * length));
     if (x.k[1] == 0.0) {
         *seen = medium_nothing();
@@ -59,17 +59,31 @@ void medium_doubt_join(medium_stretch *front, const medium_stretch *behind, doub
 
 /* ---- On the way ---- */
 
-void medium_doubt_begin(medium_doubt *d, const tracer *tr, const segment *is) {
-    const bool beside = is->spread == SEGMENT_BESIDE, going_on = beside && is->t0 < d->to;
+medium_doubtful medium_doubtful_of(const transfer *t, const tracer *tr, uint32_t of) {
     double range[2];
-    const bool gaps = segment_doubted(tr, is->treelet, range) || beside;
-    d->range[0] = going_on ? fmin(d->range[0], range[0]) : range[0];
-    d->range[1] = going_on ? fmax(d->range[1], range[1]) : range[1];
-    d->from = beside && d->beside ? fmax(d->from, is->t0) : is->t0;
-    d->to = going_on ? fmax(d->to, is->t1) : is->t1;
-    d->gaps = gaps;
-    d->beside = beside;
-    d->guess = medium_nothing();
+    const bool gaps = segment_doubted(tr, of, range);
+    return (medium_doubtful){transfer_extent_of(t, range[0], range[1]), gaps};
+}
+
+static void take_in(double range[2], const double more[2]) {
+    range[0] = fmin(range[0], more[0]);
+    range[1] = fmax(range[1], more[1]);
+}
+
+void medium_doubt_begin(medium_doubt *d, const segment *is, const medium_doubtful *what) {
+    const medium_doubt before = *d;
+    const bool beside = is->spread == SEGMENT_BESIDE;
+    *d = (medium_doubt){is->t0, is->t1, *what, beside, medium_nothing()};
+    if (!beside)
+        return;
+    d->what.gaps = true;
+    if (!before.beside || !(is->t0 < before.to))
+        return;
+    d->from = fmax(before.from, is->t0);
+    d->to = fmax(before.to, is->t1);
+    take_in(d->what.extent.k, before.what.extent.k);
+    for (int c = 0; c < 3; c++)
+        take_in(d->what.extent.rgb[c], before.what.extent.rgb[c]);
 }
 
 bool medium_doubt_take(medium_doubt *d, const medium_rule *rule, double t, medium_stretch *seen) {
@@ -77,7 +91,7 @@ bool medium_doubt_take(medium_doubt *d, const medium_rule *rule, double t, mediu
     if (!(d->from < until) || (!d->beside && t < d->to))
         return false;
     *seen = d->guess;
-    medium_doubt_within(rule, d->range, d->gaps, until - d->from, seen);
+    medium_doubt_within(rule, &d->what, until - d->from, seen);
     d->from = until;
     return true;
 }

@@ -19,18 +19,25 @@
 
 #include "render/medium_stretch.h"
 
+/* What there may be in treelets. */
+typedef struct medium_doubtful {
+    transfer_extent extent; /* where something is */
+    bool gaps;              /* there may be nothing in places */
+} medium_doubtful;
+
 /* A ray in it. Zeroed: in none. */
 typedef struct medium_doubt {
-    double from, to;      /* t: what is in doubt, and was not yet taken; from >= to: nothing */
-    double range[2];      /* of the values there */
-    bool gaps;            /* there may be none in places */
+    double from, to; /* t: what is in doubt, and was not yet taken; from >= to: nothing */
+    medium_doubtful what;
     bool beside;          /* between pieces, which are true; else in place of them */
     medium_stretch guess; /* by such pieces, so far */
 } medium_doubt;
 
-/* medium_doubt_begin() - piece `is` of the tracer's volume is a doubt; what is before it has been
- * taken. */
-void medium_doubt_begin(medium_doubt *d, const tracer *tr, const segment *is);
+/* medium_doubtful_of() - of the values of treelet `of` of the tracer's volume. */
+medium_doubtful medium_doubtful_of(const transfer *t, const tracer *tr, uint32_t of);
+
+/* medium_doubt_begin() - piece `is` is a doubt about `what`; what is before it has been taken. */
+void medium_doubt_begin(medium_doubt *d, const segment *is, const medium_doubtful *what);
 
 /* medium_doubt_take() - what is known to be seen of it before t, where the next piece begins.
  * False: nothing, or not yet. */
@@ -40,9 +47,8 @@ bool medium_doubt_take(medium_doubt *d, const medium_rule *rule, double t, mediu
  * guess, and has been taken in. */
 bool medium_doubt_guess(medium_doubt *d, double t1, const medium_stretch *seen);
 
-/* medium_doubt_within() - *seen as it is where, on such a length, values are in range[0] ..
- * range[1]; or, with gaps, missing in places. */
-void medium_doubt_within(const medium_rule *rule, const double range[2], bool gaps, double length,
+/* medium_doubt_within() - *seen as it is where `what` is on such a length. */
+void medium_doubt_within(const medium_rule *rule, const medium_doubtful *what, double length,
                          medium_stretch *seen);
 
 /* medium_doubt_join() - medium_join() where a doubt is among it: no more comes through than all,

@@ -34,11 +34,24 @@ typedef struct medium_ray {
     double from;      /* t: everything before it is in `front` */
     medium_stretch front;
     medium_stretch run; /* behind that: of pieces in one treelet */
-    medium_doubt doubt; /* preview: and what is to come behind that */
     segments_state walk;
     segment kept[SEGMENTS_KEPT];
-    overlay_lane lanes[]; /* of all that are filled, where they are several */
+    overlay_lane lanes[]; /* of all that are filled, where they are several; or a doubt */
 } medium_ray;
+
+/* In a preview of one filled volume, once `doubted`: what is to come behind the run. */
+static medium_doubt *doubt_of(medium_ray *p) {
+    return (medium_doubt *)(void *)p->lanes;
+}
+
+/* What medium_take() works in. */
+enum { DOUBTFUL = 64 };
+typedef struct take_scratch {
+    medium_batch batch;
+    /* Of treelets whose number ends so, the last one that was asked for. */
+    uint32_t treelet[DOUBTFUL];
+    medium_doubtful doubtful[DOUBTFUL];
+} take_scratch;
 
 static medium_ray *medium_ray_of(ray_record *r) {
     return (medium_ray *)r;
@@ -91,7 +104,6 @@ static void medium_begin(const frame *f, uint32_t pixel, ray_record *r) {
     surface_ray_begin(pixel, &p->way);
     p->stage = FINDING;
     p->begun = p->doubted = p->unbounded = false;
-    p->doubt = (medium_doubt){0};
     p->from = 0.0;
     p->rule = rule_of(f, pixel, filled_from(f, 0), way);
     for (int i = 0, v = filled_from(f, 0); i < look_of(f)->filled && overlaid(f); i++) {
@@ -153,14 +165,23 @@ static medium_stretch stretch_of(const medium_batch *m, unsigned i) {
 /* What is in doubt before t comes behind what has been seen. */
 static void settle(const frame *f, medium_ray *p, double t) {
     medium_stretch seen;
-    if (!medium_doubt_take(&p->doubt, &p->rule, t, &seen))
-        return;
-    join(f, p, &p->run, &seen);
+    if (p->doubted && medium_doubt_take(doubt_of(p), &p->rule, t, &seen))
+        join(f, p, &p->run, &seen);
+}
+
+static const medium_doubtful *doubtful_of(const frame *f, take_scratch *s, uint32_t t) {
+    const int v = filled_from(f, 0);
+    const unsigned i = t % DOUBTFUL;
+    if (s->treelet[i] != t)
+        s->doubtful[i] = medium_doubtful_of(&look_of(f)->media[v], &f->tracer[v], t);
+    s->treelet[i] = t;
+    return &s->doubtful[i];
 }
 
 /* Piece i in a preview. True: it is a doubt, or a guess, or comes too late. */
-static bool take_doubt(const frame *f, medium_ray *p, const medium_batch *m,
-                       const segment_columns *c, unsigned i, bool *stop) {
+static bool take_doubt(const frame *f, medium_ray *p, take_scratch *s, const segment_columns *c,
+                       unsigned i, bool *stop) {
+    const medium_batch *m = &s->batch;
     settle(f, p, c->t0[i]);
     *stop = *stop || is_dark(f, p);
     if (*stop)
@@ -168,27 +189,34 @@ static bool take_doubt(const frame *f, medium_ray *p, const medium_batch *m,
     if (c->spread[i] < 0.0) {
         const segment is = {
             .t0 = c->t0[i], .t1 = c->t1[i], .spread = c->spread[i], .treelet = c->treelet[i]};
+        if (!p->doubted)
+            *doubt_of(p) = (medium_doubt){0};
         p->doubted = true;
-        medium_doubt_begin(&p->doubt, &f->tracer[filled_from(f, 0)], &is);
+        medium_doubt_begin(doubt_of(p), &is, doubtful_of(f, s, c->treelet[i]));
         return true;
     }
+    if (!p->doubted)
+        return false;
     const medium_stretch seen = m->seen[i] ? stretch_of(m, i) : medium_nothing();
-    return medium_doubt_guess(&p->doubt, c->t1[i], &seen);
+    return medium_doubt_guess(doubt_of(p), c->t1[i], &seen);
 }
 
 static void medium_take(const frame *f, ray_record *const r[], const segment_columns *c,
                         bool stop[], void *scratch) {
     const medium_look *look = look_of(f);
-    medium_batch *m = scratch;
+    take_scratch *s = scratch;
+    medium_batch *m = &s->batch;
     const bool doubts = f->tracer[filled_from(f, 0)].doubts;
     m->transfer = &look->media[filled_from(f, 0)];
     set_rules(look, r, c, m);
+    for (int i = 0; i < DOUBTFUL && doubts; i++)
+        s->treelet[i] = LEAF_NO_TREELET;
     f->kernels->medium(m, c);
     for (unsigned i = 0; i < c->count; i++) {
         medium_ray *p = medium_ray_of(r[c->ray[i]]);
         if (c->spread[i] > 0.0)
             medium_batch_whole(m, c, i);
-        if (doubts && take_doubt(f, p, m, c, i, &stop[c->ray[i]]))
+        if (doubts && take_doubt(f, p, s, c, i, &stop[c->ray[i]]))
             continue;
         if (!m->seen[i] || stop[c->ray[i]])
             continue;
@@ -452,14 +480,16 @@ homogeneous medium_homogeneous(const medium_look *look, int v, double longest, b
     return medium_whole(&rule, look->range[v], integers);
 }
 
-size_t medium_record_more(int filled) {
-    return filled > 1 ? (size_t)filled * sizeof(overlay_lane) : 0;
+size_t medium_record_more(int filled, bool preview) {
+    if (filled <= 1)
+        return preview ? sizeof(medium_doubt) : 0;
+    return (size_t)filled * sizeof(overlay_lane);
 }
 
 const integrator medium_integrator = {.record_bytes = sizeof(medium_ray),
                                       .begin = medium_begin,
                                       .ask = medium_ask,
                                       .answer = medium_answer,
-                                      .take_scratch = sizeof(medium_batch),
+                                      .take_scratch = sizeof(take_scratch),
                                       .take = medium_take,
                                       .bundle = surface_ray_bundle};

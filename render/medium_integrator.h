@@ -8,8 +8,8 @@
  * The light of surfaces is taken as it is, shadows through media are not drawn.
  *
  * A preview goes on where treelets are absent, with a guess and a bound of its own
- * (medium_doubt.h). Where surfaces are not sure, or several media are at one place, its bound is all
- * that may be seen.
+ * (medium_doubt.h). Where surfaces are not sure, or several media are at one place, its bound is
+ * all that may be seen.
  */
 #ifndef RENDER_MEDIUM_INTEGRATOR_H
 #define RENDER_MEDIUM_INTEGRATOR_H
@@ -20,8 +20,9 @@
 
 extern const integrator medium_integrator;
 
-/* medium_record_more() - frame.record_more of so many volumes that are filled. */
-size_t medium_record_more(int filled);
+/* medium_record_more() - frame.record_more of so many volumes that are filled, in a preview or not.
+ */
+size_t medium_record_more(int filled, bool preview);
 
 /* frame.look */
 typedef struct medium_look {

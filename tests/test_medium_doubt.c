@@ -96,7 +96,8 @@ static bool check_way(bench *b) {
         medium_stretch next = any_guess(b);
         double range[2];
         any_range(b, range);
-        medium_doubt_within(&b->rule, range, gaps, length, &next);
+        const medium_doubtful what = {transfer_extent_of(&b->t, range[0], range[1]), gaps};
+        medium_doubt_within(&b->rule, &what, length, &next);
         medium_doubt_join(&all, &next, b->t.most_rgb);
         add_truth(b, range, gaps, length, rgb, &through);
         if (!(fabsl(through - all.through) <= all.through_error + 1e-290L))
@@ -135,17 +136,18 @@ static void test_fog(void **state) {
         {2.0, {0.8f, 0.8f, 0.8f}, 100.0},
     };
     const leafcast_medium medium = {points, 4};
-    const double fog[2] = {0.0, 0.75}, lamp[2] = {1.5, 1.5};
     medium_stretch all = medium_nothing(), behind = medium_nothing();
     transfer t;
     mem m;
     mem_init(&m, 0);
     assert_int_equal(transfer_init(&t, &m, &medium), ST_OK);
     const medium_rule rule = {.transfer = &t};
-    medium_doubt_within(&rule, fog, false, 1.0, &all);
+    const medium_doubtful fog = {transfer_extent_of(&t, 0.0, 0.75), false};
+    const medium_doubtful lamp = {transfer_extent_of(&t, 1.5, 1.5), false};
+    medium_doubt_within(&rule, &fog, 1.0, &all);
     assert_true(all.through == 1.0 && all.rgb_error < 1e-12);
     assert_true(fabs(all.through_error - (1.0 - exp(-0.75))) < 1e-12);
-    medium_doubt_within(&rule, lamp, false, 1.0, &behind);
+    medium_doubt_within(&rule, &lamp, 1.0, &behind);
     assert_true(behind.rgb_error < 1e-12 && behind.through < 1e-12);
     medium_doubt_join(&all, &behind, 1.0);
     assert_true(fabs(all.rgb[0] - 0.8) < 1e-6 &&
@@ -178,11 +180,14 @@ static void test_beside(void **state) {
     for (uint32_t first = 0; first < 2; first++) {
         const segment a = segment_doubt(&tr, first, SEGMENT_BESIDE, 1.0, 4.0);
         const segment b = segment_doubt(&tr, 1 - first, SEGMENT_BESIDE, 2.0, 3.5);
+        const medium_doubtful of[2] = {medium_doubtful_of(&t, &tr, first),
+                                       medium_doubtful_of(&t, &tr, 1 - first)};
         d = (medium_doubt){0};
-        medium_doubt_begin(&d, &tr, &a);
+        medium_doubt_begin(&d, &a, &of[0]);
         assert_true(medium_doubt_take(&d, &rule, 2.0, &seen) && d.from == 2.0);
-        medium_doubt_begin(&d, &tr, &b);
-        assert_true(d.range[0] == 0.0 && d.range[1] == 6.0 && d.from == 2.0 && d.to == 4.0);
+        medium_doubt_begin(&d, &b, &of[1]);
+        assert_true(d.what.gaps && d.from == 2.0 && d.to == 4.0);
+        assert_true(d.what.extent.k[0] == 0.0 && d.what.extent.k[1] == 3.0);
         assert_false(medium_doubt_guess(&d, 3.0, &seen));
         assert_true(medium_doubt_take(&d, &rule, 9.0, &seen) && d.from == 4.0);
         assert_true(seen.through == 1.0 && fabs(seen.through_error - (1.0 - exp(-3.0))) < 1e-12);
