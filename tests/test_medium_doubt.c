@@ -313,7 +313,7 @@ static void check_preview(shot *s, uint64_t seed, const char *what) {
         s->off += some.provisional[i] && off > s->exact.error[i];
         s->told += some.provisional[i] && some.error[i] < 0.1;
     }
-    if (seed % 3 > 0 || getenv("LEAFCAST_STRESS_STOP"))
+    if (seed % 2 > 0)
         return;
     draw_some(s, "scalar", limit, seed, &again);
     assert_memory_equal(again.rgba, some.rgba, sizeof some.rgba);
