@@ -124,7 +124,7 @@ RUN   += $(filter-out $(RUN),$(ASKED))
 # What the library for others needs, and what the verbs need besides. bzip2 has no module there.
 DOOR_LIBS := -lbz2 -lm
 DOOR_PC := zlib libzstd liblzma liblz4 jansson libxxhash expat
-LIBS_PC := $(DOOR_PC) libpng
+LIBS_PC := $(DOOR_PC) libpng freetype2
 ifneq ($(filter-out list help clean setup test demo,$(or $(MAKECMDGOALS),all)),)
 MISSING := $(if $(shell command -v pkg-config),,pkg-config) \
            $(foreach p,$(LIBS_PC),$(shell $(PKG_CONFIG) --exists $p 2>/dev/null || echo $p))

@@ -6,7 +6,6 @@
 #include "render/leafcast_experimental.h"
 #include "render/preintegrated_table.h"
 #include "render/samples.h"
-#include "render/transfer.h"
 
 /* One of an enumeration's values, which are 0 .. last. An enum may be signed or not. */
 static status one_of(const char *name, long long value, int last) {
@@ -103,11 +102,11 @@ static status check_point(const leafcast_medium *medium, int i) {
                                "point %d of the transfer function has a smaller value "
                                "than the one before",
                                i + 1);
-    if (i > 0 && p->value > p[-1].value && p->value - p[-1].value < TRANSFER_NARROWEST)
+    if (i > 0 && p->value > p[-1].value && p->value - p[-1].value < LEAFCAST_TRANSFER_NARROWEST)
         return status_describe(ST_USAGE,
                                "point %d of the transfer function: its value is neither that of "
                                "the point before nor %g above it",
-                               i + 1, TRANSFER_NARROWEST);
+                               i + 1, LEAFCAST_TRANSFER_NARROWEST);
     return ST_OK;
 }
 

@@ -34,9 +34,6 @@ typedef struct transfer_span {
     double give;
 } transfer_span;
 
-/* No span is narrower (arguments.h). */
-#define TRANSFER_NARROWEST 1e-290
-
 typedef struct transfer {
     transfer_span *span;
     int spans;       /* at least 1; 0: nothing is filled */

@@ -59,6 +59,8 @@ void render_job_close(render_job *job) {
     for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
         transfer_list_release(&job->transfer[i]);
     transfer_list_release(&job->caps);
+    text_face_close(job->face);
+    job->face = NULL;
     image_out_close(job->files);
     job->files = NULL;
     for (int i = 0; i < job->also_count; i++) {
@@ -198,7 +200,7 @@ static leafcast_image planes_wanted(const render_job *job, const script_frame *f
         .g = c,
         .b = c,
         .a = all || !opaque ? c : NULL,
-        .z = all || raw[IMAGE_DEPTH] ? &any_double : NULL,
+        .z = all || raw[IMAGE_DEPTH] || v->annotation.parts & ANNOTATE_BOX ? &any_double : NULL,
         .normal = {n, n, n},
         .id = all ? &any_id : NULL,
         .rgba = raw[IMAGE_RGBA] || certify ? &any_double : NULL,
@@ -379,7 +381,24 @@ static void draw_legend(const render_job *job, const view_options *view,
     if (!view->legend || i < 0)
         return;
     medium_options_window(&view_of(job, view, i)->medium, &job->transfer[i], window);
-    legend_draw(&job->image, job->width, job->height, &job->transfer[i], window);
+    legend_draw(&job->image, job->width, job->height, &job->transfer[i], window, job->face);
+}
+
+/* The letters, opened when a picture first wants them. */
+static status open_face(render_job *job, const annotation *a) {
+    return annotate_wanted(a) && !job->face ? text_face_open(&job->m, job->font, &job->face)
+                                            : ST_OK;
+}
+
+static void annotate(const render_job *job, const view_options *view,
+                     const leafcast_camera *camera) {
+    const float *rgba = view->scene.background;
+    const bool light = rgba[3] * (0.3f * rgba[0] + 0.6f * rgba[1] + 0.1f * rgba[2]) > 0.2f;
+    leafcast_image planes = job->image;
+    if (view->scene.project != LEAFCAST_PROJECT_NONE || view->isos == 0)
+        planes.z = NULL; /* hides nothing */
+    if (annotate_wanted(&view->annotation))
+        annotate_draw(&planes, camera, job->info.bounds, &view->annotation, light, job->face);
 }
 
 static status trace(render_job *job, const leafcast_scene *scene, const leafcast_camera *camera,
@@ -557,6 +576,8 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
     leafcast_scene scene;
     status st = describe_scene(job, &frame->view, &scene);
     if (st == ST_OK)
+        st = open_face(job, &frame->view.annotation);
+    if (st == ST_OK)
         st = open_targets(job, frame, to);
     if (st == ST_OK)
         st = make_planes(job, frame, &scene, &camera);
@@ -572,6 +593,8 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
     const double traced = clock_seconds();
     if (st == ST_OK)
         draw_legend(job, &frame->view, &scene);
+    if (st == ST_OK)
+        annotate(job, &frame->view, &camera);
     if (st == ST_OK)
         st = write_targets(job, frame, &camera, &scene, to);
     stats->write_s = clock_seconds() - traced;
