@@ -4,6 +4,7 @@
 #ifndef RENDER_COUNTERS_H
 #define RENDER_COUNTERS_H
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -33,13 +34,23 @@ typedef struct ray_counters {
     RAY_COUNTERS(COUNTER)
     PACKET_COUNTERS(COUNTER)
 #undef COUNTER
+    /* Errors of provisional pixels of media: in all, in steps of 2^-32, and the greatest one. */
+    uint64_t doubt;
+    double most_doubt;
 } ray_counters;
+
+static inline void ray_counters_doubt(ray_counters *c, double error) {
+    c->doubt += (uint64_t)(fmin(error, 0x1p20) * 0x1p32);
+    c->most_doubt = fmax(c->most_doubt, error);
+}
 
 static inline void ray_counters_add(ray_counters *total, const ray_counters *c) {
 #define COUNTER(name) total->name += c->name;
     RAY_COUNTERS(COUNTER)
     PACKET_COUNTERS(COUNTER)
 #undef COUNTER
+    total->doubt += c->doubt;
+    total->most_doubt = fmax(total->most_doubt, c->most_doubt);
 }
 
 #endif

@@ -264,7 +264,8 @@ typedef struct leafcast_scene {
     leafcast_lod lod;
     uint32_t lod_level;
     bool preview; /* do not wait: draw the finest level that is resident, of a mesh its coarse grid
-                     where tets are absent, and say where that is provisional */
+                     where tets are absent, and say where that is provisional; of a medium also how
+                     far that may be off (image.error) */
     bool sweep;   /* load everything the isovalues need, coarse first, instead of what the rays ask
                      for */
     int samples;  /* rays a pixel for r, g, b, a: 0 or 1 (through its centre), 4 or 16 on a fixed
@@ -397,7 +398,8 @@ typedef struct leafcast_image {
     uint32_t x, y, width, height;
     size_t stride; /* values from row to row, of all planes; 0: width */
     double *rgba;  /* 4 values a pixel: colour and alpha as in r, g, b, a, unrounded */
-    double *error; /* of media: no channel of rgba is further off than this */
+    double *error; /* of media: no channel of rgba is further off than this; where provisional: off
+                      the picture of all data */
     double *value; /* of a projection; NaN where the ray meets no data */
 } leafcast_image;
 
@@ -416,7 +418,8 @@ typedef struct leafcast_stats {
     uint64_t nodes, cells, roots;
     uint64_t covered_pixels; /* that show a surface */
     uint64_t provisional_pixels, ill_conditioned;
-    uint64_t uncertified_pixels; /* of media: scene.error is less than rounding allows */
+    uint64_t uncertified_pixels; /* of media: scene.error is less than rounding allows; without
+                                    those that are provisional */
     uint64_t passes; /* 1, and 1 more whenever all rays waited for treelets to give way to others */
     /* Of packets through a mesh (W07 table 4): rays individually tested against boxes and against
      * isopolygons; packets against boxes by intervals, and against isoranges; isopolygons taken up.
@@ -424,6 +427,9 @@ typedef struct leafcast_stats {
     uint64_t box_tests, polygon_tests, interval_tests, isorange_tests, isopolygons;
     int threads;
     const char *isa;
+    /* Of media, over the provisional pixels: how far these may be off, as image.error says. 0:
+     * there are none. */
+    double provisional_error_mean, provisional_error_most;
 } leafcast_stats;
 
 /* leafcast_check_room() - whether the memory budget holds such a picture, before its planes are

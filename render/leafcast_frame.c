@@ -177,7 +177,7 @@ static status fill(leafcast_frame *fr) {
     fr->look.overlaid = fr->look.filled > 1;
     if (st == ST_OK && scene->shade_media)
         st = shade_media(fr);
-    fr->t.f.record_more = medium_record_more(&fr->look);
+    fr->t.f.record_more = medium_record_more(&fr->look, scene->preview);
     for (int i = 0; i < fr->t.volumes && st == ST_OK && fr->look.filled == 1 && !fr->look.shade;
          i++)
         if (fr->media[i].spans > 0)
@@ -450,6 +450,10 @@ static void fill_stats(const leafcast_frame *fr, leafcast_stats *stats) {
     RAY_COUNTERS(COUNTER)
     PACKET_COUNTERS(COUNTER)
 #undef COUNTER
+    if (c->most_doubt > 0.0) {
+        stats->provisional_error_most = c->most_doubt;
+        stats->provisional_error_mean = (double)c->doubt * 0x1p-32 / (double)c->provisional_pixels;
+    }
     turn_stats(&fr->t, stats);
 }
 

@@ -20,6 +20,12 @@ static inline bool scene_is_filled(const leafcast_scene *scene) {
     return scene->media_count > 0 || scene->project != LEAFCAST_PROJECT_NONE;
 }
 
+/* scene_is_certified() - whether it shows media with a bound. */
+static inline bool scene_is_certified(const leafcast_scene *scene) {
+    return scene->media_count > 0 && scene->project == LEAFCAST_PROJECT_NONE &&
+           (!scene->experiments || scene->experiments->summing == LEAFCAST_CERTIFIED);
+}
+
 /* scene_intersector() - the exact one, but for experiments. */
 static inline leafcast_intersector scene_intersector(const leafcast_scene *scene) {
     return scene->experiments ? scene->experiments->intersector : LEAFCAST_MARMITT;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "render/kind.h"
+#include "render/medium_doubt.h"
 #include "render/medium_overlay.h"
 #include "render/medium_whole.h"
 #include "render/overlay_ray.h"
@@ -25,6 +26,8 @@ typedef struct medium_ray {
     surface_ray way;
     stage stage;
     bool begun;     /* to walk; */
+    bool doubted;   /* preview: it has come to a doubt */
+    bool unbounded; /* preview: something was not there that may be anything */
     double reached; /* so far, through several media */
     medium_rule rule;
     uint32_t treelet; /* of the last piece */
@@ -33,8 +36,22 @@ typedef struct medium_ray {
     medium_stretch run; /* behind that: of pieces in one treelet */
     segments_state walk;
     segment kept[SEGMENTS_KEPT];
-    overlay_lane lanes[]; /* of all that are filled, where they are overlaid */
+    overlay_lane lanes[]; /* of all that are filled, where they are overlaid; or a doubt */
 } medium_ray;
+
+/* In a preview of one filled volume, once `doubted`: what is to come behind the run. */
+static medium_doubt *doubt_of(medium_ray *p) {
+    return (medium_doubt *)(void *)p->lanes;
+}
+
+/* What medium_take() works in. */
+enum { DOUBTFUL = 64 };
+typedef struct take_scratch {
+    medium_batch batch;
+    /* Of treelets whose number ends so, the last one that was asked for. */
+    uint32_t treelet[DOUBTFUL];
+    medium_doubtful doubtful[DOUBTFUL];
+} take_scratch;
 
 static medium_ray *medium_ray_of(ray_record *r) {
     return (medium_ray *)r;
@@ -86,7 +103,7 @@ static void medium_begin(const frame *f, uint32_t pixel, ray_record *r) {
     double way[2] = {INFINITY, 0.0};
     surface_ray_begin(pixel, &p->way);
     p->stage = FINDING;
-    p->begun = false;
+    p->begun = p->doubted = p->unbounded = false;
     p->from = 0.0;
     p->rule = rule_of(f, pixel, filled_from(f, 0), way);
     for (int i = 0, v = filled_from(f, 0); i < look_of(f)->filled && overlaid(f); i++) {
@@ -98,8 +115,16 @@ static void medium_begin(const frame *f, uint32_t pixel, ray_record *r) {
     p->front = p->run = medium_nothing();
 }
 
+static void join(const frame *f, const medium_ray *p, medium_stretch *front,
+                 const medium_stretch *behind) {
+    if (p->doubted)
+        medium_doubt_join(front, behind, look_of(f)->brightest);
+    else
+        medium_join(front, behind, look_of(f)->brightest);
+}
+
 static void end_run(const frame *f, medium_ray *p) {
-    medium_join(&p->front, &p->run, look_of(f)->brightest);
+    join(f, p, &p->front, &p->run);
     p->run = medium_nothing();
 }
 
@@ -139,6 +164,45 @@ static medium_stretch stretch_of(const medium_batch *m, unsigned i) {
                             m->through[i],
                             m->rgb_error[i],
                             m->through_error[i]};
+}
+
+/* What is in doubt before t comes behind what has been seen. */
+static void settle(const frame *f, medium_ray *p, double t) {
+    medium_stretch seen;
+    if (p->doubted && medium_doubt_take(doubt_of(p), &p->rule, t, &seen))
+        join(f, p, &p->run, &seen);
+}
+
+static const medium_doubtful *doubtful_of(const frame *f, take_scratch *s, uint32_t t) {
+    const int v = filled_from(f, 0);
+    const unsigned i = t % DOUBTFUL;
+    if (s->treelet[i] != t)
+        s->doubtful[i] = medium_doubtful_of(&look_of(f)->media[v], &f->tracer[v], t);
+    s->treelet[i] = t;
+    return &s->doubtful[i];
+}
+
+/* Piece i in a preview. True: it is a doubt, or a guess, or comes too late. */
+static bool take_doubt(const frame *f, medium_ray *p, take_scratch *s, const segment_columns *c,
+                       unsigned i, bool *stop) {
+    const medium_batch *m = &s->batch;
+    settle(f, p, c->t0[i]);
+    *stop = *stop || is_dark(f, p);
+    if (*stop)
+        return true;
+    if (c->spread[i] < 0.0) {
+        const segment is = {
+            .t0 = c->t0[i], .t1 = c->t1[i], .spread = c->spread[i], .treelet = c->treelet[i]};
+        if (!p->doubted)
+            *doubt_of(p) = (medium_doubt){0};
+        p->doubted = true;
+        medium_doubt_begin(doubt_of(p), &is, doubtful_of(f, s, c->treelet[i]));
+        return true;
+    }
+    if (!p->doubted)
+        return false;
+    const medium_stretch seen = m->seen[i] ? stretch_of(m, i) : medium_nothing();
+    return medium_doubt_guess(doubt_of(p), c->t1[i], &seen);
 }
 
 /* The rest of the ray up to the surface. */
@@ -260,10 +324,29 @@ static bool join_pieces(const frame *f, medium_ray *p, const medium_batch *m,
     return dark;
 }
 
+/* In a preview, piece by piece. */
+static void take_doubted(const frame *f, ray_record *const r[], const segment_columns *c,
+                         bool stop[], take_scratch *s) {
+    for (int i = 0; i < DOUBTFUL; i++)
+        s->treelet[i] = LEAF_NO_TREELET;
+    for (unsigned i = 0; i < c->count; i++) {
+        medium_ray *p = medium_ray_of(r[c->ray[i]]);
+        if (take_doubt(f, p, s, c, i, &stop[c->ray[i]]) || !s->batch.seen[i] || stop[c->ray[i]])
+            continue;
+        const medium_stretch seen = stretch_of(&s->batch, i);
+        if (c->treelet[i] != p->treelet)
+            end_run(f, p);
+        p->treelet = c->treelet[i];
+        join(f, p, &p->run, &seen);
+        stop[c->ray[i]] = is_dark(f, p);
+    }
+}
+
 static void medium_take(const frame *f, ray_record *const r[], const segment_columns *c,
                         bool stop[], void *scratch) {
     const medium_look *look = look_of(f);
-    medium_batch *m = scratch;
+    take_scratch *s = scratch;
+    medium_batch *m = &s->batch;
     lit_ray on = {.of = NULL};
     m->transfer = &look->media[filled_from(f, 0)];
     set_rules(look, r, c, m);
@@ -271,6 +354,10 @@ static void medium_take(const frame *f, ray_record *const r[], const segment_col
     for (unsigned i = 0; i < c->count; i++)
         if (c->spread[i] > 0.0)
             medium_batch_whole(m, c, i);
+    if (f->tracer[filled_from(f, 0)].doubts) {
+        take_doubted(f, r, c, stop, s);
+        return;
+    }
     for (unsigned i = 0, end; i < c->count; i = end) {
         const unsigned number = c->ray[i];
         medium_ray *p = medium_ray_of(r[number]);
@@ -415,7 +502,7 @@ static bool pass_media(const frame *f, medium_ray *p, ray_question *q, ray_count
 
 static void end_media(medium_ray *p, int count) {
     for (int i = 0; i < count; i++)
-        p->way.provisional |= p->lanes[i].walk.provisional;
+        p->unbounded |= p->lanes[i].walk.provisional;
     p->begun = false;
 }
 
@@ -444,12 +531,24 @@ static bool composite(const frame *f, medium_ray *p) {
         s.rgb[c] = opacity * (double)p->way.rgb[c];
     s.rgb_error = depth_error_at(f, p) * look_of(f)->brightest;
     s.through_error = depth_error_at(f, p) * s.through;
-    medium_join(&p->front, &s, look_of(f)->brightest);
+    join(f, p, &p->front, &s);
     p->from = p->way.search.found.t;
     return surface_ray_pass(f, &p->way) && s.through > 0.0 && !is_dark(f, p);
 }
 
 /* ---- The pixel ---- */
+
+/* No channel x is further off than all that there may be of it. */
+static double most_off(const frame *f, const float background[4], const double x[4]) {
+    const double behind = (double)background[3];
+    double most = 0.0;
+    for (int c = 0; c < 4; c++) {
+        const double all = c < 3 ? look_of(f)->brightest * fmax(behind, 1.0) : fmax(behind, 1.0);
+        const double none = c < 3 ? fmin((double)background[c] * behind, 0.0) : fmin(behind, 0.0);
+        most = fmax(most, fmax(all - x[c], x[c] - none));
+    }
+    return most;
+}
 
 /* Of any channel, before the background. */
 static double error_of(const medium_stretch *s, const float background[4]) {
@@ -460,21 +559,40 @@ static double error_of(const medium_stretch *s, const float background[4]) {
     return s->rgb_error + (s->through_error + 0x1p-33) * brightest;
 }
 
+/* Of the pixel with channels x. What is not known of its surfaces may be anywhere. */
+static double pixel_error(const frame *f, medium_ray *p, const double x[4],
+                          ray_counters *counters) {
+    const float *background = look_of(f)->surfaces.scene->background;
+    const bool unbounded = p->unbounded || p->way.provisional;
+    double error = error_of(&p->front, background);
+    p->way.provisional |= p->doubted || p->unbounded;
+    if (look_of(f)->shade)
+        error = (double)INFINITY;
+    if (!p->way.provisional || look_of(f)->shade) {
+        counters->uncertified_pixels += error > look_of(f)->error;
+        return error;
+    }
+    const double most = most_off(f, background, x);
+    error = unbounded ? most : fmin(error, most);
+    ray_counters_doubt(counters, error);
+    return error;
+}
+
 static void write(const frame *f, medium_ray *p, ray_counters *counters) {
     const leafcast_image *image = &f->image;
     const float *background = look_of(f)->surfaces.scene->background;
     const size_t at = frame_plane(f, p->way.head.pixel);
     const medium_stretch *s = &p->front;
     const double rest = s->through * (double)background[3];
+    double x[4];
     float rgba[4];
     for (int c = 0; c < 4; c++) {
-        const double x = c < 3 ? s->rgb[c] + rest * (double)background[c] : 1.0 - s->through + rest;
+        x[c] = c < 3 ? s->rgb[c] + rest * (double)background[c] : 1.0 - s->through + rest;
         if (image->rgba)
-            image->rgba[4 * at + (size_t)c] = x;
-        rgba[c] = (float)x;
+            image->rgba[4 * at + (size_t)c] = x[c];
+        rgba[c] = (float)x[c];
     }
-    const double error = look_of(f)->shade ? (double)INFINITY : error_of(s, background);
-    counters->uncertified_pixels += error > look_of(f)->error;
+    const double error = pixel_error(f, p, x, counters);
     if (image->error)
         image->error[at] = error;
     surface_ray_write(f, &p->way, rgba, counters);
@@ -535,7 +653,7 @@ static void medium_answer(const frame *f, ray_record *record, trace_result resul
         surface_ray_answer(f, &p->way, result);
         return;
     }
-    p->way.provisional |= p->walk.provisional;
+    settle(f, p, INFINITY);
     p->begun = false;
     p->stage = MEETING;
 }
@@ -551,14 +669,16 @@ homogeneous medium_homogeneous(const medium_look *look, int v, double longest, b
     return medium_whole(&rule, look->range[v], integers);
 }
 
-size_t medium_record_more(const medium_look *look) {
-    return look->overlaid ? (size_t)look->filled * sizeof(overlay_lane) : 0;
+size_t medium_record_more(const medium_look *look, bool preview) {
+    if (look->overlaid)
+        return (size_t)look->filled * sizeof(overlay_lane);
+    return preview ? sizeof(medium_doubt) : 0;
 }
 
 const integrator medium_integrator = {.record_bytes = sizeof(medium_ray),
                                       .begin = medium_begin,
                                       .ask = medium_ask,
                                       .answer = medium_answer,
-                                      .take_scratch = sizeof(medium_batch),
+                                      .take_scratch = sizeof(take_scratch),
                                       .take = medium_take,
                                       .bundle = surface_ray_bundle};

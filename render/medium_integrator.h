@@ -6,6 +6,10 @@
  * The error of a pixel is shared out: so much for what is seen of the medium, by its opacity and by
  * its length, and what is left for the end: a ray is done when nothing of more weight can come.
  * The light of surfaces is taken as it is, shadows through media are not drawn.
+ *
+ * A preview goes on where treelets are absent, with a guess and a bound of its own
+ * (medium_doubt.h). Where surfaces are not sure, or several media are at one place, its bound is
+ * all that may be seen.
  */
 #ifndef RENDER_MEDIUM_INTEGRATOR_H
 #define RENDER_MEDIUM_INTEGRATOR_H
@@ -32,8 +36,8 @@ typedef struct medium_look {
     bool overlaid;
 } medium_look;
 
-/* medium_record_more() - frame.record_more for it. */
-size_t medium_record_more(const medium_look *look);
+/* medium_record_more() - frame.record_more for it, in a preview or not. */
+size_t medium_record_more(const medium_look *look, bool preview);
 
 /* medium_homogeneous() - which values of volume v, if it alone is filled, may be taken for one
  * (medium_whole.h). longest: at least the world length of any ray in it; threshold: 0, or as in

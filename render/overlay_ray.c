@@ -20,7 +20,7 @@ static segments_result step(const frame *f, const world_ray *w, overlay_lane *la
     lane->walk.ahead = lane->ahead; /* lanes are copied */
     while (result == SEGMENTS_SOME && !(lane->in_piece && lane->piece.t1 > from)) {
         result = segments_next(tr, &r, &lane->walk, &lane->piece, counters);
-        lane->in_piece = result == SEGMENTS_SOME;
+        lane->in_piece = result == SEGMENTS_SOME && lane->piece.spread >= 0.0; /* no doubt */
     }
     lane->ended = result == SEGMENTS_END;
     return result;

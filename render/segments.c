@@ -10,6 +10,7 @@ segments_state segments_begin(segment *ahead, uint32_t room) {
                             .room = room,
                             .t_from = -INFINITY,
                             .blocked = LEAF_NO_TREELET,
+                            .doubted = LEAF_NO_TREELET,
                             .entered = LEAF_NO_TREELET,
                             .limit = {.t0 = INFINITY},
                             .last = {.t0 = -INFINITY}};
@@ -117,6 +118,26 @@ void segment_values(double middle, double spread, double range[2]) {
         range[0] -= spread;
         range[1] += spread;
     }
+}
+
+bool segment_doubted(const tracer *tr, uint32_t t, double range[2]) {
+    const leaf_file *f = tr->treelets->file;
+    const uint32_t at = leaf_layout_samples(tr->layout, tr->set, t);
+    range[0] = (double)f->own[at][0];
+    range[1] = (double)f->own[at][1];
+    return f->flags[at] & LEAF_FLAG_NON_FINITE;
+}
+
+segment segment_doubt(const tracer *tr, uint32_t t, double spread, double t0, double t1) {
+    double range[2];
+    (void)segment_doubted(tr, t, range);
+    return (segment){.t0 = t0 + 0.0,
+                     .t1 = t1 + 0.0,
+                     .b = {range[0], range[0], range[0], range[0]},
+                     .spread = spread,
+                     .cell = UINT64_C(1) << 63 | t,
+                     .treelet = t,
+                     .degree = spread == SEGMENT_BESIDE ? 1 : 3};
 }
 
 double segment_t(const segment *s, double at) {

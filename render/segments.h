@@ -20,6 +20,9 @@
  *   - Where the selection says that it does not matter which value of a range it is
  *     (stream/homogeneous.h), a node or a treelet of a grid may be one piece, of the range's middle
  *     and with half its width, or SEGMENT_EXACT, as spread. Elsewhere that is 0.
+ *   - Where a preview misses a treelet that matters, the ray has a doubt instead (tracer.doubts):
+ *     something like a piece, between others, that says in how much of the ray what is missing may
+ *     be. In a grid pieces of coarser treelets follow that stand in there, if there are such.
  *   - t and values err by no more than grid_segments.h and mesh_segments.h say.
  *   - The same bits whatever was resident when, and however little.
  *
@@ -39,8 +42,8 @@
 typedef struct segment {
     double t0, t1;
     double b[4];
-    double spread;    /* above 0: the value may be off by so much; see above */
-    uint64_t cell;    /* as in a hit; of several cells: one of theirs */
+    double spread; /* above 0: the value may be off by so much; below: it is a doubt; see above */
+    uint64_t cell; /* as in a hit; of several cells: one of theirs */
     uint32_t treelet; /* that it came from */
     uint32_t degree;  /* 1 (a tet), 3 (a trilinear cell) */
 } segment;
@@ -63,6 +66,7 @@ typedef struct segments_state {
     double t_from;        /* where to resume; */
     uint32_t blocked;     /* at this treelet; LEAF_NO_TREELET: none is waited for */
     bool provisional;     /* preview: something on the way was coarser than wanted, or not there */
+    uint32_t doubted;     /* preview: the last treelet of which there was a doubt */
     segment_key last;     /* the piece that was given out last */
     /* Where treelets overlap: */
     uint32_t entered;  /* the last treelet entered, at t_from */
@@ -97,6 +101,19 @@ void segment_part(const segment *s, double a, double b, double out[4]);
  * the same range again, or a little more where it has no exact middle. */
 double segment_spread(const double range[2], double middle);
 void segment_values(double middle, double spread, double range[2]);
+
+/* What a doubt has as spread: from t0 to t1 the pieces that follow are guesses, in place of those
+ * of `treelet`, which fills all of that; or `treelet` may have pieces there, where others leave
+ * room.
+ */
+#define SEGMENT_GUESSED (-1.0)
+#define SEGMENT_BESIDE  (-2.0)
+
+/* segment_doubt() - of a treelet of a tracer's volume, whose directory says which values it has. */
+segment segment_doubt(const tracer *tr, uint32_t t, double spread, double t0, double t1);
+
+/* segment_doubted() - those values into range[]; whether there may be none in places. */
+bool segment_doubted(const tracer *tr, uint32_t t, double range[2]);
 
 /* segment_t() - t there. */
 double segment_t(const segment *s, double at);

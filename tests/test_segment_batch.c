@@ -301,7 +301,7 @@ static void test_other_types(void **state) {
     }
 }
 
-/* Clips, levels, previews. */
+/* Clips, levels, previews with doubts. */
 static void test_every_scene(void **state) {
     (void)state;
     for (int i = 0; i < SCENES; i++) {
@@ -317,6 +317,7 @@ static void test_every_scene(void **state) {
         judge_some(&s, 2);
         scene.preview = true;
         ray_stage_show(&s, &scene);
+        s.tr.doubts = i % 4 > 0;
         ray_stage_bring_in(&s, 3);
         judge_some(&s, 2);
         ray_stage_close(&s, f.name);

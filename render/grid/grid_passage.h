@@ -28,7 +28,9 @@ static inline void grid_passage_middle(const tracer *tr, uint32_t t, double midd
         middle[a] = scene->levels[level].at[a][(layout->place[t][a] << layout->cells_log2) + half];
 }
 
-/* Push what of treelet t's children holds a surface and is passed, the nearest last. */
+/* Push what of treelet t's children is active and passed, the nearest last. In a preview the finest
+ * resident ancestor stands in for what is absent, as far as that is below it, and *provisional is
+ * set; NULL: nothing stands in here. */
 static inline int grid_passage_push(const tracer *tr, const ray *r, const grid_passage *node,
                                     grid_passage *stack, int top, bool *provisional) {
     const leaf_layout *layout = tr->layout;
@@ -44,8 +46,8 @@ static inline int grid_passage_push(const tracer *tr, const ray *r, const grid_p
         const uint32_t rank = (uint32_t)__builtin_popcount(existing & ((1u << o) - 1u));
         grid_passage p = {children[i].t_in, children[i].t_out, layout->first_child[node->t] + rank,
                           0};
-        if (tr->preview && tr->treelets->own[p.t] && !loader_lookup(tr->treelets, p.t)) {
-            /* The finest resident ancestor stands in, as far as this one is above it. */
+        if (tr->preview && provisional && tr->treelets->own[p.t] &&
+            !loader_lookup(tr->treelets, p.t)) {
             *provisional = true;
             if (!tr->treelets->whole[node->t] && !loader_lookup(tr->treelets, node->t))
                 continue;

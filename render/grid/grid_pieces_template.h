@@ -406,6 +406,12 @@ static void give_whole(pieces_walk *w, const rider *q, const segment *piece) {
         segment_batch_add(w->b, q->number, piece);
 }
 
+static void give_doubt(pieces_walk *w, const rider *q) {
+    segments_state *s = w->b->state[q->number];
+    give_whole(w, q, &q->way.doubt);
+    s->doubted = q->way.doubt.treelet;
+}
+
 /* The pieces in cells between t_in and t_out. */
 static void pass_cells(pieces_walk *w, rider *q, double t_in, double t_out) {
     const resident_grid *at = q->at;
@@ -468,6 +474,10 @@ static void pass_blocks(pieces_walk *w, rider *q) {
 
 static void pass_treelet(pieces_walk *w, rider *q, const resident_grid *at,
                          const grid_passage *passage) {
+    if (q->way.doubted)
+        give_doubt(w, q);
+    if (!at && passage->t == LEAF_NO_TREELET)
+        return;
     if (!at) {
         const segment piece = block_way_treelet(w->tr, passage->t, passage->t_in, passage->t_out);
         give_whole(w, q, &piece);

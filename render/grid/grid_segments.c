@@ -142,10 +142,24 @@ static bool walk_pieces(const collector *c, const grid_passage *node) {
     return true;
 }
 
+/* False: no room. */
+static bool tell_doubt(segments_state *s, ray_counters *counters, const segment *doubt) {
+    counters->cells++;
+    if (s->count == s->room)
+        return false;
+    s->ahead[s->count++] = *doubt;
+    s->doubted = doubt->treelet;
+    s->t_from = doubt->t0;
+    return true;
+}
+
+/* Where a treelet is not in memory. */
 static bool walk_treelet_whole(const collector *c, const grid_passage *node) {
     const leaf_layout *layout = c->tr->layout;
-    const segment piece = block_way_treelet(c->tr, node->t, node->t_in, node->t_out);
     uint32_t cell[3];
+    if (node->t == LEAF_NO_TREELET)
+        return true;
+    const segment piece = block_way_treelet(c->tr, node->t, node->t_in, node->t_out);
     for (int a = 0; a < 3; a++)
         cell[a] = layout->place[node->t][a] << layout->cells_log2;
     return take_whole(c->state, c->counters, &piece,
@@ -170,6 +184,8 @@ segments_result grid_segments(const tracer *tr, const ray *r, segments_state *st
         if (next != SEGMENTS_SOME)
             return stop(state, next);
         const collector c = {tr, tr->own, at, r, state, counters};
+        if (way.doubted && !tell_doubt(state, counters, &way.doubt))
+            return stop(state, SEGMENTS_SOME);
         if (at ? !walk_pieces(&c, &passage) : !walk_treelet_whole(&c, &passage))
             return stop(state, SEGMENTS_SOME);
     }

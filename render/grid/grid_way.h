@@ -5,10 +5,13 @@
 #define RENDER_GRID_GRID_WAY_H
 
 #include "render/grid/grid_passage.h"
+#include "render/grid/stand_in.h"
 #include "render/segments.h"
 
 typedef struct grid_way {
     bool resuming; /* at the treelet state->blocked */
+    bool doubted;  /* there is a doubt about the treelet to be walked, */
+    segment doubt; /* to be given before its pieces: then state->doubted becomes its treelet */
     int top;
     grid_passage stack[GRID_PASSAGES_MAX];
 } grid_way;
@@ -21,13 +24,15 @@ static inline bool grid_way_begin(grid_way *w, const tracer *tr, const ray *r,
     if (!tracer_box(tr, r, &t_in, &t_out))
         return false;
     w->resuming = state->blocked != LEAF_NO_TREELET;
+    w->doubted = false;
     w->top = 1;
     w->stack[0] = (grid_passage){t_in, t_out, 0, 0};
     return true;
 }
 
 /* grid_way_next() - the next treelet to be walked, *at, and where: *passage. NULL: it is taken
- * whole (loader.whole). SEGMENTS_BLOCKED and SEGMENTS_END: there is none, and *state says why. */
+ * whole (loader.whole), or passage->t is LEAF_NO_TREELET and there is nothing but w->doubt.
+ * SEGMENTS_BLOCKED and SEGMENTS_END: there is none, and *state says why. */
 static inline segments_result grid_way_next(grid_way *w, const tracer *tr, const ray *r,
                                             segments_state *state, ray_counters *counters,
                                             const resident_grid **at, grid_passage *passage) {
@@ -39,7 +44,7 @@ static inline segments_result grid_way_next(grid_way *w, const tracer *tr, const
             continue;
         if (!grid_passage_drawn(tr, &node)) {
             counters->nodes++;
-            w->top = grid_passage_push(tr, r, &node, w->stack, w->top, &state->provisional);
+            w->top = grid_passage_push(tr, r, &node, w->stack, w->top, NULL);
             continue;
         }
         const bool whole = tr->treelets->whole[node.t];
@@ -47,6 +52,7 @@ static inline segments_result grid_way_next(grid_way *w, const tracer *tr, const
             continue;
         *passage = node;
         *at = NULL;
+        w->doubted = false;
         if (whole)
             return SEGMENTS_SOME;
         *at = resident_grid_of(tracer_enter(tr, node.t, node.t_in, &state->t_from, &state->blocked,
@@ -57,6 +63,15 @@ static inline segments_result grid_way_next(grid_way *w, const tracer *tr, const
         state->blocked = LEAF_NO_TREELET;
         if (*at)
             return SEGMENTS_SOME;
+        const stand_in found = stand_in_for(tr, node.t);
+        if (found.t == LEAF_NO_TREELET && !tr->doubts)
+            continue;
+        w->doubted = tr->doubts && state->doubted != node.t;
+        if (w->doubted)
+            w->doubt = segment_doubt(tr, node.t, SEGMENT_GUESSED, node.t_in, node.t_out);
+        passage->t = found.t;
+        *at = found.at;
+        return SEGMENTS_SOME;
     }
     state->t_from = INFINITY;
     return SEGMENTS_END;

@@ -1,5 +1,6 @@
 #include "render/mesh/mesh_segments.h"
 
+#include "formats/base/box3.h"
 #include "render/mesh/mesh_passage.h"
 #include "render/mesh/mesh_tracer.h"
 
@@ -80,6 +81,18 @@ static void visit_tet(void *ctx, const resident_mesh *at, uint32_t local, const 
 
 /* ---- Treelets ---- */
 
+/* Treelet t is absent: all along its box it may have pieces. */
+static void hold_doubt(const tracer *tr, const ray *r, segments_state *s, uint32_t t) {
+    const mesh_slabs slabs = mesh_slabs_of(r);
+    double box[2][3];
+    mesh_interval in;
+    box3_of_floats(mesh_rays_of(tr)->tree->bounds[0][t], box);
+    if (!mesh_interval_in(&slabs, box[0], box[1], &in) || !(in.t_in < in.t_out))
+        return;
+    const segment doubt = segment_doubt(tr, t, SEGMENT_BESIDE, in.t_in, in.t_out);
+    hold(s, &doubt);
+}
+
 /* From the last treelet entered on, until something is sure. SEGMENTS_END: that was all, but for
  * what was dropped. */
 static segments_result go_on(const tracer *tr, const ray *r, segments_state *state,
@@ -107,6 +120,8 @@ static segments_result go_on(const tracer *tr, const ray *r, segments_state *sta
         state->blocked = LEAF_NO_TREELET;
         state->t_from = at.t_in;
         state->entered = at.t;
+        if (!here && tr->doubts)
+            hold_doubt(tr, r, state, at.t);
         if (here)
             mesh_walk_each(here, r, &after, state->limit.t0, &visitor, counters);
     }

@@ -1,0 +1,24 @@
+#include "render/grid/stand_in.h"
+
+stand_in stand_in_for(const tracer *tr, uint32_t t) {
+    const leaf_layout *layout = tr->layout;
+    const loader *l = tr->treelets;
+    const uint32_t level = layout->level_of[t];
+    for (uint32_t k = 1; level + k < layout->levels && k <= layout->cells_log2; k++) {
+        uint32_t place[3];
+        for (int a = 0; a < 3; a++)
+            place[a] = layout->place[t][a] >> k;
+        const uint32_t up = leaf_layout_find(layout, level + k, place);
+        if (l->whole[up])
+            return (stand_in){NULL, up};
+        /* Its values are such that it shows nothing. */
+        if (!l->own[up])
+            return (stand_in){NULL, LEAF_NO_TREELET};
+        const treelet *at = loader_lookup(l, up);
+        if (at) {
+            tracer_touch(tr, up);
+            return (stand_in){resident_grid_of(at), up};
+        }
+    }
+    return (stand_in){NULL, tr->doubts ? t : LEAF_NO_TREELET};
+}
