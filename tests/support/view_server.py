@@ -393,7 +393,7 @@ def fuzz(s, count):
                           opcode=random.choice([0, 1, 1, 1, 2, 3, 7, 9, 10, 15]), final=random.random() < 0.9)
             page.send({"type": "seen", "number": sent, "part": 99})
             while page.waits(0.002):
-                page.message()
+                page.message(patient=False)
         except (Closed, OSError, ValueError):
             closed += 1
             page.close()
