@@ -21,7 +21,7 @@ typedef struct render_options {
     const char *files[FRAME_FILES];   /* but for the picture, which is -o */
     const char *stats, *script, *iso_list, *camera_path, *format, *state;
     status_note state_read; /* what became of reading it */
-    bool series; /* --steps: */
+    bool series;            /* --steps: */
     uint32_t first_step, last_step;
     render_also also[RENDER_ALSO_MAX]; /* --and: what follows is about the last of these */
     int also_count;
@@ -85,7 +85,8 @@ static const struct argp_option OPTIONS[] = {
     {"repeat", REPEAT, "N", CLI_EXPERIMENT, "draw N times; the statistics are the median picture's",
      0},
     {"state", STATE, "FILE", 0,
-     "a view as leafcast view has saved it: a JSON object whose keys are these flags; flags behind it "
+     "a view as leafcast view has saved it: a JSON object whose keys are these flags; flags behind "
+     "it "
      "add to it",
      10},
     {"and", AND, "FILE", 0,
