@@ -441,3 +441,7 @@ uint64_t view_picture_bytes(const view_picture *p) {
 const view_wish *view_picture_wish(const view_picture *p) {
     return &p->wish;
 }
+
+const leafcast_stats *view_picture_stats(const view_picture *p) {
+    return &p->stats;
+}

@@ -134,6 +134,11 @@ def drawn(s):
     ok("moving: a preview", head["number"] == number and not head["final"] and head["format"] == "jpeg" and
        data[:2] == b"\xff\xd8" and 1 <= head["scale"] <= 4)
     ok("moving: that is all", not page.waits(0.3))
+    page.send({"type": "residency", "on": True})
+    page.view(number + 1, SURFACE, W, H)
+    page.final()
+    got = page.text("treelets")
+    ok("treelets are counted", 0 < got["active"] <= got["total"] == v["treelets"] and got["bytes_resident"] > 0)
     page.close()
 
 
