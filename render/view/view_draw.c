@@ -105,6 +105,16 @@ static void answer_pick(view_draw *d, view_seat *seat, const view_wish *wish, co
     say(d, seat, view_message_json(d->m, answer));
 }
 
+static void tell_residency(view_draw *d, view_seat *seat) {
+    const leafcast_stats *s = view_picture_stats(seat->picture);
+    say(d, seat,
+        view_message_json(d->m, json_pack("{s:s,s:I,s:I,s:I,s:I}", "type", "treelets", "total",
+                                          (json_int_t)s->treelets_total, "active",
+                                          (json_int_t)s->treelets_active, "loaded",
+                                          (json_int_t)s->treelets_loaded, "bytes_resident",
+                                          (json_int_t)s->bytes_resident)));
+}
+
 static void draw_slice(view_draw *d, view_seat *seat, const turn *t) {
     view_message *message = NULL;
     const uint64_t number = view_picture_wish(seat->picture)->number;
@@ -115,16 +125,6 @@ static void draw_slice(view_draw *d, view_seat *seat, const turn *t) {
     say(d, seat, message);
     if (any && t->residency)
         tell_residency(d, seat);
-}
-
-static void tell_residency(view_draw *d, view_seat *seat) {
-    const leafcast_stats *s = view_picture_stats(seat->picture);
-    say(d, seat,
-        view_message_json(d->m, json_pack("{s:s,s:I,s:I,s:I,s:I}", "type", "treelets", "total",
-                                          (json_int_t)s->treelets_total, "active",
-                                          (json_int_t)s->treelets_active, "loaded",
-                                          (json_int_t)s->treelets_loaded, "bytes_resident",
-                                          (json_int_t)s->bytes_resident)));
 }
 
 static void take_turn(view_draw *d, view_seat *seat, const turn *t, const view_wish *wish) {
