@@ -102,6 +102,11 @@ static status check_point(const leafcast_medium *medium, int i) {
                                "point %d of the transfer function has a smaller value "
                                "than the one before",
                                i + 1);
+    if (i > 0 && p->value > p[-1].value && p->value - p[-1].value < LEAFCAST_TRANSFER_NARROWEST)
+        return status_describe(ST_USAGE,
+                               "point %d of the transfer function: its value is neither that of "
+                               "the point before nor %g above it",
+                               i + 1, LEAFCAST_TRANSFER_NARROWEST);
     return ST_OK;
 }
 

@@ -201,12 +201,13 @@ typedef enum leafcast_lod {
  * what of it comes through all that is in front. Where several volumes are filled at one place,
  * their k add, and so do their c k. */
 typedef struct leafcast_transfer_point {
-    double value;      /* finite; not falling from point to point */
-    float rgb[3];      /* 0 and more */
+    double value; /* finite; that of the point before, or more by LEAFCAST_TRANSFER_NARROWEST */
+    float rgb[3]; /* 0 and more */
     double extinction; /* per world length: 0 and more, finite */
 } leafcast_transfer_point;
 
 enum { LEAFCAST_TRANSFER_POINTS_MAX = 4096 };
+#define LEAFCAST_TRANSFER_NARROWEST 1e-290
 
 typedef struct leafcast_medium {
     const leafcast_transfer_point *points;

@@ -47,11 +47,17 @@ const struct argp_option medium_options_table[] = {
      "in "
      "the colours NAME, as of --colour-map",
      40},
-    {"legend", MEDIUM_LEGEND, NULL, 0, "draw a bar of the colours with their values", 0},
     {"medium", MEDIUM_SUMMING, "certified|steps=F[,A]|preintegrated=F[,N]", CLI_EXPERIMENT,
      "to compare with: in steps of F cells, such as 1/2, whose error nobody knows; rays end at an "
      "opacity of A (0.9999); each looked up in a table of N by N entries (256)",
+     15},
+    {NULL, 0, NULL, 0, "Marks in the picture:", 35},
+    {"legend", MEDIUM_LEGEND, NULL, 0, "draw a bar of the colours with their values", 0},
+    {"annotate", MEDIUM_ANNOTATE, "PARTS", OPTION_ARG_OPTIONAL,
+     "draw the volume's box, values along its axes, a scale bar: all, or those of box,axes,scale",
      0},
+    {"title", MEDIUM_TITLE, "TEXT", 0, "write a line at the top", 0},
+    {"unit", MEDIUM_UNIT, "NAME", 0, "the unit of length, for --annotate", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 /* ---- Values ---- */

@@ -27,7 +27,10 @@ enum {
     MEDIUM_HOMOGENEOUS,
     MEDIUM_LEGEND,
     MEDIUM_CAPS,
-    MEDIUM_SUMMING
+    MEDIUM_SUMMING,
+    MEDIUM_ANNOTATE,
+    MEDIUM_TITLE,
+    MEDIUM_UNIT
 };
 
 /* Start with all zeros. */

@@ -136,6 +136,10 @@ render|--error|shown media|
 render|--homogeneous|picture|@g.leaf --tf auto|--homogeneous 1000
 render|--project|picture|@g.leaf --colour-map grey|--project max
 render|--legend|shown media|
+render|--annotate|shown annotate|
+render|--title|shown annotate|
+render|--unit|shown annotate|
+render|--font|shown annotate|
 render|--medium|picture|@g.leaf --tf auto|--medium steps=3
 render|--layers|picture|@grid --opacity 0.4|--layers 1
 render|--view|picture|@grid|--view close

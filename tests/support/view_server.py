@@ -15,7 +15,7 @@ SURFACE = {"iso": [120], "eye": [110, 90, 80], "look-at": [24, 20, 22], "fov": 3
 SHADED = dict(SURFACE, **{"iso": [110, 140], "color": ["red", "#80c0ff"], "opacity": [0.5, 1], "light": [[1, 1, 2]],
                           "shadows": True, "clip-box": [0, 0, 0, 40, 30, 44]})
 MEDIUM = {"tf": "auto", "eye": [110, 90, 80], "look-at": [24, 20, 22], "legend": True}
-CLEAR = dict(SURFACE, background="0,0,0,0")
+CLEAR = dict(SURFACE, background="0,0,0,0", annotate=True, title="gyroid", unit="mm")
 SAMPLES = dict(SURFACE, samples=4)
 PROJECTED = {"project": "max", "colour-map": "viridis", "eye": [110, 90, 80], "look-at": [24, 20, 22]}
 W, H = 160, 120
