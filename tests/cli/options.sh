@@ -394,8 +394,8 @@ view|--quiet|shown view_server|
 view|--verbose|shown view_server|
 view|--help|shown help|
 view|--help-all|shown help|
-view|--usage|says|--version|--usage
-view|--version|says|--usage|--version
+view|--usage|taken||--usage
+view|--version|taken||--version
 info|--skip|shown inputs|
 info|--threads|taken|@g.nrrd|--threads 2
 info|--memory|shown inputs|

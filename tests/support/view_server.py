@@ -427,7 +427,7 @@ def rubbish(s, count):
 
 
 def ending():
-    s = serve(GRID, "--threads", "2", "--memory", "1G", "-v", "--isa", "scalar")
+    s = serve(GRID, "--threads", "2", "--memory", "1G", "--verbose", "--isa", "scalar")
     page = Page(s)
     ok("--isa, --threads, --memory are told", (page.volume["isa"], page.volume["threads"], page.volume["memory"]) ==
        ("scalar", 2, 1 << 30))
