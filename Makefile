@@ -75,6 +75,11 @@ MAINS    := $(filter %_main.c,$(SOURCES))
 TETGEN_C := prep/tetrahedralize/tetrahedralize_main.c
 NATIVE   := render/bench/peer_embree.c render/bench/peer_rays.c
 PARTS    := $(filter-out $(MAINS) $(NATIVE),$(SOURCES))
+# The verb view is the folder render/view. What of it needs no library goes into the archive of verbs.
+VIEW_C   := render/view/view_main.c
+VIEW_PURE := render/view/view_state.c render/view/view_access.c
+PAGE     := $(sort $(wildcard render/view/page/*))
+VIEW     := $B/app/libview.a
 INTERNAL := $B/app/libinternal.a
 APP      := $B/app/libapp.a
 BENCH    := $B/app/libbench.a
@@ -87,7 +92,7 @@ SHARED   := $B/lib/libleafcast.so.$(VERSION)
 # A verb import-X is the folder prep/import/X, linked with the library that it is for.
 IMPORTS   = $(patsubst prep/import/%/,%,$(wildcard prep/import/*/))
 IMPORTERS = $(foreach x,$(IMPORTS),$(if $(LIB_$x),$B/libexec/leafcast-import-$x))
-VERBS_C   = $(if $(TETGEN),$(MAINS),$(filter-out $(TETGEN_C),$(MAINS)))
+VERBS_C   = $(filter-out $(if $(TETGEN),,$(TETGEN_C)) $(if $(LIB_view),,$(VIEW_C)),$(MAINS))
 verb      = $B/libexec/leafcast-$(subst _,-,$(patsubst %_main.c,%,$(notdir $1)))
 VERBS     = $(foreach m,$(VERBS_C),$(call verb,$m))
 FRONT    := $B/bin/leafcast
@@ -149,6 +154,7 @@ OIIO        := $(if $(CXX_HERE),$(call has,libopenimageio-dev))
 LIB_vdb     := $(if $(filter sanitize thread fuzz,$(CONFIG)),,$(if $(CXX_HERE),$(if $(and $(call has,libopenvdb-dev),$(call has,libboost-dev)),-lopenvdb -ltbb $(shell $(PKG_CONFIG) --libs Imath))))
 LIB_images  := $(if $(OIIO),$(shell $(PKG_CONFIG) --cflags --libs OpenImageIO))
 LIB_dicom   := $(if $(CXX_HERE),$(if $(call has,libdcmtk-dev),-ldcmjpeg -lijg8 -lijg12 -lijg16 -ldcmjpls -ldcmtkcharls -ldcmimgle -ldcmdata -loflog -lofstd))
+LIB_view    := $(if $(and $(call has,libwebsockets-dev),$(call has,libturbojpeg0-dev)),$(shell $(PKG_CONFIG) --libs libwebsockets libturbojpeg))
 LIB_hdf5    := $(if $(call has,libhdf5-dev),$(shell $(PKG_CONFIG) --cflags --libs hdf5-serial))
 LIB_netcdf  := $(if $(call has,libnetcdf-dev),$(shell $(PKG_CONFIG) --cflags --libs netcdf))
 endif
@@ -163,7 +169,7 @@ Q   := $(if $(V),,@)
 say  = $(if $(V),,@echo "  $1  $2")
 link = $(Q)$(CC) $(ALL_C) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(ALL_LIBS)
 
-all: $(if $(filter release,$(CONFIG)),$(STATIC) $(SHARED)) $(VERBS) $(IMPORTERS) $(LEFT_OUT) $(IMAGE) $(TETGEN_BIN) $(FRONT) $(if $(filter build/release,$B),build/leafcast) $(FUZZERS)
+all: $(if $(filter release,$(CONFIG)),$(STATIC) $(SHARED)) $(VERBS) $(IMPORTERS) $(LEFT_OUT) $(if $(LIB_view),,without-view) $(IMAGE) $(TETGEN_BIN) $(FRONT) $(if $(filter build/release,$B),build/leafcast) $(FUZZERS)
 
 # What make cannot see (the flags, the list of objects) lies in files that change only when their
 # content does.
@@ -202,9 +208,10 @@ $1: $(patsubst %.c,$B/obj/%.o,$2) $B/objects
 	$$(call say,AR  ,$$@)
 	$(Q)$(AR) rcsD $$@ $$(filter %.o,$$^)
 endef
-$(eval $(call archive_rule,$(APP),$(filter render/app/%,$(PARTS))))
+$(eval $(call archive_rule,$(APP),$(filter render/app/% $(VIEW_PURE),$(PARTS))))
+$(eval $(call archive_rule,$(VIEW),$(filter-out $(VIEW_PURE),$(filter render/view/%,$(PARTS)))))
 $(eval $(call archive_rule,$(BENCH),$(filter render/bench/%,$(PARTS))))
-$(eval $(call archive_rule,$(INTERNAL),$(filter-out render/app/% render/bench/%,$(PARTS))))
+$(eval $(call archive_rule,$(INTERNAL),$(filter-out render/app/% render/bench/% render/view/%,$(PARTS))))
 
 # The public functions and what they reach, as one object in which nothing else has a name to the outside.
 $B/app/leafcast.o: $(DOOR) $(INTERNAL)
@@ -221,12 +228,24 @@ $(SHARED): $B/app/leafcast.o scripts/leafcast.map
 	@ln -sfn $(notdir $@) $(@D)/$(SONAME) && ln -sfn $(SONAME) $(@D)/libleafcast.so
 
 define verb_rule
-$(call verb,$1): $B/obj/$(1:.c=.o) $(ARCHIVES)
+$(call verb,$1): $B/obj/$(1:.c=.o) $(if $(filter $(VIEW_C),$1),$(VIEW)) $(ARCHIVES)
 	@mkdir -p $$(@D)
 	$$(call say,LINK,$$@)
 	$$(link)
 endef
 $(foreach m,$(MAINS),$(eval $(call verb_rule,$m)))
+
+# The page is packed into the program; a list of its files is made of the folder.
+$(call verb,$(VIEW_C)): ALL_LIBS += $(LIB_view)
+$B/page-files: FORCE
+	@mkdir -p $(@D); n=0; for f in $(notdir $(PAGE)); do n=$$((n + 1)); echo "PAGE($$n, \"$$f\")"; done >$@.new
+	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+$B/obj/render/view/view_page.o: $B/page-files $(PAGE)
+$B/obj/render/view/view_page.o: IMPORT := -DVIEW_PAGE_FILES='"$B/page-files"'
+.PHONY: without-view
+without-view:
+	@rm -f $(call verb,$(VIEW_C))
+	@echo "leafcast view is left out: libwebsockets or libturbojpeg is not here (scripts/setup-debian --list)"
 
 # Shared objects by the hundred: OpenImageIO is linked into a process of its own.
 ifneq ($(OIIO),)

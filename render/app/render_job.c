@@ -7,7 +7,6 @@
 #include "formats/base/file.h"
 #include "formats/base/num.h"
 #include "formats/base/printed_file.h"
-#include "render/app/legend.h"
 #include "render/app/transfer_file.h"
 
 enum { META_TEXT_MAX = 1024, NOTES_MAX = 16 };
@@ -33,9 +32,7 @@ static status open_volumes(render_job *job, const char *path, const leafcast_opt
 
 status render_job_open(render_job *job, const char *path, const leafcast_options *options) {
     mem_init(&job->m, 0);
-    for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
-        job->transfer[i].m = &job->m;
-    job->caps.m = &job->m;
+    picture_scene_init(&job->scene, &job->m);
     job->source = path;
     status st = open_volumes(job, path, options);
     if (st == ST_OK)
@@ -56,9 +53,7 @@ static void release_planes(render_job *job) {
 
 void render_job_close(render_job *job) {
     release_planes(job);
-    for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
-        transfer_list_release(&job->transfer[i]);
-    transfer_list_release(&job->caps);
+    picture_scene_release(&job->scene);
     text_face_close(job->face);
     job->face = NULL;
     image_out_close(job->files);
@@ -73,30 +68,6 @@ void render_job_close(render_job *job) {
 
 /* ---- before anything is drawn ---- */
 
-/* Where no isovalue is given, and no medium, one that is worth a look. Before the volume is open
- * any will do, as nothing is drawn then. */
-static status choose_isovalue(const leafcast *volume, view_options *v, double *suggested,
-                              int *count) {
-    uint32_t field;
-    *count = 0;
-    if (v->isos > 0 || view_options_filled(v))
-        return ST_OK;
-    v->isos = 1;
-    v->surfaces[0].isovalue = 0.0;
-    if (!volume)
-        return ST_OK;
-    status st = view_options_field(v, volume, &field);
-    if (st == ST_OK)
-        st = render_status(leafcast_suggested_isovalues(volume, field, v->step, suggested,
-                                                        LEAFCAST_SUGGESTIONS_MAX, count));
-    if (st == ST_OK && *count == 0)
-        st = status_describe(ST_USAGE, "which isosurface? None can be suggested, as no two values "
-                                       "differ: --iso V");
-    if (st == ST_OK)
-        v->surfaces[0].isovalue = suggested[0];
-    return st;
-}
-
 /* The other volumes; colours go on behind those of the first. */
 static status check_also(const render_job *job, const view_options *first) {
     double suggested[LEAFCAST_SUGGESTIONS_MAX];
@@ -105,7 +76,7 @@ static status check_also(const render_job *job, const view_options *first) {
     for (int i = 0; i < job->also_count && job->volume && st == ST_OK; i++) {
         view_options *v = &job->also[i].view;
         v->scene.project = first->scene.project;
-        st = choose_isovalue(job->also[i].volume, v, suggested, &count);
+        st = picture_scene_choose(job->also[i].volume, v, suggested, &count);
         v->painted = painted;
         if (st == ST_OK)
             st = view_options_check(v);
@@ -159,7 +130,8 @@ static status check_files(const render_job *job, const script_frame *frame) {
 }
 
 status render_job_check(const render_job *job, script_frame *frame) {
-    status st = choose_isovalue(job->volume, &frame->view, frame->suggested, &frame->suggestions);
+    status st =
+        picture_scene_choose(job->volume, &frame->view, frame->suggested, &frame->suggestions);
     note_others(job, &frame->view);
     if (st == ST_OK)
         st = view_options_check(&frame->view);
@@ -307,101 +279,19 @@ static bool report(void *ctx, double done) {
     return !p->watch->stop || !p->watch->stop(p->watch->ctx);
 }
 
-static const view_options *view_of(const render_job *job, const view_options *first, int volume) {
-    return volume == 0 ? first : &job->also[volume - 1].view;
-}
-
-/* What a volume of the picture is filled with. */
-static status fill_volume(render_job *job, const view_options *first, int volume) {
-    const leafcast_shown *shown = &job->shown[volume];
-    const medium_options *medium = &view_of(job, first, volume)->medium;
-    const bool projected = first->scene.project != LEAFCAST_PROJECT_NONE;
-    transfer_list *t = &job->transfer[volume];
-    status st = ST_OK;
-    if (!job->measured[volume].known || job->measured[volume].field != shown->field) {
-        job->measured[volume].known = true;
-        job->measured[volume].field = shown->field;
-        job->measured[volume].step = shown->step;
-    }
-    transfer_list_release(t);
-    if (projected ? volume == 0 : medium_options_given(medium))
-        st = medium_options_make(medium, shown->volume, shown->field, job->measured[volume].step,
-                                 projected, t);
-    job->media[volume] = (leafcast_medium){t->points, (int)t->count};
-    return st;
-}
-
-/* By the values of the first volume. */
-static status colour_caps(render_job *job, const view_options *v, leafcast_scene *scene) {
-    uint32_t field;
-    transfer_list_release(&job->caps);
-    if (!v->scene.caps || !v->caps.colour_map[0])
-        return ST_OK;
-    status st = view_options_field(v, job->volume, &field);
-    if (st == ST_OK)
-        st = medium_options_make(&v->caps, job->volume, field, v->step, true, &job->caps);
-    job->cap_colours = (leafcast_medium){job->caps.points, (int)job->caps.count};
-    scene->cap_colours = &job->cap_colours;
-    return st;
-}
-
-/* The scene, with all volumes where there are several or media. */
-static status describe_scene(render_job *job, const view_options *view, leafcast_scene *scene) {
-    const int volumes = job->also_count + 1;
-    const bool filled = view_options_any_filled(view);
-    *scene = view_options_scene(view, &job->experiments);
-    status st = colour_caps(job, view, scene);
-    if (st != ST_OK || (volumes == 1 && !filled))
-        return st;
-    for (int i = 0; i < volumes && st == ST_OK; i++) {
-        const view_options *v = view_of(job, view, i);
-        leafcast *volume = i == 0 ? job->volume : job->also[i - 1].volume;
-        uint32_t field;
-        st = view_options_field(v, volume, &field);
-        job->shown[i] = (leafcast_shown){volume, field, v->step, v->surfaces, v->isos};
-        if (st == ST_OK && filled)
-            st = fill_volume(job, view, i);
-    }
-    scene->volumes = job->shown;
-    scene->volume_count = volumes;
-    scene->media = job->media;
-    scene->media_count = filled ? volumes : 0;
-    return st;
-}
-
-/* The first volume that is filled; -1: none. */
-static int first_filled(const render_job *job, const leafcast_scene *scene) {
-    for (int i = 0; i < scene->media_count; i++)
-        if (job->transfer[i].count > 0)
-            return i;
-    return -1;
-}
-
-static void draw_legend(const render_job *job, const view_options *view,
-                        const leafcast_scene *scene) {
-    const int i = first_filled(job, scene);
-    double window[2];
-    if (!view->legend || i < 0)
-        return;
-    medium_options_window(&view_of(job, view, i)->medium, &job->transfer[i], window);
-    legend_draw(&job->image, job->width, job->height, &job->transfer[i], window, job->face);
+/* All volumes of the picture. */
+static int volumes_of(const render_job *job, const view_options *first,
+                      picture_volume volumes[LEAFCAST_VOLUMES_MAX]) {
+    volumes[0] = (picture_volume){job->volume, first};
+    for (int i = 0; i < job->also_count; i++)
+        volumes[i + 1] = (picture_volume){job->also[i].volume, &job->also[i].view};
+    return job->also_count + 1;
 }
 
 /* The letters, opened when a picture first wants them. */
 static status open_face(render_job *job, const annotation *a) {
     return annotate_wanted(a) && !job->face ? text_face_open(&job->m, job->font, &job->face)
                                             : ST_OK;
-}
-
-static void annotate(const render_job *job, const view_options *view,
-                     const leafcast_camera *camera) {
-    const float *rgba = view->scene.background;
-    const bool light = rgba[3] * (0.3f * rgba[0] + 0.6f * rgba[1] + 0.1f * rgba[2]) > 0.2f;
-    leafcast_image planes = job->image;
-    if (view->scene.project != LEAFCAST_PROJECT_NONE || view->isos == 0)
-        planes.z = NULL; /* hides nothing */
-    if (annotate_wanted(&view->annotation))
-        annotate_draw(&planes, camera, job->info.bounds, &view->annotation, light, job->face);
 }
 
 static status trace(render_job *job, const leafcast_scene *scene, const leafcast_camera *camera,
@@ -536,11 +426,11 @@ static status write_targets(render_job *job, const script_frame *frame,
                             const leafcast_camera *camera, const leafcast_scene *scene,
                             targets *to) {
     const picture raw = {.width = job->width, .height = job->height, .image = &job->image};
-    const int filled = first_filled(job, scene);
+    const int filled = picture_scene_filled(&job->scene, scene);
     status st = ST_OK;
     if (frame->file[FRAME_TF][0] && filled >= 0)
         st = printed_file_write(&job->m, frame->file[FRAME_TF], job->out.force, print_transfer,
-                                &job->transfer[filled]);
+                                &job->scene.transfer[filled]);
     for (int i = FRAME_TF - 1; i >= 0 && st == ST_OK; i--) {
         image_target *now = to->file[i];
         to->file[i] = NULL;
@@ -576,8 +466,10 @@ void render_job_turn(render_job *job, view_options *view, double share) {
 static status draw_picture(render_job *job, const script_frame *frame, targets *to,
                            render_stats *stats) {
     const leafcast_camera camera = camera_of(job, &frame->view);
+    picture_volume volumes[LEAFCAST_VOLUMES_MAX];
+    const int count = volumes_of(job, &frame->view, volumes);
     leafcast_scene scene;
-    status st = describe_scene(job, &frame->view, &scene);
+    status st = picture_scene_describe(&job->scene, volumes, count, false, &scene);
     if (st == ST_OK)
         st = open_face(job, &frame->view.annotation);
     if (st == ST_OK)
@@ -595,9 +487,7 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
             certificate_make(job->volume, &scene, &camera, &job->image, &job->m, &stats->certified);
     const double traced = clock_seconds();
     if (st == ST_OK)
-        draw_legend(job, &frame->view, &scene);
-    if (st == ST_OK)
-        annotate(job, &frame->view, &camera);
+        picture_scene_mark(&job->scene, volumes, &scene, &camera, &job->image, job->face);
     if (st == ST_OK)
         st = write_targets(job, frame, &camera, &scene, to);
     stats->write_s = clock_seconds() - traced;

@@ -7,6 +7,7 @@
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
 #include "render/app/image_out.h"
+#include "render/app/picture_scene.h"
 #include "render/app/render_script.h"
 #include "render/app/render_stats.h"
 
@@ -23,18 +24,7 @@ typedef struct render_job {
     leafcast *volume;
     render_also *also; /* also_count more, on the same device */
     int also_count;
-    leafcast_shown shown[LEAFCAST_VOLUMES_MAX];
-    transfer_list transfer[LEAFCAST_VOLUMES_MAX]; /* of the picture's volumes; none: no medium */
-    leafcast_medium media[LEAFCAST_VOLUMES_MAX];  /* these */
-    transfer_list caps;                           /* colours of caps; none: surfaces' own */
-    leafcast_medium cap_colours;
-    /* Whose values presets and windows go by: a run's first picture of this field has set the step,
-     * so that colours mean the same at every step. */
-    struct {
-        bool known;
-        uint32_t field, step;
-    } measured[LEAFCAST_VOLUMES_MAX];
-    leafcast_scene_experiments experiments;
+    picture_scene scene;
     leafcast_info info;
     leafcast_camera fitted; /* to the first picture; width 0: to none yet */
     const char *source;     /* the treelet file's path, for the pictures' metadata */

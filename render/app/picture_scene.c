@@ -1,0 +1,128 @@
+#include "render/app/picture_scene.h"
+
+#include "render/app/legend.h"
+
+void picture_scene_init(picture_scene *p, mem *m) {
+    *p = (picture_scene){0};
+    for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
+        p->transfer[i].m = m;
+    p->caps.m = m;
+}
+
+void picture_scene_release(picture_scene *p) {
+    for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
+        transfer_list_release(&p->transfer[i]);
+    transfer_list_release(&p->caps);
+}
+
+status picture_scene_choose(const leafcast *volume, view_options *v, double *suggested,
+                            int *count) {
+    uint32_t field;
+    *count = 0;
+    if (v->isos > 0 || view_options_filled(v))
+        return ST_OK;
+    v->isos = 1;
+    v->surfaces[0].isovalue = 0.0;
+    if (!volume)
+        return ST_OK;
+    status st = view_options_field(v, volume, &field);
+    if (st == ST_OK)
+        st = (status)leafcast_suggested_isovalues(volume, field, v->step, suggested,
+                                                  LEAFCAST_SUGGESTIONS_MAX, count);
+    if (st == ST_OK && *count == 0)
+        st = status_describe(ST_USAGE, "which isosurface? None can be suggested, as no two values "
+                                       "differ: --iso V");
+    if (st == ST_OK)
+        v->surfaces[0].isovalue = suggested[0];
+    return st;
+}
+
+/* What a volume of the picture is filled with. */
+static status fill_volume(picture_scene *p, const picture_volume *volumes, int volume) {
+    const leafcast_shown *shown = &p->shown[volume];
+    const medium_options *medium = &volumes[volume].view->medium;
+    const bool projected = volumes[0].view->scene.project != LEAFCAST_PROJECT_NONE;
+    transfer_list *t = &p->transfer[volume];
+    status st = ST_OK;
+    if (!p->measured[volume].known || p->measured[volume].field != shown->field) {
+        p->measured[volume].known = true;
+        p->measured[volume].field = shown->field;
+        p->measured[volume].step = shown->step;
+    }
+    transfer_list_release(t);
+    if (projected ? volume == 0 : medium_options_given(medium))
+        st = medium_options_make(medium, shown->volume, shown->field, p->measured[volume].step,
+                                 projected, t);
+    p->media[volume] = (leafcast_medium){t->points, (int)t->count};
+    return st;
+}
+
+/* By the values of the first volume. */
+static status colour_caps(picture_scene *p, const picture_volume *first, leafcast_scene *scene) {
+    const view_options *v = first->view;
+    uint32_t field;
+    transfer_list_release(&p->caps);
+    if (!v->scene.caps || !v->caps.colour_map[0])
+        return ST_OK;
+    status st = view_options_field(v, first->volume, &field);
+    if (st == ST_OK)
+        st = medium_options_make(&v->caps, first->volume, field, v->step, true, &p->caps);
+    p->cap_colours = (leafcast_medium){p->caps.points, (int)p->caps.count};
+    scene->cap_colours = &p->cap_colours;
+    return st;
+}
+
+status picture_scene_describe(picture_scene *p, const picture_volume *volumes, int count,
+                              bool always, leafcast_scene *scene) {
+    const view_options *first = volumes[0].view;
+    const bool filled = view_options_any_filled(first);
+    *scene = view_options_scene(first, &p->experiments);
+    status st = colour_caps(p, volumes, scene);
+    if (st != ST_OK || (count == 1 && !filled && !always))
+        return st;
+    for (int i = 0; i < count && st == ST_OK; i++) {
+        const view_options *v = volumes[i].view;
+        uint32_t field;
+        st = view_options_field(v, volumes[i].volume, &field);
+        p->shown[i] = (leafcast_shown){volumes[i].volume, field, v->step, v->surfaces, v->isos};
+        if (st == ST_OK && filled)
+            st = fill_volume(p, volumes, i);
+    }
+    scene->volumes = p->shown;
+    scene->volume_count = count;
+    scene->media = p->media;
+    scene->media_count = filled ? count : 0;
+    return st;
+}
+
+int picture_scene_filled(const picture_scene *p, const leafcast_scene *scene) {
+    for (int i = 0; i < scene->media_count; i++)
+        if (p->transfer[i].count > 0)
+            return i;
+    return -1;
+}
+
+static void annotate(const picture_volume *first, const leafcast_camera *camera,
+                     const leafcast_image *image, text_face *face) {
+    const view_options *view = first->view;
+    const float *rgba = view->scene.background;
+    const bool light = rgba[3] * (0.3f * rgba[0] + 0.6f * rgba[1] + 0.1f * rgba[2]) > 0.2f;
+    const leafcast_info info = leafcast_describe(first->volume);
+    leafcast_image planes = *image;
+    if (view->scene.project != LEAFCAST_PROJECT_NONE || view->isos == 0)
+        planes.z = NULL; /* hides nothing */
+    annotate_draw(&planes, camera, info.bounds, &view->annotation, light, face);
+}
+
+void picture_scene_mark(const picture_scene *p, const picture_volume *volumes,
+                        const leafcast_scene *scene, const leafcast_camera *camera,
+                        const leafcast_image *image, text_face *face) {
+    const int i = picture_scene_filled(p, scene);
+    double window[2];
+    if (volumes[0].view->legend && i >= 0) {
+        medium_options_window(&volumes[i].view->medium, &p->transfer[i], window);
+        legend_draw(image, camera->width, camera->height, &p->transfer[i], window, face);
+    }
+    if (annotate_wanted(&volumes[0].view->annotation))
+        annotate(volumes, camera, image, face);
+}

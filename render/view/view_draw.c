@@ -1,0 +1,336 @@
+#include "render/view/view_draw.h"
+
+#include <pthread.h>
+#include <string.h>
+
+#include "formats/base/clock.h"
+#include "formats/base/thread.h"
+#include "render/view/view_pick.h"
+
+/* Of a turn. Then another client has its own. */
+#define SLICE_S 0.030
+
+typedef struct pick {
+    int64_t id;
+    double x, y;
+} pick;
+
+typedef struct sent {
+    uint64_t number;
+    int part;
+} sent;
+
+struct view_seat {
+    view_draw *draw;
+    bool taken, gone; /* gone: its client is, and the drawing thread has to clear it up */
+    view_wish wish;   /* the newest */
+    bool wanted;      /* it is not begun */
+    bool any;         /* there ever was one */
+    pick picks[VIEW_PICKS_MAX];
+    int pick_count;
+    bool residency; /* is wanted */
+    view_queue queue;
+    sent unseen[VIEW_UNSEEN_MAX];
+    int unseen_count;
+    /* The drawing thread's own: */
+    view_picture *picture;
+};
+
+struct view_draw {
+    mem *m;
+    view_tools tools;
+    void (*notify)(void *ctx);
+    void *ctx;
+    pthread_t thread;
+    pthread_mutex_t lock; /* of all that follows, and of seats */
+    pthread_cond_t work;
+    bool ending;
+    int next; /* whose turn it is */
+    view_seat seats[VIEW_SEATS_MAX];
+};
+
+/* What a seat needs now. */
+typedef struct turn {
+    bool leave, begin, draw, may_send, pick, residency;
+    pick picked;
+} turn;
+
+/* ---- What is said ---- */
+
+static void say(view_draw *d, view_seat *seat, view_message *message) {
+    if (!message)
+        return;
+    pthread_mutex_lock(&d->lock);
+    const bool full = !message->binary && seat->queue.count >= VIEW_TEXTS_MAX;
+    if (seat->gone || full) {
+        view_message_free(message);
+        message = NULL;
+    } else {
+        if (message->binary && seat->unseen_count < VIEW_UNSEEN_MAX)
+            seat->unseen[seat->unseen_count++] = (sent){message->number, message->part};
+        view_queue_push(&seat->queue, message);
+    }
+    pthread_mutex_unlock(&d->lock);
+    if (message)
+        d->notify(d->ctx);
+}
+
+static void refuse(view_draw *d, view_seat *seat, uint64_t number) {
+    view_message *message =
+        view_message_json(d->m, json_pack("{s:s,s:I,s:s}", "type", "refused", "number",
+                                          (json_int_t)number, "why", status_text()));
+    if (message)
+        message->failed = true;
+    say(d, seat, message);
+}
+
+/* ---- A turn; the lock is not held ---- */
+
+static uint64_t others_bytes(const view_draw *d, const view_seat *seat) {
+    uint64_t bytes = 0;
+    for (int i = 0; i < VIEW_SEATS_MAX; i++)
+        if (&d->seats[i] != seat && d->seats[i].picture)
+            bytes += view_picture_bytes(d->seats[i].picture);
+    return bytes;
+}
+
+static void answer_pick(view_draw *d, view_seat *seat, const view_wish *wish, const pick *what) {
+    json_t *answer = NULL;
+    if (view_pick(d->m, wish, what->x, what->y, &answer) != ST_OK)
+        answer = json_pack("{s:s,s:b,s:s}", "type", "picked", "hit", 0, "why", status_text());
+    if (answer) {
+        json_object_set_new(answer, "number", json_integer((json_int_t)wish->number));
+        json_object_set_new(answer, "id", json_integer(what->id));
+    }
+    say(d, seat, view_message_json(d->m, answer));
+}
+
+static void tell_residency(view_draw *d, view_seat *seat) {
+    const leafcast_stats *s = view_picture_stats(seat->picture);
+    say(d, seat,
+        view_message_json(d->m, json_pack("{s:s,s:I,s:I,s:I,s:I}", "type", "treelets", "total",
+                                          (json_int_t)s->treelets_total, "active",
+                                          (json_int_t)s->treelets_active, "loaded",
+                                          (json_int_t)s->treelets_loaded, "bytes_resident",
+                                          (json_int_t)s->bytes_resident)));
+}
+
+static void draw_slice(view_draw *d, view_seat *seat, const turn *t) {
+    view_message *message = NULL;
+    const uint64_t number = view_picture_wish(seat->picture)->number;
+    const status st = view_picture_advance(seat->picture, SLICE_S, t->may_send, &message);
+    if (st != ST_OK && st != ST_STOPPED)
+        refuse(d, seat, number);
+    const bool any = message != NULL;
+    say(d, seat, message);
+    if (any && t->residency)
+        tell_residency(d, seat);
+}
+
+static void take_turn(view_draw *d, view_seat *seat, const turn *t, const view_wish *wish) {
+    if (t->leave) {
+        view_picture_stop(seat->picture);
+        return;
+    }
+    if (t->pick)
+        answer_pick(d, seat, wish, &t->picked);
+    if (t->begin && view_picture_begin(seat->picture, wish, others_bytes(d, seat)) != ST_OK) {
+        view_picture_stop(seat->picture);
+        refuse(d, seat, wish->number);
+    } else if (t->begin || t->draw) {
+        draw_slice(d, seat, t);
+    }
+}
+
+/* ---- Whose turn it is; the lock is held ---- */
+
+static bool needs(const view_seat *seat, turn *t) {
+    *t = (turn){.leave = seat->gone,
+                .may_send = seat->unseen_count < VIEW_UNSEEN_MAX,
+                .residency = seat->residency};
+    if (!seat->taken)
+        return false;
+    if (t->leave)
+        return true;
+    t->pick = seat->pick_count > 0;
+    t->begin = seat->wanted && view_picture_may_change(seat->picture) &&
+               (t->may_send || view_picture_busy(seat->picture));
+    t->draw = !t->begin && view_picture_busy(seat->picture) &&
+              (t->may_send || !view_picture_waits(seat->picture));
+    return t->pick || t->begin || t->draw;
+}
+
+static view_seat *next_seat(view_draw *d, turn *t) {
+    for (int i = 0; i < VIEW_SEATS_MAX; i++) {
+        view_seat *seat = &d->seats[(d->next + i) % VIEW_SEATS_MAX];
+        if (needs(seat, t)) {
+            d->next = (d->next + i + 1) % VIEW_SEATS_MAX;
+            return seat;
+        }
+    }
+    return NULL;
+}
+
+static void clear(view_seat *seat) {
+    view_queue_clear(&seat->queue);
+    view_draw *const draw = seat->draw;
+    view_picture *const kept = seat->picture;
+    *seat = (view_seat){.draw = draw, .picture = kept};
+}
+
+static void *draw_all(void *arg) {
+    view_draw *d = arg;
+    view_wish *wish = mem_alloc(d->m, sizeof *wish);
+    turn t;
+    pthread_mutex_lock(&d->lock);
+    while (!d->ending && wish) {
+        view_seat *seat = next_seat(d, &t);
+        if (!seat) {
+            pthread_cond_wait(&d->work, &d->lock);
+            continue;
+        }
+        if (t.begin || t.pick)
+            *wish = seat->wish;
+        if (t.begin)
+            seat->wanted = false;
+        if (t.pick) {
+            t.picked = seat->picks[0];
+            seat->pick_count--;
+            memmove(seat->picks, seat->picks + 1, (size_t)seat->pick_count * sizeof *seat->picks);
+        }
+        pthread_mutex_unlock(&d->lock);
+        take_turn(d, seat, &t, wish);
+        pthread_mutex_lock(&d->lock);
+        if (t.leave)
+            clear(seat);
+    }
+    pthread_mutex_unlock(&d->lock);
+    mem_free(d->m, wish);
+    return NULL;
+}
+
+/* ---- Opening and closing ---- */
+
+static void release(view_draw *d) {
+    for (int i = 0; i < VIEW_SEATS_MAX; i++) {
+        view_queue_clear(&d->seats[i].queue);
+        view_picture_destroy(d->seats[i].picture);
+    }
+    view_jpeg_close(d->tools.jpeg);
+    pool_destroy(d->tools.threads);
+    pthread_cond_destroy(&d->work);
+    pthread_mutex_destroy(&d->lock);
+    mem_free(d->m, d);
+}
+
+status view_draw_open(mem *m, int threads, void (*notify)(void *ctx), void *ctx, view_draw **out) {
+    view_draw *d = mem_zalloc(m, sizeof *d);
+    if (!d)
+        return ST_NOMEM;
+    *d = (view_draw){.m = m, .tools.m = m, .notify = notify, .ctx = ctx};
+    pthread_mutex_init(&d->lock, NULL);
+    pthread_cond_init(&d->work, NULL);
+    status st = pool_create(m, threads, &d->tools.threads);
+    if (st == ST_OK)
+        st = view_jpeg_open(m, &d->tools.jpeg);
+    for (int i = 0; i < VIEW_SEATS_MAX && st == ST_OK; i++) {
+        d->seats[i].draw = d;
+        st = view_picture_create(&d->tools, &d->seats[i].picture);
+    }
+    if (st == ST_OK)
+        st = thread_start(&d->thread, draw_all, d, "the thread that draws");
+    if (st == ST_OK)
+        *out = d;
+    else
+        release(d);
+    return st;
+}
+
+void view_draw_close(view_draw *d) {
+    if (!d)
+        return;
+    pthread_mutex_lock(&d->lock);
+    d->ending = true;
+    pthread_cond_signal(&d->work);
+    pthread_mutex_unlock(&d->lock);
+    for (int i = 0; i < VIEW_SEATS_MAX; i++)
+        view_picture_cancel(d->seats[i].picture);
+    pthread_join(d->thread, NULL);
+    release(d);
+}
+
+/* ---- Seats ---- */
+
+view_seat *view_draw_sit(view_draw *d) {
+    view_seat *found = NULL;
+    pthread_mutex_lock(&d->lock);
+    for (int i = 0; i < VIEW_SEATS_MAX && !found; i++)
+        if (!d->seats[i].taken) {
+            found = &d->seats[i];
+            found->taken = true;
+        }
+    pthread_mutex_unlock(&d->lock);
+    return found;
+}
+
+void view_draw_leave(view_seat *seat) {
+    if (!seat)
+        return;
+    pthread_mutex_lock(&seat->draw->lock);
+    seat->gone = true;
+    view_picture_cancel(seat->picture);
+    pthread_cond_signal(&seat->draw->work);
+    pthread_mutex_unlock(&seat->draw->lock);
+}
+
+void view_seat_want(view_seat *seat, const view_wish *wish) {
+    pthread_mutex_lock(&seat->draw->lock);
+    seat->wish = *wish;
+    seat->wanted = seat->any = true;
+    view_picture_cancel_rest(seat->picture);
+    pthread_cond_signal(&seat->draw->work);
+    pthread_mutex_unlock(&seat->draw->lock);
+}
+
+void view_seat_seen(view_seat *seat, uint64_t number, int part) {
+    int kept = 0;
+    pthread_mutex_lock(&seat->draw->lock);
+    for (int i = 0; i < seat->unseen_count; i++) {
+        const sent *s = &seat->unseen[i];
+        if (s->number > number || (s->number == number && s->part > part))
+            seat->unseen[kept++] = *s;
+    }
+    seat->unseen_count = kept;
+    pthread_cond_signal(&seat->draw->work);
+    pthread_mutex_unlock(&seat->draw->lock);
+}
+
+bool view_seat_pick(view_seat *seat, int64_t id, double x, double y) {
+    pthread_mutex_lock(&seat->draw->lock);
+    const bool room = seat->any && seat->pick_count < VIEW_PICKS_MAX;
+    if (room)
+        seat->picks[seat->pick_count++] = (pick){id, x, y};
+    pthread_cond_signal(&seat->draw->work);
+    pthread_mutex_unlock(&seat->draw->lock);
+    return room;
+}
+
+void view_seat_residency(view_seat *seat, bool on) {
+    pthread_mutex_lock(&seat->draw->lock);
+    seat->residency = on;
+    pthread_mutex_unlock(&seat->draw->lock);
+}
+
+view_message *view_seat_take(view_seat *seat) {
+    pthread_mutex_lock(&seat->draw->lock);
+    view_message *message = view_queue_pop(&seat->queue);
+    pthread_mutex_unlock(&seat->draw->lock);
+    return message;
+}
+
+bool view_seat_any(view_seat *seat) {
+    pthread_mutex_lock(&seat->draw->lock);
+    const bool any = seat->queue.first != NULL;
+    pthread_mutex_unlock(&seat->draw->lock);
+    return any;
+}

@@ -1,0 +1,19 @@
+/* view_jpeg.h - pictures as JPEG, by libjpeg-turbo: quick and small, for what is soon replaced. */
+#ifndef RENDER_VIEW_VIEW_JPEG_H
+#define RENDER_VIEW_VIEW_JPEG_H
+
+#include "render/app/picture.h"
+#include "render/picture_bytes.h"
+#include "render/view/view_message.h"
+
+typedef struct view_jpeg view_jpeg;
+
+/* view_jpeg_open() - a compressor, for one thread. ST_NOMEM. view_jpeg_close() - NULL is fine. */
+CHECKED status view_jpeg_open(mem *m, view_jpeg **out);
+void view_jpeg_close(view_jpeg *j);
+
+/* view_jpeg_write() - planes r, g and b behind the bytes of a message, which may move. Colours are
+ * as seen before black. ST_NOMEM, ST_FAILED. */
+CHECKED status view_jpeg_write(view_jpeg *j, const picture *p, view_message **to);
+
+#endif

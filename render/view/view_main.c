@@ -1,0 +1,129 @@
+/* view_main.c - leafcast view: a page to look at volumes, and what draws for it. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "formats/base/child.h"
+#include "formats/base/cli.h"
+#include "formats/base/cli_value.h"
+#include "render/view/view_server.h"
+
+enum { FILES_MAX = 64 };
+
+typedef struct view_verb {
+    cli_common common;
+    int port;
+    const char *address, *isa;
+    bool open;
+    mem m;
+} view_verb;
+
+enum { PORT = 0x3000, ADDRESS, OPEN, ISA };
+
+static const struct argp_option OPTIONS[] = {
+    {"port", PORT, "N", CLI_BASIC, "where the page is served; 0: any that is free (0)", 0},
+    {"address", ADDRESS, "IP", CLI_BASIC,
+     "listen there, too far for this machine alone: who knows the token can look (127.0.0.1)", 0},
+    {"open", OPEN, NULL, CLI_BASIC, "open the page in the browser, by xdg-open", 0},
+    {"isa", ISA, "auto|scalar|sse42|avx2|avx512", CLI_EXPERIMENT,
+     "instructions to use: auto, scalar, sse42, avx2, avx512", 0},
+    {NULL, 0, NULL, 0, NULL, 0}};
+
+static status set_option(void *own, int key, const char *text) {
+    view_verb *o = own;
+    switch (key) {
+    case PORT: return cli_int(text, "--port", 0, 65535, &o->port);
+    case ADDRESS: o->address = text; return ST_OK;
+    case OPEN: o->open = true; return ST_OK;
+    case ISA: o->isa = text; return ST_OK;
+    default: return ST_AGAIN;
+    }
+}
+
+static status check_options(void *own) {
+    const view_verb *o = own;
+    return o->common.input ? ST_OK : status_describe(ST_USAGE, "which treelet file?");
+}
+
+/* All on one device, which ends with them. */
+static status open_files(const view_verb *o, view_file *files) {
+    leafcast_options options = {.size = sizeof options,
+                                .memory = o->common.memory,
+                                .threads = o->common.threads,
+                                .isa = o->isa};
+    status st = (status)leafcast_device_create(&options, &options.device);
+    options.memory = 0;
+    options.threads = 0;
+    options.isa = NULL;
+    for (int i = 0; i < o->common.input_count && st == ST_OK; i++) {
+        files[i].path = o->common.inputs[i];
+        st = (status)leafcast_open(files[i].path, &options, &files[i].volume);
+    }
+    leafcast_device_destroy(options.device);
+    return st;
+}
+
+/* A browser may take its time, and may stay: nobody waits for it. */
+static void open_page(const view_verb *o, const char *url) {
+    child browser;
+    int code = 0;
+    static const char script[] =
+        "command -v xdg-open >/dev/null && { xdg-open \"$0\" </dev/null >/dev/null 2>&1 & }";
+    char *const argv[] = {(char *)"sh", (char *)"-c", (char *)script, (char *)url, NULL};
+    status st = child_start("/bin/sh", argv, false, &browser);
+    if (st == ST_OK)
+        st = child_end(&browser, &code);
+    if (st != ST_OK || code != 0)
+        cli_note(&o->common, 0, "no xdg-open here: open the address in a browser");
+}
+
+static status serve(const view_verb *o, const view_file *files, mem *m) {
+    const progress *watch = cli_progress((cli_common *)&o->common);
+    const view_server_options options = {.files = files,
+                                         .file_count = o->common.input_count,
+                                         .machine = {o->common.memory, o->common.threads, o->isa},
+                                         .address = o->address,
+                                         .port = o->port};
+    view_server *server = NULL;
+    status st = view_server_open(m, &options, &server);
+    if (st != ST_OK)
+        return st;
+    cli_results(&o->common, false);
+    printf("%s\n", view_server_url(server));
+    st = cli_flush();
+    if (st == ST_OK && o->open)
+        open_page(o, view_server_url(server));
+    if (st == ST_OK) {
+        view_server_run(server, watch->stop, watch->ctx);
+        st = status_describe(ST_STOPPED, "stopped");
+    }
+    view_server_close(server);
+    return st;
+}
+
+int main(int argc, char **argv) {
+    static view_verb o = {.common = {.verb = "view", .without = "output json force"}};
+    static view_file files[FILES_MAX];
+    const cli_verb verb = {.options = OPTIONS,
+                           .set_option = set_option,
+                           .check = check_options,
+                           .input = "treelet file",
+                           .inputs_max = FILES_MAX,
+                           .args_doc = "F.leaf [G.leaf ...]",
+                           .doc = "Look at treelet files in a browser: isosurfaces, media, slices, "
+                                  "clips, live; prints the "
+                                  "address of the page, and serves it until Ctrl-C.\v"
+                                  "Example:\n  leafcast view bonsai.leaf --open\v"
+                                  "The page is served on this machine alone, to whoever knows the "
+                                  "address with its token. "
+                                  "From another machine:\n  ssh -L 8080:127.0.0.1:8080 HOST "
+                                  "leafcast view F.leaf --port 8080"};
+    mem_init(&o.m, 0);
+    cli_parse(&verb, &o.common, argc, argv);
+    status st = open_files(&o, files);
+    if (st == ST_OK)
+        st = serve(&o, files, &o.m);
+    for (int i = 0; i < FILES_MAX; i++)
+        leafcast_close(files[i].volume);
+    return cli_finish(&o.common, st);
+}

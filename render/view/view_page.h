@@ -1,0 +1,19 @@
+/* view_page.h - the files of render/view/page, which are packed into the program. */
+#ifndef RENDER_VIEW_VIEW_PAGE_H
+#define RENDER_VIEW_VIEW_PAGE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct view_page {
+    const char *name; /* "index.html" */
+    const char *type; /* as HTTP tells it */
+    const unsigned char *bytes;
+    size_t size;
+} view_page;
+
+/* view_page_find() - by the path of a request: "/" is the index. False: there is no such file, and
+ * nothing else is looked for. */
+bool view_page_find(const char *path, view_page *found);
+
+#endif

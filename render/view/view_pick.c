@@ -1,0 +1,76 @@
+#include "render/view/view_pick.h"
+
+#include <string.h>
+
+#include "formats/base/cli_json.h"
+
+static json_t *vector(const double x[3]) {
+    json_t *list = json_array();
+    for (int i = 0; i < 3; i++)
+        json_array_append_new(list, cli_json_real(x[i]));
+    return list;
+}
+
+static void describe_hit(json_t *out, const view_wish *wish, const leafcast_hit *h) {
+    const bool mesh = strcmp(leafcast_describe(wish->volume).kind, "mesh") == 0;
+    const double isovalue = wish->view.surfaces[h->surface].isovalue;
+    uint32_t field;
+    json_object_set_new(out, "point", vector(h->point));
+    json_object_set_new(out, "t", cli_json_real(h->t));
+    json_object_set_new(out, "value", cli_json_real(isovalue));
+    json_object_set_new(out, "isovalue", cli_json_real(isovalue));
+    json_object_set_new(out, "gradient", vector(h->gradient));
+    json_object_set_new(out, "normal", vector(h->normal));
+    json_object_set_new(out, "error_bound", cli_json_real(h->error_bound));
+    json_object_set_new(out, "surface", json_integer(h->surface));
+    if (mesh)
+        json_object_set_new(out, "tet", json_integer((json_int_t)h->tet));
+    else
+        json_object_set_new(out, "cell",
+                            json_pack("[I,I,I]", (json_int_t)h->cell[0], (json_int_t)h->cell[1],
+                                      (json_int_t)h->cell[2]));
+    if (view_options_field(&wish->view, wish->volume, &field) == ST_OK)
+        json_object_set_new(out, "field", json_integer(field));
+}
+
+/* The scene without media: a ray that is probed meets surfaces alone. */
+static status first_hit(mem *m, view_wish *wish, double x, double y, leafcast_hit *hit,
+                        int *count) {
+    view_options *v = &wish->view;
+    picture_scene parts;
+    leafcast_scene scene;
+    double suggested[LEAFCAST_SUGGESTIONS_MAX], origin[3], direction[3];
+    const picture_volume volume = {wish->volume, v};
+    picture_scene_init(&parts, m);
+    status st = picture_scene_choose(wish->volume, v, suggested, count);
+    *count = 0;
+    if (st == ST_OK)
+        st = view_options_check(v);
+    if (st == ST_OK)
+        st = picture_scene_describe(&parts, &volume, 1, true, &scene);
+    if (st == ST_OK && v->isos > 0) {
+        const leafcast_camera camera = view_options_camera(v, wish->volume);
+        scene.media_count = 0;
+        leafcast_pixel_ray(&camera, x, y, origin, direction);
+        st = (status)leafcast_probe_ray(wish->volume, &scene, origin, direction, hit, 1, count);
+    }
+    picture_scene_release(&parts);
+    return st;
+}
+
+status view_pick(mem *m, const view_wish *wish, double x, double y, json_t **answer) {
+    leafcast_hit hit;
+    int count = 0;
+    view_wish *copy = mem_alloc(m, sizeof *copy);
+    if (!copy)
+        return ST_NOMEM;
+    *copy = *wish;
+    const status st = first_hit(m, copy, x, y, &hit, &count);
+    if (st == ST_OK) {
+        *answer = json_pack("{s:s,s:b}", "type", "picked", "hit", count > 0);
+        if (count > 0)
+            describe_hit(*answer, copy, &hit);
+    }
+    mem_free(m, copy);
+    return st;
+}

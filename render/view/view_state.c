@@ -1,0 +1,92 @@
+#include "render/view/view_state.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "formats/base/cli_json.h"
+#include "formats/base/cli_options.h"
+#include "render/app/colour_map.h"
+#include "render/app/render_script.h"
+#include "render/app/transfer_preset.h"
+
+status view_state_parse(const char *text, size_t size, json_t **object) {
+    json_error_t error;
+    *object = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
+    if (!*object)
+        return status_describe(ST_USAGE, "no JSON: column %d: %s", error.column, error.text);
+    if (json_is_object(*object))
+        return ST_OK;
+    json_decref(*object);
+    *object = NULL;
+    return status_describe(ST_USAGE, "not a JSON object");
+}
+
+/* Whether names, divided by '|', have this one. */
+static bool is_one_of(const char *names, const char *name) {
+    const size_t length = strcspn(name, "|");
+    if (name[length])
+        return false;
+    for (const char *at = names; at; at = strchr(at, '|')) {
+        at += *at == '|';
+        if (strncmp(at, name, length) == 0 && (at[length] == '|' || at[length] == 0))
+            return length > 0;
+    }
+    return false;
+}
+
+static status check_names(const view_options *v) {
+    if (v->medium.tf[0] && !transfer_preset_is(v->medium.tf))
+        return status_describe(ST_USAGE, "--tf: a page may name one of %s, and no file",
+                               transfer_preset_names());
+    const char *const maps[] = {v->medium.colour_map, v->caps.colour_map};
+    for (int i = 0; i < 2; i++)
+        if (maps[i][0] && !is_one_of(colour_map_names(), maps[i]))
+            return status_describe(ST_USAGE, "%s: a page may name one of %s, and no file",
+                                   i ? "--caps" : "--colour-map", colour_map_names());
+    return ST_OK;
+}
+
+status view_state_apply(mem *m, json_t *state, view_options *v) {
+    script_frame *frame = mem_zalloc(m, sizeof *frame);
+    if (!frame)
+        return ST_NOMEM;
+    view_options_init(&frame->view);
+    frame->view.takes_media = true;
+    status st = script_apply(frame, state, "state");
+    for (int i = 0; i < FRAME_FILES && st == ST_OK; i++)
+        if (frame->file[i][0])
+            st = status_describe(ST_USAGE, "state: a page may name no file to write");
+    if (st == ST_OK)
+        st = check_names(&frame->view);
+    if (st == ST_OK)
+        *v = frame->view;
+    mem_free(m, frame);
+    return st;
+}
+
+static json_t *vector(const double x[3]) {
+    return json_pack("[f,f,f]", x[0], x[1], x[2]);
+}
+
+json_t *view_state_first(const leafcast *volume) {
+    enum { WIDTH = 1280, HEIGHT = 720 };
+    leafcast_camera c = {.size = sizeof c};
+    double isovalue = 0.0, range[2] = {0.0, 1.0};
+    int count = 0;
+    json_t *state = json_object();
+    if (leafcast_suggested_isovalues(volume, 0, 0, &isovalue, 1, &count) != LEAFCAST_OK ||
+        count == 0) {
+        /* Nothing can be suggested: no two values differ. */
+        isovalue = leafcast_range(volume, 0, 0, range) == LEAFCAST_OK && range[0] <= range[1]
+                       ? range[1]
+                       : 0.0;
+    }
+    if (leafcast_fit_view(volume, 0, 0, &isovalue, 1, 0.0, WIDTH, HEIGHT, &c) != LEAFCAST_OK)
+        c = leafcast_standard_view(volume, 2.2, WIDTH, HEIGHT);
+    json_object_set_new(state, "iso", json_pack("[f]", isovalue));
+    json_object_set_new(state, "eye", vector(c.eye));
+    json_object_set_new(state, "look-at", vector(c.look_at));
+    json_object_set_new(state, "up", vector(c.up));
+    json_object_set_new(state, "fov", json_real(c.fov));
+    return state;
+}

@@ -1,0 +1,29 @@
+/* view_state.h - a page's state as flags of render.
+ *
+ * A state is hostile until it is checked: it may name no file, neither one to write nor one to
+ * read.
+ */
+#ifndef RENDER_VIEW_VIEW_STATE_H
+#define RENDER_VIEW_VIEW_STATE_H
+
+#include <jansson.h>
+#include <stddef.h>
+
+#include "formats/base/mem.h"
+#include "formats/base/status.h"
+#include "render/app/view_options.h"
+
+/* view_state_parse() - JSON from a page: an object without duplicate keys. The caller's to
+ * json_decref(). ST_USAGE. */
+CHECKED status view_state_parse(const char *text, size_t size, json_t **object);
+
+/* view_state_apply() - *v becomes what a state says, and the defaults of render otherwise; flags
+ * are not held against each other yet (view_options_check()). ST_USAGE: unknown keys, wrong values,
+ * names of files. */
+CHECKED status view_state_apply(mem *m, json_t *state, view_options *v);
+
+/* view_state_first() - a state to begin with: the suggested isovalue of the first field, and the
+ * camera that fits it. NULL: no memory. */
+json_t *view_state_first(const leafcast *volume);
+
+#endif

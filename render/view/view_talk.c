@@ -1,0 +1,229 @@
+#include "render/view/view_talk.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "formats/base/clock.h"
+#include "formats/base/num.h"
+#include "render/view/view_state.h"
+
+/* Messages a second, and how many may come at once: a hand moves at most that fast. */
+enum { RATE = 500, BURST = 1000 };
+#define NUMBER_MAX 9007199254740991.0 /* of the page's language */
+
+struct view_talk {
+    mem *m;
+    view_seat *seat;
+    const view_file *files;
+    int file_count, file; /* and which is shown */
+    const view_machine *machine;
+    view_queue queue; /* before what waits at the seat */
+    double allowance, last_heard;
+    size_t heard;
+    view_wish wish;
+    char text[VIEW_HEARD_MAX];
+};
+
+static void tell(view_talk *t, json_t *object) {
+    view_message *message =
+        t->queue.count < VIEW_TEXTS_MAX ? view_message_json(t->m, object) : NULL;
+    if (message)
+        view_queue_push(&t->queue, message);
+}
+
+static void tell_volume(view_talk *t) {
+    tell(t, view_volume_json(t->files, t->file_count, t->file, t->machine));
+}
+
+view_talk *view_talk_open(mem *m, view_draw *draw, const view_file *files, int count,
+                          const view_machine *machine) {
+    view_talk *t = mem_zalloc(m, sizeof *t);
+    if (!t)
+        return NULL;
+    t->m = m;
+    t->files = files;
+    t->file_count = count;
+    t->machine = machine;
+    t->allowance = BURST;
+    t->last_heard = clock_seconds();
+    t->seat = view_draw_sit(draw);
+    if (t->seat)
+        tell_volume(t);
+    if (t->queue.count > 0)
+        return t;
+    view_talk_close(t);
+    return NULL;
+}
+
+void view_talk_close(view_talk *t) {
+    if (!t)
+        return;
+    view_draw_leave(t->seat);
+    view_queue_clear(&t->queue);
+    mem_free(t->m, t);
+}
+
+/* ---- Messages ---- */
+
+static status wrong(const char *key) {
+    return status_describe(ST_USAGE, "\"%s\" is missing, or none that can be", key);
+}
+
+static status take_number(const json_t *object, const char *key, double lo, double hi,
+                          double *out) {
+    const json_t *value = json_object_get(object, key);
+    *out = json_number_value(value);
+    return json_is_number(value) && *out >= lo && *out <= hi ? ST_OK : wrong(key);
+}
+
+static status take_whole(const json_t *object, const char *key, double lo, double hi, double *out) {
+    const status st = take_number(object, key, lo, hi, out);
+    return st == ST_OK && *out != floor(*out) ? wrong(key) : st;
+}
+
+/* number: 0 where there is none. */
+static status hear_view(view_talk *t, const json_t *message, double *number) {
+    double width, height;
+    json_t *state = json_object_get(message, "state");
+    view_wish *w = &t->wish;
+    status st = take_whole(message, "number", 0.0, NUMBER_MAX, number);
+    if (st == ST_OK)
+        st = take_whole(message, "width", 1.0, VIEW_SIDE_MAX, &width);
+    if (st == ST_OK)
+        st = take_whole(message, "height", 1.0, VIEW_SIDE_MAX, &height);
+    if (st == ST_OK && !json_is_object(state))
+        st = wrong("state");
+    if (st == ST_OK)
+        st = view_state_apply(t->m, state, &w->view);
+    if (st != ST_OK)
+        return st;
+    w->view.camera.width = (uint32_t)width;
+    w->view.camera.height = (uint32_t)height;
+    w->number = (uint64_t)*number;
+    w->volume = t->files[t->file].volume;
+    w->moving = json_is_true(json_object_get(message, "moving"));
+    w->asked = clock_seconds();
+    view_seat_want(t->seat, w);
+    return ST_OK;
+}
+
+static status hear_seen(view_talk *t, const json_t *message) {
+    double number, part;
+    status st = take_whole(message, "number", 0.0, NUMBER_MAX, &number);
+    if (st == ST_OK)
+        st = take_whole(message, "part", 0.0, 1e9, &part);
+    if (st == ST_OK)
+        view_seat_seen(t->seat, (uint64_t)number, (int)part);
+    return st;
+}
+
+static status hear_pick(view_talk *t, const json_t *message) {
+    double id, x, y;
+    status st = take_whole(message, "id", 0.0, NUMBER_MAX, &id);
+    if (st == ST_OK)
+        st = take_number(message, "x", -VIEW_SIDE_MAX, 2.0 * VIEW_SIDE_MAX, &x);
+    if (st == ST_OK)
+        st = take_number(message, "y", -VIEW_SIDE_MAX, 2.0 * VIEW_SIDE_MAX, &y);
+    if (st == ST_OK && !view_seat_pick(t->seat, (int64_t)id, x, y))
+        st = status_describe(ST_USAGE, "too many picks at a time, or none of a view");
+    return st;
+}
+
+static status hear_open(view_talk *t, const json_t *message) {
+    double file;
+    const status st = take_whole(message, "file", 0.0, t->file_count - 1, &file);
+    if (st != ST_OK)
+        return st;
+    t->file = (int)file;
+    tell_volume(t);
+    return ST_OK;
+}
+
+static status hear_message(view_talk *t, const json_t *message, double *number) {
+    const char *type = json_string_value(json_object_get(message, "type"));
+    *number = 0.0;
+    if (!type)
+        return wrong("type");
+    if (strcmp(type, "view") == 0)
+        return hear_view(t, message, number);
+    if (strcmp(type, "seen") == 0)
+        return hear_seen(t, message);
+    if (strcmp(type, "pick") == 0)
+        return hear_pick(t, message);
+    if (strcmp(type, "open") == 0)
+        return hear_open(t, message);
+    if (strcmp(type, "residency") == 0) {
+        view_seat_residency(t->seat, json_is_true(json_object_get(message, "on")));
+        return ST_OK;
+    }
+    return wrong("type");
+}
+
+static bool is_too_fast(view_talk *t) {
+    const double now = clock_seconds();
+    t->allowance = fmin(BURST, t->allowance + RATE * (now - t->last_heard)) - 1.0;
+    t->last_heard = now;
+    return t->allowance < 0.0;
+}
+
+view_talk_result view_talk_hear(view_talk *t, const void *bytes, size_t size, bool last) {
+    json_t *message = NULL;
+    double number = 0.0;
+    if (size > sizeof t->text - t->heard)
+        return VIEW_TALK_TOO_LONG;
+    if (size > 0)
+        memcpy(t->text + t->heard, bytes, size);
+    t->heard += size;
+    if (!last)
+        return VIEW_TALK_FINE;
+    if (is_too_fast(t))
+        return VIEW_TALK_TOO_FAST;
+    status st = view_state_parse(t->text, t->heard, &message);
+    t->heard = 0;
+    if (st == ST_OK)
+        st = hear_message(t, message, &number);
+    json_decref(message);
+    if (st != ST_OK)
+        tell(t, json_pack("{s:s,s:I,s:s}", "type", "refused", "number", (json_int_t)number, "why",
+                          status_text()));
+    return VIEW_TALK_FINE;
+}
+
+view_message *view_talk_next(view_talk *t) {
+    view_message *message = view_queue_pop(&t->queue);
+    return message ? message : view_seat_take(t->seat);
+}
+
+bool view_talk_any(view_talk *t) {
+    return t->queue.first || view_seat_any(t->seat);
+}
+
+/* ---- Pictures as files ---- */
+
+status view_talk_file(mem *m, const view_file *files, int count, const char *state,
+                      const char *size, const char *file, view_wish *wish) {
+    double sides[2] = {0.0, 0.0};
+    int64_t which = 0;
+    json_t *object = NULL;
+    status st = view_state_parse(state, strlen(state), &object);
+    if (st == ST_OK)
+        st = view_state_apply(m, object, &wish->view);
+    json_decref(object);
+    if (st == ST_OK)
+        st = num_doubles(size, "size", "x", 2, sides);
+    if (st == ST_OK && file[0])
+        st = num_int(file, "file", 0, count - 1, &which);
+    for (int i = 0; i < 2 && st == ST_OK; i++)
+        if (!(sides[i] >= 1.0 && sides[i] <= VIEW_SIDE_MAX && sides[i] == floor(sides[i])))
+            st = status_describe(ST_USAGE, "size: a side is 1 to %d", VIEW_SIDE_MAX);
+    if (st != ST_OK)
+        return st;
+    wish->view.camera.width = (uint32_t)sides[0];
+    wish->view.camera.height = (uint32_t)sides[1];
+    wish->number = 0;
+    wish->volume = files[which].volume;
+    wish->moving = false;
+    wish->file = true;
+    wish->asked = clock_seconds();
+    return ST_OK;
+}

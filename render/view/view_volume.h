@@ -1,0 +1,25 @@
+/* view_volume.h - what a page is told of a volume at first. */
+#ifndef RENDER_VIEW_VIEW_VOLUME_H
+#define RENDER_VIEW_VIEW_VOLUME_H
+
+#include <jansson.h>
+
+#include "render/leafcast.h"
+
+/* A treelet file that is shown. */
+typedef struct view_file {
+    const char *path;
+    leafcast *volume;
+} view_file;
+
+/* What a device was made with. */
+typedef struct view_machine {
+    uint64_t memory; /* 0: no limit */
+    int threads;
+    const char *isa;
+} view_machine;
+
+/* view_volume_json() - the message "volume" of files[which]; of count files. NULL: no memory. */
+json_t *view_volume_json(const view_file *files, int count, int which, const view_machine *machine);
+
+#endif
