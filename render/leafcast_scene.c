@@ -118,7 +118,7 @@ status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const came
                    .isos = {v->isovalue_count, v->isovalues},
                    .space = v->space,
                    .preview = scene->preview,
-                   .doubts = scene->preview && scene_is_certified(scene) && !scene->shade_media,
+                   .doubts = scene->preview && scene_is_certified(scene),
                    .touched = v->touched};
     v->kind->aim(v, scene, c, tr);
     return clip_of(scene, tr);

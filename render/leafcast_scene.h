@@ -23,6 +23,7 @@ static inline bool scene_is_filled(const leafcast_scene *scene) {
 /* scene_is_certified() - whether it shows media with a bound. */
 static inline bool scene_is_certified(const leafcast_scene *scene) {
     return scene->media_count > 0 && scene->project == LEAFCAST_PROJECT_NONE &&
+           !scene->shade_media &&
            (!scene->experiments || scene->experiments->summing == LEAFCAST_CERTIFIED);
 }
 
