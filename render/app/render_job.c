@@ -128,7 +128,8 @@ static status check_files(const render_job *job, const script_frame *frame) {
 }
 
 status render_job_check(const render_job *job, script_frame *frame) {
-    status st = picture_scene_choose(job->volume, &frame->view, frame->suggested, &frame->suggestions);
+    status st =
+        picture_scene_choose(job->volume, &frame->view, frame->suggested, &frame->suggestions);
     note_others(job, &frame->view);
     if (st == ST_OK)
         st = view_options_check(&frame->view);

@@ -19,8 +19,9 @@ typedef struct render_options {
     leafcast_options open;
     leafcast_experiments experiments; /* of these */
     const char *files[FRAME_FILES];   /* but for the picture, which is -o */
-    const char *stats, *script, *iso_list, *camera_path, *format;
-    bool series; /* --steps: */
+    const char *stats, *script, *iso_list, *camera_path, *format, *state;
+    status_note state_read; /* what became of reading it */
+    bool series;            /* --steps: */
     uint32_t first_step, last_step;
     render_also also[RENDER_ALSO_MAX]; /* --and: what follows is about the last of these */
     int also_count;
@@ -46,6 +47,7 @@ enum {
     ISO_LIST,
     CAMERA_PATH,
     SCRIPT,
+    STATE,
     AND,
     STEPS,
     FORMAT,
@@ -82,6 +84,11 @@ static const struct argp_option OPTIONS[] = {
      0},
     {"repeat", REPEAT, "N", CLI_EXPERIMENT, "draw N times; the statistics are the median picture's",
      0},
+    {"state", STATE, "FILE", 0,
+     "a view as leafcast view has saved it: a JSON object whose keys are these flags; flags behind "
+     "it "
+     "add to it",
+     10},
     {"and", AND, "FILE", 0,
      "a volume more, in the same picture; --iso, --color, --opacity, --tf, --colour-map, --window, "
      "--opacity-length, --field and --step behind it are about that one. Repeatable",
@@ -181,10 +188,20 @@ static view_options *view_of(render_options *o, int key) {
                                                          : &o->view;
 }
 
+/* Where it stands among the flags. */
+static status read_state(render_options *o, const char *path) {
+    if (o->state)
+        return status_describe(ST_USAGE, "--state: one is enough");
+    o->state = path;
+    status_note_take(&o->state_read, script_load_state(path, &o->view));
+    return ST_OK;
+}
+
 static status set_option(void *own, int key, const char *text) {
     render_options *o = own;
     status st = ST_OK;
     switch (key) {
+    case STATE: return read_state(o, text);
     case AND: return add_volume(o, text);
     case FORMAT: o->format = text; return ST_OK;
     case STATS: o->stats = text; return ST_OK;
@@ -456,6 +473,8 @@ static status guard_inputs(const render_options *o) {
     status st = file_guard_input(o->common.input);
     if (st == ST_OK)
         st = file_guard_input(o->camera_path);
+    if (st == ST_OK)
+        st = file_guard_input(o->state);
     return st == ST_OK ? file_guard_input(o->script) : st;
 }
 
@@ -673,7 +692,9 @@ int main(int argc, char **argv) {
                                   .stop = job.watch->stop,
                                   .ctx = job.watch->ctx};
     o.common.json_lines = o.script || is_sequence(&o);
-    status st = guard_inputs(&o);
+    status st = status_note_raise(&o.state_read);
+    if (st == ST_OK)
+        st = guard_inputs(&o);
     if (st == ST_OK)
         st = o.script ? run_script(&o, &job) : run_sequence(&o, &job);
     if (st == ST_OK)

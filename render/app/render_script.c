@@ -139,7 +139,7 @@ status script_parse(script_frame *frame, const char *text, size_t size, const ch
     return st;
 }
 
-status script_load_path(const char *path, json_t **out) {
+static status load_json(const char *path, json_t **out) {
     json_error_t error;
     mem m;
     file *f = NULL;
@@ -147,16 +147,47 @@ status script_load_path(const char *path, json_t **out) {
     status st = file_open(&m, path, &f);
     if (st != ST_OK)
         return st;
-    json_t *array = json_loadfd(file_descriptor(f), JSON_REJECT_DUPLICATES, &error);
+    *out = json_loadfd(file_descriptor(f), JSON_REJECT_DUPLICATES, &error);
     file_close(f);
-    if (!array)
+    if (!*out)
         return status_describe(ST_CORRUPT, "%s: line %d: %s", path, error.line, error.text);
+    return ST_OK;
+}
+
+status script_load_path(const char *path, json_t **out) {
+    json_t *array = NULL;
+    const status st = load_json(path, &array);
+    if (st != ST_OK)
+        return st;
     if (!json_is_array(array) || json_array_size(array) == 0) {
         json_decref(array);
         return status_describe(ST_CORRUPT, "%s: not an array of views", path);
     }
     *out = array;
     return ST_OK;
+}
+
+status script_load_state(const char *path, view_options *view) {
+    json_t *object = NULL;
+    mem m;
+    mem_init(&m, 0);
+    status st = load_json(path, &object);
+    script_frame *frame = st == ST_OK ? mem_zalloc(&m, sizeof *frame) : NULL;
+    if (st == ST_OK && !frame)
+        st = ST_NOMEM;
+    if (st == ST_OK) {
+        frame->view = *view;
+        st = script_apply(frame, object, path);
+        for (int i = 0; i < FRAME_FILES && st == ST_OK; i++)
+            if (frame->file[i][0])
+                st = status_describe(ST_USAGE, "%s: \"%s\" is no part of a view", path,
+                                     FILE_KEYS[i]);
+        if (st == ST_OK)
+            *view = frame->view;
+    }
+    mem_free(&m, frame);
+    json_decref(object);
+    return st;
 }
 
 /* ---- lines ---- */

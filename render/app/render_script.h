@@ -54,6 +54,10 @@ CHECKED status script_parse(script_frame *frame, const char *text, size_t size, 
  * json_decref(). */
 CHECKED status script_load_path(const char *file, json_t **path);
 
+/* script_load_state() - put what an object in a file says into *view: a view that the viewer has
+ * saved. ST_CORRUPT: no JSON; ST_USAGE as script_apply(), also for files to write. */
+CHECKED status script_load_state(const char *file, view_options *view);
+
 /* ---- lines, as they come ---- */
 
 typedef struct script_reader script_reader;

@@ -21,6 +21,7 @@ files() {
     "$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" -o "$tmp/m.leaf" -q --gradients
     echo '[{"fov": 30}, {"fov": 50}]' >"$tmp/path.json"
     echo '{"size": [8, 8]}' >"$tmp/script.json"
+    echo '{"iso": [150], "fov": 20}' >"$tmp/state.json"
     for i in 2 10; do printf "P6 3 2 255\n$i$i%s" 123456789012345678 | head -c 29 >"$tmp/s$i.ppm"; done
     mkdir "$tmp/v"
     tool_vdb=${LEAFCAST_BUILD:-build/release}/tests/tool_vdb
@@ -114,6 +115,7 @@ render|--iso-list|makes i_0001.png|@g.leaf --size 8x8 -o @i.png|--iso-list 100,1
 render|--steps|makes t_0001.png|@mesh --size 8x8 -o @t.png|--steps 0:1
 render|--camera-path|makes c_0001.png|@grid --size 8x8 -o @c.png|--camera-path @path.json
 render|--turntable|makes u_0001.png|@grid --size 8x8 -o @u.png|--turntable 2
+render|--state|picture|@grid|--state @state.json
 render|--script|says|@grid --size 8x8 --json|--script @script.json
 render|--backend|shown render|
 render|--schema|shown render_steps|
@@ -378,6 +380,18 @@ info|--field|refused no array|@m_0000.mesh|--field none
 info|--dims|says|@g_40x36x44_uint8.raw|--dims 36,40,44
 info|--type|says|@g_40x36x44_uint8.raw|--type i8
 info|--big-endian|says|@g_40x36x44_uint8.raw --dims 20,36,44 --type u16|--big-endian
+view|--port|shown view_server|
+view|--address|shown view_server|
+view|--open|shown view_server|
+view|--isa|shown view_server|
+view|--threads|refused --threads|@g.leaf|--threads none
+view|--memory|shown view_server|
+view|--quiet|shown view_server|
+view|--verbose|shown view_server|
+view|--help|shown help|
+view|--help-all|shown help|
+view|--usage|says|--version|--usage
+view|--version|says|--usage|--version
 info|--skip|shown inputs|
 info|--threads|taken|@g.nrrd|--threads 2
 info|--memory|shown inputs|

@@ -25,7 +25,7 @@ class Server:
         self.token = urllib.parse.parse_qs(parts.query)["token"][0]
 
     def connect(self):
-        return socket.create_connection(("127.0.0.1", self.port), timeout=60)
+        return socket.create_connection(("127.0.0.1", self.port), timeout=30)
 
     def get(self, target, host=None, method="GET", headers=()):
         """(status, headers, body) of one request."""
@@ -128,8 +128,9 @@ class Page:
         except (BrokenPipeError, ConnectionResetError):
             raise Closed() from None
 
-    def message(self):
-        """("text", object) or ("picture", (head, bytes)); answers pings, raises Closed."""
+    def message(self, patient=True):
+        """("text", object) or ("picture", (head, bytes)); answers pings, raises Closed. Impatient: also ("control", its
+        number), such as a pong."""
         whole, kind = b"", None
         while True:
             first, second = self.exactly(2)
@@ -144,6 +145,8 @@ class Page:
                 raise Closed(struct.unpack(">H", payload[:2])[0] if len(payload) >= 2 else None)
             if opcode == 9:
                 self.send(payload, 10)
+            if opcode > 2 and not patient:
+                return "control", opcode
             if opcode > 2:
                 continue
             kind = opcode or kind

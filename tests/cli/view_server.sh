@@ -1,0 +1,28 @@
+#!/bin/sh
+# view_server.sh - leafcast view as a browser meets it: the page, refusals, pictures, picks, floods, the end.
+# marks: threads
+. tests/support/tap.sh
+
+"$leafcast" --list-verbs own | grep -qx view || {
+    skip "the viewer" "it is not built here: no libwebsockets or libturbojpeg"
+    finish
+}
+"$leafcast" generate gyroid --dims 48,40,44 -o "$tmp/g.nrrd" -q
+"$leafcast" convert "$tmp/g.nrrd" -o "$tmp/g.leaf" -q
+"$leafcast" generate buckyball --tets --dims 11 --steps 2 --deform 0.4 -o "$tmp/m.mesh" -q
+"$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" -o "$tmp/m.leaf" -q
+
+exits "without a file" 2 "$leafcast" view
+exits "a port that is none" 2 "$leafcast" view "$tmp/g.leaf" --port 65536
+exits "a file that is none" 3 "$leafcast" view "$tmp/g.nrrd"
+exits "instructions that are none" 2 "$leafcast" view "$tmp/g.leaf" --isa none
+exits "an address that is none" 1 timeout 20 "$leafcast" view "$tmp/g.leaf" --address 192.0.2.1
+exits "--memory: too little" 4 "$leafcast" view "$tmp/g.leaf" --memory 1K
+
+run python3 tests/support/view_server.py "$leafcast" "$tmp"
+ok "the client ends well" [ "$rc" = 0 ]
+while read -r result name; do ok "$name" [ "$result" = ok ]; done <<LINES
+$(sed -n 's/^\(ok\|not\) /\1 /p' "$tmp/out")
+LINES
+ok "and has told of all" grep -qx "end" "$tmp/out"
+finish

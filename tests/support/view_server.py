@@ -1,0 +1,471 @@
+#!/usr/bin/env python3
+"""view_server.py LEAFCAST FOLDER - leafcast view, its pictures and refusals, by view_client.py.
+
+A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last.
+"""
+import json, os, random, signal, socket, struct, subprocess, sys, time, urllib.parse
+
+from view_client import Closed, Page, Server, png_pixels
+
+leafcast, folder = sys.argv[1:3]
+GRID, MESH = folder + "/g.leaf", folder + "/m.leaf"
+SEED = int(os.environ.get("SEED", "7"))
+random.seed(SEED)
+SURFACE = {"iso": [120], "eye": [110, 90, 80], "look-at": [24, 20, 22], "fov": 30}
+SHADED = dict(SURFACE, **{"iso": [110, 140], "color": ["red", "#80c0ff"], "opacity": [0.5, 1], "light": [[1, 1, 2]],
+                          "shadows": True, "clip-box": [0, 0, 0, 40, 30, 44]})
+MEDIUM = {"tf": "auto", "eye": [110, 90, 80], "look-at": [24, 20, 22], "legend": True}
+CLEAR = dict(SURFACE, background="0,0,0,0")
+SAMPLES = dict(SURFACE, samples=4)
+PROJECTED = {"project": "max", "colour-map": "viridis", "eye": [110, 90, 80], "look-at": [24, 20, 22]}
+W, H = 160, 120
+
+
+def ok(name, good):
+    print("ok" if good else "not", name, flush=True)
+
+
+def ends(server, name, number=signal.SIGINT):
+    code, said = server.stop(number)
+    ok(f"{name}: ends by the signal ({code})", code == 128 + number)
+    ok(f"{name}: no report of a sanitizer", "Sanitizer" not in said and "runtime error" not in said)
+    if "Sanitizer" in said:
+        print(said)
+
+
+def serve(*arguments):
+    return Server([leafcast, "view", *arguments])
+
+
+def rendered(state, width=W, height=H, leaf=GRID):
+    """The pixels of `render --state`."""
+    with open(folder + "/state.json", "w") as f:
+        json.dump(state, f)
+    out = folder + "/want.png"
+    subprocess.run([leafcast, "render", leaf, "--state", folder + "/state.json", "--size", f"{width}x{height}", "-o",
+                    out, "--force", "-q"], check=True)
+    with open(out, "rb") as f:
+        return png_pixels(f.read())
+
+
+def picture_of(server, state, token=None, size=f"{W}x{H}", more=""):
+    token = server.token if token is None else token
+    return server.get(f"/picture?token={token}&size={size}&state={urllib.parse.quote(json.dumps(state))}{more}")
+
+
+def refused(server, **how):
+    try:
+        return Page(server, **how).status
+    except Closed:
+        return 0
+
+
+# ---- What is served, to whom ----
+
+def pages(s):
+    code, headers, body = s.get("/")
+    ok("the page is served", code == 200 and b"leafcast" in body and headers["content-type"].startswith("text/html"))
+    ok("by its name, too", s.get("/index.html")[2] == body)
+    ok("with a policy", "default-src 'self'" in headers["content-security-policy"])
+    ok("not to be guessed or kept", headers["x-content-type-options"] == "nosniff" and
+       headers["cache-control"] == "no-store")
+    for path in ("/nothing", "/../view_main.c", "/%2e%2e/view_main.c", "/page/index.html", "/index.html/", "//etc/passwd",
+                 "/etc/passwd", "/index.html%00.js", "/....//....//etc/passwd"):
+        try:
+            code = s.get(path)[0]
+        except Closed:
+            code = 0
+        ok(f"{path}: nothing is there ({code})", code in (0, 400, 403, 404))
+    for host in ("evil.example", "evil.example:80", "127.0.0.1.evil.example", "localhost.evil:1", "127.0.0.1:x", "",
+                 "[::1", "127.0.0.1:123456"):
+        ok(f"host '{host}': 403", s.get("/", host=host or " ")[0] == 403)
+    for host in (f"localhost:{s.port}", "127.0.0.1:9999", "[::1]:80", "LOCALHOST"):
+        ok(f"host '{host}': as through a tunnel", s.get("/", host=host)[0] == 200)
+    ok("another origin: 403", s.get("/", headers=["Origin: http://evil.example"])[0] == 403)
+    ok("another port's origin: 403", s.get("/", headers=[f"Origin: http://127.0.0.1:{s.port + 1}"])[0] == 403)
+    ok("no origin: 403", s.get("/", headers=["Origin: null"])[0] == 403)
+    for method in ("POST", "PUT", "DELETE"):
+        try:
+            code = s.get("/", method=method, headers=["Content-Length: 0"])[0]
+        except Closed:
+            code = 0
+        ok(f"{method}: refused ({code})", code in (0, 403, 404, 405))
+
+
+def sockets(s):
+    ok("a socket", refused(s) == 101)
+    wrong = ("0" if s.token[0] != "0" else "1") + s.token[1:]
+    for token in ("", wrong, s.token[:-1], s.token + "0", "x" * 4000):
+        ok(f"token '{token[:40]}': 403", refused(s, token=token) == 403)
+    ok("a socket from elsewhere: 403", refused(s, origin="http://evil.example") == 403)
+    ok("of another host: 403", refused(s, host="evil.example") == 403)
+    ok("at another path: 404", refused(s, path="/elsewhere") == 404)
+
+
+# ---- Pictures ----
+
+def drawn(s):
+    page = Page(s)
+    v = page.volume
+    ok("the volume is told", v["type"] == "volume" and v["kind"] == "grid" and v["dims"] == [48, 40, 44] and
+       v["file"] == "g.leaf" and v["files"] == ["g.leaf", "m.leaf"] and len(v["colour_maps"]["viridis"]) == 64)
+    h = v["fields"][0]["histogram"]
+    ok("with a histogram", len(h["edges"]) == len(h["samples"]) + 1 == len(h["area"]) + 1 > 2)
+    page.view(1, v["state"], W, H)
+    got = page.final()
+    ok("the first state is drawn", png_pixels(got[-1][1]) == rendered(v["state"]))
+    number = 1
+    for name, state in (("surface", SURFACE), ("shaded", SHADED), ("medium", MEDIUM), ("clear", CLEAR),
+                        ("samples", SAMPLES), ("projected", PROJECTED)):
+        number += 1
+        page.view(number, state, W, H)
+        got = page.final()
+        head, data = got[-1]
+        want = rendered(state)
+        ok(f"{name}: the last part is what render draws", png_pixels(data) == want)
+        ok(f"{name}: and said to be so", head["final"] and head["exact"] and head["provisional"] == 0 and
+           (head["width"], head["height"], head["format"], head["scale"]) == (W, H, "png", 1))
+        ok(f"{name}: parts are numbered", [g[0]["part"] for g in got] == list(range(1, len(got) + 1)))
+        ok(f"{name}: as a file, too", png_pixels(picture_of(s, state)[2]) == want)
+    ok("a bound of media", True if "error" in head else False)
+    number += 1
+    page.view(number, SURFACE, W, H, moving=True)
+    head, data = page.picture()
+    ok("moving: a preview", head["number"] == number and not head["final"] and head["format"] == "jpeg" and
+       data[:2] == b"\xff\xd8" and 1 <= head["scale"] <= 4)
+    ok("moving: that is all", not page.waits(0.3))
+    page.close()
+
+
+def large(s):
+    """So long that there are parts."""
+    state = dict(MEDIUM, error=1e-6)
+    page = Page(s)
+    page.view(1, state, 1024, 768)
+    got = page.final()
+    ok(f"of a long one there are parts ({len(got)})", len(got) >= 2)
+    ok("parts are numbered", [g[0]["part"] for g in got] == list(range(1, len(got) + 1)))
+    left = [g[0]["provisional"] for g in got if g[0]["scale"] == 1]
+    ok(f"each has less to come ({left})", left == sorted(left, reverse=True) and left[-1] == 0)
+    page.close()
+
+
+def superseded(s):
+    page = Page(s)
+    last = 0
+    fine = True
+    for number in range(1, 121):
+        state = dict(SURFACE, eye=[110 + number / 10, 90, 80])
+        page.view(number, state, 320, 240, moving=number % 7 != 0)
+        while page.waits(0.004):
+            what, got = page.message()
+            if what == "picture":
+                fine = fine and got[0]["number"] >= last
+                last = got[0]["number"]
+                page.seen(got[0])
+    page.view(121, SURFACE, 320, 240)
+    got = page.final()
+    numbers = [last] + [g[0]["number"] for g in got]
+    ok("no older view after a newer one", fine and numbers == sorted(numbers))
+    ok("the newest is drawn to the end", png_pixels(got[-1][1]) == rendered(SURFACE, 320, 240))
+    page.close()
+
+
+def unseen(s):
+    """Who does not say what it has seen is sent two pictures, and no more."""
+    page = Page(s)
+    count = 0
+    for number in range(1, 30):
+        page.view(number, dict(SURFACE, fov=20 + number), 64, 48, moving=True)
+        time.sleep(0.02)
+    while page.waits(0.5):
+        count += page.message()[0] == "picture"
+    ok(f"two pictures that are not seen ({count})", count == 2)
+    before = s.cpu_seconds()
+    time.sleep(1.0)
+    ok("and nothing is drawn meanwhile", s.cpu_seconds() - before < 0.3)
+    page.send({"type": "seen", "number": 29, "part": 1})
+    ok("then the newest", page.picture()[0]["number"] == 29)
+    page.close()
+
+
+def picks(s):
+    page = Page(s)
+    page.view(1, SURFACE, W, H)
+    page.final()
+    good = hits = 0
+    for i in range(8):
+        x, y = random.randrange(W), random.randrange(H)
+        page.send({"type": "pick", "number": 1, "id": i, "x": x + 0.5, "y": y + 0.5})
+        got = page.text("picked")
+        flags = ["--iso", "120", "--eye", "110,90,80", "--look-at", "24,20,22", "--fov", "30", "--size", f"{W}x{H}"]
+        want = json.loads(subprocess.run([leafcast, "probe", GRID, *flags, "--at", f"{x},{y}", "--json"], check=True,
+                                         stdout=subprocess.PIPE).stdout)
+        same = got["id"] == i and got["hit"] == (want["count"] > 0)
+        if same and got["hit"]:
+            hits += 1
+            w = want["hits"][0]
+            same = all(got[k] == w[k] for k in ("t", "point", "gradient", "normal", "error_bound", "cell", "isovalue"))
+        good += same
+    ok(f"picks are what probe tells ({good} of 8, {hits} hits)", good == 8 and hits > 0)
+    page.send({"type": "view", "number": 2, "state": MEDIUM, "width": W, "height": H, "moving": False})
+    page.send({"type": "pick", "number": 2, "id": 99, "x": 80, "y": 60})
+    ok("a medium has no surface", page.text("picked")["hit"] is False)
+    page.send({"type": "open", "file": 1})
+    mesh = page.text("volume")
+    ok("another file", mesh["kind"] == "mesh" and mesh["which"] == 1 and len(mesh["steps"]) == 2)
+    page.pictures.clear()
+    state = dict(mesh["state"], step=1)
+    page.view(3, state, W, H)
+    ok("is drawn", png_pixels(page.final()[-1][1]) == rendered(state, leaf=MESH))
+    page.send({"type": "pick", "number": 3, "id": 5, "x": W / 2, "y": H / 2})
+    got = page.text("picked")
+    ok("and picked", not got["hit"] or got["tet"] >= 0)
+    ok("as a file, too", png_pixels(picture_of(s, state, more="&file=1")[2]) == rendered(state, leaf=MESH))
+    page.close()
+
+
+# ---- What is refused ----
+
+def states(s):
+    page = Page(s)
+    secret = folder + "/secret"
+    with open(secret, "w") as f:
+        f.write("0 1 1 1 1\n")
+    bad = [{"output": folder + "/x.png"}, {"depth-f64": folder + "/x"}, {"depth_f64": folder + "/x"},
+           {"write-tf": folder + "/x"}, {"tf": secret}, {"colour-map": secret}, {"color_map": secret},
+           {"iso": [1], "clip-box": [0, 0, 0, 9, 9, 9], "caps": secret}, {"camera": {"output": folder + "/x.png"}},
+           {"nothing": 1}, {"iso": ["x"]}, {"fov": 1e300}, {"light": [[1, 2]]}, {"camera": {"camera": {"camera": {"camera": {"fov": 3}}}}},
+           {"iso": list(range(99))}, {"step": 7}, {"field": "none"}, {"iso": {"a": 1}}, {"shadows": 3},
+           {"iso": [[[[1]]]]}, {"tf": "grey|viridis"}, {"colour-map": "grey|viridis"}, {"threads": 9}, {"memory": "9G"}]
+    for number, state in enumerate(bad, 1):
+        page.view(number, state, 32, 32)
+        got = page.text("refused")
+        text = json.dumps(state)[:60].replace(folder, "F")
+        ok(f"state {text}: {got['why'][:50]!r}".replace(folder, "F"), got["number"] == number and got["why"] != "")
+    ok("no picture of any", not page.pictures)
+    ok("nothing is written", not os.path.exists(folder + "/x.png") and not os.path.exists(folder + "/x"))
+    for what in ('{"type": "view", "number": 1, "state": {"iso": [1e999]}, "width": 9, "height": 9}', "{", "[]", "7", '{"type": "view"}', '{"type": 3}', '{"type": "view", "number": -1}', "\0", '{"a":1,"a":2}',
+                 '{"type": "pick", "id": 1, "x": "a", "y": 1}', '{"type": "open", "file": 2}', "[" * 3000,
+                 '{"type": "view", "number": 1, "state": {}, "width": 1e9, "height": 2}',
+                 '{"type": "view", "number": 1.5, "state": {}, "width": 9, "height": 2}'):
+        page.send(what)
+        ok(f"message {what[:40]!r}: refused", page.text("refused")["why"] != "")
+    page.view(100, SURFACE, 32, 32)
+    ok("the page is still drawn for", page.final()[-1][0]["number"] == 100)
+    page.close()
+    ok("a picture needs the token", picture_of(s, SURFACE, token="0" * 32)[0] == 403)
+    for name, got in (("of no state", s.get(f"/picture?token={s.token}&size=8x8")),
+                      ("of a state that names a file", picture_of(s, {"tf": secret})),
+                      ("of no size", picture_of(s, SURFACE, size="")), ("too large", picture_of(s, SURFACE, size="99999x2")),
+                      ("of another type", picture_of(s, SURFACE, more="&type=gif")),
+                      ("of no such file", picture_of(s, SURFACE, more="&file=2"))):
+        ok(f"a picture {name}: 400 ({got[0]})", got[0] == 400)
+
+
+def closes(name, page, want):
+    try:
+        while True:
+            page.message()
+    except Closed as e:
+        ok(f"{name}: closed ({e.code})", e.code in want)
+    except OSError:
+        ok(f"{name}: closed", None in want)
+    page.close()
+
+
+def limits(s):
+    page = Page(s)
+    page.send(" " * 70000)
+    closes("a message too large", page, (1009,))
+    page = Page(s)
+    for _ in range(9):
+        try:
+            page.send(" " * 8000, opcode=1 if _ == 0 else 0, final=False)
+        except Closed:
+            break
+    closes("one too large in parts", page, (1009,))
+    page = Page(s)
+    page.send(b"\0\1\2", opcode=2)
+    closes("bytes", page, (1003,))
+    page = Page(s)
+    try:
+        for _ in range(3000):
+            page.send({"type": "seen", "number": 1, "part": 1})
+    except Closed:
+        pass
+    closes("a flood", page, (None, 1008))
+    taken = []
+    for _ in range(17):
+        try:
+            taken.append(Page(s))
+        except Closed:
+            break
+    ok(f"16 pages at most ({len(taken)})", len(taken) == 16)
+    for page in taken:
+        page.close()
+    good = False
+    for _ in range(50):
+        try:
+            Page(s).close()
+            good = True
+            break
+        except Closed:
+            time.sleep(0.1)
+    ok("and their places are free again", good)
+    code = s.get("/?" + "x" * 40000)[0] if heads(s) else 0
+    ok(f"headers too long ({code})", code != 200)
+
+
+def heads(s):
+    try:
+        s.get("/?" + "x" * 40000)
+        return True
+    except (Closed, OSError):
+        return False
+
+
+# ---- Several, vanishing, hanging ----
+
+def several(s):
+    a, b = Page(s), Page(s)
+    other = dict(SURFACE, eye=[-90, 80, 70])
+    a.view(1, dict(MEDIUM, error=1e-5), 640, 480)
+    b.view(1, other, W, H)
+    ok("another client need not wait for the first", png_pixels(b.final()[-1][1]) == rendered(other))
+    ok("nor is it disturbed", a.final()[-1][0]["exact"])
+    a.view(2, dict(MEDIUM, error=1e-8), 1600, 1200)
+    time.sleep(0.3)
+    a.close()
+    time.sleep(0.5)
+    before = s.cpu_seconds()
+    time.sleep(1.0)
+    ok("what a client that vanished wanted is not drawn", s.cpu_seconds() - before < 0.3)
+    b.view(2, SURFACE, W, H)
+    ok("the other goes on", png_pixels(b.final()[-1][1]) == rendered(SURFACE))
+    idle = [s.connect() for _ in range(20)]
+    for one in idle:
+        one.sendall(b"GET / HTTP/1.1\r\nHo")
+    half = Page(s)
+    half.socket.sendall(b"\x81")
+    b.view(3, other, W, H)
+    ok("nor do clients that hang keep others", png_pixels(b.final()[-1][1]) == rendered(other))
+    for one in idle:
+        one.close()
+    b.close()
+
+
+def fuzz(s, count):
+    """Random messages: some near to right ones, some not at all."""
+    page = Page(s)
+    sent = closed = 0
+    words = ["iso", "eye", "up", "tf", "opacity", "clip-box", "clip-plane", "light", "fov", "samples", "lod", "project",
+             "size", "shadows", "view", "ortho", "error", "layers", "caps", "window", "background", "preview", "step"]
+
+    def value(depth=0):
+        pick = random.randrange(9)
+        if pick < 2:
+            return random.choice([0, 1, -1, 2, 37, 1e308, -1e308, 1e-308, 2**53, 0.5, 120])
+        if pick == 2 and depth < 4:
+            return [value(depth + 1) for _ in range(random.randrange(8))]
+        if pick == 3 and depth < 4:
+            return {random.choice(words): value(depth + 1) for _ in range(3)}
+        return random.choice([True, False, None, "auto", "", "red", "1,2,3", "fit", "viridis", "x" * 200, "\u00e9", 120,
+                              [120], [1, 2, 3], "0:0,200:1", "max"])
+
+    while sent < count:
+        sent += 1
+        try:
+            kind = random.randrange(10)
+            if kind < 6:
+                page.view(sent, {random.choice(words): value() for _ in range(random.randrange(4))},
+                          random.choice([1, 2, 16, 33]), random.choice([1, 7, 16]), random.random() < 0.5)
+            elif kind == 6:
+                page.send({"type": "pick", "number": 1, "id": sent, "x": value(), "y": value()})
+            elif kind == 7:
+                page.send({"type": "seen", "number": sent, "part": 99})
+            elif kind == 8:
+                text = json.dumps({"type": "view", "number": sent, "state": SURFACE, "width": 9, "height": 9})
+                at = random.randrange(len(text))
+                page.send(text[:at] + chr(random.randrange(1, 300)) + text[at + random.randrange(3):])
+            else:
+                page.send(bytes(random.randrange(256) for _ in range(random.randrange(60))),
+                          opcode=random.choice([0, 1, 1, 1, 2, 3, 7, 9, 10, 15]), final=random.random() < 0.9)
+            page.send({"type": "seen", "number": sent, "part": 99})
+            while page.waits(0.002):
+                page.message(patient=False)
+        except (Closed, OSError, ValueError):
+            closed += 1
+            page.close()
+            page = Page(s)
+    page.close()
+    ok(f"{sent} random messages, {closed} times closed (SEED={SEED})", s.process.poll() is None)
+    page = Page(s)
+    page.view(1, SURFACE, W, H)
+    ok("and it still draws", png_pixels(page.final()[-1][1]) == rendered(SURFACE))
+    page.close()
+
+
+def rubbish(s, count):
+    """Bytes that are no HTTP, or nearly."""
+    for _ in range(count):
+        text = bytearray(f"GET /picture?token={s.token}&size=9x9&state=%7B%7D HTTP/1.1\r\nHost: localhost\r\n"
+                         "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n\r\n".encode())
+        for _ in range(random.randrange(1, 9)):
+            text[random.randrange(len(text))] = random.randrange(256)
+        with s.connect() as c:
+            try:
+                c.sendall(bytes(text[:random.randrange(1, len(text) + 1)]))
+            except OSError:
+                pass
+    ok(f"{count} requests that are none", s.get("/")[0] == 200)
+
+
+def ending():
+    s = serve(GRID, "--threads", "2", "--memory", "1G", "-v", "--isa", "scalar")
+    page = Page(s)
+    ok("--isa, --threads, --memory are told", (page.volume["isa"], page.volume["threads"], page.volume["memory"]) ==
+       ("scalar", 2, 1 << 30))
+    page.view(1, dict(MEDIUM, error=1e-8), 1600, 1200)
+    time.sleep(0.3)
+    begun = time.monotonic()
+    ends(s, "while it draws")
+    ok("at once", time.monotonic() - begun < 30)
+    ends(serve(GRID, "--quiet"), "idle", signal.SIGTERM)
+    s = serve(GRID)
+    again = subprocess.run([leafcast, "view", GRID, "--port", str(s.port)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                           text=True, timeout=60)
+    ok("--port: one that is taken", again.returncode == 1 and "taken" in again.stderr)
+    ends(s, "after that")
+    opener = folder + "/bin"
+    os.mkdir(opener)
+    with open(opener + "/xdg-open", "w") as f:
+        f.write(f'#!/bin/sh\necho "$1" >{folder}/opened\n')
+    os.chmod(opener + "/xdg-open", 0o755)
+    s = Server([leafcast, "view", GRID, "--open"], env=dict(os.environ, PATH=opener + ":" + os.environ["PATH"]))
+    s.get("/")
+    for _ in range(100):
+        if os.path.exists(folder + "/opened") and open(folder + "/opened").read():
+            break
+        time.sleep(0.1)
+    ok("--open", open(folder + "/opened").read().strip() == s.url)
+    ends(s, "opened")
+    s = serve(GRID, "--address", "127.0.0.2")
+    with socket.create_connection(("127.0.0.2", s.port), timeout=30) as c:
+        c.sendall(f"GET / HTTP/1.1\r\nHost: 127.0.0.2:{s.port}\r\nConnection: close\r\n\r\n".encode())
+        ok("--address", b" 200 " in c.recv(4096).split(b"\r\n")[0])
+    ends(s, "elsewhere")
+
+
+def main():
+    s = serve(GRID, MESH)
+    for test in (pages, sockets, drawn, large, superseded, unseen, picks, states, limits, several):
+        test(s)
+    fuzz(s, 2000)
+    rubbish(s, 300)
+    ends(s, "after all")
+    ending()
+    print("end")
+
+
+main()
