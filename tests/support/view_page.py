@@ -86,7 +86,7 @@ class Browser:
 
 def rgb(pixels):
     """(width, height, R G B of all), whatever channels the file has."""
-    width, height, data = pixels[0], pixels[1], pixels[2]
+    width, height, data = pixels[0], pixels[1], pixels[-1]
     step = len(data) // (width * height)
     return width, height, b"".join(bytes(data[c::step]) for c in range(3))
 
