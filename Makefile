@@ -129,7 +129,7 @@ RUN   += $(filter-out $(RUN),$(ASKED))
 # What the library for others needs, and what the verbs need besides. bzip2 has no module there.
 DOOR_LIBS := -lbz2 -lm
 DOOR_PC := zlib libzstd liblzma liblz4 jansson libxxhash expat
-LIBS_PC := $(DOOR_PC) libpng
+LIBS_PC := $(DOOR_PC) libpng freetype2
 ifneq ($(filter-out list help clean setup test demo,$(or $(MAKECMDGOALS),all)),)
 MISSING := $(if $(shell command -v pkg-config),,pkg-config) \
            $(foreach p,$(LIBS_PC),$(shell $(PKG_CONFIG) --exists $p 2>/dev/null || echo $p))
@@ -290,6 +290,13 @@ LEFT_OUT = $(foreach x,$(IMPORTS),$(if $(LIB_$x),,$B/libexec/leafcast-import-$x)
 $(LEFT_OUT):
 	@rm -f $@
 	@echo "leafcast $(@:$B/libexec/leafcast-%=%) is left out: its library is not here (scripts/setup-debian --list)"
+
+# Tables of measurements say what was measured.
+COMMIT := $(shell git describe --always --dirty=+ --exclude='*' 2>/dev/null)
+$B/commit: FORCE
+	$(call remember,$(COMMIT))
+$B/obj/render/bench/%_main.o: ISA := -DBENCH_COMMIT='"$(COMMIT)"'
+$(patsubst %.c,$B/obj/%.o,$(filter render/bench/%,$(MAINS))): $B/commit
 
 PEERS    := $(call verb,render/bench/bench_peers_main.c)
 PEER_VTK := $B/libexec/leafcast-peer-vtk

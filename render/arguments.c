@@ -102,6 +102,11 @@ static status check_point(const leafcast_medium *medium, int i) {
                                "point %d of the transfer function has a smaller value "
                                "than the one before",
                                i + 1);
+    if (i > 0 && p->value > p[-1].value && p->value - p[-1].value < LEAFCAST_TRANSFER_NARROWEST)
+        return status_describe(ST_USAGE,
+                               "point %d of the transfer function: its value is neither that of "
+                               "the point before nor %g above it",
+                               i + 1, LEAFCAST_TRANSFER_NARROWEST);
     return ST_OK;
 }
 
@@ -122,6 +127,13 @@ static status check_media(const leafcast_scene *s) {
         st = check_medium(&s->media[i]);
     if (st == ST_OK && s->caps && s->cap_colours)
         st = check_medium(s->cap_colours);
+    if (st == ST_OK && !(s->shade_fade >= 0.0 && s->shade_fade <= 1.0))
+        st = status_describe(ST_USAGE, "leafcast_scene.shade_fade is %g: 0 to 1 is possible",
+                             s->shade_fade);
+    if (st == ST_OK && s->shade_media && s->experiments &&
+        (s->experiments->summing != LEAFCAST_CERTIFIED || s->experiments->homogeneous > 0.0))
+        st = status_describe(ST_USAGE, "media are shaded cell by cell: not in steps, and no nodes "
+                                       "taken whole");
     if (st == ST_OK && s->error != 0.0 && !(s->error >= 1e-9 && s->error <= 1.0))
         st = status_describe(ST_USAGE, "leafcast_scene.error is %g: 1e-9 to 1 are possible, and 0",
                              s->error);

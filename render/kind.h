@@ -78,6 +78,13 @@ typedef struct kind {
     /* segments_error_of(). */
     segments_error (*segments_error)(const tracer *tr, const ray *r, const double range[2]);
 
+    /* The gradient along a piece in this treelet; s->cell need not be set where treelets do not
+     * overlap. NULL: media of this kind are not shaded. */
+    void (*gradient)(const tracer *tr, const treelet *at, const ray *r, const segment *s,
+                     segment_gradient *out);
+    /* Treelets overlap: a piece may be given out when its own is gone. */
+    bool overlaps;
+
     /* Greatest and least values, which extreme_next() is made of; both or neither. All treelets on
      * the ray's way that it does not skip, by the directory alone, in any order. What there is in
      * one of them: extreme_offer(). */

@@ -201,12 +201,13 @@ typedef enum leafcast_lod {
  * what of it comes through all that is in front. Where several volumes are filled at one place,
  * their k add, and so do their c k. */
 typedef struct leafcast_transfer_point {
-    double value;      /* finite; not falling from point to point */
-    float rgb[3];      /* 0 and more */
+    double value; /* finite; that of the point before, or more by LEAFCAST_TRANSFER_NARROWEST */
+    float rgb[3]; /* 0 and more */
     double extinction; /* per world length: 0 and more, finite */
 } leafcast_transfer_point;
 
 enum { LEAFCAST_TRANSFER_POINTS_MAX = 4096 };
+#define LEAFCAST_TRANSFER_NARROWEST 1e-290
 
 typedef struct leafcast_medium {
     const leafcast_transfer_point *points;
@@ -289,6 +290,14 @@ typedef struct leafcast_scene {
     bool caps;
     const leafcast_medium *cap_colours; /* colours of caps by the value there, as they are; NULL:
                                            the surface's colour, lit */
+    /* Colours of media are lit as surfaces are (M08 eq. 4.6, two-sided, without shadows and
+     * highlights), with the gradient of the value as the normal: in grids central differences, or
+     * as analytic_normals says; in meshes that of the tet, or as smooth_normals says. Not
+     * certified: image.error is +inf, and all pixels are uncertified. */
+    bool shade_media;
+    /* Where the value changes by less than this share of its range in a cell, the lighting fades
+     * away: flat regions and noise stay as they are. 0 to 1; 0: 1/32. */
+    double shade_fade;
 } leafcast_scene;
 
 /* leafcast_init_scene(), leafcast_scene_default() - a headlight, diffuse, nothing clipped, exact,

@@ -23,6 +23,7 @@ struct leafcast_frame {
     projection_look projected;
     preintegrated_look stepped; /* in other steps, too */
     transfer media[LEAFCAST_VOLUMES_MAX];
+    medium_shade shade;   /* of media, if they are shaded */
     transfer cap_colours; /* without spans: surfaces' own */
     double ranges[LEAFCAST_VOLUMES_MAX][2];
     leafcast_image own; /* planes that are made here */
@@ -133,6 +134,27 @@ static homogeneous homogeneous_of(const leafcast_frame *fr, int i) {
                               e ? e->homogeneous : 0.0);
 }
 
+/* Their gradients are what every node has to say: none is taken whole. */
+static status shade_media(leafcast_frame *fr) {
+    const leafcast_scene *scene = &fr->t.scene;
+    fr->shade = medium_shade_of(scene);
+    for (int i = 0; i < fr->t.volumes; i++) {
+        const leafcast *v = fr->t.shown[i].volume;
+        leafcast_info info = {.cell_size = 1.0};
+        if (fr->media[i].spans == 0)
+            continue;
+        if (!v->kind->gradient)
+            return status_describe(ST_USAGE, "media in %s cannot be shaded", v->kind->name);
+        v->kind->describe(v, &info);
+        fr->shade.steepness[i] =
+            medium_shade_steepness(scene->shade_fade, info.cell_size, fr->ranges[i]);
+        fr->look.overlaid |= v->kind->overlaps;
+    }
+    fr->look.brightest *= fr->shade.most;
+    fr->look.shade = &fr->shade;
+    return ST_OK;
+}
+
 /* What volumes are filled with. */
 static status fill(leafcast_frame *fr) {
     const leafcast_scene *scene = &fr->t.scene;
@@ -152,8 +174,12 @@ static status fill(leafcast_frame *fr) {
     const bool certified = !scene->experiments || scene->experiments->summing == LEAFCAST_CERTIFIED;
     if (st == ST_OK && !certified)
         return fill_for_steps(fr);
-    fr->t.f.record_more = medium_record_more(fr->look.filled);
-    for (int i = 0; i < fr->t.volumes && st == ST_OK && fr->look.filled == 1; i++)
+    fr->look.overlaid = fr->look.filled > 1;
+    if (st == ST_OK && scene->shade_media)
+        st = shade_media(fr);
+    fr->t.f.record_more = medium_record_more(&fr->look);
+    for (int i = 0; i < fr->t.volumes && st == ST_OK && fr->look.filled == 1 && !fr->look.shade;
+         i++)
         if (fr->media[i].spans > 0)
             fr->t.beside[i].whole = homogeneous_of(fr, i);
     return st;

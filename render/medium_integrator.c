@@ -33,7 +33,7 @@ typedef struct medium_ray {
     medium_stretch run; /* behind that: of pieces in one treelet */
     segments_state walk;
     segment kept[SEGMENTS_KEPT];
-    overlay_lane lanes[]; /* of all that are filled, where they are several */
+    overlay_lane lanes[]; /* of all that are filled, where they are overlaid */
 } medium_ray;
 
 static medium_ray *medium_ray_of(ray_record *r) {
@@ -54,7 +54,7 @@ static int filled_from(const frame *f, int v) {
 }
 
 static bool overlaid(const frame *f) {
-    return look_of(f)->filled > 1;
+    return look_of(f)->overlaid;
 }
 
 /* Of pieces in a volume on the whole ray; its way through that is taken into way[]. */
@@ -137,10 +137,100 @@ static medium_stretch stretch_of(const medium_batch *m, unsigned i) {
                             m->through_error[i]};
 }
 
+/* The rest of the ray up to the surface. */
+static world_ray way_of(const frame *f, const medium_ray *p) {
+    world_ray w = surface_ray_primary(f, p->way.head.pixel);
+    w.t0 = p->from;
+    w.t1 = p->way.search.found.t;
+    return w;
+}
+
+/* ---- Shaded ---- */
+
+/* A piece in its treelet as it is lit; without a treelet, in a preview, as it is. */
+static shaded_piece lit_piece(const frame *f, int v, const treelet *at, const ray *r,
+                              const segment *s) {
+    const tracer *tr = &f->tracer[v];
+    shaded_piece p = {.t0 = s->t0, .t1 = s->t1};
+    if (!at || s->spread > 0.0)
+        return p;
+    p.steepness = look_of(f)->shade->steepness[v];
+    tr->kind->gradient(tr, at, r, s, &p.gradient);
+    return p;
+}
+
+static void light_up(medium_stretch *seen, const double light[3]) {
+    for (int c = 0; c < 3; c++)
+        seen->rgb[c] *= light[c];
+}
+
+/* One volume's piece, of which all together has been seen. */
+typedef struct seen_piece {
+    const medium_rule *rule;
+    const segment *piece;
+    medium_stretch whole;
+} seen_piece;
+
+static medium_stretch see_part(const void *ctx, double t0, double t1, const double light[][3]) {
+    const seen_piece *s = ctx;
+    const segment *piece = s->piece;
+    medium_stretch seen = s->whole;
+    if (t0 != piece->t0 || t1 != piece->t1) {
+        const double length = piece->t1 - piece->t0;
+        segment part = *piece;
+        segment_part(piece, (t0 - piece->t0) / length, (t1 - piece->t0) / length, part.b);
+        part.t0 = t0;
+        part.t1 = t1;
+        seen = medium_of_piece(s->rule, &part);
+    }
+    light_up(&seen, light[0]);
+    return seen;
+}
+
+/* Those rays of a batch that pieces are of: pieces of one come together. */
+typedef struct lit_ray {
+    const medium_ray *of; /* NULL: none yet */
+    world_ray in_world;
+    ray in_volume;
+} lit_ray;
+
+/* What is seen of piece i where it is shaded, and `seen` where not. */
+static void shade_piece(const frame *f, const medium_ray *p, const segment_columns *c, unsigned i,
+                        lit_ray *on, medium_stretch *seen) {
+    const int v = filled_from(f, 0);
+    const tracer *tr = &f->tracer[v];
+    segment piece = {.t0 = c->t0[i],
+                     .t1 = c->t1[i],
+                     .spread = c->spread[i],
+                     .treelet = c->treelet[i],
+                     .degree = (uint32_t)c->degree};
+    for (int k = 0; k <= c->degree; k++)
+        piece.b[k] = c->b[k][i];
+    if (on->of != p) {
+        on->of = p;
+        on->in_world = way_of(f, p);
+        const world_ray *w = &on->in_world;
+        (void)tracer_ray(tr, w->origin, w->direction, w->t0, w->t1, &on->in_volume);
+    }
+    const seen_piece all = {&p->rule, &piece, *seen};
+    const treelet *at = loader_lookup(tr->treelets, piece.treelet);
+    const shaded_stretch s = {.shade = look_of(f)->shade,
+                              .ray = &on->in_world,
+                              .count = 1,
+                              .of = {lit_piece(f, v, at, &on->in_volume, &piece)},
+                              .see = see_part,
+                              .ctx = &all,
+                              .most_rgb = look_of(f)->brightest};
+    *seen = medium_shade_stretch(&s, piece.t0, piece.t1, p->front.through * p->run.through);
+}
+
+/* ---- Pieces ---- */
+
 static void medium_take(const frame *f, ray_record *const r[], const segment_columns *c,
                         bool stop[], void *scratch) {
     const medium_look *look = look_of(f);
     medium_batch *m = scratch;
+    lit_ray on = {.of = NULL};
     m->transfer = &look->media[filled_from(f, 0)];
     set_rules(look, r, c, m);
     f->kernels->medium(m, c);
@@ -150,21 +240,15 @@ static void medium_take(const frame *f, ray_record *const r[], const segment_col
             medium_batch_whole(m, c, i);
         if (!m->seen[i] || stop[c->ray[i]])
             continue;
-        const medium_stretch seen = stretch_of(m, i);
+        medium_stretch seen = stretch_of(m, i);
         if (c->treelet[i] != p->treelet)
             end_run(f, p);
         p->treelet = c->treelet[i];
+        if (look->shade)
+            shade_piece(f, p, c, i, &on, &seen);
         medium_join(&p->run, &seen, look->brightest);
         stop[c->ray[i]] = is_dark(f, p);
     }
-}
-
-/* The rest of the ray up to the surface. */
-static world_ray way_of(const frame *f, const medium_ray *p) {
-    world_ray w = surface_ray_primary(f, p->way.head.pixel);
-    w.t0 = p->from;
-    w.t1 = p->way.search.found.t;
-    return w;
 }
 
 /* Up to the surface, through one volume. */
@@ -197,8 +281,9 @@ static medium_rule lane_rule(const frame *f, const medium_ray *p, const overlay_
     return rule;
 }
 
-/* What is seen of a stretch. */
-static medium_stretch seen_of(const frame *f, const medium_ray *p, const overlay_stretch *s) {
+/* What is seen of [t0, t1] of a stretch; light: NULL, or what colours are multiplied by. */
+static medium_stretch seen_of(const frame *f, const medium_ray *p, const overlay_stretch *s,
+                              double t0, double t1, const double (*light)[3]) {
     const medium_overlay_rule all = {p->rule.share, p->rule.per_length, p->rule.drop,
                                      at_cut * look_of(f)->error, look_of(f)->brightest};
     medium_layer layers[MEDIUM_LAYERS_MAX];
@@ -206,12 +291,65 @@ static medium_stretch seen_of(const frame *f, const medium_ray *p, const overlay
         const segment *piece = &s->lane[i]->piece;
         const medium_rule rule = lane_rule(f, p, s->lane[i]);
         const double length = piece->t1 - piece->t0;
-        if (s->count == 1 && s->t0 == piece->t0 && s->t1 == piece->t1)
-            return medium_of_piece(&rule, piece);
-        layers[i] = medium_layer_of(&rule, piece, (s->t0 - piece->t0) / length,
-                                    (s->t1 - piece->t0) / length);
+        if (s->count == 1 && t0 == piece->t0 && t1 == piece->t1) {
+            medium_stretch seen = medium_of_piece(&rule, piece);
+            if (light)
+                light_up(&seen, light[0]);
+            return seen;
+        }
+        layers[i] =
+            medium_layer_of(&rule, piece, (t0 - piece->t0) / length, (t1 - piece->t0) / length);
+        if (light)
+            memcpy(layers[i].light, light[i], sizeof layers[i].light);
     }
-    return medium_of_layers(&all, layers, s->count, s->t1 - s->t0);
+    return medium_of_layers(&all, layers, s->count, t1 - t0);
+}
+
+/* A stretch of several volumes that is shaded. */
+typedef struct seen_stretch {
+    const frame *f;
+    const medium_ray *p;
+    const overlay_stretch *s;
+} seen_stretch;
+
+static medium_stretch see_stretch(const void *ctx, double t0, double t1, const double light[][3]) {
+    const seen_stretch *s = ctx;
+    return seen_of(s->f, s->p, s->s, t0, t1, light);
+}
+
+/* What is seen of it where it is shaded. False: the treelet of lane *missed is needed. */
+static bool shade_stretch(const frame *f, const medium_ray *p, const world_ray *w,
+                          const overlay_stretch *s, medium_stretch *seen, int *missed) {
+    const seen_stretch all = {f, p, s};
+    shaded_stretch lit = {.shade = look_of(f)->shade,
+                          .ray = w,
+                          .count = s->count,
+                          .see = see_stretch,
+                          .ctx = &all,
+                          .most_rgb = look_of(f)->brightest};
+    for (int i = 0; i < s->count; i++) {
+        const overlay_lane *l = s->lane[i];
+        const tracer *tr = &f->tracer[l->volume];
+        const treelet *at = loader_lookup(tr->treelets, l->piece.treelet);
+        ray r;
+        *missed = (int)(l - p->lanes);
+        if (!at && !tr->preview)
+            return false;
+        (void)tracer_ray(tr, w->origin, w->direction, w->t0, w->t1, &r);
+        lit.of[i] = lit_piece(f, l->volume, at, &r, &l->piece);
+    }
+    *seen = medium_shade_stretch(&lit, s->t0, s->t1, p->front.through * p->run.through);
+    return true;
+}
+
+/* For a treelet of a lane's volume. */
+static bool await(medium_ray *p, int lane, uint32_t missed, ray_question *q) {
+    p->way.head.volume = p->lanes[lane].volume;
+    q->state = NULL;
+    q->walk = NULL;
+    q->extreme = NULL;
+    q->missed = missed;
+    return true;
 }
 
 /* Up to the surface, through all that are filled; true: a treelet is missed. */
@@ -228,19 +366,20 @@ static bool pass_media(const frame *f, medium_ray *p, ray_question *q, ray_count
     }
     while (result == SEGMENTS_SOME && !is_dark(f, p)) {
         result = overlay_next(f, &w, p->lanes, count, &p->reached, &stretch, &missed, counters);
+        if (result == SEGMENTS_BLOCKED)
+            return await(p, missed, p->lanes[missed].walk.blocked, q);
         if (result != SEGMENTS_SOME)
             break;
-        const medium_stretch seen = seen_of(f, p, &stretch);
+        medium_stretch seen;
+        if (!look_of(f)->shade)
+            seen = seen_of(f, p, &stretch, stretch.t0, stretch.t1, NULL);
+        else if (!shade_stretch(f, p, &w, &stretch, &seen, &missed)) {
+            p->reached = stretch.t0;
+            return await(p, missed, p->lanes[missed].piece.treelet, q);
+        }
         medium_join(&p->run, &seen, look_of(f)->brightest);
     }
-    if (result != SEGMENTS_BLOCKED)
-        return false;
-    p->way.head.volume = p->lanes[missed].volume;
-    q->state = NULL;
-    q->walk = NULL;
-    q->extreme = NULL;
-    q->missed = p->lanes[missed].walk.blocked;
-    return true;
+    return false;
 }
 
 static void end_media(medium_ray *p, int count) {
@@ -303,7 +442,7 @@ static void write(const frame *f, medium_ray *p, ray_counters *counters) {
             image->rgba[4 * at + (size_t)c] = x;
         rgba[c] = (float)x;
     }
-    const double error = error_of(s, background);
+    const double error = look_of(f)->shade ? (double)INFINITY : error_of(s, background);
     counters->uncertified_pixels += error > look_of(f)->error;
     if (image->error)
         image->error[at] = error;
@@ -381,8 +520,8 @@ homogeneous medium_homogeneous(const medium_look *look, int v, double longest, b
     return medium_whole(&rule, look->range[v], integers);
 }
 
-size_t medium_record_more(int filled) {
-    return filled > 1 ? (size_t)filled * sizeof(overlay_lane) : 0;
+size_t medium_record_more(const medium_look *look) {
+    return look->overlaid ? (size_t)look->filled * sizeof(overlay_lane) : 0;
 }
 
 const integrator medium_integrator = {.record_bytes = sizeof(medium_ray),

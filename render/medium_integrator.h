@@ -10,14 +10,12 @@
 #ifndef RENDER_MEDIUM_INTEGRATOR_H
 #define RENDER_MEDIUM_INTEGRATOR_H
 
+#include "render/medium_shade.h"
 #include "render/surface_integrator.h"
 #include "render/transfer.h"
 #include "stream/homogeneous.h"
 
 extern const integrator medium_integrator;
-
-/* medium_record_more() - frame.record_more of so many volumes that are filled. */
-size_t medium_record_more(int filled);
 
 /* frame.look */
 typedef struct medium_look {
@@ -27,7 +25,15 @@ typedef struct medium_look {
     int filled;               /* how many are */
     double error;             /* a channel may be off by */
     double brightest; /* the largest component of any medium's colour, surface's, light's, ... */
+    /* Colours are shaded by it, and no pixel is certified; NULL: they are as they are. */
+    const medium_shade *shade;
+    /* Pieces of all volumes are laid over each other ray by ray: several are filled; or one is
+     * shaded whose pieces may come when their treelet is gone. */
+    bool overlaid;
 } medium_look;
+
+/* medium_record_more() - frame.record_more for it. */
+size_t medium_record_more(const medium_look *look);
 
 /* medium_homogeneous() - which values of volume v, if it alone is filled, may be taken for one
  * (medium_whole.h). longest: at least the world length of any ray in it; threshold: 0, or as in

@@ -13,7 +13,8 @@ static const double rounding = 256.0 * 0x1p-53;
 /* ---- Layers ---- */
 
 medium_layer medium_layer_of(const medium_rule *rule, const segment *piece, double a, double b) {
-    medium_layer l = {.transfer = rule->transfer, .end_error = 2.0 * rule->error.t};
+    medium_layer l = {
+        .transfer = rule->transfer, .end_error = 2.0 * rule->error.t, .light = {1.0, 1.0, 1.0}};
     double largest = 0.0, f[4];
     segment_part(piece, a, b, f);
     if (piece->degree == 1) {
@@ -46,8 +47,12 @@ static layer_view view_of(const medium_layer *l) {
     const transfer_span *s = &l->transfer->span[transfer_find(l->transfer, lo)];
     const double e = l->value_error;
     const bool only = hi < s->to && lo - e >= s->reach[0] && hi + e < s->reach[1];
-    return (layer_view){only ? s : NULL, hi - lo <= e,
-                        transfer_extent_of(l->transfer, lo - e, hi + e)};
+    layer_view view = {only ? s : NULL, hi - lo <= e,
+                       transfer_extent_of(l->transfer, lo - e, hi + e)};
+    for (int c = 0; c < 3; c++)
+        for (int side = 0; side < 2; side++)
+            view.extent.rgb[c][side] *= l->light[c];
+    return view;
 }
 
 static bool is_nothing(const layer_view views[], int count) {
@@ -150,7 +155,7 @@ static void emission_at(const medium_layer layers[], const layer_view views[], i
         const double w = weight_in(of, &layers[i], bernstein(layers[i].b, 3, s));
         const double k = (1.0 - w) * of->k[0] + w * of->k[1];
         for (int c = 0; c < 3; c++)
-            q[c] += k * ((1.0 - w) * of->rgb[0][c] + w * of->rgb[1][c]);
+            q[c] += layers[i].light[c] * (k * ((1.0 - w) * of->rgb[0][c] + w * of->rgb[1][c]));
     }
 }
 

@@ -32,6 +32,7 @@ typedef struct medium_layer {
     double b[4];        /* the value over the stretch, of degree 3 */
     double value_error; /* how far it may be off, roundings of halvings included */
     double end_error;   /* likewise the ends of the stretch: of t */
+    double light[3];    /* colours are multiplied by (medium_shade.h): 1, where they are not */
 } medium_layer;
 
 typedef struct medium_overlay_rule {

@@ -52,7 +52,7 @@ static void lay_out(homogeneous *h, const double range[2], bool integers) {
 homogeneous medium_whole(const medium_whole_rule *rule, const double range[2], bool integers) {
     homogeneous h = {0};
     /* A value may be in such a step to the bit, and extents do not know what is there. */
-    if (!(range[0] <= range[1]) || rule->transfer->narrow)
+    if (!(range[0] <= range[1]))
         return h;
     lay_out(&h, range, integers);
     int last = 0;

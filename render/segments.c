@@ -75,6 +75,17 @@ double segment_at(const segment *s, double at) {
     return b[0];
 }
 
+segment_gradient segment_gradient_of(const double b[3][4]) {
+    segment_gradient g;
+    for (int a = 0; a < 3; a++) {
+        g.power[a][0] = b[a][0];
+        g.power[a][1] = 3.0 * (b[a][1] - b[a][0]);
+        g.power[a][2] = 3.0 * ((b[a][2] - b[a][1]) - (b[a][1] - b[a][0]));
+        g.power[a][3] = (b[a][3] - b[a][0]) - 3.0 * (b[a][2] - b[a][1]);
+    }
+    return g;
+}
+
 /* Its blossom: first what is left of b, then of that what is right of a. */
 void segment_part(const segment *s, double a, double b, double out[4]) {
     const int n = (int)s->degree;

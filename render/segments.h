@@ -107,6 +107,25 @@ typedef struct segment_extent {
 } segment_extent;
 segment_extent segment_range(const segment *s);
 
+/* ---- Beside a piece ---- */
+
+/* The gradient of the value along a piece, in world space, as the scene's normals are made: each
+ * component a cubic in the piece's s, by powers. For looks alone: nothing bounds it. */
+typedef struct segment_gradient {
+    double power[3][4];
+} segment_gradient;
+
+/* segment_gradient_of() - of Bernstein coefficients. segment_gradient_at() - at parameter s in
+ * [0, 1]. */
+segment_gradient segment_gradient_of(const double b[3][4]);
+
+static inline void segment_gradient_at(const segment_gradient *g, double s, double out[3]) {
+    for (int a = 0; a < 3; a++) {
+        const double *p = g->power[a];
+        out[a] = p[0] + s * (p[1] + s * (p[2] + s * p[3]));
+    }
+}
+
 /* ---- Errors ---- */
 
 /* How far off the pieces of a ray may be, at most. */

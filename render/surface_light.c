@@ -14,9 +14,7 @@ void lit_at(const frame *f, uint32_t pixel, double t, double at[3]) {
         at[a] = origin[a] + t * direction[a];
 }
 
-/* The unit direction from a point to a light, which is the same from everywhere unless it is a
- * point itself; returns its distance. */
-static double direction_to(const leafcast_light *light, const double at[3], double to[3]) {
+double light_from(const leafcast_light *light, const double at[3], double to[3]) {
     double length = 0.0;
     for (int a = 0; a < 3; a++) {
         to[a] = light->point ? light->vector[a] - at[a] : light->vector[a];
@@ -31,7 +29,7 @@ static double direction_to(const leafcast_light *light, const double at[3], doub
 double light_towards(const frame *f, uint32_t pixel, double t, const leafcast_light *light,
                      double at[3], double to[3]) {
     lit_at(f, pixel, t, at);
-    return direction_to(light, at, to);
+    return light_from(light, at, to);
 }
 
 static const leafcast_surface *look_of(const frame *f, uint16_t volume, const hit *h) {
@@ -112,7 +110,7 @@ typedef struct light_way {
 
 static light_way way_to(const frame *f, const leafcast_light *light, const double at[3]) {
     light_way w;
-    w.distance = direction_to(light, at, w.to);
+    w.distance = light_from(light, at, w.to);
     tracer_direction(f->tracer, w.to, w.in_grid);
     return w;
 }

@@ -11,6 +11,10 @@
 #include "render/shade.h"
 #include "render/surface_integrator.h"
 
+/* light_from() - the unit direction from a point to a light, which is the same from everywhere
+ * unless the light is a point itself; returns its distance. */
+double light_from(const leafcast_light *light, const double at[3], double to[3]);
+
 /* light_towards() - the point at t on a pixel's ray, and the unit direction from there to a light;
  * returns its distance. */
 double light_towards(const frame *f, uint32_t pixel, double t, const leafcast_light *light,

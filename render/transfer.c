@@ -94,10 +94,8 @@ status transfer_init(transfer *t, mem *m, const leafcast_medium *medium) {
     t->span[t->spans++] = beyond(&p[0], -INFINITY, p[0].value);
     for (int i = 0; i <= last; i++) {
         note_most(t, &p[i]);
-        if (i < last && p[i + 1].value - p[i].value >= TRANSFER_NARROWEST)
+        if (i < last && p[i].value < p[i + 1].value)
             t->span[t->spans++] = span_of(&p[i], &p[i + 1]);
-        else if (i < last)
-            t->narrow |= p[i].value < p[i + 1].value;
     }
     t->span[t->spans++] = beyond(&p[last], p[last].value, INFINITY);
     reach_out(t);

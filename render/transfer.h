@@ -34,16 +34,12 @@ typedef struct transfer_span {
     double give;
 } transfer_span;
 
-/* Spans that are narrower are steps. */
-#define TRANSFER_NARROWEST 1e-290
-
 typedef struct transfer {
     transfer_span *span;
     int spans;       /* at least 1; 0: nothing is filled */
     double *from;    /* of each span, once more */
     double most_k;   /* the largest extinction, */
     double most_rgb; /* and the largest component of a colour */
-    bool narrow;     /* points that are not at one value count as a step */
 } transfer;
 
 /* transfer_init() - of a medium that has been checked (arguments.h). transfer_release() - also

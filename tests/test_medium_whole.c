@@ -147,26 +147,6 @@ static void test_plateau(void **state) {
     transfer_release(&t, &m);
 }
 
-/* Between points that are nearer than any error, where values may be for all that: nothing holds.
- */
-static void test_narrow_step(void **state) {
-    (void)state;
-    const leafcast_transfer_point points[] = {{.value = -5.0},
-                                              {.value = -DBL_TRUE_MIN},
-                                              {DBL_TRUE_MIN, {1.0f, 1.0f, 1.0f}, 1.0},
-                                              {5.0, {1.0f, 1.0f, 1.0f}, 1.0}};
-    const leafcast_medium medium = {points, 4};
-    const double all[2] = {0.0, 5.0};
-    mem m;
-    transfer t;
-    mem_init(&m, 0);
-    assert_int_equal(transfer_init(&t, &m, &medium), ST_OK);
-    const medium_whole_rule rule = {&t, 1e-3, 1e-6, 1.0, 0.0};
-    const homogeneous h = medium_whole(&rule, all, true);
-    assert_false(homogeneous_holds(&h, 0.0, 0.0) || homogeneous_holds(&h, 2.0, 4.0));
-    transfer_release(&t, &m);
-}
-
 /* ---- Pictures ---- */
 
 enum { NODES = 72, SIDE = 12, PIXELS = SIDE * SIDE, PIECES = 1024 };
@@ -388,7 +368,7 @@ int main(void) {
         cmocka_unit_test(test_ranges),        cmocka_unit_test(test_plateau),
         cmocka_unit_test(test_quiet_regions), cmocka_unit_test(test_threshold),
         cmocka_unit_test(test_quiet_nodes),   cmocka_unit_test(test_bits),
-        cmocka_unit_test(test_surfaces),      cmocka_unit_test(test_narrow_step),
+        cmocka_unit_test(test_surfaces),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -743,8 +743,41 @@ static void media_are_no_surfaces(void **state) {
     close_pair(&v);
 }
 
+/* Values do not fall, nor rise by less than anything can tell. */
+static void transfer_functions_are_checked(void **state) {
+    const stage *s = *state;
+    static const struct {
+        leafcast_transfer_point points[2];
+        const char *why; /* NULL: fine */
+    } cases[] = {
+        {{{-1e-290, {1, 1, 1}, 1}, {0, {1, 1, 1}, 0}}, NULL},
+        {{{3, {1, 1, 1}, 1}, {3, {1, 1, 1}, 0}}, NULL},
+        {{{0, {1, 1, 1}, 1}, {1e-291, {1, 1, 1}, 0}}, "point 2 of the transfer function: its"},
+        {{{4, {1, 1, 1}, 1}, {3, {1, 1, 1}, 0}}, "point 2 of the transfer function has a smaller"},
+        {{{4, {1, -1, 1}, 1}, {5, {1, 1, 1}, 0}}, "point 1 of the transfer function: a value"},
+        {{{4, {1, 1, 1}, 1}, {(double)NAN, {1, 1, 1}, 0}}, "point 2 of the transfer function: a"},
+        {{{4, {1, 1, 1}, 1}, {5, {1, 1, 1}, -1}}, "point 2 of the transfer function: a value"},
+    };
+    static picture p;
+    const leafcast_camera c = view_of(68);
+    const leafcast_image image = {.size = sizeof image, .z = p.z};
+    pair v;
+    open_pair(&v, s, NULL, 0);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const leafcast_medium media[2] = {{cases[i].points, 2}, {NULL, 0}};
+        v.scene.media = media;
+        v.scene.media_count = 2;
+        assert_int_equal(leafcast_trace(v.volume[0], &v.scene, &c, &image, NULL, NULL, NULL),
+                         cases[i].why ? LEAFCAST_USAGE : LEAFCAST_OK);
+        if (cases[i].why)
+            assert_non_null(strstr(leafcast_error_text(), cases[i].why));
+    }
+    close_pair(&v);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(transfer_functions_are_checked),
         cmocka_unit_test(media_of_nothing_change_nothing),
         cmocka_unit_test(media_are_no_surfaces),
         cmocka_unit_test(two_volumes_are_what_the_references_say),

@@ -47,11 +47,21 @@ const struct argp_option medium_options_table[] = {
      "in "
      "the colours NAME, as of --colour-map",
      40},
-    {"legend", MEDIUM_LEGEND, NULL, 0, "draw a bar of the colours with their values", 0},
+    {"shade-medium", MEDIUM_SHADE, "FADE", OPTION_ARG_OPTIONAL,
+     "light the medium, with the gradient of the value as the normal; not certified. Fades away "
+     "where the value changes by less than FADE of its range in a cell (1/32)",
+     0},
     {"medium", MEDIUM_SUMMING, "certified|steps=F[,A]|preintegrated=F[,N]", CLI_EXPERIMENT,
      "to compare with: in steps of F cells, such as 1/2, whose error nobody knows; rays end at an "
      "opacity of A (0.9999); each looked up in a table of N by N entries (256)",
+     15},
+    {NULL, 0, NULL, 0, "Marks in the picture:", 35},
+    {"legend", MEDIUM_LEGEND, NULL, 0, "draw a bar of the colours with their values", 0},
+    {"annotate", MEDIUM_ANNOTATE, "PARTS", OPTION_ARG_OPTIONAL,
+     "draw the volume's box, values along its axes, a scale bar: all, or those of box,axes,scale",
      0},
+    {"title", MEDIUM_TITLE, "TEXT", 0, "write a line at the top", 0},
+    {"unit", MEDIUM_UNIT, "NAME", 0, "the unit of length, for --annotate", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 /* ---- Values ---- */
@@ -151,6 +161,14 @@ status medium_options_error(const char *text, double *error) {
     status st = take_ratio(text, "--error", error);
     if (st == ST_OK && !(*error >= 1e-9 && *error <= 1.0))
         st = status_describe(ST_USAGE, "--error: %s is not in 1e-9 .. 1", text);
+    return st;
+}
+
+status medium_options_shade(const char *text, double *fade) {
+    *fade = 0.0;
+    status st = text ? take_ratio(text, "--shade-medium", fade) : ST_OK;
+    if (st == ST_OK && text && !(*fade >= 1e-9 && *fade <= 1.0))
+        st = status_describe(ST_USAGE, "--shade-medium: %s is not in 1e-9 .. 1", text);
     return st;
 }
 

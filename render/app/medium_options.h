@@ -27,7 +27,11 @@ enum {
     MEDIUM_HOMOGENEOUS,
     MEDIUM_LEGEND,
     MEDIUM_CAPS,
-    MEDIUM_SUMMING
+    MEDIUM_SUMMING,
+    MEDIUM_SHADE,
+    MEDIUM_ANNOTATE,
+    MEDIUM_TITLE,
+    MEDIUM_UNIT
 };
 
 /* Start with all zeros. */
@@ -63,6 +67,9 @@ CHECKED status medium_options_caps(const char *text, medium_options *o);
 
 /* medium_options_error() - of --error: a number or a fraction such as 1/510. */
 CHECKED status medium_options_error(const char *text, double *error);
+
+/* medium_options_shade() - of --shade-medium: NULL (0), or where shading fades. */
+CHECKED status medium_options_shade(const char *text, double *fade);
 
 /* medium_options_project() - of --project: max, min, mean or first=V. */
 CHECKED status medium_options_project(const char *text, leafcast_project *project, double *value);

@@ -102,13 +102,27 @@ int picture_scene_filled(const picture_scene *p, const leafcast_scene *scene) {
     return -1;
 }
 
-void picture_scene_legend(const picture_scene *p, const picture_volume *volumes,
-                          const leafcast_scene *scene, const leafcast_image *image, uint32_t width,
-                          uint32_t height) {
+static void annotate(const picture_volume *first, const leafcast_camera *camera,
+                     const leafcast_image *image, text_face *face) {
+    const view_options *view = first->view;
+    const float *rgba = view->scene.background;
+    const bool light = rgba[3] * (0.3f * rgba[0] + 0.6f * rgba[1] + 0.1f * rgba[2]) > 0.2f;
+    const leafcast_info info = leafcast_describe(first->volume);
+    leafcast_image planes = *image;
+    if (view->scene.project != LEAFCAST_PROJECT_NONE || view->isos == 0)
+        planes.z = NULL; /* hides nothing */
+    annotate_draw(&planes, camera, info.bounds, &view->annotation, light, face);
+}
+
+void picture_scene_mark(const picture_scene *p, const picture_volume *volumes,
+                        const leafcast_scene *scene, const leafcast_camera *camera,
+                        const leafcast_image *image, text_face *face) {
     const int i = picture_scene_filled(p, scene);
     double window[2];
-    if (!volumes[0].view->legend || i < 0)
-        return;
-    medium_options_window(&volumes[i].view->medium, &p->transfer[i], window);
-    legend_draw(image, width, height, &p->transfer[i], window);
+    if (volumes[0].view->legend && i >= 0) {
+        medium_options_window(&volumes[i].view->medium, &p->transfer[i], window);
+        legend_draw(image, camera->width, camera->height, &p->transfer[i], window, face);
+    }
+    if (annotate_wanted(&volumes[0].view->annotation))
+        annotate(volumes, camera, image, face);
 }

@@ -49,9 +49,10 @@ CHECKED status picture_scene_describe(picture_scene *p, const picture_volume *vo
 /* picture_scene_filled() - the first volume of a described scene that is filled; -1: none. */
 int picture_scene_filled(const picture_scene *p, const leafcast_scene *scene);
 
-/* picture_scene_legend() - draw the legend, where the flags ask for one. */
-void picture_scene_legend(const picture_scene *p, const picture_volume *volumes,
-                          const leafcast_scene *scene, const leafcast_image *image, uint32_t width,
-                          uint32_t height);
+/* picture_scene_mark() - draw legend and annotations over a picture as the camera took it, where
+ * the flags ask for them. face: letters, which annotations need; NULL: the legend's are of dots. */
+void picture_scene_mark(const picture_scene *p, const picture_volume *volumes,
+                        const leafcast_scene *scene, const leafcast_camera *camera,
+                        const leafcast_image *image, text_face *face);
 
 #endif

@@ -54,6 +54,8 @@ static void release_planes(render_job *job) {
 void render_job_close(render_job *job) {
     release_planes(job);
     picture_scene_release(&job->scene);
+    text_face_close(job->face);
+    job->face = NULL;
     image_out_close(job->files);
     job->files = NULL;
     for (int i = 0; i < job->also_count; i++) {
@@ -140,6 +142,9 @@ status render_job_check(const render_job *job, script_frame *frame) {
             status_describe(ST_USAGE, "--certify is of media: --tf, --colour-map or --opacity V:A");
     if (st == ST_OK && job->certify && frame->view.experiments.summing != LEAFCAST_CERTIFIED)
         st = status_describe(ST_USAGE, "--certify: steps of --medium have no error that is known");
+    if (st == ST_OK && job->certify && frame->view.scene.shade_media)
+        st = status_describe(ST_USAGE, "--certify: what --shade-medium shades has no error that is "
+                                       "known");
     if (st == ST_OK && job->certify && frame->view.scene.samples > 1)
         st = status_describe(ST_USAGE, "--certify is of one sample a pixel: without --samples");
     if (st == ST_OK && job->volume)
@@ -170,7 +175,7 @@ static leafcast_image planes_wanted(const render_job *job, const script_frame *f
         .g = c,
         .b = c,
         .a = all || !opaque ? c : NULL,
-        .z = all || raw[IMAGE_DEPTH] ? &any_double : NULL,
+        .z = all || raw[IMAGE_DEPTH] || v->annotation.parts & ANNOTATE_BOX ? &any_double : NULL,
         .normal = {n, n, n},
         .id = all ? &any_id : NULL,
         .rgba = raw[IMAGE_RGBA] || certify ? &any_double : NULL,
@@ -281,6 +286,12 @@ static int volumes_of(const render_job *job, const view_options *first,
     for (int i = 0; i < job->also_count; i++)
         volumes[i + 1] = (picture_volume){job->also[i].volume, &job->also[i].view};
     return job->also_count + 1;
+}
+
+/* The letters, opened when a picture first wants them. */
+static status open_face(render_job *job, const annotation *a) {
+    return annotate_wanted(a) && !job->face ? text_face_open(&job->m, job->font, &job->face)
+                                            : ST_OK;
 }
 
 static status trace(render_job *job, const leafcast_scene *scene, const leafcast_camera *camera,
@@ -460,6 +471,8 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
     leafcast_scene scene;
     status st = picture_scene_describe(&job->scene, volumes, count, false, &scene);
     if (st == ST_OK)
+        st = open_face(job, &frame->view.annotation);
+    if (st == ST_OK)
         st = open_targets(job, frame, to);
     if (st == ST_OK)
         st = make_planes(job, frame, &scene, &camera);
@@ -474,7 +487,7 @@ static status draw_picture(render_job *job, const script_frame *frame, targets *
             certificate_make(job->volume, &scene, &camera, &job->image, &job->m, &stats->certified);
     const double traced = clock_seconds();
     if (st == ST_OK)
-        picture_scene_legend(&job->scene, volumes, &scene, &job->image, job->width, job->height);
+        picture_scene_mark(&job->scene, volumes, &scene, &camera, &job->image, job->face);
     if (st == ST_OK)
         st = write_targets(job, frame, &camera, &scene, to);
     stats->write_s = clock_seconds() - traced;

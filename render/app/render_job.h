@@ -33,7 +33,9 @@ typedef struct render_job {
                            unknown, only stop() is asked */
     image_out_options out;
     int repeat;
-    bool certify; /* see certificate.h */
+    bool certify;     /* see certificate.h */
+    const char *font; /* of annotations: a file, or NULL: what is found; and once it is open: */
+    text_face *face;
     /* Kept between pictures. */
     image_out *files;
     leafcast_image image;
@@ -46,8 +48,8 @@ typedef struct render_job {
 /* render_status() - a public status as an internal one; the description is the same. */
 status render_status(leafcast_status st);
 
-/* render_job_open() - *job is zeroed but for out, repeat, also and watch, which the caller has set.
- * render_job_close() in any case. */
+/* render_job_open() - *job is zeroed but for out, repeat, font, also and watch, which the caller
+ * has set. render_job_close() in any case. */
 CHECKED status render_job_open(render_job *job, const char *path, const leafcast_options *options);
 void render_job_close(render_job *job);
 

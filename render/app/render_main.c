@@ -19,7 +19,7 @@ typedef struct render_options {
     leafcast_options open;
     leafcast_experiments experiments; /* of these */
     const char *files[FRAME_FILES];   /* but for the picture, which is -o */
-    const char *stats, *script, *iso_list, *camera_path, *format, *state;
+    const char *stats, *script, *iso_list, *camera_path, *font, *format, *state;
     status_note state_read; /* what became of reading it */
     bool series;            /* --steps: */
     uint32_t first_step, last_step;
@@ -44,6 +44,7 @@ enum {
     TURNTABLE,
     FAIL_EMPTY,
     CERTIFY,
+    FONT,
     ISO_LIST,
     CAMERA_PATH,
     SCRIPT,
@@ -105,6 +106,7 @@ static const struct argp_option OPTIONS[] = {
      "a picture for each line, as it comes (-: standard input): a JSON object whose keys are these "
      "flags, with \"output\"; each is answered by a line of JSON",
      0},
+    {"font", FONT, "FILE", 0, "letters of --annotate and --title (DejaVu Sans, or another)", 35},
     {NULL, 0, NULL, 0, "Machine:", 60},
     {"backend", BACKEND, BACKENDS, CLI_EXPERIMENT, "how treelets come in: auto, mapped or arena",
      0},
@@ -212,6 +214,7 @@ static status set_option(void *own, int key, const char *text) {
     case TURNTABLE: return cli_int(text, "--turntable", 1, PICTURES_MAX, &o->turns);
     case FAIL_EMPTY: o->fail_empty = true; return ST_OK;
     case CERTIFY: o->certify = true; return ST_OK;
+    case FONT: o->font = text; return ST_OK;
     case REPEAT: return cli_int(text, "--repeat", 1, 10000, &o->repeat);
     default:
         if (key >= FILES && key < STATS) {
@@ -332,7 +335,9 @@ static void say_done(const render_options *o, const script_frame *frame, const r
                  "certified: with half of the bound no channel differs by more than "
                  "%.3g, %.3g of both bounds",
                  s->certified.difference, s->certified.of_bounds);
-    if (t->uncertified_pixels)
+    if (frame->view.scene.shade_media)
+        cli_note(&o->common, 1, "the medium is shaded: not certified, --error is of what is not");
+    else if (t->uncertified_pixels)
         cli_note(&o->common, 1, "%llu pixels may be further off than --error: rounding alone may",
                  (unsigned long long)t->uncertified_pixels);
     if (t->ill_conditioned)
@@ -379,8 +384,9 @@ typedef struct sequence {
 
 /* The isovalues of the next entry of --iso-list: V or V:V:... */
 static status next_isos(const char **list, view_options *view) {
-    bool repeats, flag;
-    const int key = view_options_key("iso", &repeats, &flag);
+    bool repeats;
+    view_value takes;
+    const int key = view_options_key("iso", &repeats, &takes);
     view_options_clear(view, key);
     for (;;) {
         char text[64];
@@ -475,6 +481,8 @@ static status guard_inputs(const render_options *o) {
         st = file_guard_input(o->camera_path);
     if (st == ST_OK)
         st = file_guard_input(o->state);
+    if (st == ST_OK)
+        st = file_guard_input(o->font);
     return st == ST_OK ? file_guard_input(o->script) : st;
 }
 
@@ -683,6 +691,7 @@ int main(int argc, char **argv) {
     o.open.threads = o.common.threads;
     render_job job = {.repeat = o.repeat,
                       .certify = o.certify,
+                      .font = o.font,
                       .also = o.also,
                       .also_count = o.also_count,
                       .watch = cli_progress(&o.common)};

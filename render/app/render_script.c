@@ -63,16 +63,16 @@ static bool is_list(const json_t *value, const char *name) {
 
 static status apply_flag(view_options *view, const char *name, const json_t *value,
                          const char *what) {
-    bool repeats = false, flag = false;
-    const int key = view_options_key(name, &repeats, &flag);
+    bool repeats = false;
+    view_value takes = VIEW_VALUE_NEEDED;
+    const int key = view_options_key(name, &repeats, &takes);
     if (!key)
         return status_describe(ST_USAGE, "%s: there is no \"%s\"", what, name);
     view_options_clear(view, key);
-    if (flag) {
-        if (!json_is_boolean(value))
-            return wrong_kind(what, name, "true or false");
+    if (takes == VIEW_VALUE_NONE && !json_is_boolean(value))
+        return wrong_kind(what, name, "true or false");
+    if (takes != VIEW_VALUE_NEEDED && json_is_boolean(value))
         return json_is_true(value) ? view_options_set(view, key, NULL) : ST_OK;
-    }
     if (!repeats || !is_list(value, name))
         return set_flag(view, key, value, what, name);
     status st = ST_OK;

@@ -6,7 +6,8 @@
  *   {"eye": [300, 0, 40], "shadows": true}
  *
  * A vector is an array of numbers or the flag's text; a flag that may be repeated takes an array of
- * values; a flag without a value takes true or false. Besides:
+ * values; a flag without a value takes true or false, one whose value may be left out that or the
+ * value. Besides:
  *
  *   "camera"               an object with eye, look_at, up, fov, view: as these keys outside
  *   "isovalues"            the same as "iso"

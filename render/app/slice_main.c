@@ -349,7 +349,7 @@ static status write_picture(slice_run *o, image_target *to) {
     o->look.isovalues = o->isovalues;
     slice_picture_fill(&o->look, o->value, s->width, s->height, &o->image);
     if (o->legend)
-        legend_draw(&o->image, s->width, s->height, &o->look.colours, window);
+        legend_draw(&o->image, s->width, s->height, &o->look.colours, window, NULL);
     return image_out_finish(to, &p);
 }
 

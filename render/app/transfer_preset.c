@@ -118,9 +118,11 @@ static status weigh(const struct preset *p, const leafcast_histogram *h, transfe
     first[1] = threshold(h, first[0]);
     for (int i = 0; i < p->count && st == ST_OK; i++) {
         const row *r = &p->rows[i];
-        leafcast_transfer_point point = {.value =
-                                             fmax(before, percentile(h, first[r->above], r->share)),
+        leafcast_transfer_point point = {.value = percentile(h, first[r->above], r->share),
                                          .extinction = r->weight};
+        /* The bins of a field of one value are narrower than any. */
+        if (!(point.value - before >= LEAFCAST_TRANSFER_NARROWEST))
+            point.value = before;
         memcpy(point.rgb, r->rgb, sizeof point.rgb);
         before = point.value;
         st = transfer_list_add(extinctions, point);

@@ -163,7 +163,7 @@ bool view_options_same_name(const char *name, const char *flag) {
     return flag && !name[i] && !flag[i];
 }
 
-int view_options_key(const char *name, bool *repeats, bool *flag) {
+int view_options_key(const char *name, bool *repeats, view_value *value) {
     const struct argp_option *const tables[] = {view_options_table, medium_options_table};
     for (int t = 0; t < 2; t++)
         for (const struct argp_option *o = tables[t]; o->name || o->doc; o++) {
@@ -172,7 +172,9 @@ int view_options_key(const char *name, bool *repeats, bool *flag) {
             const int key = o->key;
             *repeats = key == ISO || key == COLOUR || key == OPACITY || key == LIGHT ||
                        key == POINT_LIGHT || key == CLIP_PLANE;
-            *flag = !o->arg && !(o->flags & OPTION_ALIAS);
+            *value = !o->arg && !(o->flags & OPTION_ALIAS) ? VIEW_VALUE_NONE
+                     : o->flags & OPTION_ARG_OPTIONAL      ? VIEW_VALUE_OPTIONAL
+                                                           : VIEW_VALUE_NEEDED;
             return key;
         }
     return 0;
@@ -403,6 +405,13 @@ static status set_extent(view_options *v, int key, const char *text) {
     }
 }
 
+static status take_text(const char *text, const char *what, char *to, size_t size) {
+    if (strlen(text) >= size)
+        return status_describe(ST_USAGE, "%s: a text of more than %zu bytes", what, size - 1);
+    memcpy(to, text, strlen(text) + 1);
+    return ST_OK;
+}
+
 static status set_medium(view_options *v, int key, const char *text) {
     leafcast_scene *s = &v->scene;
     switch (key) {
@@ -410,7 +419,13 @@ static status set_medium(view_options *v, int key, const char *text) {
     case MEDIUM_ERROR: return medium_options_error(text, &s->error);
     case MEDIUM_HOMOGENEOUS:
         return cli_finite(text, "--homogeneous", 0.0, 1e300, &v->experiments.homogeneous);
+    case MEDIUM_SHADE: s->shade_media = true; return medium_options_shade(text, &s->shade_fade);
     case MEDIUM_LEGEND: v->legend = true; return ST_OK;
+    case MEDIUM_ANNOTATE: return annotate_parts(text, &v->annotation.parts);
+    case MEDIUM_TITLE:
+        return take_text(text, "--title", v->annotation.title, sizeof v->annotation.title);
+    case MEDIUM_UNIT:
+        return take_text(text, "--unit", v->annotation.unit, sizeof v->annotation.unit);
     case MEDIUM_SUMMING: return medium_options_summing(text, &v->experiments);
     case MEDIUM_CAPS: s->caps = true; return medium_options_caps(text, &v->caps);
     default: return medium_options_set(&v->medium, key, text);
@@ -477,6 +492,10 @@ void view_options_clear(view_options *v, int key) {
     case ORTHO: v->camera.ortho_height = 0.0; break;
     case MEDIUM_PROJECT: s->project = LEAFCAST_PROJECT_NONE; break;
     case MEDIUM_LEGEND: v->legend = false; break;
+    case MEDIUM_SHADE: s->shade_media = false; break;
+    case MEDIUM_ANNOTATE: v->annotation.parts = 0; break;
+    case MEDIUM_TITLE: v->annotation.title[0] = 0; break;
+    case MEDIUM_UNIT: v->annotation.unit[0] = 0; break;
     case MEDIUM_CAPS: s->caps = false; break;
     default:
         medium_options_clear(&v->medium, key);
@@ -498,11 +517,11 @@ static const float PALETTE[][3] = {{0.90f, 0.85f, 0.75f}, {0.75f, 0.13f, 0.10f},
 /* ---- flags that would change nothing ---- */
 
 static bool is_lit(const view_options *v) {
-    return v->scene.shading != LEAFCAST_SHADING_FLAT;
+    return v->scene.shading != LEAFCAST_SHADING_FLAT || v->scene.shade_media;
 }
 
 static bool has_light(const view_options *v) {
-    return is_lit(v) && v->scene.light_count > 0;
+    return v->scene.shading != LEAFCAST_SHADING_FLAT && v->scene.light_count > 0;
 }
 
 static bool is_phong(const view_options *v) {
@@ -524,6 +543,10 @@ static bool has_surfaces(const view_options *v) {
     return v->isos > 0 || v->others_surfaces;
 }
 
+static bool has_normals(const view_options *v) {
+    return has_surfaces(v) || v->scene.shade_media;
+}
+
 bool view_options_filled(const view_options *v) {
     return v->scene.project != LEAFCAST_PROJECT_NONE || medium_options_given(&v->medium);
 }
@@ -540,6 +563,10 @@ static bool is_certified(const view_options *v) {
     return v->experiments.summing == LEAFCAST_CERTIFIED;
 }
 
+static bool not_shaded(const view_options *v) {
+    return !v->scene.shade_media;
+}
+
 static bool shows_no_surface(const view_options *v) {
     return !has_surfaces(v);
 }
@@ -554,6 +581,10 @@ typedef struct flag_need {
     const char *why;
 } flag_need;
 
+static bool is_annotated(const view_options *v) {
+    return v->annotation.parts != 0;
+}
+
 static const flag_need NEEDS[] = {
     {MEDIUM_PROJECT, shows_no_surface, "--project shows one value a pixel: without --iso"},
     {MEDIUM_ERROR, view_options_any_medium,
@@ -561,17 +592,23 @@ static const flag_need NEEDS[] = {
     {MEDIUM_HOMOGENEOUS, view_options_any_medium,
      "--homogeneous is of media: --tf, --colour-map or --opacity V:A"},
     {MEDIUM_ERROR, is_certified, "--error: steps of --medium have none that is known"},
+    {MEDIUM_SHADE, view_options_any_medium,
+     "--shade-medium is of media: --tf, --colour-map or --opacity V:A"},
+    {MEDIUM_SHADE, is_certified, "--shade-medium: steps of --medium are not shaded"},
+    {MEDIUM_HOMOGENEOUS, not_shaded,
+     "--homogeneous: what --shade-medium shades is not taken whole"},
     {MEDIUM_SUMMING, view_options_any_medium,
      "--medium is of media: --tf, --colour-map or --opacity V:A"},
     {MEDIUM_LEGEND, view_options_any_filled,
      "--legend is of media and projections: --tf, --colour-map, --opacity V:A or --project"},
+    {MEDIUM_UNIT, is_annotated, "--unit is of --annotate"},
     {MEDIUM_CAPS, has_surfaces, "--caps: there is no surface without --iso"},
     {MEDIUM_CAPS, is_clipped, "--caps: nothing is cut open without --clip-box or --clip-plane"},
     {SHADING, has_surfaces, "--shading: there is no surface without --iso"},
-    {NORMALS, has_surfaces, "--normals: there is no surface without --iso"},
-    {LIGHT, has_surfaces, "--light: there is no surface without --iso"},
-    {POINT_LIGHT, has_surfaces, "--point-light: there is no surface without --iso"},
-    {AMBIENT, has_surfaces, "--ambient: there is no surface without --iso"},
+    {NORMALS, has_normals, "--normals: there is no surface without --iso"},
+    {LIGHT, has_normals, "--light: there is no surface without --iso"},
+    {POINT_LIGHT, has_normals, "--point-light: there is no surface without --iso"},
+    {AMBIENT, has_normals, "--ambient: there is no surface without --iso"},
     {INTERSECTOR, has_surfaces, "--intersector: there is no surface without --iso"},
     {SHADOWS, has_light,
      "--shadows: the light at the eye casts none that can be seen; --light says where another is"},

@@ -11,6 +11,7 @@
 #include <stdbool.h>
 
 #include "formats/base/status.h"
+#include "render/app/annotate.h"
 #include "render/app/medium_options.h"
 #include "render/leafcast_experimental.h"
 
@@ -38,6 +39,7 @@ typedef struct view_options {
     medium_options medium;
     medium_options caps; /* colours of --caps; colour_map "": surfaces' own */
     bool legend;
+    annotation annotation;
 } view_options;
 
 /* The table, for argp. */
@@ -70,9 +72,10 @@ void view_options_clear(view_options *v, int key);
 void view_options_inherit(view_options *v);
 
 /* view_options_key() - a flag's key by its long name, '_' for '-' allowed; 0 when there is none
- * such. *repeats: it may be given several times; *flag: it takes no value.
+ * such. *repeats: it may be given several times; *value: it takes one.
  * view_options_same_name() - whether a name is that of a flag, likewise. */
-int view_options_key(const char *name, bool *repeats, bool *flag);
+typedef enum view_value { VIEW_VALUE_NONE, VIEW_VALUE_OPTIONAL, VIEW_VALUE_NEEDED } view_value;
+int view_options_key(const char *name, bool *repeats, view_value *value);
 bool view_options_same_name(const char *name, const char *flag);
 
 /* view_options_transparent() - whether --opacity makes a surface transparent. */

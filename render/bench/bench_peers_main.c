@@ -199,6 +199,7 @@ static status run(peers_options *o) {
     if (st)
         return st;
     cli_results(&o->common, false);
+    bench_machine(BENCH_COMMIT, o->table.machine);
     if (!o->common.json)
         bench_table_print(&o->table, stdout);
     if (missing.embree[0])

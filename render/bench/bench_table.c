@@ -56,7 +56,10 @@ void bench_table_print(const bench_table *t, FILE *out) {
             if ((int)strlen(t->cell[r][c]) > widths[c])
                 widths[c] = (int)strlen(t->cell[r][c]);
     }
-    fprintf(out, "%s\n\n", t->title);
+    fprintf(out, "%s\n", t->title);
+    if (t->machine[0])
+        fprintf(out, "%s\n", t->machine);
+    fputc('\n', out);
     print_row(t, t->heading, widths, out);
     for (int r = 0; r < t->rows; r++)
         print_row(t, t->cell[r], widths, out);
@@ -91,7 +94,8 @@ json_t *bench_table_json(const bench_table *t, const char *suite) {
             json_object_set_new(row, t->heading[c], cell_json(t->cell[r][c]));
         json_array_append_new(rows, row);
     }
-    return json_pack("{s:s, s:s, s:o}", "suite", suite, "title", t->title, "rows", rows);
+    return json_pack("{s:s, s:s, s:s, s:o}", "suite", suite, "title", t->title, "machine",
+                     t->machine, "rows", rows);
 }
 
 static int by_value(const void *a, const void *b) {

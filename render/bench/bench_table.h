@@ -6,11 +6,14 @@
 #include <jansson.h>
 #include <stdio.h>
 
+#include "render/bench/bench_machine.h"
+
 enum { BENCH_COLUMNS = 24, BENCH_ROWS = 512, BENCH_TEXT = 40 };
 
 typedef struct bench_table {
     const char *title;
-    int columns, rows, column; /* column: of the row under way */
+    char machine[BENCH_MACHINE_MAX]; /* bench_machine(); "": not told */
+    int columns, rows, column;       /* column: of the row under way */
     char heading[BENCH_COLUMNS][BENCH_TEXT];
     char cell[BENCH_ROWS][BENCH_COLUMNS][BENCH_TEXT];
 } bench_table;
@@ -27,8 +30,8 @@ int bench_table_column(const bench_table *t, const char *heading);
 void bench_table_print(const bench_table *t, FILE *out);
 void bench_table_csv(const bench_table *t, FILE *out);
 
-/* bench_table_json() - {"suite": ..., "title": ..., "rows": [{HEADING: CELL, ...}, ...]}, where
- * cells that are numbers are numbers. NULL where there is no memory. */
+/* bench_table_json() - {"suite": ..., "title": ..., "machine": ..., "rows": [{HEADING: CELL, ...},
+ * ...]}, where cells that are numbers are numbers. NULL where there is no memory. */
 json_t *bench_table_json(const bench_table *t, const char *suite);
 
 /* bench_median() - of count >= 1 values, which are sorted; *spread, unless NULL: half the range of

@@ -93,6 +93,10 @@ static void blossom(const cell_visit *visit, const double f[8], double b[4]) {
     b[3] = m[7];
 }
 
+void cell_blossom(const cell_visit *visit, const double corners[8], double b[4]) {
+    blossom(visit, corners, b);
+}
+
 bool cell_cubic(const cell_visit *visit, const float samples[8], double iso, double b[4]) {
     /* Subtract the isovalue first: what follows keeps its relative precision. */
     double f[8];

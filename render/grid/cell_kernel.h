@@ -60,6 +60,9 @@ bool cell_cubic(const cell_visit *visit, const float samples[8], double iso, dou
  * are those of the cells beyond the faces. */
 void cell_values(const cell_visit *visit, const float samples[8], double b[4]);
 
+/* cell_blossom() - the same of any trilinear form, by its corners. */
+void cell_blossom(const cell_visit *visit, const double corners[8], double b[4]);
+
 /* cell_roots() - the changes of side of the cubic in [0, 1], ascending: 0 to 3 parameters.
  * scale-invariant; b finite. */
 int cell_roots(const double b[4], double roots[3]);

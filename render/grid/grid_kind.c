@@ -7,6 +7,7 @@
 #include "formats/base/box3.h"
 #include "render/grid/grid_batch.h"
 #include "render/grid/grid_extreme.h"
+#include "render/grid/grid_gradient.h"
 #include "render/grid/grid_projection.h"
 #include "render/grid/grid_segments.h"
 #include "render/grid/grid_tile.h"
@@ -459,6 +460,7 @@ const kind grid_kind = {.name = "grid",
                         .segments = grid_segments,
                         .segment_batch = grid_segment_batch,
                         .segments_error = grid_segments_error,
+                        .gradient = grid_gradient,
                         .extreme_ways = grid_extreme_ways,
                         .extreme = grid_extreme,
                         .extreme_near = grid_extreme_near,

@@ -12,6 +12,7 @@
 #include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_batch.h"
 #include "render/mesh/mesh_extreme.h"
+#include "render/mesh/mesh_gradient.h"
 #include "render/mesh/mesh_projection.h"
 #include "render/mesh/mesh_segments.h"
 #include "render/mesh/mesh_tile.h"
@@ -329,6 +330,8 @@ const kind mesh_kind = {.name = "mesh",
                         .batch = mesh_batch,
                         .segments = mesh_segments,
                         .segments_error = mesh_segments_error,
+                        .gradient = mesh_gradient,
+                        .overlaps = true,
                         .extreme_ways = mesh_extreme_ways,
                         .extreme = mesh_extreme,
                         .cell_of_hit = mesh_cell_of_hit,

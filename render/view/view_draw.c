@@ -49,6 +49,12 @@ struct view_draw {
     view_seat seats[VIEW_SEATS_MAX];
 };
 
+/* What a seat needs now. */
+typedef struct turn {
+    bool leave, begin, draw, may_send, pick, residency;
+    pick picked;
+} turn;
+
 /* ---- What is said ---- */
 
 static void say(view_draw *d, view_seat *seat, view_message *message) {
@@ -99,20 +105,27 @@ static void answer_pick(view_draw *d, view_seat *seat, const view_wish *wish, co
     say(d, seat, view_message_json(d->m, answer));
 }
 
-static void draw_slice(view_draw *d, view_seat *seat, bool may_send) {
-    view_message *message = NULL;
-    const uint64_t number = view_picture_wish(seat->picture)->number;
-    const status st = view_picture_advance(seat->picture, SLICE_S, may_send, &message);
-    if (st != ST_OK && st != ST_STOPPED)
-        refuse(d, seat, number);
-    say(d, seat, message);
+static void tell_residency(view_draw *d, view_seat *seat) {
+    const leafcast_stats *s = view_picture_stats(seat->picture);
+    say(d, seat,
+        view_message_json(d->m, json_pack("{s:s,s:I,s:I,s:I,s:I}", "type", "treelets", "total",
+                                          (json_int_t)s->treelets_total, "active",
+                                          (json_int_t)s->treelets_active, "loaded",
+                                          (json_int_t)s->treelets_loaded, "bytes_resident",
+                                          (json_int_t)s->bytes_resident)));
 }
 
-/* What a seat needs now. */
-typedef struct turn {
-    bool leave, begin, draw, may_send, pick;
-    pick picked;
-} turn;
+static void draw_slice(view_draw *d, view_seat *seat, const turn *t) {
+    view_message *message = NULL;
+    const uint64_t number = view_picture_wish(seat->picture)->number;
+    const status st = view_picture_advance(seat->picture, SLICE_S, t->may_send, &message);
+    if (st != ST_OK && st != ST_STOPPED)
+        refuse(d, seat, number);
+    const bool any = message != NULL;
+    say(d, seat, message);
+    if (any && t->residency)
+        tell_residency(d, seat);
+}
 
 static void take_turn(view_draw *d, view_seat *seat, const turn *t, const view_wish *wish) {
     if (t->leave) {
@@ -125,14 +138,16 @@ static void take_turn(view_draw *d, view_seat *seat, const turn *t, const view_w
         view_picture_stop(seat->picture);
         refuse(d, seat, wish->number);
     } else if (t->begin || t->draw) {
-        draw_slice(d, seat, t->may_send);
+        draw_slice(d, seat, t);
     }
 }
 
 /* ---- Whose turn it is; the lock is held ---- */
 
 static bool needs(const view_seat *seat, turn *t) {
-    *t = (turn){.leave = seat->gone, .may_send = seat->unseen_count < VIEW_UNSEEN_MAX};
+    *t = (turn){.leave = seat->gone,
+                .may_send = seat->unseen_count < VIEW_UNSEEN_MAX,
+                .residency = seat->residency};
     if (!seat->taken)
         return false;
     if (t->leave)

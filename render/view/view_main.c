@@ -63,16 +63,18 @@ static status open_files(const view_verb *o, view_file *files) {
     return st;
 }
 
-/* Who opens a page says so itself; it may well not be there. */
+/* A browser may take its time, and may stay: nobody waits for it. */
 static void open_page(const view_verb *o, const char *url) {
     child browser;
     int code = 0;
-    char *const argv[] = {(char *)"xdg-open", (char *)url, NULL};
-    status st = child_start("xdg-open", argv, false, &browser);
+    static const char script[] =
+        "command -v xdg-open >/dev/null && { xdg-open \"$0\" </dev/null >/dev/null 2>&1 & }";
+    char *const argv[] = {(char *)"sh", (char *)"-c", (char *)script, (char *)url, NULL};
+    status st = child_start("/bin/sh", argv, false, &browser);
     if (st == ST_OK)
         st = child_end(&browser, &code);
     if (st != ST_OK || code != 0)
-        cli_note(&o->common, 0, "xdg-open cannot open the page: open the address in a browser");
+        cli_note(&o->common, 0, "no xdg-open here: open the address in a browser");
 }
 
 static status serve(const view_verb *o, const view_file *files, mem *m) {

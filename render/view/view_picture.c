@@ -61,7 +61,7 @@ status view_picture_create(const view_tools *tools, view_picture **out) {
 
 static void planes_release(mem *m, planes *p) {
     leafcast_image *i = &p->image;
-    void *const all[] = {i->r, i->g, i->b, i->a, i->error, i->provisional};
+    void *const all[] = {i->r, i->g, i->b, i->a, i->z, i->error, i->provisional};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         mem_free(m, all[k]);
     *p = (planes){0};
@@ -69,8 +69,8 @@ static void planes_release(mem *m, planes *p) {
 
 static uint64_t planes_bytes(const planes *p) {
     const leafcast_image *i = &p->image;
-    const uint64_t one =
-        3 * sizeof(float) + 1 + (i->a ? sizeof(float) : 0) + (i->error ? sizeof(double) : 0);
+    const uint64_t one = 3 * sizeof(float) + 1 + (i->a ? sizeof(float) : 0) +
+                         (i->error ? sizeof(double) : 0) + (i->z ? sizeof(double) : 0);
     return i->r ? one * p->width * p->height : 0;
 }
 
@@ -85,6 +85,7 @@ static leafcast_image planes_wanted(const view_picture *p) {
                             .g = &any_float,
                             .b = &any_float,
                             .a = v->scene.background[3] >= 1.0f ? NULL : &any_float,
+                            .z = v->annotation.parts & ANNOTATE_BOX ? &any_double : NULL,
                             .error = view_options_any_medium(v) ? &any_double : NULL,
                             .provisional = &any_byte};
 }
@@ -99,10 +100,11 @@ static status planes_make(mem *m, const leafcast_image *wanted, uint32_t width, 
     i->g = mem_array(m, count, sizeof *i->g);
     i->b = mem_array(m, count, sizeof *i->b);
     i->a = wanted->a ? mem_array(m, count, sizeof *i->a) : NULL;
+    i->z = wanted->z ? mem_array(m, count, sizeof *i->z) : NULL;
     i->error = wanted->error ? mem_array(m, count, sizeof *i->error) : NULL;
     i->provisional = mem_array(m, count, sizeof *i->provisional);
     if (!i->r || !i->g || !i->b || !i->provisional || (wanted->a && !i->a) ||
-        (wanted->error && !i->error)) {
+        (wanted->z && !i->z) || (wanted->error && !i->error)) {
         planes_release(m, out);
         return ST_NOMEM;
     }
@@ -311,6 +313,18 @@ static status put_header(view_message **to, json_t *header) {
     return st;
 }
 
+/* Legend and annotations, over what is complete. */
+static status mark(const view_picture *p) {
+    text_face *face = NULL;
+    status st = ST_OK;
+    if (annotate_wanted(&p->wish.view.annotation))
+        st = text_face_open(p->tools.m, NULL, &face);
+    if (st == ST_OK)
+        picture_scene_mark(&p->parts, &p->volume, &p->scene, &p->camera, &p->now.image, face);
+    text_face_close(face);
+    return st;
+}
+
 /* What there is. A picture that can be seen through, and the last one, go without loss. */
 static status make_part(view_picture *p, bool final, view_message **out) {
     const bool png = final || p->now.image.a;
@@ -319,13 +333,12 @@ static status make_part(view_picture *p, bool final, view_message **out) {
     if (!made)
         return ST_NOMEM;
     p->part++;
-    if (final)
-        picture_scene_legend(&p->parts, &p->volume, &p->scene, &p->now.image, p->now.width,
-                             p->now.height);
     made->binary = true;
     made->number = p->wish.number;
     made->part = p->part;
-    status st = p->wish.file ? ST_OK : put_header(&made, describe_part(p, png, final));
+    status st = final ? mark(p) : ST_OK;
+    if (st == ST_OK && !p->wish.file)
+        st = put_header(&made, describe_part(p, png, final));
     const byte_sink sink = {view_message_put, &made};
     if (st == ST_OK && png)
         st = picture_png_write(p->tools.m, p->tools.threads, &shown, &sink);
@@ -440,4 +453,8 @@ uint64_t view_picture_bytes(const view_picture *p) {
 
 const view_wish *view_picture_wish(const view_picture *p) {
     return &p->wish;
+}
+
+const leafcast_stats *view_picture_stats(const view_picture *p) {
+    return &p->stats;
 }

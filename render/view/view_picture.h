@@ -56,12 +56,13 @@ void view_picture_cancel_rest(view_picture *p);
 /* view_picture_busy() - whether there is something to draw or to send. view_picture_waits() - it
  * goes on only when something may be sent. view_picture_may_change() - whether it may give way to a
  * newer view: no for a moving one that will soon be there. view_picture_bytes() - of planes.
- * view_picture_wish() - what it was begun with. */
+ * view_picture_wish() - what it was begun with. view_picture_stats() - of what was drawn last. */
 bool view_picture_busy(const view_picture *p);
 bool view_picture_waits(const view_picture *p);
 bool view_picture_may_change(const view_picture *p);
 uint64_t view_picture_bytes(const view_picture *p);
 const view_wish *view_picture_wish(const view_picture *p);
+const leafcast_stats *view_picture_stats(const view_picture *p);
 
 /* view_picture_advance() - draw for about so many seconds. may_send: a part may be made, *out, the
  * caller's; NULL: none was. ST_STOPPED after view_picture_cancel(). */

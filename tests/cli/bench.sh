@@ -25,6 +25,7 @@ judge() { # judge FILE FIELDS
 }
 exits "built-in fields" 0 "$leafcast" bench intersectors --form brief --ray-cells 20000 -o "$tmp/i.csv" --plot "$tmp/i.svg"
 ok "a table on standard output" says '^marschner-lobb *neubauer' out
+ok "and what it was measured on" says "CPUs, .*; $(date -u +%Y-%m)-[0-9]*; leafcast [0-9.]*" out
 judge "$tmp/i.csv" 2
 ok "and as bars" python3 -c 'import sys, xml.dom.minidom as x; sys.exit(x.parse(sys.argv[1]).getElementsByTagName("rect").length != 25)' "$tmp/i.svg"
 exits "an existing table" 1 "$leafcast" bench intersectors --ray-cells 100 -o "$tmp/i.csv"

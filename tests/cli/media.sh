@@ -49,6 +49,13 @@ exits "a legend" 0 draw --tf auto --legend --size 300x200 -o "$tmp/legend.ppm" -
 exits "none" 0 draw --tf auto --size 300x200 -o "$tmp/none.ppm" --rgba-f64 "$tmp/without"
 ok "is in the picture" [ "$(cmp -l "$tmp/legend.ppm" "$tmp/none.ppm" | wc -l)" -gt 3000 ]
 ok "not in raw colours" cmp "$tmp/with" "$tmp/without"
+exits "shaded" 0 draw --tf auto --shade-medium --light 2,1,0 -o "$tmp/shaded.ppm" --error-f64 "$tmp/error"
+ok "is another picture" [ "$(cksum <"$tmp/shaded.ppm")" != "$(cksum <"$tmp/medium.ppm")" ]
+ok "whose error nobody knows" numbers "$tmp/error" 'len(x) == 1200 and min(x) == math.inf'
+exits "and it says so" 0 "$leafcast" render "$tmp/v.leaf" --size 40x30 --tf auto --shade-medium=1/8 -o "$tmp/shaded.ppm" --force
+ok "in its summary" says 'the medium is shaded: not certified'
+exits "in its counts" 0 draw --tf auto --shade-medium --json -o "$tmp/shaded.ppm"
+ok "too" says '"uncertified_pixels": 1200' out
 exits "of several pictures" 0 draw --tf auto --turntable 2 --write-tf "$tmp/turn.tf" --error-f64 "$tmp/turn"
 ok "each has its own" [ -s "$tmp/turn_0001.tf" -a -s "$tmp/turn_0001" ]
 "$leafcast" generate noise --seed 1 --tets --dims 7 -o "$tmp/m_0000.mesh" -q
@@ -260,6 +267,14 @@ without opacities|--project max --opacity 3:0.5
 is neither a file nor one of|--iso 50 --caps=pink --clip-plane 1,0,0,-3
 --certify is of media|--iso 50 --certify
 --certify is of one sample|--tf ct --certify --samples 4
+--certify: what --shade-medium shades|--tf ct --shade-medium --certify
+--shade-medium is of media|--iso 50 --shade-medium
+--shade-medium is of media|--project max --shade-medium
+--shade-medium: steps of --medium|--tf ct --shade-medium --medium steps=1
+--shade-medium: 0 is not in|--tf ct --shade-medium=0
+--shade-medium: 2 is not in|--tf ct --shade-medium=2
+--homogeneous: what --shade-medium|--tf ct --shade-medium --homogeneous 3
+there is no surface without --iso|--tf ct --light 1,0,0
 --error-f64 is of media|--error-f64 @e
 --value-f64 is of --project|--tf ct --value-f64 @e
 --write-tf is of|--write-tf @e

@@ -134,8 +134,13 @@ render|--window|picture|@g.leaf --colour-map plasma|--window 100,120
 render|--opacity-length|picture|@g.leaf --opacity 90:0,200:0.5|--opacity-length 9
 render|--error|shown media|
 render|--homogeneous|picture|@g.leaf --tf auto|--homogeneous 1000
+render|--shade-medium|picture|@g.leaf --tf auto|--shade-medium
 render|--project|picture|@g.leaf --colour-map grey|--project max
 render|--legend|shown media|
+render|--annotate|shown annotate|
+render|--title|shown annotate|
+render|--unit|shown annotate|
+render|--font|shown annotate|
 render|--medium|picture|@g.leaf --tf auto|--medium steps=3
 render|--layers|picture|@grid --opacity 0.4|--layers 1
 render|--view|picture|@grid|--view close
@@ -390,8 +395,8 @@ view|--quiet|shown view_server|
 view|--verbose|shown view_server|
 view|--help|shown help|
 view|--help-all|shown help|
-view|--usage|says|--version|--usage
-view|--version|says|--usage|--version
+view|--usage|taken||--usage
+view|--version|taken||--version
 info|--skip|shown inputs|
 info|--threads|taken|@g.nrrd|--threads 2
 info|--memory|shown inputs|

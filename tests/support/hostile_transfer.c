@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* As far as leafcast.h allows. */
-static const double VALUE_MOST = 1e300, EXTINCTION_MOST = 1e100;
+static const double VALUE_MOST = 1e300, EXTINCTION_MOST = 1e100, NARROWEST = 1e-290;
 
 /* What is being made. */
 typedef struct maker {
@@ -130,8 +130,8 @@ static void beyond(maker *m) {
 static void extremes(maker *m) {
     put(m, -VALUE_MOST, extinction(m, -1, 1));
     put(m, any_value(m), extinction(m, -1, 1));
-    put(m, -DBL_TRUE_MIN, 0);
-    put(m, DBL_TRUE_MIN, extinction(m, -1, 1));
+    put(m, -NARROWEST, 0);
+    put(m, 0.0, extinction(m, -1, 1));
     put(m, VALUE_MOST, extinction(m, -1, 1));
 }
 

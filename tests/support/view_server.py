@@ -15,7 +15,7 @@ SURFACE = {"iso": [120], "eye": [110, 90, 80], "look-at": [24, 20, 22], "fov": 3
 SHADED = dict(SURFACE, **{"iso": [110, 140], "color": ["red", "#80c0ff"], "opacity": [0.5, 1], "light": [[1, 1, 2]],
                           "shadows": True, "clip-box": [0, 0, 0, 40, 30, 44]})
 MEDIUM = {"tf": "auto", "eye": [110, 90, 80], "look-at": [24, 20, 22], "legend": True}
-CLEAR = dict(SURFACE, background="0,0,0,0")
+CLEAR = dict(SURFACE, background="0,0,0,0", annotate=True, title="gyroid", unit="mm")
 SAMPLES = dict(SURFACE, samples=4)
 PROJECTED = {"project": "max", "colour-map": "viridis", "eye": [110, 90, 80], "look-at": [24, 20, 22]}
 W, H = 160, 120
@@ -134,6 +134,11 @@ def drawn(s):
     ok("moving: a preview", head["number"] == number and not head["final"] and head["format"] == "jpeg" and
        data[:2] == b"\xff\xd8" and 1 <= head["scale"] <= 4)
     ok("moving: that is all", not page.waits(0.3))
+    page.send({"type": "residency", "on": True})
+    page.view(number + 1, SURFACE, W, H)
+    page.final()
+    got = page.text("treelets")
+    ok("treelets are counted", 0 < got["active"] <= got["total"] == v["treelets"] and got["bytes_resident"] > 0)
     page.close()
 
 
@@ -422,7 +427,7 @@ def rubbish(s, count):
 
 
 def ending():
-    s = serve(GRID, "--threads", "2", "--memory", "1G", "-v", "--isa", "scalar")
+    s = serve(GRID, "--threads", "2", "--memory", "1G", "--verbose", "--isa", "scalar")
     page = Page(s)
     ok("--isa, --threads, --memory are told", (page.volume["isa"], page.volume["threads"], page.volume["memory"]) ==
        ("scalar", 2, 1 << 30))
