@@ -1,0 +1,89 @@
+// data.js - which file, field and time step is shown; steps play one after another, none left out.
+import {byId, bytes, choice, element, short, slider} from "./dom.js";
+
+export class Data {
+  constructor(app) {
+    this.app = app;
+    this.playing = false;
+    this.speed = 5;
+    this.waiting = null; // the number of the view whose picture the next step waits for
+  }
+
+  build() {
+    const {app} = this, v = app.volume, d = app.model.data, parts = [];
+    this.stop();
+    if (v.files?.length > 1)
+      parts.push(choice("File", {options: v.files.map((f, i) => [i, f]), value: v.which,
+        change: i => app.open(+i)}));
+    if (v.fields.length > 1)
+      parts.push(choice("Field", {options: v.fields.map((f, i) => [i, f.name || `field ${i}`]), value: d.field,
+        change: i => app.chooseField(+i)}));
+    if (v.steps.length > 1) parts.push(...this.steps(v, d));
+    parts.push(this.facts(v));
+    byId("data").replaceChildren(...parts);
+  }
+
+  steps(v, d) {
+    this.slider = slider("Time step", {min: 0, max: v.steps.length - 1, step: 1, value: d.step,
+      change: (k, resting) => { this.stop(); this.go(Math.round(k), !resting); }});
+    this.time = element("span", {class: "hint"});
+    this.button = element("button", {id: "play", "aria-pressed": "false", onclick: () => this.playing ? this.stop() : this.play()},
+      "Play");
+    const step = by => () => { this.stop(); this.go((d.step + by + v.steps.length) % v.steps.length, false); };
+    this.say();
+    return [this.slider,
+      element("div", {class: "row"},
+        element("button", {class: "icon", "aria-label": "Step before", onclick: step(-1)}, "‹"), this.button,
+        element("button", {class: "icon", "aria-label": "Step after", onclick: step(1)}, "›"), this.time),
+      slider("Steps a second", {min: 0.5, max: 30, step: 0.5, value: this.speed, change: x => { this.speed = x; }})];
+  }
+
+  say() { this.time.textContent = `time ${short(this.app.volume.steps[this.app.model.data.step], 5)}`; }
+
+  go(step, moving) {
+    this.app.model.data.step = step;
+    this.slider.set(step);
+    this.say();
+    return this.app.changed(moving, this.playing);
+  }
+
+  play() {
+    this.playing = true;
+    this.button.textContent = "Stop";
+    this.button.setAttribute("aria-pressed", "true");
+    this.next();
+  }
+
+  stop() {
+    if (!this.playing) return;
+    this.playing = false;
+    this.waiting = null;
+    clearTimeout(this.timer);
+    this.button.textContent = "Play";
+    this.button.setAttribute("aria-pressed", "false");
+    this.app.changed(false);
+  }
+
+  next() {
+    this.began = performance.now();
+    this.waiting = this.go((this.app.model.data.step + 1) % this.app.volume.steps.length, true);
+  }
+
+  // A picture of the step is on the screen: the next one may come.
+  shown(head) {
+    if (!this.playing || this.waiting == null || head.number < this.waiting) return;
+    this.waiting = null;
+    this.timer = setTimeout(() => this.next(), Math.max(0, 1000 / this.speed - (performance.now() - this.began)));
+  }
+
+  facts(v) {
+    const f = v.fields[this.app.model.data.field];
+    const lines = [["file", v.file], ["size", bytes(v.file_bytes)],
+      v.kind === "grid" ? ["samples", v.dims.join(" × ")] : ["tetrahedra", v.tets.toLocaleString("en")],
+      v.kind === "grid" ? null : ["vertices", v.vertices.toLocaleString("en")],
+      ["type", v.sample_type], ["values", `${short(f.range[0])} … ${short(f.range[1])}`],
+      ["from", v.bounds[0].map(x => short(x)).join(", ")], ["to", v.bounds[1].map(x => short(x)).join(", ")],
+      ["treelets", v.treelets.toLocaleString("en")], ["drawn by", `leafcast ${v.version}, ${v.threads} threads, ${v.isa}`]];
+    return element("dl", {}, ...lines.filter(Boolean).flatMap(([a, b]) => [element("dt", {}, a), element("dd", {}, String(b))]));
+  }
+}

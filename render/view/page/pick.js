@@ -1,0 +1,74 @@
+// pick.js - what is at a pixel, marks of it on the picture, and the distance of two.
+import {byId, element, short} from "./dom.js";
+import {project} from "./camera.js";
+import {length, sub} from "./vector.js";
+
+const NS = "http://www.w3.org/2000/svg";
+
+export class Pick {
+  constructor(app) {
+    this.app = app;
+    this.points = []; // at most two
+    byId("card-close").addEventListener("click", () => { this.clear(); byId("picture").focus(); });
+    byId("card-copy").addEventListener("click", () => app.copy(this.text, "The point is copied."));
+  }
+
+  async at(x, y) {
+    const answer = await this.app.link.pick(x, y);
+    if (!answer) return;
+    if (answer.hit) this.points = [...this.points.slice(-1), answer];
+    this.show(answer);
+    this.mark();
+  }
+
+  clear() {
+    this.points = [];
+    byId("card").hidden = true;
+    this.mark();
+  }
+
+  lines(p) {
+    const vector = v => v.map(x => short(x, 6)).join(", ");
+    return [["position", vector(p.point)], ["value", short(p.value, 8)],
+      ["gradient", `${vector(p.gradient)}  (${short(length(p.gradient), 4)})`],
+      ["error bound", short(p.error_bound, 2)],
+      p.cell ? ["cell", p.cell.join(", ")] : ["tetrahedron", String(p.tet)],
+      this.points.length === 2 ? ["distance", short(length(sub(this.points[1].point, this.points[0].point)), 7)] : null]
+      .filter(Boolean);
+  }
+
+  show(p) {
+    byId("card").hidden = false;
+    byId("card-copy").hidden = !p.hit;
+    if (!p.hit) {
+      this.text = "";
+      byId("card-text").replaceChildren(element("p", {class: "hint"}, "There is no surface."));
+      return;
+    }
+    const lines = this.lines(p);
+    // As text: numbers in full.
+    const full = {position: p.point.join(", "), value: p.value, gradient: p.gradient.join(", "), "error bound": p.error_bound,
+      distance: this.points.length === 2 ? length(sub(this.points[1].point, this.points[0].point)) : null};
+    this.text = lines.map(([a, b]) => `${a}: ${full[a] ?? b}`).join("\n");
+    byId("card-text").replaceChildren(element("dl", {}, ...lines.flatMap(([a, b]) =>
+      [element("dt", {}, a), element("dd", {"data-key": a}, b)])));
+  }
+
+  // Marks stay at their points while the camera moves.
+  mark() {
+    const svg = byId("marks"), {clientWidth: w, clientHeight: h} = byId("stage"), shapes = [];
+    const at = this.points.map(p => project(this.app.model.camera, p.point, w / h)).map(p => p && [p[0] * w, p[1] * h]);
+    const shape = (tag, attributes) => {
+      const s = document.createElementNS(NS, tag);
+      for (const [k, v] of Object.entries(attributes)) s.setAttribute(k, v);
+      shapes.push(s);
+    };
+    if (at.length === 2 && at[0] && at[1])
+      shape("line", {x1: at[0][0], y1: at[0][1], x2: at[1][0], y2: at[1][1]});
+    for (const p of at.filter(Boolean)) {
+      shape("circle", {cx: p[0], cy: p[1], r: 6, class: "halo"});
+      shape("circle", {cx: p[0], cy: p[1], r: 6});
+    }
+    svg.replaceChildren(...shapes);
+  }
+}

@@ -1,0 +1,75 @@
+// save.js - pictures, states and commands to take along.
+import {byId, element} from "./dom.js";
+import {command, toFlags} from "./state.js";
+
+function download(blob, name) {
+  const url = URL.createObjectURL(blob);
+  const a = element("a", {href: url, download: name});
+  document.body.append(a);
+  a.click();
+  a.remove();
+  setTimeout(() => URL.revokeObjectURL(url), 10000);
+}
+
+export class Save {
+  constructor(app) {
+    this.app = app;
+    const dialog = byId("save");
+    byId("save-open").addEventListener("click", () => {
+      if (!app.volume) return;
+      byId("save-width").value = app.screen.width;
+      byId("save-height").value = app.screen.height;
+      dialog.showModal();
+    });
+    dialog.addEventListener("close", () => {
+      if (dialog.returnValue === "picture") this.picture(+byId("save-width").value, +byId("save-height").value);
+      if (dialog.returnValue === "state") this.state();
+      dialog.returnValue = "";
+    });
+    byId("load-state").addEventListener("change", event => this.load(event.target));
+    byId("copy-command").addEventListener("click", () => this.command());
+  }
+
+  get name() { return this.app.volume.file.replace(/\.leaf$/, "").replace(/[^\w.-]+/g, "_") || "leafcast"; }
+
+  command() {
+    const {app} = this;
+    if (!app.volume) return;
+    const line = command(toFlags(app.model, app.volume), app.volume.file, app.screen.width, app.screen.height);
+    app.copy(line, "The command is copied.");
+  }
+
+  async picture(width, height) {
+    const {app} = this, state = JSON.stringify(toFlags(app.model, app.volume));
+    const query = new URLSearchParams({token: app.link.token, state, size: `${width}x${height}`, type: "png"});
+    if (app.volume.files?.length > 1) query.set("file", app.volume.which);
+    app.say("Drawing the picture…", true);
+    try {
+      const answer = await fetch(`picture?${query}`);
+      if (!answer.ok) throw new Error((await answer.text()).slice(0, 300) || `error ${answer.status}`);
+      download(await answer.blob(), `${this.name}.png`);
+      app.say("The picture is saved.", true);
+    } catch (error) {
+      app.say(`The picture cannot be saved: ${error.message}`);
+    }
+  }
+
+  state() {
+    const text = JSON.stringify(toFlags(this.app.model, this.app.volume), null, 1) + "\n";
+    download(new Blob([text], {type: "application/json"}), `${this.name}.json`);
+  }
+
+  async load(input) {
+    const file = input.files[0];
+    if (!file) return;
+    try {
+      const flags = JSON.parse(await file.text());
+      if (!flags || typeof flags !== "object" || Array.isArray(flags)) throw new Error("not a JSON object");
+      this.app.adopt(flags);
+      byId("save").close("");
+    } catch (error) {
+      this.app.say(`${file.name} is no state: ${error.message}`);
+    }
+    input.value = "";
+  }
+}

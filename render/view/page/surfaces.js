@@ -1,0 +1,110 @@
+// surfaces.js - the isosurfaces: a handle each on the histogram, and a line each below it.
+import {byId, colour, element, short} from "./dom.js";
+import {Plot, drag} from "./histogram.js";
+import {COLOURS, SURFACES_MAX} from "./state.js";
+
+export class Surfaces {
+  constructor(app) {
+    this.app = app;
+    this.plot = new Plot(byId("iso-plot"));
+    byId("surface-add").addEventListener("click", () => this.add());
+    // A press beside the handles takes the nearest there.
+    this.plot.host.addEventListener("pointerdown", event => this.jump(event));
+  }
+
+  get field() { return this.app.volume.fields[this.app.model.data.field]; }
+  get list() { return this.app.model.surfaces; }
+
+  build() {
+    this.plot.show(this.field);
+    for (const g of this.plot.host.querySelectorAll(".grip")) g.remove();
+    this.grips = this.list.map((s, i) => this.grip(s, i));
+    this.plot.host.append(...this.grips);
+    this.rows = this.list.map((s, i) => this.row(s, i));
+    byId("surfaces").replaceChildren(...this.rows);
+    if (!this.list.length) byId("surfaces").append(element("p", {class: "hint"}, "No surfaces."));
+    byId("surface-add").disabled = this.list.length >= SURFACES_MAX;
+    this.list.forEach((s, i) => this.place(i));
+  }
+
+  // A value that a person would write: to a 2000th of the range, and a half for integers' sake.
+  rounded(v) {
+    const step = 10 ** Math.floor(Math.log10((this.plot.high - this.plot.low) / 400 || 1));
+    return +(Math.round(v / step) * step).toPrecision(10);
+  }
+
+  set(i, value, resting) {
+    this.list[i].iso = this.rounded(value);
+    this.place(i);
+    this.app.changed(!resting);
+  }
+
+  place(i) {
+    const s = this.list[i], grip = this.grips[i];
+    grip.style.left = `${100 * Math.min(1, Math.max(0, this.plot.share(s.iso)))}%`;
+    grip.style.setProperty("--grip", s.color);
+    grip.classList.toggle("off", !s.on);
+    grip.setAttribute("aria-valuenow", s.iso);
+    grip.setAttribute("aria-valuetext", short(s.iso, 6));
+    const number = this.rows[i].querySelector(".iso");
+    if (document.activeElement !== number) number.value = s.iso;
+  }
+
+  grip(s, i) {
+    const grip = element("button", {class: "grip", role: "slider", "aria-label": `Isovalue ${i + 1}`,
+      "aria-valuemin": this.plot.low, "aria-valuemax": this.plot.high});
+    drag(grip, this.plot, ([x], keys, resting) =>
+      this.set(i, this.plot.value(keys ? this.plot.share(s.iso) + x : x), resting));
+    return grip;
+  }
+
+  jump(event) {
+    const near = this.list.map((s, i) => i).filter(i => this.list[i].on);
+    if (event.target.closest(".grip") || !near.length) return;
+    const [x] = this.plot.at(event), away = i => Math.abs(this.plot.share(this.list[i].iso) - x);
+    const i = near.sort((a, b) => away(a) - away(b))[0];
+    this.set(i, this.plot.value(x), false);
+    this.grips[i].dispatchEvent(new PointerEvent("pointerdown", event));
+  }
+
+  row(s, i) {
+    const name = `Surface ${i + 1}`, {app} = this;
+    const on = element("input", {type: "checkbox", "aria-label": `${name} on`, title: "On"});
+    on.checked = s.on;
+    on.addEventListener("change", () => { s.on = on.checked; this.place(i); app.changed(false); });
+    const iso = element("input", {type: "number", step: "any", class: "iso", "aria-label": `${name} isovalue`});
+    iso.addEventListener("change", () => {
+      if (iso.value !== "" && Number.isFinite(+iso.value)) s.iso = +iso.value;
+      this.place(i);
+      app.changed(false);
+    });
+    iso.addEventListener("blur", () => { iso.value = s.iso; });
+    const opacity = element("input", {type: "range", min: 0.05, max: 1, step: 0.01, value: s.opacity,
+      "aria-label": `${name} opacity`, title: "Opacity"});
+    opacity.addEventListener("input", () => { s.opacity = +opacity.value; app.changed(true); });
+    opacity.addEventListener("change", () => app.changed(false));
+    const away = element("button", {class: "icon", "aria-label": `Remove ${name.toLowerCase()}`, title: "Remove",
+      onclick: () => { this.list.splice(i, 1); this.build(); app.changed(false); byId("surface-add").focus(); }}, "×");
+    return element("div", {class: "surface"}, on,
+      colour(`${name} colour`, {value: s.color, change: (v, rest) => { s.color = v; this.place(i); app.changed(!rest); }}),
+      opacity, iso, away);
+  }
+
+  // The first suggested value that is not drawn yet, else the middle of the widest gap.
+  add() {
+    const taken = this.list.map(s => s.iso), range = this.plot.high - this.plot.low;
+    let iso = this.field.suggested.find(v => taken.every(t => Math.abs(t - v) > range / 200));
+    if (iso == null) {
+      const all = [this.plot.low, ...taken, this.plot.high].sort((a, b) => a - b);
+      let k = 1;
+      for (let j = 1; j < all.length; j++) if (all[j] - all[j - 1] > all[k] - all[k - 1]) k = j;
+      iso = this.rounded((all[k] + all[k - 1]) / 2);
+    }
+    // What is there already lets the new one be seen.
+    const used = this.list.map(s => s.color), color = COLOURS.find(c => !used.includes(c)) ?? COLOURS[0];
+    for (const s of this.list) if (s.opacity === 1) s.opacity = 0.45;
+    this.list.push({iso, color, opacity: 1, on: true});
+    this.build();
+    this.app.changed(false);
+  }
+}
