@@ -33,6 +33,9 @@ status arguments_check_options(const leafcast_options *o) {
         st = one_of("leafcast_options.backend", (long long)o->backend, LEAFCAST_BACKEND_ARENA);
     if (st == ST_OK && o->experiments)
         st = check_experiments(o->experiments);
+    if (st == ST_OK && o->experiments && o->experiments->isopolygons && o->neighbours)
+        st = status_describe(ST_USAGE, "leafcast_options.neighbours: not beside isopolygons that "
+                                       "are kept");
     return st;
 }
 

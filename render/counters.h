@@ -19,6 +19,8 @@
     X(provisional_pixels) /* that show something coarser than asked for, or not yet all */ \
     X(ill_conditioned)    /* shadow rays whose start is known no better than to a cell */  \
     X(uncertified_pixels) /* of media: whose error may be more than was asked for */       \
+    X(passed_tets)        /* from neighbour to neighbour; of these */                      \
+    X(edge_tests)         /* on which side of an edge a ray passes (M08 6.2.1) */          \
     X(passes)             /* 1, and 1 more whenever all rays waited for treelets to give way */
 
 /* What packets through a mesh do (W07 table 4). */

@@ -43,7 +43,7 @@ typedef struct leafcast_experiments {
     int packets; /* of a mesh: 0: tiles of rays; 2, 4, 8, 16: packets of so many on a side as W07
                     has them, the same pictures */
     leafcast_schema schema;
-    leafcast_isopolygons isopolygons;
+    leafcast_isopolygons isopolygons; /* without leafcast_options.neighbours */
 } leafcast_experiments;
 
 /* ---- Of a scene ---- */

@@ -12,8 +12,8 @@ typedef struct mesh_derived {
     /* Room in the block of a treelet of this shape; NULL: nothing is derived. */
     size_t (*bytes)(const mesh_shape *shape);
     /* Masks have been made for this interest: make what belongs to them, in tr->derived, zero to
-     * begin with. The interest stays until the masks are made anew. Nobody else looks at it
-     * meanwhile. */
+     * begin with, and say where it is. The interest stays until the masks are made anew. Nobody
+     * else looks at it meanwhile. */
     void (*make)(struct resident_mesh *tr, const interest *in);
 } mesh_derived;
 

@@ -18,7 +18,9 @@
 
 typedef struct resident_mesh {
     treelet head;  /* its payload: the topology */
-    void *derived; /* see mesh_derived.h; NULL: nothing */
+    void *derived; /* room for what is, see mesh_derived.h; which then is one of these: */
+    struct isopolygon_cache *polygons;
+    struct mesh_faces *faces;
     const void *values;
     const float (*gradients)[3]; /* at its vertices; NULL: not asked for */
     const void *moved;           /* payload of positions, where they are not the topology's */

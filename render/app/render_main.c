@@ -26,7 +26,8 @@ typedef struct render_options {
     render_also also[RENDER_ALSO_MAX]; /* --and: what follows is about the last of these */
     int also_count;
     int repeat;
-    int turns; /* --turntable; 0: none */
+    int turns;     /* --turntable; 0: none */
+    int traversal; /* --traversal: 1 tree, 2 faces; 0: faces where volumes are filled */
     bool fail_empty, certify;
     int drawn; /* pictures so far; of these */
     int empty; /* without any surface */
@@ -57,11 +58,12 @@ enum {
     TREELET_LIMIT,
     ISA,
     PACKETS,
-    ISOPOLYGONS
+    ISOPOLYGONS,
+    TRAVERSAL
 };
 
 static const char BACKENDS[] = "auto|mapped|arena", SIDES[] = "tile|2|4|8|16",
-                  POLYGONS[] = "onthefly|precompute|cache";
+                  POLYGONS[] = "onthefly|precompute|cache", TRAVERSALS[] = "tree|faces";
 
 static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Outputs (-o takes .png, .ppm, .pfm, .exr; -: standard output):", 1},
@@ -126,6 +128,9 @@ static const struct argp_option OPTIONS[] = {
     {"isopolygons", ISOPOLYGONS, POLYGONS, CLI_EXPERIMENT,
      "of a mesh: onthefly, or kept: precompute, or cache (when rays first meet them) (onthefly)",
      0},
+    {"traversal", TRAVERSAL, TRAVERSALS, CLI_EXPERIMENT,
+     "of a mesh: how media and projections find tets: tree, or faces, from neighbour to neighbour",
+     0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
 static status set_steps(render_options *o, const char *text) {
@@ -161,6 +166,10 @@ static status set_machine(render_options *o, int key, const char *text) {
     case ISOPOLYGONS:
         st = cli_word(text, "--isopolygons", POLYGONS, &which);
         o->experiments.isopolygons = (leafcast_isopolygons)which;
+        return st;
+    case TRAVERSAL:
+        st = cli_word(text, "--traversal", TRAVERSALS, &which);
+        o->traversal = st == ST_OK ? which + 1 : 0;
         return st;
     case PACKETS:
         st = cli_word(text, "--packets", SIDES, &which);
@@ -555,6 +564,7 @@ static status check_file(const render_options *o, const render_job *job) {
         const char *name;
     } of_meshes[] = {{o->experiments.packets != 0, "--packets"},
                      {o->experiments.isopolygons != 0, "--isopolygons"},
+                     {o->traversal != 0, "--traversal"},
                      {o->experiments.schema != 0, "--schema"}};
     for (size_t i = 0; i < sizeof of_meshes / sizeof *of_meshes; i++)
         if (of_meshes[i].given && !mesh)
@@ -662,6 +672,14 @@ static status check_empty(const render_options *o) {
     return status_describe(ST_FAILED, "%d of %d pictures show no surface", o->empty, o->drawn);
 }
 
+/* Whether meshes are to know which tets are neighbours. */
+static bool by_faces(const render_options *o) {
+    bool filled = view_options_filled(&o->view);
+    for (int i = 0; i < o->also_count; i++)
+        filled |= view_options_filled(&o->also[i].view);
+    return o->traversal ? o->traversal == 2 : filled && !o->experiments.isopolygons;
+}
+
 int main(int argc, char **argv) {
     static render_options o = {
         .common = {.verb = "render"},
@@ -695,6 +713,7 @@ int main(int argc, char **argv) {
 
     o.open.memory = o.common.memory;
     o.open.threads = o.common.threads;
+    o.open.neighbours = by_faces(&o);
     render_job job = {.repeat = o.repeat,
                       .certify = o.certify,
                       .font = o.font,

@@ -62,7 +62,7 @@ static void precompute(isopolygon_cache *k, const resident_mesh *tr) {
 }
 
 static void keep(resident_mesh *tr, const interest *in, bool precomputed) {
-    isopolygon_cache *k = tr->derived;
+    isopolygon_cache *k = tr->polygons = tr->derived;
     lay_out(k, &tr->mesh);
     k->in = in;
     k->precomputed = precomputed;
@@ -113,7 +113,7 @@ static void offer_polygon(isopolygon_cache *k, uint32_t n, const isopolygon *own
 
 const isopolygon *isopolygon_cache_find(const resident_mesh *tr, uint32_t local, double isovalue,
                                         isopolygon *own) {
-    isopolygon_cache *k = tr->derived;
+    isopolygon_cache *k = tr->polygons;
     const uint32_t n = k ? number_of(k, tr, local, isovalue) : 0;
     const isopolygon *g = own;
     if (k && n < k->room &&

@@ -172,7 +172,7 @@ SIMD bool rays_of_beams(const mesh_batch *w, uint32_t beams, uint64_t rays[RAY_W
 SIMD bool batch_polygon(const mesh_batch *w, const resident_mesh *at, unsigned lane,
                         double isovalue, isopolygon *out) {
     const uint32_t local = w->tets.local[lane];
-    if (at->derived) {
+    if (at->polygons) {
         const isopolygon *g = isopolygon_cache_find(at, local, isovalue, out);
         if (g && g != out)
             *out = *g;

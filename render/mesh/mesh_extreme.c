@@ -69,6 +69,6 @@ void mesh_extreme(const tracer *tr, const treelet *at, const ray *r, const extre
     const float *own = range_of(tr, way->t);
     climb c = {r, s, quantizer_of(own[0], own[1], SAMPLE_F32)};
     const hit before = hit_before_all();
-    const mesh_walk_visitor visitor = {try_tet, choose, &c};
+    const mesh_walk_visitor visitor = {try_tet, choose, &c, NULL};
     mesh_walk_each(resident_mesh_of(at), r, &before, INFINITY, &visitor, counters);
 }

@@ -12,6 +12,7 @@
 #include "render/mesh/isopolygon_cache.h"
 #include "render/mesh/mesh_batch.h"
 #include "render/mesh/mesh_extreme.h"
+#include "render/mesh/mesh_faces.h"
 #include "render/mesh/mesh_gradient.h"
 #include "render/mesh/mesh_projection.h"
 #include "render/mesh/mesh_segments.h"
@@ -35,7 +36,10 @@ static status mesh_open(leafcast *v) {
     return ST_OK;
 }
 
-static mesh_derived derived_of(const leafcast_experiments *e) {
+static mesh_derived derived_of(const leafcast *v) {
+    const leafcast_experiments *e = &v->experiments;
+    if (v->options.neighbours)
+        return mesh_faces_kind();
     if (e->isopolygons == LEAFCAST_ISOPOLYGONS_ONTHEFLY)
         return (mesh_derived){NULL, NULL};
     return isopolygon_cache_kind(e->isopolygons == LEAFCAST_ISOPOLYGONS_PRECOMPUTE);
@@ -58,7 +62,7 @@ static mesh_schema schema_of(const leafcast *v) {
 static void mesh_loading(const leafcast *v, loader_options *o) {
     const int threads = pool_threads(v->device->threads);
     o->schema = schema_of(v);
-    o->derived = derived_of(&v->experiments);
+    o->derived = derived_of(v);
     if (v->file->header.steps > 1 && o->schema == MESH_REFIT && threads > o->workers)
         o->workers = threads;
 }

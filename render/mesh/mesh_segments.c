@@ -1,6 +1,7 @@
 #include "render/mesh/mesh_segments.h"
 
 #include "formats/base/box3.h"
+#include "render/mesh/mesh_chain.h"
 #include "render/mesh/mesh_passage.h"
 #include "render/mesh/mesh_tracer.h"
 
@@ -63,19 +64,31 @@ static void cut(const tet_piece *p, const ray *r, segment *s) {
     }
 }
 
-bool mesh_piece(const tet *x, const ray *r, segment *s) {
-    tet_piece p;
-    if (!tet_segment(x, r, &p) || !(p.t[0] < p.t[1]))
+/* False: it has no length. */
+static bool piece_of(const tet_piece *p, const ray *r, segment *s) {
+    if (!(p->t[0] < p->t[1]))
         return false;
     s->degree = 1;
-    cut(&p, r, s);
+    cut(p, r, s);
     return s->t0 < s->t1;
+}
+
+bool mesh_piece(const tet *x, const ray *r, segment *s) {
+    tet_piece p;
+    return tet_segment(x, r, &p) && piece_of(&p, r, s);
 }
 
 static void visit_tet(void *ctx, const resident_mesh *at, uint32_t local, const tet *x) {
     const collector *c = ctx;
     segment s = {.cell = at->first_tet + local, .treelet = at->head.id};
     if (mesh_piece(x, c->r, &s))
+        hold(c->state, &s);
+}
+
+static void visit_passed(void *ctx, const resident_mesh *at, uint32_t local, const tet_piece *p) {
+    const collector *c = ctx;
+    segment s = {.cell = at->first_tet + local, .treelet = at->head.id};
+    if (piece_of(p, c->r, &s))
         hold(c->state, &s);
 }
 
@@ -122,7 +135,9 @@ static segments_result go_on(const tracer *tr, const ray *r, segments_state *sta
         state->entered = at.t;
         if (!here && tr->doubts)
             hold_doubt(tr, r, state, at.t);
-        if (here)
+        if (here && here->faces)
+            mesh_chain_each(here, r, state->limit.t0, visit_passed, &c, counters);
+        else if (here)
             mesh_walk_each(here, r, &after, state->limit.t0, &visitor, counters);
     }
 }

@@ -193,7 +193,7 @@ static void polygon_alone(mesh_tile *w, unsigned lane) {
     const resident_mesh *at = q->at[lane];
     isopolygon made;
     const isopolygon *g = NULL;
-    if (at->derived) {
+    if (at->polygons) {
         g = isopolygon_cache_find(at, q->local[lane], q->isovalue[lane], &made);
     } else {
         const tet exact = mesh_walk_tet(at, q->local[lane]);
@@ -215,7 +215,7 @@ static void walk_queue(mesh_tile *w) {
     unsigned few = 0, many = 0, quads = 0;
     seen_lanes s;
     for (unsigned k = 0; k < VD_N && k < q->count; k++)
-        alone |= (unsigned)(q->at[k]->derived != NULL) << k;
+        alone |= (unsigned)(q->at[k]->polygons != NULL) << k;
     for (unsigned k = 0; k < VD_N; k++)
         if (alone >> k & 1u)
             polygon_alone(w, k);

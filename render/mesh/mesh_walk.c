@@ -51,8 +51,12 @@ static double t_across(const float bounds[6], const ray *r) {
 }
 
 /* The t of a hit errs by less than 2^-40 of itself and of what it takes to cross the bounds. */
+double mesh_walk_slack(const float bounds[6], const ray *r, double t) {
+    return 0x1p-30 * (fabs(t) + t_across(bounds, r));
+}
+
 double mesh_walk_behind(const float bounds[6], const ray *r, const hit *after) {
-    return after->t - 0x1p-30 * (fabs(after->t) + t_across(bounds, r));
+    return after->t - mesh_walk_slack(bounds, r, after->t);
 }
 
 tet mesh_walk_tet(const resident_mesh *tr, uint32_t local) {
@@ -209,7 +213,7 @@ static int push_children(const code_slabs *s, const resident_mesh *tr, uint32_t 
     const mesh_node *n = &tr->nodes[node];
     const int bottom = top;
     double t_in[MESH_CHILDREN];
-    unsigned left = meet_children(s, n, nearest, t_in) & tr->active->children[node] & chosen;
+    unsigned left = meet_children(s, n, nearest, t_in) & chosen;
     for (; left; left &= left - 1) {
         const unsigned c = (unsigned)__builtin_ctz(left);
         int at = top++;
@@ -248,7 +252,8 @@ bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r,
             continue;
         if (!(p.child & MESH_LEAF)) {
             counters->nodes++;
-            top = push_children(&slabs, tr, p.child, UINT_MAX, state->best.t, stack, top);
+            top = push_children(&slabs, tr, p.child, tr->active->children[p.child], state->best.t,
+                                stack, top);
             continue;
         }
         const uint32_t leaf = p.child & ~(uint32_t)MESH_LEAF;
@@ -264,6 +269,7 @@ void mesh_walk_each(const resident_mesh *tr, const ray *r, const hit *after, dou
     const code_slabs slabs = code_slabs_of(tr, r, after);
     const mesh_slabs line = mesh_slabs_of(r);
     const uint16_t *first = mesh_leaf_first(&tr->mesh, tr->head.payload);
+    const mesh_active *among = v->among ? v->among : tr->active;
     pending stack[STACK_MAX];
     int top = 0;
     stack[top++] = (pending){-INFINITY, 0};
@@ -271,14 +277,17 @@ void mesh_walk_each(const resident_mesh *tr, const ray *r, const hit *after, dou
         const pending p = stack[--top];
         if (!(p.child & MESH_LEAF)) {
             counters->nodes++;
-            const unsigned chosen = v->choose ? v->choose(v->ctx, tr, p.child) : UINT_MAX;
+            const unsigned chosen =
+                among->children[p.child] & (v->choose ? v->choose(v->ctx, tr, p.child) : UINT_MAX);
             top = push_children(&slabs, tr, p.child, chosen, nearest, stack, top);
             continue;
         }
         const uint32_t leaf = p.child & ~(uint32_t)MESH_LEAF;
         for (uint32_t i = first[leaf]; i < first[leaf + 1]; i++) {
+            if (!(among->tets[i / 64] >> i % 64 & 1u))
+                continue;
             const tet x = mesh_walk_tet(tr, i);
-            if (!(tr->active->tets[i / 64] >> i % 64 & 1u) || !passes_box(&line, &x))
+            if (!passes_box(&line, &x))
                 continue;
             counters->cells++;
             v->visit(v->ctx, tr, i, &x);

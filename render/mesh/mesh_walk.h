@@ -21,11 +21,12 @@ bool mesh_walk(const isovalue_list *isos, const resident_mesh *tr, const ray *r,
 
 /* mesh_walk_each() - visit() with every active tet of the treelet whose box the ray meets, as far
  * as it is not left before `after` or entered behind `nearest`; in no order. Of a node only the
- * children that choose() says, a bit each; NULL: all. */
+ * children that choose() says, a bit each; NULL: all. `among`: others than the active tets. */
 typedef struct mesh_walk_visitor {
     void (*visit)(void *ctx, const resident_mesh *tr, uint32_t local, const tet *x);
     unsigned (*choose)(void *ctx, const resident_mesh *tr, uint32_t node);
     void *ctx;
+    const mesh_active *among;
 } mesh_walk_visitor;
 void mesh_walk_each(const resident_mesh *tr, const ray *r, const hit *after, double nearest,
                     const mesh_walk_visitor *v, ray_counters *counters);
@@ -64,6 +65,10 @@ mesh_slabs mesh_slabs_of(const ray *r);
  * begins no earlier. */
 bool mesh_interval_in(const mesh_slabs *s, const double lo[3], const double hi[3],
                       mesh_interval *out);
+
+/* mesh_walk_slack() - more than what a t about this one errs by, among the tets in these bounds.
+ */
+double mesh_walk_slack(const float bounds[6], const ray *r, double t);
 
 /* mesh_walk_behind() - what a ray leaves before this t holds no hit behind `after`, if it is among
  * the tets in these bounds. */
