@@ -12,6 +12,7 @@
 #include "render/bench/bench_nodes.h"
 #include "render/bench/bench_packets.h"
 #include "render/bench/bench_pareto.h"
+#include "render/bench/bench_plucker.h"
 #include "render/bench/bench_projections.h"
 #include "render/bench/bench_threads.h"
 #include "render/bench/bench_time.h"
@@ -167,6 +168,8 @@ static const bench_count PACKET_COUNTS[] = {{"box tests", 0.03},
                                             {"interval tests", 0.03},
                                             {"differ", 0.0},
                                             {NULL, 0.0}};
+static const bench_count PLUCKER_COUNTS[] = {
+    {"tets/ray", 0.01}, {"tests/tet", 0.01}, {"nodes/ray", 0.03}, {"differ", 0.0}, {NULL, 0.0}};
 static const bench_count INTERSECTOR_COUNTS[] = {
     {"ray-cells", 0.0}, {"surfaces", 0.0}, {"missed", 0.05}, {"false", 0.05}, {NULL, 0.0}};
 
@@ -306,6 +309,16 @@ static const bench_suite SUITES[] = {
      .several = true,
      .labels = 3,
      .charts = {{"box tests", NULL, true}, {"isorange tests", NULL, true}, {"ms", "+-", false}}},
+    {.name = "plucker",
+     .takes = "[F.leaf]",
+     .about = "tets of a mesh from neighbour to neighbour by Pluecker tests,\n"
+              "beside the tree (M08 6.3)",
+     .counts = PLUCKER_COUNTS,
+     .run = bench_plucker,
+     .view = "size view eye look-at up fov",
+     .surfaces = "",
+     .labels = 3,
+     .charts = {{"ms", "+-", false}, {"x tree", NULL, false}, {"tests/tet", NULL, false}}},
     {.name = "isopolygons",
      .takes = "[F.leaf --iso V]",
      .about = "isopolygons made on the fly, precomputed, cached (W07 4.4)",

@@ -1,5 +1,7 @@
 #include "render/mesh/mesh_chain.h"
 
+#include <math.h>
+
 #include "render/mesh/mesh_walk.h"
 #include "render/mesh/tet_sight.h"
 
@@ -17,7 +19,8 @@ static void follow(const chain *c, const resident_mesh *at, uint32_t local, int 
     tet_piece p;
     tet_sight_meet(s, entered, &p.t[0], &p.f[0]);
     s->tests = 0;
-    while (p.t[0] <= c->enough) {
+    /* No chain has more tets than there are, whatever the bytes of a file. */
+    for (uint32_t n = 0; n < at->mesh.tets && p.t[0] <= c->enough; n++) {
         const int left = tet_sight_leaves_by(s, entered);
         const uint32_t beyond = at->faces->beyond[local][left];
         tet_sight_meet(s, left, &p.t[1], &p.f[1]);
@@ -62,9 +65,9 @@ void mesh_chain_each(const resident_mesh *at, const ray *r, double nearest, mesh
     const hit first = hit_before_all();
     ray line = *r;
     line.t0 = -INFINITY;
-    const double slack = mesh_walk_slack(at->bounds, r, nearest);
-    const double end = nearest + slack < r->t1 ? nearest + slack : r->t1;
-    chain c = {r, end, visit, ctx, counters};
+    const double end = nearest < r->t1 ? nearest : r->t1;
+    const double slack = isinf(end) ? 0.0 : mesh_walk_slack(at->bounds, r, end);
+    chain c = {r, end + slack, visit, ctx, counters};
     const mesh_walk_visitor visitor = {.visit = begin, .ctx = &c, .among = &at->faces->outer};
     mesh_walk_each(at, &line, &first, nearest, &visitor, counters);
 }

@@ -136,17 +136,18 @@ static int side_towards(tet_sight *s, int from, int to) {
 }
 
 /* The ray is in the face 012, around which it turns one way. It is in the face of two of these and
- * the top where it turns around that the same way. An edge that it is parallel to (side 0) is of
- * two faces seen from the side, which it does not cross. */
+ * the top where it turns around that the same way. An edge that it is parallel to (side 0)
+ * is of two faces seen from the side: the top is then seen at a vertex of 012, and what the other
+ * sides say still holds. */
 int tet_sight_leaves_by(tet_sight *s, int entered) {
     const uint8_t *v = tet_faces[entered].vertex;
     const int top = 3 - entered, turn = s->side[tet_faces[entered].edge[0]];
     const int first = side_towards(s, v[0], top), second = side_towards(s, v[1], top);
     if (first == -turn && second == turn)
         return 3 - v[2];
-    if (first == 0 || (first == -turn && second == -turn))
+    if (first == -turn && second == -turn)
         return 3 - v[0];
-    if (second == 0 || (first == turn && second == turn))
+    if (first == turn && second == turn)
         return 3 - v[1];
     return side_towards(s, v[2], top) == turn ? 3 - v[0] : 3 - v[1];
 }

@@ -52,6 +52,8 @@ for suite in $("$leafcast" bench --help-all | sed -nE '/^Suites/,$s/^  ([a-z][a-
     ok "$suite: sound SVG" python3 -c 'import sys, xml.dom.minidom as x; x.parse(sys.argv[1])' "$tmp/all/$suite.svg"
 done
 judge_frames "$tmp/all/steps.csv" 12
+ok "by faces the same, in two to three tests a tet" csv "$tmp/all/plucker.csv" \
+    'len(t) == 6 and all(r["differ"] == "0" for r in t) and all(2 <= float(r["tests/tet"]) <= 3 and float(r["tets/ray"]) > 1 for r in t if r["way"] == "faces") and all(r["tests/tet"] == "-" for r in t if r["way"] == "tree")'
 judge_frames "$tmp/all/frames.csv" 16
 judge_frames "$tmp/all/figure414.csv" 4
 judge_frames "$tmp/all/zoom.csv" 42
