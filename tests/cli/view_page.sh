@@ -1,0 +1,25 @@
+#!/bin/sh
+# view_page.sh - the page of leafcast view in a browser: every control, and pictures that are render's.
+. tests/support/tap.sh
+
+python=$(python_with selenium)
+"$leafcast" --list-verbs own | grep -qx view || {
+    skip "the viewer's page" "leafcast view is not built here: no libwebsockets or libturbojpeg"
+    finish
+}
+if [ -z "$python" ] || ! command -v chromium >/dev/null || ! command -v chromedriver >/dev/null; then
+    skip "the viewer's page" "chromium, chromium-driver or python3-selenium is not here"
+    finish
+fi
+"$leafcast" generate gyroid --dims 48,40,44 -o "$tmp/g.nrrd" -q
+"$leafcast" convert "$tmp/g.nrrd" -o "$tmp/g.leaf" -q
+"$leafcast" generate buckyball --tets --dims 11 --steps 4 --deform 0.4 -o "$tmp/m.mesh" -q
+"$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" -o "$tmp/m.leaf" -q
+
+run "$python" tests/support/view_page.py "$leafcast" "$tmp"
+ok "the browser's driver ends well" [ "$rc" = 0 ]
+while read -r result name; do ok "$name" [ "$result" = ok ]; done <<LINES
+$(sed -n 's/^\(ok\|not\) /\1 /p' "$tmp/out")
+LINES
+ok "and has told of all" grep -qx "end" "$tmp/out"
+finish

@@ -1,0 +1,330 @@
+#!/usr/bin/env python3
+"""view_page.py LEAFCAST FOLDER - the page of leafcast view in headless Chromium.
+
+A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last.
+"""
+import base64, json, os, random, signal, subprocess, sys, time
+
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.keys import Keys
+
+from view_client import Server, png_pixels
+
+leafcast, folder = sys.argv[1:3]
+SEED = int(os.environ.get("SEED", "7"))
+INPUTS, WAIT = 500, 60
+DESK, PHONE = (1280, 720), (390, 844)
+FINAL = """const l = window.leafcast, h = l.screen.head;
+return Boolean(h && h.final && h.number === l.link.number && !l.link.pending)"""
+
+
+def ok(name, good):
+    print("ok" if good else "not", name, flush=True)
+
+
+class Browser:
+    def __init__(self):
+        options = webdriver.ChromeOptions()
+        for a in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars",
+                  "--force-color-profile=srgb", "--force-device-scale-factor=1", f"--user-data-dir={folder}/profile"):
+            options.add_argument(a)
+        options.add_experimental_option("prefs", {"download.default_directory": folder + "/saved"})
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        self.driver = webdriver.Chrome(service=Service("chromedriver"), options=options)
+        self.canvas = None
+
+    def size(self, width, height):
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                    {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+
+    def js(self, text, *arguments):
+        return self.driver.execute_script(text, *arguments)
+
+    def until(self, text, *arguments):
+        end = time.monotonic() + WAIT
+        while time.monotonic() < end:
+            if self.js(text, *arguments):
+                return True
+            time.sleep(0.02)
+        return False
+
+    def open(self, url):
+        self.driver.get("about:blank")
+        self.driver.get(url)
+        self.until("return window.leafcast && leafcast.model")
+        self.canvas = self.driver.find_element("id", "picture")
+        return self.rest()
+
+    def rest(self):
+        """The final picture of what was asked for last: the hand has rested as long as the page waits for."""
+        time.sleep(0.3)
+        return self.until(FINAL)
+
+    def pixels(self):
+        data = self.js("return document.getElementById('picture').toDataURL('image/png')")
+        return png_pixels(base64.b64decode(data.split(",")[1]))
+
+    def click(self, name):
+        self.js("document.getElementById(arguments[0]).click()", name)
+
+    def flags(self):
+        return json.loads(self.js("return decodeURIComponent(leafcast.fragment.slice(1))"))
+
+    def reveal(self, name):
+        self.js("document.getElementById(arguments[0]).open = true", name)
+        self.js("document.getElementById(arguments[0]).scrollIntoView()", name)
+
+    def choose(self, label, value):
+        self.js("""const s = document.querySelector(`select[aria-label="${arguments[0]}"]`); s.value = arguments[1];
+                s.dispatchEvent(new Event("change"))""", label, value)
+
+    def hands(self):
+        return ActionChains(self.driver, duration=20)
+
+
+def rgb(pixels):
+    """(width, height, R G B of all), whatever channels the file has."""
+    width, height, data = pixels[0], pixels[1], pixels[-1]
+    step = len(data) // (width * height)
+    return width, height, b"".join(bytes(data[c::step]) for c in range(3))
+
+
+def same(b, name):
+    """The canvas is what the copied command draws."""
+    b.click("copy-command")
+    line = b.js("return leafcast.copied")
+    picture = folder + "/picture.png"
+    if os.path.exists(picture):
+        os.remove(picture)
+    subprocess.run(["sh", "-c", f'leafcast() {{ "$LEAFCAST" "$@"; }}; {line} -q'], check=True, cwd=folder,
+                   env=dict(os.environ, LEAFCAST=os.path.abspath(leafcast)))
+    with open(picture, "rb") as f:
+        ok(f"{name}: the picture is that of the copied command", rgb(png_pixels(f.read())) == rgb(b.pixels()))
+
+
+def orbit(b):
+    before = b.flags()["eye"]
+    b.hands().move_to_element(b.canvas).click_and_hold().move_by_offset(80, 30).move_by_offset(40, 10).release().perform()
+    ok("orbit: a picture at rest", b.rest())
+    ok("orbit: the eye has moved", b.flags()["eye"] != before)
+    same(b, "orbit")
+    before = b.flags()
+    b.js("document.getElementById('picture').dispatchEvent(new WheelEvent('wheel', {deltaY: -200, cancelable: true}))")
+    b.rest()
+    now = b.flags()
+    ok("wheel: nearer", sum((x - y) ** 2 for x, y in zip(now["eye"], now["look-at"])) <
+       sum((x - y) ** 2 for x, y in zip(before["eye"], before["look-at"])))
+    b.click("ortho")
+    b.rest()
+    ok("ortho: in the state", "ortho" in b.flags() and "fov" not in b.flags())
+    same(b, "ortho")
+    b.click("ortho")
+    b.rest()
+
+
+def surfaces(b):
+    before = b.flags()["iso"]
+    grip = b.driver.find_element("css selector", ".grip")
+    b.hands().move_to_element(grip).click_and_hold().move_by_offset(25, 0).release().perform()
+    b.rest()
+    ok("isovalue: dragged on the histogram", b.flags()["iso"] > before)
+    b.click("surface-add")
+    b.rest()
+    ok("isovalue: two surfaces, the first to be seen through", len(b.flags()["iso"]) == 2 and b.flags()["opacity"][0] < 1)
+    same(b, "two surfaces")
+    for _ in range(2):
+        b.js("document.querySelector('[aria-label=\"Remove surface 1\"], [aria-label=\"Remove surface 2\"]').click()")
+    b.rest()
+    shown = rgb(b.pixels())[2]
+    ok("no surfaces: an even picture", len(set(zip(shown[:1000], shown[len(shown) // 3:]))) == 1 and
+       not b.js("return leafcast.model.surfaces.length"))
+    b.click("surface-add")
+    b.rest()
+
+
+def volume(b):
+    b.reveal("sec-volume")
+    b.choose("Show", "media")
+    ok("volume: drawn", b.rest())
+    same(b, "volume")
+    b.choose("Opacity", "custom")
+    b.rest()
+    before = b.flags()["opacity"]
+    dot = b.driver.find_elements("css selector", ".dot")[-1]
+    b.hands().move_to_element(dot).click_and_hold().move_by_offset(-20, 25).release().perform()
+    b.rest()
+    ok("transfer function: a point dragged", b.flags()["opacity"] != before)
+    same(b, "transfer function")
+    b.choose("Show", "max")
+    b.rest()
+    ok("maximum: without surfaces", b.flags()["project"] == "max" and "iso" not in b.flags())
+    same(b, "maximum")
+    b.choose("Show", "off")
+    b.rest()
+
+
+def clips(b):
+    b.reveal("sec-clip")
+    b.js("""const e = document.querySelector('[aria-label="X to"]'); e.value = 20;
+            e.dispatchEvent(new Event("input")); e.dispatchEvent(new Event("change"))""")
+    b.choose("Cuts", "viridis")
+    b.rest()
+    ok("clip: the box ends where the handle is", b.flags()["clip-box"][3] == 20 and b.flags()["caps"] == "viridis")
+    same(b, "clip and caps")
+    b.choose("Cuts", "")
+    b.rest()
+    same(b, "caps of the surface")
+    b.js("[...document.querySelectorAll('#clip button')].find(e => e.textContent === 'No clips').click()")
+    b.reveal("sec-light")
+    b.js("[...document.querySelectorAll('#light button')].find(e => e.textContent === 'Add a light').click()")
+    b.js("document.querySelector('#light .check input').click()")
+    b.rest()
+    ok("light: with shadows", b.flags().get("shadows") is True and len(b.flags()["light"]) == 1)
+    same(b, "light")
+
+
+def picks(b):
+    b.hands().move_to_element(b.canvas).click().perform()
+    ok("pick: answered", b.until("return leafcast.pick.points.length === 1"))
+    text = b.js("return leafcast.pick.text") or ""
+    ok("pick: position, value, gradient, error bound, cell",
+       all(f"{word}: " in text for word in ("position", "value", "gradient", "error bound", "cell")))
+    point = b.js("return leafcast.pick.points[0]")
+    ok("pick: the value is the isovalue", abs(point["value"] - b.flags()["iso"][0]) < 1e-6 * abs(point["value"]) + 1e-9)
+    b.hands().move_to_element_with_offset(b.canvas, 40, 30).click().perform()
+    ok("two picks: their distance", b.until("return leafcast.pick.points.length === 2") and
+       "distance: " in b.js("return leafcast.pick.text"))
+    b.hands().move_to_element_with_offset(b.canvas, 40, 30).double_click().perform()
+    time.sleep(0.5)
+    b.rest()
+    at = b.js("return leafcast.pick.points[1].point")
+    ok("double click: turns about the surface", all(abs(x - y) < 1e-6 for x, y in zip(at, b.flags()["look-at"])))
+    b.js("leafcast.pick.clear()")
+
+
+def saves(b):
+    b.click("save-open")
+    b.js("document.getElementById('save-width').value = 200; document.getElementById('save-height').value = 150")
+    b.click("save-picture")
+    path = folder + "/saved/g.png"
+    end = time.monotonic() + WAIT
+    while not os.path.exists(path) and time.monotonic() < end:
+        time.sleep(0.05)
+    with open(folder + "/state.json", "w") as f:
+        json.dump(b.flags(), f)
+    subprocess.run([leafcast, "render", folder + "/g.leaf", "--state", folder + "/state.json", "--size", "200x150", "-o",
+                    folder + "/want.png", "-q", "--force"], check=True)
+    ok("save: the file is what render draws of the state", os.path.exists(path) and
+       rgb(png_pixels(open(path, "rb").read())) == rgb(png_pixels(open(folder + "/want.png", "rb").read())))
+
+
+def stale(b):
+    """Many inputs, as quick as they go: the numbers of the pictures never fall, and the last one is drawn."""
+    random.seed(SEED)
+    b.js("leafcast.link.shownNumbers.length = 0")
+    moves = [(random.choice(("orbit", "wheel", "iso")), random.uniform(-1, 1), random.randint(0, 8)) for _ in range(INPUTS)]
+    b.driver.set_script_timeout(2 * WAIT)
+    b.driver.execute_async_script("""
+        const moves = arguments[0], done = arguments[1], app = leafcast, canvas = document.getElementById("picture");
+        const input = (what, x) => {
+          if (what === "orbit") canvas.dispatchEvent(new KeyboardEvent("keydown", {key: x < 0 ? "ArrowLeft" : "ArrowRight"}));
+          else if (what === "wheel") canvas.dispatchEvent(new WheelEvent("wheel", {deltaY: 20 * x, cancelable: true}));
+          else app.surfaces.set(0, app.surfaces.plot.value(0.5 + 0.2 * x), false);
+        };
+        const next = k => {
+          if (k === moves.length) return done();
+          input(moves[k][0], moves[k][1]);
+          setTimeout(() => next(k + 1), moves[k][2]);
+        };
+        next(0);""", moves)
+    ok("many inputs: the last one is drawn", b.rest())
+    shown = b.js("return leafcast.link.shownNumbers")
+    ok(f"many inputs: no stale picture of {len(shown)}", len(shown) > 5 and shown == sorted(shown))
+    same(b, "many inputs")
+
+
+def keyboard(b):
+    """Tab alone comes by all that can be used, and back."""
+    b.js("for (const d of document.querySelectorAll('details')) d.open = true; document.activeElement.blur()")
+    want = b.js("""window.wanted = [...document.querySelectorAll("#stage, #panel")].flatMap(r => [...r.querySelectorAll(
+        "button, select, input, summary, canvas[tabindex]")]).filter(e => !e.disabled && e.checkVisibility());
+        window.met = new Set(); return wanted.length""")
+    for _ in range(want + 12):
+        b.hands().send_keys(Keys.TAB).perform()
+        b.js("met.add(document.activeElement)")
+    missed = b.js("""return wanted.filter(e => !met.has(e)).map(e => e.id || e.getAttribute("aria-label") || e.textContent)""")
+    ok(f"keyboard: Tab reaches all of {want} controls {missed}", want > 30 and not missed)
+    bare = b.js("""return wanted.filter(e => !(e.getAttribute("aria-label") || e.textContent.trim() ||
+        e.labels?.length)).map(e => e.outerHTML)""")
+    ok(f"keyboard: each has a name {bare}", not bare)
+    b.js("document.getElementById('picture').focus()")
+    ok("keyboard: the focus is seen", b.js(
+        "return document.activeElement.matches(':focus-visible') && "
+        "getComputedStyle(document.activeElement).outlineStyle !== 'none'"))
+    before = b.flags()["eye"]
+    b.driver.switch_to.active_element.send_keys(Keys.ARROW_LEFT)
+    b.rest()
+    ok("keyboard: an arrow orbits", b.flags()["eye"] != before)
+
+
+def steps(b):
+    b.reveal("sec-data")
+    before = rgb(b.pixels())
+    b.js("document.querySelector('[aria-label=\"Step after\"]').click()")
+    b.rest()
+    ok("time step: the next one", b.flags().get("step") == 1)
+    ok("time step: another picture", rgb(b.pixels()) != before)
+    same(b, "time step")
+    b.js("""window.steps = []; const show = leafcast.data.shown.bind(leafcast.data);
+            leafcast.data.shown = head => { if (leafcast.data.waiting && head.number >= leafcast.data.waiting)
+              steps.push(leafcast.model.data.step); show(head); }; document.getElementById("play").click()""")
+    ok("play: goes on", b.until("return steps.length >= 6"))
+    b.click("play")
+    shown = b.js("return steps")
+    ok(f"play: no step is left out {shown}", all(x != y for x, y in zip(shown, shown[1:])))
+    b.rest()
+
+
+def errors(b, name):
+    log = [l["message"] for l in b.driver.get_log("browser") if l["level"] in ("SEVERE", "WARNING")]
+    ok(f"{name}: nothing in the console {log}", not log)
+
+
+def sizes(b, url):
+    b.size(*PHONE)
+    b.open(url)
+    b.js("for (const d of document.querySelectorAll('details')) d.open = true")
+    ok("phone: nothing beyond the side", b.js(
+        "return document.documentElement.scrollWidth <= innerWidth && "
+        "document.getElementById('panel').scrollWidth <= innerWidth"))
+    same(b, "phone")
+
+
+def main():
+    os.makedirs(folder + "/saved", exist_ok=True)
+    grid = Server([leafcast, "view", folder + "/g.leaf"])
+    mesh = Server([leafcast, "view", folder + "/m.leaf"])
+    b = Browser()
+    try:
+        b.size(*DESK)
+        ok("load: a final picture", b.open(grid.url))
+        ok("load: said to be exact", b.js("return document.getElementById('exact').textContent") == "exact")
+        same(b, "load")
+        for part in (orbit, surfaces, volume, clips, picks, saves, stale, keyboard):
+            part(b)
+        sizes(b, grid.url)
+        errors(b, "grid")
+        b.size(*DESK)
+        ok("mesh: a final picture", b.open(mesh.url))
+        steps(b)
+        errors(b, "mesh")
+    finally:
+        b.driver.quit()
+        grid.stop(signal.SIGINT)
+        mesh.stop(signal.SIGINT)
+    print("end")
+
+
+main()
