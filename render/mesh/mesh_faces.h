@@ -5,10 +5,10 @@
  * the paper's, 4 a vertex, and masks of the tets with a face that is no neighbour's.
  *
  * Vertices of a tet are in ascending order of their global ids, so that a face has one order in
- * both. Two tets are neighbours where they have three vertices in common, lie on both sides of these, and
- * neither is flat; of more than two at a face, two are. All other faces are outer ones: those of
- * the mesh, of its holes, of the treelet, of flat tets, and where tets overlap. So a line that
- * crosses a tet has crossed its neighbour before, or comes in by an outer face.
+ * both. Two tets are neighbours where they have three vertices in common, lie on both sides of
+ * these, and neither is flat; of more than two at a face, two are. All other faces are outer ones:
+ * those of the mesh, of its holes, of the treelet, of flat tets, and where tets overlap. So a line
+ * that crosses a tet has crossed its neighbour before, or comes in by an outer face.
  */
 #ifndef RENDER_MESH_MESH_FACES_H
 #define RENDER_MESH_MESH_FACES_H
