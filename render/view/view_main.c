@@ -110,7 +110,7 @@ int main(int argc, char **argv) {
                            .input = "treelet file",
                            .inputs_max = FILES_MAX,
                            .args_doc = "F.leaf [G.leaf ...]",
-                           .doc = "Look at treelet files in a browser: isosurfaces, media, slices, "
+                           .doc = "Look at treelet files in a browser: isosurfaces, media, projections, "
                                   "clips, live; prints the "
                                   "address of the page, and serves it until Ctrl-C.\v"
                                   "Example:\n  leafcast view bonsai.leaf --open\v"
