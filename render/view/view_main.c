@@ -104,20 +104,21 @@ static status serve(const view_verb *o, const view_file *files, mem *m) {
 int main(int argc, char **argv) {
     static view_verb o = {.common = {.verb = "view", .without = "output json force"}};
     static view_file files[FILES_MAX];
-    const cli_verb verb = {.options = OPTIONS,
-                           .set_option = set_option,
-                           .check = check_options,
-                           .input = "treelet file",
-                           .inputs_max = FILES_MAX,
-                           .args_doc = "F.leaf [G.leaf ...]",
-                           .doc = "Look at treelet files in a browser: isosurfaces, media, projections, "
-                                  "clips, live; prints the "
-                                  "address of the page, and serves it until Ctrl-C.\v"
-                                  "Example:\n  leafcast view bonsai.leaf --open\v"
-                                  "The page is served on this machine alone, to whoever knows the "
-                                  "address with its token. "
-                                  "From another machine:\n  ssh -L 8080:127.0.0.1:8080 HOST "
-                                  "leafcast view F.leaf --port 8080"};
+    const cli_verb verb = {
+        .options = OPTIONS,
+        .set_option = set_option,
+        .check = check_options,
+        .input = "treelet file",
+        .inputs_max = FILES_MAX,
+        .args_doc = "F.leaf [G.leaf ...]",
+        .doc = "Look at treelet files in a browser: isosurfaces, media, projections, "
+               "clips, live; prints the "
+               "address of the page, and serves it until Ctrl-C.\v"
+               "Example:\n  leafcast view bonsai.leaf --open\v"
+               "The page is served on this machine alone, to whoever knows the "
+               "address with its token. "
+               "From another machine:\n  ssh -L 8080:127.0.0.1:8080 HOST "
+               "leafcast view F.leaf --port 8080"};
     mem_init(&o.m, 0);
     cli_parse(&verb, &o.common, argc, argv);
     status st = open_files(&o, files);
