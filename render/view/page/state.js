@@ -87,7 +87,7 @@ export function fromFlags(given, volume) {
     volume: volumeOf(flags, curve),
     clip: {box: flags["clip-box"] ? numbers(flags["clip-box"]) : null,
       planes: vectors(flags["clip-plane"]).map(p => ({plane: p, on: true})),
-      caps: flags.caps == null ? "off" : flags.caps},
+      caps: flags.caps == null ? "off" : flags.caps === true ? "" : flags.caps},
     light: {lights: [...vectors(flags.light).map(l => lightOf(l, false)),
       ...vectors(flags["point-light"]).map(l => lightOf(l, true))],
       shadows: flags.shadows === true, ambient: +(flags.ambient ?? 0.15), shading: flags.shading ?? "diffuse",
@@ -172,7 +172,7 @@ export function toFlags(model, volume) {
   const planes = model.clip.planes.filter(p => p.on).map(p => p.plane);
   if (planes.length) flags["clip-plane"] = planes;
   if (model.clip.caps !== "off" && !projected && on.length && (planes.length || model.clip.box))
-    flags.caps = model.clip.caps;
+    flags.caps = model.clip.caps || true;
   Object.assign(flags, cameraFlags(model.camera, volume));
   lightFlags(model.light, flags);
   if (model.legend && model.volume.mode !== "off") flags.legend = true;
@@ -189,7 +189,6 @@ export function command(flags, file, width, height) {
   const word = (key, value) => words.push(quoted(`--${key}=${Array.isArray(value) ? value.join(",") : value}`));
   for (const [key, value] of Object.entries(flags)) {
     if (value === true) words.push(`--${key}`);
-    else if (key === "caps" && value === "") words.push("--caps");
     else if (REPEATED.includes(key) && Array.isArray(value)) value.forEach(v => word(key, v));
     else if (value !== false) word(key, value);
   }
