@@ -74,10 +74,9 @@ json_t *render_stats_json(const render_stats *s, const view_options *view, const
 #define COUNTER(name) json_object_set_new(root, #name, count_of(t->name));
     RAY_COUNTERS(COUNTER)
 #undef COUNTER
-    if (t->provisional_error_most > 0.0)
-        json_object_set_new(root, "provisional_error",
-                            json_pack("{s:f, s:f}", "mean", t->provisional_error_mean, "most",
-                                      t->provisional_error_most));
+    json_object_set_new(root, "provisional_error",
+                        json_pack("{s:f, s:f}", "mean", t->provisional_error_mean, "most",
+                                  t->provisional_error_most));
     if (t->isorange_tests > 0)
         json_object_set_new(root, "packets", packets(t));
     if (s->certified.made)

@@ -157,6 +157,7 @@ status bench_plucker(bench_job *job) {
                      "interleaved",
                      HEADINGS);
     status st = ST_OK;
+    const leafcast_project before = job->view.scene.project;
     job->view.scene.project = LEAFCAST_PROJECT_MEAN; /* no isovalue is needed */
     for (int i = 0; st == ST_OK; i++) {
         bench_subject s;
@@ -164,5 +165,6 @@ status bench_plucker(bench_job *job) {
         if (st == ST_OK)
             st = try_mesh(job, &s);
     }
+    job->view.scene.project = before;
     return st == ST_AGAIN ? ST_OK : st;
 }

@@ -123,7 +123,7 @@ render|--treelet-limit|shown render|
 render|--isa|stats|@grid|--isa scalar
 render|--packets|stats|@mesh|--packets 4
 render|--isopolygons|shown view|
-render|--traversal|stats|@mesh --project mean|--traversal tree
+render|--traversal|stats|@m.leaf --project mean|--traversal tree
 render|--iso|picture|@grid|--iso 150 --opacity 0.4
 render|--color|picture|@grid|--color red
 render|--colour|picture|@grid|--colour red
