@@ -87,9 +87,9 @@ typedef struct leafcast_options {
     leafcast_device *device; /* that it is on; what is above is then left 0. NULL: one of its own */
     leafcast_backend backend;
     const struct leafcast_experiments *experiments; /* leafcast_experimental.h; NULL: none */
-    /* Of a mesh: keep which tets are neighbours, 20 bytes a tet inside the budget. Media and means
-     * then go from tet to tet (M08 6.3), with the same bits: mostly in two thirds of the time, in
-     * more where a transfer function leaves most tets out. */
+    /* Of a mesh: keep which tets are neighbours, some 17 bytes a tet inside the budget. Media and
+     * means then go from tet to tet (M08 6.3), with the same bits: mostly in two thirds of the
+     * time, in more where a transfer function leaves most tets out. */
     bool neighbours;
 } leafcast_options;
 
