@@ -16,7 +16,9 @@ class Closed(Exception):
 
 class Server:
     def __init__(self, command, **more):
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more)
+        # What a shell begins in the background ignores SIGINT, and so would this.
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL), **more)
         self.url = self.process.stdout.readline().strip()
         parts = urllib.parse.urlsplit(self.url)
         if not parts.port:
