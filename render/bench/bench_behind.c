@@ -232,12 +232,5 @@ status bench_behind(bench_job *job) {
         "Behind the first surface: shadows, and layers of opacity 0.3, beside the opaque "
         "frame of the same view; medians, runs interleaved",
         headings);
-    status st = ST_OK;
-    for (int i = 0; st == ST_OK; i++) {
-        bench_subject s;
-        st = bench_suite_subject(job, names, brief, i, &s);
-        if (st == ST_OK)
-            st = measure(job, &s);
-    }
-    return st == ST_AGAIN ? ST_OK : st;
+    return bench_suite_each(job, names, brief, measure);
 }

@@ -83,14 +83,7 @@ status bench_steps(bench_job *job) {
                      "M08 table 4.1: traversal steps of single rays (scalar) and of tiles; one "
                      "thread, medians of CPU time, runs interleaved",
                      BEGIN_HEADINGS BENCH_RACE_HEADINGS);
-    status st = ST_OK;
-    for (int i = 0; st == ST_OK; i++) {
-        bench_subject volume;
-        st = bench_suite_subject(job, names, brief, i, &volume);
-        if (st == ST_OK)
-            st = steps_of(job, &volume);
-    }
-    return st == ST_AGAIN ? ST_OK : st;
+    return bench_suite_each(job, names, brief, steps_of);
 }
 
 /* ---- table 4.7 ---- */

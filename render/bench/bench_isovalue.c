@@ -170,12 +170,5 @@ status bench_isovalue(bench_job *job) {
                      "A new isovalue: masks of active cells; frames of one isovalue against frames "
                      "of one each, one thread, all resident; medians of CPU time, interleaved",
                      bench_isovalue_headings);
-    status st = ST_OK;
-    for (int i = 0; st == ST_OK; i++) {
-        bench_subject s;
-        st = bench_suite_subject(job, names, brief, i, &s);
-        if (st == ST_OK)
-            st = measure(job, &s);
-    }
-    return st == ST_AGAIN ? ST_OK : st;
+    return bench_suite_each(job, names, brief, measure);
 }

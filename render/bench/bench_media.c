@@ -371,11 +371,5 @@ status bench_media(bench_job *job) {
                      "interleaved",
                      HEADINGS);
     status st = medium_options_set(&job->view.medium, MEDIUM_TF, "auto"); /* it is filled */
-    for (int i = 0; st == ST_OK; i++) {
-        bench_subject s;
-        st = bench_suite_subject(job, names, brief, i, &s);
-        if (st == ST_OK)
-            st = try_volume(job, &s);
-    }
-    return st == ST_AGAIN ? ST_OK : st;
+    return st == ST_OK ? bench_suite_each(job, names, brief, try_volume) : st;
 }

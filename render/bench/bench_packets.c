@@ -75,14 +75,7 @@ status bench_packets(bench_job *job) {
                      "mesh|isovalue|packets|ms|+-|x tile|box tests|box x|polygon tests|polygon x|"
                      "isorange tests|isorange x|isopolygons|isopolygon x|interval tests|peak MB|"
                      "differ");
-    status st = ST_OK;
-    for (int i = 0; st == ST_OK; i++) {
-        bench_subject s;
-        st = bench_suite_subject(job, NAMES, BRIEF, i, &s);
-        if (st == ST_OK)
-            st = race(job, &s);
-    }
-    return st == ST_AGAIN ? ST_OK : st;
+    return bench_suite_each(job, NAMES, BRIEF, race);
 }
 
 /* ---- isopolygons that are kept ---- */
@@ -150,12 +143,5 @@ status bench_isopolygons(bench_job *job) {
         "new: each frame with another isovalue. One thread, medians of CPU time, runs "
         "interleaved",
         "mesh|isovalue|packets|isopolygons|ms|+-|x onthefly|new ms|peak MB|differ");
-    status st = ST_OK;
-    for (int i = 0; st == ST_OK; i++) {
-        bench_subject s;
-        st = bench_suite_subject(job, NAMES, BRIEF, i, &s);
-        if (st == ST_OK)
-            st = race_keepers(job, &s);
-    }
-    return st == ST_AGAIN ? ST_OK : st;
+    return bench_suite_each(job, NAMES, BRIEF, race_keepers);
 }

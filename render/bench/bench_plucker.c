@@ -156,15 +156,9 @@ status bench_plucker(bench_job *job) {
                      "1 and of 100 optical depths. One thread, medians of CPU time, runs "
                      "interleaved",
                      HEADINGS);
-    status st = ST_OK;
     const leafcast_project before = job->view.scene.project;
     job->view.scene.project = LEAFCAST_PROJECT_MEAN; /* no isovalue is needed */
-    for (int i = 0; st == ST_OK; i++) {
-        bench_subject s;
-        st = bench_suite_subject(job, names, brief, i, &s);
-        if (st == ST_OK)
-            st = try_mesh(job, &s);
-    }
+    const status st = bench_suite_each(job, names, brief, try_mesh);
     job->view.scene.project = before;
-    return st == ST_AGAIN ? ST_OK : st;
+    return st;
 }

@@ -167,12 +167,5 @@ status bench_projections(bench_job *job) {
                      "Projections beside the opaque isosurface of the same view: one thread, "
                      "medians of CPU time, runs interleaved",
                      HEADINGS);
-    status st = ST_OK;
-    for (int i = 0; st == ST_OK; i++) {
-        bench_subject s;
-        st = bench_suite_subject(job, names, brief, i, &s);
-        if (st == ST_OK)
-            st = try_volume(job, &s);
-    }
-    return st == ST_AGAIN ? ST_OK : st;
+    return bench_suite_each(job, names, brief, try_volume);
 }

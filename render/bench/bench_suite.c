@@ -41,6 +41,18 @@ status bench_suite_subject(bench_job *job, const char *const *names, const char 
     return st;
 }
 
+status bench_suite_each(bench_job *job, const char *const *names, const char *const *brief_names,
+                        status (*measure)(bench_job *job, const bench_subject *s)) {
+    bench_subject s;
+    status st = ST_OK;
+    for (int i = 0; st == ST_OK; i++) {
+        st = bench_suite_subject(job, names, brief_names, i, &s);
+        if (st == ST_OK)
+            st = measure(job, &s);
+    }
+    return st == ST_AGAIN ? ST_OK : st;
+}
+
 /* ---- intersectors ---- */
 
 static status record(bench_job *job, const bench_subject *s, bench_ray_cells *cells) {

@@ -72,4 +72,9 @@ typedef struct bench_subject {
 CHECKED status bench_suite_subject(bench_job *job, const char *const *names,
                                    const char *const *brief_names, int i, bench_subject *out);
 
+/* bench_suite_each() - measure() with all of them in turn, until it fails. */
+CHECKED status bench_suite_each(bench_job *job, const char *const *names,
+                                const char *const *brief_names,
+                                status (*measure)(bench_job *job, const bench_subject *s));
+
 #endif

@@ -154,12 +154,5 @@ status bench_threads(bench_job *job) {
                      "scaling is the median over the interleaved runs",
                      "volume|threads|isa|ms|+-|frame x|loop x|frame/loop|spread|Mray/s|nodes/ray|"
                      "cells/ray|read MB|peak MB|differ");
-    static bench_subject s; /* large for a stack */
-    status st = ST_OK;
-    for (int i = 0; st == ST_OK; i++) {
-        st = bench_suite_subject(job, names, brief, i, &s);
-        if (st == ST_OK)
-            st = scale(job, &s);
-    }
-    return st == ST_AGAIN ? ST_OK : st;
+    return bench_suite_each(job, names, brief, scale);
 }
