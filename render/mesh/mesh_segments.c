@@ -78,18 +78,18 @@ bool mesh_piece(const tet *x, const ray *r, segment *s) {
     return tet_segment(x, r, &p) && piece_of(&p, r, s);
 }
 
-static void visit_tet(void *ctx, const resident_mesh *at, uint32_t local, const tet *x) {
-    const collector *c = ctx;
-    segment s = {.cell = at->first_tet + local, .treelet = at->head.id};
-    if (mesh_piece(x, c->r, &s))
-        hold(c->state, &s);
-}
-
 static void visit_passed(void *ctx, const resident_mesh *at, uint32_t local, const tet_piece *p) {
     const collector *c = ctx;
     segment s = {.cell = at->first_tet + local, .treelet = at->head.id};
     if (piece_of(p, c->r, &s))
         hold(c->state, &s);
+}
+
+static void visit_tet(void *ctx, const resident_mesh *at, uint32_t local, const tet *x) {
+    const collector *c = ctx;
+    tet_piece p;
+    if (tet_segment(x, c->r, &p))
+        visit_passed(ctx, at, local, &p);
 }
 
 /* ---- Treelets ---- */
