@@ -1,4 +1,5 @@
 // main.js - puts the page together: the model, the panel, the picture.
+import {Annotate} from "./annotate.js";
 import {axisView, dolly, drive, fit} from "./camera.js";
 import {Clip} from "./clip.js";
 import {Data} from "./data.js";
@@ -27,6 +28,7 @@ class App {
     this.media = new Volume(this);
     this.clip = new Clip(this);
     this.light = new Light(this);
+    this.annotate = new Annotate(this);
     this.data = new Data(this);
     this.pick = new Pick(this);
     this.honesty = new Honesty(this);
@@ -95,7 +97,7 @@ class App {
   }
 
   build() {
-    for (const part of [this.surfaces, this.media, this.clip, this.light, this.data]) part.build();
+    for (const part of [this.surfaces, this.media, this.clip, this.light, this.annotate, this.data]) part.build();
     this.cameraPanel();
   }
 

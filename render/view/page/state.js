@@ -2,6 +2,7 @@
 //
 // The page works on a model with what flags cannot say (surfaces that are off, lights as angles). The
 // protocol, files and the address hold flags: the keys of `leafcast render` without their dashes.
+import {annotationFlags, annotationOf} from "./annotate.js";
 import {add, dot, length, scale, sub, unit} from "./vector.js";
 
 export const COLOURS = ["#e3c08a", "#7fb2e5", "#8fce9b", "#e58f8f", "#c3a1e8", "#e6e6e6", "#e8a15c", "#6fd0cf"];
@@ -95,6 +96,7 @@ export function fromFlags(given, volume) {
       samples: +(flags.samples ?? 1), background: background == null ? null : hexOf(background, "#000000"),
       clear: background != null && (numbers(background)[3] === 0 || /^#[0-9a-f]{6}00$/i.test(background))},
     data: {field: Math.max(0, field), step: +(flags.step ?? 0)},
+    annotation: annotationOf(flags),
     legend: flags.legend === true,
     more: Object.fromEntries(Object.entries(flags).filter(([k]) => ["error", "homogeneous", "lod", "layers"].includes(k))),
   };
@@ -176,6 +178,7 @@ export function toFlags(model, volume) {
   Object.assign(flags, cameraFlags(model.camera, volume));
   lightFlags(model.light, flags);
   if (model.legend && model.volume.mode !== "off") flags.legend = true;
+  Object.assign(flags, annotationFlags(model.annotation));
   return Object.assign(flags, model.more);
 }
 
