@@ -102,10 +102,10 @@ status slice_request_select(slice_request *r, leafcast *volume) {
     return st == ST_OK ? render_status(leafcast_select_set(volume, r->field_number, r->step)) : st;
 }
 
-status slice_request_place(slice_request *r, const leafcast *volume, bool picture) {
+status slice_request_place(slice_request *r, const leafcast *volume, bool drawn) {
     status st = ST_OK;
     transfer_list_release(&r->look.colours);
-    if (picture)
+    if (drawn)
         st = medium_options_make(&r->medium, volume, r->field_number, r->step, true,
                                  &r->look.colours);
     return st == ST_OK ? slice_options_place(&r->place, volume) : st;

@@ -43,10 +43,9 @@ int slice_request_key(const char *name, view_value *value);
 CHECKED status slice_request_check(slice_request *r);
 
 /* slice_request_select() - the field and step of the volume become the selected ones.
- * slice_request_place() - then the place is known in full, and the colours, where it is for a
- * picture. */
+ * slice_request_place() - then the place is known in full, and the colours where it is drawn. */
 CHECKED status slice_request_select(slice_request *r, leafcast *volume);
-CHECKED status slice_request_place(slice_request *r, const leafcast *volume, bool picture);
+CHECKED status slice_request_place(slice_request *r, const leafcast *volume, bool drawn);
 
 /* slice_request_draw() - width x height values as colours, isolines and the colour bar over them.
  */

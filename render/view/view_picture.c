@@ -298,21 +298,6 @@ static json_t *describe_part(const view_picture *p, bool png, bool final) {
     return out;
 }
 
-/* The JSON before a picture, and its length before that. */
-static status put_header(view_message **to, json_t *header) {
-    view_message *text = view_message_json((*to)->m, header);
-    if (!text)
-        return ST_NOMEM;
-    const uint32_t n = (uint32_t)text->size;
-    const uint8_t length[4] = {(uint8_t)n, (uint8_t)(n >> 8), (uint8_t)(n >> 16),
-                               (uint8_t)(n >> 24)};
-    status st = view_message_put(to, length, sizeof length);
-    if (st == ST_OK)
-        st = view_message_put(to, text->bytes, text->size);
-    view_message_free(text);
-    return st;
-}
-
 /* Legend and annotations, over what is complete. */
 static status mark(const view_picture *p) {
     text_face *face = NULL;
@@ -338,7 +323,7 @@ static status make_part(view_picture *p, bool final, view_message **out) {
     made->part = p->part;
     status st = final ? mark(p) : ST_OK;
     if (st == ST_OK && !p->wish.file)
-        st = put_header(&made, describe_part(p, png, final));
+        st = view_message_head(&made, describe_part(p, png, final));
     const byte_sink sink = {view_message_put, &made};
     if (st == ST_OK && png)
         st = picture_png_write(p->tools.m, p->tools.threads, &shown, &sink);
