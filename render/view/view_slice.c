@@ -260,7 +260,7 @@ static json_t *describe(const view_slices *s) {
     const bool final = s->scale == 0;
     return json_pack(
         "{s:s,s:I,s:i,s:i,s:i,s:[i,i],s:s,s:b,s:b,s:i,s:o,s:o,s:o,s:I,s:I,s:f,s:f}", "type",
-        "slice", "number", (json_int_t)s->wish.number, "pane", s->wish.pane, "width", (int)n->width,
+        "slice", "slice", (json_int_t)s->wish.number, "pane", s->wish.pane, "width", (int)n->width,
         "height", (int)n->height, "size", (int)s->whole.width, (int)s->whole.height, "format",
         "png", "final", (int) final, "exact", final && n->level == 0, "level", (int)n->level,
         "origin", vector(n->origin), "u", vector(n->u), "v", vector(n->v), "treelets_read",
