@@ -176,6 +176,7 @@ static bool needs(const view_seat *seat, turn *t) {
     t->begin = seat->wanted && view_picture_may_change(seat->picture) &&
                (t->may_send || view_picture_busy(seat->picture));
     t->draw = !t->begin && view_picture_busy(seat->picture) &&
+              !view_picture_writes(seat->picture) &&
               (t->may_send || !view_picture_waits(seat->picture));
     t->slice = view_slices_need(seat->slices);
     return t->pick || t->begin || t->draw || t->slice;
@@ -233,6 +234,13 @@ static void *draw_all(void *arg) {
 
 /* ---- Opening and closing ---- */
 
+static void wake(void *ctx) {
+    view_draw *d = ctx;
+    pthread_mutex_lock(&d->lock);
+    pthread_cond_signal(&d->work);
+    pthread_mutex_unlock(&d->lock);
+}
+
 static void release(view_draw *d) {
     for (int i = 0; i < VIEW_SEATS_MAX; i++) {
         view_queue_clear(&d->seats[i].queue);
@@ -250,7 +258,8 @@ status view_draw_open(mem *m, int threads, void (*notify)(void *ctx), void *ctx,
     view_draw *d = mem_zalloc(m, sizeof *d);
     if (!d)
         return ST_NOMEM;
-    *d = (view_draw){.m = m, .tools.m = m, .notify = notify, .ctx = ctx};
+    *d = (view_draw){
+        .m = m, .tools = {.m = m, .wake = wake, .wake_ctx = d}, .notify = notify, .ctx = ctx};
     pthread_mutex_init(&d->lock, NULL);
     pthread_cond_init(&d->work, NULL);
     status st = pool_create(m, threads, &d->tools.threads);

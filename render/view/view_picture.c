@@ -15,7 +15,7 @@
 /* At rest, a preview is worth its time where the whole takes longer. */
 #define SOON_S 0.080
 
-typedef enum phase { IDLE, PREVIEW, EXACT, FINAL } phase;
+typedef enum phase { IDLE, PREVIEW, EXACT, FINAL, WRITING } phase;
 
 /* Planes of one size. */
 typedef struct planes {
@@ -41,6 +41,7 @@ struct view_picture {
     leafcast_stats stats;
     uint32_t scale; /* of what is drawn */
     int part;
+    view_file *writing;     /* where it becomes a file */
     double drawn_s, next_s; /* of this frame so far; when the next part is due */
     double cost;            /* of a preview, seconds a pixel; 0: not known */
 };
@@ -61,7 +62,8 @@ status view_picture_create(const view_tools *tools, view_picture **out) {
 
 static void planes_release(mem *m, planes *p) {
     leafcast_image *i = &p->image;
-    void *const all[] = {i->r, i->g, i->b, i->a, i->z, i->error, i->provisional};
+    void *const all[] = {i->r,           i->g,         i->b,         i->a,         i->z,  i->error,
+                         i->provisional, i->normal[0], i->normal[1], i->normal[2], i->id, i->value};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         mem_free(m, all[k]);
     *p = (planes){0};
@@ -70,22 +72,32 @@ static void planes_release(mem *m, planes *p) {
 static uint64_t planes_bytes(const planes *p) {
     const leafcast_image *i = &p->image;
     const uint64_t one = 3 * sizeof(float) + 1 + (i->a ? sizeof(float) : 0) +
-                         (i->error ? sizeof(double) : 0) + (i->z ? sizeof(double) : 0);
+                         (i->error ? sizeof(double) : 0) + (i->z ? sizeof(double) : 0) +
+                         (i->id ? 3 * sizeof(float) + sizeof(int32_t) : 0) +
+                         (i->value ? sizeof(double) : 0);
     return i->r ? one * p->width * p->height : 0;
 }
 
-/* Which there are to be: as render takes them for a PNG. Pointers that only are not NULL. */
+/* Which there are to be: as render takes them for a PNG or an EXR. Pointers that only are not NULL.
+ */
 static leafcast_image planes_wanted(const view_picture *p) {
     static float any_float;
     static double any_double;
     static uint8_t any_byte;
+    static int32_t any_id;
     const view_options *v = &p->wish.view;
+    const bool all = p->wish.file && p->wish.kind == VIEW_FILE_EXR;
+    const bool projected = v->scene.project != LEAFCAST_PROJECT_NONE;
+    float *const n = all ? &any_float : NULL;
     return (leafcast_image){.size = sizeof(leafcast_image),
                             .r = &any_float,
                             .g = &any_float,
                             .b = &any_float,
-                            .a = v->scene.background[3] >= 1.0f ? NULL : &any_float,
-                            .z = v->annotation.parts & ANNOTATE_BOX ? &any_double : NULL,
+                            .a = !all && v->scene.background[3] >= 1.0f ? NULL : &any_float,
+                            .z = all || v->annotation.parts & ANNOTATE_BOX ? &any_double : NULL,
+                            .normal = {n, n, n},
+                            .id = all ? &any_id : NULL,
+                            .value = all && projected ? &any_double : NULL,
                             .error = view_options_any_medium(v) ? &any_double : NULL,
                             .provisional = &any_byte};
 }
@@ -103,8 +115,14 @@ static status planes_make(mem *m, const leafcast_image *wanted, uint32_t width, 
     i->z = wanted->z ? mem_array(m, count, sizeof *i->z) : NULL;
     i->error = wanted->error ? mem_array(m, count, sizeof *i->error) : NULL;
     i->provisional = mem_array(m, count, sizeof *i->provisional);
+    for (int k = 0; k < 3; k++)
+        i->normal[k] = wanted->normal[k] ? mem_array(m, count, sizeof(float)) : NULL;
+    i->id = wanted->id ? mem_array(m, count, sizeof *i->id) : NULL;
+    i->value = wanted->value ? mem_array(m, count, sizeof *i->value) : NULL;
     if (!i->r || !i->g || !i->b || !i->provisional || (wanted->a && !i->a) ||
-        (wanted->z && !i->z) || (wanted->error && !i->error)) {
+        (wanted->z && !i->z) || (wanted->error && !i->error) || (wanted->id && !i->id) ||
+        (wanted->normal[0] && (!i->normal[0] || !i->normal[1] || !i->normal[2])) ||
+        (wanted->value && !i->value)) {
         planes_release(m, out);
         return ST_NOMEM;
     }
@@ -154,6 +172,8 @@ void view_picture_cancel_rest(view_picture *p) {
 
 void view_picture_stop(view_picture *p) {
     set_frame(p, NULL);
+    view_file_end(p->writing);
+    p->writing = NULL;
     planes_release(p->tools.m, &p->now);
     planes_release(p->tools.m, &p->base);
     picture_scene_release(&p->parts);
@@ -178,6 +198,10 @@ static status check(view_picture *p) {
         size->height > VIEW_SIDE_MAX || (uint64_t)size->width * size->height > VIEW_PIXELS_MAX)
         return status_describe(ST_USAGE, "a picture of %u x %u: a side is 1 to %d, of %d pixels",
                                size->width, size->height, VIEW_SIDE_MAX, VIEW_PIXELS_MAX);
+    if (p->wish.file && p->wish.kind == VIEW_FILE_EXR &&
+        (uint64_t)size->width * size->height > VIEW_EXR_PIXELS_MAX)
+        return status_describe(ST_USAGE, "an EXR of %u x %u: it may have %d pixels", size->width,
+                               size->height, VIEW_EXR_PIXELS_MAX);
     status st = picture_scene_choose(p->wish.volume, v, suggested, &count);
     if (st == ST_OK)
         st = view_options_check(v);
@@ -322,7 +346,7 @@ static status make_part(view_picture *p, bool final, view_message **out) {
     made->number = p->wish.number;
     made->part = p->part;
     status st = final ? mark(p) : ST_OK;
-    if (st == ST_OK && !p->wish.file)
+    if (st == ST_OK)
         st = view_message_head(&made, describe_part(p, png, final));
     const byte_sink sink = {view_message_put, &made};
     if (st == ST_OK && png)
@@ -333,6 +357,29 @@ static status make_part(view_picture *p, bool final, view_message **out) {
         *out = made;
     else
         view_message_free(made);
+    return st;
+}
+
+/* The finished picture of a file. */
+static status begin_file(view_picture *p) {
+    const picture shown = {p->now.width, p->now.height, &p->now.image, NULL, 0};
+    const view_tools *t = &p->tools;
+    status st = mark(p);
+    p->phase = WRITING;
+    if (st == ST_OK)
+        st = view_file_begin(t->m, p->wish.kind, &shown, t->wake, t->wake_ctx, &p->writing);
+    if (st != ST_OK)
+        view_picture_stop(p);
+    return st;
+}
+
+static status end_file(view_picture *p, view_message **out) {
+    view_file *f = p->writing;
+    p->writing = NULL;
+    const status st = view_file_take(f, out);
+    if (st == ST_OK)
+        (*out)->binary = true;
+    view_picture_stop(p);
     return st;
 }
 
@@ -403,9 +450,13 @@ status view_picture_advance(view_picture *p, double seconds, bool may_send, view
     *out = NULL;
     if (p->phase == IDLE)
         return ST_OK;
+    if (p->phase == WRITING)
+        return view_picture_writes(p) ? ST_OK : end_file(p, out);
     if (p->phase == FINAL) {
         if (!may_send)
             return ST_OK;
+        if (p->wish.file)
+            return begin_file(p);
         st = make_part(p, true, out);
         view_picture_stop(p);
         return st;
@@ -425,6 +476,10 @@ bool view_picture_busy(const view_picture *p) {
 
 bool view_picture_waits(const view_picture *p) {
     return p->phase == FINAL || (p->phase == PREVIEW && !p->frame);
+}
+
+bool view_picture_writes(const view_picture *p) {
+    return p->writing && !view_file_is_done(p->writing);
 }
 
 bool view_picture_may_change(const view_picture *p) {

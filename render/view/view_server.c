@@ -29,7 +29,8 @@ typedef struct session {
     struct lws *wsi;
     view_talk *talk;           /* of a socket */
     view_seat *seat;           /* of a picture that is drawn as a file */
-    view_message *drawn;       /* this, when it is there */
+    view_message *drawn;       /* this, when it is there, */
+    bool exr;                  /* in this format */
     const unsigned char *body; /* what is sent, */
     size_t left;               /* and how much of it still is */
     char host[HOST_MAX];       /* that was checked */
@@ -182,8 +183,9 @@ static status describe_picture(struct lws *wsi, view_wish *wish) {
     snprintf(size, sizeof size, "%s", argument(wsi, "size="));
     snprintf(file, sizeof file, "%s", argument(wsi, "file="));
     const char *type = argument(wsi, "type=");
-    if (type[0] && strcmp(type, "png") != 0)
-        return status_describe(ST_UNSUPPORTED, "pictures are sent as png alone\n");
+    if (type[0] && strcmp(type, "png") != 0 && strcmp(type, "exr") != 0)
+        return status_describe(ST_UNSUPPORTED, "pictures are sent as png or exr\n");
+    wish->kind = strcmp(type, "exr") == 0 ? VIEW_FILE_EXR : VIEW_FILE_PNG;
     const char *state = argument(wsi, "state=");
     return view_talk_file(s->m, s->options.files, s->options.file_count, state, size, file, wish);
 }
@@ -198,6 +200,7 @@ static int answer_picture(struct lws *wsi, session *now) {
     now->seat = view_draw_sit(s->draw);
     if (!now->seat)
         return answer_status(wsi, HTTP_STATUS_SERVICE_UNAVAILABLE, "too many clients\n");
+    now->exr = wish.kind == VIEW_FILE_EXR;
     enlist(s, now, wsi);
     lws_set_timeout(wsi, NO_PENDING_TIMEOUT, 0);
     view_seat_want(now->seat, &wish);
@@ -212,7 +215,8 @@ static int send_picture(struct lws *wsi, session *now) {
     now->seat = NULL;
     if (now->drawn->failed)
         return answer_status(wsi, HTTP_STATUS_BAD_REQUEST, "the picture cannot be drawn\n");
-    return answer_body(wsi, now, "image/png", now->drawn->bytes, now->drawn->size);
+    return answer_body(wsi, now, now->exr ? "image/x-exr" : "image/png", now->drawn->bytes,
+                       now->drawn->size);
 }
 
 static int answer_request(struct lws *wsi, session *now, const char *path) {
