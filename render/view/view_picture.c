@@ -99,34 +99,46 @@ static leafcast_image planes_wanted(const view_picture *p) {
                             .id = all ? &any_id : NULL,
                             .value = all && projected ? &any_double : NULL,
                             .error = view_options_any_medium(v) ? &any_double : NULL,
-                            .provisional = &any_byte};
+                            .provisional = p->wish.file ? NULL : &any_byte};
 }
 
-/* Zeroed, all of it provisional. */
-static status planes_make(mem *m, const leafcast_image *wanted, uint32_t width, uint32_t height,
+/* A plane, if it is wanted. Zeroed where parts of it will be seen: else a picture writes all of it,
+ * and touching it here would take long. */
+static void *make_plane(mem *m, const void *wanted, size_t count, size_t size, bool zeroed) {
+    if (!wanted)
+        return NULL;
+    return zeroed ? mem_array(m, count, size) : mem_alloc(m, count * size);
+}
+
+/* All of it provisional. */
+static status planes_make(mem *m, const leafcast_image *w, uint32_t width, uint32_t height,
                           planes *out) {
     const size_t count = (size_t)width * height;
+    const bool zeroed = w->provisional;
     leafcast_image *i = &out->image;
     *out = (planes){.width = width, .height = height, .image = {.size = sizeof *i}};
-    i->r = mem_array(m, count, sizeof *i->r);
-    i->g = mem_array(m, count, sizeof *i->g);
-    i->b = mem_array(m, count, sizeof *i->b);
-    i->a = wanted->a ? mem_array(m, count, sizeof *i->a) : NULL;
-    i->z = wanted->z ? mem_array(m, count, sizeof *i->z) : NULL;
-    i->error = wanted->error ? mem_array(m, count, sizeof *i->error) : NULL;
-    i->provisional = mem_array(m, count, sizeof *i->provisional);
-    for (int k = 0; k < 3; k++)
-        i->normal[k] = wanted->normal[k] ? mem_array(m, count, sizeof(float)) : NULL;
-    i->id = wanted->id ? mem_array(m, count, sizeof *i->id) : NULL;
-    i->value = wanted->value ? mem_array(m, count, sizeof *i->value) : NULL;
-    if (!i->r || !i->g || !i->b || !i->provisional || (wanted->a && !i->a) ||
-        (wanted->z && !i->z) || (wanted->error && !i->error) || (wanted->id && !i->id) ||
-        (wanted->normal[0] && (!i->normal[0] || !i->normal[1] || !i->normal[2])) ||
-        (wanted->value && !i->value)) {
+    i->r = make_plane(m, w->r, count, sizeof *i->r, zeroed);
+    i->g = make_plane(m, w->g, count, sizeof *i->g, zeroed);
+    i->b = make_plane(m, w->b, count, sizeof *i->b, zeroed);
+    i->a = make_plane(m, w->a, count, sizeof *i->a, zeroed);
+    i->z = make_plane(m, w->z, count, sizeof *i->z, zeroed);
+    i->error = make_plane(m, w->error, count, sizeof *i->error, zeroed);
+    i->value = make_plane(m, w->value, count, sizeof *i->value, zeroed);
+    i->id = make_plane(m, w->id, count, sizeof *i->id, zeroed);
+    i->provisional = make_plane(m, w->provisional, count, sizeof *i->provisional, zeroed);
+    bool failed = !i->r || !i->g || !i->b || !i->a != !w->a || !i->z != !w->z ||
+                  !i->error != !w->error || !i->value != !w->value || !i->id != !w->id ||
+                  !i->provisional != !w->provisional;
+    for (int k = 0; k < 3; k++) {
+        i->normal[k] = make_plane(m, w->normal[k], count, sizeof(float), zeroed);
+        failed |= !i->normal[k] != !w->normal[k];
+    }
+    if (failed) {
         planes_release(m, out);
         return ST_NOMEM;
     }
-    memset(i->provisional, 1, count);
+    if (i->provisional)
+        memset(i->provisional, 1, count);
     return ST_OK;
 }
 

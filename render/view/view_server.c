@@ -207,6 +207,16 @@ static int answer_picture(struct lws *wsi, session *now) {
     return 0;
 }
 
+/* Why, as the drawing thread says it. */
+static int answer_failure(struct lws *wsi, const view_message *said) {
+    json_t *object = json_loadb((const char *)said->bytes, said->size, 0, NULL);
+    const char *why = json_string_value(json_object_get(object, "why"));
+    const int result =
+        answer_status(wsi, HTTP_STATUS_BAD_REQUEST, why ? why : "the picture cannot be drawn\n");
+    json_decref(object);
+    return result;
+}
+
 static int send_picture(struct lws *wsi, session *now) {
     now->drawn = view_seat_take(now->seat);
     if (!now->drawn)
@@ -214,7 +224,7 @@ static int send_picture(struct lws *wsi, session *now) {
     view_draw_leave(now->seat);
     now->seat = NULL;
     if (now->drawn->failed)
-        return answer_status(wsi, HTTP_STATUS_BAD_REQUEST, "the picture cannot be drawn\n");
+        return answer_failure(wsi, now->drawn);
     return answer_body(wsi, now, now->exr ? "image/x-exr" : "image/png", now->drawn->bytes,
                        now->drawn->size);
 }
