@@ -16,6 +16,7 @@ export class Link extends EventTarget {
     this.picks = new Map();
     this.slices = new Map(); // what is to be asked for, of each pane
     this.sliceNumber = 0;
+    this.sliceAsked = [];   // the number that was sent last for each pane
     this.sliceShown = [];   // the number of each pane's last picture
     this.connect();
   }
@@ -66,7 +67,7 @@ export class Link extends EventTarget {
     if (!this.slices.size) requestAnimationFrame(() => {
       for (const [k, newest] of this.slices) {
         if (!this.send({type: "slice", slice: this.sliceNumber + 1, pane: k, ...newest})) continue;
-        this.sliceNumber++;
+        this.sliceAsked[k] = ++this.sliceNumber;
       }
       this.slices.clear();
     });

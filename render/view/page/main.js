@@ -131,6 +131,7 @@ class App {
     if (!moving) this.remember(flags);
     this.pick.mark();
     this.slices.update(moving);
+    this.annotate.outline(moving);
     this.screen.canvas.classList.toggle("clear", this.model.light.clear);
     byId("ortho").setAttribute("aria-pressed", this.model.camera.ortho);
     this.fov?.set(this.model.camera.fov);
