@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <libwebsockets.h>
+#include <poll.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -19,7 +20,8 @@ enum {
     REQUEST_S = 10, /* to send one */
     PING_S = 20,
     HANGUP_S = 45, /* of a socket that says nothing */
-    TICK_US = 500000
+    TICK_US = 500000,
+    GONE_US = 50000 /* to notice that nobody waits for a picture any more */
 };
 _Static_assert(LWS_PRE <= VIEW_MESSAGE_BEFORE, "frames' heads fit before a message");
 
@@ -175,6 +177,28 @@ static void wake_sessions(view_server *s) {
             lws_callback_on_writable(at->wsi);
 }
 
+/* libwebsockets does not read from who waits for an answer, and so does not see him leave. Whether
+ * anybody waits. */
+static bool drop_gone(view_server *s) {
+    bool any = false;
+    for (session *at = s->sessions; at; at = at->next) {
+        struct pollfd end = {.fd = lws_get_socket_fd(at->wsi), .events = POLLRDHUP};
+        if (!at->seat)
+            continue;
+        any = true;
+        if (poll(&end, 1, 0) > 0)
+            lws_set_timeout(at->wsi, PENDING_TIMEOUT_HTTP_CONTENT, LWS_TO_KILL_ASYNC);
+    }
+    return any;
+}
+
+/* A signal may come just before the wait for events. */
+static void tick(lws_sorted_usec_list_t *sul) {
+    view_server *s = lws_container_of(sul, view_server, tick);
+    const bool waits = drop_gone(s);
+    lws_sul_schedule(s->context, 0, &s->tick, tick, waits ? GONE_US : TICK_US);
+}
+
 /* ---- HTTP ---- */
 
 static status describe_picture(struct lws *wsi, view_wish *wish) {
@@ -204,6 +228,7 @@ static int answer_picture(struct lws *wsi, session *now) {
     enlist(s, now, wsi);
     lws_set_timeout(wsi, NO_PENDING_TIMEOUT, 0);
     view_seat_want(now->seat, &wish);
+    lws_sul_schedule(s->context, 0, &s->tick, tick, GONE_US);
     return 0;
 }
 
@@ -337,12 +362,6 @@ static int on_event(struct lws *wsi, enum lws_callback_reasons reason, void *use
 static void notify(void *ctx) {
     const view_server *s = ctx;
     lws_cancel_service(s->context);
-}
-
-/* A signal may come just before the wait for events. */
-static void tick(lws_sorted_usec_list_t *sul) {
-    view_server *s = lws_container_of(sul, view_server, tick);
-    lws_sul_schedule(s->context, 0, &s->tick, tick, TICK_US);
 }
 
 static void keep_quiet(int level, const char *line) {
