@@ -26,7 +26,7 @@ typedef struct slice_request {
 
 /* The flags that are no place: field, step and the picture's; for argp. */
 extern const struct argp_option slice_request_table[];
-enum { SLICE_REQUEST_COUNT = 13 };
+enum { SLICE_REQUEST_COUNT = 12 };
 
 /* slice_request_init() - nothing given yet. slice_request_release() - what the place and the
  * colours hold. */
