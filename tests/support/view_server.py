@@ -171,6 +171,8 @@ def take_slices(page, count):
         if what == "picture" and answer[0].get("type") == "slice":
             got.append(answer)
             page.send({"type": "slice-seen", "slice": answer[0]["slice"], "pane": answer[0]["pane"]})
+        elif what == "picture":
+            page.seen(answer[0])
     return got
 
 
