@@ -53,6 +53,14 @@ static status write_exr(view_file *f, const byte_sink *to) {
     return st;
 }
 
+void view_file_free_planes(mem *m, leafcast_image *i) {
+    void *const all[] = {i->r,           i->g,         i->b,         i->a,         i->z,  i->error,
+                         i->provisional, i->normal[0], i->normal[1], i->normal[2], i->id, i->value};
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+        mem_free(m, all[k]);
+    *i = (leafcast_image){0};
+}
+
 static void *write_file(void *arg) {
     view_file *f = arg;
     const byte_sink to = {put, f};
@@ -61,6 +69,7 @@ static void *write_file(void *arg) {
                 : f->kind == VIEW_FILE_EXR ? write_exr(f, &to)
                                            : write_png(f, &to);
     status_note_take(&f->note, f->result);
+    view_file_free_planes(f->m, &f->planes);
     atomic_store(&f->is_done, true);
     f->done(f->ctx);
     return NULL;
@@ -70,20 +79,25 @@ status view_file_begin(mem *m, view_file_kind kind, const picture *shown, void (
                        void *ctx, view_file **out) {
     status st = kind == VIEW_FILE_EXR ? image_helper_check() : ST_OK;
     view_file *f = st == ST_OK ? mem_zalloc(m, sizeof *f) : NULL;
-    if (!f)
+    leafcast_image planes = *shown->image;
+    if (!f) {
+        view_file_free_planes(m, &planes);
         return st == ST_OK ? ST_NOMEM : st;
+    }
     f->m = m;
     f->kind = kind;
-    f->planes = *shown->image;
+    f->planes = planes;
     f->shown = *shown;
     f->shown.image = &f->planes;
     f->done = done;
     f->ctx = ctx;
     st = thread_start(&f->thread, write_file, f, "the thread that writes a picture");
-    if (st == ST_OK)
+    if (st == ST_OK) {
         *out = f;
-    else
-        mem_free(m, f);
+        return ST_OK;
+    }
+    view_file_free_planes(m, &f->planes);
+    mem_free(m, f);
     return st;
 }
 

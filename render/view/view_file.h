@@ -16,8 +16,9 @@ enum { VIEW_EXR_PIXELS_MAX = 1 << 24 };
 
 typedef struct view_file view_file;
 
-/* view_file_begin() - the planes of `shown` are the file's until it has ended. done(): by the other
- * thread, when it is written or could not be. ST_UNSUPPORTED: EXR without its helper. */
+/* view_file_begin() - the planes of `shown` are the file's from then on, in any case, and freed by
+ * the other thread: that takes long where they are large. done(): by that thread, when it is
+ * written or could not be. ST_UNSUPPORTED: EXR without its helper. */
 CHECKED status view_file_begin(mem *m, view_file_kind kind, const picture *shown,
                                void (*done)(void *ctx), void *ctx, view_file **out);
 
@@ -28,5 +29,8 @@ CHECKED status view_file_take(view_file *f, view_message **out);
 
 /* view_file_end() - what is written is forgotten, within moments; NULL is fine. */
 void view_file_end(view_file *f);
+
+/* view_file_free_planes() - all that there are, of m. */
+void view_file_free_planes(mem *m, leafcast_image *planes);
 
 #endif

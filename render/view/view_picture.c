@@ -41,7 +41,8 @@ struct view_picture {
     leafcast_stats stats;
     uint32_t scale; /* of what is drawn */
     int part;
-    view_file *writing;     /* where it becomes a file */
+    view_file *writing;     /* where it becomes a file, */
+    uint64_t writing_bytes; /* with planes of so many */
     double drawn_s, next_s; /* of this frame so far; when the next part is due */
     double cost;            /* of a preview, seconds a pixel; 0: not known */
 };
@@ -61,11 +62,7 @@ status view_picture_create(const view_tools *tools, view_picture **out) {
 /* ---- Planes ---- */
 
 static void planes_release(mem *m, planes *p) {
-    leafcast_image *i = &p->image;
-    void *const all[] = {i->r,           i->g,         i->b,         i->a,         i->z,  i->error,
-                         i->provisional, i->normal[0], i->normal[1], i->normal[2], i->id, i->value};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-        mem_free(m, all[k]);
+    view_file_free_planes(m, &p->image);
     *p = (planes){0};
 }
 
@@ -378,8 +375,11 @@ static status begin_file(view_picture *p) {
     const view_tools *t = &p->tools;
     status st = mark(p);
     p->phase = WRITING;
-    if (st == ST_OK)
+    if (st == ST_OK) {
+        p->writing_bytes = planes_bytes(&p->now);
         st = view_file_begin(t->m, p->wish.kind, &shown, t->wake, t->wake_ctx, &p->writing);
+        p->now = (planes){0};
+    }
     if (st != ST_OK)
         view_picture_stop(p);
     return st;
@@ -500,7 +500,7 @@ bool view_picture_may_change(const view_picture *p) {
 }
 
 uint64_t view_picture_bytes(const view_picture *p) {
-    return planes_bytes(&p->now) + planes_bytes(&p->base);
+    return planes_bytes(&p->now) + planes_bytes(&p->base) + (p->writing ? p->writing_bytes : 0);
 }
 
 const view_wish *view_picture_wish(const view_picture *p) {
