@@ -203,7 +203,6 @@ static uint32_t choose_scale(const view_slices *s) {
 
 static status begin_wish(view_slices *s) {
     slice_request *r = &s->wish.request;
-    /* The pointers are this one's. */
     status st = slice_request_select(r, s->wish.volume);
     if (st == ST_OK)
         st = slice_request_place(r, s->wish.volume, true);
@@ -322,12 +321,12 @@ static status begin_next(view_slices *s) {
     return k >= 0 ? begin_wish(s) : ST_STOPPED;
 }
 
-/* A preview that takes too long gives way to a newer wish. */
+/* What is drawn gives way to a newer wish, but for a preview that will soon be there. */
 static bool gives_way(view_slices *s) {
     pthread_mutex_lock(&s->lock);
     const bool newer = s->drawn_pane >= 0 && s->panes[s->drawn_pane].wanted;
     pthread_mutex_unlock(&s->lock);
-    return newer && s->drawn_s > 2.0 * VIEW_MOVING_S;
+    return newer && (s->scale == 0 || s->drawn_s > 2.0 * VIEW_MOVING_S);
 }
 
 status view_slices_advance(view_slices *s, double seconds, uint64_t beside, view_message **out,

@@ -12,7 +12,7 @@
 #include "render/app/slice_request.h"
 #include "render/view/view_picture.h"
 
-enum { VIEW_PANES_MAX = 4, VIEW_SLICE_SIDE_MAX = 4096 };
+enum { VIEW_PANES_MAX = 4, VIEW_SLICE_SIDE_MAX = 4096, VIEW_SLICE_PIXELS_MAX = 1 << 22 };
 
 typedef struct view_slice_wish {
     uint64_t number;

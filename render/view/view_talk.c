@@ -141,6 +141,8 @@ static status hear_slice(view_talk *t, const json_t *message) {
         st = take_whole(message, "width", 1.0, VIEW_SLICE_SIDE_MAX, &side[0]);
     if (st == ST_OK)
         st = take_whole(message, "height", 1.0, VIEW_SLICE_SIDE_MAX, &side[1]);
+    if (st == ST_OK && side[0] * side[1] > VIEW_SLICE_PIXELS_MAX)
+        st = status_describe(ST_USAGE, "a slice may have %d pixels", VIEW_SLICE_PIXELS_MAX);
     if (st == ST_OK)
         st = view_slice_state_apply(t->m, json_object_get(message, "state"), &w->request);
     if (st != ST_OK)

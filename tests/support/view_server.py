@@ -233,7 +233,7 @@ def refused_slices(s):
                   {"plane": [1, 0, 0, -1e6]}, {"field": "none"}, {"step": 5}, {"level": 40}, {"axis": "x", "index": 4000}):
         want_slice(page, 1, 0, state)
         ok(f"slice {json.dumps(state)[:40]}: refused".replace(folder, "F"), page.text("refused")["why"] != "")
-    for more in ({"pane": 4}, {"pane": -1}, {"pane": 0.5}, {"width": 0}, {"height": 1e9}, {"slice": -1}, {"width": "9"}):
+    for more in ({"pane": 4}, {"pane": -1}, {"pane": 0.5}, {"width": 0}, {"height": 1e9}, {"width": 4096, "height": 1025}, {"slice": -1}, {"width": "9"}):
         page.send(dict({"type": "slice", "slice": 1, "pane": 0, "state": {}, "width": 9, "height": 9}, **more))
         ok(f"slice {more}: refused", page.text("refused")["why"] != "")
     page.send({"type": "slice-seen", "slice": 1, "pane": 9})
