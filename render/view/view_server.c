@@ -7,12 +7,13 @@
 
 #include "formats/base/clock.h"
 #include "render/view/view_access.h"
+#include "render/view/view_crowd.h"
 #include "render/view/view_draw.h"
 #include "render/view/view_page.h"
 #include "render/view/view_talk.h"
 
 enum {
-    CONNECTIONS_MAX = 128,
+    CONNECTIONS_MAX = 2 * VIEW_CROWD_MAX,
     CHUNK = 16 << 10, /* bytes of a body at a time */
     HEAD_MAX = 2048,  /* of an answer */
     HOST_MAX = 300,
@@ -42,6 +43,7 @@ struct view_server {
     struct lws_context *context;
     struct lws_vhost *vhost;
     session *sessions;
+    view_crowd crowd;
     char token[VIEW_TOKEN_TEXT], url[HOST_MAX + VIEW_TOKEN_TEXT + 32];
     char argument[VIEW_HEADERS_MAX];
     char own[HOST_MAX]; /* how it is called but localhost; "": no other way */
@@ -137,6 +139,7 @@ static int write_body(struct lws *wsi, session *now) {
         (int)size)
         return -1;
     if (now->left) {
+        lws_set_timeout(wsi, PENDING_TIMEOUT_HTTP_CONTENT, REQUEST_S);
         lws_callback_on_writable(wsi);
         return 0;
     }
@@ -147,6 +150,7 @@ static int write_body(struct lws *wsi, session *now) {
 /* ---- Sessions ---- */
 
 static void enlist(view_server *s, session *now, struct lws *wsi) {
+    view_crowd_leave(&s->crowd, wsi);
     now->wsi = wsi;
     now->next = s->sessions;
     s->sessions = now;
@@ -298,10 +302,18 @@ static int send_next(struct lws *wsi, session *now) {
 
 /* ---- libwebsockets ---- */
 
+static void admit(view_server *s, struct lws *wsi) {
+    struct lws *oldest = view_crowd_enter(&s->crowd, wsi);
+    if (oldest)
+        lws_set_timeout(oldest, PENDING_TIMEOUT_AWAITING_PING, LWS_TO_KILL_ASYNC);
+}
+
 static int on_event(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in,
                     size_t size) {
     session *now = user;
     switch (reason) {
+    case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED: admit(server_of(wsi), wsi); return 0;
+    case LWS_CALLBACK_WSI_DESTROY: view_crowd_leave(&server_of(wsi)->crowd, wsi); return 0;
     case LWS_CALLBACK_HTTP: return answer_request(wsi, now, in);
     case LWS_CALLBACK_HTTP_WRITEABLE: return go_on(wsi, now);
     case LWS_CALLBACK_HTTP_BODY: return -1;
@@ -359,7 +371,7 @@ static status make_context(view_server *s) {
         .server_string = "leafcast",
         .headers = &no_sniff,
         .max_http_header_data2 = VIEW_HEADERS_MAX,
-        .max_http_header_pool = 2 * VIEW_SEATS_MAX,
+        .max_http_header_pool = CONNECTIONS_MAX, /* made when needed: who has none waits for one */
         .fd_limit_per_thread = CONNECTIONS_MAX,
         .timeout_secs = REQUEST_S,
         .keepalive_timeout = REQUEST_S,
