@@ -348,6 +348,10 @@ static void keep_quiet(int level, const char *line) {
     (void)line;
 }
 
+static bool is_ipv6(const char *address) {
+    return address && strchr(address, ':');
+}
+
 static status make_context(view_server *s) {
     static const struct lws_protocols protocols[] = {{.name = "leafcast",
                                                       .callback = on_event,
@@ -377,7 +381,10 @@ static status make_context(view_server *s) {
         .keepalive_timeout = REQUEST_S,
         .pt_serv_buf_size = CHUNK,
         .retry_and_idle_policy = &idle,
-        .options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_DISABLE_IPV6};
+        .options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS |
+                   (is_ipv6(s->options.address)
+                        ? LWS_SERVER_OPTION_IPV6_V6ONLY_MODIFY | LWS_SERVER_OPTION_IPV6_V6ONLY_VALUE
+                        : LWS_SERVER_OPTION_DISABLE_IPV6)};
     lws_set_log_level(LLL_ERR, keep_quiet);
     s->context = lws_create_context(&info);
     if (!s->context)
@@ -390,16 +397,20 @@ static status make_context(view_server *s) {
     return ST_OK;
 }
 
-/* Its own address, where that is one and not all there are. */
+static bool is_any(const char *address) {
+    struct in6_addr bytes = IN6ADDR_ANY_INIT;
+    const struct in6_addr any = bytes;
+    const bool six = is_ipv6(address);
+    return inet_pton(six ? AF_INET6 : AF_INET, address, &bytes) == 1 &&
+           memcmp(&bytes, &any, six ? sizeof any : sizeof(struct in_addr)) == 0;
+}
+
+/* As addresses have it: its own, where that is one and not all there are. */
 static void name_self(view_server *s) {
-    struct in_addr any;
     const char *address = s->options.address ? s->options.address : "127.0.0.1";
-    if (inet_pton(AF_INET, address, &any) == 1 && any.s_addr == INADDR_ANY &&
-        gethostname(s->own, sizeof s->own - 1) == 0)
-        address = s->own;
-    else
-        snprintf(s->own, sizeof s->own, "%s", address);
-    snprintf(s->url, sizeof s->url, "http://%s:%d/?token=%s", address,
+    if (!is_any(address) || gethostname(s->own, sizeof s->own - 1) != 0)
+        snprintf(s->own, sizeof s->own, is_ipv6(address) ? "[%s]" : "%s", address);
+    snprintf(s->url, sizeof s->url, "http://%s:%d/?token=%s", s->own,
              lws_get_vhost_listen_port(s->vhost), s->token);
 }
 

@@ -465,10 +465,15 @@ def ending():
     ok("--open", open(folder + "/opened").read().strip() == s.url)
     ends(s, "opened")
     s = serve(GRID, "--address", "127.0.0.2")
-    with socket.create_connection(("127.0.0.2", s.port), timeout=30) as c:
-        c.sendall(f"GET / HTTP/1.1\r\nHost: 127.0.0.2:{s.port}\r\nConnection: close\r\n\r\n".encode())
-        ok("--address", b" 200 " in c.recv(4096).split(b"\r\n")[0])
+    ok("--address", (s.address, s.get("/")[0]) == ("127.0.0.2", 200))
     ends(s, "elsewhere")
+    if os.path.exists("/proc/net/if_inet6") and "00000000000000000000000000000001" in open("/proc/net/if_inet6").read():
+        s = serve(GRID, "--address", "::1")
+        page = Page(s)
+        page.view(1, SURFACE, W, H)
+        ok(f"--address: of IPv6, {s.host}", png_pixels(page.final()[-1][1]) == rendered(SURFACE))
+        page.close()
+        ends(s, "there")
 
 
 def main():
