@@ -115,10 +115,12 @@ static int answer_body(struct lws *wsi, session *now, const char *type, const un
     unsigned char buffer[LWS_PRE + HEAD_MAX], *const start = buffer + LWS_PRE, *at = start,
                                                      *const end = buffer + sizeof buffer;
     char policy[HOST_MAX + 256];
+    /* A policy cannot name an address of IPv6; "self" does for browsers of today. */
+    const bool named = now->host[0] != '[';
     snprintf(policy, sizeof policy,
-             "default-src 'self'; img-src 'self' blob: data:; connect-src 'self' ws://%s; "
+             "default-src 'self'; img-src 'self' blob: data:; connect-src 'self'%s%s; "
              "frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
-             now->host);
+             named ? " ws://" : "", named ? now->host : "");
     if (lws_add_http_common_headers(wsi, HTTP_STATUS_OK, type, size, &at, end) ||
         !add_header(wsi, "content-security-policy:", policy, &at, end) ||
         lws_finalize_write_http_header(wsi, start, &at, end))
