@@ -42,6 +42,7 @@ struct view_picture {
     leafcast_stats stats;
     uint32_t scale; /* of what is drawn */
     int part;
+    bool ready;             /* a moving preview is complete, and waits until it may be sent */
     double drawn_s, next_s; /* of this frame so far; when the next part is due */
     double cost;            /* of a preview, seconds a pixel; 0: not known */
 };
@@ -164,6 +165,7 @@ void view_picture_stop(view_picture *p) {
     planes_release(p->tools.m, &p->base);
     picture_scene_release(&p->parts);
     p->phase = IDLE;
+    p->ready = false;
 }
 
 void view_picture_destroy(view_picture *p) {
@@ -372,6 +374,9 @@ static void learn(view_picture *p) {
 static status end_preview(view_picture *p, bool may_send, view_message **out) {
     status st = may_send ? make_part(p, false, out) : ST_OK;
     set_frame(p, NULL);
+    p->ready = p->wish.moving && !may_send;
+    if (p->ready)
+        return ST_OK;
     if (p->wish.moving) {
         planes_release(p->tools.m, &p->now);
         p->phase = IDLE;
@@ -436,9 +441,11 @@ status view_picture_advance(view_picture *p, double seconds, bool may_send, view
         view_picture_stop(p);
         return st;
     }
-    if (!p->frame)
+    if (!p->frame && !p->ready)
         st = begin_frame(p);
-    if (st == ST_OK)
+    if (st == ST_OK && p->ready)
+        st = end_preview(p, may_send, out);
+    else if (st == ST_OK)
         st = draw(p, seconds, may_send, out);
     if (st != ST_OK)
         view_picture_stop(p);

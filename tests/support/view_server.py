@@ -194,6 +194,26 @@ def unseen(s):
     page.close()
 
 
+def waiting(s):
+    """A moving view that is drawn while two pictures are not seen is sent as soon as it may be."""
+    page = Page(s)
+    page.view(1, dict(MEDIUM, error=1e-8), 1600, 1200)
+    heads = []
+    while len(heads) < 2:
+        what, got = page.message()
+        if what == "picture":
+            heads.append(got[0])
+    ok("two parts of a long one, not seen", [h["number"] for h in heads] == [1, 1] and not heads[-1]["final"])
+    page.view(2, SURFACE, 64, 48, moving=True)
+    time.sleep(0.5)
+    page.seen(heads[-1])
+    try:
+        ok("the moving view after it is not lost", page.picture()[0]["number"] == 2)
+    except OSError:
+        ok("the moving view after it is lost", False)
+    page.close()
+
+
 def picks(s):
     page = Page(s)
     page.view(1, SURFACE, W, H)
@@ -478,7 +498,7 @@ def ending():
 
 def main():
     s = serve(GRID, MESH)
-    for test in (pages, sockets, drawn, large, superseded, unseen, picks, states, limits, several):
+    for test in (pages, sockets, drawn, large, superseded, unseen, waiting, picks, states, limits, several):
         test(s)
     fuzz(s, 2000)
     rubbish(s, 300)

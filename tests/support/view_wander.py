@@ -197,10 +197,12 @@ class Visitor:
     def look(self, patience):
         """All that is there."""
         while self.page.waits(patience):
-            self.hear(*self.page.message())
+            self.hear(*self.page.message(patient=False))
 
     def hear(self, what, got):
         t = self.tally
+        if what == "control":
+            return
         if what == "picture":
             head, data = got
             size = self.asked.get(head["number"])
