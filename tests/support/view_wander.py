@@ -190,7 +190,7 @@ class Visitor:
                 # The place of the one before may not be free yet.
                 time.sleep(0.05)
         self.which = 0
-        self.number = self.shown = 0
+        self.number = self.shown = self.no = 0
         self.asked = {}
         self.hand = Hand(self.page.volume)
 
@@ -216,6 +216,7 @@ class Visitor:
                 self.page.seen(head)
         elif got["type"] == "refused":
             t.refused += 1
+            self.no = got["number"]
             t.why[got["why"]] = t.why.get(got["why"], 0) + 1
         elif got["type"] == "picked":
             t.picks += 1
@@ -235,9 +236,9 @@ class Visitor:
         self.view(False, 96, 64)
         end = time.monotonic() + 300
         self.last = None
-        before = self.tally.refused
-        while self.tally.refused == before and not (self.last and self.last[0]["final"] and
-                                                    self.last[0]["number"] == self.number):
+        self.no = 0
+        while self.no != self.number and not (self.last and self.last[0]["final"] and
+                                              self.last[0]["number"] == self.number):
             if time.monotonic() > end:
                 raise RuntimeError(f"no last picture of {json.dumps(self.state)}")
             self.hear(*self.page.message())
