@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "render/view/view_access.h"
+#include "render/view/view_crowd.h"
 #include "render/view/view_slice_state.h"
 #include "render/view/view_state.h"
 
@@ -275,13 +276,30 @@ static void test_hosts(void **state) {
     assert_false(view_access_origin("", "localhost:80"));
 }
 
+static void test_crowd(void **state) {
+    (void)state;
+    static char who[2 * VIEW_CROWD_MAX + 1];
+    static view_crowd crowd;
+    for (int i = 0; i < VIEW_CROWD_MAX; i++)
+        assert_null(view_crowd_enter(&crowd, who + i));
+    view_crowd_leave(&crowd, who + 1); /* it has shown the token */
+    view_crowd_leave(&crowd, who + 2 * VIEW_CROWD_MAX);
+    assert_null(view_crowd_enter(&crowd, who + VIEW_CROWD_MAX));
+    assert_ptr_equal(view_crowd_enter(&crowd, who + VIEW_CROWD_MAX + 1), who);
+    for (int i = 2; i < VIEW_CROWD_MAX; i++)
+        assert_ptr_equal(view_crowd_enter(&crowd, who + VIEW_CROWD_MAX + i), who + i);
+    assert_int_equal(crowd.count, VIEW_CROWD_MAX);
+    view_crowd_leave(&crowd, who + 2 * VIEW_CROWD_MAX - 1); /* the newest */
+    assert_int_equal(crowd.count, VIEW_CROWD_MAX - 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_taken),        cmocka_unit_test(test_names_of_files),
         cmocka_unit_test(test_slices_taken), cmocka_unit_test(test_slices_refused),
         cmocka_unit_test(test_slices_fit),   cmocka_unit_test(test_rubbish),
         cmocka_unit_test(test_large),        cmocka_unit_test(test_tokens),
-        cmocka_unit_test(test_hosts)};
+        cmocka_unit_test(test_hosts),        cmocka_unit_test(test_crowd)};
     mem_init(&budget, 0);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,6 +10,7 @@
 
 /* A preview takes less of what takes time: one ray a pixel, and media so exact. */
 #define PREVIEW_ERROR (1.0 / 64.0)
+#define DEFAULT_ERROR (1.0 / 510.0) /* leafcast_scene.error */
 /* One that is not complete after so long gives way to a coarser one, or to a newer view. */
 #define OVERDUE_S (2.0 * VIEW_MOVING_S)
 /* At rest, a preview is worth its time where the whole takes longer. */
@@ -43,6 +44,7 @@ struct view_picture {
     int part;
     view_file *writing;     /* where it becomes a file, */
     uint64_t writing_bytes; /* with planes of so many */
+    bool ready;             /* a moving preview is complete, and waits until it may be sent */
     double drawn_s, next_s; /* of this frame so far; when the next part is due */
     double cost;            /* of a preview, seconds a pixel; 0: not known */
 };
@@ -75,6 +77,11 @@ static uint64_t planes_bytes(const planes *p) {
     return i->r ? one * p->width * p->height : 0;
 }
 
+/* Several rays a pixel have no plane of errors; a preview takes one. */
+static bool has_errors(const view_picture *p) {
+    return view_options_any_medium(&p->wish.view) && (p->phase == PREVIEW || p->scene.samples <= 1);
+}
+
 /* Which there are to be: as render takes them for a PNG or an EXR. Pointers that only are not NULL.
  */
 static leafcast_image planes_wanted(const view_picture *p) {
@@ -95,7 +102,7 @@ static leafcast_image planes_wanted(const view_picture *p) {
                             .normal = {n, n, n},
                             .id = all ? &any_id : NULL,
                             .value = all && projected ? &any_double : NULL,
-                            .error = view_options_any_medium(v) ? &any_double : NULL,
+                            .error = has_errors(p) ? &any_double : NULL,
                             .provisional = p->wish.file ? NULL : &any_byte};
 }
 
@@ -187,6 +194,7 @@ void view_picture_stop(view_picture *p) {
     planes_release(p->tools.m, &p->base);
     picture_scene_release(&p->parts);
     p->phase = IDLE;
+    p->ready = false;
 }
 
 void view_picture_destroy(view_picture *p) {
@@ -291,9 +299,14 @@ static uint64_t count_provisional(const planes *of) {
     return n;
 }
 
-static double largest_error(const planes *of) {
+/* Without a plane: of several rays a pixel each is as exact as was asked for, and so is their mean.
+ */
+static double largest_error(const view_picture *p) {
+    const planes *const of = &p->now;
     const size_t count = of->image.error ? (size_t)of->width * of->height : 0;
     double most = 0.0;
+    if (count == 0 && view_options_any_medium(&p->wish.view))
+        most = p->scene.error > 0.0 ? p->scene.error : DEFAULT_ERROR;
     for (size_t i = 0; i < count; i++)
         most = fmax(most, of->image.error[i]);
     return most;
@@ -324,7 +337,7 @@ static json_t *describe_part(const view_picture *p, bool png, bool final) {
     json_object_set_new(out, "scale", json_integer(p->scale));
     json_object_set_new(out, "provisional", json_integer((json_int_t)provisional));
     json_object_set_new(out, "uncertified", json_integer((json_int_t)p->stats.uncertified_pixels));
-    json_object_set_new(out, "error", cli_json_real(largest_error(&p->now)));
+    json_object_set_new(out, "error", cli_json_real(largest_error(p)));
     json_object_set_new(out, "render_ms", json_real(1e3 * p->stats.render_s));
     json_object_set_new(out, "age_ms", json_real(1e3 * (clock_seconds() - p->wish.asked)));
     json_object_set_new(out, "stats", describe_stats(&p->stats));
@@ -405,6 +418,9 @@ static void learn(view_picture *p) {
 static status end_preview(view_picture *p, bool may_send, view_message **out) {
     status st = may_send ? make_part(p, false, out) : ST_OK;
     set_frame(p, NULL);
+    p->ready = p->wish.moving && !may_send;
+    if (p->ready)
+        return ST_OK;
     if (p->wish.moving) {
         planes_release(p->tools.m, &p->now);
         p->phase = IDLE;
@@ -473,9 +489,11 @@ status view_picture_advance(view_picture *p, double seconds, bool may_send, view
         view_picture_stop(p);
         return st;
     }
-    if (!p->frame)
+    if (!p->frame && !p->ready)
         st = begin_frame(p);
-    if (st == ST_OK)
+    if (st == ST_OK && p->ready)
+        st = end_preview(p, may_send, out);
+    else if (st == ST_OK)
         st = draw(p, seconds, may_send, out);
     if (st != ST_OK)
         view_picture_stop(p);

@@ -8,12 +8,13 @@
 
 #include "formats/base/clock.h"
 #include "render/view/view_access.h"
+#include "render/view/view_crowd.h"
 #include "render/view/view_draw.h"
 #include "render/view/view_page.h"
 #include "render/view/view_talk.h"
 
 enum {
-    CONNECTIONS_MAX = 128,
+    CONNECTIONS_MAX = 2 * VIEW_CROWD_MAX,
     CHUNK = 16 << 10, /* bytes of a body at a time */
     HEAD_MAX = 2048,  /* of an answer */
     HOST_MAX = 300,
@@ -45,6 +46,7 @@ struct view_server {
     struct lws_context *context;
     struct lws_vhost *vhost;
     session *sessions;
+    view_crowd crowd;
     char token[VIEW_TOKEN_TEXT], url[HOST_MAX + VIEW_TOKEN_TEXT + 32];
     char argument[VIEW_HEADERS_MAX];
     char own[HOST_MAX]; /* how it is called but localhost; "": no other way */
@@ -116,10 +118,12 @@ static int answer_body(struct lws *wsi, session *now, const char *type, const un
     unsigned char buffer[LWS_PRE + HEAD_MAX], *const start = buffer + LWS_PRE, *at = start,
                                                      *const end = buffer + sizeof buffer;
     char policy[HOST_MAX + 256];
+    /* A policy cannot name an address of IPv6; "self" does for browsers of today. */
+    const bool named = now->host[0] != '[';
     snprintf(policy, sizeof policy,
-             "default-src 'self'; img-src 'self' blob: data:; connect-src 'self' ws://%s; "
+             "default-src 'self'; img-src 'self' blob: data:; connect-src 'self'%s%s; "
              "frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
-             now->host);
+             named ? " ws://" : "", named ? now->host : "");
     if (lws_add_http_common_headers(wsi, HTTP_STATUS_OK, type, size, &at, end) ||
         !add_header(wsi, "content-security-policy:", policy, &at, end) ||
         lws_finalize_write_http_header(wsi, start, &at, end))
@@ -140,6 +144,7 @@ static int write_body(struct lws *wsi, session *now) {
         (int)size)
         return -1;
     if (now->left) {
+        lws_set_timeout(wsi, PENDING_TIMEOUT_HTTP_CONTENT, REQUEST_S);
         lws_callback_on_writable(wsi);
         return 0;
     }
@@ -150,6 +155,7 @@ static int write_body(struct lws *wsi, session *now) {
 /* ---- Sessions ---- */
 
 static void enlist(view_server *s, session *now, struct lws *wsi) {
+    view_crowd_leave(&s->crowd, wsi);
     now->wsi = wsi;
     now->next = s->sessions;
     s->sessions = now;
@@ -337,10 +343,18 @@ static int send_next(struct lws *wsi, session *now) {
 
 /* ---- libwebsockets ---- */
 
+static void admit(view_server *s, struct lws *wsi) {
+    struct lws *oldest = view_crowd_enter(&s->crowd, wsi);
+    if (oldest)
+        lws_set_timeout(oldest, PENDING_TIMEOUT_AWAITING_PING, LWS_TO_KILL_ASYNC);
+}
+
 static int on_event(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in,
                     size_t size) {
     session *now = user;
     switch (reason) {
+    case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED: admit(server_of(wsi), wsi); return 0;
+    case LWS_CALLBACK_WSI_DESTROY: view_crowd_leave(&server_of(wsi)->crowd, wsi); return 0;
     case LWS_CALLBACK_HTTP: return answer_request(wsi, now, in);
     case LWS_CALLBACK_HTTP_WRITEABLE: return go_on(wsi, now);
     case LWS_CALLBACK_HTTP_BODY: return -1;
@@ -369,6 +383,10 @@ static void keep_quiet(int level, const char *line) {
     (void)line;
 }
 
+static bool is_ipv6(const char *address) {
+    return address && strchr(address, ':');
+}
+
 static status make_context(view_server *s) {
     static const struct lws_protocols protocols[] = {{.name = "leafcast",
                                                       .callback = on_event,
@@ -392,13 +410,16 @@ static status make_context(view_server *s) {
         .server_string = "leafcast",
         .headers = &no_sniff,
         .max_http_header_data2 = VIEW_HEADERS_MAX,
-        .max_http_header_pool = 2 * VIEW_SEATS_MAX,
+        .max_http_header_pool = CONNECTIONS_MAX, /* made when needed: who has none waits for one */
         .fd_limit_per_thread = CONNECTIONS_MAX,
         .timeout_secs = REQUEST_S,
         .keepalive_timeout = REQUEST_S,
         .pt_serv_buf_size = CHUNK,
         .retry_and_idle_policy = &idle,
-        .options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_DISABLE_IPV6};
+        .options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS |
+                   (is_ipv6(s->options.address)
+                        ? LWS_SERVER_OPTION_IPV6_V6ONLY_MODIFY | LWS_SERVER_OPTION_IPV6_V6ONLY_VALUE
+                        : LWS_SERVER_OPTION_DISABLE_IPV6)};
     lws_set_log_level(LLL_ERR, keep_quiet);
     s->context = lws_create_context(&info);
     if (!s->context)
@@ -411,16 +432,20 @@ static status make_context(view_server *s) {
     return ST_OK;
 }
 
-/* Its own address, where that is one and not all there are. */
+static bool is_any(const char *address) {
+    struct in6_addr bytes = IN6ADDR_ANY_INIT;
+    const struct in6_addr any = bytes;
+    const bool six = is_ipv6(address);
+    return inet_pton(six ? AF_INET6 : AF_INET, address, &bytes) == 1 &&
+           memcmp(&bytes, &any, six ? sizeof any : sizeof(struct in_addr)) == 0;
+}
+
+/* As addresses have it: its own, where that is one and not all there are. */
 static void name_self(view_server *s) {
-    struct in_addr any;
     const char *address = s->options.address ? s->options.address : "127.0.0.1";
-    if (inet_pton(AF_INET, address, &any) == 1 && any.s_addr == INADDR_ANY &&
-        gethostname(s->own, sizeof s->own - 1) == 0)
-        address = s->own;
-    else
-        snprintf(s->own, sizeof s->own, "%s", address);
-    snprintf(s->url, sizeof s->url, "http://%s:%d/?token=%s", address,
+    if (!is_any(address) || gethostname(s->own, sizeof s->own - 1) != 0)
+        snprintf(s->own, sizeof s->own, is_ipv6(address) ? "[%s]" : "%s", address);
+    snprintf(s->url, sizeof s->url, "http://%s:%d/?token=%s", s->own,
              lws_get_vhost_listen_port(s->vhost), s->token);
 }
 

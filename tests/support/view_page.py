@@ -154,6 +154,7 @@ def volume(b):
     b.reveal("sec-volume")
     b.choose("Show", "media")
     ok("volume: drawn", b.rest())
+    ok("volume: no opaque surface hides it", "iso" not in b.flags())
     same(b, "volume")
     b.choose("Opacity", "custom")
     b.rest()
@@ -169,6 +170,7 @@ def volume(b):
     same(b, "maximum")
     b.choose("Show", "off")
     b.rest()
+    ok("without it surfaces are back", "iso" in b.flags())
 
 
 def clips(b):
@@ -412,7 +414,30 @@ def sizes(b, url):
     ok("phone: nothing beyond the side", b.js(
         "return document.documentElement.scrollWidth <= innerWidth && "
         "document.getElementById('panel').scrollWidth <= innerWidth"))
+    ok("phone: all tools in one line", b.js(
+        "return new Set([...document.querySelectorAll('.tools > *')].map(e => e.getBoundingClientRect().bottom)).size") == 1)
     same(b, "phone")
+
+
+def links(b):
+    """What a page does whose connection ends."""
+    both = Server([leafcast, "view", folder + "/g.leaf", folder + "/m.leaf"])
+    b.open(both.url)
+    b.choose("File", "1")
+    ok("another file", b.until("return leafcast.model && leafcast.volume.which === 1") and b.rest())
+    before = b.flags()
+    b.js("leafcast.link.socket.close()")
+    ok("a lost connection comes back", b.until("return document.getElementById('exact').textContent === 'not connected'") and
+       b.until("return leafcast.link.socket.readyState === 1") and b.rest())
+    ok("with the file and the state", b.flags() == before and b.js("return leafcast.volume.which") == 1)
+    both.stop(signal.SIGINT)
+    ok("no server: it says so", b.until("return document.getElementById('message').textContent.includes('lost')"))
+    again = Server([leafcast, "view", folder + "/g.leaf", "--port", str(both.port)])
+    ok("another server there: it says so, too", b.until(
+        "return document.getElementById('message').textContent.includes('does not take')"))
+    b.open(again.url)
+    again.stop(signal.SIGINT)
+    b.driver.get_log("browser")
 
 
 def main():
@@ -433,6 +458,7 @@ def main():
         ok("mesh: a final picture", b.open(mesh.url))
         steps(b)
         errors(b, "mesh")
+        links(b)
     finally:
         b.driver.quit()
         grid.stop(signal.SIGINT)

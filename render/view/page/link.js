@@ -26,12 +26,15 @@ export class Link extends EventTarget {
     const socket = new WebSocket(`${scheme}//${location.host}/socket?token=${encodeURIComponent(this.token)}`);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
-    socket.onopen = () => { this.wait = 250; this.tell("open"); };
+    let opened = false;
+    socket.onopen = () => { opened = true; this.wait = 250; this.tell("open"); };
     socket.onmessage = event => typeof event.data === "string" ? this.text(event.data) : this.picture(event.data);
-    socket.onclose = event => {
+    socket.onclose = async event => {
       for (const done of this.picks.values()) done(null);
       this.picks.clear();
-      this.tell("closed", {code: event.code});
+      // there: it serves its page, but no picture: another token, or no place.
+      const there = !opened && await fetch("/", {cache: "no-store"}).then(answer => answer.ok, () => false);
+      this.tell("closed", {code: event.code, there});
       setTimeout(() => this.connect(), this.wait);
       this.wait = Math.min(5000, 2 * this.wait);
     };

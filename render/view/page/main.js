@@ -1,6 +1,6 @@
 // main.js - puts the page together: the model, the panel, the picture.
 import {Annotate} from "./annotate.js";
-import {axisView, dolly, drive, fit} from "./camera.js";
+import {axisView, dolly, drive, fit, widen} from "./camera.js";
 import {Clip} from "./clip.js";
 import {Data} from "./data.js";
 import {byId, element, slider} from "./dom.js";
@@ -51,10 +51,15 @@ class App {
       this.data.shown(head);
       if (this.refused && head.number > this.refused) { this.refused = 0; this.quiet(); }
     });
-    on("refused", ({number, why}) => { this.refused = number ?? 0; this.say(why); });
-    on("closed", () => {
+    on("refused", ({number, why}) => {
+      this.refused = number ?? 0;
+      if (number) this.honesty.mark("not drawn", "bad");
+      this.say(why);
+    });
+    on("closed", ({there}) => {
       this.honesty.mark("not connected", "bad");
-      this.say("The connection is lost; trying again.");
+      this.say(there ? "The server is there, but does not take this page: open the address that it has printed, or close other pages."
+        : "The connection is lost; trying again.");
     });
     on("open", () => { this.honesty.mark("connecting", ""); this.quiet(); });
     window.addEventListener("hashchange", () => {
@@ -65,6 +70,9 @@ class App {
 
   show(volume) {
     const again = this.volume && this.model && volume.file === this.volume.file;
+    // A new connection begins with the first file, the page does not.
+    const shown = this.model && !again ? volume.files.indexOf(this.volume.file) : -1;
+    if (shown >= 0) return void this.link.open(shown);
     this.volume = volume;
     const saved = fromFragment(location.hash);
     const other = saved?.file && volume.files ? volume.files.indexOf(saved.file) : -1;
@@ -91,8 +99,7 @@ class App {
       this.say("This is no state of a picture.");
       this.model = fromFlags(this.volume.state, this.volume);
     }
-    const aspect = this.screen.width / this.screen.height;
-    if (first && aspect < PROPORTION) dolly(this.model.camera, PROPORTION / aspect, this.volume);
+    if (first) this.widen();
     this.pick.clear();
     this.build();
     this.changed(false);
@@ -182,6 +189,7 @@ class App {
     window.addEventListener("keydown", event => {
       if (event.ctrlKey || event.metaKey || event.altKey || byId("save").open) return;
       if (event.target.matches("input:not([type=checkbox],[type=range],[type=color]), select")) return;
+      if (event.key === "?") return this.help();
       const button = {o: "ortho", g: "fly", l: "slices-toggle", p: "toggle", c: "copy-command"}[event.key.toLowerCase()];
       if (button) byId(button).click();
     });
@@ -213,9 +221,14 @@ class App {
 
   reset() {
     this.model.camera = fromFlags(this.volume.state, this.volume).camera;
-    const aspect = this.screen.width / this.screen.height;
-    if (aspect < PROPORTION) dolly(this.model.camera, PROPORTION / aspect, this.volume);
+    this.widen();
     this.changed(false);
+  }
+
+  // The server's cameras are made for a wide picture.
+  widen() {
+    const aspect = this.screen.width / this.screen.height;
+    if (aspect < PROPORTION) widen(this.model.camera, this.volume.bounds, aspect, PROPORTION / aspect);
   }
 
   axis(k) {
@@ -240,6 +253,12 @@ class App {
       const wide = document.body.classList.toggle("wide");
       byId("toggle").setAttribute("aria-expanded", !wide);
     });
+  }
+
+  help() {
+    if (document.body.classList.contains("wide")) byId("toggle").click();
+    byId("sec-camera").open = true;
+    byId("keys").scrollIntoView();
   }
 
   cameraPanel() {
