@@ -72,6 +72,21 @@ double deviation_most(const leaf_layout *l, const uint16_t *codes, uint32_t set,
     return deviation_value(most);
 }
 
+double deviation_over(const leaf_layout *l, const uint16_t *codes, uint32_t set, uint32_t t,
+                      uint32_t k, uint32_t *up) {
+    uint32_t place[3], first[3], end[3];
+    for (int a = 0; a < 3; a++) {
+        const uint64_t from = (uint64_t)l->place[t][a] << l->cells_log2;
+        const uint64_t to = from + (1u << l->cells_log2);
+        const uint64_t last = to < l->level[0].cells[a] ? to : l->level[0].cells[a];
+        place[a] = (uint32_t)(from >> k >> l->cells_log2);
+        first[a] = (uint32_t)(from >> k) - (place[a] << l->cells_log2);
+        end[a] = (uint32_t)((last - 1) >> k) + 1 - (place[a] << l->cells_log2);
+    }
+    *up = leaf_layout_find(l, k, place);
+    return deviation_most(l, codes, set, *up, first, end);
+}
+
 /* ---- Two levels ---- */
 
 /* As a level's planes: the last cell of level 0 goes on behind the end. */

@@ -85,6 +85,12 @@ bool deviation_sound(const leaf_layout *l, const uint16_t *codes, size_t *brick)
 double deviation_most(const leaf_layout *l, const uint16_t *codes, uint32_t set, uint32_t t,
                       const uint32_t first[3], const uint32_t end[3]);
 
+/* deviation_over() - of the level k > 0 where treelet t of level 0 is: *up becomes the treelet
+ * there.
+ */
+double deviation_over(const leaf_layout *l, const uint16_t *codes, uint32_t set, uint32_t t,
+                      uint32_t k, uint32_t *up);
+
 /* ---- Two levels ---- */
 
 /* deviation_weight() - where the fine node in coarse cell i of an axis lies in it, of 1: axis has
