@@ -127,6 +127,133 @@ static void test_ranges(void **state) {
     assert_true(said > 50);
 }
 
+/* ---- Guesses that say how far they are off ---- */
+
+enum { NEAR = 60 };
+
+/* The value along the piece from x on, moved by off, by powers. */
+static void shifted(const segment *is, real x, real off, real k[4]) {
+    const real l = is->t1, b0 = is->b[0], b1 = is->b[1], b2 = is->b[2], b3 = is->b[3];
+    const real c[4] = {b0 + off, 3 * (b1 - b0) / l, 3 * (b2 - 2 * b1 + b0) / (l * l),
+                       (b3 - 3 * b2 + 3 * b1 - b0) / (l * l * l)};
+    k[0] = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
+    k[1] = c[1] + x * (2 * c[2] + x * 3 * c[3]);
+    k[2] = c[2] + 3 * c[3] * x;
+    k[3] = c[3];
+}
+
+/* What may be true: off by all that is said, or less, or there is nothing. */
+static size_t make_truth(bench *b, const segment *is, bool gaps, ref_piece of[PARTS]) {
+    static const real share[] = {-1, 1, 0};
+    const long way = field_random_below(&b->random, 4);
+    size_t count = 0;
+    for (int i = 0; i < PARTS; i++) {
+        const long n = way < 2 ? way : field_random_below(&b->random, 4);
+        const real by = n < 3 ? share[n] : (real)field_random_in(&b->random, -1, 1);
+        ref_piece *p = &of[count];
+        *p = (ref_piece){.t0 = is->t1 * (real)i / PARTS, .t1 = is->t1 * (real)(i + 1) / PARTS};
+        shifted(is, p->t0, by * (real)is->spread, p->k);
+        if (!gaps || field_random_below(&b->random, 2))
+            count++;
+    }
+    return count;
+}
+
+static segment any_piece(bench *b) {
+    const double size = b->values.most - b->values.least;
+    segment s = {.degree = 3,
+                 .t1 = b->values.length * pow(10.0, field_random_in(&b->random, -4, 0)),
+                 .spread = size * pow(10.0, field_random_in(&b->random, -6, 0))};
+    const double change = size * pow(10.0, field_random_in(&b->random, -5, 0));
+    s.b[0] = b->values.least + size * field_random_unit(&b->random);
+    for (int i = 1; i < 4; i++)
+        s.b[i] = s.b[0] + change * field_random_in(&b->random, -1, 1);
+    return s;
+}
+
+/* Returns whether what is true is off by a good part of what is said. */
+static bool check_near(bench *b) {
+    const segment is = any_piece(b);
+    const bool gaps = field_random_below(&b->random, 4) == 0;
+    medium_doubt d = {.to = is.t1, .bounded = true};
+    medium_stretch seen = medium_of_piece(&b->rule, &is);
+    ref_piece of[PARTS];
+    const size_t count = make_truth(b, &is, gaps, of);
+    const ref_medium medium = {of, count, b->points, b->medium.count};
+    const ref_media media = {.of = &medium, .count = 1};
+    const ref_colour is_true = ref_media_colour(&media);
+    double lo = is.b[0], hi = is.b[0];
+    for (int i = 1; i < 4; i++) {
+        lo = fmin(lo, is.b[i]);
+        hi = fmax(hi, is.b[i]);
+    }
+    d.what.gaps = gaps;
+    d.what.range[0] = lo - is.spread;
+    d.what.range[1] = hi + is.spread;
+    medium_doubt_near(&d, &b->rule, &is, &seen);
+    real most = fabsl(is_true.transmittance - seen.through);
+    bool good = most > 0.2L * seen.through_error;
+    if (!(most <= seen.through_error + 1e-18L))
+        fail_msg("spread %g, length %g: through %.17Lg, not %.17g +- %.3g", is.spread, is.t1,
+                 is_true.transmittance, seen.through, seen.through_error);
+    for (int c = 0; c < 3; c++) {
+        most = fabsl(is_true.rgb[c] - seen.rgb[c]);
+        if (!(most <= seen.rgb_error + is_true.error + 1e-18L))
+            fail_msg("spread %g, length %g: light %.17Lg, not %.17g +- %.3g", is.spread, is.t1,
+                     is_true.rgb[c], seen.rgb[c], seen.rgb_error);
+        good &= most > 0.05L * seen.rgb_error;
+    }
+    return good && seen.rgb_error > 1e-9;
+}
+
+static void test_near(void **state) {
+    (void)state;
+    int good = 0;
+    for (int i = 0; i < TRANSFERS; i++) {
+        bench b;
+        bench_begin(&b, i % hostile_transfer_kinds(), (uint64_t)i + 1000);
+        b.rule.share = b.rule.per_length = b.rule.drop = 1e-4;
+        for (int n = 0; n < NEAR; n++)
+            good += check_near(&b);
+        transfer_release(&b.t, &b.m);
+    }
+    print_message("# %d of %d are off by a good part of what is said\n", good, TRANSFERS * NEAR);
+    assert_true(good > TRANSFERS * NEAR / 50);
+}
+
+/* What changes over a range, by values one by one. */
+static void test_change(void **state) {
+    (void)state;
+    int tried = 0;
+    for (int i = 0; i < TRANSFERS; i++) {
+        bench b;
+        bench_begin(&b, i % hostile_transfer_kinds(), (uint64_t)i + 2000);
+        for (int n = 0; n < WAYS; n++) {
+            double range[2];
+            any_range(&b, range);
+            const double apart = (range[1] - range[0]) * field_random_unit(&b.random);
+            const transfer_change by = transfer_change_of(&b.t, range[0], range[1], apart);
+            for (int k = 0; k < 20; k++) {
+                const double from = field_random_in(&b.random, range[0], range[1] - apart);
+                const double to = from + apart;
+                real rgb[2][3], extinction[2];
+                if (from < range[0] || to > range[1] || to - from > apart)
+                    continue; /* rounded */
+                tried++;
+                ref_transfer(b.points, b.medium.count, from, rgb[0], &extinction[0]);
+                ref_transfer(b.points, b.medium.count, to, rgb[1], &extinction[1]);
+                assert_true(fabsl(extinction[1] - extinction[0]) <= by.k * (1 + 1e-9L) + 1e-300L);
+                for (int c = 0; c < 3; c++) {
+                    assert_true(fabsl(rgb[1][c] - rgb[0][c]) <= by.rgb * (1 + 1e-9L) + 1e-12L);
+                    assert_true(rgb[0][c] <= by.most_rgb * (1 + 1e-9L));
+                }
+            }
+        }
+        transfer_release(&b.t, &b.m);
+    }
+    assert_true(tried > 10 * TRANSFERS * WAYS);
+}
+
 /* Black fog of unknown density, and something bright behind it. */
 static void test_fog(void **state) {
     (void)state;
@@ -638,6 +765,7 @@ int main(int argc, char **argv) {
     if (argc == 2)
         cmocka_set_test_filter(argv[1]);
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_near),        cmocka_unit_test(test_change),
         cmocka_unit_test(test_ranges),      cmocka_unit_test(test_fog),
         cmocka_unit_test(test_beside),      cmocka_unit_test(test_holes),
         cmocka_unit_test(test_many_levels), cmocka_unit_test(test_doubts),
