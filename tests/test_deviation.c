@@ -55,6 +55,17 @@ static void test_codes(void **state) {
     }
 }
 
+/* Where something is rounded: more than what a few operations on the largest value lose. */
+static void test_rounding(void **state) {
+    (void)state;
+    const double range[2] = {-4.0, 2.0}, none[2] = {(double)INFINITY, -(double)INFINITY};
+    assert_true(deviation_rounding(SAMPLE_U16, false, range, 3) == 0.0);
+    assert_true(deviation_rounding(SAMPLE_U16, true, range, 3) >= 3 * 4.0 * 64 * 0x1p-53);
+    assert_true(deviation_rounding(SAMPLE_F32, false, range, 3) >= 3 * 4.0 * 64 * 0x1p-53);
+    assert_true(deviation_rounding(SAMPLE_F32, false, range, 1) < 1e-12);
+    assert_true(deviation_rounding(SAMPLE_F32, false, none, 1) == 0.0);
+}
+
 /* ---- Files ---- */
 
 /* Returns how many bricks have a number. */
@@ -120,6 +131,7 @@ static void test_rectilinear(void **state) {
         void *samples = leaf_files_random(&c, 3 + (uint64_t)i, 0);
         c.samples = samples;
         c.axis_file[0] = write_axis("x.txt", 36, i > 1 ? 0.7 : 0.01);
+        c.axis_file[1] = write_axis("y.txt", 45, 0.1 * (i % 3));
         c.axis_file[2] = write_axis("z.txt", 39, 0.2);
         (void)check_file(&c, "rectilinear");
         free(samples);
@@ -238,6 +250,13 @@ static void damage_try(damage *d, size_t i, uint16_t code, status opens, status 
     d->codes[i] = before;
 }
 
+/* Whether a brick begins before its treelet's cells end. */
+static bool is_there(const leaf_layout *l, uint32_t t, uint32_t brick) {
+    const leaf_payload p = leaf_layout_payload(l, t);
+    return brick % 2 * 8 < p.cells[0] && brick / 2 % 2 * 8 < p.cells[1] &&
+           brick / 4 * 8 < p.cells[2];
+}
+
 static void test_damage(void **state) {
     (void)state;
     leaf_case c = case_of(40, 30, 20, SAMPLE_U8);
@@ -251,7 +270,7 @@ static void test_damage(void **state) {
         const uint32_t brick = (uint32_t)(i % deviation_bricks(&d.layout));
         damage_try(&d, i, DEVIATION_UNKNOWN + 1, ST_CORRUPT, ST_CORRUPT);
         damage_try(&d, i, 0x8000, ST_CORRUPT, ST_CORRUPT);
-        if (!deviation_has_cells(&d.layout, t, brick)) {
+        if (!is_there(&d.layout, t, brick)) {
             damage_try(&d, i, 1, ST_CORRUPT, ST_CORRUPT);
             outside++;
             continue;
@@ -274,11 +293,11 @@ int main(int argc, char **argv) {
     if (argc == 2)
         cmocka_set_test_filter(argv[1]);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_codes),      cmocka_unit_test(test_types),
-        cmocka_unit_test(test_sizes),      cmocka_unit_test(test_rectilinear),
-        cmocka_unit_test(test_missing),    cmocka_unit_test(test_flat),
-        cmocka_unit_test(test_same_bytes), cmocka_unit_test(test_without),
-        cmocka_unit_test(test_damage),
+        cmocka_unit_test(test_codes),       cmocka_unit_test(test_rounding),
+        cmocka_unit_test(test_types),       cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_rectilinear), cmocka_unit_test(test_missing),
+        cmocka_unit_test(test_flat),        cmocka_unit_test(test_same_bytes),
+        cmocka_unit_test(test_without),     cmocka_unit_test(test_damage),
     };
     mem_init(&m, 0);
     return cmocka_run_group_tests(tests, NULL, NULL);
