@@ -14,6 +14,7 @@
 
 #include "formats/leaf/deviation.h"
 #include "formats/leaf/leaf_verify.h"
+#include "stream/active.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/leaf_image.h"
 #include "tests/support/naive_deviation.h"
@@ -217,6 +218,83 @@ static void test_without(void **state) {
     }
 }
 
+/* ---- Where there may be something ---- */
+
+/* Whether any sample of level 0 in a box of cells of a level lies in [lo, hi]. */
+static bool any_in(const leaf_case *c, uint32_t level, const uint32_t first[3], uint32_t cells,
+                   const float in[2]) {
+    uint32_t from[3], to[3];
+    for (int a = 0; a < 3; a++) {
+        from[a] = first[a] << level;
+        to[a] = from[a] + (cells << level);
+        to[a] = to[a] < c->dims[a] ? to[a] : c->dims[a] - 1;
+    }
+    for (uint32_t z = from[2]; z <= to[2]; z++)
+        for (uint32_t y = from[1]; y <= to[1]; y++)
+            for (uint32_t x = from[0]; x <= to[0]; x++) {
+                const size_t at = x + c->dims[0] * (y + (size_t)c->dims[1] * z);
+                const float v = ((const unsigned char *)c->samples)[at];
+                if (v >= in[0] && v <= in[1])
+                    return true;
+            }
+    return false;
+}
+
+/* Blocks of treelet t, of 2^3 or 4^3; counts[0]: those that are left out, [1]: that have it. */
+static void check_wide(const leaf_case *c, const leaf_file *f, uint32_t t, const active_masks *wide,
+                       const float in[2], size_t counts[2]) {
+    const leaf_layout *l = &f->layout;
+    const leaf_payload p = leaf_layout_payload(l, t);
+    for (uint32_t b = 0; b < 1u << (3 * p.node_levels); b++) {
+        uint32_t at[3] = {0, 0, 0}, first[3];
+        bool there = true;
+        for (uint32_t bit = 0; bit < p.node_levels; bit++)
+            for (uint32_t a = 0; a < 3; a++)
+                at[a] |= (b >> (3 * bit + a) & 1u) << bit;
+        for (int a = 0; a < 3; a++) {
+            there &= 4 * at[a] < p.cells[a];
+            first[a] = (l->place[t][a] << l->cells_log2) + 4 * at[a];
+        }
+        const bool has = there && any_in(c, l->level_of[t], first, 4, in);
+        if ((has || !there) && (wide->cells[b] != 0) != has)
+            fail_msg("treelet %u, block %u: %016llx", t, b, (unsigned long long)wide->cells[b]);
+        counts[has] += has || !wide->cells[b];
+    }
+}
+
+/* Blocks where level 0 has something of interest are walked, and not all others. */
+static void test_wide(void **state) {
+    (void)state;
+    leaf_case c = case_of(69, 60, 41, SAMPLE_U8);
+    void *samples = leaf_files_random(&c, 21, 0);
+    leaf_file *f = NULL;
+    size_t counts[2] = {0, 0};
+    c.samples = samples;
+    assert_int_equal(leaf_file_open(&m, leaf_files_make(&c, "wide.leaf"), &f), ST_OK);
+    const leaf_layout *l = &f->layout;
+    const uint32_t levels = l->cells_log2 - LEAF_BLOCK_LOG2;
+    void *payload = mem_alloc(&m, leaf_layout_payload_max(l));
+    void *blocks[2] = {mem_alloc(&m, active_bytes(levels)), mem_alloc(&m, active_bytes(levels))};
+    active_masks *exact = active_init(blocks[0], levels), *wide = active_init(blocks[1], levels);
+    for (uint32_t t = 0; t < l->level[0].first; t++) {
+        assert_int_equal(leaf_file_load(f, t, NULL, payload), ST_OK);
+        for (int v = 0; v < 255; v += 15) {
+            const float in[2] = {(float)v, (float)v + 3};
+            const interest_interval of = {.lo = v, .hi = v + 3};
+            const interest some = interest_of_intervals(&of, 1);
+            active_compute(exact, f, t, payload, &some);
+            active_wide(wide, exact, f, t, payload, &some);
+            check_wide(&c, f, t, wide, in, counts);
+        }
+    }
+    assert_true(counts[0] > 100 && counts[1] > 1000);
+    for (int i = 0; i < 2; i++)
+        mem_free(&m, blocks[i]);
+    mem_free(&m, payload);
+    leaf_file_close(f);
+    free(samples);
+}
+
 /* ---- Damage ---- */
 
 typedef struct damage {
@@ -297,7 +375,8 @@ int main(int argc, char **argv) {
         cmocka_unit_test(test_types),       cmocka_unit_test(test_sizes),
         cmocka_unit_test(test_rectilinear), cmocka_unit_test(test_missing),
         cmocka_unit_test(test_flat),        cmocka_unit_test(test_same_bytes),
-        cmocka_unit_test(test_without),     cmocka_unit_test(test_damage),
+        cmocka_unit_test(test_without),     cmocka_unit_test(test_wide),
+        cmocka_unit_test(test_damage),
     };
     mem_init(&m, 0);
     return cmocka_run_group_tests(tests, NULL, NULL);
