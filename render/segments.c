@@ -2,7 +2,6 @@
 
 #include <string.h>
 
-#include "formats/leaf/deviation.h"
 #include "render/cubic.h"
 #include "render/kind.h"
 
@@ -121,28 +120,11 @@ void segment_values(double middle, double spread, double range[2]) {
     }
 }
 
-/* What coarser levels leave of the range, each by its own and its deviation. */
-static void narrow(const tracer *tr, uint32_t t, double range[2]) {
-    const leaf_file *f = tr->treelets->file;
-    const leaf_layout *l = tr->layout;
-    for (uint32_t k = 1; k < l->levels; k++) {
-        uint32_t up;
-        const double off = deviation_over(l, f->deviations, tr->set, t, k, &up);
-        const float *own = f->own[leaf_layout_samples(l, tr->set, up)];
-        if (!(off < (double)INFINITY))
-            return;
-        range[0] = fmin(fmax(range[0], (double)own[0] - off), range[1]);
-        range[1] = fmax(fmin(range[1], (double)own[1] + off), range[0]);
-    }
-}
-
 bool segment_doubted(const tracer *tr, uint32_t t, double range[2]) {
     const leaf_file *f = tr->treelets->file;
     const uint32_t at = leaf_layout_samples(tr->layout, tr->set, t);
     range[0] = (double)f->own[at][0];
     range[1] = (double)f->own[at][1];
-    if (f->deviations && tr->layout->level_of[t] == 0 && range[0] <= range[1])
-        narrow(tr, t, range);
     return f->flags[at] & LEAF_FLAG_NON_FINITE;
 }
 

@@ -115,8 +115,7 @@ void segment_values(double middle, double spread, double range[2]);
 /* segment_doubt() - of a treelet of a tracer's volume, whose directory says which values it has. */
 segment segment_doubt(const tracer *tr, uint32_t t, double spread, double t0, double t1);
 
-/* segment_doubted() - those values into range[], also by what is known of coarser treelets; whether
- * there may be none in places. */
+/* segment_doubted() - those values into range[]; whether there may be none in places. */
 bool segment_doubted(const tracer *tr, uint32_t t, double range[2]);
 
 /* segment_t() - t there. */

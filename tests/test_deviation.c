@@ -295,6 +295,39 @@ static void test_wide(void **state) {
     free(samples);
 }
 
+/* What stands in for a treelet of level 0: the greatest of all bricks that its cells are in. */
+static void test_over(void **state) {
+    (void)state;
+    leaf_case c = case_of(133, 70, 41, SAMPLE_U8);
+    void *samples = leaf_files_random(&c, 22, 0);
+    leaf_file *f = NULL;
+    c.samples = samples;
+    assert_int_equal(leaf_file_open(&m, leaf_files_make(&c, "over.leaf"), &f), ST_OK);
+    const leaf_layout *l = &f->layout;
+    for (uint32_t t = l->level[0].first; t < l->treelets; t++)
+        for (uint32_t k = 1; k < l->levels; k++) {
+            const leaf_payload p = leaf_layout_payload(l, t);
+            double most = 0.0;
+            uint32_t up, place[3], at[3];
+            const double off = deviation_over(l, f->deviations, 0, t, k, &up);
+            for (uint32_t i = 0; i < p.cells[0] * p.cells[1] * p.cells[2]; i++) {
+                const uint32_t in[3] = {i % p.cells[0], i / p.cells[0] % p.cells[1],
+                                        i / p.cells[0] / p.cells[1]};
+                for (int a = 0; a < 3; a++) {
+                    const uint32_t cell = (l->place[t][a] * 16 + in[a]) >> k;
+                    place[a] = cell / 16;
+                    at[a] = cell % 16;
+                }
+                const uint32_t brick = at[0] / 8 + at[1] / 8 * 2 + at[2] / 8 * 4;
+                assert_int_equal(leaf_layout_find(l, k, place), up);
+                most = fmax(most, deviation_value(f->deviations[up * 8 + brick]));
+            }
+            assert_true(off == most);
+        }
+    leaf_file_close(f);
+    free(samples);
+}
+
 /* ---- Damage ---- */
 
 typedef struct damage {
@@ -376,7 +409,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(test_rectilinear), cmocka_unit_test(test_missing),
         cmocka_unit_test(test_flat),        cmocka_unit_test(test_same_bytes),
         cmocka_unit_test(test_without),     cmocka_unit_test(test_wide),
-        cmocka_unit_test(test_damage),
+        cmocka_unit_test(test_over),        cmocka_unit_test(test_damage),
     };
     mem_init(&m, 0);
     return cmocka_run_group_tests(tests, NULL, NULL);
