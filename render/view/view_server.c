@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <libwebsockets.h>
+#include <poll.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -19,7 +20,8 @@ enum {
     REQUEST_S = 10, /* to send one */
     PING_S = 20,
     HANGUP_S = 45, /* of a socket that says nothing */
-    TICK_US = 500000
+    TICK_US = 500000,
+    GONE_US = 50000 /* to notice that nobody waits for a picture any more */
 };
 _Static_assert(LWS_PRE <= VIEW_MESSAGE_BEFORE, "frames' heads fit before a message");
 
@@ -29,7 +31,8 @@ typedef struct session {
     struct lws *wsi;
     view_talk *talk;           /* of a socket */
     view_seat *seat;           /* of a picture that is drawn as a file */
-    view_message *drawn;       /* this, when it is there */
+    view_message *drawn;       /* this, when it is there, */
+    bool exr;                  /* in this format */
     const unsigned char *body; /* what is sent, */
     size_t left;               /* and how much of it still is */
     char host[HOST_MAX];       /* that was checked */
@@ -174,6 +177,28 @@ static void wake_sessions(view_server *s) {
             lws_callback_on_writable(at->wsi);
 }
 
+/* libwebsockets does not read from who waits for an answer, and so does not see him leave. Whether
+ * anybody waits. */
+static bool drop_gone(view_server *s) {
+    bool any = false;
+    for (session *at = s->sessions; at; at = at->next) {
+        struct pollfd end = {.fd = lws_get_socket_fd(at->wsi), .events = POLLRDHUP};
+        if (!at->seat)
+            continue;
+        any = true;
+        if (poll(&end, 1, 0) > 0)
+            lws_set_timeout(at->wsi, PENDING_TIMEOUT_HTTP_CONTENT, LWS_TO_KILL_ASYNC);
+    }
+    return any;
+}
+
+/* A signal may come just before the wait for events. */
+static void tick(lws_sorted_usec_list_t *sul) {
+    view_server *s = lws_container_of(sul, view_server, tick);
+    const bool waits = drop_gone(s);
+    lws_sul_schedule(s->context, 0, &s->tick, tick, waits ? GONE_US : TICK_US);
+}
+
 /* ---- HTTP ---- */
 
 static status describe_picture(struct lws *wsi, view_wish *wish) {
@@ -182,8 +207,9 @@ static status describe_picture(struct lws *wsi, view_wish *wish) {
     snprintf(size, sizeof size, "%s", argument(wsi, "size="));
     snprintf(file, sizeof file, "%s", argument(wsi, "file="));
     const char *type = argument(wsi, "type=");
-    if (type[0] && strcmp(type, "png") != 0)
-        return status_describe(ST_UNSUPPORTED, "pictures are sent as png alone\n");
+    if (type[0] && strcmp(type, "png") != 0 && strcmp(type, "exr") != 0)
+        return status_describe(ST_UNSUPPORTED, "pictures are sent as png or exr\n");
+    wish->kind = strcmp(type, "exr") == 0 ? VIEW_FILE_EXR : VIEW_FILE_PNG;
     const char *state = argument(wsi, "state=");
     return view_talk_file(s->m, s->options.files, s->options.file_count, state, size, file, wish);
 }
@@ -198,10 +224,22 @@ static int answer_picture(struct lws *wsi, session *now) {
     now->seat = view_draw_sit(s->draw);
     if (!now->seat)
         return answer_status(wsi, HTTP_STATUS_SERVICE_UNAVAILABLE, "too many clients\n");
+    now->exr = wish.kind == VIEW_FILE_EXR;
     enlist(s, now, wsi);
     lws_set_timeout(wsi, NO_PENDING_TIMEOUT, 0);
     view_seat_want(now->seat, &wish);
+    lws_sul_schedule(s->context, 0, &s->tick, tick, GONE_US);
     return 0;
+}
+
+/* Why, as the drawing thread says it. */
+static int answer_failure(struct lws *wsi, const view_message *said) {
+    json_t *object = json_loadb((const char *)said->bytes, said->size, 0, NULL);
+    const char *why = json_string_value(json_object_get(object, "why"));
+    const int result =
+        answer_status(wsi, HTTP_STATUS_BAD_REQUEST, why ? why : "the picture cannot be drawn\n");
+    json_decref(object);
+    return result;
 }
 
 static int send_picture(struct lws *wsi, session *now) {
@@ -211,8 +249,9 @@ static int send_picture(struct lws *wsi, session *now) {
     view_draw_leave(now->seat);
     now->seat = NULL;
     if (now->drawn->failed)
-        return answer_status(wsi, HTTP_STATUS_BAD_REQUEST, "the picture cannot be drawn\n");
-    return answer_body(wsi, now, "image/png", now->drawn->bytes, now->drawn->size);
+        return answer_failure(wsi, now->drawn);
+    return answer_body(wsi, now, now->exr ? "image/x-exr" : "image/png", now->drawn->bytes,
+                       now->drawn->size);
 }
 
 static int answer_request(struct lws *wsi, session *now, const char *path) {
@@ -323,12 +362,6 @@ static int on_event(struct lws *wsi, enum lws_callback_reasons reason, void *use
 static void notify(void *ctx) {
     const view_server *s = ctx;
     lws_cancel_service(s->context);
-}
-
-/* A signal may come just before the wait for events. */
-static void tick(lws_sorted_usec_list_t *sul) {
-    view_server *s = lws_container_of(sul, view_server, tick);
-    lws_sul_schedule(s->context, 0, &s->tick, tick, TICK_US);
 }
 
 static void keep_quiet(int level, const char *line) {

@@ -1,4 +1,5 @@
 // main.js - puts the page together: the model, the panel, the picture.
+import {Annotate} from "./annotate.js";
 import {axisView, dolly, drive, fit} from "./camera.js";
 import {Clip} from "./clip.js";
 import {Data} from "./data.js";
@@ -10,6 +11,7 @@ import {Pick} from "./pick.js";
 import {Save} from "./save.js";
 import {Screen} from "./screen.js";
 import {fromFlags, fromFragment, toFlags, toFragment} from "./state.js";
+import {Slices} from "./slice.js";
 import {Surfaces} from "./surfaces.js";
 import {add, scale, sub} from "./vector.js";
 import {Volume} from "./volume.js";
@@ -25,8 +27,10 @@ class App {
     this.screen = new Screen(byId("picture"), () => this.changed(false));
     this.surfaces = new Surfaces(this);
     this.media = new Volume(this);
+    this.slices = new Slices(this);
     this.clip = new Clip(this);
     this.light = new Light(this);
+    this.annotate = new Annotate(this);
     this.data = new Data(this);
     this.pick = new Pick(this);
     this.honesty = new Honesty(this);
@@ -95,7 +99,7 @@ class App {
   }
 
   build() {
-    for (const part of [this.surfaces, this.media, this.clip, this.light, this.data]) part.build();
+    for (const part of [this.surfaces, this.media, this.slices, this.clip, this.light, this.annotate, this.data]) part.build();
     this.cameraPanel();
   }
 
@@ -126,10 +130,20 @@ class App {
     if (moving && !keep) this.rest = setTimeout(() => this.changed(false), REST_MS);
     if (!moving) this.remember(flags);
     this.pick.mark();
+    this.slices.update(moving);
+    this.annotate.outline(moving);
     this.screen.canvas.classList.toggle("clear", this.model.light.clear);
     byId("ortho").setAttribute("aria-pressed", this.model.camera.ortho);
     this.fov?.set(this.model.camera.fov);
     return this.link.view(flags, this.screen.width, this.screen.height, moving);
+  }
+
+  // sliced() - likewise of the slices alone.
+  sliced(moving) {
+    clearTimeout(this.sliceRest);
+    if (moving) this.sliceRest = setTimeout(() => this.sliced(false), REST_MS);
+    else this.remember(toFlags(this.model, this.volume));
+    this.slices.update(moving);
   }
 
   remember(flags) {
@@ -168,7 +182,7 @@ class App {
     window.addEventListener("keydown", event => {
       if (event.ctrlKey || event.metaKey || event.altKey || byId("save").open) return;
       if (event.target.matches("input:not([type=checkbox],[type=range],[type=color]), select")) return;
-      const button = {o: "ortho", g: "fly", p: "toggle", c: "copy-command"}[event.key.toLowerCase()];
+      const button = {o: "ortho", g: "fly", l: "slices-toggle", p: "toggle", c: "copy-command"}[event.key.toLowerCase()];
       if (button) byId(button).click();
     });
   }
