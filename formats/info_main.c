@@ -224,15 +224,27 @@ static void print_sizes(const facts *x) {
                    (unsigned long long)x->histogram[i]);
 }
 
+static const char *print_short(double x, char text[NUM_TEXT_MAX]) {
+    snprintf(text, NUM_TEXT_MAX, "%.3g", x);
+    return text;
+}
+
 static void print_levels(const facts *x) {
     const leaf_layout *l = &x->f->layout;
-    printf("\nlevel            samples   treelets          bytes\n");
+    const bool deviations = x->f->deviations;
+    printf("\nlevel            samples   treelets          bytes%s\n",
+           deviations ? "   off by, mean        at most" : "");
     for (uint32_t i = 0; i < l->levels; i++) {
-        char dims[40];
+        char dims[40], off[2][NUM_TEXT_MAX], off_by[3 * NUM_TEXT_MAX] = "";
+        if (deviations && i > 0) {
+            const leaf_deviation d = leaf_stats_deviation(x->f, i);
+            snprintf(off_by, sizeof off_by, " %14s %14s", print_short(d.mean, off[0]),
+                     d.unknown ? "unknown" : print_short(d.most, off[1]));
+        }
         snprintf(dims, sizeof dims, "%ux%ux%u", l->level[i].dims[0], l->level[i].dims[1],
                  l->level[i].dims[2]);
-        printf("%5u %18s %10u %14llu\n", i, dims, l->level[i].count,
-               (unsigned long long)x->level_bytes[i]);
+        printf("%5u %18s %10u %14llu%s\n", i, dims, l->level[i].count,
+               (unsigned long long)x->level_bytes[i], off_by);
     }
     print_sizes(x);
 }
@@ -476,15 +488,24 @@ static json_t *mesh_json(const facts *x) {
     return json;
 }
 
+static json_t *deviation_json(const leaf_file *f, uint32_t level) {
+    const leaf_deviation d = leaf_stats_deviation(f, level);
+    return json_pack("{s:f, s:f, s:I, s:I}", "mean", d.mean, "most", d.most, "bricks",
+                     (json_int_t)d.bricks, "unknown", (json_int_t)d.unknown);
+}
+
 static json_t *levels_json(const facts *x) {
     const leaf_layout *l = &x->f->layout;
     json_t *levels = json_array();
-    for (uint32_t i = 0; i < l->levels; i++)
-        json_array_append_new(
-            levels,
+    for (uint32_t i = 0; i < l->levels; i++) {
+        json_t *level =
             json_pack("{s:[I,I,I], s:I, s:I}", "dims", (json_int_t)l->level[i].dims[0],
                       (json_int_t)l->level[i].dims[1], (json_int_t)l->level[i].dims[2], "treelets",
-                      (json_int_t)l->level[i].count, "bytes", (json_int_t)x->level_bytes[i]));
+                      (json_int_t)l->level[i].count, "bytes", (json_int_t)x->level_bytes[i]);
+        if (x->f->deviations && i > 0)
+            json_object_set_new(level, "deviation", deviation_json(x->f, i));
+        json_array_append_new(levels, level);
+    }
     return levels;
 }
 

@@ -8,7 +8,7 @@
 
 #define CONVERT_MEMORY_DEFAULT ((uint64_t)2 << 30)
 
-/* convert_parameters_default() - leaf_parameters_default(), and with histograms. */
+/* convert_parameters_default() - leaf_parameters_default(), and with histograms and deviations. */
 leaf_parameters convert_parameters_default(void);
 
 #endif

@@ -111,15 +111,16 @@ status volume_tracer_of_all(leafcast *v, const leafcast_scene *scene, const came
     if (st != ST_OK)
         return st;
     loader_select_gradients(v->treelets, scene->smooth_normals);
-    *tr = (tracer){.kind = v->kind,
-                   .treelets = v->treelets,
-                   .layout = &v->file->layout,
-                   .set = v->set,
-                   .isos = {v->isovalue_count, v->isovalues},
-                   .space = v->space,
-                   .preview = scene->preview,
-                   .doubts = scene->preview && scene_is_certified(scene),
-                   .touched = v->touched};
+    *tr =
+        (tracer){.kind = v->kind,
+                 .treelets = v->treelets,
+                 .layout = &v->file->layout,
+                 .set = v->set,
+                 .isos = {v->isovalue_count, v->isovalues},
+                 .space = v->space,
+                 .preview = scene->preview,
+                 .doubts = scene->preview && scene_is_certified(scene) && scene_filled(scene) == 1,
+                 .touched = v->touched};
     v->kind->aim(v, scene, c, tr);
     return clip_of(scene, tr);
 }

@@ -27,6 +27,14 @@ static inline bool scene_is_certified(const leafcast_scene *scene) {
            (!scene->experiments || scene->experiments->summing == LEAFCAST_CERTIFIED);
 }
 
+/* scene_filled() - how many volumes are filled with a medium. */
+static inline int scene_filled(const leafcast_scene *scene) {
+    int filled = 0;
+    for (int i = 0; i < scene->media_count; i++)
+        filled += scene->media[i].count > 0;
+    return filled;
+}
+
 /* scene_intersector() - the exact one, but for experiments. */
 static inline leafcast_intersector scene_intersector(const leafcast_scene *scene) {
     return scene->experiments ? scene->experiments->intersector : LEAFCAST_MARMITT;

@@ -1,6 +1,7 @@
 #include "render/medium_doubt.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "formats/base/portable_math.h"
 
@@ -60,9 +61,10 @@ void medium_doubt_join(medium_stretch *front, const medium_stretch *behind, doub
 /* ---- On the way ---- */
 
 medium_doubtful medium_doubtful_of(const transfer *t, const tracer *tr, uint32_t of) {
-    double range[2];
-    const bool gaps = segment_doubted(tr, of, range);
-    return (medium_doubtful){transfer_extent_of(t, range[0], range[1]), gaps};
+    medium_doubtful what;
+    what.gaps = segment_doubted(tr, of, what.range);
+    what.extent = transfer_extent_of(t, what.range[0], what.range[1]);
+    return what;
 }
 
 static void take_in(double range[2], const double more[2]) {
@@ -73,7 +75,12 @@ static void take_in(double range[2], const double more[2]) {
 void medium_doubt_begin(medium_doubt *d, const segment *is, const medium_doubtful *what) {
     const medium_doubt before = *d;
     const bool beside = is->spread == SEGMENT_BESIDE;
-    *d = (medium_doubt){is->t0, is->t1, *what, beside, medium_nothing()};
+    *d = (medium_doubt){.from = is->t0,
+                        .to = is->t1,
+                        .what = *what,
+                        .beside = beside,
+                        .bounded = is->spread == SEGMENT_BOUNDED,
+                        .guess = medium_nothing()};
     if (!beside)
         return;
     d->what.gaps = true;
@@ -88,12 +95,64 @@ void medium_doubt_begin(medium_doubt *d, const segment *is, const medium_doubtfu
 
 bool medium_doubt_take(medium_doubt *d, const medium_rule *rule, double t, medium_stretch *seen) {
     const double until = fmin(t, d->to);
+    if (d->bounded) { /* where no piece was, nothing is */
+        d->from = fmax(d->from, until);
+        return false;
+    }
     if (!(d->from < until) || (!d->beside && t < d->to))
         return false;
     *seen = d->guess;
     medium_doubt_within(rule, &d->what, until - d->from, seen);
     d->from = until;
     return true;
+}
+
+bool medium_doubt_bounds(const medium_doubt *d, double t0) {
+    return d->bounded && t0 < d->to;
+}
+
+/* By (2): what v's stretch, and what is near it, may differ by. */
+static void add_change(const transfer_change *by, double length, medium_stretch *seen) {
+    const double rounding = 64.0 * 0x1p-53, depth = by->k * length;
+    const double grown = portable_exp(depth) - 1.0 + rounding;
+    const double through = fmin(seen->through + seen->through_error, 1.0);
+    const double least = fmax(seen->through - seen->through_error, 0.0);
+    const double opacity = 1.0 - least,
+                 most_opacity = 1.0 - least * portable_exp(-depth) + rounding;
+    seen->through_error += through * grown + rounding;
+    seen->rgb_error += by->rgb * most_opacity + by->most_rgb * (depth + opacity * grown + rounding);
+}
+
+void medium_doubt_near(const medium_doubt *d, const medium_rule *rule, const segment *piece,
+                       medium_stretch *seen) {
+    const double off = piece->spread + segment_value_error(piece, &rule->error);
+    const double length = piece->t1 - piece->t0;
+    double lo = piece->b[0], hi = piece->b[0];
+    for (uint32_t i = 1; i <= piece->degree; i++) {
+        lo = fmin(lo, piece->b[i]);
+        hi = fmax(hi, piece->b[i]);
+    }
+    lo -= off;
+    hi += off;
+    medium_doubtful what = {.gaps = d->what.gaps};
+    what.range[0] = fmin(fmax(lo, d->what.range[0]), d->what.range[1]);
+    what.range[1] = fmax(fmin(hi, d->what.range[1]), d->what.range[0]);
+    what.extent = transfer_extent_of(rule->transfer, what.range[0], what.range[1]);
+    medium_stretch within = *seen, near = *seen;
+    medium_doubt_within(rule, &what, length, &within);
+    *seen = within;
+    const transfer_change by = transfer_change_of(rule->transfer, lo, hi, off);
+    if (d->what.gaps || !(by.k * length < 1.0))
+        return;
+    add_change(&by, length, &near);
+    if (near.through_error < within.through_error) {
+        seen->through = near.through;
+        seen->through_error = near.through_error;
+    }
+    if (near.rgb_error < within.rgb_error) {
+        memcpy(seen->rgb, near.rgb, sizeof near.rgb);
+        seen->rgb_error = near.rgb_error;
+    }
 }
 
 bool medium_doubt_guess(medium_doubt *d, double t1, const medium_stretch *seen) {

@@ -13,6 +13,25 @@
  * by coarser treelets or by nothing, brought within (1). Its error is the distance to the further
  * end, and so true whatever the guess is. The rule of medium_stretch.h is not kept; but many doubts
  * in a row are off by no more than there is to be seen (medium_doubt_join()).
+ *
+ * Where deviations are known, a guess is a piece of a coarser treelet of whose value v the true one
+ * is within e (deviation.h, and what the piece's value errs by). Then (1) is of the piece alone,
+ * and the range is that of v, widened by e, as far as the directory allows. And if nothing is
+ * missing, v itself says more. Let the extinction change by up to d, a component of the colour by
+ * up to g where values are up to e apart, and the colour be up to c. With k, T = e^-tau of v, k',
+ * T' of the true value,
+ *
+ *     e^-(d s) T(s) <= T'(s) <= e^(d s) T(s)
+ *     c' k' T' - c k T = (c' - c) k' T' + c (k' - k) T' + c k (T' - T)
+ *
+ * at each s up to l. The integral of k' T' is the opacity A', that of T' is at most l, that of k T
+ * is A. So
+ *
+ *     |T' - T| <= T (e^(d l) - 1)
+ *     |light' - light| <= g A' + c (d l + A (e^(d l) - 1))                              (2)
+ *
+ * beside the error of T and of the light of v. Of (1) and (2) the lesser one is taken, for the two
+ * numbers each by itself: what comes through and the light.
  */
 #ifndef RENDER_MEDIUM_DOUBT_H
 #define RENDER_MEDIUM_DOUBT_H
@@ -23,13 +42,15 @@
 typedef struct medium_doubtful {
     transfer_extent extent; /* where something is */
     bool gaps;              /* there may be nothing in places */
+    double range[2];        /* of values */
 } medium_doubtful;
 
 /* A ray in it. Zeroed: in none. */
 typedef struct medium_doubt {
     double from, to; /* t: what is in doubt, and was not yet taken; from >= to: nothing */
     medium_doubtful what;
-    bool beside;          /* between pieces, which are true; else in place of them */
+    bool beside;          /* between pieces, which are true; else in place of them, */
+    bool bounded;         /* and pieces say how far they are off */
     medium_stretch guess; /* by such pieces, so far */
 } medium_doubt;
 
@@ -42,6 +63,12 @@ void medium_doubt_begin(medium_doubt *d, const segment *is, const medium_doubtfu
 /* medium_doubt_take() - what is known to be seen of it before t, where the next piece begins.
  * False: nothing, or not yet. */
 bool medium_doubt_take(medium_doubt *d, const medium_rule *rule, double t, medium_stretch *seen);
+
+/* medium_doubt_bounds() - whether a piece that begins at t0 is a guess that says how far it is off.
+ * medium_doubt_near() - it is one: *seen, of v alone, becomes what is known of it. */
+bool medium_doubt_bounds(const medium_doubt *d, double t0);
+void medium_doubt_near(const medium_doubt *d, const medium_rule *rule, const segment *piece,
+                       medium_stretch *seen);
 
 /* medium_doubt_guess() - a piece that ends at t1 comes next, of which that is seen. True: it is a
  * guess, and has been taken in. */

@@ -182,6 +182,17 @@ static const medium_doubtful *doubtful_of(const frame *f, take_scratch *s, uint3
     return &s->doubtful[i];
 }
 
+static segment piece_of(const segment_columns *c, unsigned i) {
+    segment piece = {.t0 = c->t0[i],
+                     .t1 = c->t1[i],
+                     .spread = c->spread[i],
+                     .treelet = c->treelet[i],
+                     .degree = (uint32_t)c->degree};
+    for (int k = 0; k <= c->degree; k++)
+        piece.b[k] = c->b[k][i];
+    return piece;
+}
+
 /* Piece i in a preview. True: it is a doubt, or a guess, or comes too late. */
 static bool take_doubt(const frame *f, medium_ray *p, take_scratch *s, const segment_columns *c,
                        unsigned i, bool *stop) {
@@ -199,9 +210,18 @@ static bool take_doubt(const frame *f, medium_ray *p, take_scratch *s, const seg
         medium_doubt_begin(doubt_of(p), &is, doubtful_of(f, s, c->treelet[i]));
         return true;
     }
+    const bool bounded = p->doubted && medium_doubt_bounds(doubt_of(p), c->t0[i]);
+    if (c->spread[i] > 0.0 && !bounded)
+        medium_batch_whole(&s->batch, c, i);
     if (!p->doubted)
         return false;
-    const medium_stretch seen = m->seen[i] ? stretch_of(m, i) : medium_nothing();
+    medium_stretch seen = m->seen[i] ? stretch_of(m, i) : medium_nothing();
+    if (bounded) {
+        const segment piece = piece_of(c, i);
+        medium_doubt_near(doubt_of(p), &p->rule, &piece, &seen);
+        join(f, p, &p->run, &seen);
+        return true;
+    }
     return medium_doubt_guess(doubt_of(p), c->t1[i], &seen);
 }
 
@@ -267,13 +287,7 @@ static void shade_piece(const frame *f, const medium_ray *p, const segment_colum
                         lit_ray *on, medium_stretch *seen) {
     const int v = filled_from(f, 0);
     const tracer *tr = &f->tracer[v];
-    segment piece = {.t0 = c->t0[i],
-                     .t1 = c->t1[i],
-                     .spread = c->spread[i],
-                     .treelet = c->treelet[i],
-                     .degree = (uint32_t)c->degree};
-    for (int k = 0; k <= c->degree; k++)
-        piece.b[k] = c->b[k][i];
+    const segment piece = piece_of(c, i);
     if (on->of != p) {
         on->of = p;
         on->in_world = way_of(f, p);
@@ -351,13 +365,13 @@ static void medium_take(const frame *f, ray_record *const r[], const segment_col
     m->transfer = &look->media[filled_from(f, 0)];
     set_rules(look, r, c, m);
     f->kernels->medium(m, c);
-    for (unsigned i = 0; i < c->count; i++)
-        if (c->spread[i] > 0.0)
-            medium_batch_whole(m, c, i);
     if (f->tracer[filled_from(f, 0)].doubts) {
         take_doubted(f, r, c, stop, s);
         return;
     }
+    for (unsigned i = 0; i < c->count; i++)
+        if (c->spread[i] > 0.0)
+            medium_batch_whole(m, c, i);
     for (unsigned i = 0, end; i < c->count; i = end) {
         const unsigned number = c->ray[i];
         medium_ray *p = medium_ray_of(r[number]);

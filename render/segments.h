@@ -22,7 +22,9 @@
  *     and with half its width, or SEGMENT_EXACT, as spread. Elsewhere that is 0.
  *   - Where a preview misses a treelet that matters, the ray has a doubt instead (tracer.doubts):
  *     something like a piece, between others, that says in how much of the ray what is missing may
- *     be. In a grid pieces of coarser treelets follow that stand in there, if there are such.
+ *     be. In a grid pieces of coarser treelets follow that stand in there, if there are such. Where
+ *     deviations are known (deviation.h), each says by its spread how far it may be off, and where
+ *     there is none, nothing of interest is.
  *   - t and values err by no more than grid_segments.h and mesh_segments.h say.
  *   - The same bits whatever was resident when, and however little.
  *
@@ -104,10 +106,11 @@ void segment_values(double middle, double spread, double range[2]);
 
 /* What a doubt has as spread: from t0 to t1 the pieces that follow are guesses, in place of those
  * of `treelet`, which fills all of that; or `treelet` may have pieces there, where others leave
- * room.
+ * room; or as the first, and the spread of each piece, 0 or more, is how far the value may be off.
  */
 #define SEGMENT_GUESSED (-1.0)
 #define SEGMENT_BESIDE  (-2.0)
+#define SEGMENT_BOUNDED (-3.0)
 
 /* segment_doubt() - of a treelet of a tracer's volume, whose directory says which values it has. */
 segment segment_doubt(const tracer *tr, uint32_t t, double spread, double t0, double t1);

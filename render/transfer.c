@@ -171,6 +171,24 @@ transfer_extent transfer_extent_of(const transfer *t, double lo, double hi) {
     return e;
 }
 
+/* By the steepest span; a step between two of them may be all that there is. */
+transfer_change transfer_change_of(const transfer *t, double lo, double hi, double e) {
+    transfer_change c = {0};
+    double most_k = 0.0;
+    bool step = false;
+    for (int i = transfer_find(t, lo); i < t->spans && t->span[i].from <= hi; i++) {
+        const transfer_span *s = &t->span[i];
+        c.k = fmax(c.k, s->k_rate);
+        c.rgb = fmax(c.rgb, s->rgb_rate);
+        c.most_rgb = fmax(c.most_rgb, s->most_rgb);
+        most_k = fmax(most_k, s->most_k);
+        step |= i + 1 < t->spans && s->to <= hi && s->reach[1] == s->to;
+    }
+    c.k = step ? most_k : fmin(c.k * e, most_k);
+    c.rgb = step ? c.most_rgb : fmin(c.rgb * e, c.most_rgb);
+    return c;
+}
+
 /* Two neighbours become one. */
 static int take_in_gap(interest_interval of[], int count, int before) {
     of[before].hi = of[before + 1].hi;

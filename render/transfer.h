@@ -77,6 +77,15 @@ typedef struct transfer_extent {
 /* transfer_extent_of() - of [lo, hi]. */
 transfer_extent transfer_extent_of(const transfer *t, double lo, double hi);
 
+/* What is different at most where two values are, both in a range and up to e apart. */
+typedef struct transfer_change {
+    double k, rgb;   /* by so much; */
+    double most_rgb; /* and the largest component of the range's colours, used or not */
+} transfer_change;
+
+/* transfer_change_of() - in [lo, hi]. */
+transfer_change transfer_change_of(const transfer *t, double lo, double hi, double e);
+
 /* transfer_interest() - into intervals[]: the values that matter, those of some extinction; where
  * there would be more intervals than `max`, the narrowest gaps between them are taken in. Returns
  * how many there are. */

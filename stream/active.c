@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/leaf/deviation.h"
 #include "formats/leaf/quantize.h"
 #include "stream/active_template.h"
 
@@ -238,6 +239,53 @@ void active_whole(active_masks *masks, const leaf_file *f, uint32_t p, const voi
         masks->first[a] = 0;
         masks->end[a] = (uint8_t)(1u << levels);
     }
+}
+
+/* Inner nodes by the blocks: a child is active iff one of its own children is. */
+static void mark_nodes(active_masks *masks, uint32_t levels) {
+    for (uint32_t k = levels; k >= 1; k--)
+        for (uint32_t group = 0; group < 1u << (3 * (k - 1)); group++) {
+            unsigned active = 0;
+            for (uint32_t c = 8 * group; c < 8 * group + 8; c++)
+                active |= (unsigned)(k == levels ? masks->cells[c] != 0
+                                                 : masks->nodes[active_nodes_at(k) + c] != 0)
+                          << (c & 7u);
+            *(k > 1 ? &masks->nodes[active_nodes_at(k - 1) + group] : &masks->root) =
+                (uint8_t)active;
+        }
+}
+
+static float outward(double x, double to) {
+    const float f = (float)x;
+    return (double)f == x ? f : nextafterf(f, (float)to);
+}
+
+void active_wide(active_masks *masks, const active_masks *exact, const leaf_file *f, uint32_t p,
+                 const void *payload, const interest *in) {
+    const leaf_layout *l = &f->layout;
+    const uint32_t t = p % l->treelets;
+    const leaf_payload shape = leaf_layout_payload(l, t);
+    const uint16_t *codes = f->deviations + deviation_at(l, p / l->treelets, t);
+    for (uint32_t m = 0; m < 1u << (3 * shape.node_levels); m++) {
+        uint32_t at[3];
+        double range[2];
+        morton_decode(m, shape.node_levels, at);
+        for (int a = 0; a < 3; a++)
+            at[a] *= BLOCK;
+        const uint64_t cells = valid_cells(shape.cells, at);
+        const uint16_t code = codes[deviation_brick(l, at[0], at[1], at[2])];
+        masks->cells[m] = code == DEVIATION_UNKNOWN ? exact->cells[m] : 0;
+        if (!cells || code == DEVIATION_UNKNOWN)
+            continue;
+        active_range(f, p, payload, shape.node_levels, m, range);
+        if (interest_meets(in, outward(range[0] - deviation_value(code), -INFINITY),
+                           outward(range[1] + deviation_value(code), INFINITY)))
+            masks->cells[m] = cells;
+    }
+    mark_nodes(masks, shape.node_levels);
+    memset(masks->first, 0, sizeof masks->first);
+    memset(masks->end, 0, sizeof masks->end);
+    active_bound(masks, shape.node_levels);
 }
 
 void active_compute(active_masks *masks, const leaf_file *f, uint32_t p, const void *payload,

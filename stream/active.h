@@ -50,6 +50,12 @@ void active_whole(active_masks *masks, const leaf_file *f, uint32_t p, const voi
 void active_range(const leaf_file *f, uint32_t p, const void *payload, uint32_t k, uint32_t i,
                   double range[2]);
 
+/* active_wide() - of a payload of a coarse level in a file with deviations (deviation.h): all cells
+ * of the blocks where there may be something of the interest in level 0; where a deviation is
+ * unknown, those of `exact`. */
+void active_wide(active_masks *masks, const active_masks *exact, const leaf_file *f, uint32_t p,
+                 const void *payload, const interest *in);
+
 /* active_compute() - masks of a grid's payload p (leaf_layout_samples()) for an interest. Of the
  * samples only those of blocks whose codes meet it decide. */
 typedef void active_fn(active_masks *masks, const leaf_file *f, uint32_t p, const void *payload,

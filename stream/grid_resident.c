@@ -14,11 +14,18 @@ static size_t scratch_bytes(const resident_store *s) {
     return 0;
 }
 
-/* All are alike. */
+static bool deviates(const leaf_file *f, uint32_t t) {
+    return f->deviations && f->layout.level_of[t] > 0;
+}
+
+static size_t masks_bytes(const leaf_file *f, uint32_t t) {
+    const size_t each = active_bytes(f->layout.cells_log2 - LEAF_BLOCK_LOG2);
+    return deviates(f, t) ? 2 * each : each;
+}
+
+/* Those of a level are alike. */
 static size_t most_bytes(const resident_store *s, uint32_t t) {
-    const leaf_layout *layout = &s->file->layout;
-    (void)t;
-    return leaf_layout_payload_max(layout) + active_bytes(layout->cells_log2 - LEAF_BLOCK_LOG2) +
+    return leaf_layout_payload_max(&s->file->layout) + masks_bytes(s->file, t) +
            source_overhead_bytes(s->source) + HEAD + 256;
 }
 
@@ -37,7 +44,7 @@ static status load(const resident_store *s, uint32_t t, uint32_t set, const void
     const leaf_layout *layout = &s->file->layout;
     const leaf_payload shape = leaf_layout_payload(layout, t);
     const uint32_t p = leaf_layout_samples(layout, set, t);
-    const size_t block = HEAD + active_bytes(shape.node_levels);
+    const size_t block = HEAD + masks_bytes(s->file, t);
     (void)shared;
     resident_grid *tr = mem_zalloc(s->m, block);
     if (!tr)
@@ -49,6 +56,11 @@ static status load(const resident_store *s, uint32_t t, uint32_t set, const void
         tr->first_cell[a] = layout->place[t][a] << layout->cells_log2;
     tr->shape = shape;
     tr->masks = active_init((char *)tr + HEAD, shape.node_levels);
+    if (deviates(s->file, t)) {
+        tr->wide =
+            active_init((char *)tr + HEAD + active_bytes(shape.node_levels), shape.node_levels);
+        tr->deviations = s->file->deviations + deviation_at(layout, set, t);
+    }
     tr->head.bytes = block + shape.bytes + source_overhead_bytes(s->source) + 128;
     status st = source_load(s->source, p, &scratch->source, &tr->head.payload);
     if (st != ST_OK) {
@@ -79,6 +91,8 @@ static void destroy(const resident_store *s, treelet *tr) {
 static void mask(const resident_store *s, treelet *tr, const interest *in) {
     active_masks *masks = resident_grid_of(tr)->masks;
     s->compute(masks, s->file, payload_of(s, tr), tr->payload, in);
+    if (resident_grid_of(tr)->wide)
+        active_wide(resident_grid_of(tr)->wide, masks, s->file, payload_of(s, tr), tr->payload, in);
     active_whole(masks, s->file, payload_of(s, tr), tr->payload, &in->whole);
 }
 

@@ -38,7 +38,7 @@ static leaf_image make_grid(leaf_codec codec) {
     void *samples = leaf_files_random(&c, FIELD_SEED, 25);
     c.samples = samples;
     c.options.file.codec = codec;
-    c.options.file.histograms = codec == LEAF_CODEC_ZSTD;
+    c.options.file.histograms = c.options.file.deviations = codec == LEAF_CODEC_ZSTD;
     size_t size;
     char *bytes = scratch_read(leaf_files_make(&c, "made.leaf"), &size);
     free(samples);

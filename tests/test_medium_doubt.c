@@ -96,7 +96,8 @@ static bool check_way(bench *b) {
         medium_stretch next = any_guess(b);
         double range[2];
         any_range(b, range);
-        const medium_doubtful what = {transfer_extent_of(&b->t, range[0], range[1]), gaps};
+        const medium_doubtful what = {.extent = transfer_extent_of(&b->t, range[0], range[1]),
+                                      .gaps = gaps};
         medium_doubt_within(&b->rule, &what, length, &next);
         medium_doubt_join(&all, &next, b->t.most_rgb);
         add_truth(b, range, gaps, length, rgb, &through);
@@ -126,6 +127,133 @@ static void test_ranges(void **state) {
     assert_true(said > 50);
 }
 
+/* ---- Guesses that say how far they are off ---- */
+
+enum { NEAR = 60 };
+
+/* The value along the piece from x on, moved by off, by powers. */
+static void shifted(const segment *is, real x, real off, real k[4]) {
+    const real l = is->t1, b0 = is->b[0], b1 = is->b[1], b2 = is->b[2], b3 = is->b[3];
+    const real c[4] = {b0 + off, 3 * (b1 - b0) / l, 3 * (b2 - 2 * b1 + b0) / (l * l),
+                       (b3 - 3 * b2 + 3 * b1 - b0) / (l * l * l)};
+    k[0] = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
+    k[1] = c[1] + x * (2 * c[2] + x * 3 * c[3]);
+    k[2] = c[2] + 3 * c[3] * x;
+    k[3] = c[3];
+}
+
+/* What may be true: off by all that is said, or less, or there is nothing. */
+static size_t make_truth(bench *b, const segment *is, bool gaps, ref_piece of[PARTS]) {
+    static const real share[] = {-1, 1, 0};
+    const long way = field_random_below(&b->random, 4);
+    size_t count = 0;
+    for (int i = 0; i < PARTS; i++) {
+        const long n = way < 2 ? way : field_random_below(&b->random, 4);
+        const real by = n < 3 ? share[n] : (real)field_random_in(&b->random, -1, 1);
+        ref_piece *p = &of[count];
+        *p = (ref_piece){.t0 = is->t1 * (real)i / PARTS, .t1 = is->t1 * (real)(i + 1) / PARTS};
+        shifted(is, p->t0, by * (real)is->spread, p->k);
+        if (!gaps || field_random_below(&b->random, 2))
+            count++;
+    }
+    return count;
+}
+
+static segment any_piece(bench *b) {
+    const double size = b->values.most - b->values.least;
+    segment s = {.degree = 3,
+                 .t1 = b->values.length * pow(10.0, field_random_in(&b->random, -4, 0)),
+                 .spread = size * pow(10.0, field_random_in(&b->random, -6, 0))};
+    const double change = size * pow(10.0, field_random_in(&b->random, -5, 0));
+    s.b[0] = b->values.least + size * field_random_unit(&b->random);
+    for (int i = 1; i < 4; i++)
+        s.b[i] = s.b[0] + change * field_random_in(&b->random, -1, 1);
+    return s;
+}
+
+/* Returns whether what is true is off by a good part of what is said. */
+static bool check_near(bench *b) {
+    const segment is = any_piece(b);
+    const bool gaps = field_random_below(&b->random, 4) == 0;
+    medium_doubt d = {.to = is.t1, .bounded = true};
+    medium_stretch seen = medium_of_piece(&b->rule, &is);
+    ref_piece of[PARTS];
+    const size_t count = make_truth(b, &is, gaps, of);
+    const ref_medium medium = {of, count, b->points, b->medium.count};
+    const ref_media media = {.of = &medium, .count = 1};
+    const ref_colour is_true = ref_media_colour(&media);
+    double lo = is.b[0], hi = is.b[0];
+    for (int i = 1; i < 4; i++) {
+        lo = fmin(lo, is.b[i]);
+        hi = fmax(hi, is.b[i]);
+    }
+    d.what.gaps = gaps;
+    d.what.range[0] = lo - is.spread;
+    d.what.range[1] = hi + is.spread;
+    medium_doubt_near(&d, &b->rule, &is, &seen);
+    real most = fabsl(is_true.transmittance - seen.through);
+    bool good = most > 0.2L * seen.through_error;
+    if (!(most <= seen.through_error + 1e-18L))
+        fail_msg("spread %g, length %g: through %.17Lg, not %.17g +- %.3g", is.spread, is.t1,
+                 is_true.transmittance, seen.through, seen.through_error);
+    for (int c = 0; c < 3; c++) {
+        most = fabsl(is_true.rgb[c] - seen.rgb[c]);
+        if (!(most <= seen.rgb_error + is_true.error + 1e-18L))
+            fail_msg("spread %g, length %g: light %.17Lg, not %.17g +- %.3g", is.spread, is.t1,
+                     is_true.rgb[c], seen.rgb[c], seen.rgb_error);
+        good &= most > 0.05L * seen.rgb_error;
+    }
+    return good && seen.rgb_error > 1e-9;
+}
+
+static void test_near(void **state) {
+    (void)state;
+    int good = 0;
+    for (int i = 0; i < TRANSFERS; i++) {
+        bench b;
+        bench_begin(&b, i % hostile_transfer_kinds(), (uint64_t)i + 1000);
+        b.rule.share = b.rule.per_length = b.rule.drop = 1e-4;
+        for (int n = 0; n < NEAR; n++)
+            good += check_near(&b);
+        transfer_release(&b.t, &b.m);
+    }
+    print_message("# %d of %d are off by a good part of what is said\n", good, TRANSFERS * NEAR);
+    assert_true(good > TRANSFERS * NEAR / 50);
+}
+
+/* What changes over a range, by values one by one. */
+static void test_change(void **state) {
+    (void)state;
+    int tried = 0;
+    for (int i = 0; i < TRANSFERS; i++) {
+        bench b;
+        bench_begin(&b, i % hostile_transfer_kinds(), (uint64_t)i + 2000);
+        for (int n = 0; n < WAYS; n++) {
+            double range[2];
+            any_range(&b, range);
+            const double apart = (range[1] - range[0]) * field_random_unit(&b.random);
+            const transfer_change by = transfer_change_of(&b.t, range[0], range[1], apart);
+            for (int k = 0; k < 20; k++) {
+                const double from = field_random_in(&b.random, range[0], range[1] - apart);
+                const double to = from + apart;
+                real rgb[2][3], extinction[2];
+                if (from < range[0] || to > range[1] || to - from > apart)
+                    continue; /* rounded */
+                tried++;
+                ref_transfer(b.points, b.medium.count, from, rgb[0], &extinction[0]);
+                ref_transfer(b.points, b.medium.count, to, rgb[1], &extinction[1]);
+                assert_true(fabsl(extinction[1] - extinction[0]) <= by.k * (1 + 1e-9L) + 1e-300L);
+                for (int c = 0; c < 3; c++) {
+                    assert_true(fabsl(rgb[1][c] - rgb[0][c]) <= by.rgb * (1 + 1e-9L) + 1e-12L);
+                    assert_true(rgb[0][c] <= by.most_rgb * (1 + 1e-9L));
+                }
+            }
+        }
+        transfer_release(&b.t, &b.m);
+    }
+    assert_true(tried > 10 * TRANSFERS * WAYS);
+}
+
 /* Black fog of unknown density, and something bright behind it. */
 static void test_fog(void **state) {
     (void)state;
@@ -142,8 +270,8 @@ static void test_fog(void **state) {
     mem_init(&m, 0);
     assert_int_equal(transfer_init(&t, &m, &medium), ST_OK);
     const medium_rule rule = {.transfer = &t};
-    const medium_doubtful fog = {transfer_extent_of(&t, 0.0, 0.75), false};
-    const medium_doubtful lamp = {transfer_extent_of(&t, 1.5, 1.5), false};
+    const medium_doubtful fog = {.extent = transfer_extent_of(&t, 0.0, 0.75)};
+    const medium_doubtful lamp = {.extent = transfer_extent_of(&t, 1.5, 1.5)};
     medium_doubt_within(&rule, &fog, 1.0, &all);
     assert_true(all.through == 1.0 && all.rgb_error < 1e-12);
     assert_true(fabs(all.through_error - (1.0 - exp(-0.75))) < 1e-12);
@@ -369,13 +497,19 @@ static void check_volume(shot *s, const float *samples, size_t count, uint64_t s
     }
 }
 
-static void test_grids(void **state) {
-    (void)state;
+/* Returns how many pixels said that they are within 0.1. */
+static size_t check_grids(bool deviations) {
     static shot s;
+    s = (shot){0};
     for (int i = 0; i < field_count(); i += EVERY) {
         field f;
         assert_true(field_make(&f, field_name(i), NODES, FIELD_SEED));
-        s.path = fixture_leaf(&f, 4, 1, i % 2);
+        leaf_parameters how = leaf_parameters_default();
+        how.cells_log2 = 4;
+        how.codec = i % 2 ? LEAF_CODEC_ZSTD : LEAF_CODEC_RAW;
+        how.zstd_level = 3;
+        how.deviations = deviations;
+        s.path = fixture_leaf_of(&f, &how);
         check_volume(&s, f.samples, (size_t)(f.dims[0] * f.dims[1] * f.dims[2]), (uint64_t)i + 1,
                      f.name);
         field_release(&f);
@@ -384,6 +518,14 @@ static void test_grids(void **state) {
                   s.told);
     assert_true(s.pixels > LEAST && s.off > s.pixels / 10);
     assert_true(EVERY > 1 || s.told > s.pixels / 20);
+    return s.told;
+}
+
+/* Also of files without deviations; which say more. */
+static void test_grids(void **state) {
+    (void)state;
+    const size_t before = check_grids(false), told = check_grids(true);
+    assert_true(EVERY > 1 || told > before + before / 4);
 }
 
 static void test_meshes(void **state) {
@@ -476,18 +618,48 @@ static size_t follow(const ray_stage *s, const ray *r, uint32_t room, segment *o
     return count;
 }
 
+/* What was met, of all rays. */
+typedef struct doubts_seen {
+    size_t doubts, bounded, guesses, off; /* off: somewhere by more than half of what was said */
+} doubts_seen;
+
+/* A guess that says how far the value may be off, against the finest data. */
+static void check_guess(doubts_seen *seen, const segment *is, const ref_piece *of, size_t count) {
+    bool far = false;
+    assert_true(is->spread >= 0.0 && is->spread < (double)INFINITY);
+    for (size_t i = 0; i < count; i++)
+        for (int n = 0; n < 4; n++) {
+            const real t = of[i].t0 + (of[i].t1 - of[i].t0) * (2 * n + 1) / 8;
+            if (!(t > is->t0 && t < is->t1))
+                continue;
+            const double at = (double)((t - is->t0) / ((real)is->t1 - is->t0));
+            const real truth = ref_piece_at(of[i].k, t - of[i].t0),
+                       off = truth - segment_at(is, at);
+            if (!(fabsl(off) <= is->spread + 1e-9L * (1 + fabsl(truth))))
+                fail_msg("at t %.17Lg the value is %.17Lg, %.17Lg off, but %.17g was said", t,
+                         truth, off, is->spread);
+            far |= fabsl(off) > 0.5L * is->spread;
+        }
+    seen->guesses++;
+    seen->off += far;
+}
+
 /* Treelets that are not there are doubted once, in order, whatever room there is; in a grid, what
  * follows lies within. */
-static size_t check_doubts(ray_stage *s, int rays) {
+static size_t check_doubts(ray_stage *s, int rays, doubts_seen *seen) {
     static segment all[PIECES_MAX], few[PIECES_MAX];
-    size_t doubts = 0;
+    static ref_piece true_pieces[PIECES_MAX];
     for (int i = 0; i < rays; i++) {
         const ref_ray aim = ray_stage_aim(s);
         double last = -INFINITY, until = -INFINITY;
+        size_t true_count = 0;
+        bool bounded = false;
         ray r;
         if (!tracer_ray(&s->tr, aim.o, aim.d, 0.0, INFINITY, &r))
             continue;
         const size_t count = follow(s, &r, ROOM, all);
+        if (s->world.samples)
+            true_count = ref_grid_pieces(&s->world, &aim, NULL, true_pieces, PIECES_MAX);
         for (uint32_t room = 1; room < 6; room += 4) {
             assert_int_equal(follow(s, &r, room, few), count);
             for (size_t k = 0; k < count; k++)
@@ -498,23 +670,29 @@ static size_t check_doubts(ray_stage *s, int rays) {
                                  s->tr.layout->level_of[all[k].treelet] > s->tr.target_level;
             assert_true(all[k].t0 < all[k].t1 && all[k].t0 >= last);
             last = all[k].t0;
-            if (all[k].spread == SEGMENT_GUESSED) {
+            if (all[k].spread == SEGMENT_GUESSED || all[k].spread == SEGMENT_BOUNDED) {
                 assert_true(all[k].t0 >= until);
                 until = all[k].t1;
+                bounded = all[k].spread == SEGMENT_BOUNDED;
+                seen->bounded += bounded;
             } else if (s->world.samples && guessed && !s->v->treelets->whole[all[k].treelet]) {
                 assert_true(all[k].t1 <= until);
+                if (bounded)
+                    check_guess(seen, &all[k], true_pieces, true_count);
             }
-            doubts += all[k].spread < 0.0;
+            seen->doubts += all[k].spread < 0.0;
         }
     }
-    return doubts;
+    return seen->doubts;
 }
 
 static void test_doubts(void **state) {
     (void)state;
     leafcast_scene scene = leafcast_scene_default();
     scene.preview = true;
+    doubts_seen sum = {0};
     for (int i = 0; i < 8; i++) {
+        doubts_seen seen = {0};
         static const char *const names[] = {"waves", "missing", "rectilinear", "noise-u8"};
         ray_stage s;
         field f;
@@ -534,13 +712,20 @@ static void test_doubts(void **state) {
         ray_stage_show(&s, &scene);
         s.tr.doubts = true;
         ray_stage_bring_in(&s, 2);
-        assert_true(check_doubts(&s, 200) > 50);
+        assert_true(check_doubts(&s, 200, &seen) > 50);
+        assert_true(!grid || i == 1 || seen.bounded > 20);
+        sum.bounded += seen.bounded;
+        sum.guesses += seen.guesses;
+        sum.off += seen.off;
         ray_stage_close(&s, grid ? f.name : "mesh");
         if (grid)
             field_release(&f);
         else
             lab_mesh_release(&lab);
     }
+    print_message("# %zu doubts with %zu guesses that say how far they are off, %zu tight\n",
+                  sum.bounded, sum.guesses, sum.off);
+    assert_true(sum.guesses > 1000 && sum.off > sum.guesses / 20);
 }
 
 /* Where the one treelet that is there has cells larger than what is missing, it is no guess. */
@@ -571,7 +756,8 @@ static void test_many_levels(void **state) {
     assert_int_equal(loader_admit(s.v->treelets, &root, 1), ST_OK);
     assert_int_equal(loader_settle(s.v->treelets), ST_OK);
     assert_true(s.tr.layout->levels > 6);
-    assert_true(check_doubts(&s, 200) > 50);
+    doubts_seen seen = {0};
+    assert_true(check_doubts(&s, 200, &seen) > 50);
     ray_stage_close(&s, f.name);
 }
 
@@ -579,6 +765,7 @@ int main(int argc, char **argv) {
     if (argc == 2)
         cmocka_set_test_filter(argv[1]);
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_near),        cmocka_unit_test(test_change),
         cmocka_unit_test(test_ranges),      cmocka_unit_test(test_fog),
         cmocka_unit_test(test_beside),      cmocka_unit_test(test_holes),
         cmocka_unit_test(test_many_levels), cmocka_unit_test(test_doubts),

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "formats/base/sample.h"
+#include "formats/leaf/deviation.h"
 #include "formats/leaf/implied_payload.h"
 
 /* ---- The header ---- */
@@ -96,6 +97,8 @@ static bool labels(const leaf_header *h) {
 }
 
 static uint64_t section_bytes(const leaf_header *h, uint32_t kind) {
+    if (kind == LEAF_SECTION_DEVIATIONS)
+        return deviation_bytes(h);
     if (kind != LEAF_SECTION_AXES || !h->rectilinear)
         return 0;
     return ((uint64_t)h->dims[0] + h->dims[1] + h->dims[2]) * sizeof(double);

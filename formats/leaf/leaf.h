@@ -174,8 +174,10 @@ typedef enum leaf_section_kind {
     LEAF_SECTION_LAST = 12,   /* of those known here */
     LEAF_SECTION_ANCILLARY =
         1 << 30, /* set in kinds that a reader may pass over; others it must know */
-    LEAF_SECTION_HISTOGRAMS = LEAF_SECTION_ANCILLARY | 1 /* histogram (histogram.h): an element a
-                                                            set */
+    LEAF_SECTION_HISTOGRAMS = LEAF_SECTION_ANCILLARY | 1, /* histogram (histogram.h): an element a
+                                                             set */
+    LEAF_SECTION_DEVIATIONS = LEAF_SECTION_ANCILLARY | 2 /* grid: uint16_t (deviation.h): an element
+                                                            a brick of each coarse treelet */
 } leaf_section_kind;
 /* A treelet without a finite sample has lo = +inf, hi = -inf. */
 

@@ -170,8 +170,8 @@ status leaf_check_layout(const char *path, const leaf_header *h, leaf_layout *l)
 /* ---- sections ---- */
 
 bool leaf_section_optional(uint32_t kind) {
-    return kind == LEAF_SECTION_HISTOGRAMS || kind == LEAF_SECTION_FIELDS ||
-           kind == LEAF_SECTION_TIMES || kind == LEAF_SECTION_COARSE;
+    return kind == LEAF_SECTION_HISTOGRAMS || kind == LEAF_SECTION_DEVIATIONS ||
+           kind == LEAF_SECTION_FIELDS || kind == LEAF_SECTION_TIMES || kind == LEAF_SECTION_COARSE;
 }
 
 uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
@@ -196,8 +196,8 @@ uint64_t leaf_section_bytes(const leaf_header *h, uint32_t kind) {
 /* One entry: its kind, and that it lies right behind `end`. */
 static status check_section(const char *path, const leaf_header *h, const leaf_section *s,
                             uint64_t entry, uint64_t *end) {
-    const bool histograms = s->kind == LEAF_SECTION_HISTOGRAMS && s->version == 1;
-    bool known = (s->kind >= 1 && s->kind <= LEAF_SECTION_LAST) || histograms;
+    const bool ancillary = s->kind == LEAF_SECTION_HISTOGRAMS || s->kind == LEAF_SECTION_DEVIATIONS;
+    bool known = (s->kind >= 1 && s->kind <= LEAF_SECTION_LAST) || (ancillary && s->version == 1);
     if (!known && !(s->kind & LEAF_SECTION_ANCILLARY))
         return status_describe(
             ST_UNSUPPORTED, "%s: byte %llu: a section of kind %u, which this program does not know",

@@ -7,6 +7,7 @@
 
 #include "formats/base/hash.h"
 #include "formats/base/text.h"
+#include "formats/leaf/deviation.h"
 #include "formats/leaf/leaf_geometry.h"
 
 _Static_assert(
@@ -119,6 +120,12 @@ static status read_histograms(leaf_file *f, const leaf_section *s) {
     return st;
 }
 
+/* leaf_verify() compares the levels again. */
+static status read_deviations(leaf_file *f, const leaf_section *s) {
+    f->deviations = mem_alloc(f->m, (size_t)s->bytes);
+    return f->deviations ? read_section(f, s, f->deviations) : ST_NOMEM;
+}
+
 /* As they are where the file does not say. */
 static status allocate_labels(leaf_file *f) {
     f->names = mem_array(f->m, f->header.fields, sizeof *f->names);
@@ -169,6 +176,8 @@ static status read_sections(opening *o) {
             o->at[s->kind - 1] = s->offset;
         if (s->kind == LEAF_SECTION_HISTOGRAMS && s->version == 1)
             st = read_histograms(f, s);
+        else if (s->kind == LEAF_SECTION_DEVIATIONS && s->version == 1)
+            st = read_deviations(f, s);
         else if (s->kind > LEAF_SECTION_LAST)
             st = check_ancillary(f, s);
         else if (s->kind == LEAF_SECTION_AXES)
@@ -207,6 +216,22 @@ static status check_labels(leaf_file *f, const leaf_directory *d) {
     return st == ST_OK && times ? leaf_check_axis(path, f->times, f->header.steps, times) : st;
 }
 
+/* Codes are numbers, and zero where no cells are. */
+static status check_deviations(const opening *o) {
+    const leaf_file *f = o->f;
+    size_t brick;
+    if (deviation_sound(&f->layout, f->deviations, &brick))
+        return ST_OK;
+    for (uint32_t i = 0; i < f->header.sections; i++)
+        if (o->table[i].kind == LEAF_SECTION_DEVIATIONS)
+            return leaf_check_corrupt(
+                file_path(f->source), o->table[i].offset + brick * sizeof *f->deviations,
+                "expected the deviation of %s, found %04x",
+                f->deviations[brick] > DEVIATION_UNKNOWN ? "a brick" : "a brick without cells",
+                f->deviations[brick]);
+    return ST_OK;
+}
+
 static status check_directory(const opening *o) {
     leaf_file *f = o->f;
     const char *path = file_path(f->source);
@@ -222,7 +247,9 @@ static status check_directory(const opening *o) {
     status st = check_labels(f, &d);
     if (st == ST_OK)
         st = f->geometry->lay_out(f, &d);
-    return st == ST_OK ? leaf_check_directory(path, &f->header, &f->layout, &d) : st;
+    if (st == ST_OK)
+        st = leaf_check_directory(path, &f->header, &f->layout, &d);
+    return st == ST_OK && f->deviations ? check_deviations(o) : st;
 }
 
 /* Whoever wrote the file, its names can be printed and put into JSON. */
@@ -324,6 +351,7 @@ void leaf_file_close(leaf_file *f) {
     mem_free(f->m, f->sizes);
     mem_free(f->m, f->checksums);
     mem_free(f->m, f->histograms);
+    mem_free(f->m, f->deviations);
     mem_free(f->m, f->axis[0]);
     mem_free(f->m, f->names);
     mem_free(f->m, f->times);

@@ -46,6 +46,7 @@ typedef struct leaf_file {
     mesh_directory *mesh;  /* NULL: no mesh */
     void *besides;         /* what the directory of another kind has */
     histogram *histograms; /* of each set; NULL: the file has none */
+    uint16_t *deviations;  /* codes (deviation.h) of the coarse treelets' bricks; NULL: likewise */
     file *source;
     file_mark mark; /* of the file, or of the one that this is a part of, when it was opened; of
                        bytes in memory: 0 */

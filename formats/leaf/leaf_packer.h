@@ -18,9 +18,10 @@ typedef struct leaf_parameters {
     leaf_codec codec;
     int zstd_level;  /* 1 .. ZSTD_maxCLevel() */
     bool histograms; /* a histogram of each set: leaf_writer_histograms() */
+    bool deviations; /* of a grid's coarse levels: leaf_writer_deviations() */
 } leaf_parameters;
 
-/* leaf_parameters_default() - B = 32, h = 1, runs at 4096, raw, no histograms. */
+/* leaf_parameters_default() - B = 32, h = 1, runs at 4096, raw, no histograms, no deviations. */
 leaf_parameters leaf_parameters_default(void);
 
 /* What one thread keeps between payloads: a compressor, whose state lives outside `mem`; NULL for

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/base/pool.h"
+#include "formats/leaf/deviation.h"
 #include "formats/mesh/mesh_leaf_check.h"
 
 /* Which sides of the isovalue the samples of an edge, a face, a cell are on. */
@@ -199,4 +200,25 @@ leaf_mesh_parts leaf_stats_mesh(const leaf_file *f) {
     for (uint32_t p = 0; p < f->layout.payloads; p++)
         *stored[leaf_layout_block_of(&f->layout, p, &index)] += f->sizes[p];
     return parts;
+}
+
+leaf_deviation leaf_stats_deviation(const leaf_file *f, uint32_t level) {
+    const leaf_layout *l = &f->layout;
+    const leaf_level *v = &l->level[level];
+    leaf_deviation d = {0};
+    double sum = 0.0;
+    for (uint32_t t = v->first; t < v->first + v->count; t++)
+        for (uint32_t i = 0; i < deviation_bricks(l); i++)
+            for (uint32_t set = 0; set < l->sets && deviation_has_cells(l, t, i); set++) {
+                const uint16_t code = f->deviations[deviation_at(l, set, t) + i];
+                if (code == DEVIATION_UNKNOWN) {
+                    d.unknown++;
+                    continue;
+                }
+                d.bricks++;
+                sum += deviation_value(code);
+                d.most = fmax(d.most, deviation_value(code));
+            }
+    d.mean = d.bricks ? sum / (double)d.bricks : 0.0;
+    return d;
 }

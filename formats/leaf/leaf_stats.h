@@ -28,6 +28,16 @@ uint64_t leaf_stats_cells(const leaf_layout *l, uint32_t t, const void *payload,
 uint64_t leaf_stats_tets(const leaf_file *f, uint32_t t, const void *topology, const void *values,
                          double iso);
 
+/* The deviations of a level of a grid (deviation.h), over all bricks and sets. */
+typedef struct leaf_deviation {
+    uint64_t bricks;   /* with a number; */
+    uint64_t unknown;  /* without */
+    double mean, most; /* of those with one; 0 without any */
+} leaf_deviation;
+
+/* leaf_stats_deviation() - of a level above 0 of a file that has them. */
+leaf_deviation leaf_stats_deviation(const leaf_file *f, uint32_t level);
+
 /* What the payloads of a mesh are made of: bytes before compression. */
 typedef struct leaf_mesh_parts {
     uint64_t nodes;       /* boxes and children of the trees, and where leaves begin */

@@ -8,6 +8,7 @@
 
 #include "formats/base/hash.h"
 #include "formats/base/pool.h"
+#include "formats/leaf/deviation_verify.h"
 #include "formats/leaf/leaf_histogram.h"
 #include "formats/leaf/quantize.h"
 #include "formats/mesh/mesh_leaf_check.h"
@@ -27,8 +28,8 @@ typedef struct verification {
     shared *edges;        /* per treelet of the set */
     uint64_t *non_finite; /* per treelet of level 0: of the samples that no treelet behind it has,
                              in all sets; of a mesh: of all its vertices' values */
-    /* Per thread; of a mesh, behind a payload's room: that of values, of positions, then scratch.
-     */
+    /* Per thread; behind a payload's room: of a mesh that of values, of positions, then
+     * scratch; of a grid that of deviation_verify(). */
     char **payloads, **stored;
     /* Of histograms; cells is NULL where the file has none. */
     histogram_draw draw;
@@ -279,12 +280,17 @@ static status verify_treelet(void *ctx, size_t index, int worker) {
     if (st != ST_OK)
         return st;
     note_shared(&s, &v->edges[t]);
+    if (f->deviations && f->layout.level_of[t] > 0)
+        st = deviation_verify(
+            f, v->set, t, s.bytes,
+            v->payloads[worker] +
+                leaf_layout_aligned(leaf_layout_payload_max(&f->layout), LEAF_ALIGN_LOG2));
     if (v->cells && f->layout.level_of[t] == 0)
         leaf_histogram_take(&f->layout, &v->draw, &v->space, t, s.bytes,
                             v->cells + (size_t)v->set * v->draw.count);
     if (f->layout.level_of[t] == 0 && (f->flags[p] & LEAF_FLAG_NON_FINITE))
         v->non_finite[t] += count_non_finite(&s);
-    return ST_OK;
+    return st;
 }
 
 /* ---- a treelet of a mesh ---- */
@@ -487,7 +493,9 @@ static size_t thread_bytes(const leaf_file *f) {
     const size_t payload = leaf_layout_payload_max(&f->layout);
     size_t scratch = 0;
     if (!f->mesh)
-        return payload;
+        return f->deviations ? leaf_layout_aligned(payload, LEAF_ALIGN_LOG2) +
+                                   deviation_verify_bytes(&f->layout)
+                             : payload;
     for (uint32_t t = 0; t < f->layout.treelets; t++) {
         const mesh_shape s = mesh_leaf_shape(f->mesh->counts[t]);
         const size_t bytes = mesh_leaf_check_scratch(&s);

@@ -9,6 +9,7 @@
 #include "formats/base/file.h"
 #include "formats/base/hash.h"
 #include "formats/base/text.h"
+#include "formats/leaf/deviation.h"
 #include "formats/leaf/leaf_check.h"
 #include "formats/leaf/leaf_geometry.h"
 #include "formats/mesh/mesh_leaf.h"
@@ -18,7 +19,7 @@ struct leaf_writer {
     leaf_parameters p;
     leaf_layout layout;
     leaf_header header;
-    leaf_section table[LEAF_SECTION_LAST + 1];
+    leaf_section table[LEAF_SECTION_LAST + 2];
     /* The directory, as in leaf_section_kind. */
     float (*ranges)[2];
     float (*own)[2];
@@ -31,6 +32,7 @@ struct leaf_writer {
     double *times;
     leaf_part *parts;      /* coarse grids; or NULL */
     histogram *histograms; /* of sets; or NULL */
+    uint16_t *deviations;  /* of coarse treelets' bricks; or NULL */
     bool settled;
     out_file *out;
     /* Where payloads wait until all sizes are known: compressed ones, and a mesh's. NULL: they are
@@ -159,6 +161,7 @@ static bool has_section(const leaf_writer *w, uint32_t kind) {
            : kind == LEAF_SECTION_TIMES      ? w->times != NULL
            : kind == LEAF_SECTION_COARSE     ? w->parts != NULL
            : kind == LEAF_SECTION_HISTOGRAMS ? w->histograms != NULL
+           : kind == LEAF_SECTION_DEVIATIONS ? w->deviations != NULL
                                              : true;
 }
 
@@ -174,6 +177,7 @@ static void place_sections(leaf_writer *w) {
     for (uint32_t kind = 1; kind <= LEAF_SECTION_LAST; kind++)
         add_section(w, kind);
     add_section(w, LEAF_SECTION_HISTOGRAMS);
+    add_section(w, LEAF_SECTION_DEVIATIONS);
     uint64_t end = LEAF_HEADER_BYTES + h->sections * sizeof *w->table;
     for (uint32_t i = 0; i < h->sections; i++) {
         w->table[i].offset = leaf_layout_aligned(end, LEAF_ALIGN_LOG2);
@@ -213,6 +217,15 @@ static status allocate(leaf_writer *w, size_t ranges) {
     if (!w->ranges || !w->own || !w->flags || !w->offsets || !w->sizes || !w->checksums)
         return ST_NOMEM;
     return allocate_histograms(w);
+}
+
+/* All zero. */
+static status allocate_deviations(leaf_writer *w) {
+    const size_t bricks = deviation_count(&w->layout);
+    if (!w->p.deviations || bricks == 0)
+        return ST_OK;
+    w->deviations = mem_array(w->m, bricks, sizeof *w->deviations);
+    return w->deviations ? ST_OK : ST_NOMEM;
 }
 
 static status allocate_axes(leaf_writer *w, const grid *g) {
@@ -308,6 +321,8 @@ status leaf_writer_create(mem *m, const char *path, bool force, const grid *g,
     if (st == ST_OK && w->layout.sets > 1)
         st = copy_labels(w, sets);
     if (st == ST_OK)
+        st = allocate_deviations(w);
+    if (st == ST_OK)
         st = allocate_axes(w, g);
     if (st == ST_OK)
         st = out_file_create(m, path, force, &w->out);
@@ -387,6 +402,7 @@ void leaf_writer_discard(leaf_writer *w) {
     mem_free(w->m, w->times);
     mem_free(w->m, w->parts);
     mem_free(w->m, w->histograms);
+    mem_free(w->m, w->deviations);
     (void)pthread_mutex_destroy(&w->lock);
     mem_free(w->m, w);
 }
@@ -397,6 +413,10 @@ const leaf_layout *leaf_writer_layout(const leaf_writer *w) {
 
 histogram *leaf_writer_histograms(leaf_writer *w) {
     return w->histograms;
+}
+
+uint16_t *leaf_writer_deviations(leaf_writer *w) {
+    return w->deviations;
 }
 
 void leaf_writer_range(const leaf_writer *w, uint32_t set, double range[2]) {
@@ -635,8 +655,9 @@ static status write_sections(leaf_writer *w) {
                                              w->counts, w->names,     w->times, w->parts};
     for (uint32_t i = 0; i < w->header.sections; i++) {
         leaf_section *s = &w->table[i];
-        const void *bytes =
-            s->kind == LEAF_SECTION_HISTOGRAMS ? w->histograms : arrays[s->kind - 1];
+        const void *bytes = s->kind == LEAF_SECTION_HISTOGRAMS   ? (const void *)w->histograms
+                            : s->kind == LEAF_SECTION_DEVIATIONS ? w->deviations
+                                                                 : arrays[s->kind - 1];
         s->checksum = hash_bytes(bytes, (size_t)s->bytes);
         status st = out_file_write_at(w->out, s->offset, bytes, (size_t)s->bytes);
         if (st != ST_OK)

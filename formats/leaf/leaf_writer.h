@@ -94,6 +94,10 @@ const leaf_layout *leaf_writer_layout(const leaf_writer *w);
 histogram *leaf_writer_histograms(leaf_writer *w);
 void leaf_writer_range(const leaf_writer *w, uint32_t set, double range[2]);
 
+/* leaf_writer_deviations() - likewise the codes of a grid's file (deviation_at()), all zero; NULL
+ * where it is to have none, or one level. */
+uint16_t *leaf_writer_deviations(leaf_writer *w);
+
 /* leaf_writer_put() - treelet t of a grid in a set: its directory entry and its payload,
  * leaf_layout_payload(t).bytes, of which nothing is kept if it is implied. Each exactly once; any
  * thread, with a packer and a pack buffer of its own. */

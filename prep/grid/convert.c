@@ -7,6 +7,7 @@
 #include "formats/base/pool.h"
 #include "formats/leaf/leaf_histogram.h"
 #include "formats/leaf/leaf_writer.h"
+#include "prep/grid/deviation_build.h"
 #include "prep/grid/pyramid.h"
 #include "prep/grid/read_ahead.h"
 #include "prep/grid/slab.h"
@@ -27,9 +28,10 @@ typedef struct bench {
 /* One level under way. */
 typedef struct stage {
     slab *slab;
-    pyramid *up;   /* makes the next level's slices; NULL at the last */
-    char *coarse;  /* and here they come out */
-    uint8_t *busy; /* their maps; NULL: there are none */
+    pyramid *up;                /* makes the next level's slices; NULL at the last */
+    char *coarse;               /* and here they come out */
+    uint8_t *busy;              /* their maps; NULL: there are none */
+    deviation_build *deviation; /* of the next level; NULL: the file has none */
 } stage;
 
 typedef struct conversion {
@@ -154,6 +156,9 @@ static status push(conversion *c, read_slices in) {
             return st;
         uint32_t coarse = pyramid_ready(s->up, in.count);
         st = pyramid_feed(s->up, c->workers, in.samples, in.busy, in.count, s->coarse, s->busy);
+        if (st == ST_OK && s->deviation)
+            st = deviation_build_feed(s->deviation, c->workers, in.samples, in.count, s->coarse,
+                                      coarse);
         if (st != ST_OK)
             return st;
         in = (read_slices){s->coarse, s->busy, coarse};
@@ -220,6 +225,23 @@ static status create_stages(conversion *c, const char *output) {
     return ST_OK;
 }
 
+static status begin_deviations(conversion *c, const grid *g) {
+    uint16_t *codes = leaf_writer_deviations(c->writer);
+    status st = ST_OK;
+    for (uint32_t level = 0; codes && level + 1 < c->layout->levels && st == ST_OK; level++)
+        st = deviation_build_create(c->m, c->layout, level, c->set, g, c->o->threads, codes,
+                                    &c->stages[level].deviation);
+    return st;
+}
+
+static void end_deviations(const conversion *c, const grid *g) {
+    uint16_t *codes = leaf_writer_deviations(c->writer);
+    double range[2];
+    leaf_writer_range(c->writer, c->set, range);
+    if (codes)
+        deviation_build_end(c->layout, c->set, grid_is_rectilinear(g), range, codes);
+}
+
 /* The input may tell where it is one value: then all levels do. */
 static status begin_maps(conversion *c) {
     c->quiet = read_ahead_quiet(c->input);
@@ -283,6 +305,7 @@ static void release_set(conversion *c) {
         pyramid_destroy(c->stages[level].up);
         mem_free(c->m, c->stages[level].coarse);
         mem_free(c->m, c->stages[level].busy);
+        deviation_build_destroy(c->stages[level].deviation);
     }
     memset(c->stages, 0, sizeof c->stages);
     c->cells = NULL;
@@ -318,6 +341,8 @@ static status convert_set(conversion *c, volume *v, const char *output, read_ahe
     if (st == ST_OK)
         st = begin_histogram(c, g);
     if (st == ST_OK)
+        st = begin_deviations(c, g);
+    if (st == ST_OK)
         st = read_ahead_create(c->m, v, c->plan->batch, &c->input);
     if (st == ST_OK)
         st = begin_maps(c);
@@ -326,6 +351,7 @@ static status convert_set(conversion *c, volume *v, const char *output, read_ahe
     if (st == ST_OK) {
         const read_ahead_facts seen = read_ahead_end(c->input);
         end_histogram(c, g);
+        end_deviations(c, g);
         facts->non_finite += seen.non_finite;
         facts->rounding_error = fmax(facts->rounding_error, seen.rounding_error);
         facts->trailing_bytes += seen.trailing_bytes;

@@ -4,6 +4,7 @@
 
 #include "formats/leaf/histogram_draw.h"
 #include "formats/leaf/leaf_check.h"
+#include "prep/grid/deviation_build.h"
 #include "prep/grid/pyramid.h"
 #include "prep/grid/read_ahead.h"
 #include "prep/grid/treelet_build.h"
@@ -36,6 +37,10 @@ static uint64_t fixed_memory(const grid *g, const convert_options *o, const leaf
         bytes += histogram_draw_grid(g->dims).count * sizeof(histogram_cell);
     for (uint32_t level = 0; level + 1 < l->levels; level++)
         bytes += pyramid_memory(sample_stored(g->type), l->level[level].dims, o->threads);
+    if (o->file.deviations)
+        bytes += deviation_count(l) * sizeof(uint16_t) + 64;
+    for (uint32_t level = 0; level + 1 < l->levels && o->file.deviations; level++)
+        bytes += deviation_build_memory(l, level, grid_is_rectilinear(g), o->threads);
     return bytes;
 }
 
@@ -102,6 +107,7 @@ static uint64_t directory_size(const leaf_layout *l, const grid *g, const conver
     const leaf_header h = {.kind = LEAF_KIND_GRID,
                            .version = l->sets > 1 ? 2 : 1,
                            .treelets = l->treelets,
+                           .cells_log2 = l->cells_log2,
                            .dims = {g->dims[0], g->dims[1], g->dims[2]},
                            .rectilinear = grid_is_rectilinear(g),
                            .fields = l->sets / l->steps,
@@ -114,10 +120,13 @@ static uint64_t directory_size(const leaf_layout *l, const grid *g, const conver
             bytes += leaf_layout_aligned(leaf_section_bytes(&h, kind), LEAF_ALIGN_LOG2);
             sections++;
         }
-    if (o->file.histograms && leaf_section_bytes(&h, LEAF_SECTION_HISTOGRAMS)) {
-        bytes +=
-            leaf_layout_aligned(leaf_section_bytes(&h, LEAF_SECTION_HISTOGRAMS), LEAF_ALIGN_LOG2);
-        sections++;
+    const bool ancillary[] = {o->file.histograms, o->file.deviations};
+    for (uint32_t i = 0; i < 2; i++) {
+        const uint64_t size = leaf_section_bytes(&h, LEAF_SECTION_HISTOGRAMS + i);
+        if (ancillary[i] && size) {
+            bytes += leaf_layout_aligned(size, LEAF_ALIGN_LOG2);
+            sections++;
+        }
     }
     bytes +=
         leaf_layout_aligned(LEAF_HEADER_BYTES + sections * sizeof(leaf_section), LEAF_ALIGN_LOG2);

@@ -73,8 +73,10 @@ typedef struct slab {
 typedef struct rider {
     unsigned number; /* in the batch */
     bool riding;
-    const resident_grid *at; /* what the slabs are of; NULL: nothing yet */
-    uint64_t flips;          /* of cells' fields: ways down an axis count from its end */
+    const resident_grid *at;   /* what the slabs are of; NULL: nothing yet */
+    const active_masks *masks; /* what it is walked by */
+    bool bounded;              /* as in grid_way, where it is now */
+    uint64_t flips;            /* of cells' fields: ways down an axis count from its end */
     grid_way way;
     bool by_blocks; /* it is in a treelet with nodes that are taken whole: */
     block_way blocks;
@@ -358,6 +360,17 @@ SIMD void piece_visits(const pieces_walk *w, const rider *q, vl cell, visits *v)
     }
 }
 
+/* How far pieces may be off that stand in. */
+static void put_deviations(const pieces_walk *w, const rider *q, const uint64_t *cell,
+                           unsigned count, double *spread) {
+    for (unsigned i = 0; i < count; i++) {
+        uint32_t at[3];
+        for (int a = 0; a < 3; a++)
+            at[a] = q->at->first_cell[a] + (uint32_t)(cell[i] >> (FIELD_BITS * a) & 127u);
+        spread[i] = resident_grid_deviation(q->at, w->tr->layout, at);
+    }
+}
+
 /* Pieces from i on, as many as a vector takes, to the columns. */
 SIMD void put_pieces(pieces_walk *w, const rider *q, const sample_words *s, unsigned i) {
     segment_columns *c = &w->b->columns;
@@ -373,6 +386,8 @@ SIMD void put_pieces(pieces_walk *w, const rider *q, const sample_words *s, unsi
     for (int k = 0; k < 4; k++)
         d_store(c->b[k] + to, b[k]);
     d_store(c->spread + to, d_set(0.0));
+    if (q->bounded)
+        put_deviations(w, q, q->cell + i, count, c->spread + to);
     for (unsigned k = 0; k < VD_N; k++) {
         c->treelet[to + k] = q->at->head.id;
         c->ray[to + k] = (uint8_t)q->number;
@@ -414,12 +429,11 @@ static void give_doubt(pieces_walk *w, const rider *q) {
 
 /* The pieces in cells between t_in and t_out. */
 static void pass_cells(pieces_walk *w, rider *q, double t_in, double t_out) {
-    const resident_grid *at = q->at;
     const uint32_t side = 1u << w->tr->layout->cells_log2;
     const ray *r = ray_of(w, q);
     for (int a = 0; a < 3; a++)
         if (r->d[a] != 0.0)
-            slab_narrow(&q->slabs[a], at->masks, a, side, r->d[a] < 0.0, &t_in, &t_out);
+            slab_narrow(&q->slabs[a], q->masks, a, side, r->d[a] < 0.0, &t_in, &t_out);
     if (!(t_in < t_out))
         return;
     for (int a = 0; a < 3; a++)
@@ -429,7 +443,7 @@ static void pass_cells(pieces_walk *w, rider *q, double t_in, double t_out) {
     put_crossings(q, 0, side);
     put_crossings(q, 1, side);
     put_crossings(q, 2, side);
-    find_pieces(q, at->masks);
+    find_pieces(q, q->masks);
     w->counters->cells += q->pieces;
     if (q->pieces > 0)
         give_pieces(w, q);
@@ -460,7 +474,7 @@ static void enter_blocks(pieces_walk *w, rider *q, const grid_passage *passage) 
 static void pass_blocks(pieces_walk *w, rider *q) {
     block_stretch s;
     while (q->given == q->pieces && !w->b->stop[q->number]) {
-        q->by_blocks = block_way_next(&q->blocks, q->at->masks, &s);
+        q->by_blocks = block_way_next(&q->blocks, q->masks, &s);
         if (!q->by_blocks)
             return;
         if (s.whole) {
@@ -484,10 +498,12 @@ static void pass_treelet(pieces_walk *w, rider *q, const resident_grid *at,
         return;
     }
     w->counters->nodes++;
-    if (!at->masks->root)
+    q->bounded = q->way.bounded;
+    q->masks = q->bounded ? at->wide : at->masks;
+    if (!q->masks->root)
         return;
     rider_enter(w, q, at);
-    q->by_blocks = at->masks->some_whole;
+    q->by_blocks = q->masks->some_whole;
     if (q->by_blocks)
         enter_blocks(w, q, passage);
     else

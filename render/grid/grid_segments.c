@@ -17,6 +17,8 @@ typedef struct collector {
     const tracer *tr;
     const walk_scene *scene;
     const resident_grid *at;
+    bool bounded; /* as in grid_way */
+    const active_masks *masks;
     const ray *r;
     segments_state *state;
     ray_counters *counters;
@@ -41,6 +43,8 @@ static bool take_cell(const collector *c, const uint32_t cell[3]) {
                        .cell = walk_cell_index(planes, cell),
                        .treelet = c->at->head.id,
                        .degree = 3};
+    if (c->bounded)
+        piece->spread = resident_grid_deviation(c->at, c->tr->layout, cell);
     cell_values(&visit, samples, piece->b);
     s->t_from = visit.t_out;
     return true;
@@ -63,7 +67,7 @@ enum { STACK_MAX = 4 * (LEAF_CELLS_LOG2_MAX + 1) };
 static int push_children(const collector *c, const pending *node, unsigned octants,
                          pending stack[STACK_MAX], int top) {
     const level_planes *planes = &c->scene->levels[c->at->level];
-    const unsigned mask = walk_children(c->at, node->size, node->morton) & octants;
+    const unsigned mask = walk_children_of(c->at, c->masks, node->size, node->morton) & octants;
     const uint32_t half = 1u << (node->size - 1);
     double middle[3];
     octree_child children[4];
@@ -87,7 +91,7 @@ static int push_children(const collector *c, const pending *node, unsigned octan
 static bool walk_block(const collector *c, const pending *block) {
     block_passage p =
         block_passage_begin(&c->scene->levels[c->at->level], c->r, block->cell,
-                            c->at->masks->cells[block->morton], block->t_in, block->t_out);
+                            c->masks->cells[block->morton], block->t_in, block->t_out);
     uint32_t in_block[3], cell[3];
     double from;
     c->counters->nodes++;
@@ -102,7 +106,7 @@ static bool walk_block(const collector *c, const pending *block) {
 
 /* Whether the node is the largest one that is taken whole there. */
 static bool is_whole(const collector *c, const pending *node) {
-    const active_masks *masks = c->at->masks;
+    const active_masks *masks = c->masks;
     if (!masks->some_whole || node->size == c->at->shape.node_levels + LEAF_BLOCK_LOG2)
         return false;
     const uint32_t levels = node->size - LEAF_BLOCK_LOG2;
@@ -183,7 +187,16 @@ segments_result grid_segments(const tracer *tr, const ray *r, segments_state *st
         const segments_result next = grid_way_next(&way, tr, r, state, counters, &at, &passage);
         if (next != SEGMENTS_SOME)
             return stop(state, next);
-        const collector c = {tr, tr->own, at, r, state, counters};
+        const collector c = {.tr = tr,
+                             .scene = tr->own,
+                             .at = at,
+                             .bounded = way.bounded,
+                             .masks = !at           ? NULL
+                                      : way.bounded ? at->wide
+                                                    : at->masks,
+                             .r = r,
+                             .state = state,
+                             .counters = counters};
         if (way.doubted && !tell_doubt(state, counters, &way.doubt))
             return stop(state, SEGMENTS_SOME);
         if (at ? !walk_pieces(&c, &passage) : !walk_treelet_whole(&c, &passage))

@@ -12,6 +12,7 @@ typedef struct grid_way {
     bool resuming; /* at the treelet state->blocked */
     bool doubted;  /* there is a doubt about the treelet to be walked, */
     segment doubt; /* to be given before its pieces: then state->doubted becomes its treelet */
+    bool bounded;  /* the pieces of *at say how far they are off (SEGMENT_BOUNDED) */
     int top;
     grid_passage stack[GRID_PASSAGES_MAX];
 } grid_way;
@@ -24,7 +25,7 @@ static inline bool grid_way_begin(grid_way *w, const tracer *tr, const ray *r,
     if (!tracer_box(tr, r, &t_in, &t_out))
         return false;
     w->resuming = state->blocked != LEAF_NO_TREELET;
-    w->doubted = false;
+    w->doubted = w->bounded = false;
     w->top = 1;
     w->stack[0] = (grid_passage){t_in, t_out, 0, 0};
     return true;
@@ -52,7 +53,7 @@ static inline segments_result grid_way_next(grid_way *w, const tracer *tr, const
             continue;
         *passage = node;
         *at = NULL;
-        w->doubted = false;
+        w->doubted = w->bounded = false;
         if (whole)
             return SEGMENTS_SOME;
         *at = resident_grid_of(tracer_enter(tr, node.t, node.t_in, &state->t_from, &state->blocked,
@@ -66,9 +67,12 @@ static inline segments_result grid_way_next(grid_way *w, const tracer *tr, const
         const stand_in found = stand_in_for(tr, node.t);
         if (found.t == LEAF_NO_TREELET && !tr->doubts)
             continue;
+        w->bounded =
+            tr->doubts && found.at && found.at->wide && stand_in_is_bounded(tr, node.t, &found);
         w->doubted = tr->doubts && state->doubted != node.t;
         if (w->doubted)
-            w->doubt = segment_doubt(tr, node.t, SEGMENT_GUESSED, node.t_in, node.t_out);
+            w->doubt = segment_doubt(tr, node.t, w->bounded ? SEGMENT_BOUNDED : SEGMENT_GUESSED,
+                                     node.t_in, node.t_out);
         passage->t = found.t;
         *at = found.at;
         return SEGMENTS_SOME;

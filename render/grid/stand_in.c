@@ -1,5 +1,9 @@
 #include "render/grid/stand_in.h"
 
+#include <math.h>
+
+#include "formats/leaf/deviation.h"
+
 stand_in stand_in_for(const tracer *tr, uint32_t t) {
     const leaf_layout *layout = tr->layout;
     const loader *l = tr->treelets;
@@ -21,4 +25,12 @@ stand_in stand_in_for(const tracer *tr, uint32_t t) {
         }
     }
     return (stand_in){NULL, tr->doubts ? t : LEAF_NO_TREELET};
+}
+
+/* Deviations are from level 0. */
+bool stand_in_is_bounded(const tracer *tr, uint32_t t, const stand_in *of) {
+    const leaf_file *f = tr->treelets->file;
+    uint32_t up;
+    return f->deviations && tr->layout->level_of[t] == 0 &&
+           deviation_over(tr->layout, f->deviations, tr->set, t, of->at->level, &up) < INFINITY;
 }

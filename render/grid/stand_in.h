@@ -17,4 +17,7 @@ typedef struct stand_in {
  * is drawn. */
 stand_in stand_in_for(const tracer *tr, uint32_t t);
 
+/* stand_in_is_bounded() - whether it is known how far what stands in for t is off everywhere. */
+bool stand_in_is_bounded(const tracer *tr, uint32_t t, const stand_in *of);
+
 #endif

@@ -77,9 +77,9 @@ static inline void walk_cell_prefetch(const walk_scene *scene, const resident_gr
 
 /* walk_children() - the child mask of a node of 2^size cells on a side: of the root, of an inner
  * node, of a block (its 2^3 groups with active cells), of such a group (its cells). morton: its
- * place among the nodes of its size. */
-static inline unsigned walk_children(const resident_grid *tr, uint32_t size, uint32_t morton) {
-    const active_masks *masks = tr->masks;
+ * place among the nodes of its size. walk_children_of() - by other masks than its own. */
+static inline unsigned walk_children_of(const resident_grid *tr, const active_masks *masks,
+                                        uint32_t size, uint32_t morton) {
     if (size > LEAF_BLOCK_LOG2) {
         const uint32_t k = tr->shape.node_levels + LEAF_BLOCK_LOG2 - size;
         return k == 0 ? masks->root : masks->nodes[active_nodes_at(k) + morton];
@@ -91,6 +91,10 @@ static inline unsigned walk_children(const resident_grid *tr, uint32_t size, uin
     for (unsigned g = 0; g < 8; g++)
         groups |= (unsigned)((cells >> (8 * g) & 255u) != 0) << g;
     return groups;
+}
+
+static inline unsigned walk_children(const resident_grid *tr, uint32_t size, uint32_t morton) {
+    return walk_children_of(tr, tr->masks, size, morton);
 }
 
 static inline uint64_t walk_cell_index(const level_planes *planes, const uint32_t cell[3]) {

@@ -25,20 +25,14 @@ static volume *open_field(mem *m, const field *f) {
     return v;
 }
 
-const char *fixture_leaf(const field *f, uint32_t cells_log2, uint32_t halo, bool compressed) {
+const char *fixture_leaf_of(const field *f, const leaf_parameters *how) {
     static int serial;
     char name[64];
     mem m;
-    convert_options o = {.file = leaf_parameters_default(), .memory = 1 << 30, .threads = 2};
+    convert_options o = {.file = *how, .memory = 1 << 30, .threads = 2};
     convert_plan plan;
     convert_result result;
     mem_init(&m, (size_t)o.memory);
-    o.file.cells_log2 = cells_log2;
-    o.file.halo = halo;
-    if (compressed) {
-        o.file.codec = LEAF_CODEC_ZSTD;
-        o.file.zstd_level = 3;
-    }
     snprintf(name, sizeof name, "fixture-%d.leaf", serial++);
     const char *path = scratch_path(name);
     volume *v = open_field(&m, f);
@@ -47,6 +41,18 @@ const char *fixture_leaf(const field *f, uint32_t cells_log2, uint32_t halo, boo
         fail_msg("%s: %s", f->name, status_text());
     volume_close(v);
     return path;
+}
+
+const char *fixture_leaf(const field *f, uint32_t cells_log2, uint32_t halo, bool compressed) {
+    leaf_parameters p = leaf_parameters_default();
+    p.cells_log2 = cells_log2;
+    p.halo = halo;
+    p.deviations = true;
+    if (compressed) {
+        p.codec = LEAF_CODEC_ZSTD;
+        p.zstd_level = 3;
+    }
+    return fixture_leaf_of(f, &p);
 }
 
 leafcast *fixture_open(const char *path, const leafcast_options *options) {

@@ -1,0 +1,235 @@
+#include "prep/grid/deviation_build.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { KEPT = 4, FINE_ROWS = 2 * DEVIATION_BRICK }; /* cells of a band */
+
+struct deviation_build {
+    mem *m;
+    const leaf_layout *l;
+    uint32_t fine, set;
+    uint16_t *codes;
+    size_t slice_bytes[2]; /* of the fine level, of the coarse one */
+    uint32_t bands;
+    char *band;    /* one a coarse row of bricks: the slices since the last layer of fine bricks */
+    char *scratch; /* one a thread */
+    double *weights[3]; /* NULL: 1/2 */
+    uint32_t seen[2];   /* slices so far */
+    uint32_t next;      /* the first fine slice that is not compared */
+    char *kept[KEPT];   /* fine slice z from there on is in kept[z % KEPT], */
+    char *last;         /* and the last coarse one here */
+};
+
+/* Slices under way. */
+typedef struct feeding {
+    deviation_build *b;
+    const char *fine, *coarse;
+    uint32_t until;
+} feeding;
+
+/* ---- A layer of fine bricks ---- */
+
+/* The code of a brick of a level. */
+static uint16_t *code_at(const deviation_build *b, uint32_t level, const uint32_t brick[3]) {
+    const leaf_layout *l = b->l;
+    const uint32_t log2 = l->cells_log2 - DEVIATION_BRICK_LOG2, mask = deviation_side(l) - 1;
+    const uint32_t place[3] = {brick[0] >> log2, brick[1] >> log2, brick[2] >> log2};
+    const uint32_t t = leaf_layout_find(l, level, place);
+    const uint32_t x = brick[0] & mask, y = brick[1] & mask, z = brick[2] & mask;
+    return b->codes + deviation_at(l, b->set, t) + x +
+           deviation_side(l) * (y + deviation_side(l) * z);
+}
+
+static uint32_t bricks_along(const leaf_layout *l, uint32_t level, int axis) {
+    return (l->level[level].cells[axis] + DEVIATION_BRICK - 1) / DEVIATION_BRICK;
+}
+
+/* Layer z of a band's fine bricks is complete. */
+static void fold(const deviation_build *b, uint32_t index, const deviation_band *band, uint32_t z) {
+    const uint32_t rows = bricks_along(b->l, b->fine, 1), width = bricks_along(b->l, b->fine, 0);
+    for (uint32_t row = 0; row < 2 && 2 * index + row < rows; row++)
+        for (uint32_t x = 0; x < width; x++) {
+            const uint32_t below[3] = {x, 2 * index + row, z}, above[3] = {x / 2, index, z / 2};
+            double most = deviation_of_brick(band, x, row);
+            if (b->fine > 0)
+                most += deviation_value(*code_at(b, b->fine, below));
+            const uint16_t code = deviation_code(most);
+            uint16_t *to = code_at(b, b->fine + 1, above);
+            *to = code > *to ? code : *to;
+        }
+}
+
+/* ---- Slices ---- */
+
+static const char *fine_slice(const feeding *f, uint32_t z) {
+    const deviation_build *b = f->b;
+    return z < b->seen[0] ? b->kept[z % KEPT] : f->fine + (z - b->seen[0]) * b->slice_bytes[0];
+}
+
+static const char *coarse_slice(const feeding *f, uint32_t z) {
+    const deviation_build *b = f->b;
+    return z < b->seen[1] ? b->last : f->coarse + (z - b->seen[1]) * b->slice_bytes[1];
+}
+
+static status feed_band(void *ctx, size_t index, int worker) {
+    const feeding *f = ctx;
+    const deviation_build *b = f->b;
+    const leaf_level *fine = &b->l->level[b->fine], *coarse = &b->l->level[b->fine + 1];
+    const size_t size = sample_size(b->l->type), row = index * FINE_ROWS;
+    const uint32_t left = fine->dims[1] - (uint32_t)row;
+    deviation_band *band =
+        (deviation_band *)(void *)(b->band + index * deviation_band_bytes(fine->dims[0]));
+    char *scratch = b->scratch + (size_t)worker * deviation_scratch_bytes(fine->dims[0]);
+    deviation_slice s = {.type = b->l->type,
+                         .nodes = fine->dims[0],
+                         .rows = left < FINE_ROWS + 1 ? left : FINE_ROWS + 1,
+                         .fine_row = fine->dims[0],
+                         .coarse_row = coarse->dims[0],
+                         .weight = {b->weights[0], b->weights[1]}};
+    if (s.weight[1])
+        s.weight[1] += row / 2;
+    for (uint32_t z = b->next; z < f->until; z++) {
+        const bool last = z + 1 == fine->dims[2];
+        s.fine = fine_slice(f, z) + row * fine->dims[0] * size;
+        for (uint32_t k = 0; k < 2; k++)
+            s.coarse[k] = coarse_slice(f, (z + k) / 2) + row / 2 * coarse->dims[0] * size;
+        s.weight_z = z % 2 == 0 ? 0.0 : b->weights[2] ? b->weights[2][z / 2] : 0.5;
+        deviation_compare(&s, scratch, band);
+        if (z == 0 || (z % DEVIATION_BRICK && !last))
+            continue;
+        fold(b, (uint32_t)index, band, (z - 1) / DEVIATION_BRICK);
+        deviation_band_begin(band, fine->dims[0]);
+        if (!last) /* it is the first one of the next layer, too */
+            deviation_compare(&s, scratch, band);
+    }
+    return ST_OK;
+}
+
+/* What later slices will need. */
+static void keep(const feeding *f, uint32_t fine_count, uint32_t coarse_count) {
+    deviation_build *b = f->b;
+    for (uint32_t z = f->until; z < b->seen[0] + fine_count; z++)
+        if (z >= b->seen[0])
+            memcpy(b->kept[z % KEPT], fine_slice(f, z), b->slice_bytes[0]);
+    if (coarse_count > 0)
+        memcpy(b->last, coarse_slice(f, b->seen[1] + coarse_count - 1), b->slice_bytes[1]);
+}
+
+status deviation_build_feed(deviation_build *b, pool *workers, const void *fine,
+                            uint32_t fine_count, const void *coarse, uint32_t coarse_count) {
+    const uint32_t all = b->l->level[b->fine].dims[2], there = b->seen[1] + coarse_count;
+    const uint32_t have = b->seen[0] + fine_count;
+    /* Those up to the one that lies on the last coarse slice. */
+    uint32_t until = there > 0 ? 2 * there - 1 : 0;
+    until = until < have ? until : have;
+    const feeding f = {b, fine, coarse, until < all ? until : all};
+    const status st = pool_run(workers, b->bands, feed_band, (void *)&f);
+    if (st != ST_OK)
+        return st;
+    keep(&f, fine_count, coarse_count);
+    b->next = f.until;
+    b->seen[0] = have;
+    b->seen[1] = there;
+    return ST_OK;
+}
+
+/* ---- The level ---- */
+
+static uint32_t bands_of(const leaf_layout *l, uint32_t fine) {
+    return bricks_along(l, fine + 1, 1);
+}
+
+static size_t slice_bytes(const leaf_layout *l, uint32_t level) {
+    return (size_t)l->level[level].dims[0] * l->level[level].dims[1] * sample_size(l->type);
+}
+
+uint64_t deviation_build_memory(const leaf_layout *l, uint32_t fine, bool rectilinear,
+                                int threads) {
+    const leaf_level *v = &l->level[fine];
+    uint64_t bytes = sizeof(deviation_build) + 4096 + KEPT * (uint64_t)slice_bytes(l, fine) +
+                     slice_bytes(l, fine + 1) +
+                     bands_of(l, fine) * (uint64_t)deviation_band_bytes(v->dims[0]) +
+                     (uint64_t)threads * deviation_scratch_bytes(v->dims[0]);
+    for (int a = 0; a < 3 && rectilinear; a++)
+        bytes += v->dims[a] * sizeof(double);
+    return bytes;
+}
+
+static status make_weights(deviation_build *b, const grid *g) {
+    for (int a = 0; a < 3 && grid_is_rectilinear(g); a++) {
+        const uint32_t cells = b->l->level[b->fine + 1].cells[a];
+        b->weights[a] = mem_array(b->m, cells, sizeof *b->weights[a]);
+        if (!b->weights[a])
+            return ST_NOMEM;
+        for (uint32_t i = 0; i < cells; i++)
+            b->weights[a][i] = deviation_weight(g->axis[a], g->dims[a] - 1, b->fine, i);
+    }
+    return ST_OK;
+}
+
+static status allocate(deviation_build *b, const grid *g, int threads) {
+    const uint32_t nodes = b->l->level[b->fine].dims[0];
+    const size_t bytes = deviation_band_bytes(nodes);
+    b->band = mem_alloc(b->m, b->bands * bytes);
+    b->scratch = mem_alloc(b->m, (size_t)threads * deviation_scratch_bytes(nodes));
+    b->last = mem_alloc(b->m, b->slice_bytes[1]);
+    if (!b->band || !b->scratch || !b->last)
+        return ST_NOMEM;
+    for (uint32_t i = 0; i < b->bands; i++)
+        deviation_band_begin((deviation_band *)(void *)(b->band + i * bytes), nodes);
+    for (int i = 0; i < KEPT; i++)
+        if (!(b->kept[i] = mem_alloc(b->m, b->slice_bytes[0])))
+            return ST_NOMEM;
+    return make_weights(b, g);
+}
+
+status deviation_build_create(mem *m, const leaf_layout *l, uint32_t fine, uint32_t set,
+                              const grid *g, int threads, uint16_t *codes, deviation_build **out) {
+    deviation_build *b = mem_zalloc(m, sizeof *b);
+    if (!b)
+        return ST_NOMEM;
+    b->m = m;
+    b->l = l;
+    b->fine = fine;
+    b->set = set;
+    b->codes = codes;
+    b->bands = bands_of(l, fine);
+    for (uint32_t i = 0; i < 2; i++)
+        b->slice_bytes[i] = slice_bytes(l, fine + i);
+    if (allocate(b, g, threads) != ST_OK) {
+        deviation_build_destroy(b);
+        return ST_NOMEM;
+    }
+    *out = b;
+    return ST_OK;
+}
+
+void deviation_build_destroy(deviation_build *b) {
+    if (!b)
+        return;
+    for (int i = 0; i < KEPT; i++)
+        mem_free(b->m, b->kept[i]);
+    for (int a = 0; a < 3; a++)
+        mem_free(b->m, b->weights[a]);
+    mem_free(b->m, b->band);
+    mem_free(b->m, b->scratch);
+    mem_free(b->m, b->last);
+    mem_free(b->m, b);
+}
+
+void deviation_build_end(const leaf_layout *l, uint32_t set, bool rectilinear,
+                         const double range[2], uint16_t *codes) {
+    for (uint32_t level = 1; level < l->levels; level++) {
+        const double rounding = deviation_rounding(l->type, rectilinear, range, level);
+        const leaf_level *v = &l->level[level];
+        if (rounding == 0.0)
+            continue;
+        for (uint32_t t = v->first; t < v->first + v->count; t++)
+            for (uint32_t i = 0; i < deviation_bricks(l); i++) {
+                uint16_t *code = codes + deviation_at(l, set, t) + i;
+                if (deviation_has_cells(l, t, i))
+                    *code = deviation_code(deviation_value(*code) + rounding);
+            }
+    }
+}
