@@ -68,8 +68,10 @@ exits "a movie" 0 "$leafcast" render "$g" --iso 120 --camera-path "$tmp/path.jso
 ok "of five" [ "$(find "$tmp" -name 'k_*.ppm' | wc -l)" = 5 ]
 ok "begins with the first entry" same k_0000 key_0000
 ok "ends with the last" same k_0004 key_0001
-run "$leafcast" render "$g" --iso 120 --fov 40 --size 40x30 -o "$tmp/middle.ppm" -q
-ok "and is half between them in its middle" same k_0002 middle
+echo '[{"fov": 30}, {"fov": 40}]' >"$tmp/half.json"
+run "$leafcast" render "$g" --iso 120 --camera-path "$tmp/half.json" --size 40x30 -o "$tmp/half.ppm" -q
+ok "and is half between them in its middle" same k_0002 half_0001
+ok "which is another picture" other k_0002 k_0004
 "$leafcast" render "$g" --iso 120 --camera-path "$tmp/path.json" --frames 5 --size 40x30 -o - --format ppm -q >"$tmp/stream"
 cat "$tmp"/k_000?.ppm >"$tmp/joined"
 ok "into a pipe: the same, one behind the other" cmp -s "$tmp/stream" "$tmp/joined"
