@@ -607,7 +607,8 @@ typedef struct leafcast_slice_pixels {
     const double (*line)[3]; /* of a polyline; NULL: none */
     uint32_t line_count;     /* 0, or 2 and more */
     uint32_t width, height;
-    uint64_t beside; /* bytes of the caller's own that the budget counts, too */
+    uint64_t beside;          /* bytes of the caller's own that the budget counts, too */
+    uint32_t first_row, rows; /* leafcast_sample_slice(): these rows alone; rows 0: all */
 } leafcast_slice_pixels;
 
 /* leafcast_fit_slice() - set width and height: one square pixel a cell, where cells are cubes;
@@ -630,10 +631,10 @@ LEAFCAST_API leafcast_status leafcast_layer_slice(const leafcast *volume, int ax
                                                   leafcast_slice_pixels *slice);
 
 /* leafcast_sample_slice() - the values at the pixels' centres, of the field and step that are
- * selected, row by row from the top, width x height of them: the same bits as
- * leafcast_probe_point() gives for the same points. NaN outside of the volume and where there is no
- * data. By all threads of the device, within its budget, which counts `value`, too; only treelets
- * with pixels in them are read.
+ * selected, row by row from the top, width x height of them, or of the rows that are wanted: the
+ * same bits as leafcast_probe_point() gives for the same points. NaN outside of the volume and
+ * where there is no data. By all threads of the device, within its budget, which counts `value`,
+ * too; only treelets with pixels in them are read.
  *
  * stats may be NULL; treelets_active and bytes_active are those with pixels, treelets_loaded and
  * bytes_read are this call's. watch: as of leafcast_trace(). LEAFCAST_USAGE names what is wrong

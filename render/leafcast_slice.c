@@ -56,9 +56,14 @@ typedef struct slice_job {
     double *along; /* the line's length up to each of its points */
 } slice_job;
 
+static uint32_t rows_of(const leafcast_slice_pixels *s) {
+    return s->rows > 0 ? s->rows : s->height;
+}
+
+/* y: among the rows that are wanted. */
 static void pixel_of(const leafcast_slice_pixels *s, size_t i, uint32_t *x, uint32_t *y) {
     const size_t band = i / ((size_t)BAND * s->width), first = band * BAND;
-    const size_t rows = s->height - first < BAND ? s->height - first : BAND;
+    const size_t rows = rows_of(s) - first < BAND ? rows_of(s) - first : BAND;
     const size_t within = i - first * s->width;
     *x = (uint32_t)(within / rows);
     *y = (uint32_t)(first + within % rows);
@@ -86,7 +91,7 @@ static void slice_point(const void *ctx, size_t i, double point[3]) {
     const leafcast_slice_pixels *s = p->slice;
     uint32_t x, y;
     pixel_of(s, i, &x, &y);
-    const double right = (x + 0.5) / s->width, down = (y + 0.5) / s->height;
+    const double right = (x + 0.5) / s->width, down = (s->first_row + y + 0.5) / s->height;
     if (s->line_count > 0)
         point_along(p, right, point);
     for (int a = 0; a < 3; a++)
@@ -150,6 +155,10 @@ static status check_slice(const leafcast *v, const leafcast_slice_pixels *s) {
     if (st == ST_OK && (s->width == 0 || s->height == 0 ||
                         (uint64_t)s->width * s->height > SIZE_MAX / (2 * sizeof(double))))
         st = status_describe(ST_USAGE, "a slice of %u x %u pixels", s->width, s->height);
+    if (st == ST_OK && (s->first_row > s->height || s->rows > s->height - s->first_row ||
+                        (s->rows == 0 && s->first_row > 0)))
+        st = status_describe(ST_USAGE, "%u rows from row %u on, of a slice of %u", s->rows,
+                             s->first_row, s->height);
     if (st == ST_OK && !(all_finite(s->origin, 3) && all_finite(s->u, 3) && all_finite(s->v, 3)))
         st = status_describe(ST_USAGE, "a slice whose corner or edges are not finite");
     return st == ST_OK ? check_line(s) : st;
@@ -158,7 +167,7 @@ static status check_slice(const leafcast *v, const leafcast_slice_pixels *s) {
 static leafcast_status sample_pixels(slice_job *pixels, point_samples *p, leafcast_stats *stats) {
     const leafcast_slice_pixels *s = pixels->slice;
     const size_t line = s->line_count * sizeof *pixels->along;
-    p->count = (size_t)s->width * s->height;
+    p->count = (size_t)s->width * rows_of(s);
     p->beside = p->count * sizeof *pixels->value + (size_t)s->beside + line;
     if (line == 0)
         return sample(p, stats);

@@ -337,6 +337,31 @@ static void test_any_budget(void **state) {
     }
 }
 
+/* Some rows at a time: the same bits, and no row besides. */
+static void test_rows(void **state) {
+    static double want[PIXELS], got[PIXELS + 1];
+    (void)state;
+    for (int which = 0; which < 3; which++) {
+        subject *x = one_of(which);
+        leafcast *v = fixture_open(x->path, NULL);
+        field_random r = {11};
+        leafcast_slice_pixels s = random_slice(v, &r);
+        (void)sample(v, &s, want);
+        for (uint32_t step = 1; step <= HEIGHT; step += step < 5 ? 1 : 14) {
+            for (s.first_row = 0; s.first_row < HEIGHT; s.first_row += step) {
+                double *at = got + (size_t)s.first_row * WIDTH;
+                s.rows = HEIGHT - s.first_row < step ? HEIGHT - s.first_row : step;
+                at[(size_t)s.rows * WIDTH] = -77.0;
+                (void)sample(v, &s, at);
+                assert_true(at[(size_t)s.rows * WIDTH] == -77.0);
+            }
+            assert_true(same_bits(want, got, PIXELS));
+        }
+        leafcast_close(v);
+        subject_free(x);
+    }
+}
+
 /* After a picture's turn, and before the next. */
 static void test_between_pictures(void **state) {
     static double want[PIXELS], got[PIXELS], z[2][64 * 64];
@@ -682,6 +707,12 @@ static void test_refused(void **state) {
     WRONG(interpolation = (leafcast_interpolation)2, "interpolation");
     WRONG(level = 20, "level");
     WRONG(width = 0, "0 x 4");
+    WRONG(rows = 5, "5 rows");
+    WRONG(first_row = 1, "0 rows from row 1");
+    s.rows = 2;
+    WRONG(first_row = 3, "2 rows from row 3");
+    WRONG(first_row = 5, "2 rows from row 5");
+    s.rows = 0;
     WRONG(u[1] = INFINITY, "finite");
     WRONG(line_count = 2, "line");
     s.line = line;
@@ -728,21 +759,14 @@ static void test_stopped(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_grids),
-        cmocka_unit_test(test_all_fields),
-        cmocka_unit_test(test_turned),
-        cmocka_unit_test(test_meshes),
-        cmocka_unit_test(test_as_probed),
-        cmocka_unit_test(test_any_budget),
-        cmocka_unit_test(test_between_pictures),
-        cmocka_unit_test(test_treelets),
-        cmocka_unit_test(test_points_in_no_order),
-        cmocka_unit_test(test_curved),
-        cmocka_unit_test(test_layers_are_samples),
-        cmocka_unit_test(test_layer_size),
-        cmocka_unit_test(test_planes),
-        cmocka_unit_test(test_faces),
-        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_grids),      cmocka_unit_test(test_all_fields),
+        cmocka_unit_test(test_turned),     cmocka_unit_test(test_meshes),
+        cmocka_unit_test(test_as_probed),  cmocka_unit_test(test_any_budget),
+        cmocka_unit_test(test_rows),       cmocka_unit_test(test_between_pictures),
+        cmocka_unit_test(test_treelets),   cmocka_unit_test(test_points_in_no_order),
+        cmocka_unit_test(test_curved),     cmocka_unit_test(test_layers_are_samples),
+        cmocka_unit_test(test_layer_size), cmocka_unit_test(test_planes),
+        cmocka_unit_test(test_faces),      cmocka_unit_test(test_refused),
         cmocka_unit_test(test_stopped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

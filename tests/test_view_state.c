@@ -10,6 +10,8 @@
 #include <string.h>
 
 #include "render/view/view_access.h"
+#include "render/view/view_crowd.h"
+#include "render/view/view_slice_state.h"
 #include "render/view/view_state.h"
 
 static mem budget;
@@ -41,6 +43,99 @@ static void test_taken(void **state) {
     assert_int_equal(v.isos, 0); /* nothing of the state before */
     assert_int_equal(apply("{}", &v), ST_OK);
     assert_false(medium_options_given(&v.medium));
+    assert_int_equal(apply("{\"iso\": 3, \"page\": {\"slices\": {\"output\": 7}}}", &v), ST_OK);
+    assert_int_equal(v.isos, 1); /* what is the page's own is skipped */
+    assert_int_equal(apply("{\"page\": \"x\"}", &v), ST_USAGE);
+    assert_int_equal(apply("{\"annotate\": \"box,scale\", \"title\": \"A\", \"unit\": \"mm\"}", &v),
+                     ST_OK);
+    assert_int_equal(v.annotation.parts, ANNOTATE_BOX | ANNOTATE_SCALE);
+    assert_string_equal(v.annotation.title, "A");
+    assert_string_equal(v.annotation.unit, "mm");
+}
+
+/* ---- Slices ---- */
+
+static status slice(const char *text, slice_request *r) {
+    json_t *object = json_loads(text, JSON_DECODE_ANY, NULL);
+    const status st = view_slice_state_apply(&budget, object, r);
+    json_decref(object);
+    return st;
+}
+
+static void test_slices_taken(void **state) {
+    (void)state;
+    slice_request r;
+    assert_int_equal(slice("{}", &r), ST_OK);
+    assert_true(r.place.way == SLICE_ACROSS && r.place.axis == 2 && r.look.isos == 0 && !r.step);
+    assert_int_equal(
+        slice("{\"axis\": \"y\", \"at\": -3.5, \"nearest\": true, \"level\": 2, \"step\": 4,"
+              " \"iso\": [1, 2, 3.5], \"color\": \"#ff0000\", \"field\": \"p\"}",
+              &r),
+        ST_OK);
+    assert_true(r.place.axis == 1 && r.place.at == -3.5 && r.place.slice.level == 2);
+    assert_true(r.place.slice.interpolation == LEAFCAST_INTERPOLATION_NEAREST);
+    assert_true(r.look.isos == 3 && r.isovalues[2] == 3.5 && r.look.line[0] == 1.0f &&
+                r.look.line[1] == 0.0f);
+    assert_string_equal(r.field, "p");
+    assert_int_equal(r.step, 4);
+    assert_int_equal(slice("{\"plane\": [1, 2, 3, -4], \"colour_map\": \"viridis\","
+                           " \"window\": [0, 9], \"legend\": true, \"nearest\": false}",
+                           &r),
+                     ST_OK);
+    assert_true(r.place.way == SLICE_PLANE && r.place.plane[3] == -4.0 && r.legend);
+    assert_true(r.medium.windowed && r.medium.window[1] == 9.0);
+    assert_true(r.place.slice.interpolation ==
+                LEAFCAST_INTERPOLATION_LINEAR); /* nothing of before */
+}
+
+static void test_slices_refused(void **state) {
+    (void)state;
+    static const char *const texts[] = {"7",
+                                        "[]",
+                                        "null",
+                                        "{\"axis\": \"q\"}",
+                                        "{\"axis\": 1}",
+                                        "{\"at\": \"x\"}",
+                                        "{\"at\": {}}",
+                                        "{\"at\": 1, \"index\": 2}",
+                                        "{\"u\": [1, 0, 0]}",
+                                        "{\"plane\": [1, 0, 0]}",
+                                        "{\"line\": \"0,0,0;1,1,1\", \"sweep\": [0, 0, 1]}",
+                                        "{\"sweep\": [0, 0, 1]}",
+                                        "{\"size\": \"9x9\"}",
+                                        "{\"output\": \"x.png\"}",
+                                        "{\"value-f64\": \"x\"}",
+                                        "{\"stats\": \"x\"}",
+                                        "{\"nearest\": 1}",
+                                        "{\"color\": \"red\"}",
+                                        "{\"iso\": [[1]]}",
+                                        "{\"tf\": \"/etc/passwd\"}",
+                                        "{\"tf\": \"auto|ct\"}",
+                                        "{\"colour-map\": \"/etc/passwd\"}",
+                                        "{\"color_map\": \"./grey\"}",
+                                        "{\"colour-map\": \"greyy\"}",
+                                        "{\"window\": [2, 1]}"};
+    slice_request r;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        if (slice(texts[i], &r) != ST_USAGE)
+            fail_msg("taken: %s", texts[i]);
+}
+
+/* As large as fits, at the slice's proportions; at least a pixel. */
+static void test_slices_fit(void **state) {
+    static const struct {
+        double u, v;
+        uint32_t box[2], width, height;
+    } cases[] = {{4, 2, {400, 400}, 400, 200}, {2, 4, {400, 400}, 200, 400},
+                 {4, 2, {400, 100}, 200, 100}, {1000, 1, {50, 50}, 50, 1},
+                 {1, 1e9, {50, 40}, 1, 40},    {3, 3, {1, 1}, 1, 1}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        leafcast_slice_pixels s = {.u = {0, cases[i].u, 0}, .v = {0, 0, -cases[i].v}};
+        view_slice_state_fit(&s, cases[i].box);
+        assert_int_equal(s.width, cases[i].width);
+        assert_int_equal(s.height, cases[i].height);
+    }
 }
 
 static void test_names_of_files(void **state) {
@@ -181,11 +276,30 @@ static void test_hosts(void **state) {
     assert_false(view_access_origin("", "localhost:80"));
 }
 
+static void test_crowd(void **state) {
+    (void)state;
+    static char who[2 * VIEW_CROWD_MAX + 1];
+    static view_crowd crowd;
+    for (int i = 0; i < VIEW_CROWD_MAX; i++)
+        assert_null(view_crowd_enter(&crowd, who + i));
+    view_crowd_leave(&crowd, who + 1); /* it has shown the token */
+    view_crowd_leave(&crowd, who + 2 * VIEW_CROWD_MAX);
+    assert_null(view_crowd_enter(&crowd, who + VIEW_CROWD_MAX));
+    assert_ptr_equal(view_crowd_enter(&crowd, who + VIEW_CROWD_MAX + 1), who);
+    for (int i = 2; i < VIEW_CROWD_MAX; i++)
+        assert_ptr_equal(view_crowd_enter(&crowd, who + VIEW_CROWD_MAX + i), who + i);
+    assert_int_equal(crowd.count, VIEW_CROWD_MAX);
+    view_crowd_leave(&crowd, who + 2 * VIEW_CROWD_MAX - 1); /* the newest */
+    assert_int_equal(crowd.count, VIEW_CROWD_MAX - 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_taken),   cmocka_unit_test(test_names_of_files),
-        cmocka_unit_test(test_rubbish), cmocka_unit_test(test_large),
-        cmocka_unit_test(test_tokens),  cmocka_unit_test(test_hosts)};
+        cmocka_unit_test(test_taken),        cmocka_unit_test(test_names_of_files),
+        cmocka_unit_test(test_slices_taken), cmocka_unit_test(test_slices_refused),
+        cmocka_unit_test(test_slices_fit),   cmocka_unit_test(test_rubbish),
+        cmocka_unit_test(test_large),        cmocka_unit_test(test_tokens),
+        cmocka_unit_test(test_hosts),        cmocka_unit_test(test_crowd)};
     mem_init(&budget, 0);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

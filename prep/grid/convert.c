@@ -139,7 +139,8 @@ static status store_slices(conversion *c, uint32_t level, read_slices in) {
         if (st != ST_OK)
             return st;
         in.samples += some * slice_bytes;
-        in.busy += in.busy ? some * slice_tiles_count(dims) : 0;
+        if (in.busy)
+            in.busy += some * slice_tiles_count(dims);
         in.count -= some;
     }
     return ST_OK;

@@ -8,7 +8,7 @@
 #include "formats/base/file.h"
 #include "formats/base/num.h"
 
-enum { TEXT_MAX = 1024, LINE_MAX_BYTES = 1 << 20, NEST_MAX = 4 };
+enum { LINE_MAX_BYTES = 1 << 20, NEST_MAX = 4 };
 
 /* ---- JSON to the text of a flag ---- */
 
@@ -16,8 +16,8 @@ static status wrong_kind(const char *what, const char *key, const char *wanted) 
     return status_describe(ST_USAGE, "%s: \"%s\" takes %s", what, key, wanted);
 }
 
-/* A number, a string, or an array of them joined by commas. */
-static status text_of(const json_t *value, const char *what, const char *key, char *text) {
+status script_text(const json_t *value, const char *what, const char *key,
+                   char text[SCRIPT_TEXT_MAX]) {
     size_t count = json_is_array(value) ? json_array_size(value) : 1, n = 0;
     for (size_t i = 0; i < count; i++) {
         const json_t *item = json_is_array(value) ? json_array_get(value, i) : value;
@@ -28,7 +28,7 @@ static status text_of(const json_t *value, const char *what, const char *key, ch
         else if (!json_is_string(item))
             return wrong_kind(what, key, "numbers or text");
         const size_t length = strlen(part);
-        if (n + length + 2 > TEXT_MAX)
+        if (n + length + 2 > SCRIPT_TEXT_MAX)
             return status_describe(ST_USAGE, "%s: \"%s\" is too long", what, key);
         if (i)
             text[n++] = ',';
@@ -41,8 +41,8 @@ static status text_of(const json_t *value, const char *what, const char *key, ch
 
 static status set_flag(view_options *view, int flag_key, const json_t *value, const char *what,
                        const char *key) {
-    char text[TEXT_MAX], why[STATUS_TEXT_MAX];
-    status st = text_of(value, what, key, text);
+    char text[SCRIPT_TEXT_MAX], why[STATUS_TEXT_MAX];
+    status st = script_text(value, what, key, text);
     if (st)
         return st;
     st = view_options_set(view, flag_key, text);
@@ -116,6 +116,8 @@ static status apply_object(script_frame *frame, json_t *object, const char *what
         value = json_object_iter_value(at);
         if (strcmp(key, "camera") == 0)
             st = apply_object(frame, value, what, depth + 1);
+        else if (strcmp(key, "page") == 0)
+            st = json_is_object(value) ? ST_OK : wrong_kind(what, key, "an object");
         else if (find_file(key) < FRAME_FILES)
             st = apply_file(frame->file[find_file(key)], value, what, key);
         else

@@ -26,7 +26,7 @@
 #include "render/app/image_out.h"
 #include "render/app/view_options.h"
 
-enum { SCRIPT_PATH_MAX = 4096 };
+enum { SCRIPT_PATH_MAX = 4096, SCRIPT_TEXT_MAX = 1024 };
 
 /* The files of a picture: itself, raw planes as image_raw numbers them, its transfer function. */
 typedef enum frame_file {
@@ -45,10 +45,15 @@ typedef struct script_frame {
 } script_frame;
 
 /* script_apply() - put what an object says into *frame, which holds what was there before. ST_USAGE
- * naming `what` ("line 3") and the key. */
+ * naming `what` ("line 3") and the key. An object "page" is the viewer's, and skipped. */
 CHECKED status script_apply(script_frame *frame, json_t *object, const char *what);
 
-/* script_parse() - the same from text. */
+/* script_text() - a flag's text: a number, a string, or an array of them joined by commas. ST_USAGE
+ * naming `what` and `key`. */
+CHECKED status script_text(const json_t *value, const char *what, const char *key,
+                           char text[SCRIPT_TEXT_MAX]);
+
+/* script_parse() - script_apply() from text. */
 CHECKED status script_parse(script_frame *frame, const char *text, size_t size, const char *what);
 
 /* script_load_path() - a camera path: a file with an array of objects. *path is the caller's to

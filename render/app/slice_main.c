@@ -6,31 +6,21 @@
 #include <string.h>
 
 #include "formats/base/cli.h"
-#include "formats/base/cli_value.h"
 #include "formats/base/clock.h"
 #include "formats/base/file.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/base/printed_file.h"
-#include "render/app/colour.h"
 #include "render/app/image_out.h"
-#include "render/app/legend.h"
-#include "render/app/medium_options.h"
 #include "render/app/render_job.h"
-#include "render/app/slice_options.h"
-#include "render/app/slice_picture.h"
+#include "render/app/slice_request.h"
 
-enum { ISOS_MAX = 32, OPTIONS_ROOM = 40 };
+enum { OPTIONS_ROOM = 40 };
 
 typedef struct slice_run {
     cli_common common;
-    slice_options place;
-    slice_look look;
-    double isovalues[ISOS_MAX];
-    medium_options medium; /* its colours */
-    bool legend;
-    const char *field, *format, *values, *stats_path;
-    uint32_t step, field_number;
+    slice_request slice;
+    const char *format, *values, *stats_path;
     mem m;
     leafcast *volume;
     double *value;
@@ -43,26 +33,9 @@ typedef struct slice_run {
 
 /* ---- Flags ---- */
 
-enum { FIELD = 0x3000, STEP, ISO, COLOR, COLOUR, FORMAT, VALUES, STATS };
+enum { FORMAT = 0x3040, VALUES, STATS };
 
 static const struct argp_option OPTIONS[] = {
-    {"field", FIELD, "NAME", 0,
-     "volumes with several fields: this one, by name or number (the first)", 2},
-    {"step", STEP, "K", 0, "volumes with time steps: this one, counted from 0 (0)", 2},
-    {NULL, 0, NULL, 0, "The picture:", 3},
-    {"colour-map", MEDIUM_COLOUR_MAP, "NAME", CLI_BASIC,
-     "grey, viridis, plasma, inferno, magma, cool-warm, rainbow or a file of --tf's (of several "
-     "maps in it FILE#NAME) (grey)",
-     0},
-    {"color-map", MEDIUM_COLOUR_MAP, NULL, OPTION_ALIAS, NULL, 0},
-    {"tf", MEDIUM_TF, "FILE", 0,
-     "the colours of a transfer function: auto, ct, mr or a file, as render takes it", 0},
-    {"window", MEDIUM_WINDOW, "LO,HI", CLI_BASIC,
-     "the values of the map's first and last colour (the field's range)", 0},
-    {"legend", MEDIUM_LEGEND, NULL, 0, "draw a bar of the colours with their values", 0},
-    {"iso", ISO, "V[,V...]", CLI_BASIC, "an isoline of each value, on top. Repeatable", 0},
-    {"color", COLOR, "COLOR", 0, "of the isolines: red, R,G,B (linear) or #rrggbb (sRGB)", 0},
-    {"colour", COLOUR, "COLOR", OPTION_ALIAS, NULL, 0},
     {NULL, 0, NULL, 0, "Outputs (-o takes .png, .ppm, .pfm, .exr; -: standard output):", 4},
     {"format", FORMAT, "NAME", 0, "png, ppm, pfm or exr, whatever the name's end is (-o -: png)",
      0},
@@ -71,35 +44,13 @@ static const struct argp_option OPTIONS[] = {
     {"stats", STATS, "FILE", 0, "times, treelets and bytes as JSON", 0},
     {NULL, 0, NULL, 0, NULL, 0}};
 
-static status add_isovalues(slice_run *o, const char *text) {
-    int count = 1;
-    for (const char *c = text; *c; c++)
-        count += *c == ',';
-    if (o->look.isos + count > ISOS_MAX)
-        return status_describe(ST_USAGE, "--iso: more than %d isolines", ISOS_MAX);
-    const status st = cli_vector(text, "--iso", count, o->isovalues + o->look.isos);
-    o->look.isos += st == ST_OK ? count : 0;
-    return st;
-}
-
-static status set_colours(slice_run *o, int key, const char *text) {
-    const status st = medium_options_set(&o->medium, key, text);
-    return st == ST_AGAIN ? slice_options_set(&o->place, key, text) : st;
-}
-
 static status set_option(void *own, int key, const char *text) {
     slice_run *o = own;
     switch (key) {
-    case FIELD: o->field = text; return ST_OK;
-    case STEP: return cli_uint(text, "--step", 0, UINT16_MAX, &o->step);
-    case MEDIUM_LEGEND: o->legend = true; return ST_OK;
-    case ISO: return add_isovalues(o, text);
-    case COLOR:
-    case COLOUR: return colour_parse(text, "--color", o->look.line, NULL);
     case FORMAT: o->format = text; return ST_OK;
     case VALUES: o->values = text; return ST_OK;
     case STATS: o->stats_path = text; return ST_OK;
-    default: return set_colours(o, key, text);
+    default: return slice_request_set(&o->slice, key, text);
     }
 }
 
@@ -113,22 +64,14 @@ static status check_picture(const slice_run *o) {
         int key;
         const char *name;
     } of_pictures[] = {
-        {MEDIUM_COLOUR_MAP, "--colour-map"},
-        {MEDIUM_TF, "--tf"},
-        {MEDIUM_WINDOW, "--window"},
-        {MEDIUM_LEGEND, "--legend"},
-        {ISO, "--iso"},
-        {COLOR, "--color"},
-        {COLOUR, "--colour"},
-        {FORMAT, "--format"},
+        {MEDIUM_COLOUR_MAP, "--colour-map"}, {MEDIUM_TF, "--tf"},  {MEDIUM_WINDOW, "--window"},
+        {MEDIUM_LEGEND, "--legend"},         {SLICE_ISO, "--iso"}, {SLICE_COLOR, "--color"},
+        {SLICE_COLOUR, "--colour"},          {FORMAT, "--format"},
     };
     for (size_t i = 0; i < sizeof of_pictures / sizeof *of_pictures && !o->common.output; i++)
         if (cli_given(&o->common, of_pictures[i].key))
             return status_describe(ST_USAGE, "%s is for a picture: -o", of_pictures[i].name);
-    const bool colour = cli_given(&o->common, COLOR) || cli_given(&o->common, COLOUR);
-    if (colour && o->look.isos == 0)
-        return status_describe(ST_USAGE, "--color is for isolines: --iso V");
-    return medium_options_check(&o->medium, true);
+    return ST_OK;
 }
 
 static status check_options(void *own) {
@@ -141,7 +84,7 @@ static status check_options(void *own) {
     if (streams > 1)
         return status_describe(ST_USAGE, "standard output holds one of picture, values and --json");
     const status st = check_picture(o);
-    return st == ST_OK ? slice_options_check(&o->place) : st;
+    return st == ST_OK ? slice_request_check(&o->slice) : st;
 }
 
 /* ---- The result as JSON ---- */
@@ -154,7 +97,7 @@ static json_t *reals(const double *x, int count) {
 }
 
 static void set_place(const slice_run *o, json_t *root) {
-    const leafcast_slice_pixels *s = &o->place.slice;
+    const leafcast_slice_pixels *s = &o->slice.place.slice;
     json_object_set_new(root, "size", json_pack("[i,i]", (int)s->width, (int)s->height));
     if (s->line_count > 0) {
         json_t *line = json_array();
@@ -169,7 +112,7 @@ static void set_place(const slice_run *o, json_t *root) {
 }
 
 static void set_values(const slice_run *o, json_t *root) {
-    const size_t pixels = (size_t)o->place.slice.width * o->place.slice.height;
+    const size_t pixels = (size_t)o->slice.place.slice.width * o->slice.place.slice.height;
     double least = INFINITY, most = -INFINITY;
     json_int_t seen = 0;
     for (size_t i = 0; i < pixels; i++) {
@@ -183,7 +126,7 @@ static void set_values(const slice_run *o, json_t *root) {
     double window[2];
     if (!o->common.output)
         return;
-    medium_options_window(&o->medium, &o->look.colours, window);
+    medium_options_window(&o->slice.medium, &o->slice.look.colours, window);
     json_object_set_new(root, "window", reals(window, 2));
 }
 
@@ -192,9 +135,9 @@ static void set_set(const slice_run *o, json_t *root) {
     if (info.fields == 1 && info.steps == 1)
         return;
     json_object_set_new(root, "field",
-                        json_string(leafcast_field_name(o->volume, o->field_number)));
-    json_object_set_new(root, "step", json_integer(o->step));
-    json_object_set_new(root, "time", cli_json_real(leafcast_step_time(o->volume, o->step)));
+                        json_string(leafcast_field_name(o->volume, o->slice.field_number)));
+    json_object_set_new(root, "step", json_integer(o->slice.step));
+    json_object_set_new(root, "time", cli_json_real(leafcast_step_time(o->volume, o->slice.step)));
 }
 
 static json_t *count_of(uint64_t n) {
@@ -239,8 +182,9 @@ static void print_result(const void *ctx, FILE *out) {
 static status tell(slice_run *o) {
     json_t *result = result_of(o);
     status st = ST_OK;
-    cli_note(&o->common, 1, "%u x %u pixels, %llu of %llu treelets, %.3g s", o->place.slice.width,
-             o->place.slice.height, (unsigned long long)o->stats.treelets_active,
+    cli_note(&o->common, 1, "%u x %u pixels, %llu of %llu treelets, %.3g s",
+             o->slice.place.slice.width, o->slice.place.slice.height,
+             (unsigned long long)o->stats.treelets_active,
              (unsigned long long)o->stats.treelets_total, o->total_s);
     if (o->stats_path)
         st = printed_file_write(&o->m, o->stats_path, o->common.force, print_result, result);
@@ -272,20 +216,15 @@ static status open_volume(slice_run *o) {
     const leafcast_options options = {
         .size = sizeof options, .memory = o->common.memory, .threads = o->common.threads};
     status st = render_status(leafcast_open(o->common.input, &options, &o->volume));
-    if (st == ST_OK && o->field)
-        st = render_status(leafcast_find_field(o->volume, o->field, &o->field_number));
     if (st == ST_OK)
-        st = render_status(leafcast_select_set(o->volume, o->field_number, o->step));
-    if (st == ST_OK && o->common.output)
-        st = medium_options_make(&o->medium, o->volume, o->field_number, o->step, true,
-                                 &o->look.colours);
-    return st == ST_OK ? slice_options_place(&o->place, o->volume) : st;
+        st = slice_request_select(&o->slice, o->volume);
+    return st == ST_OK ? slice_request_place(&o->slice, o->volume, o->common.output) : st;
 }
 
 /* ---- The slice ---- */
 
 static size_t pixels_of(const slice_run *o) {
-    return (size_t)o->place.slice.width * o->place.slice.height;
+    return (size_t)o->slice.place.slice.width * o->slice.place.slice.height;
 }
 
 static status make_planes(slice_run *o) {
@@ -298,11 +237,11 @@ static status make_planes(slice_run *o) {
     for (int i = 0; i < 4 && o->common.output; i++) {
         *planes[i] = mem_alloc(&o->m, pixels * sizeof **planes[i]);
         failed |= !*planes[i];
-        o->place.slice.beside += pixels * sizeof **planes[i];
+        o->slice.place.slice.beside += pixels * sizeof **planes[i];
     }
     if (o->common.output)
-        o->place.slice.beside +=
-            image_out_bytes(&o->out_options, o->common.output, o->place.slice.width);
+        o->slice.place.slice.beside +=
+            image_out_bytes(&o->out_options, o->common.output, o->slice.place.slice.width);
     return failed ? ST_NOMEM : ST_OK;
 }
 
@@ -311,8 +250,9 @@ static bool report(void *ctx, double done) {
 }
 
 static status write_values(slice_run *o, image_target *to) {
-    const picture p = {
-        .width = o->place.slice.width, .height = o->place.slice.height, .image = &o->image};
+    const picture p = {.width = o->slice.place.slice.width,
+                       .height = o->slice.place.slice.height,
+                       .image = &o->image};
     return image_out_finish(to, &p);
 }
 
@@ -327,11 +267,11 @@ static void numbers(char text[256], const double *x, int count) {
 
 /* What one needs to make a plane slice again goes into its picture. */
 static status write_picture(slice_run *o, image_target *to) {
-    const leafcast_slice_pixels *s = &o->place.slice;
+    const leafcast_slice_pixels *s = &o->slice.place.slice;
     const char *slash = strrchr(o->common.input, '/');
     char origin[256], u[256], v[256], range[256];
     double window[2];
-    medium_options_window(&o->medium, &o->look.colours, window);
+    medium_options_window(&o->slice.medium, &o->slice.look.colours, window);
     numbers(origin, s->origin, 3);
     numbers(u, s->u, 3);
     numbers(v, s->v, 3);
@@ -346,10 +286,7 @@ static status write_picture(slice_run *o, image_target *to) {
                        .image = &o->image,
                        .meta = meta,
                        .meta_count = s->line_count > 0 ? 3 : 5};
-    o->look.isovalues = o->isovalues;
-    slice_picture_fill(&o->look, o->value, s->width, s->height, &o->image);
-    if (o->legend)
-        legend_draw(&o->image, s->width, s->height, &o->look.colours, window, NULL);
+    slice_request_draw(&o->slice, o->value, s->width, s->height, &o->image);
     return image_out_finish(to, &p);
 }
 
@@ -387,8 +324,8 @@ static status make_slice(slice_run *o, const progress *watch, targets *to) {
     if (st == ST_OK)
         st = make_planes(o);
     if (st == ST_OK)
-        st = render_status(leafcast_sample_slice(o->volume, &o->place.slice, o->value, &o->stats,
-                                                 report, (void *)watch));
+        st = render_status(leafcast_sample_slice(o->volume, &o->slice.place.slice, o->value,
+                                                 &o->stats, report, (void *)watch));
     const double sampled = clock_seconds();
     if (st == ST_OK)
         st = write_targets(o, to);
@@ -418,20 +355,23 @@ static void release(slice_run *o) {
     mem_free(&o->m, o->image.b);
     mem_free(&o->m, o->image.a);
     leafcast_close(o->volume);
-    slice_options_release(&o->place);
-    transfer_list_release(&o->look.colours);
+    slice_request_release(&o->slice);
 }
 
-/* The place's rows, then the verb's own. */
+/* The slice's rows, then the verb's own. */
 static void join_options(struct argp_option out[OPTIONS_ROOM]) {
-    memcpy(out, slice_options_table, (SLICE_OPTIONS_COUNT - 1) * sizeof *out);
-    memcpy(out + SLICE_OPTIONS_COUNT - 1, OPTIONS, sizeof OPTIONS);
+    enum { PLACE = SLICE_OPTIONS_COUNT - 1, LOOK = SLICE_REQUEST_COUNT - 1 };
+    memcpy(out, slice_options_table, PLACE * sizeof *out);
+    memcpy(out + PLACE, slice_request_table, LOOK * sizeof *out);
+    memcpy(out + PLACE + LOOK, OPTIONS, sizeof OPTIONS);
 }
 
-_Static_assert(SLICE_OPTIONS_COUNT + sizeof OPTIONS / sizeof *OPTIONS <= OPTIONS_ROOM, "room");
+_Static_assert(SLICE_OPTIONS_COUNT + SLICE_REQUEST_COUNT + sizeof OPTIONS / sizeof *OPTIONS <=
+                   OPTIONS_ROOM,
+               "room");
 
 int main(int argc, char **argv) {
-    static slice_run o = {.common = {.verb = "slice"}, .look = {.line = {1.0f, 0.35f, 0.02f}}};
+    static slice_run o = {.common = {.verb = "slice"}};
     struct argp_option options[OPTIONS_ROOM];
     join_options(options);
     const cli_verb verb = {
@@ -446,7 +386,7 @@ int main(int argc, char **argv) {
                "there is no data, the picture is transparent. Across x and y, z goes up; across "
                "z, y does."};
     mem_init(&o.m, 0);
-    o.place.m = o.look.colours.m = &o.m;
+    slice_request_init(&o.slice, &o.m);
     cli_parse(&verb, &o.common, argc, argv);
     const progress *watch = cli_progress(&o.common);
     o.out_options = (image_out_options){.force = o.common.force,

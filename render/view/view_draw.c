@@ -34,6 +34,7 @@ struct view_seat {
     int unseen_count;
     /* The drawing thread's own: */
     view_picture *picture;
+    view_slices *slices;
 };
 
 struct view_draw {
@@ -51,7 +52,7 @@ struct view_draw {
 
 /* What a seat needs now. */
 typedef struct turn {
-    bool leave, begin, draw, may_send, pick, residency;
+    bool leave, begin, draw, may_send, pick, residency, slice;
     pick picked;
 } turn;
 
@@ -66,7 +67,7 @@ static void say(view_draw *d, view_seat *seat, view_message *message) {
         view_message_free(message);
         message = NULL;
     } else {
-        if (message->binary && seat->unseen_count < VIEW_UNSEEN_MAX)
+        if (message->binary && !message->slice && seat->unseen_count < VIEW_UNSEEN_MAX)
             seat->unseen[seat->unseen_count++] = (sent){message->number, message->part};
         view_queue_push(&seat->queue, message);
     }
@@ -88,9 +89,11 @@ static void refuse(view_draw *d, view_seat *seat, uint64_t number) {
 
 static uint64_t others_bytes(const view_draw *d, const view_seat *seat) {
     uint64_t bytes = 0;
-    for (int i = 0; i < VIEW_SEATS_MAX; i++)
-        if (&d->seats[i] != seat && d->seats[i].picture)
+    for (int i = 0; i < VIEW_SEATS_MAX; i++) {
+        if (&d->seats[i] != seat)
             bytes += view_picture_bytes(d->seats[i].picture);
+        bytes += view_slices_bytes(d->seats[i].slices);
+    }
     return bytes;
 }
 
@@ -127,11 +130,28 @@ static void draw_slice(view_draw *d, view_seat *seat, const turn *t) {
         tell_residency(d, seat);
 }
 
+static void draw_panes(view_draw *d, view_seat *seat) {
+    view_message *message = NULL;
+    uint64_t number;
+    int pane;
+    const uint64_t beside =
+        others_bytes(d, seat) + view_picture_bytes(seat->picture) - view_slices_bytes(seat->slices);
+    const status st = view_slices_advance(seat->slices, SLICE_S, beside, &message, &number, &pane);
+    if (st != ST_OK)
+        message = view_message_json(d->m, json_pack("{s:s,s:I,s:i,s:s}", "type", "refused", "slice",
+                                                    (json_int_t)number, "pane", pane, "why",
+                                                    status_text()));
+    say(d, seat, message);
+}
+
 static void take_turn(view_draw *d, view_seat *seat, const turn *t, const view_wish *wish) {
     if (t->leave) {
         view_picture_stop(seat->picture);
+        view_slices_clear(seat->slices);
         return;
     }
+    if (t->slice)
+        draw_panes(d, seat);
     if (t->pick)
         answer_pick(d, seat, wish, &t->picked);
     if (t->begin && view_picture_begin(seat->picture, wish, others_bytes(d, seat)) != ST_OK) {
@@ -156,8 +176,10 @@ static bool needs(const view_seat *seat, turn *t) {
     t->begin = seat->wanted && view_picture_may_change(seat->picture) &&
                (t->may_send || view_picture_busy(seat->picture));
     t->draw = !t->begin && view_picture_busy(seat->picture) &&
+              !view_picture_writes(seat->picture) &&
               (t->may_send || !view_picture_waits(seat->picture));
-    return t->pick || t->begin || t->draw;
+    t->slice = view_slices_need(seat->slices);
+    return t->pick || t->begin || t->draw || t->slice;
 }
 
 static view_seat *next_seat(view_draw *d, turn *t) {
@@ -174,8 +196,9 @@ static view_seat *next_seat(view_draw *d, turn *t) {
 static void clear(view_seat *seat) {
     view_queue_clear(&seat->queue);
     view_draw *const draw = seat->draw;
-    view_picture *const kept = seat->picture;
-    *seat = (view_seat){.draw = draw, .picture = kept};
+    view_picture *const whole = seat->picture;
+    view_slices *const slices = seat->slices;
+    *seat = (view_seat){.draw = draw, .picture = whole, .slices = slices};
 }
 
 static void *draw_all(void *arg) {
@@ -211,10 +234,18 @@ static void *draw_all(void *arg) {
 
 /* ---- Opening and closing ---- */
 
+static void wake(void *ctx) {
+    view_draw *d = ctx;
+    pthread_mutex_lock(&d->lock);
+    pthread_cond_signal(&d->work);
+    pthread_mutex_unlock(&d->lock);
+}
+
 static void release(view_draw *d) {
     for (int i = 0; i < VIEW_SEATS_MAX; i++) {
         view_queue_clear(&d->seats[i].queue);
         view_picture_destroy(d->seats[i].picture);
+        view_slices_destroy(d->seats[i].slices);
     }
     view_jpeg_close(d->tools.jpeg);
     pool_destroy(d->tools.threads);
@@ -227,7 +258,8 @@ status view_draw_open(mem *m, int threads, void (*notify)(void *ctx), void *ctx,
     view_draw *d = mem_zalloc(m, sizeof *d);
     if (!d)
         return ST_NOMEM;
-    *d = (view_draw){.m = m, .tools.m = m, .notify = notify, .ctx = ctx};
+    *d = (view_draw){
+        .m = m, .tools = {.m = m, .wake = wake, .wake_ctx = d}, .notify = notify, .ctx = ctx};
     pthread_mutex_init(&d->lock, NULL);
     pthread_cond_init(&d->work, NULL);
     status st = pool_create(m, threads, &d->tools.threads);
@@ -236,6 +268,8 @@ status view_draw_open(mem *m, int threads, void (*notify)(void *ctx), void *ctx,
     for (int i = 0; i < VIEW_SEATS_MAX && st == ST_OK; i++) {
         d->seats[i].draw = d;
         st = view_picture_create(&d->tools, &d->seats[i].picture);
+        if (st == ST_OK)
+            st = view_slices_create(&d->tools, &d->seats[i].slices);
     }
     if (st == ST_OK)
         st = thread_start(&d->thread, draw_all, d, "the thread that draws");
@@ -253,8 +287,10 @@ void view_draw_close(view_draw *d) {
     d->ending = true;
     pthread_cond_signal(&d->work);
     pthread_mutex_unlock(&d->lock);
-    for (int i = 0; i < VIEW_SEATS_MAX; i++)
+    for (int i = 0; i < VIEW_SEATS_MAX; i++) {
         view_picture_cancel(d->seats[i].picture);
+        view_slices_cancel(d->seats[i].slices);
+    }
     pthread_join(d->thread, NULL);
     release(d);
 }
@@ -279,6 +315,7 @@ void view_draw_leave(view_seat *seat) {
     pthread_mutex_lock(&seat->draw->lock);
     seat->gone = true;
     view_picture_cancel(seat->picture);
+    view_slices_cancel(seat->slices);
     pthread_cond_signal(&seat->draw->work);
     pthread_mutex_unlock(&seat->draw->lock);
 }
@@ -313,6 +350,20 @@ bool view_seat_pick(view_seat *seat, int64_t id, double x, double y) {
     pthread_cond_signal(&seat->draw->work);
     pthread_mutex_unlock(&seat->draw->lock);
     return room;
+}
+
+void view_seat_slice(view_seat *seat, const view_slice_wish *wish) {
+    pthread_mutex_lock(&seat->draw->lock);
+    view_slices_want(seat->slices, wish);
+    pthread_cond_signal(&seat->draw->work);
+    pthread_mutex_unlock(&seat->draw->lock);
+}
+
+void view_seat_slice_seen(view_seat *seat, int pane, uint64_t number) {
+    pthread_mutex_lock(&seat->draw->lock);
+    view_slices_seen(seat->slices, pane, number);
+    pthread_cond_signal(&seat->draw->work);
+    pthread_mutex_unlock(&seat->draw->lock);
 }
 
 void view_seat_residency(view_seat *seat, bool on) {

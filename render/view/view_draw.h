@@ -9,6 +9,7 @@
 #define RENDER_VIEW_VIEW_DRAW_H
 
 #include "render/view/view_picture.h"
+#include "render/view/view_slice.h"
 
 enum { VIEW_SEATS_MAX = 16, VIEW_UNSEEN_MAX = 2, VIEW_PICKS_MAX = 16, VIEW_TEXTS_MAX = 64 };
 
@@ -33,6 +34,11 @@ void view_draw_leave(view_seat *seat);
 void view_seat_want(view_seat *seat, const view_wish *wish);
 void view_seat_seen(view_seat *seat, uint64_t number, int part);
 bool view_seat_pick(view_seat *seat, int64_t id, double x, double y);
+
+/* view_seat_slice() - draw this slice in its pane now. view_seat_slice_seen() - the client has seen
+ * the pane's picture of this number, and all before. */
+void view_seat_slice(view_seat *seat, const view_slice_wish *wish);
+void view_seat_slice_seen(view_seat *seat, int pane, uint64_t number);
 
 /* view_seat_residency() - whether the client wants to know where treelets are resident, too. */
 void view_seat_residency(view_seat *seat, bool on);

@@ -49,6 +49,20 @@ view_message *view_message_json(mem *m, json_t *object) {
     return made;
 }
 
+status view_message_head(view_message **to, json_t *header) {
+    view_message *text = view_message_json((*to)->m, header);
+    if (!text)
+        return ST_NOMEM;
+    const uint32_t n = (uint32_t)text->size;
+    const uint8_t length[4] = {(uint8_t)n, (uint8_t)(n >> 8), (uint8_t)(n >> 16),
+                               (uint8_t)(n >> 24)};
+    status st = view_message_put(to, length, sizeof length);
+    if (st == ST_OK)
+        st = view_message_put(to, text->bytes, text->size);
+    view_message_free(text);
+    return st;
+}
+
 void view_queue_push(view_queue *q, view_message *message) {
     message->next = NULL;
     if (q->last)

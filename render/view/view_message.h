@@ -16,6 +16,7 @@ typedef struct view_message {
     struct view_message *next;
     mem *m;
     bool binary;     /* a picture, else text */
+    bool slice;      /* a picture, and not the view's */
     bool failed;     /* text that says why something could not be done */
     uint64_t number; /* of a picture: of its view */
     int part;
@@ -33,6 +34,10 @@ CHECKED status view_message_put(void *ctx, const void *data, size_t size);
 
 /* view_message_json() - a JSON object as text, whose reference it takes. NULL: no memory. */
 view_message *view_message_json(mem *m, json_t *object);
+
+/* view_message_head() - the JSON before a picture, whose reference it takes, and its length before
+ * that. The message may move. ST_NOMEM. */
+CHECKED status view_message_head(view_message **to, json_t *header);
 
 /* A queue: first in, first out. */
 typedef struct view_queue {

@@ -10,12 +10,13 @@
 
 /* A preview takes less of what takes time: one ray a pixel, and media so exact. */
 #define PREVIEW_ERROR (1.0 / 64.0)
+#define DEFAULT_ERROR (1.0 / 510.0) /* leafcast_scene.error */
 /* One that is not complete after so long gives way to a coarser one, or to a newer view. */
 #define OVERDUE_S (2.0 * VIEW_MOVING_S)
 /* At rest, a preview is worth its time where the whole takes longer. */
 #define SOON_S 0.080
 
-typedef enum phase { IDLE, PREVIEW, EXACT, FINAL } phase;
+typedef enum phase { IDLE, PREVIEW, EXACT, FINAL, WRITING } phase;
 
 /* Planes of one size. */
 typedef struct planes {
@@ -41,6 +42,9 @@ struct view_picture {
     leafcast_stats stats;
     uint32_t scale; /* of what is drawn */
     int part;
+    view_file *writing;     /* where it becomes a file, */
+    uint64_t writing_bytes; /* with planes of so many */
+    bool ready;             /* a moving preview is complete, and waits until it may be sent */
     double drawn_s, next_s; /* of this frame so far; when the next part is due */
     double cost;            /* of a preview, seconds a pixel; 0: not known */
 };
@@ -60,55 +64,85 @@ status view_picture_create(const view_tools *tools, view_picture **out) {
 /* ---- Planes ---- */
 
 static void planes_release(mem *m, planes *p) {
-    leafcast_image *i = &p->image;
-    void *const all[] = {i->r, i->g, i->b, i->a, i->z, i->error, i->provisional};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-        mem_free(m, all[k]);
+    view_file_free_planes(m, &p->image);
     *p = (planes){0};
 }
 
 static uint64_t planes_bytes(const planes *p) {
     const leafcast_image *i = &p->image;
     const uint64_t one = 3 * sizeof(float) + 1 + (i->a ? sizeof(float) : 0) +
-                         (i->error ? sizeof(double) : 0) + (i->z ? sizeof(double) : 0);
+                         (i->error ? sizeof(double) : 0) + (i->z ? sizeof(double) : 0) +
+                         (i->id ? 3 * sizeof(float) + sizeof(int32_t) : 0) +
+                         (i->value ? sizeof(double) : 0);
     return i->r ? one * p->width * p->height : 0;
 }
 
-/* Which there are to be: as render takes them for a PNG. Pointers that only are not NULL. */
+/* Several rays a pixel have no plane of errors; a preview takes one. */
+static bool has_errors(const view_picture *p) {
+    return view_options_any_medium(&p->wish.view) && (p->phase == PREVIEW || p->scene.samples <= 1);
+}
+
+/* Which there are to be: as render takes them for a PNG or an EXR. Pointers that only are not NULL.
+ */
 static leafcast_image planes_wanted(const view_picture *p) {
     static float any_float;
     static double any_double;
     static uint8_t any_byte;
+    static int32_t any_id;
     const view_options *v = &p->wish.view;
+    const bool all = p->wish.file && p->wish.kind == VIEW_FILE_EXR;
+    const bool projected = v->scene.project != LEAFCAST_PROJECT_NONE;
+    float *const n = all ? &any_float : NULL;
     return (leafcast_image){.size = sizeof(leafcast_image),
                             .r = &any_float,
                             .g = &any_float,
                             .b = &any_float,
-                            .a = v->scene.background[3] >= 1.0f ? NULL : &any_float,
-                            .z = v->annotation.parts & ANNOTATE_BOX ? &any_double : NULL,
-                            .error = view_options_any_medium(v) ? &any_double : NULL,
-                            .provisional = &any_byte};
+                            .a = !all && v->scene.background[3] >= 1.0f ? NULL : &any_float,
+                            .z = all || v->annotation.parts & ANNOTATE_BOX ? &any_double : NULL,
+                            .normal = {n, n, n},
+                            .id = all ? &any_id : NULL,
+                            .value = all && projected ? &any_double : NULL,
+                            .error = has_errors(p) ? &any_double : NULL,
+                            .provisional = p->wish.file ? NULL : &any_byte};
 }
 
-/* Zeroed, all of it provisional. */
-static status planes_make(mem *m, const leafcast_image *wanted, uint32_t width, uint32_t height,
+/* A plane, if it is wanted. Zeroed where parts of it will be seen: else a picture writes all of it,
+ * and touching it here would take long. */
+static void *make_plane(mem *m, const void *wanted, size_t count, size_t size, bool zeroed) {
+    if (!wanted)
+        return NULL;
+    return zeroed ? mem_array(m, count, size) : mem_alloc(m, count * size);
+}
+
+/* All of it provisional. */
+static status planes_make(mem *m, const leafcast_image *w, uint32_t width, uint32_t height,
                           planes *out) {
     const size_t count = (size_t)width * height;
+    const bool zeroed = w->provisional;
     leafcast_image *i = &out->image;
     *out = (planes){.width = width, .height = height, .image = {.size = sizeof *i}};
-    i->r = mem_array(m, count, sizeof *i->r);
-    i->g = mem_array(m, count, sizeof *i->g);
-    i->b = mem_array(m, count, sizeof *i->b);
-    i->a = wanted->a ? mem_array(m, count, sizeof *i->a) : NULL;
-    i->z = wanted->z ? mem_array(m, count, sizeof *i->z) : NULL;
-    i->error = wanted->error ? mem_array(m, count, sizeof *i->error) : NULL;
-    i->provisional = mem_array(m, count, sizeof *i->provisional);
-    if (!i->r || !i->g || !i->b || !i->provisional || (wanted->a && !i->a) ||
-        (wanted->z && !i->z) || (wanted->error && !i->error)) {
+    i->r = make_plane(m, w->r, count, sizeof *i->r, zeroed);
+    i->g = make_plane(m, w->g, count, sizeof *i->g, zeroed);
+    i->b = make_plane(m, w->b, count, sizeof *i->b, zeroed);
+    i->a = make_plane(m, w->a, count, sizeof *i->a, zeroed);
+    i->z = make_plane(m, w->z, count, sizeof *i->z, zeroed);
+    i->error = make_plane(m, w->error, count, sizeof *i->error, zeroed);
+    i->value = make_plane(m, w->value, count, sizeof *i->value, zeroed);
+    i->id = make_plane(m, w->id, count, sizeof *i->id, zeroed);
+    i->provisional = make_plane(m, w->provisional, count, sizeof *i->provisional, zeroed);
+    bool failed = !i->r || !i->g || !i->b || !i->a != !w->a || !i->z != !w->z ||
+                  !i->error != !w->error || !i->value != !w->value || !i->id != !w->id ||
+                  !i->provisional != !w->provisional;
+    for (int k = 0; k < 3; k++) {
+        i->normal[k] = make_plane(m, w->normal[k], count, sizeof(float), zeroed);
+        failed |= !i->normal[k] != !w->normal[k];
+    }
+    if (failed) {
         planes_release(m, out);
         return ST_NOMEM;
     }
-    memset(i->provisional, 1, count);
+    if (i->provisional)
+        memset(i->provisional, 1, count);
     return ST_OK;
 }
 
@@ -154,10 +188,13 @@ void view_picture_cancel_rest(view_picture *p) {
 
 void view_picture_stop(view_picture *p) {
     set_frame(p, NULL);
+    view_file_end(p->writing);
+    p->writing = NULL;
     planes_release(p->tools.m, &p->now);
     planes_release(p->tools.m, &p->base);
     picture_scene_release(&p->parts);
     p->phase = IDLE;
+    p->ready = false;
 }
 
 void view_picture_destroy(view_picture *p) {
@@ -178,6 +215,10 @@ static status check(view_picture *p) {
         size->height > VIEW_SIDE_MAX || (uint64_t)size->width * size->height > VIEW_PIXELS_MAX)
         return status_describe(ST_USAGE, "a picture of %u x %u: a side is 1 to %d, of %d pixels",
                                size->width, size->height, VIEW_SIDE_MAX, VIEW_PIXELS_MAX);
+    if (p->wish.file && p->wish.kind == VIEW_FILE_EXR &&
+        (uint64_t)size->width * size->height > VIEW_EXR_PIXELS_MAX)
+        return status_describe(ST_USAGE, "an EXR of %u x %u: it may have %d pixels", size->width,
+                               size->height, VIEW_EXR_PIXELS_MAX);
     status st = picture_scene_choose(p->wish.volume, v, suggested, &count);
     if (st == ST_OK)
         st = view_options_check(v);
@@ -258,9 +299,14 @@ static uint64_t count_provisional(const planes *of) {
     return n;
 }
 
-static double largest_error(const planes *of) {
+/* Without a plane: of several rays a pixel each is as exact as was asked for, and so is their mean.
+ */
+static double largest_error(const view_picture *p) {
+    const planes *const of = &p->now;
     const size_t count = of->image.error ? (size_t)of->width * of->height : 0;
     double most = 0.0;
+    if (count == 0 && view_options_any_medium(&p->wish.view))
+        most = p->scene.error > 0.0 ? p->scene.error : DEFAULT_ERROR;
     for (size_t i = 0; i < count; i++)
         most = fmax(most, of->image.error[i]);
     return most;
@@ -292,26 +338,11 @@ static json_t *describe_part(const view_picture *p, bool png, bool final) {
     json_object_set_new(out, "scale", json_integer(p->scale));
     json_object_set_new(out, "provisional", json_integer((json_int_t)provisional));
     json_object_set_new(out, "uncertified", json_integer((json_int_t)p->stats.uncertified_pixels));
-    json_object_set_new(out, "error", cli_json_real(largest_error(&p->now)));
+    json_object_set_new(out, "error", cli_json_real(largest_error(p)));
     json_object_set_new(out, "render_ms", json_real(1e3 * p->stats.render_s));
     json_object_set_new(out, "age_ms", json_real(1e3 * (clock_seconds() - p->wish.asked)));
     json_object_set_new(out, "stats", describe_stats(&p->stats));
     return out;
-}
-
-/* The JSON before a picture, and its length before that. */
-static status put_header(view_message **to, json_t *header) {
-    view_message *text = view_message_json((*to)->m, header);
-    if (!text)
-        return ST_NOMEM;
-    const uint32_t n = (uint32_t)text->size;
-    const uint8_t length[4] = {(uint8_t)n, (uint8_t)(n >> 8), (uint8_t)(n >> 16),
-                               (uint8_t)(n >> 24)};
-    status st = view_message_put(to, length, sizeof length);
-    if (st == ST_OK)
-        st = view_message_put(to, text->bytes, text->size);
-    view_message_free(text);
-    return st;
 }
 
 /* Legend and annotations, over what is complete. */
@@ -338,8 +369,8 @@ static status make_part(view_picture *p, bool final, view_message **out) {
     made->number = p->wish.number;
     made->part = p->part;
     status st = final ? mark(p) : ST_OK;
-    if (st == ST_OK && !p->wish.file)
-        st = put_header(&made, describe_part(p, png, final));
+    if (st == ST_OK)
+        st = view_message_head(&made, describe_part(p, png, final));
     const byte_sink sink = {view_message_put, &made};
     if (st == ST_OK && png)
         st = picture_png_write(p->tools.m, p->tools.threads, &shown, &sink);
@@ -349,6 +380,32 @@ static status make_part(view_picture *p, bool final, view_message **out) {
         *out = made;
     else
         view_message_free(made);
+    return st;
+}
+
+/* The finished picture of a file. */
+static status begin_file(view_picture *p) {
+    const picture shown = {p->now.width, p->now.height, &p->now.image, NULL, 0};
+    const view_tools *t = &p->tools;
+    status st = mark(p);
+    p->phase = WRITING;
+    if (st == ST_OK) {
+        p->writing_bytes = planes_bytes(&p->now);
+        st = view_file_begin(t->m, p->wish.kind, &shown, t->wake, t->wake_ctx, &p->writing);
+        p->now = (planes){0};
+    }
+    if (st != ST_OK)
+        view_picture_stop(p);
+    return st;
+}
+
+static status end_file(view_picture *p, view_message **out) {
+    view_file *f = p->writing;
+    p->writing = NULL;
+    const status st = view_file_take(f, out);
+    if (st == ST_OK)
+        (*out)->binary = true;
+    view_picture_stop(p);
     return st;
 }
 
@@ -362,6 +419,9 @@ static void learn(view_picture *p) {
 static status end_preview(view_picture *p, bool may_send, view_message **out) {
     status st = may_send ? make_part(p, false, out) : ST_OK;
     set_frame(p, NULL);
+    p->ready = p->wish.moving && !may_send;
+    if (p->ready)
+        return ST_OK;
     if (p->wish.moving) {
         planes_release(p->tools.m, &p->now);
         p->phase = IDLE;
@@ -419,16 +479,22 @@ status view_picture_advance(view_picture *p, double seconds, bool may_send, view
     *out = NULL;
     if (p->phase == IDLE)
         return ST_OK;
+    if (p->phase == WRITING)
+        return view_picture_writes(p) ? ST_OK : end_file(p, out);
     if (p->phase == FINAL) {
         if (!may_send)
             return ST_OK;
+        if (p->wish.file)
+            return begin_file(p);
         st = make_part(p, true, out);
         view_picture_stop(p);
         return st;
     }
-    if (!p->frame)
+    if (!p->frame && !p->ready)
         st = begin_frame(p);
-    if (st == ST_OK)
+    if (st == ST_OK && p->ready)
+        st = end_preview(p, may_send, out);
+    else if (st == ST_OK)
         st = draw(p, seconds, may_send, out);
     if (st != ST_OK)
         view_picture_stop(p);
@@ -443,13 +509,17 @@ bool view_picture_waits(const view_picture *p) {
     return p->phase == FINAL || (p->phase == PREVIEW && !p->frame);
 }
 
+bool view_picture_writes(const view_picture *p) {
+    return p->writing && !view_file_is_done(p->writing);
+}
+
 bool view_picture_may_change(const view_picture *p) {
     return p->phase != PREVIEW || !p->frame ||
            (p->drawn_s > OVERDUE_S && p->scale < VIEW_SCALE_MAX);
 }
 
 uint64_t view_picture_bytes(const view_picture *p) {
-    return planes_bytes(&p->now) + planes_bytes(&p->base);
+    return planes_bytes(&p->now) + planes_bytes(&p->base) + (p->writing ? p->writing_bytes : 0);
 }
 
 const view_wish *view_picture_wish(const view_picture *p) {

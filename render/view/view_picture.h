@@ -12,6 +12,7 @@
 
 #include "formats/base/pool.h"
 #include "render/app/picture_scene.h"
+#include "render/view/view_file.h"
 #include "render/view/view_jpeg.h"
 #include "render/view/view_message.h"
 
@@ -24,8 +25,9 @@ typedef struct view_wish {
     leafcast *volume;
     view_options view; /* its size is the canvas's */
     bool moving;       /* that something is there soon counts more than that it is complete */
-    bool file;         /* the last part alone, as a file: PNG without JSON before it */
-    double asked;      /* clock_seconds() */
+    bool file;         /* the last part alone, as a file without JSON before it, of this kind: */
+    view_file_kind kind;
+    double asked; /* clock_seconds() */
 } view_wish;
 
 /* What the views of one client share. */
@@ -33,6 +35,8 @@ typedef struct view_tools {
     mem *m;
     pool *threads; /* that PNG is written by */
     view_jpeg *jpeg;
+    void (*wake)(void *ctx); /* by any thread: a file is written */
+    void *wake_ctx;
 } view_tools;
 
 typedef struct view_picture view_picture;
@@ -54,11 +58,13 @@ void view_picture_cancel(view_picture *p);
 void view_picture_cancel_rest(view_picture *p);
 
 /* view_picture_busy() - whether there is something to draw or to send. view_picture_waits() - it
- * goes on only when something may be sent. view_picture_may_change() - whether it may give way to a
- * newer view: no for a moving one that will soon be there. view_picture_bytes() - of planes.
- * view_picture_wish() - what it was begun with. view_picture_stats() - of what was drawn last. */
+ * goes on only when something may be sent. view_picture_writes() - only when its file is written.
+ * view_picture_may_change() - whether it may give way to a newer view: no for a moving one that
+ * will soon be there. view_picture_bytes() - of planes. view_picture_wish() - what it was begun
+ * with. view_picture_stats() - of what was drawn last. */
 bool view_picture_busy(const view_picture *p);
 bool view_picture_waits(const view_picture *p);
+bool view_picture_writes(const view_picture *p);
 bool view_picture_may_change(const view_picture *p);
 uint64_t view_picture_bytes(const view_picture *p);
 const view_wish *view_picture_wish(const view_picture *p);

@@ -2,24 +2,27 @@
 
 #include <arpa/inet.h>
 #include <libwebsockets.h>
+#include <poll.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "formats/base/clock.h"
 #include "render/view/view_access.h"
+#include "render/view/view_crowd.h"
 #include "render/view/view_draw.h"
 #include "render/view/view_page.h"
 #include "render/view/view_talk.h"
 
 enum {
-    CONNECTIONS_MAX = 128,
+    CONNECTIONS_MAX = 2 * VIEW_CROWD_MAX,
     CHUNK = 16 << 10, /* bytes of a body at a time */
     HEAD_MAX = 2048,  /* of an answer */
     HOST_MAX = 300,
     REQUEST_S = 10, /* to send one */
     PING_S = 20,
     HANGUP_S = 45, /* of a socket that says nothing */
-    TICK_US = 500000
+    TICK_US = 500000,
+    GONE_US = 50000 /* to notice that nobody waits for a picture any more */
 };
 _Static_assert(LWS_PRE <= VIEW_MESSAGE_BEFORE, "frames' heads fit before a message");
 
@@ -29,7 +32,8 @@ typedef struct session {
     struct lws *wsi;
     view_talk *talk;           /* of a socket */
     view_seat *seat;           /* of a picture that is drawn as a file */
-    view_message *drawn;       /* this, when it is there */
+    view_message *drawn;       /* this, when it is there, */
+    bool exr;                  /* in this format */
     const unsigned char *body; /* what is sent, */
     size_t left;               /* and how much of it still is */
     char host[HOST_MAX];       /* that was checked */
@@ -42,6 +46,7 @@ struct view_server {
     struct lws_context *context;
     struct lws_vhost *vhost;
     session *sessions;
+    view_crowd crowd;
     char token[VIEW_TOKEN_TEXT], url[HOST_MAX + VIEW_TOKEN_TEXT + 32];
     char argument[VIEW_HEADERS_MAX];
     char own[HOST_MAX]; /* how it is called but localhost; "": no other way */
@@ -113,10 +118,12 @@ static int answer_body(struct lws *wsi, session *now, const char *type, const un
     unsigned char buffer[LWS_PRE + HEAD_MAX], *const start = buffer + LWS_PRE, *at = start,
                                                      *const end = buffer + sizeof buffer;
     char policy[HOST_MAX + 256];
+    /* A policy cannot name an address of IPv6; "self" does for browsers of today. */
+    const bool named = now->host[0] != '[';
     snprintf(policy, sizeof policy,
-             "default-src 'self'; img-src 'self' blob: data:; connect-src 'self' ws://%s; "
+             "default-src 'self'; img-src 'self' blob: data:; connect-src 'self'%s%s; "
              "frame-ancestors 'none'; base-uri 'none'; form-action 'none'",
-             now->host);
+             named ? " ws://" : "", named ? now->host : "");
     if (lws_add_http_common_headers(wsi, HTTP_STATUS_OK, type, size, &at, end) ||
         !add_header(wsi, "content-security-policy:", policy, &at, end) ||
         lws_finalize_write_http_header(wsi, start, &at, end))
@@ -137,6 +144,7 @@ static int write_body(struct lws *wsi, session *now) {
         (int)size)
         return -1;
     if (now->left) {
+        lws_set_timeout(wsi, PENDING_TIMEOUT_HTTP_CONTENT, REQUEST_S);
         lws_callback_on_writable(wsi);
         return 0;
     }
@@ -147,6 +155,7 @@ static int write_body(struct lws *wsi, session *now) {
 /* ---- Sessions ---- */
 
 static void enlist(view_server *s, session *now, struct lws *wsi) {
+    view_crowd_leave(&s->crowd, wsi);
     now->wsi = wsi;
     now->next = s->sessions;
     s->sessions = now;
@@ -174,6 +183,28 @@ static void wake_sessions(view_server *s) {
             lws_callback_on_writable(at->wsi);
 }
 
+/* libwebsockets does not read from who waits for an answer, and so does not see him leave. Whether
+ * anybody waits. */
+static bool drop_gone(view_server *s) {
+    bool any = false;
+    for (session *at = s->sessions; at; at = at->next) {
+        struct pollfd end = {.fd = lws_get_socket_fd(at->wsi), .events = POLLRDHUP};
+        if (!at->seat)
+            continue;
+        any = true;
+        if (poll(&end, 1, 0) > 0)
+            lws_set_timeout(at->wsi, PENDING_TIMEOUT_HTTP_CONTENT, LWS_TO_KILL_ASYNC);
+    }
+    return any;
+}
+
+/* A signal may come just before the wait for events. */
+static void tick(lws_sorted_usec_list_t *sul) {
+    view_server *s = lws_container_of(sul, view_server, tick);
+    const bool waits = drop_gone(s);
+    lws_sul_schedule(s->context, 0, &s->tick, tick, waits ? GONE_US : TICK_US);
+}
+
 /* ---- HTTP ---- */
 
 static status describe_picture(struct lws *wsi, view_wish *wish) {
@@ -182,8 +213,9 @@ static status describe_picture(struct lws *wsi, view_wish *wish) {
     snprintf(size, sizeof size, "%s", argument(wsi, "size="));
     snprintf(file, sizeof file, "%s", argument(wsi, "file="));
     const char *type = argument(wsi, "type=");
-    if (type[0] && strcmp(type, "png") != 0)
-        return status_describe(ST_UNSUPPORTED, "pictures are sent as png alone\n");
+    if (type[0] && strcmp(type, "png") != 0 && strcmp(type, "exr") != 0)
+        return status_describe(ST_UNSUPPORTED, "pictures are sent as png or exr\n");
+    wish->kind = strcmp(type, "exr") == 0 ? VIEW_FILE_EXR : VIEW_FILE_PNG;
     const char *state = argument(wsi, "state=");
     return view_talk_file(s->m, s->options.files, s->options.file_count, state, size, file, wish);
 }
@@ -198,10 +230,22 @@ static int answer_picture(struct lws *wsi, session *now) {
     now->seat = view_draw_sit(s->draw);
     if (!now->seat)
         return answer_status(wsi, HTTP_STATUS_SERVICE_UNAVAILABLE, "too many clients\n");
+    now->exr = wish.kind == VIEW_FILE_EXR;
     enlist(s, now, wsi);
     lws_set_timeout(wsi, NO_PENDING_TIMEOUT, 0);
     view_seat_want(now->seat, &wish);
+    lws_sul_schedule(s->context, 0, &s->tick, tick, GONE_US);
     return 0;
+}
+
+/* Why, as the drawing thread says it. */
+static int answer_failure(struct lws *wsi, const view_message *said) {
+    json_t *object = json_loadb((const char *)said->bytes, said->size, 0, NULL);
+    const char *why = json_string_value(json_object_get(object, "why"));
+    const int result =
+        answer_status(wsi, HTTP_STATUS_BAD_REQUEST, why ? why : "the picture cannot be drawn\n");
+    json_decref(object);
+    return result;
 }
 
 static int send_picture(struct lws *wsi, session *now) {
@@ -211,8 +255,9 @@ static int send_picture(struct lws *wsi, session *now) {
     view_draw_leave(now->seat);
     now->seat = NULL;
     if (now->drawn->failed)
-        return answer_status(wsi, HTTP_STATUS_BAD_REQUEST, "the picture cannot be drawn\n");
-    return answer_body(wsi, now, "image/png", now->drawn->bytes, now->drawn->size);
+        return answer_failure(wsi, now->drawn);
+    return answer_body(wsi, now, now->exr ? "image/x-exr" : "image/png", now->drawn->bytes,
+                       now->drawn->size);
 }
 
 static int answer_request(struct lws *wsi, session *now, const char *path) {
@@ -298,10 +343,18 @@ static int send_next(struct lws *wsi, session *now) {
 
 /* ---- libwebsockets ---- */
 
+static void admit(view_server *s, struct lws *wsi) {
+    struct lws *oldest = view_crowd_enter(&s->crowd, wsi);
+    if (oldest)
+        lws_set_timeout(oldest, PENDING_TIMEOUT_AWAITING_PING, LWS_TO_KILL_ASYNC);
+}
+
 static int on_event(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in,
                     size_t size) {
     session *now = user;
     switch (reason) {
+    case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED: admit(server_of(wsi), wsi); return 0;
+    case LWS_CALLBACK_WSI_DESTROY: view_crowd_leave(&server_of(wsi)->crowd, wsi); return 0;
     case LWS_CALLBACK_HTTP: return answer_request(wsi, now, in);
     case LWS_CALLBACK_HTTP_WRITEABLE: return go_on(wsi, now);
     case LWS_CALLBACK_HTTP_BODY: return -1;
@@ -325,15 +378,13 @@ static void notify(void *ctx) {
     lws_cancel_service(s->context);
 }
 
-/* A signal may come just before the wait for events. */
-static void tick(lws_sorted_usec_list_t *sul) {
-    view_server *s = lws_container_of(sul, view_server, tick);
-    lws_sul_schedule(s->context, 0, &s->tick, tick, TICK_US);
-}
-
 static void keep_quiet(int level, const char *line) {
     (void)level;
     (void)line;
+}
+
+static bool is_ipv6(const char *address) {
+    return address && strchr(address, ':');
 }
 
 static status make_context(view_server *s) {
@@ -359,13 +410,16 @@ static status make_context(view_server *s) {
         .server_string = "leafcast",
         .headers = &no_sniff,
         .max_http_header_data2 = VIEW_HEADERS_MAX,
-        .max_http_header_pool = 2 * VIEW_SEATS_MAX,
+        .max_http_header_pool = CONNECTIONS_MAX, /* made when needed: who has none waits for one */
         .fd_limit_per_thread = CONNECTIONS_MAX,
         .timeout_secs = REQUEST_S,
         .keepalive_timeout = REQUEST_S,
         .pt_serv_buf_size = CHUNK,
         .retry_and_idle_policy = &idle,
-        .options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_DISABLE_IPV6};
+        .options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS |
+                   (is_ipv6(s->options.address)
+                        ? LWS_SERVER_OPTION_IPV6_V6ONLY_MODIFY | LWS_SERVER_OPTION_IPV6_V6ONLY_VALUE
+                        : LWS_SERVER_OPTION_DISABLE_IPV6)};
     lws_set_log_level(LLL_ERR, keep_quiet);
     s->context = lws_create_context(&info);
     if (!s->context)
@@ -378,16 +432,20 @@ static status make_context(view_server *s) {
     return ST_OK;
 }
 
-/* Its own address, where that is one and not all there are. */
+static bool is_any(const char *address) {
+    struct in6_addr bytes = IN6ADDR_ANY_INIT;
+    const struct in6_addr any = bytes;
+    const bool six = is_ipv6(address);
+    return inet_pton(six ? AF_INET6 : AF_INET, address, &bytes) == 1 &&
+           memcmp(&bytes, &any, six ? sizeof any : sizeof(struct in_addr)) == 0;
+}
+
+/* As addresses have it: its own, where that is one and not all there are. */
 static void name_self(view_server *s) {
-    struct in_addr any;
     const char *address = s->options.address ? s->options.address : "127.0.0.1";
-    if (inet_pton(AF_INET, address, &any) == 1 && any.s_addr == INADDR_ANY &&
-        gethostname(s->own, sizeof s->own - 1) == 0)
-        address = s->own;
-    else
-        snprintf(s->own, sizeof s->own, "%s", address);
-    snprintf(s->url, sizeof s->url, "http://%s:%d/?token=%s", address,
+    if (!is_any(address) || gethostname(s->own, sizeof s->own - 1) != 0)
+        snprintf(s->own, sizeof s->own, is_ipv6(address) ? "[%s]" : "%s", address);
+    snprintf(s->url, sizeof s->url, "http://%s:%d/?token=%s", s->own,
              lws_get_vhost_listen_port(s->vhost), s->token);
 }
 

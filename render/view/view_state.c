@@ -34,16 +34,18 @@ static bool is_one_of(const char *names, const char *name) {
     return false;
 }
 
-static status check_names(const view_options *v) {
-    if (v->medium.tf[0] && !transfer_preset_is(v->medium.tf))
+static status check_map(const char *name, const char *what) {
+    if (!name[0] || is_one_of(colour_map_names(), name))
+        return ST_OK;
+    return status_describe(ST_USAGE, "%s: a page may name one of %s, and no file", what,
+                           colour_map_names());
+}
+
+status view_state_check_names(const medium_options *medium) {
+    if (medium->tf[0] && !transfer_preset_is(medium->tf))
         return status_describe(ST_USAGE, "--tf: a page may name one of %s, and no file",
                                transfer_preset_names());
-    const char *const maps[] = {v->medium.colour_map, v->caps.colour_map};
-    for (int i = 0; i < 2; i++)
-        if (maps[i][0] && !is_one_of(colour_map_names(), maps[i]))
-            return status_describe(ST_USAGE, "%s: a page may name one of %s, and no file",
-                                   i ? "--caps" : "--colour-map", colour_map_names());
-    return ST_OK;
+    return check_map(medium->colour_map, "--colour-map");
 }
 
 status view_state_apply(mem *m, json_t *state, view_options *v) {
@@ -57,7 +59,9 @@ status view_state_apply(mem *m, json_t *state, view_options *v) {
         if (frame->file[i][0])
             st = status_describe(ST_USAGE, "state: a page may name no file to write");
     if (st == ST_OK)
-        st = check_names(&frame->view);
+        st = view_state_check_names(&frame->view.medium);
+    if (st == ST_OK)
+        st = check_map(frame->view.caps.colour_map, "--caps");
     if (st == ST_OK)
         *v = frame->view;
     mem_free(m, frame);

@@ -22,6 +22,9 @@ CHECKED status view_state_parse(const char *text, size_t size, json_t **object);
  * names of files. */
 CHECKED status view_state_apply(mem *m, json_t *state, view_options *v);
 
+/* view_state_check_names() - that a page names no file by its colours: ST_USAGE. */
+CHECKED status view_state_check_names(const medium_options *medium);
+
 /* view_state_first() - a state to begin with: the suggested isovalue of the first field, and the
  * camera that fits it. NULL: no memory. */
 json_t *view_state_first(const leafcast *volume);

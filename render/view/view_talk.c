@@ -5,6 +5,7 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/num.h"
+#include "render/view/view_slice_state.h"
 #include "render/view/view_state.h"
 
 /* Messages a second, and how many may come at once: a hand moves at most that fast. */
@@ -21,6 +22,7 @@ struct view_talk {
     double allowance, last_heard;
     size_t heard;
     view_wish wish;
+    view_slice_wish slice;
     char text[VIEW_HEARD_MAX];
 };
 
@@ -129,6 +131,43 @@ static status hear_pick(view_talk *t, const json_t *message) {
     return st;
 }
 
+static status hear_slice(view_talk *t, const json_t *message) {
+    view_slice_wish *w = &t->slice;
+    double number, pane, side[2];
+    status st = take_whole(message, "slice", 0.0, NUMBER_MAX, &number);
+    if (st == ST_OK)
+        st = take_whole(message, "pane", 0.0, VIEW_PANES_MAX - 1, &pane);
+    if (st == ST_OK)
+        st = take_whole(message, "width", 1.0, VIEW_SLICE_SIDE_MAX, &side[0]);
+    if (st == ST_OK)
+        st = take_whole(message, "height", 1.0, VIEW_SLICE_SIDE_MAX, &side[1]);
+    if (st == ST_OK && side[0] * side[1] > VIEW_SLICE_PIXELS_MAX)
+        st = status_describe(ST_USAGE, "a slice may have %d pixels", VIEW_SLICE_PIXELS_MAX);
+    if (st == ST_OK)
+        st = view_slice_state_apply(t->m, json_object_get(message, "state"), &w->request);
+    if (st != ST_OK)
+        return st;
+    for (int i = 0; i < 2; i++)
+        w->box[i] = (uint32_t)side[i];
+    w->number = (uint64_t)number;
+    w->pane = (int)pane;
+    w->volume = t->files[t->file].volume;
+    w->moving = json_is_true(json_object_get(message, "moving"));
+    w->asked = clock_seconds();
+    view_seat_slice(t->seat, w);
+    return ST_OK;
+}
+
+static status hear_slice_seen(view_talk *t, const json_t *message) {
+    double number, pane;
+    status st = take_whole(message, "slice", 0.0, NUMBER_MAX, &number);
+    if (st == ST_OK)
+        st = take_whole(message, "pane", 0.0, VIEW_PANES_MAX - 1, &pane);
+    if (st == ST_OK)
+        view_seat_slice_seen(t->seat, (int)pane, (uint64_t)number);
+    return st;
+}
+
 static status hear_open(view_talk *t, const json_t *message) {
     double file;
     const status st = take_whole(message, "file", 0.0, t->file_count - 1, &file);
@@ -150,6 +189,10 @@ static status hear_message(view_talk *t, const json_t *message, double *number) 
         return hear_seen(t, message);
     if (strcmp(type, "pick") == 0)
         return hear_pick(t, message);
+    if (strcmp(type, "slice") == 0)
+        return hear_slice(t, message);
+    if (strcmp(type, "slice-seen") == 0)
+        return hear_slice_seen(t, message);
     if (strcmp(type, "open") == 0)
         return hear_open(t, message);
     if (strcmp(type, "residency") == 0) {

@@ -24,15 +24,16 @@ class Server:
         if not parts.port:
             raise RuntimeError("no address: " + self.process.stderr.read())
         self.port = parts.port
+        self.address, self.host = parts.hostname, parts.netloc
         self.token = urllib.parse.parse_qs(parts.query)["token"][0]
 
     def connect(self):
-        return socket.create_connection(("127.0.0.1", self.port), timeout=30)
+        return socket.create_connection((self.address, self.port), timeout=30)
 
     def get(self, target, host=None, method="GET", headers=()):
         """(status, headers, body) of one request."""
         with self.connect() as s:
-            lines = [f"{method} {target} HTTP/1.1", f"Host: {host or f'127.0.0.1:{self.port}'}", *headers,
+            lines = [f"{method} {target} HTTP/1.1", f"Host: {host or self.host}", *headers,
                      "Connection: close", "", ""]
             s.sendall("\r\n".join(lines).encode("latin-1"))
             return read_answer(s)
@@ -73,7 +74,7 @@ class Page:
 
     def __init__(self, server, token=None, origin=None, host=None, path="/socket"):
         token = server.token if token is None else token
-        host = host or f"127.0.0.1:{server.port}"
+        host = host or server.host
         self.socket = server.connect()
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.socket.sendall((f"GET {path}?token={token} HTTP/1.1\r\nHost: {host}\r\n"

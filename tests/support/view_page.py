@@ -30,7 +30,8 @@ class Browser:
         for a in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars",
                   "--force-color-profile=srgb", "--force-device-scale-factor=1", f"--user-data-dir={folder}/profile"):
             options.add_argument(a)
-        options.add_experimental_option("prefs", {"download.default_directory": folder + "/saved"})
+        options.add_experimental_option("prefs", {"download.default_directory": folder + "/saved",
+                                                  "profile.default_content_setting_values.automatic_downloads": 1})
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         self.driver = webdriver.Chrome(service=Service("chromedriver"), options=options)
         self.canvas = None
@@ -94,14 +95,19 @@ def rgb(pixels):
 def same(b, name):
     """The canvas is what the copied command draws."""
     b.click("copy-command")
+    ok(f"{name}: the picture is that of the copied command", rgb(png_pixels(run_copied(b, "picture.png"))) == rgb(b.pixels()))
+
+
+def run_copied(b, name):
+    """The file that the copied command writes."""
     line = b.js("return leafcast.copied")
-    picture = folder + "/picture.png"
-    if os.path.exists(picture):
-        os.remove(picture)
+    written = f"{folder}/{name}"
+    if os.path.exists(written):
+        os.remove(written)
     subprocess.run(["sh", "-c", f'leafcast() {{ "$LEAFCAST" "$@"; }}; {line} -q'], check=True, cwd=folder,
                    env=dict(os.environ, LEAFCAST=os.path.abspath(leafcast)))
-    with open(picture, "rb") as f:
-        ok(f"{name}: the picture is that of the copied command", rgb(png_pixels(f.read())) == rgb(b.pixels()))
+    with open(written, "rb") as f:
+        return f.read()
 
 
 def orbit(b):
@@ -148,6 +154,7 @@ def volume(b):
     b.reveal("sec-volume")
     b.choose("Show", "media")
     ok("volume: drawn", b.rest())
+    ok("volume: no opaque surface hides it", "iso" not in b.flags())
     same(b, "volume")
     b.choose("Opacity", "custom")
     b.rest()
@@ -163,6 +170,7 @@ def volume(b):
     same(b, "maximum")
     b.choose("Show", "off")
     b.rest()
+    ok("without it surfaces are back", "iso" in b.flags())
 
 
 def clips(b):
@@ -183,6 +191,93 @@ def clips(b):
     b.rest()
     ok("light: with shadows", b.flags().get("shadows") is True and len(b.flags()["light"]) == 1)
     same(b, "light")
+
+
+def sliced(b):
+    """Slices: moved by hand, streamed for panes, each what `leafcast slice` draws."""
+    b.reveal("sec-slices")
+    b.click("slices-toggle")
+    b.until("return leafcast.slices.panes.slice(0, 3).every(p => p.head?.exact)")
+    b.rest()
+    ok("slices: three, and in the state", b.flags()["page"]["slices"]["shown"] == ["x", "y", "z"])
+    b.js("document.querySelectorAll('#slices-panel input[type=checkbox]')[3].click()")
+    b.choose("Colours", "viridis")
+    b.js("""const e = document.querySelector('.pane [aria-label="X ="]'); e.value = 17.5;
+            e.dispatchEvent(new Event("input")); e.dispatchEvent(new Event("change"))""")
+    panes(b, "slices")
+    ok("slices: moved", b.flags()["page"]["slices"]["at"][0] == 17.5)
+    number = b.js("return leafcast.link.number")
+    b.js("""const c = leafcast.slices.panes[3].canvas;
+            for (const key of ["ArrowUp", "PageUp", "ArrowRight"]) c.dispatchEvent(new KeyboardEvent("keydown", {key}));
+            c.dispatchEvent(new WheelEvent("wheel", {deltaY: 100, cancelable: true}))""")
+    panes(b, "slices moved by keys and wheel")
+    ok("slices: the oblique one has moved", abs(b.flags()["page"]["slices"]["offset"]) > 0)
+    ok("slices: nothing else is drawn for it", b.js("return leafcast.link.number") == number)
+    before = b.flags()["page"]["slices"]["at"]
+    canvas = b.js("return leafcast.slices.panes[2].canvas")
+    b.hands().move_to_element_with_offset(canvas, 9, 7).click().perform()
+    panes(b, "slices where one was clicked")
+    at = b.flags()["page"]["slices"]["at"]
+    ok("slices: a click moves the others", at[2] == before[2] and at[0] != before[0] and at[1] != before[1])
+    ok("slices: their outlines are in the picture", b.js("return document.querySelectorAll('#outlines polygon').length") == 4)
+    b.js("leafcast.slices.panes[0].shownNumbers = []; const p = leafcast.slices.panes[0], show = p.show.bind(p); "
+         "p.show = (head, bitmap) => { p.shownNumbers.push(head.slice); show(head, bitmap); }; "
+         "for (let i = 0; i < 60; i++) setTimeout(() => p.move(2 + 0.7 * i, false), 8 * i)")
+    time.sleep(1)
+    panes(b, "many slices")
+    shown = b.js("return leafcast.slices.panes[0].shownNumbers")
+    ok(f"many slices: none is stale of {len(shown)}", len(shown) > 2 and shown == sorted(shown))
+    flags = b.flags()
+    b.js("leafcast.adopt(arguments[0])", flags)
+    b.rest()
+    ok("slices: a state brings them back", b.flags() == flags)
+    same(b, "beside slices")
+    b.click("slices-toggle")
+    b.rest()
+    ok("slices: off, and not in the state", "page" not in b.flags() and not b.js(
+        "return [...document.querySelectorAll('.pane')].some(e => e.checkVisibility())"))
+
+
+def panes(b, name):
+    """All panes that are shown are exact, and what their commands draw."""
+    time.sleep(0.4)
+    b.until("""return leafcast.slices.panes.every(p => p.host.hidden || (p.head?.exact && p.rest &&
+               p.head.slice >= leafcast.link.sliceAsked[p.k]))""")
+    good, count = True, 0
+    for k in range(4):
+        if b.js("return leafcast.slices.panes[arguments[0]].host.hidden", k):
+            continue
+        count += 1
+        b.js("leafcast.slices.panes[arguments[0]].copy.click()", k)
+        got = png_pixels(base64.b64decode(b.js(
+            "return leafcast.slices.panes[arguments[0]].canvas.toDataURL('image/png')", k).split(",")[1]))
+        good = good and got == png_pixels(run_copied(b, "slice.png"))
+    ok(f"{name}: {count} pictures are those of the copied commands", good and count > 0)
+
+
+def annotations(b):
+    b.reveal("sec-annotate")
+    before = rgb(b.pixels())
+    b.js("document.querySelectorAll('#annotate input[type=checkbox]').forEach(e => e.click())")
+    for label, text in (("Title", "It's a gyroid"), ("Unit of length", "mm")):
+        b.js("""const e = document.querySelector(`#annotate [aria-label="${arguments[0]}"]`); e.value = arguments[1];
+                e.dispatchEvent(new Event("change"))""", label, text)
+    b.rest()
+    flags = b.flags()
+    ok("annotations: in the state", (flags["annotate"], flags["title"], flags["unit"]) == (True, "It's a gyroid", "mm"))
+    ok("annotations: in the picture", rgb(b.pixels()) != before)
+    same(b, "annotations")
+    b.js("document.querySelectorAll('#annotate input[type=checkbox]')[1].click()")
+    b.rest()
+    ok("annotations: some of them", b.flags()["annotate"] == "box,scale")
+    same(b, "some annotations")
+    b.js("leafcast.changed(true)")
+    ok("annotations: the box stays while the hand moves", b.js("return document.querySelectorAll('#edges line').length") == 12)
+    b.rest()
+    b.js("Object.assign(leafcast.model.annotation, {box: false, scale: false, title: ''}); leafcast.annotate.build(); "
+         "leafcast.changed(false)")
+    b.rest()
+    ok("annotations: off", not {"annotate", "title", "unit"} & set(b.flags()))
 
 
 def picks(b):
@@ -209,15 +304,32 @@ def saves(b):
     b.js("document.getElementById('save-width').value = 200; document.getElementById('save-height').value = 150")
     b.click("save-picture")
     path = folder + "/saved/g.png"
-    end = time.monotonic() + WAIT
-    while not os.path.exists(path) and time.monotonic() < end:
-        time.sleep(0.05)
+    saved(path)
     with open(folder + "/state.json", "w") as f:
         json.dump(b.flags(), f)
     subprocess.run([leafcast, "render", folder + "/g.leaf", "--state", folder + "/state.json", "--size", "200x150", "-o",
                     folder + "/want.png", "-q", "--force"], check=True)
     ok("save: the file is what render draws of the state", os.path.exists(path) and
        rgb(png_pixels(open(path, "rb").read())) == rgb(png_pixels(open(folder + "/want.png", "rb").read())))
+
+
+    b.js("leafcast.save.picture(8000, 8000, 'png')")
+    ok("save: that it is drawn is told", b.until("return document.getElementById('saving').checkVisibility()"))
+    b.click("save-cancel")
+    ok("save: given up", b.until("return !document.getElementById('saving').checkVisibility()"))
+    b.js("leafcast.quiet()")
+    if not os.access(os.path.dirname(os.path.realpath(leafcast)) + "/../libexec/leafcast-write-image", os.X_OK):
+        return
+    b.js("leafcast.save.picture(200, 150, 'exr')")
+    path = folder + "/saved/g.exr"
+    saved(path)
+    ok("save: as EXR", os.path.exists(path) and open(path, "rb").read(4) == b"\x76\x2f\x31\x01")
+
+
+def saved(path):
+    end = time.monotonic() + WAIT
+    while not os.path.exists(path) and time.monotonic() < end:
+        time.sleep(0.05)
 
 
 def movies(b):
@@ -337,11 +449,37 @@ def errors(b, name):
 def sizes(b, url):
     b.size(*PHONE)
     b.open(url)
+    b.click("slices-toggle")
+    b.js("document.querySelectorAll('#slices-panel input[type=checkbox]')[3].click()")
     b.js("for (const d of document.querySelectorAll('details')) d.open = true")
+    panes(b, "phone")
     ok("phone: nothing beyond the side", b.js(
         "return document.documentElement.scrollWidth <= innerWidth && "
         "document.getElementById('panel').scrollWidth <= innerWidth"))
+    ok("phone: all tools in one line", b.js(
+        "return new Set([...document.querySelectorAll('.tools > *')].map(e => e.getBoundingClientRect().bottom)).size") == 1)
     same(b, "phone")
+
+
+def links(b):
+    """What a page does whose connection ends."""
+    both = Server([leafcast, "view", folder + "/g.leaf", folder + "/m.leaf"])
+    b.open(both.url)
+    b.choose("File", "1")
+    ok("another file", b.until("return leafcast.model && leafcast.volume.which === 1") and b.rest())
+    before = b.flags()
+    b.js("leafcast.link.socket.close()")
+    ok("a lost connection comes back", b.until("return document.getElementById('exact').textContent === 'not connected'") and
+       b.until("return leafcast.link.socket.readyState === 1") and b.rest())
+    ok("with the file and the state", b.flags() == before and b.js("return leafcast.volume.which") == 1)
+    both.stop(signal.SIGINT)
+    ok("no server: it says so", b.until("return document.getElementById('message').textContent.includes('lost')"))
+    again = Server([leafcast, "view", folder + "/g.leaf", "--port", str(both.port)])
+    ok("another server there: it says so, too", b.until(
+        "return document.getElementById('message').textContent.includes('does not take')"))
+    b.open(again.url)
+    again.stop(signal.SIGINT)
+    b.driver.get_log("browser")
 
 
 def main():
@@ -354,7 +492,7 @@ def main():
         ok("load: a final picture", b.open(grid.url))
         ok("load: said to be exact", b.js("return document.getElementById('exact').textContent") == "exact")
         same(b, "load")
-        for part in (orbit, surfaces, volume, clips, picks, saves, movies, stale, keyboard):
+        for part in (orbit, surfaces, volume, sliced, annotations, clips, picks, saves, movies, stale, keyboard):
             part(b)
         sizes(b, grid.url)
         errors(b, "grid")
@@ -362,6 +500,7 @@ def main():
         ok("mesh: a final picture", b.open(mesh.url))
         steps(b)
         errors(b, "mesh")
+        links(b)
     finally:
         b.driver.quit()
         grid.stop(signal.SIGINT)

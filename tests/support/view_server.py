@@ -3,7 +3,7 @@
 
 A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last.
 """
-import json, os, random, signal, socket, struct, subprocess, sys, time, urllib.parse
+import json, os, random, select, shutil, signal, socket, struct, subprocess, sys, time, urllib.parse
 
 from view_client import Closed, Page, Server, png_pixels
 
@@ -144,6 +144,147 @@ def drawn(s):
     page.close()
 
 
+SLICES = ({"axis": "x", "at": 17.3}, {"axis": "y", "index": 12, "nearest": True},
+          {"plane": [1, 0.5, -0.25, -30], "tf": "auto", "iso": [100, 140]},
+          {"iso": 120, "color": "#00ff80", "colour-map": "viridis", "window": [20, 200], "legend": True},
+          {"origin": [3, 2, 1], "u": [30, 4, 0], "v": [0, 0, 40], "colour-map": "magma"})
+
+
+def sliced_by(state, size):
+    """The pixels of `leafcast slice`."""
+    words = [f"--{k}" if v is True else f"--{k}={','.join(map(str, v)) if isinstance(v, list) else v}"
+             for k, v in state.items()]
+    out = folder + "/want.png"
+    subprocess.run([leafcast, "slice", GRID, *words, f"--size={size[0]}x{size[1]}", "-o", out, "--force", "-q"], check=True)
+    with open(out, "rb") as f:
+        return png_pixels(f.read())
+
+
+def want_slice(page, number, pane, state, width=200, height=150, moving=False):
+    page.send({"type": "slice", "slice": number, "pane": pane, "state": state, "width": width, "height": height,
+               "moving": moving})
+
+
+def take_slices(page, count):
+    """Slices until so many are final: (head, bytes) each; seen when they come."""
+    got = []
+    while sum(g[0]["final"] for g in got) < count:
+        what, answer = page.message()
+        if what == "picture" and answer[0].get("type") == "slice":
+            got.append(answer)
+            page.send({"type": "slice-seen", "slice": answer[0]["slice"], "pane": answer[0]["pane"]})
+        elif what == "picture":
+            page.seen(answer[0])
+    return got
+
+
+def slices(s):
+    page = Page(s)
+    for number, state in enumerate(SLICES, 1):
+        want_slice(page, number, number % 4, state)
+        head, data = take_slices(page, 1)[-1]
+        ok(f"slice {number}: what leafcast slice draws", png_pixels(data) == sliced_by(state, head["size"]))
+        ok(f"slice {number}: and said to be so", head["exact"] and head["slice"] == number and head["pane"] == number % 4 and
+           [head["width"], head["height"]] == head["size"] and (head["width"] == 200 or head["height"] == 150))
+    want_slice(page, 9, 0, dict(SLICES[0], level=1))
+    head, data = take_slices(page, 1)[-1]
+    ok("a level of detail is not exact", not head["exact"] and head["level"] == 1 and
+       png_pixels(data) == sliced_by(dict(SLICES[0], level=1), head["size"]))
+    for pane in range(4):
+        want_slice(page, 10 + pane, pane, {"axis": "z", "at": 5 + pane})
+    page.view(1, SURFACE, W, H)
+    got = take_slices(page, 4)
+    ok("four panes", sorted(g[0]["pane"] for g in got if g[0]["final"]) == [0, 1, 2, 3])
+    page.pictures.clear()
+    page.view(2, SURFACE, W, H)
+    ok("beside the picture", png_pixels(page.final()[-1][1]) == rendered(SURFACE))
+    moved_slices(page)
+    page.close()
+    refused_slices(s)
+
+
+def moved_slices(page):
+    for number in range(20, 80):
+        want_slice(page, number, 1, {"axis": "x", "at": number / 2}, moving=True)
+        time.sleep(0.002)
+    want_slice(page, 80, 1, {"axis": "x", "at": 11})
+    got = take_slices(page, 1)
+    numbers = [g[0]["slice"] for g in got]
+    ok(f"no older slice after a newer one {numbers}", numbers == sorted(numbers) and numbers[-1] == 80)
+    ok("moving ones are previews, few of many", 0 < len(numbers) < 60 and
+       all(not g[0]["final"] for g in got if g[0]["slice"] < 80))
+    ok("the last is drawn in full", png_pixels(got[-1][1]) == sliced_by({"axis": "x", "at": 11}, got[-1][0]["size"]))
+    want_slice(page, 90, 2, {"axis": "y"}, moving=True)
+    while not page.waits(0.05):
+        pass
+    want_slice(page, 91, 2, {"axis": "y", "at": 3}, moving=True)
+    want_slice(page, 92, 3, {"axis": "y", "at": 3}, moving=True)
+    first, second = page.message()[1][0], page.message()[1][0]
+    ok("one that is not seen keeps its own pane alone", [(h["slice"], h["pane"]) for h in (first, second)] ==
+       [(90, 2), (92, 3)] and not page.waits(0.3))
+    page.send({"type": "slice-seen", "slice": 90, "pane": 2})
+    ok("until it is", page.message()[1][0]["slice"] == 91)
+
+
+def refused_slices(s):
+    page = Page(s)
+    secret = folder + "/secret"
+    for state in ({"axis": "q"}, {"tf": secret}, {"colour-map": secret}, {"color_map": secret}, {"line": "0,0,0;1,1,1", "sweep": [0, 0, 9]},
+                  {"size": "9x9"}, {"nothing": 1}, {"output": folder + "/x.png"}, {"nearest": 3}, {"at": {"a": 1}}, {"at": "x"}, [], 7,
+                  {"color": "red"}, {"u": [1, 2, 3]}, {"iso": list(range(40))}, {"plane": [0, 0, 0, 1]},
+                  {"plane": [1, 0, 0, -1e6]}, {"field": "none"}, {"step": 5}, {"level": 40}, {"axis": "x", "index": 4000}):
+        want_slice(page, 1, 0, state)
+        ok(f"slice {json.dumps(state)[:40]}: refused".replace(folder, "F"), page.text("refused")["why"] != "")
+    for more in ({"pane": 4}, {"pane": -1}, {"pane": 0.5}, {"width": 0}, {"height": 1e9}, {"width": 4096, "height": 1025}, {"slice": -1}, {"width": "9"}):
+        page.send(dict({"type": "slice", "slice": 1, "pane": 0, "state": {}, "width": 9, "height": 9}, **more))
+        ok(f"slice {more}: refused", page.text("refused")["why"] != "")
+    page.send({"type": "slice-seen", "slice": 1, "pane": 9})
+    ok("no such pane is seen", page.text("refused")["why"] != "")
+    ok("nothing is drawn of any", not page.pictures and not page.waits(0.2))
+    want_slice(page, 2, 0, {})
+    ok("the page is still sliced for", take_slices(page, 1)[-1][0]["exact"])
+    page.close()
+
+
+# ---- Files ----
+
+def files(s):
+    """Pictures as files; what nobody waits for ends."""
+    state = dict(SHADED, annotate="box,scale", title="files", page={"slices": {}})
+    want = rendered(state)
+    ok("PNG, annotated", png_pixels(picture_of(s, state)[2]) == want)
+    exr = folder + "/want.exr"
+    if subprocess.run([leafcast, "render", GRID, "--state", folder + "/state.json", "--size", f"{W}x{H}", "-o", exr, "--force",
+                       "-q"], stderr=subprocess.DEVNULL).returncode == 0:
+        code, headers, body = picture_of(s, state, more="&type=exr")
+        ok("EXR", code == 200 and headers["content-type"] == "image/x-exr" and body[:4] == b"\x76\x2f\x31\x01")
+        with open(folder + "/got.exr", "wb") as f:
+            f.write(body)
+        if shutil.which("oiiotool"):
+            same = subprocess.run(["oiiotool", "-d", "float", folder + "/got.exr", exr, "--fail", "0", "--diff"],
+                                  stdout=subprocess.PIPE, text=True)
+            ok("EXR: every channel is what render writes", same.returncode == 0 and "PASS" in same.stdout)
+        ok("an EXR too large: 400", picture_of(s, state, size="8000x8000", more="&type=exr")[0] == 400)
+    else:
+        code, _, body = picture_of(s, state, more="&type=exr")
+        ok("EXR without its helper: 400, and why", code == 400 and b"leafcast-write-image" in body)
+    page, asked = Page(s), s.connect()
+    query = f"token={s.token}&size=9000x9000&state={urllib.parse.quote(json.dumps(SURFACE))}"
+    asked.sendall(f"GET /picture?{query} HTTP/1.1\r\nHost: 127.0.0.1:{s.port}\r\n\r\n".encode())
+    time.sleep(0.2)
+    good = 0
+    for number in range(1, 9):
+        page.view(number, dict(SURFACE, fov=20 + number), W, H)
+        good += page.final()[-1][0]["exact"]
+    ok("others are drawn for while a large file is", good == 8 and not select.select([asked], [], [], 0)[0])
+    asked.close()
+    time.sleep(1.5)
+    before = s.cpu_seconds()
+    time.sleep(1.0)
+    ok("one that nobody waits for is given up", s.cpu_seconds() - before < 0.3)
+    page.close()
+
+
 def large(s):
     """So long that there are parts."""
     state = dict(MEDIUM, error=1e-6)
@@ -193,6 +334,26 @@ def unseen(s):
     ok("and nothing is drawn meanwhile", s.cpu_seconds() - before < 0.3)
     page.send({"type": "seen", "number": 29, "part": 1})
     ok("then the newest", page.picture()[0]["number"] == 29)
+    page.close()
+
+
+def waiting(s):
+    """A moving view that is drawn while two pictures are not seen is sent as soon as it may be."""
+    page = Page(s)
+    page.view(1, dict(MEDIUM, error=1e-8), 1600, 1200)
+    heads = []
+    while len(heads) < 2:
+        what, got = page.message()
+        if what == "picture":
+            heads.append(got[0])
+    ok("two parts of a long one, not seen", [h["number"] for h in heads] == [1, 1] and not heads[-1]["final"])
+    page.view(2, SURFACE, 64, 48, moving=True)
+    time.sleep(0.5)
+    page.seen(heads[-1])
+    try:
+        ok("the moving view after it is not lost", page.picture()[0]["number"] == 2)
+    except OSError:
+        ok("the moving view after it is lost", False)
     page.close()
 
 
@@ -383,8 +544,14 @@ def fuzz(s, count):
     while sent < count:
         sent += 1
         try:
-            kind = random.randrange(10)
-            if kind < 6:
+            kind = random.randrange(12)
+            if kind > 9:
+                keys = ["axis", "at", "plane", "iso", "tf", "window", "nearest", "level", "index", "origin", "u", "v", "field"]
+                want_slice(page, sent, random.choice([0, 1, 2, 3, value()]),
+                           {random.choice(keys): random.choice([value(), "x", "y"]) for _ in range(random.randrange(4))},
+                           random.choice([1, 9, 40]), random.choice([1, 9, 40]), random.random() < 0.5)
+                page.send({"type": "slice-seen", "slice": sent, "pane": random.randrange(4)})
+            elif kind < 6:
                 page.view(sent, {random.choice(words): value() for _ in range(random.randrange(4))},
                           random.choice([1, 2, 16, 33]), random.choice([1, 7, 16]), random.random() < 0.5)
             elif kind == 6:
@@ -467,15 +634,20 @@ def ending():
     ok("--open", open(folder + "/opened").read().strip() == s.url)
     ends(s, "opened")
     s = serve(GRID, "--address", "127.0.0.2")
-    with socket.create_connection(("127.0.0.2", s.port), timeout=30) as c:
-        c.sendall(f"GET / HTTP/1.1\r\nHost: 127.0.0.2:{s.port}\r\nConnection: close\r\n\r\n".encode())
-        ok("--address", b" 200 " in c.recv(4096).split(b"\r\n")[0])
+    ok("--address", (s.address, s.get("/")[0]) == ("127.0.0.2", 200))
     ends(s, "elsewhere")
+    if os.path.exists("/proc/net/if_inet6") and "00000000000000000000000000000001" in open("/proc/net/if_inet6").read():
+        s = serve(GRID, "--address", "::1")
+        page = Page(s)
+        page.view(1, SURFACE, W, H)
+        ok(f"--address: of IPv6, {s.host}", png_pixels(page.final()[-1][1]) == rendered(SURFACE))
+        page.close()
+        ends(s, "there")
 
 
 def main():
     s = serve(GRID, MESH)
-    for test in (pages, sockets, drawn, large, superseded, unseen, picks, states, limits, several):
+    for test in (pages, sockets, drawn, slices, files, large, superseded, unseen, waiting, picks, states, limits, several):
         test(s)
     fuzz(s, 2000)
     rubbish(s, 300)

@@ -69,6 +69,18 @@ export function fit(c, [low, high], aspect) {
   c.eye = add(middle, scale(f.back, (distance || 1) * 1.04));
 }
 
+// Back, at most by a factor, until no corner of a box is beside the picture.
+export function widen(c, [low, high], aspect, most) {
+  const f = frame(c), tan = Math.tan(c.fov * Math.PI / 360) * aspect;
+  let distance = f.distance;
+  for (let k = 0; k < 8; k++) {
+    const corner = sub([0, 1, 2].map(a => (k >> a & 1 ? high : low)[a]), c.lookAt);
+    const across = 1.04 * Math.abs(dot(corner, f.right)) / tan;
+    distance = Math.max(distance, across + (c.ortho ? 0 : dot(corner, f.back)));
+  }
+  c.eye = add(c.lookAt, scale(f.back, Math.min(distance, most * f.distance)));
+}
+
 export function axisView(c, which) {
   const back = RIGHT_ANGLES[which];
   c.eye = add(c.lookAt, scale(back, frame(c).distance));

@@ -21,6 +21,7 @@ export class Data {
     if (v.steps.length > 1) parts.push(...this.steps(v, d));
     parts.push(this.facts(v));
     byId("data").replaceChildren(...parts);
+    if (parts.length > 1 && !this.unfolded) byId("sec-data").open = this.unfolded = true;
   }
 
   steps(v, d) {

@@ -21,6 +21,12 @@ export function short(x, digits = 4) {
   return text.replace("-", "−");
 }
 
+// Of a number, as much as a small box shows.
+export function brief(x) {
+  const text = String(+x.toPrecision(6));
+  return text.length <= 8 ? text : x.toExponential(2).replace("e+", "e");
+}
+
 export function bytes(n) {
   const units = ["B", "KiB", "MiB", "GiB", "TiB"];
   let u = 0;

@@ -1,5 +1,5 @@
 // histogram.js - the plot of a field's histogram, on which isovalues and opacities are set.
-import {element} from "./dom.js";
+import {element, short} from "./dom.js";
 
 const TICK = 7, FOOT = 10; // pixels: of suggested values; below the bars
 
@@ -10,7 +10,8 @@ export class Plot {
     this.colours = colours;
     this.canvas = element("canvas", {"aria-hidden": "true"});
     this.curve = null; // [[share of x, share of y], ...]
-    host.replaceChildren(this.canvas);
+    this.ends = element("div", {class: "ends", "aria-hidden": "true"});
+    host.replaceChildren(this.canvas, this.ends);
     new ResizeObserver(() => this.draw()).observe(host);
   }
 
@@ -18,6 +19,7 @@ export class Plot {
     this.field = field;
     [this.low, this.high] = field.range;
     if (!(this.high > this.low)) this.high = this.low + 1;
+    this.ends.replaceChildren(...field.range.map(v => element("span", {}, short(v))));
     this.draw();
   }
 

@@ -14,6 +14,10 @@ export class Link extends EventTarget {
     this.wait = 250;
     this.decoding = Promise.resolve();
     this.picks = new Map();
+    this.slices = new Map(); // what is to be asked for, of each pane
+    this.sliceNumber = 0;
+    this.sliceAsked = [];   // the number that was sent last for each pane
+    this.sliceShown = [];   // the number of each pane's last picture
     this.connect();
   }
 
@@ -22,12 +26,15 @@ export class Link extends EventTarget {
     const socket = new WebSocket(`${scheme}//${location.host}/socket?token=${encodeURIComponent(this.token)}`);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
-    socket.onopen = () => { this.wait = 250; this.tell("open"); };
+    let opened = false;
+    socket.onopen = () => { opened = true; this.wait = 250; this.tell("open"); };
     socket.onmessage = event => typeof event.data === "string" ? this.text(event.data) : this.picture(event.data);
-    socket.onclose = event => {
+    socket.onclose = async event => {
       for (const done of this.picks.values()) done(null);
       this.picks.clear();
-      this.tell("closed", {code: event.code});
+      // there: it serves its page, but no picture: another token, or no place.
+      const there = !opened && await fetch("/", {cache: "no-store"}).then(answer => answer.ok, () => false);
+      this.tell("closed", {code: event.code, there});
       setTimeout(() => this.connect(), this.wait);
       this.wait = Math.min(5000, 2 * this.wait);
     };
@@ -56,6 +63,18 @@ export class Link extends EventTarget {
     this.number++;
     this.sentAt.set(this.number, performance.now());
     for (const n of this.sentAt.keys()) if (n < this.shown) this.sentAt.delete(n);
+  }
+
+  // A slice for a pane; one a pane and animation frame: the newest.
+  slice(pane, what) {
+    if (!this.slices.size) requestAnimationFrame(() => {
+      for (const [k, newest] of this.slices) {
+        if (!this.send({type: "slice", slice: this.sliceNumber + 1, pane: k, ...newest})) continue;
+        this.sliceAsked[k] = ++this.sliceNumber;
+      }
+      this.slices.clear();
+    });
+    this.slices.set(pane, what);
   }
 
   open(file) { return this.send({type: "open", file}); }
@@ -91,7 +110,17 @@ export class Link extends EventTarget {
     this.decoding = this.decoding.then(() => bitmap).then(b => this.show(head, b), () => this.seen(head));
   }
 
+  showSlice(head, bitmap) {
+    if (head.slice < (this.sliceShown[head.pane] ?? 0)) bitmap.close();
+    else {
+      this.sliceShown[head.pane] = head.slice;
+      this.tell("slice", {head, bitmap});
+    }
+    this.send({type: "slice-seen", slice: head.slice, pane: head.pane});
+  }
+
   show(head, bitmap) {
+    if (head.type === "slice") return this.showSlice(head, bitmap);
     const stale = head.number < this.shown || (head.number === this.shown && head.part <= this.part);
     if (stale) bitmap.close();
     else {
@@ -105,5 +134,8 @@ export class Link extends EventTarget {
     this.seen(head);
   }
 
-  seen(head) { this.send({type: "seen", number: head.number, part: head.part}); }
+  seen(head) {
+    if (head.type === "slice") this.send({type: "slice-seen", slice: head.slice, pane: head.pane});
+    else this.send({type: "seen", number: head.number, part: head.part});
+  }
 }

@@ -1,5 +1,6 @@
 // main.js - puts the page together: the model, the panel, the picture.
-import {axisView, dolly, drive, fit} from "./camera.js";
+import {Annotate} from "./annotate.js";
+import {axisView, dolly, drive, fit, widen} from "./camera.js";
 import {Clip} from "./clip.js";
 import {Data} from "./data.js";
 import {byId, element, slider} from "./dom.js";
@@ -11,6 +12,7 @@ import {Pick} from "./pick.js";
 import {Save} from "./save.js";
 import {Screen} from "./screen.js";
 import {fromFlags, fromFragment, toFlags, toFragment} from "./state.js";
+import {Slices} from "./slice.js";
 import {Surfaces} from "./surfaces.js";
 import {add, scale, sub} from "./vector.js";
 import {Volume} from "./volume.js";
@@ -26,8 +28,10 @@ class App {
     this.screen = new Screen(byId("picture"), () => this.changed(false));
     this.surfaces = new Surfaces(this);
     this.media = new Volume(this);
+    this.slices = new Slices(this);
     this.clip = new Clip(this);
     this.light = new Light(this);
+    this.annotate = new Annotate(this);
     this.data = new Data(this);
     this.pick = new Pick(this);
     this.honesty = new Honesty(this);
@@ -50,10 +54,15 @@ class App {
       this.movie.shown(head);
       if (this.refused && head.number > this.refused) { this.refused = 0; this.quiet(); }
     });
-    on("refused", ({number, why}) => { this.refused = number ?? 0; this.say(why); });
-    on("closed", () => {
+    on("refused", ({number, why}) => {
+      this.refused = number ?? 0;
+      if (number) this.honesty.mark("not drawn", "bad");
+      this.say(why);
+    });
+    on("closed", ({there}) => {
       this.honesty.mark("not connected", "bad");
-      this.say("The connection is lost; trying again.");
+      this.say(there ? "The server is there, but does not take this page: open the address that it has printed, or close other pages."
+        : "The connection is lost; trying again.");
     });
     on("open", () => { this.honesty.mark("connecting", ""); this.quiet(); });
     window.addEventListener("hashchange", () => {
@@ -64,6 +73,9 @@ class App {
 
   show(volume) {
     const again = this.volume && this.model && volume.file === this.volume.file;
+    // A new connection begins with the first file, the page does not.
+    const shown = this.model && !again ? volume.files.indexOf(this.volume.file) : -1;
+    if (shown >= 0) return void this.link.open(shown);
     this.volume = volume;
     const saved = fromFragment(location.hash);
     const other = saved?.file && volume.files ? volume.files.indexOf(saved.file) : -1;
@@ -90,15 +102,14 @@ class App {
       this.say("This is no state of a picture.");
       this.model = fromFlags(this.volume.state, this.volume);
     }
-    const aspect = this.screen.width / this.screen.height;
-    if (first && aspect < PROPORTION) dolly(this.model.camera, PROPORTION / aspect, this.volume);
+    if (first) this.widen();
     this.pick.clear();
     this.build();
     this.changed(false);
   }
 
   build() {
-    for (const part of [this.surfaces, this.media, this.clip, this.light, this.data, this.movie]) part.build();
+    for (const part of [this.surfaces, this.media, this.slices, this.clip, this.light, this.annotate, this.data, this.movie]) part.build();
     this.cameraPanel();
   }
 
@@ -135,10 +146,20 @@ class App {
     if (moving && !keep) this.rest = setTimeout(() => this.changed(false), REST_MS);
     if (!moving) this.remember(flags);
     this.pick.mark();
+    this.slices.update(moving);
+    this.annotate.outline(moving);
     this.screen.canvas.classList.toggle("clear", this.model.light.clear);
     byId("ortho").setAttribute("aria-pressed", this.model.camera.ortho);
     this.fov?.set(this.model.camera.fov);
     return this.link.view(flags, this.screen.width, this.screen.height, moving);
+  }
+
+  // sliced() - likewise of the slices alone.
+  sliced(moving) {
+    clearTimeout(this.sliceRest);
+    if (moving) this.sliceRest = setTimeout(() => this.sliced(false), REST_MS);
+    else this.remember(toFlags(this.model, this.volume));
+    this.slices.update(moving);
   }
 
   remember(flags) {
@@ -177,7 +198,8 @@ class App {
     window.addEventListener("keydown", event => {
       if (event.ctrlKey || event.metaKey || event.altKey || byId("save").open) return;
       if (event.target.matches("input:not([type=checkbox],[type=range],[type=color]), select")) return;
-      const button = {o: "ortho", g: "fly", p: "toggle", c: "copy-command"}[event.key.toLowerCase()];
+      if (event.key === "?") return this.help();
+      const button = {o: "ortho", g: "fly", l: "slices-toggle", p: "toggle", c: "copy-command"}[event.key.toLowerCase()];
       if (button) byId(button).click();
     });
   }
@@ -208,9 +230,14 @@ class App {
 
   reset() {
     this.model.camera = fromFlags(this.volume.state, this.volume).camera;
-    const aspect = this.screen.width / this.screen.height;
-    if (aspect < PROPORTION) dolly(this.model.camera, PROPORTION / aspect, this.volume);
+    this.widen();
     this.changed(false);
+  }
+
+  // The server's cameras are made for a wide picture.
+  widen() {
+    const aspect = this.screen.width / this.screen.height;
+    if (aspect < PROPORTION) widen(this.model.camera, this.volume.bounds, aspect, PROPORTION / aspect);
   }
 
   axis(k) {
@@ -235,6 +262,12 @@ class App {
       const wide = document.body.classList.toggle("wide");
       byId("toggle").setAttribute("aria-expanded", !wide);
     });
+  }
+
+  help() {
+    if (document.body.classList.contains("wide")) byId("toggle").click();
+    byId("sec-camera").open = true;
+    byId("keys").scrollIntoView();
   }
 
   cameraPanel() {

@@ -22,10 +22,12 @@ export class Save {
       dialog.showModal();
     });
     dialog.addEventListener("close", () => {
-      if (dialog.returnValue === "picture") this.picture(+byId("save-width").value, +byId("save-height").value);
+      if (dialog.returnValue === "picture") this.picture(+byId("save-width").value,
+        +byId("save-height").value, byId("save-format").value);
       if (dialog.returnValue === "state") this.state();
       dialog.returnValue = "";
     });
+    byId("save-cancel").addEventListener("click", () => this.drawing?.abort());
     byId("load-state").addEventListener("change", event => this.load(event.target));
     byId("copy-command").addEventListener("click", () => this.command());
   }
@@ -39,19 +41,25 @@ export class Save {
     app.copy(line, "The command is copied.");
   }
 
-  async picture(width, height) {
+  // One at a time; another tries anew.
+  async picture(width, height, type) {
     const {app} = this, state = JSON.stringify(toFlags(app.model, app.volume));
-    const query = new URLSearchParams({token: app.link.token, state, size: `${width}x${height}`, type: "png"});
+    const query = new URLSearchParams({token: app.link.token, state, size: `${width}x${height}`, type});
     if (app.volume.files?.length > 1) query.set("file", app.volume.which);
-    app.say("Drawing the picture…", true);
+    this.drawing?.abort();
+    const drawing = this.drawing = new AbortController(), name = `${this.name}.${type}`;
+    byId("saving-text").textContent = `Drawing ${width} × ${height}…`;
+    byId("saving").hidden = false;
     try {
-      const answer = await fetch(`picture?${query}`);
+      const answer = await fetch(`picture?${query}`, {signal: drawing.signal});
       if (!answer.ok) throw new Error((await answer.text()).slice(0, 300) || `error ${answer.status}`);
-      download(await answer.blob(), `${this.name}.png`);
+      download(await answer.blob(), name);
       app.say("The picture is saved.", true);
     } catch (error) {
-      app.say(`The picture cannot be saved: ${error.message}`);
+      if (!drawing.signal.aborted) app.say(`The picture cannot be saved: ${error.message}`);
+      else if (drawing === this.drawing) app.say("No picture is saved.", true);
     }
+    if (drawing === this.drawing) byId("saving").hidden = true;
   }
 
   state() {

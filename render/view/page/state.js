@@ -2,6 +2,8 @@
 //
 // The page works on a model with what flags cannot say (surfaces that are off, lights as angles). The
 // protocol, files and the address hold flags: the keys of `leafcast render` without their dashes.
+import {annotationFlags, annotationOf} from "./annotate.js";
+import {slicesOf, slicesPage} from "./slice.js";
 import {add, dot, length, scale, sub, unit} from "./vector.js";
 
 export const COLOURS = ["#e3c08a", "#7fb2e5", "#8fce9b", "#e58f8f", "#c3a1e8", "#e6e6e6", "#e8a15c", "#6fd0cf"];
@@ -95,6 +97,8 @@ export function fromFlags(given, volume) {
       samples: +(flags.samples ?? 1), background: background == null ? null : hexOf(background, "#000000"),
       clear: background != null && (numbers(background)[3] === 0 || /^#[0-9a-f]{6}00$/i.test(background))},
     data: {field: Math.max(0, field), step: +(flags.step ?? 0)},
+    annotation: annotationOf(flags),
+    slices: slicesOf(flags.page, volume),
     legend: flags.legend === true,
     more: Object.fromEntries(Object.entries(flags).filter(([k]) => ["error", "homogeneous", "lod", "layers"].includes(k))),
   };
@@ -176,6 +180,7 @@ export function toFlags(model, volume) {
   Object.assign(flags, cameraFlags(model.camera, volume));
   lightFlags(model.light, flags);
   if (model.legend && model.volume.mode !== "off") flags.legend = true;
+  Object.assign(flags, annotationFlags(model.annotation), slicesPage(model.slices));
   return Object.assign(flags, model.more);
 }
 
@@ -184,15 +189,16 @@ export function toFlags(model, volume) {
 const quoted = text => /^[\w.,:=#+\/-]+$/.test(text) && !text.startsWith("#") ? text : `'${text.replaceAll("'", "'\\''")}'`;
 const REPEATED = ["iso", "color", "opacity", "light", "point-light", "clip-plane"];
 
-export function command(flags, file, width, height) {
-  const words = ["leafcast", "render", quoted(file.startsWith("-") ? "./" + file : file)];
+export function command(flags, file, width, height, verb = "render") {
+  const words = ["leafcast", verb, quoted(file.startsWith("-") ? "./" + file : file)];
   const word = (key, value) => words.push(quoted(`--${key}=${Array.isArray(value) ? value.join(",") : value}`));
   for (const [key, value] of Object.entries(flags)) {
+    if (key === "page") continue; // what is not the picture's
     if (value === true) words.push(`--${key}`);
     else if (REPEATED.includes(key) && Array.isArray(value)) value.forEach(v => word(key, v));
     else if (value !== false) word(key, value);
   }
-  return [...words, `--size=${width}x${height}`, "-o", "picture.png"].join(" ");
+  return [...words, `--size=${width}x${height}`, "-o", `${verb === "slice" ? "slice" : "picture"}.png`].join(" ");
 }
 
 // ---- the address ----

@@ -1,5 +1,5 @@
 // surfaces.js - the isosurfaces: a handle each on the histogram, and a line each below it.
-import {byId, colour, element, short} from "./dom.js";
+import {brief, byId, colour, element, short} from "./dom.js";
 import {Plot, drag} from "./histogram.js";
 import {COLOURS, SURFACES_MAX} from "./state.js";
 
@@ -47,7 +47,8 @@ export class Surfaces {
     grip.setAttribute("aria-valuenow", s.iso);
     grip.setAttribute("aria-valuetext", short(s.iso, 6));
     const number = this.rows[i].querySelector(".iso");
-    if (document.activeElement !== number) number.value = s.iso;
+    if (document.activeElement !== number) number.value = brief(s.iso);
+    number.title = s.iso;
   }
 
   grip(s, i) {
@@ -78,7 +79,8 @@ export class Surfaces {
       this.place(i);
       app.changed(false);
     });
-    iso.addEventListener("blur", () => { iso.value = s.iso; });
+    iso.addEventListener("focus", () => { iso.value = s.iso; });
+    iso.addEventListener("blur", () => { iso.value = brief(s.iso); });
     const opacity = element("input", {type: "range", min: 0.05, max: 1, step: 0.01, value: s.opacity,
       "aria-label": `${name} opacity`, title: "Opacity"});
     opacity.addEventListener("input", () => { s.opacity = +opacity.value; app.changed(true); });

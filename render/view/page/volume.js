@@ -9,7 +9,10 @@ const PRESETS = [["auto", "automatic"], ["ct", "CT"], ["mr", "MR"], ["custom", "
 const OPACITY_MAX = 0.98; // of a curve's point: at 1 nothing would be let through
 
 export class Volume {
-  constructor(app) { this.app = app; }
+  constructor(app) {
+    this.app = app;
+    this.covers = []; // surfaces that are off for the volume's sake
+  }
 
   get v() { return this.app.model.volume; }
   get field() { return this.app.volume.fields[this.app.model.data.field]; }
@@ -91,10 +94,20 @@ export class Volume {
   mode(mode) {
     const {v} = this;
     if (mode === "first") v.first ??= this.field.suggested[0] ?? this.plot?.value(0.5) ?? this.field.range[1];
+    this.uncover(mode);
     v.mode = mode;
     this.build();
     byId("volume").querySelector("select").focus();
     this.app.changed(false);
+  }
+
+  // Opaque surfaces would hide the volume; without it they are back.
+  uncover(mode) {
+    const {surfaces} = this.app.model, first = mode === "media" && this.v.mode !== "media";
+    if (first) this.covers = [...this.covers, ...surfaces.filter(s => s.on && s.opacity === 1)];
+    if (first || mode === "off") for (const s of this.covers) s.on = !first;
+    if (mode === "off") this.covers = [];
+    this.app.surfaces.build();
   }
 
   preset(preset) {

@@ -1,0 +1,318 @@
+// slice.js - slices through the volume beside the picture: across the three axes, and one that is oblique.
+//
+// Each is a picture of `leafcast slice`, in the colours of the volume. The wheel and the slider below a
+// pane move it; a click moves the others to the point.
+import {project} from "./camera.js";
+import {byId, check, choice, element, slider, span} from "./dom.js";
+import {centre, command, diagonal} from "./state.js";
+import {add, cross, dot, scale, sub, unit} from "./vector.js";
+
+const NAMES = ["x", "y", "z", "oblique"], TITLES = ["X", "Y", "Z", "Oblique"];
+const COLOURS = ["#ee8277", "#7cc48f", "#8db9f5", "#e3c08a"]; // of labels and outlines
+const SIDE_MAX = 4096, STEPS = 200, PIXELS_MAX = 1 << 22;
+const NS = "http://www.w3.org/2000/svg";
+
+// ---- the state: what no flag of render says is in "page" ----
+
+export function slicesOf(page, volume) {
+  const given = page?.slices ?? {}, shown = Array.isArray(given.shown) ? given.shown : [], middle = centre(volume);
+  const number = (x, other) => Number.isFinite(x) ? x : other;
+  return {
+    on: NAMES.map(name => shown.includes(name)),
+    at: middle.map((x, a) => number(given.at?.[a], x)),
+    azimuth: number(given.azimuth, 45), elevation: number(given.elevation, 30), offset: number(given.offset, 0),
+    isolines: given.isolines !== false, nearest: given.nearest === true,
+    map: typeof given["colour-map"] === "string" ? given["colour-map"] : "",
+    window: Array.isArray(given.window) && given.window.length === 2 ? given.window.map(Number) : null,
+  };
+}
+
+// Nothing, where no slice is shown.
+export function slicesPage(s) {
+  if (!s.on.some(Boolean)) return {};
+  const slices = {shown: NAMES.filter((_, k) => s.on[k]), at: s.at};
+  if (s.on[3]) Object.assign(slices, {azimuth: s.azimuth, elevation: s.elevation, offset: s.offset});
+  if (!s.isolines) slices.isolines = false;
+  if (s.nearest) slices.nearest = true;
+  if (s.map) slices["colour-map"] = s.map;
+  if (s.window) slices.window = s.window;
+  return {page: {slices}};
+}
+
+function normal(s) {
+  const a = s.azimuth * Math.PI / 180, e = s.elevation * Math.PI / 180;
+  return [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)];
+}
+
+// As the transfer function colours values, or by a map of the slices' own.
+function colourFlags(model) {
+  const s = model.slices, v = model.volume, flags = {};
+  if (s.map || v.mode === "off") Object.assign(flags, {"colour-map": s.map || "grey"}, s.window ? {window: s.window} : {});
+  else {
+    const preset = v.mode === "media" && v.preset !== "custom";
+    if (preset) flags.tf = v.preset;
+    if (v.map || !preset) {
+      flags["colour-map"] = v.map || (v.mode === "media" ? "viridis" : "grey");
+      if (v.window) flags.window = v.window;
+    }
+  }
+  return flags;
+}
+
+// The flags of `leafcast slice` for a pane.
+export function sliceFlags(model, volume, k) {
+  const s = model.slices, flags = {};
+  if (k < 3) Object.assign(flags, {axis: NAMES[k], at: s.at[k]});
+  else {
+    const n = normal(s);
+    flags.plane = [...n, -dot(n, centre(volume)) - s.offset];
+  }
+  if (volume.fields.length > 1 && model.data.field > 0) flags.field = String(model.data.field);
+  if (model.data.step > 0) flags.step = model.data.step;
+  Object.assign(flags, colourFlags(model));
+  const isos = model.surfaces.filter(x => x.on).map(x => x.iso);
+  if (s.isolines && isos.length) flags.iso = isos;
+  if (s.nearest) flags.nearest = true;
+  return flags;
+}
+
+// ---- the panes ----
+
+class Pane {
+  constructor(slices, k) {
+    this.slices = slices;
+    this.k = k;
+    this.head = null;
+    this.shown = 0;  // the number of the picture that is seen
+    this.sent = "";  // what was asked for last,
+    this.rest = true; // and whether in full
+    const name = k < 3 ? `Slice across ${TITLES[k]}` : "Oblique slice";
+    this.canvas = element("canvas", {tabindex: 0, role: "img", "aria-label": `${name}. Arrow keys move it.`});
+    this.mark = element("span", {class: "mark", role: "status"});
+    this.copy = element("button", {class: "icon", "aria-label": `${name}: copy command`,
+      title: "Copy the leafcast slice line that draws this picture", onclick: () => this.command()}, "Copy");
+    this.bar = element("div");
+    this.host = element("figure", {class: "pane", "aria-label": name, hidden: true},
+      element("figcaption", {}, element("b", {}, TITLES[k]), this.mark, this.copy), this.canvas, this.bar);
+    this.host.style.setProperty("--pane", COLOURS[k]);
+    new ResizeObserver(() => slices.update(false)).observe(this.canvas);
+    this.hands();
+  }
+
+  get range() {
+    const {volume} = this.slices.app, half = diagonal(volume) / 2;
+    return this.k < 3 ? [volume.bounds[0][this.k], volume.bounds[1][this.k]] : [-half, half];
+  }
+
+  get value() { const {s} = this.slices; return this.k < 3 ? s.at[this.k] : s.offset; }
+
+  move(value, resting) {
+    const [low, high] = this.range, x = Math.min(high, Math.max(low, value)), {s, app} = this.slices;
+    if (this.k < 3) s.at[this.k] = x;
+    else s.offset = x;
+    this.field?.set(x);
+    app.sliced(!resting);
+  }
+
+  step(by, resting) {
+    const [low, high] = this.range;
+    this.move(this.value + by * (high - low) / STEPS, resting);
+  }
+
+  build() {
+    const [min, max] = this.range;
+    this.field = slider(this.k < 3 ? `${TITLES[this.k]} =` : "offset", {min, max, value: this.value,
+      change: (x, resting) => this.move(x, resting)});
+    this.bar.replaceChildren(this.field);
+  }
+
+  hands() {
+    const c = this.canvas;
+    c.addEventListener("wheel", event => {
+      event.preventDefault();
+      this.step(-Math.sign(event.deltaY), false);
+    }, {passive: false});
+    c.addEventListener("keydown", event => {
+      const way = {ArrowUp: 1, ArrowRight: 1, PageUp: 10, ArrowDown: -1, ArrowLeft: -1, PageDown: -10}[event.key];
+      if (!way) return;
+      event.preventDefault();
+      this.step(way, false);
+    });
+    c.addEventListener("click", event => {
+      const point = this.point(event);
+      if (point) this.slices.centre(point, this.k);
+    });
+  }
+
+  // Where an event of the pointer is in the world; null: beside the picture.
+  point(event) {
+    const h = this.head, box = this.canvas.getBoundingClientRect();
+    if (!h) return null;
+    const fit = Math.min(box.width / h.size[0], box.height / h.size[1]);
+    const x = (event.clientX - box.left - (box.width - fit * h.size[0]) / 2) / (fit * h.size[0]);
+    const y = (event.clientY - box.top - (box.height - fit * h.size[1]) / 2) / (fit * h.size[1]);
+    return x < 0 || x > 1 || y < 0 || y > 1 ? null : add(h.origin, add(scale(h.u, x), scale(h.v, y)));
+  }
+
+  // Pixels that the picture may have.
+  get box() {
+    const ratio = window.devicePixelRatio || 1, {clientWidth: w, clientHeight: h} = this.canvas;
+    const most = Math.min(ratio, Math.sqrt(PIXELS_MAX / (w * h || 1)));
+    return [w, h].map(x => Math.min(SIDE_MAX, Math.max(1, Math.floor(x * most))));
+  }
+
+  get flags() { return sliceFlags(this.slices.app.model, this.slices.app.volume, this.k); }
+
+  // Asked for, if it is another than before, or in full after it has moved.
+  want(moving) {
+    if (this.host.hidden || !this.canvas.clientWidth) return;
+    const [width, height] = this.box, state = this.flags, key = JSON.stringify([state, width, height]);
+    if (key === this.sent && (moving || this.rest)) return;
+    this.sent = key;
+    this.rest = !moving;
+    this.slices.app.link.slice(this.k, {state, width, height, moving});
+  }
+
+  show(head, bitmap) {
+    this.head = head;
+    this.shown = head.slice;
+    const c = this.canvas;
+    if (c.width !== head.width || c.height !== head.height) Object.assign(c, {width: head.width, height: head.height});
+    const to = c.getContext("2d");
+    to.globalCompositeOperation = "copy";
+    to.drawImage(bitmap, 0, 0);
+    bitmap.close();
+    this.mark.className = head.exact ? "mark exact" : "mark";
+    this.mark.textContent = head.exact ? "exact" : "preview";
+  }
+
+  command() {
+    const {app} = this.slices, size = this.head?.size;
+    if (size) app.copy(command(this.flags, app.volume.file, size[0], size[1], "slice"), "The command is copied.");
+  }
+}
+
+// ---- all of them ----
+
+export class Slices {
+  constructor(app) {
+    this.app = app;
+    this.panes = NAMES.map((_, k) => new Pane(this, k));
+    byId("slices").append(...this.panes.map(p => p.host));
+    byId("slices-toggle").addEventListener("click", () => this.toggle());
+    app.link.addEventListener("slice", ({detail: {head, bitmap}}) => this.panes[head.pane]?.show(head, bitmap));
+    app.link.addEventListener("open", () => { for (const p of this.panes) p.sent = ""; });
+  }
+
+  get s() { return this.app.model.slices; }
+
+  toggle() {
+    if (!this.app.model) return;
+    const any = this.s.on.some(Boolean);
+    this.s.on = any ? [false, false, false, false] : [true, true, true, false];
+    this.build();
+    this.app.sliced(false);
+  }
+
+  // The panes move to where a point is; but for one.
+  centre(point, but) {
+    const {s, app} = this;
+    for (let a = 0; a < 3; a++) if (a !== but) this.panes[a].field?.set(s.at[a] = point[a]);
+    if (but !== 3) {
+      s.offset = dot(normal(s), sub(point, centre(app.volume)));
+      this.panes[3].field?.set(s.offset);
+    }
+    app.sliced(false);
+  }
+
+  build() {
+    const {s, app} = this, maps = Object.keys(app.volume.colour_maps), f = app.volume.fields[app.model.data.field];
+    this.panes.forEach((p, k) => {
+      p.host.hidden = !s.on[k];
+      if (s.on[k]) p.build();
+    });
+    const count = s.on.filter(Boolean).length;
+    byId("slices").hidden = count === 0;
+    byId("slices").style.setProperty("--panes", count);
+    byId("slices-toggle").setAttribute("aria-pressed", count > 0);
+    const change = moving => app.sliced(moving);
+    const parts = TITLES.map((title, k) => check(k < 3 ? `Across ${title}` : "Oblique", {value: s.on[k], change: on => {
+      s.on[k] = on;
+      this.build();
+      byId("slices-panel").querySelectorAll("input")[k].focus();
+      app.sliced(false);
+    }}));
+    if (s.on[3]) parts.push(...this.oblique());
+    parts.push(
+      choice("Colours", {options: [["", "the volume's"], ...maps.map(m => [m, m])], value: s.map,
+        change: m => { s.map = m; this.build(); app.sliced(false); }}));
+    if (s.map || app.model.volume.mode === "off")
+      parts.push(span("Window", {min: f.range[0], max: f.range[1], value: s.window ?? f.range,
+        change: (w, rest) => { s.window = w[1] > w[0] ? w : null; change(!rest); }}));
+    parts.push(check("Lines of the isovalues", {value: s.isolines, change: on => { s.isolines = on; change(false); }}),
+      check("Nearest samples, not interpolated", {value: s.nearest, change: on => { s.nearest = on; change(false); }}),
+      element("p", {class: "hint"}, "The wheel moves a slice; a click in one moves the others there."));
+    byId("slices-panel").replaceChildren(...parts);
+  }
+
+  oblique() {
+    const {s, app} = this, set = (key, x, rest) => { s[key] = x; app.sliced(!rest); };
+    this.angles = {
+      azimuth: slider("Azimuth", {min: -180, max: 180, step: 1, value: s.azimuth, change: (x, r) => set("azimuth", x, r)}),
+      elevation: slider("Elevation", {min: -90, max: 90, step: 1, value: s.elevation, change: (x, r) => set("elevation", x, r)}),
+    };
+    return [this.angles.azimuth, this.angles.elevation, element("div", {class: "row"},
+      element("button", {onclick: () => this.face()}, "Facing me"))];
+  }
+
+  // The oblique slice is seen as the picture is.
+  face() {
+    const {s, app} = this, c = app.model.camera, n = unit(sub(c.eye, c.lookAt));
+    s.azimuth = +(Math.atan2(n[1], n[0]) * 180 / Math.PI).toFixed(2);
+    s.elevation = +(Math.asin(Math.max(-1, Math.min(1, n[2]))) * 180 / Math.PI).toFixed(2);
+    for (const [key, field] of Object.entries(this.angles)) field.set(s[key]);
+    app.sliced(false);
+  }
+
+  // ---- what changes ----
+
+  update(moving) {
+    if (!this.app.model) return;
+    for (const p of this.panes) p.want(moving);
+    this.outline();
+  }
+
+  // Where the planes cut the volume's box, in the picture.
+  outline() {
+    const svg = byId("outlines"), {clientWidth: w, clientHeight: h} = byId("stage"), {s, app} = this, shapes = [];
+    for (const p of this.panes) {
+      if (!s.on[p.k]) continue;
+      const n = p.k < 3 ? [0, 1, 2].map(a => a === p.k ? 1 : 0) : normal(s);
+      const d = p.k < 3 ? s.at[p.k] : dot(n, centre(app.volume)) + s.offset;
+      const points = cut(app.volume.bounds, n, d).map(q => project(app.model.camera, q, w / h));
+      if (points.length < 3 || points.some(q => !q)) continue;
+      const shape = document.createElementNS(NS, "polygon");
+      shape.setAttribute("points", points.map(q => `${(q[0] * w).toFixed(1)},${(q[1] * h).toFixed(1)}`).join(" "));
+      shape.setAttribute("stroke", COLOURS[p.k]);
+      shapes.push(shape);
+    }
+    svg.replaceChildren(...shapes);
+  }
+}
+
+// The corners of where a plane n . p = d cuts a box, in their order around.
+function cut(bounds, n, d) {
+  const corner = i => [0, 1, 2].map(a => bounds[i >> a & 1][a]), found = [];
+  for (let i = 0; i < 8; i++)
+    for (let a = 0; a < 3; a++) {
+      if (i >> a & 1) continue;
+      const p = corner(i), q = corner(i | 1 << a), from = dot(n, p) - d, to = dot(n, q) - d;
+      if (from === to || Math.min(from, to) > 0 || Math.max(from, to) < 0) continue;
+      found.push(add(p, scale(sub(q, p), from / (from - to))));
+    }
+  if (!found.length) return [];
+  const middle = scale(found.reduce(add), 1 / found.length);
+  const right = unit(cross(n, Math.abs(n[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0])), up = cross(n, right);
+  const angle = p => Math.atan2(dot(sub(p, middle), up), dot(sub(p, middle), right));
+  return found.sort((p, q) => angle(p) - angle(q));
+}
