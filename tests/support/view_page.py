@@ -311,8 +311,6 @@ def saves(b):
                     folder + "/want.png", "-q", "--force"], check=True)
     ok("save: the file is what render draws of the state", os.path.exists(path) and
        rgb(png_pixels(open(path, "rb").read())) == rgb(png_pixels(open(folder + "/want.png", "rb").read())))
-
-
     b.js("leafcast.save.picture(8000, 8000, 'png')")
     ok("save: that it is drawn is told", b.until("return document.getElementById('saving').checkVisibility()"))
     b.click("save-cancel")
