@@ -103,5 +103,6 @@ status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, const leaf
 void coarse_preview_stats(const leafcast *v, leafcast_stats *stats) {
     const loader_stats l = loader_statistics(v->coarse->treelets);
     stats->bytes_read += l.bytes_read;
+    stats->bytes_read_ever += l.bytes_read_ever;
     stats->bytes_resident += l.bytes_resident;
 }

@@ -437,6 +437,7 @@ typedef struct leafcast_stats {
     /* Of meshes whose rays go from tet to tet (leafcast_options.neighbours): such tets, and
      * Pluecker tests. */
     uint64_t passed_tets, edge_tests;
+    uint64_t bytes_read_ever; /* of treelets, since the volumes were opened */
 } leafcast_stats;
 
 /* leafcast_check_room() - whether the memory budget holds such a picture, before its planes are

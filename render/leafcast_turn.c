@@ -124,6 +124,7 @@ static void add_volume_stats(const leafcast *v, leafcast_stats *stats) {
     stats->bytes_active += v->treelets->bytes_active;
     stats->bytes_visible += visible_bytes(v);
     stats->bytes_read += l.bytes_read;
+    stats->bytes_read_ever += l.bytes_read_ever;
     stats->bytes_resident += l.bytes_resident;
 }
 

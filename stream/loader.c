@@ -229,6 +229,7 @@ static void bring_in(loader *l, uint32_t t, resident_scratch *scratch) {
     h->loading--;
     h->stats.load_s += seconds;
     h->stats.bytes_read += read;
+    h->stats.bytes_read_ever += read;
     if (tr) {
         h->bytes += tr->bytes;
         offer(h, tr);
@@ -784,7 +785,7 @@ loader_stats loader_statistics(loader *l) {
 void loader_reset_statistics(loader *l) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
-    h->stats = (loader_stats){0};
+    h->stats = (loader_stats){.bytes_read_ever = h->stats.bytes_read_ever};
     atomic_store_explicit(&h->masks, 0, memory_order_relaxed);
     pthread_mutex_unlock(&h->lock);
 }

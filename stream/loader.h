@@ -37,9 +37,10 @@
 
 typedef struct loader_stats {
     uint64_t loads, bytes_read;
-    double load_s;           /* summed over workers */
-    uint64_t masks;          /* made, of treelets just read and of resident ones */
-    uint64_t bytes_resident; /* now: of all treelets, drawn or not */
+    uint64_t bytes_read_ever; /* since the loader was made, whatever was reset */
+    double load_s;            /* summed over workers */
+    uint64_t masks;           /* made, of treelets just read and of resident ones */
+    uint64_t bytes_resident;  /* now: of all treelets, drawn or not */
 } loader_stats;
 
 typedef struct loader {

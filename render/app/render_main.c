@@ -11,6 +11,7 @@
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
 #include "formats/base/sequence.h"
+#include "render/app/keyframes.h"
 #include "render/app/render_job.h"
 
 typedef struct render_options {
@@ -27,6 +28,7 @@ typedef struct render_options {
     int also_count;
     int repeat;
     int turns;     /* --turntable; 0: none */
+    int frames;    /* --frames; 0: a picture for each entry of the path */
     int traversal; /* --traversal: 1 tree, 2 faces; 0: faces where volumes are filled */
     bool fail_empty, certify;
     int drawn; /* pictures so far; of these */
@@ -48,6 +50,7 @@ enum {
     FONT,
     ISO_LIST,
     CAMERA_PATH,
+    FRAMES,
     SCRIPT,
     STATE,
     AND,
@@ -102,6 +105,10 @@ static const struct argp_option OPTIONS[] = {
     {"steps", STEPS, "A:B", 0, "a picture for each time step from A to B", 0},
     {"camera-path", CAMERA_PATH, "FILE", 0,
      "a picture for each entry of a JSON array: [{\"eye\": [1,2,3]}, ...]", 0},
+    {"frames", FRAMES, "N", 0,
+     "a movie: N pictures from the first entry of --camera-path to the last, with what is between "
+     "them",
+     0},
     {"turntable", TURNTABLE, "N", 0,
      "N pictures around what the camera looks at, about what is up, at equal angles", 0},
     {"script", SCRIPT, "FILE", 0,
@@ -219,6 +226,7 @@ static status set_option(void *own, int key, const char *text) {
     case SCRIPT: o->script = text; return ST_OK;
     case ISO_LIST: o->iso_list = text; return ST_OK;
     case CAMERA_PATH: o->camera_path = text; return ST_OK;
+    case FRAMES: return cli_int(text, "--frames", 1, PICTURES_MAX, &o->frames);
     case STEPS: return set_steps(o, text);
     case TURNTABLE: return cli_int(text, "--turntable", 1, PICTURES_MAX, &o->turns);
     case FAIL_EMPTY: o->fail_empty = true; return ST_OK;
@@ -268,6 +276,8 @@ static status check_options(void *own) {
                                          "another plane) and --json");
     if (!o->script && !output)
         return status_describe(ST_USAGE, "nothing to write: -o FILE.png");
+    if (o->frames && !o->camera_path)
+        return status_describe(ST_USAGE, "--frames: of which --camera-path?");
     if (o->iso_list && o->view.isos > 0)
         return status_describe(ST_USAGE, "either --iso or --iso-list");
     if (o->series && o->view.step > 0)
@@ -468,11 +478,24 @@ static status describe_frame(const render_options *o, sequence *s, int number,
     return st;
 }
 
+/* The entries of the camera path, and what is between them. */
+static status load_path(const render_options *o, json_t **path) {
+    json_t *keys = NULL;
+    status st = script_load_path(o->camera_path, &keys);
+    if (st != ST_OK || !o->frames) {
+        *path = keys;
+        return st;
+    }
+    st = keyframes_spread(keys, o->frames, path);
+    json_decref(keys);
+    return st;
+}
+
 static status count_frames(const render_options *o, sequence *s) {
     int64_t count = 1;
     for (const char *at = o->iso_list ? o->iso_list : ""; *at; at++)
         count += *at == ',';
-    status st = o->camera_path ? script_load_path(o->camera_path, &s->path) : ST_OK;
+    status st = o->camera_path ? load_path(o, &s->path) : ST_OK;
     if (st != ST_OK)
         return st;
     /* Each factor is below 2^31, and a product that is too large ends it. */

@@ -314,11 +314,12 @@ static double largest_error(const view_picture *p) {
 
 static json_t *describe_stats(const leafcast_stats *s) {
     return json_pack(
-        "{s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I}", "treelets_active", (json_int_t)s->treelets_active,
+        "{s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I}", "treelets_active", (json_int_t)s->treelets_active,
         "treelets_loaded", (json_int_t)s->treelets_loaded, "treelets_total",
         (json_int_t)s->treelets_total, "bytes_read", (json_int_t)s->bytes_read, "bytes_resident",
         (json_int_t)s->bytes_resident, "bytes_file", (json_int_t)s->bytes_file, "bytes_active",
-        (json_int_t)s->bytes_active, "bytes_peak", (json_int_t)s->bytes_peak);
+        (json_int_t)s->bytes_active, "bytes_peak", (json_int_t)s->bytes_peak, "bytes_read_ever",
+        (json_int_t)s->bytes_read_ever);
 }
 
 static json_t *describe_part(const view_picture *p, bool png, bool final) {

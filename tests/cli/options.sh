@@ -114,6 +114,7 @@ render|--repeat|stats|@grid|--repeat 3
 render|--iso-list|makes i_0001.png|@g.leaf --size 8x8 -o @i.png|--iso-list 100,120
 render|--steps|makes t_0001.png|@mesh --size 8x8 -o @t.png|--steps 0:1
 render|--camera-path|makes c_0001.png|@grid --size 8x8 -o @c.png|--camera-path @path.json
+render|--frames|makes k_0003.png|@grid --size 8x8 -o @k.png --camera-path @path.json|--frames 4
 render|--turntable|makes u_0001.png|@grid --size 8x8 -o @u.png|--turntable 2
 render|--state|picture|@grid|--state @state.json
 render|--script|says|@grid --size 8x8 --json|--script @script.json

@@ -62,6 +62,20 @@ ok "isovalue by isovalue" [ "$(grep -n '\[150.0\]' "$tmp/out" | cut -d: -f1 | tr
 echo '[{"fov": 30}, {"fov": 50}]' >"$tmp/path.json"
 exits "with a path" 0 "$leafcast" render "$g" --iso 120 --camera-path "$tmp/path.json" --turntable 3 --size 8x8 --json
 ok "each entry is turned" [ "$(grep -c isovalues "$tmp/out")" = 6 ]
+exits "--frames without a path" 2 "$leafcast" render "$g" --iso 120 --frames 3 --size 8x8 -o "$tmp/k.ppm"
+run "$leafcast" render "$g" --iso 120 --camera-path "$tmp/path.json" --size 40x30 -o "$tmp/key.ppm" -q
+exits "a movie" 0 "$leafcast" render "$g" --iso 120 --camera-path "$tmp/path.json" --frames 5 --size 40x30 -o "$tmp/k.ppm" -q
+ok "of five" [ "$(find "$tmp" -name 'k_*.ppm' | wc -l)" = 5 ]
+ok "begins with the first entry" same k_0000 key_0000
+ok "ends with the last" same k_0004 key_0001
+echo '[{"fov": 30}, {"fov": 40}]' >"$tmp/half.json"
+run "$leafcast" render "$g" --iso 120 --camera-path "$tmp/half.json" --size 40x30 -o "$tmp/half.ppm" -q
+ok "and is half between them in its middle" same k_0002 half_0001
+ok "which is another picture" other k_0002 k_0004
+"$leafcast" render "$g" --iso 120 --camera-path "$tmp/path.json" --frames 5 --size 40x30 -o - --format ppm -q >"$tmp/stream"
+cat "$tmp"/k_000?.ppm >"$tmp/joined"
+ok "into a pipe: the same, one behind the other" cmp -s "$tmp/stream" "$tmp/joined"
+exits "too many frames" 2 "$leafcast" render "$g" --iso 120 --camera-path "$tmp/path.json" --frames 1000001 --size 8x8 -o "$tmp/x.png"
 exits "too many pictures" 2 "$leafcast" render "$g" --iso-list 1,2,3 --steps 0:60000 --turntable 1000000 -o "$tmp/x.png"
 ok "are counted, not drawn" says 'more than 1000000, the most'
 

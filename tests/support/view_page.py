@@ -311,8 +311,6 @@ def saves(b):
                     folder + "/want.png", "-q", "--force"], check=True)
     ok("save: the file is what render draws of the state", os.path.exists(path) and
        rgb(png_pixels(open(path, "rb").read())) == rgb(png_pixels(open(folder + "/want.png", "rb").read())))
-
-
     b.js("leafcast.save.picture(8000, 8000, 'png')")
     ok("save: that it is drawn is told", b.until("return document.getElementById('saving').checkVisibility()"))
     b.click("save-cancel")
@@ -330,6 +328,48 @@ def saved(path):
     end = time.monotonic() + WAIT
     while not os.path.exists(path) and time.monotonic() < end:
         time.sleep(0.05)
+
+
+def movies(b):
+    """Keys, and the pictures of the command: the page's own views between are those of render."""
+    b.reveal("sec-movie")
+    b.click("key-add")
+    b.hands().move_to_element(b.canvas).click_and_hold().move_by_offset(90, 20).release().perform()
+    b.rest()
+    b.click("key-add")
+    b.js("""const e = document.querySelector('[aria-label="Pictures, number"]'); e.value = 5;
+            e.dispatchEvent(new Event("change"))""")
+    ok("movie: two keys", b.js("return leafcast.movie.keys.length === 2 && leafcast.movie.frames === 5"))
+    b.click("movie-command")
+    line = b.js("return leafcast.copied")
+    b.click("movie-save")
+    path = folder + "/saved/g-keys.json"
+    end = time.monotonic() + WAIT
+    while not os.path.exists(path) and time.monotonic() < end:
+        time.sleep(0.05)
+    os.replace(path, folder + "/g-keys.json")
+    subprocess.run(["sh", "-c", f'leafcast() {{ "$LEAFCAST" "$@"; }}; {line} -q'], check=True, cwd=folder,
+                   env=dict(os.environ, LEAFCAST=os.path.abspath(leafcast)))
+    b.js("window.kept = leafcast.movie.keys")
+    for i in (0, 2, 4):
+        b.driver.execute_async_script("""const done = arguments[1];
+            import("./movie.js").then(m => { leafcast.adopt(m.frame(kept, arguments[0] / 4)); done(); })""", i)
+        b.rest()
+        with open(f"{folder}/g_{i:04d}.png", "rb") as f:
+            want, got = rgb(png_pixels(f.read()))[2], rgb(b.pixels())[2]
+        off = sum(x != y for x, y in zip(want, got))
+        ok(f"movie: picture {i} is that of the command ({off} differ)", len(want) == len(got) and off * 1000 <= len(got) * (i == 2))
+    b.js("""window.filmed = []; const film = leafcast.film.bind(leafcast);
+            leafcast.film = flags => { filmed.push(flags.eye); return film(flags); }""")
+    b.click("movie-play")
+    ok("movie: played to its end", b.until("return filmed.length === 5 && !leafcast.movie.play"))
+    eye = b.flags()["eye"]
+    b.click("movie-turn")
+    ok("movie: turned about", b.until("return filmed.length === 10 && !leafcast.movie.play"))
+    b.rest()
+    ok("movie: and back where it was", b.flags()["eye"] == eye)
+    b.js("document.querySelector('[aria-label=\"Remove key 1\"]').click()")
+    ok("movie: a key removed", b.js("return leafcast.movie.keys.length === 1"))
 
 
 def stale(b):
@@ -450,7 +490,7 @@ def main():
         ok("load: a final picture", b.open(grid.url))
         ok("load: said to be exact", b.js("return document.getElementById('exact').textContent") == "exact")
         same(b, "load")
-        for part in (orbit, surfaces, volume, sliced, annotations, clips, picks, saves, stale, keyboard):
+        for part in (orbit, surfaces, volume, sliced, annotations, clips, picks, saves, movies, stale, keyboard):
             part(b)
         sizes(b, grid.url)
         errors(b, "grid")

@@ -114,7 +114,7 @@ def drawn(s):
     page.view(1, v["state"], W, H)
     got = page.final()
     ok("the first state is drawn", png_pixels(got[-1][1]) == rendered(v["state"]))
-    number = 1
+    number, ever = 1, [got[-1][0]["stats"]["bytes_read_ever"]]
     for name, state in (("surface", SURFACE), ("shaded", SHADED), ("medium", MEDIUM), ("clear", CLEAR),
                         ("samples", SAMPLES), ("projected", PROJECTED)):
         number += 1
@@ -125,8 +125,10 @@ def drawn(s):
         ok(f"{name}: the last part is what render draws", png_pixels(data) == want)
         ok(f"{name}: and said to be so", head["final"] and head["exact"] and head["provisional"] == 0 and
            (head["width"], head["height"], head["format"], head["scale"]) == (W, H, "png", 1))
+        ever.append(head["stats"]["bytes_read_ever"])
         ok(f"{name}: parts are numbered", [g[0]["part"] for g in got] == list(range(1, len(got) + 1)))
         ok(f"{name}: as a file, too", png_pixels(picture_of(s, state)[2]) == want)
+    ok(f"bytes that were read are not forgotten {ever}", ever[0] > 0 and ever == sorted(ever))
     ok("a bound of media", True if "error" in head else False)
     number += 1
     page.view(number, SURFACE, W, H, moving=True)

@@ -26,12 +26,13 @@ export class Honesty {
     if (latency != null && !head.final) add("seen after", `${latency.toFixed(0)} ms`, true);
     if (s.treelets_total != null)
       add("treelets", `${count(s.treelets_loaded)} / ${count(s.treelets_active)} / ${count(s.treelets_total)}`);
-    if (s.bytes_read != null) add("read", `${bytes(s.bytes_read)} of ${bytes(s.bytes_file)}`, true);
+    if (s.bytes_read != null) add("read", `${bytes(s.bytes_read_ever ?? s.bytes_read)} of ${bytes(s.bytes_file)}`, true);
     if (s.bytes_resident != null) {
       const {memory} = this.app.volume;
       add("memory", `${bytes(s.bytes_resident)}${memory ? ` of ${bytes(memory)}` : ""}`, true);
     }
     byId("numbers").replaceChildren(...parts);
-    byId("status").title = "treelets: loaded / active (what the picture can need) / in the file";
+    byId("status").title = "treelets: loaded / active (what the picture can need) / in the file; " +
+      "read: since the file was opened, a treelet twice counts twice; memory: resident treelets, of the budget";
   }
 }

@@ -7,6 +7,7 @@ import {byId, element, slider} from "./dom.js";
 import {Honesty} from "./honesty.js";
 import {Light} from "./light.js";
 import {Link} from "./link.js";
+import {Movie} from "./movie.js";
 import {Pick} from "./pick.js";
 import {Save} from "./save.js";
 import {Screen} from "./screen.js";
@@ -35,6 +36,7 @@ class App {
     this.pick = new Pick(this);
     this.honesty = new Honesty(this);
     this.save = new Save(this);
+    this.movie = new Movie(this);
     this.listen();
     this.hands();
     this.tools();
@@ -49,6 +51,7 @@ class App {
       this.screen.show(head, bitmap);
       this.honesty.picture(head, latency);
       this.data.shown(head);
+      this.movie.shown(head);
       if (this.refused && head.number > this.refused) { this.refused = 0; this.quiet(); }
     });
     on("refused", ({number, why}) => {
@@ -106,8 +109,14 @@ class App {
   }
 
   build() {
-    for (const part of [this.surfaces, this.media, this.slices, this.clip, this.light, this.annotate, this.data]) part.build();
+    for (const part of [this.surfaces, this.media, this.slices, this.clip, this.light, this.annotate, this.data, this.movie]) part.build();
     this.cameraPanel();
+  }
+
+  // One picture of a movie; the controls stay as they are. Returns its view's number.
+  film(flags) {
+    this.model = fromFlags(flags, this.volume);
+    return this.changed(true, true);
   }
 
   open(file) {

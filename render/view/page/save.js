@@ -2,7 +2,7 @@
 import {byId, element} from "./dom.js";
 import {command, toFlags} from "./state.js";
 
-function download(blob, name) {
+export function download(blob, name) {
   const url = URL.createObjectURL(blob);
   const a = element("a", {href: url, download: name});
   document.body.append(a);
