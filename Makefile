@@ -77,7 +77,7 @@ NATIVE   := render/bench/peer_embree.c render/bench/peer_rays.c
 PARTS    := $(filter-out $(MAINS) $(NATIVE),$(SOURCES))
 # The verb view is the folder render/view. What of it needs no library goes into the archive of verbs.
 VIEW_C   := render/view/view_main.c
-VIEW_PURE := render/view/view_state.c render/view/view_access.c
+VIEW_PURE := render/view/view_state.c render/view/view_access.c render/view/view_pace.c
 PAGE     := $(sort $(wildcard render/view/page/*))
 VIEW     := $B/app/libview.a
 INTERNAL := $B/app/libinternal.a
