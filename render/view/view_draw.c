@@ -129,7 +129,7 @@ static void draw_slice(view_draw *d, view_seat *seat, const turn *t) {
 
 static void take_turn(view_draw *d, view_seat *seat, const turn *t, const view_wish *wish) {
     if (t->leave) {
-        view_picture_stop(seat->picture);
+        view_picture_leave(seat->picture);
         return;
     }
     if (t->pick)

@@ -3,19 +3,25 @@
 #include <math.h>
 
 /* Better than the last one only if it takes at most this share of the time. */
-#define CLEARLY 0.75
+#define CLEARLY 0.65
 /* A level that was never drawn, beside the next finer and the next coarser one. */
 #define COARSER 0.65
 #define FINER   2.0
-/* One that was drawn costs at most so many times the next coarser one: what was given up early, or
- * while other programs ran, is tried again. */
+/* One that was drawn costs at most so many times the next coarser one, and comes nearer to FINER
+ * with each picture: what was given up, or drawn while other programs ran, is tried again. */
 #define FINER_MOST  4.0
+#define NEARER      0.02
 #define SHARE_LEAST 0.02
+/* Of the quickest picture's time, what every picture takes; and how much of it is forgotten with
+ * each. If all went with pixels, a better grade would still take no more than it may. */
+#define ALWAYS (1.0 / 3.0)
+#define FORGET 1.05
+#define RISE   1.25 /* of a cost, by one picture */
 
 /* Scales, and how many levels coarser than its pixels. Pixels that are twice as wide are four times
  * as few, cells twice as large are half as many: so both go together, and pixels first. */
-static const view_grade LADDER[] = {{1, 0}, {2, 0}, {3, 0}, {4, 0}, {4, 1},  {6, 0},
-                                    {6, 1}, {8, 0}, {8, 1}, {8, 2}, {12, 2}, {16, 3}};
+static const view_grade LADDER[] = {{1, 0}, {2, 0}, {3, 0}, {4, 0}, {4, 1},  {6, 0},  {6, 1},
+                                    {8, 0}, {8, 1}, {8, 2}, {8, 3}, {12, 2}, {12, 3}, {16, 3}};
 enum { GRADES = (int)(sizeof LADDER / sizeof *LADDER) };
 
 double view_pace_pixels(const view_task *t, view_grade g) {
@@ -56,23 +62,31 @@ static double cost_of(const view_pace *p, const view_task *t, uint32_t level) {
 }
 
 double view_pace_seconds(const view_pace *p, const view_task *t, view_grade g) {
-    return cost_of(p, t, g.level) * view_pace_pixels(t, g);
+    return ALWAYS * p->least + cost_of(p, t, g.level) * view_pace_pixels(t, g);
 }
 
-/* What is new is believed by half, as other programs take their time, too; but what was given up is
- * known to be too slow. The view is another for all levels: so are their costs. */
+/* What is new is believed by half, and only bit by bit where it is worse, as other programs take
+ * their time, too; but what was given up is known to be too slow. The view is another for all
+ * levels: so are their costs. */
 void view_pace_learn(view_pace *p, const view_task *t, view_grade g, double seconds, double share) {
-    const double now = seconds / (view_pace_pixels(t, g) * fmax(share, SHARE_LEAST));
     const double before = p->cost[g.level];
-    if (!(now > 0.0))
+    if (!(seconds > 0.0))
         return;
+    if (share >= 1.0)
+        p->least = p->least > 0.0 ? fmin(seconds, FORGET * p->least) : seconds;
+    const double rest = fmax(seconds - ALWAYS * p->least, ALWAYS * seconds);
+    const double now = rest / (view_pace_pixels(t, g) * fmax(share, SHARE_LEAST));
     const bool given_up = share < 1.0 && now > before;
-    const double cost = before == 0.0 || given_up ? now : 0.5 * (now + before);
+    const double known = fmin(0.5 * (now + before), RISE * before);
+    const double cost = before == 0.0 || given_up ? now : known;
     for (int i = 0; i < VIEW_PACE_LEVELS && before > 0.0; i++)
         p->cost[i] *= cost / before;
     p->cost[g.level] = cost;
-    for (uint32_t i = 0; i < VIEW_PACE_LEVELS; i++)
-        p->cost[i] = fmin(p->cost[i], cost * (i < g.level ? pow(FINER_MOST, g.level - i) : 1.0));
+    for (uint32_t i = 0; i < VIEW_PACE_LEVELS; i++) {
+        const uint32_t finer = i < g.level ? g.level - i : 0;
+        p->cost[i] = fmin(p->cost[i], cost * pow(FINER_MOST, finer));
+        p->cost[i] -= NEARER * fmax(p->cost[i] - cost * pow(FINER, finer), 0.0);
+    }
 }
 
 /* ---- Choosing ---- */

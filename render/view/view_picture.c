@@ -185,6 +185,13 @@ void view_picture_stop(view_picture *p) {
     p->phase = IDLE;
 }
 
+void view_picture_leave(view_picture *p) {
+    view_picture_stop(p);
+    if (p->wish.volume)
+        leafcast_stop_reading(p->wish.volume);
+    p->wish.volume = NULL;
+}
+
 void view_picture_destroy(view_picture *p) {
     if (!p)
         return;

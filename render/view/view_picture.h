@@ -46,8 +46,9 @@ void view_picture_destroy(view_picture *p); /* NULL is fine */
  * pictures, which the volumes' budget counts. ST_USAGE: it cannot be, and why. */
 CHECKED status view_picture_begin(view_picture *p, const view_wish *wish, uint64_t beside);
 
-/* view_picture_stop() - forget what is drawn. */
+/* view_picture_stop() - forget what is drawn. view_picture_leave() - and nobody looks any more. */
 void view_picture_stop(view_picture *p);
+void view_picture_leave(view_picture *p);
 
 /* view_picture_cancel() - by any thread: the frame that is being drawn, as leafcast_frame_cancel().
  * What was begun must then be begun anew, or stopped. view_picture_cancel_rest() - likewise, unless
