@@ -51,9 +51,9 @@ typedef struct shot {
     leafcast_shown shown;
     leafcast_scene scene;
     leafcast_camera view;
-    double planes[LEAFCAST_CLIP_PLANES_MAX][4], box[2][3];
-    ref_clip clip;
-    real near; /* what values may be off by, */
+    double box[2][3];
+    ref_clip clip; /* of the scene and the box */
+    real near;     /* what values may be off by, */
     double value[PIXELS], z[PIXELS], rgba[PIXELS][4];
     leafcast_stats stats;
 } shot;
@@ -169,32 +169,6 @@ static void judge(const shot *s, int i, verdict *v) {
 
 /* ---- Pictures ---- */
 
-static void choose_clip(shot *s, field_random *r) {
-    const leafcast_info info = leafcast_describe(s->body->volume);
-    s->clip = (ref_clip){.t1 = (double)INFINITY};
-    if (field_random_below(r, 3) > 0)
-        return;
-    s->scene.clip_box = field_random_below(r, 2);
-    s->scene.clip_plane_count = (int)field_random_below(r, 3);
-    for (int a = 0; a < 3; a++) {
-        const double lo = info.bounds[0][a], size = info.bounds[1][a] - lo;
-        s->box[0][a] = s->scene.clip_min[a] = lo + size * field_random_in(r, -0.1, 0.45);
-        s->box[1][a] = s->scene.clip_max[a] = lo + size * field_random_in(r, 0.55, 1.1);
-    }
-    for (int i = 0; i < s->scene.clip_plane_count; i++) {
-        double *p = s->planes[i];
-        p[3] = 0.0;
-        for (int a = 0; a < 3; a++) {
-            p[a] = field_random_in(r, -1.0, 1.0);
-            p[3] -= p[a] * field_random_in(r, info.bounds[0][a], info.bounds[1][a]);
-        }
-        memcpy(s->scene.clip_planes[i], p, sizeof s->planes[i]);
-    }
-    s->clip.planes = (const double(*)[4])s->planes;
-    s->clip.plane_count = s->scene.clip_plane_count;
-    s->clip.box = s->scene.clip_box ? (const double(*)[3])s->box : NULL;
-}
-
 /* How far values may be off: more where cells are narrow beside the distance to the eye. */
 static real near_of(const shot *s) {
     const transfer_range *range = &s->body->range;
@@ -221,7 +195,7 @@ static void shot_begin(shot *s) {
     s->view.height = HEIGHT;
     if (field_random_below(&r, 4) == 0)
         s->view.ortho_height = info.bounds[1][2] - info.bounds[0][2];
-    choose_clip(s, &r);
+    s->clip = medium_body_clip(s->body, &r, &s->scene, s->box);
     s->scene.project = kinds[s->kind].project;
     s->scene.project_value =
         field_random_below(&r, 3) == 0

@@ -219,6 +219,25 @@ bool field_make(field *f, const char *name, long n, uint64_t seed) {
     return true;
 }
 
+static const struct {
+    const char *name, *field, *type;
+    float below;
+} retyped[FIELD_RETYPED] = {{"noise-i8", "noise-u8", "i8", 128.0F},
+                            {"noise-u16", "noise-i16", "u16", -32768.0F},
+                            {"raised-f32", "noise-f32", "f32", -1e6F}};
+
+const char *field_retyped_name(int index) {
+    return retyped[index].name;
+}
+
+void field_make_retyped(field *f, int index, long n, uint64_t seed) {
+    (void)field_make(f, retyped[index].field, n, seed);
+    f->name = retyped[index].name;
+    f->type = retyped[index].type;
+    for (long i = 0; i < f->dims[0] * f->dims[1] * f->dims[2]; i++)
+        f->samples[i] -= retyped[index].below;
+}
+
 void field_release(field *f) {
     free(f->samples);
     for (int a = 0; a < 3; a++)

@@ -23,7 +23,7 @@ long field_random_below(field_random *r, long count);          /* 0 .. count - 1
 /* A test volume. The samples are those of its type, as floats. */
 typedef struct field {
     const char *name;
-    const char *type; /* "u8", "i16" or "f32"; a test may make it "i8" or "u16" */
+    const char *type; /* "u8", "i16" or "f32"; retyped: "i8" or "u16" */
     long dims[3];
     float *samples;
     double *axis[3]; /* node coordinates of a rectilinear field, else NULL */
@@ -41,6 +41,13 @@ const char *field_name(int index);
 /* field_make() - a field of about n nodes an axis (no two axes alike); false when the name is
  * unknown. Release it. */
 bool field_make(field *f, const char *name, long n, uint64_t seed);
+
+/* field_make_retyped() - some of them in types that no field has, by numbers below FIELD_RETYPED:
+ * noise-i8 and noise-u16 (all values of the types), raised-f32 (noise on a million). */
+enum { FIELD_RETYPED = 3 };
+const char *field_retyped_name(int index);
+void field_make_retyped(field *f, int index, long n, uint64_t seed);
+
 void field_release(field *f);
 
 /* field_volume() - for the reference; points into f. */

@@ -31,16 +31,6 @@ enum {
 
 /* ---- Volumes ---- */
 
-/* What the fields are in other types than their own. */
-static const struct {
-    const char *name, *field, *type;
-    float below;
-} retyped[] = {{"noise-i8", "noise-u8", "i8", 128.0F},
-               {"noise-u16", "noise-i16", "u16", -32768.0F},
-               {"raised-f32", "noise-f32", "f32", -1e6F}};
-
-enum { RETYPED = sizeof retyped / sizeof *retyped };
-
 /* Tets that overlap have no order, and tets that are there twice count once. */
 static bool is_plain(const char *mesh) {
     static const char *const others[] = {"flat",    "flat-steps", "slivers",  "collapsed",
@@ -60,11 +50,11 @@ static int plain_meshes(int wanted, const char **name) {
 }
 
 int medium_body_count(void) {
-    return field_count() + RETYPED + plain_meshes(-1, NULL);
+    return field_count() + FIELD_RETYPED + plain_meshes(-1, NULL);
 }
 
 static bool is_mesh_index(int index) {
-    return index >= field_count() + RETYPED;
+    return index >= field_count() + FIELD_RETYPED;
 }
 
 static const char *plain_name(int index) {
@@ -72,9 +62,9 @@ static const char *plain_name(int index) {
     if (index < field_count())
         return field_name(index);
     index -= field_count();
-    if (index < RETYPED)
-        return retyped[index].name;
-    plain_meshes(index - RETYPED, &name);
+    if (index < FIELD_RETYPED)
+        return field_retyped_name(index);
+    plain_meshes(index - FIELD_RETYPED, &name);
     return name;
 }
 
@@ -87,11 +77,10 @@ const char *medium_body_name(int index) {
 static void make_field(medium_body *b, int index, const leafcast_options *options) {
     const int other = index - field_count();
     field *f = &b->field;
-    assert_true(field_make(f, other < 0 ? field_name(index) : retyped[other].field, NODES, 3));
-    for (long i = 0; other >= 0 && i < f->dims[0] * f->dims[1] * f->dims[2]; i++)
-        f->samples[i] -= retyped[other].below;
     if (other >= 0)
-        f->type = retyped[other].type;
+        field_make_retyped(f, other, NODES, 3);
+    else
+        assert_true(field_make(f, field_name(index), NODES, 3));
     b->as_grid = field_volume(f);
     b->path = fixture_leaf(f, 4, 1, index % 2 > 0);
     b->volume = fixture_open(b->path, options);
@@ -135,6 +124,33 @@ void medium_body_release(medium_body *b) {
         field_release(&b->field);
 }
 
+ref_clip medium_body_clip(const medium_body *b, field_random *r, leafcast_scene *scene,
+                          double box[2][3]) {
+    const leafcast_info info = leafcast_describe(b->volume);
+    ref_clip clip = {.t1 = (double)INFINITY};
+    if (field_random_below(r, 3) > 0)
+        return clip;
+    scene->clip_box = field_random_below(r, 2);
+    scene->clip_plane_count = (int)field_random_below(r, 3);
+    for (int a = 0; a < 3; a++) {
+        const double lo = info.bounds[0][a], size = info.bounds[1][a] - lo;
+        box[0][a] = scene->clip_min[a] = lo + size * field_random_in(r, -0.1, 0.45);
+        box[1][a] = scene->clip_max[a] = lo + size * field_random_in(r, 0.55, 1.1);
+    }
+    for (int i = 0; i < scene->clip_plane_count; i++) {
+        double *p = scene->clip_planes[i];
+        p[3] = 0.0;
+        for (int a = 0; a < 3; a++) {
+            p[a] = field_random_in(r, -1.0, 1.0);
+            p[3] -= p[a] * field_random_in(r, info.bounds[0][a], info.bounds[1][a]);
+        }
+    }
+    clip.planes = (const double(*)[4])scene->clip_planes;
+    clip.plane_count = scene->clip_plane_count;
+    clip.box = scene->clip_box ? (const double(*)[3])box : NULL;
+    return clip;
+}
+
 leafcast_status medium_body_reopen(medium_body *b, const leafcast_options *options) {
     leafcast_close(b->volume);
     b->volume = NULL;
@@ -159,9 +175,9 @@ typedef struct shot {
     leafcast_shown shown[2];
     leafcast_scene scene;
     leafcast_camera camera;
-    double planes[LEAFCAST_CLIP_PLANES_MAX][4], box[2][3];
-    ref_clip clip;
-    double asked; /* the bound */
+    double box[2][3];
+    ref_clip clip; /* of the scene and the box */
+    double asked;  /* the bound */
     int told;
     double rgba[PIXELS][4], error[PIXELS], value[PIXELS], z[PIXELS];
     leafcast_stats stats;
@@ -169,32 +185,6 @@ typedef struct shot {
 
 static const medium_body *body_of(const shot *s, int i) {
     return i == 0 ? s->job->body : s->job->beside;
-}
-
-static void choose_clip(shot *s, field_random *r) {
-    const leafcast_info info = leafcast_describe(s->job->body->volume);
-    s->clip = (ref_clip){.t1 = INFINITY};
-    if (field_random_below(r, 3) > 0)
-        return;
-    s->scene.clip_box = field_random_below(r, 2);
-    s->scene.clip_plane_count = (int)field_random_below(r, 3);
-    for (int a = 0; a < 3; a++) {
-        const double lo = info.bounds[0][a], size = info.bounds[1][a] - lo;
-        s->box[0][a] = s->scene.clip_min[a] = lo + size * field_random_in(r, -0.1, 0.45);
-        s->box[1][a] = s->scene.clip_max[a] = lo + size * field_random_in(r, 0.55, 1.1);
-    }
-    for (int i = 0; i < s->scene.clip_plane_count; i++) {
-        double *p = s->planes[i];
-        p[3] = 0.0;
-        for (int a = 0; a < 3; a++) {
-            p[a] = field_random_in(r, -1.0, 1.0);
-            p[3] -= p[a] * field_random_in(r, info.bounds[0][a], info.bounds[1][a]);
-        }
-        memcpy(s->scene.clip_planes[i], p, sizeof s->planes[i]);
-    }
-    s->clip.planes = (const double(*)[4])s->planes;
-    s->clip.plane_count = s->scene.clip_plane_count;
-    s->clip.box = s->scene.clip_box ? (const double(*)[3])s->box : NULL;
 }
 
 static void choose_camera(shot *s, field_random *r) {
@@ -223,7 +213,7 @@ static field_random shot_begin(shot *s, const medium_job *job) {
     for (int i = 0; i < s->bodies; i++)
         s->shown[i].volume = body_of(s, i)->volume;
     choose_camera(s, &r);
-    choose_clip(s, &r);
+    s->clip = medium_body_clip(s->job->body, &r, &s->scene, s->box);
     choose_background(s, &r);
     return r;
 }

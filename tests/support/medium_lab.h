@@ -52,6 +52,11 @@ leafcast_status medium_body_reopen(medium_body *b, const leafcast_options *optio
 size_t medium_body_pieces(const medium_body *b, const ref_ray *ray, const ref_clip *clip,
                           ref_piece *out, size_t room);
 
+/* medium_body_clip() - one in three scenes is clipped, by a box (told in box, too), by planes or
+ * both: for the scene, and for the reference, which points into scene and box. */
+ref_clip medium_body_clip(const medium_body *b, field_random *r, leafcast_scene *scene,
+                          double box[2][3]);
+
 typedef struct medium_tally {
     uint64_t rays, seen; /* seen: something is on the way */
     uint64_t outside, loose, refused, grazing;
