@@ -44,7 +44,7 @@ struct loader_private {
     uint64_t published;       /* treelets that became READY */
     bool sweeping;
     uint32_t sweep_end; /* the treelets before this one */
-    bool stepped; /* another set was selected, and loader_follow() not yet called */
+    bool stepped;       /* another set was selected, and loader_follow() not yet called */
     status_note failure;
     loader_stats stats;
     seat *free_seats;

@@ -174,9 +174,8 @@ static void test_no_levels(void **state) {
     view_pace p = {0};
     view_task t = GRID;
     t.levels = 1;
-    view_grade g = view_pace_choose(&p, &t, 1e-9), before;
-    p.grade = 0;
-    g = (view_grade){1, 0};
+    view_grade g = view_pace_choose(&p, &t, 1.0), before;
+    assert_int_equal(g.scale, 1);
     while (!view_pace_coarsest(&p, &t)) {
         before = g;
         g = view_pace_coarser(&p, &t, 1.0);
