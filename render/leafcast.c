@@ -221,6 +221,14 @@ status volume_check_set(const leafcast *v, uint32_t field, uint32_t step) {
                            step, h->fields, h->steps);
 }
 
+void leafcast_stop_reading(leafcast *v) {
+    device_lock(v->device);
+    loader_rest(v->treelets);
+    if (v->coarse)
+        loader_rest(v->coarse->treelets);
+    device_unlock(v->device);
+}
+
 leafcast_status leafcast_select_set(leafcast *v, uint32_t field, uint32_t step) {
     const status st = volume_check_set(v, field, step);
     if (st != ST_OK)

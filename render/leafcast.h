@@ -171,6 +171,11 @@ LEAFCAST_API leafcast_status leafcast_find_field(const leafcast *volume, const c
                                                  uint32_t *field);
 LEAFCAST_API double leafcast_step_time(const leafcast *volume, uint32_t step);
 
+/* leafcast_stop_reading() - what pictures have asked for, and a preview would still read behind
+ * them, is not read: for a program that nobody looks at any more. Pictures that are under way ask
+ * again. */
+LEAFCAST_API void leafcast_stop_reading(leafcast *volume);
+
 /* leafcast_range() - range[0], range[1]: the smallest and the largest finite value of a field at a
  * step, at full resolution; range[0] > range[1] where none is finite. An isovalue v has a surface
  * only if range[0] < v && v <= range[1]. LEAFCAST_USAGE if there is no such field or step. Costs a

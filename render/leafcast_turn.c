@@ -61,13 +61,16 @@ static bool drop_coarse(turn *t) {
     return any;
 }
 
-static void begin_loading(turn *t, leafcast *v) {
+static void begin_loading(turn *t, int i) {
+    leafcast *v = t->shown[i].volume;
     if (!t->scene.preview)
         loader_follow(v->treelets, v->touched);
     for (uint32_t k = 0; k < v->file->layout.treelets && !t->begun; k++)
         atomic_store_explicit(&v->touched[k], 0, memory_order_relaxed);
-    if (t->scene.sweep || t->scene.preview)
+    if (t->scene.sweep)
         loader_sweep(v->treelets);
+    else if (t->scene.preview)
+        loader_sweep_level(v->treelets, t->tracers[i].target_level);
 }
 
 /* A turn: all that another frame may have changed. */
@@ -82,7 +85,7 @@ status turn_prepare(turn *t) {
     if (st != ST_OK)
         return st;
     for (int i = 0; i < t->volumes; i++)
-        begin_loading(t, t->shown[i].volume);
+        begin_loading(t, i);
     st = device_scratch(t->device, budget_scratch(&t->f));
     t->f.scratch = t->device->scratch;
     t->begun = true;

@@ -43,7 +43,8 @@ struct loader_private {
     size_t bytes, room;       /* of all treelets; that they may have */
     uint64_t published;       /* treelets that became READY */
     bool sweeping;
-    bool stepped; /* another set was selected, and loader_follow() not yet called */
+    uint32_t sweep_end; /* the treelets before this one */
+    bool stepped;       /* another set was selected, and loader_follow() not yet called */
     status_note failure;
     loader_stats stats;
     seat *free_seats;
@@ -547,6 +548,13 @@ static void select_anew(loader *l) {
     sort_resident(l);
 }
 
+void loader_rest(loader *l) {
+    struct loader_private *h = l->hidden;
+    pthread_mutex_lock(&h->lock);
+    rest(h);
+    pthread_mutex_unlock(&h->lock);
+}
+
 void loader_select(loader *l, const interest *in) {
     struct loader_private *h = l->hidden;
     pthread_mutex_lock(&h->lock);
@@ -659,15 +667,17 @@ void loader_want(loader *l, const loader_request *requests, size_t count) {
 }
 
 static void sweep_locked(loader *l) {
-    for (uint32_t t = 0; t < l->file->layout.treelets; t++)
+    for (uint32_t t = 0; t < l->hidden->sweep_end; t++)
         if (l->own[t])
             want_locked(l, t, UINT64_MAX);
 }
 
-void loader_sweep(loader *l) {
+void loader_sweep_level(loader *l, uint32_t level) {
     struct loader_private *h = l->hidden;
+    const leaf_layout *layout = &l->file->layout;
     pthread_mutex_lock(&h->lock);
     h->sweeping = true;
+    h->sweep_end = level > 0 ? layout->level[level - 1].first : layout->treelets;
     sweep_locked(l);
     tell_readers(h);
     pthread_mutex_unlock(&h->lock);

@@ -143,8 +143,14 @@ static inline bool loader_is_ready(const loader *l, uint32_t t) {
 }
 
 /* loader_sweep() - want every treelet of interest, coarse levels first, behind everything
- * that rays want. */
-void loader_sweep(loader *l);
+ * that rays want. loader_sweep_level() - but none of a level finer than this one. */
+void loader_sweep_level(loader *l, uint32_t level);
+static inline void loader_sweep(loader *l) {
+    loader_sweep_level(l, 0);
+}
+
+/* loader_rest() - nothing is wanted any more; returns when what was being read is there. */
+void loader_rest(loader *l);
 
 typedef struct loader_request {
     uint32_t t;

@@ -278,6 +278,62 @@ static void test_crowd(void **state) {
     stage_close(&s);
 }
 
+/* ---- Levels ---- */
+
+static uint32_t ready_in(const stage *s, uint32_t level) {
+    const leaf_level *of = &s->f->layout.level[level];
+    uint32_t count = 0;
+    for (uint32_t t = of->first; t < of->first + of->count; t++)
+        count += loader_is_ready(s->l, t);
+    return count;
+}
+
+static uint32_t active_in(const stage *s, uint32_t level) {
+    const leaf_level *of = &s->f->layout.level[level];
+    uint32_t count = 0;
+    for (uint32_t t = of->first; t < of->first + of->count; t++)
+        count += s->l->own[t];
+    return count;
+}
+
+/* A sweep to a level brings all of interest that is as coarse, and nothing finer. */
+static void test_levels(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s, SAMPLE_I16, CPU_SCALAR);
+    const double iso = 100.5;
+    select_isovalues(s.l, &iso, 1);
+    const uint32_t levels = s.f->layout.levels;
+    assert_true(levels > 1);
+    for (uint32_t level = levels; level-- > 0;) {
+        loader_sweep_level(s.l, level);
+        assert_int_equal(loader_settle(s.l), ST_OK);
+        for (uint32_t i = 0; i < levels; i++)
+            assert_int_equal(ready_in(&s, i), i < level ? 0 : active_in(&s, i));
+        assert_true(active_in(&s, level) > 0);
+    }
+    loader_clear(s.l);
+    stage_close(&s);
+}
+
+/* After loader_rest() nothing more is read. */
+static void test_rest(void **state) {
+    (void)state;
+    stage s;
+    stage_open(&s, SAMPLE_I16, CPU_SCALAR);
+    const double iso = 100.5;
+    select_isovalues(s.l, &iso, 1);
+    loader_sweep(s.l);
+    loader_rest(s.l);
+    const uint64_t loads = loader_statistics(s.l).loads;
+    assert_false(loader_is_reading(s.l));
+    assert_int_equal(loader_settle(s.l), ST_OK);
+    assert_true(loader_statistics(s.l).loads == loads);
+    load_all(&s);
+    assert_int_equal(ready_in(&s, 0), active_in(&s, 0));
+    stage_close(&s);
+}
+
 /* ---- Spare treelets ---- */
 
 static uint32_t ready(const stage *s) {
@@ -404,6 +460,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sweep),   cmocka_unit_test(test_intervals),
         cmocka_unit_test(test_lazy),    cmocka_unit_test(test_crowd),
+        cmocka_unit_test(test_levels),  cmocka_unit_test(test_rest),
         cmocka_unit_test(test_kept),    cmocka_unit_test(test_room),
         cmocka_unit_test(test_pictures)};
     return cmocka_run_group_tests(tests, NULL, NULL);

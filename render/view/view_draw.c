@@ -146,7 +146,7 @@ static void draw_panes(view_draw *d, view_seat *seat) {
 
 static void take_turn(view_draw *d, view_seat *seat, const turn *t, const view_wish *wish) {
     if (t->leave) {
-        view_picture_stop(seat->picture);
+        view_picture_leave(seat->picture);
         view_slices_clear(seat->slices);
         return;
     }

@@ -11,12 +11,19 @@
 /* A preview takes less of what takes time: one ray a pixel, and media so exact. */
 #define PREVIEW_ERROR (1.0 / 64.0)
 #define DEFAULT_ERROR (1.0 / 510.0) /* leafcast_scene.error */
-/* One that is not complete after so long gives way to a coarser one, or to a newer view. */
-#define OVERDUE_S (2.0 * VIEW_MOVING_S)
-/* At rest, a preview is worth its time where the whole takes longer. */
-#define SOON_S 0.080
+/* One that is far from complete after so long gives way to a coarser one, or to a newer view. */
+#define OVERDUE_S (1.5 * VIEW_MOVING_S)
+#define ENOUGH    0.5 /* share of its pixels with which it is completed even so */
+/* At rest, a preview is worth its time where the whole takes longer; and a better one behind it
+ * where that takes so long that it is a small share of it. */
+#define SOON_S       0.080
+#define LONG_S       1.0
+#define BETTER_SHARE 0.2
 
-typedef enum phase { IDLE, PREVIEW, EXACT, FINAL, WRITING } phase;
+typedef enum phase { IDLE, PREVIEW, BETTER, EXACT, FINAL, WRITING } phase;
+
+/* What takes times of its own. */
+typedef enum way { SURFACES, BEHIND, MEDIA, SHADED, EXTREMES, MEANS, WAYS } way;
 
 /* Planes of one size. */
 typedef struct planes {
@@ -33,20 +40,23 @@ struct view_picture {
     leafcast_scene scene;
     leafcast_camera camera; /* of the whole picture */
     uint64_t beside;
-    planes now, base; /* base: the preview of this view */
-    leafcast_scene_experiments experiments;
+    planes now, base;     /* base: the preview of this view */
     pthread_mutex_t lock; /* of this: */
     leafcast_frame *frame;
     bool frame_is_preview;
     /* Of the drawing thread again: */
     leafcast_stats stats;
-    uint32_t scale; /* of what is drawn */
+    view_task task;   /* of this picture, */
+    view_pace *pace;  /* one of paces */
+    view_grade grade; /* of what is drawn */
+    bool overdue;     /* a preview was: the next one is coarser */
     int part;
     view_file *writing;     /* where it becomes a file, */
     uint64_t writing_bytes; /* with planes of so many */
     bool ready;             /* a moving preview is complete, and waits until it may be sent */
     double drawn_s, next_s; /* of this frame so far; when the next part is due */
-    double cost;            /* of a preview, seconds a pixel; 0: not known */
+    const leafcast *paced;  /* the volume that they are about: */
+    view_pace paces[WAYS];
 };
 
 status view_picture_create(const view_tools *tools, view_picture **out) {
@@ -77,9 +87,13 @@ static uint64_t planes_bytes(const planes *p) {
     return i->r ? one * p->width * p->height : 0;
 }
 
+static bool is_preview(const view_picture *p) {
+    return p->phase == PREVIEW || p->phase == BETTER;
+}
+
 /* Several rays a pixel have no plane of errors; a preview takes one. */
 static bool has_errors(const view_picture *p) {
-    return view_options_any_medium(&p->wish.view) && (p->phase == PREVIEW || p->scene.samples <= 1);
+    return view_options_any_medium(&p->wish.view) && (is_preview(p) || p->scene.samples <= 1);
 }
 
 /* Which there are to be: as render takes them for a PNG or an EXR. Pointers that only are not NULL.
@@ -161,6 +175,21 @@ static void planes_enlarge(const planes *from, planes *to) {
     }
 }
 
+/* Pixels that are not drawn yet can be told from others. */
+static void planes_blank(const planes *of) {
+    const size_t count = (size_t)of->width * of->height;
+    for (size_t i = 0; i < count; i++)
+        of->image.r[i] = NAN;
+}
+
+static double planes_share(const planes *of) {
+    const size_t count = (size_t)of->width * of->height;
+    size_t drawn = 0;
+    for (size_t i = 0; i < count; i++)
+        drawn += !isnan(of->image.r[i]);
+    return (double)drawn / (double)count;
+}
+
 /* ---- Beginning and ending ---- */
 
 static void set_frame(view_picture *p, leafcast_frame *frame) {
@@ -197,6 +226,13 @@ void view_picture_stop(view_picture *p) {
     p->ready = false;
 }
 
+void view_picture_leave(view_picture *p) {
+    view_picture_stop(p);
+    if (p->wish.volume)
+        leafcast_stop_reading(p->wish.volume);
+    p->wish.volume = NULL;
+}
+
 void view_picture_destroy(view_picture *p) {
     if (!p)
         return;
@@ -225,12 +261,80 @@ static status check(view_picture *p) {
     return st == ST_OK ? view_options_check_volume(v, p->wish.volume) : st;
 }
 
+/* ---- The pace ---- */
+
+static way way_of(const leafcast_scene *scene, const view_options *v) {
+    bool behind = scene->shadows;
+    for (int i = 0; i < v->isos; i++)
+        behind |= v->surfaces[i].opacity < 1.0f;
+    if (scene->project != LEAFCAST_PROJECT_NONE)
+        return scene->project == LEAFCAST_PROJECT_MEAN ? MEANS : EXTREMES;
+    if (scene->media_count > 0)
+        return scene->shade_media ? SHADED : MEDIA;
+    return behind ? BEHIND : SURFACES;
+}
+
+/* Cells in the width of a pixel, where the volume is nearest to the eye. */
+static double cells_of(const leafcast_camera *c, const leafcast_info *info) {
+    double square = 0.0;
+    for (int a = 0; a < 3; a++) {
+        const double nearest = fmin(fmax(c->eye[a], info->bounds[0][a]), info->bounds[1][a]);
+        square += (c->eye[a] - nearest) * (c->eye[a] - nearest);
+    }
+    const double across = c->ortho_height != 0.0
+                              ? c->ortho_height
+                              : 2.0 * sqrt(square) * tan(c->fov * (M_PI / 360.0));
+    return across / (c->height * info->cell_size);
+}
+
+/* Seconds a pixel by two CPUs, of volumes that are not too small: the first picture's guess. */
+static double guess_of(way of) {
+    static const double guesses[WAYS] = {0.10e-6, 0.3e-6, 0.8e-6, 3e-6, 0.8e-6, 3e-6};
+    return guesses[of];
+}
+
+static void set_pace(view_picture *p) {
+    const leafcast_info info = leafcast_describe(p->wish.volume);
+    const way of = way_of(&p->scene, &p->wish.view);
+    if (p->paced != p->wish.volume)
+        memset(p->paces, 0, sizeof p->paces);
+    p->paced = p->wish.volume;
+    p->pace = &p->paces[of];
+    p->task = (view_task){.width = p->camera.width,
+                          .height = p->camera.height,
+                          .levels = p->scene.lod == LEAFCAST_LOD_PIXEL ? 1 : info.levels,
+                          .cells = cells_of(&p->camera, &info),
+                          .guess = guess_of(of)};
+}
+
+/* The whole picture's time, as far as previews tell. */
+static double whole_s(const view_picture *p) {
+    return view_pace_seconds(p->pace, &p->task, (view_grade){1, 0});
+}
+
+static void choose_grade(view_picture *p) {
+    p->grade = p->overdue ? view_pace_coarser(p->pace, &p->task, VIEW_MOVING_S)
+                          : view_pace_choose(p->pace, &p->task, VIEW_MOVING_S);
+    p->overdue = false;
+}
+
+/* What follows a preview at rest. */
+static phase after_preview(view_picture *p) {
+    const view_grade half = {2, view_pace_level(&p->task, 2)};
+    const double whole = whole_s(p), better = view_pace_seconds(p->pace, &p->task, half);
+    if (p->grade.scale <= half.scale || whole < LONG_S || better > BETTER_SHARE * whole)
+        return EXACT;
+    p->grade = half;
+    return BETTER;
+}
+
 status view_picture_begin(view_picture *p, const view_wish *wish, uint64_t beside) {
     view_picture_stop(p);
     p->wish = *wish;
     p->volume = (picture_volume){wish->volume, &p->wish.view};
     p->beside = beside;
     p->part = 0;
+    p->overdue = false;
     status st = check(p);
     if (st != ST_OK)
         return st;
@@ -239,21 +343,29 @@ status view_picture_begin(view_picture *p, const view_wish *wish, uint64_t besid
     if (st != ST_OK)
         return st;
     p->camera = view_options_camera(&p->wish.view, p->wish.volume);
-    const double whole = p->cost * p->camera.width * p->camera.height;
-    const bool soon = p->cost > 0.0 && whole < SOON_S && p->stats.provisional_pixels == 0;
+    set_pace(p);
+    const bool soon =
+        p->pace->cost[0] > 0.0 && whole_s(p) < SOON_S && p->stats.provisional_pixels == 0;
     p->phase = wish->file || (!wish->moving && soon) ? EXACT : PREVIEW;
     return ST_OK;
 }
 
-/* The least that fits its time. */
-static uint32_t choose_scale(const view_picture *p) {
-    const double pixels = (double)p->camera.width * p->camera.height;
-    uint32_t scale = 1;
-    if (p->cost == 0.0)
-        return 2;
-    while (scale < VIEW_SCALE_MAX && p->cost * pixels / (scale * scale) > VIEW_MOVING_S)
-        scale++;
-    return scale;
+/* Level of detail that the state asks for. */
+static uint32_t asked_level(const view_picture *p) {
+    return p->scene.lod == LEAFCAST_LOD_LEVEL ? p->scene.lod_level : 0;
+}
+
+static void make_coarse(const view_picture *p, leafcast_scene *scene, leafcast_camera *camera) {
+    scene->preview = true;
+    scene->samples = 1;
+    if (view_options_any_medium(&p->wish.view))
+        scene->error = fmax(scene->error, PREVIEW_ERROR);
+    if (p->grade.level > asked_level(p)) {
+        scene->lod = LEAFCAST_LOD_LEVEL;
+        scene->lod_level = p->grade.level;
+    }
+    camera->width = (camera->width + p->grade.scale - 1) / p->grade.scale;
+    camera->height = (camera->height + p->grade.scale - 1) / p->grade.scale;
 }
 
 static status begin_frame(view_picture *p) {
@@ -261,19 +373,14 @@ static status begin_frame(view_picture *p) {
     leafcast_camera camera = p->camera;
     leafcast_frame *frame = NULL;
     const leafcast_image wanted = planes_wanted(p);
-    p->scale = 1;
     p->drawn_s = 0.0;
-    if (p->phase == PREVIEW) {
-        p->scale = choose_scale(p);
-        scene.preview = true;
-        scene.samples = 1;
-        if (view_options_any_medium(&p->wish.view))
-            scene.error = fmax(scene.error, PREVIEW_ERROR);
-        camera.width = (camera.width + p->scale - 1) / p->scale;
-        camera.height = (camera.height + p->scale - 1) / p->scale;
-    } else {
-        p->next_s = 0.1;
-    }
+    if (p->phase == PREVIEW)
+        choose_grade(p);
+    if (p->phase == EXACT)
+        p->grade = (view_grade){1, 0};
+    if (is_preview(p))
+        make_coarse(p, &scene, &camera);
+    p->next_s = 0.1;
     const uint64_t png = picture_png_bytes(pool_threads(p->tools.threads), camera.width);
     status st = (status)leafcast_check_room(p->wish.volume, &scene, &camera, &wanted,
                                             p->beside + planes_bytes(&p->base) + png);
@@ -281,6 +388,8 @@ static status begin_frame(view_picture *p) {
         st = planes_make(p->tools.m, &wanted, camera.width, camera.height, &p->now);
     if (st == ST_OK && p->base.image.r)
         planes_enlarge(&p->base, &p->now);
+    else if (st == ST_OK && p->phase == PREVIEW)
+        planes_blank(&p->now);
     planes_release(p->tools.m, &p->base);
     if (st == ST_OK)
         st = (status)leafcast_frame_begin(p->wish.volume, &scene, &camera, &p->now.image, &frame);
@@ -312,6 +421,11 @@ static double largest_error(const view_picture *p) {
     return most;
 }
 
+/* Of media that are drawn coarser than the data, nobody knows one. */
+static double bound_of(const view_picture *p, bool coarse) {
+    return coarse && p->now.image.error ? INFINITY : largest_error(p);
+}
+
 static json_t *describe_stats(const leafcast_stats *s) {
     return json_pack(
         "{s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I,s:I}", "treelets_active", (json_int_t)s->treelets_active,
@@ -323,10 +437,11 @@ static json_t *describe_stats(const leafcast_stats *s) {
 }
 
 static json_t *describe_part(const view_picture *p, bool png, bool final) {
-    const leafcast_scene *scene = &p->scene;
-    const uint64_t provisional = count_provisional(&p->now);
-    const bool certified = p->wish.view.experiments.summing == LEAFCAST_CERTIFIED;
-    const bool exact = final && provisional == 0 && scene->lod == LEAFCAST_LOD_EXACT;
+    const bool coarse = p->grade.level > asked_level(p); /* than is asked for, everywhere */
+    const uint64_t pixels = (uint64_t)p->now.width * p->now.height;
+    const uint64_t provisional = coarse ? pixels : count_provisional(&p->now);
+    const bool certified = p->wish.view.experiments.summing == LEAFCAST_CERTIFIED && !coarse;
+    const bool exact = final && provisional == 0 && p->scene.lod == LEAFCAST_LOD_EXACT;
     json_t *out =
         json_pack("{s:I,s:i,s:I,s:I,s:s,s:b,s:b,s:b}", "number", (json_int_t)p->wish.number, "part",
                   p->part, "width", (json_int_t)p->now.width, "height", (json_int_t)p->now.height,
@@ -334,11 +449,11 @@ static json_t *describe_part(const view_picture *p, bool png, bool final) {
                   "certified", (int)(certified && p->stats.uncertified_pixels == 0));
     if (!out)
         return NULL;
-    json_object_set_new(out, "lod_level", json_integer(scene->lod_level));
-    json_object_set_new(out, "scale", json_integer(p->scale));
+    json_object_set_new(out, "lod_level", json_integer(coarse ? p->grade.level : asked_level(p)));
+    json_object_set_new(out, "scale", json_integer(p->grade.scale));
     json_object_set_new(out, "provisional", json_integer((json_int_t)provisional));
     json_object_set_new(out, "uncertified", json_integer((json_int_t)p->stats.uncertified_pixels));
-    json_object_set_new(out, "error", cli_json_real(largest_error(p)));
+    json_object_set_new(out, "error", cli_json_real(bound_of(p, coarse)));
     json_object_set_new(out, "render_ms", json_real(1e3 * p->stats.render_s));
     json_object_set_new(out, "age_ms", json_real(1e3 * (clock_seconds() - p->wish.asked)));
     json_object_set_new(out, "stats", describe_stats(&p->stats));
@@ -411,32 +526,35 @@ static status end_file(view_picture *p, view_message **out) {
 
 /* ---- Drawing ---- */
 
-static void learn(view_picture *p) {
-    const double cost = p->drawn_s / ((double)p->now.width * p->now.height);
-    p->cost = cost > p->cost ? cost : 0.5 * (cost + p->cost);
-}
-
 static status end_preview(view_picture *p, bool may_send, view_message **out) {
-    status st = may_send ? make_part(p, false, out) : ST_OK;
-    set_frame(p, NULL);
+    const double begun = clock_seconds();
     p->ready = p->wish.moving && !may_send;
-    if (p->ready)
+    if (p->ready) {
+        set_frame(p, NULL);
         return ST_OK;
+    }
+    status st = may_send ? make_part(p, false, out) : ST_OK;
+    if (p->phase == PREVIEW)
+        view_pace_learn(p->pace, &p->task, p->grade, p->drawn_s + clock_seconds() - begun, 1.0);
+    set_frame(p, NULL);
     if (p->wish.moving) {
         planes_release(p->tools.m, &p->now);
         p->phase = IDLE;
     } else {
         p->base = p->now;
         p->now = (planes){0};
-        p->phase = EXACT;
+        p->phase = p->phase == PREVIEW ? after_preview(p) : EXACT;
     }
     return st;
 }
 
-/* Coarser, for next time at least twice as quick. */
-static void try_coarser(view_picture *p) {
-    const double pixels = (double)p->now.width * p->now.height;
-    p->cost = fmax(2.0 * p->drawn_s / pixels, p->cost);
+/* One that is late, unless it is half done already. The next one is coarser. */
+static void give_up_if_slow(view_picture *p) {
+    const double share = p->drawn_s >= OVERDUE_S ? planes_share(&p->now) : 1.0;
+    if (share >= ENOUGH)
+        return;
+    view_pace_learn(p->pace, &p->task, p->grade, p->drawn_s, share);
+    p->overdue = true;
     set_frame(p, NULL);
     planes_release(p->tools.m, &p->now);
 }
@@ -449,18 +567,19 @@ static bool has_parts(const view_picture *p) {
 static status draw(view_picture *p, double seconds, bool may_send, view_message **out) {
     bool done = false;
     const double begun = clock_seconds();
+    const bool hurries = p->phase == PREVIEW && !view_pace_coarsest(p->pace, &p->task);
+    if (hurries && p->drawn_s < OVERDUE_S)
+        seconds = fmin(seconds, OVERDUE_S - p->drawn_s);
     p->stats.size = sizeof p->stats;
     status st = (status)leafcast_frame_advance(p->frame, seconds, &done, &p->stats);
     p->drawn_s += clock_seconds() - begun;
     if (st != ST_OK)
         return st;
-    if (p->phase == PREVIEW && done) {
-        learn(p);
+    if (is_preview(p) && done)
         return end_preview(p, may_send, out);
-    }
-    if (p->phase == PREVIEW) {
-        if (p->drawn_s > OVERDUE_S && p->scale < VIEW_SCALE_MAX)
-            try_coarser(p);
+    if (is_preview(p)) {
+        if (hurries)
+            give_up_if_slow(p);
         return ST_OK;
     }
     if (done) {
@@ -506,7 +625,7 @@ bool view_picture_busy(const view_picture *p) {
 }
 
 bool view_picture_waits(const view_picture *p) {
-    return p->phase == FINAL || (p->phase == PREVIEW && !p->frame);
+    return p->phase == FINAL || (is_preview(p) && !p->frame);
 }
 
 bool view_picture_writes(const view_picture *p) {
@@ -514,8 +633,7 @@ bool view_picture_writes(const view_picture *p) {
 }
 
 bool view_picture_may_change(const view_picture *p) {
-    return p->phase != PREVIEW || !p->frame ||
-           (p->drawn_s > OVERDUE_S && p->scale < VIEW_SCALE_MAX);
+    return p->phase != PREVIEW || !p->frame;
 }
 
 uint64_t view_picture_bytes(const view_picture *p) {

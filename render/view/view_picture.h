@@ -1,8 +1,9 @@
 /* view_picture.h - one view being drawn: first as a preview, then as it is.
  *
- * A moving view is drawn at a fraction of its size such that it takes about VIEW_MOVING_S, as a
- * preview. One at rest is drawn in full after that, part by part: a part is what there is when its
- * time has come, the last one is lossless. For one thread, but for view_picture_cancel().
+ * A moving view is drawn as a preview, so coarse that it takes about VIEW_MOVING_S (view_pace.h).
+ * One at rest is drawn in full after that, part by part: a part is what there is when its time has
+ * come, the last one is lossless. Where the whole takes long, a better preview comes between. For
+ * one thread, but for view_picture_cancel().
  */
 #ifndef RENDER_VIEW_VIEW_PICTURE_H
 #define RENDER_VIEW_VIEW_PICTURE_H
@@ -15,9 +16,10 @@
 #include "render/view/view_file.h"
 #include "render/view/view_jpeg.h"
 #include "render/view/view_message.h"
+#include "render/view/view_pace.h"
 
-enum { VIEW_SCALE_MAX = 4, VIEW_SIDE_MAX = 16384, VIEW_PIXELS_MAX = 1 << 27 };
-#define VIEW_MOVING_S 0.040
+enum { VIEW_SIDE_MAX = 16384, VIEW_PIXELS_MAX = 1 << 27 };
+#define VIEW_MOVING_S 0.034
 
 /* What a page wants to see. */
 typedef struct view_wish {
@@ -48,8 +50,9 @@ void view_picture_destroy(view_picture *p); /* NULL is fine */
  * pictures, which the volumes' budget counts. ST_USAGE: it cannot be, and why. */
 CHECKED status view_picture_begin(view_picture *p, const view_wish *wish, uint64_t beside);
 
-/* view_picture_stop() - forget what is drawn. */
+/* view_picture_stop() - forget what is drawn. view_picture_leave() - and nobody looks any more. */
 void view_picture_stop(view_picture *p);
+void view_picture_leave(view_picture *p);
 
 /* view_picture_cancel() - by any thread: the frame that is being drawn, as leafcast_frame_cancel().
  * What was begun must then be begun anew, or stopped. view_picture_cancel_rest() - likewise, unless

@@ -1,0 +1,127 @@
+#include "render/view/view_pace.h"
+
+#include <math.h>
+
+/* Better than the last one only if it takes at most this share of the time. */
+#define CLEARLY 0.65
+/* A level that was never drawn, beside the next finer and the next coarser one. */
+#define COARSER 0.65
+#define FINER   2.0
+/* One that was drawn costs at most so many times the next coarser one, and comes nearer to FINER
+ * with each picture: what was given up, or drawn while other programs ran, is tried again. */
+#define FINER_MOST  4.0
+#define NEARER      0.02
+#define SHARE_LEAST 0.02
+/* Of the quickest picture's time, what every picture takes; and how much of it is forgotten with
+ * each. If all went with pixels, a better grade would still take no more than it may. */
+#define ALWAYS (1.0 / 3.0)
+#define FORGET 1.05
+#define RISE   1.25 /* of a cost, by one picture */
+
+/* Scales, and how many levels coarser than its pixels. Pixels that are twice as wide are four times
+ * as few, cells twice as large are half as many: so both go together, and pixels first. */
+static const view_grade LADDER[] = {{1, 0}, {2, 0}, {3, 0}, {4, 0}, {4, 1},  {6, 0},  {6, 1},
+                                    {8, 0}, {8, 1}, {8, 2}, {8, 3}, {12, 2}, {12, 3}, {16, 3}};
+enum { GRADES = (int)(sizeof LADDER / sizeof *LADDER) };
+
+double view_pace_pixels(const view_task *t, view_grade g) {
+    const uint32_t width = (t->width + g.scale - 1) / g.scale;
+    return (double)width * ((t->height + g.scale - 1) / g.scale);
+}
+
+static uint32_t level_at_most(const view_task *t, uint32_t level) {
+    const uint32_t most = t->levels < VIEW_PACE_LEVELS ? t->levels - 1 : VIEW_PACE_LEVELS - 1;
+    return level < most ? level : most;
+}
+
+uint32_t view_pace_level(const view_task *t, uint32_t scale) {
+    const double cells = t->cells * scale;
+    return cells >= 2.0 ? level_at_most(t, (uint32_t)fmin(log2(cells), VIEW_PACE_LEVELS)) : 0;
+}
+
+static view_grade grade_at(const view_task *t, int place) {
+    const view_grade g = LADDER[place];
+    return (view_grade){g.scale, level_at_most(t, view_pace_level(t, g.scale) + g.level)};
+}
+
+static bool is_same(view_grade a, view_grade b) {
+    return a.scale == b.scale && a.level == b.level;
+}
+
+/* ---- What it costs ---- */
+
+/* By the level nearest to it that is known; a finer one where two are. */
+static double cost_of(const view_pace *p, const view_task *t, uint32_t level) {
+    for (uint32_t away = 0; away < VIEW_PACE_LEVELS; away++) {
+        if (away <= level && p->cost[level - away] > 0.0)
+            return p->cost[level - away] * pow(COARSER, away);
+        if (level + away < VIEW_PACE_LEVELS && p->cost[level + away] > 0.0)
+            return p->cost[level + away] * pow(FINER, away);
+    }
+    return t->guess;
+}
+
+double view_pace_seconds(const view_pace *p, const view_task *t, view_grade g) {
+    return ALWAYS * p->least + cost_of(p, t, g.level) * view_pace_pixels(t, g);
+}
+
+/* What is new is believed by half, and only bit by bit where it is worse, as other programs take
+ * their time, too; but what was given up is known to be too slow. The view is another for all
+ * levels: so are their costs. */
+void view_pace_learn(view_pace *p, const view_task *t, view_grade g, double seconds, double share) {
+    const double before = p->cost[g.level];
+    if (!(seconds > 0.0))
+        return;
+    if (share >= 1.0)
+        p->least = p->least > 0.0 ? fmin(seconds, FORGET * p->least) : seconds;
+    const double rest = fmax(seconds - ALWAYS * p->least, ALWAYS * seconds);
+    const double now = rest / (view_pace_pixels(t, g) * fmax(share, SHARE_LEAST));
+    const bool given_up = share < 1.0 && now > before;
+    const double known = fmin(0.5 * (now + before), RISE * before);
+    const double cost = before == 0.0 || given_up ? now : known;
+    for (int i = 0; i < VIEW_PACE_LEVELS && before > 0.0; i++)
+        p->cost[i] *= cost / before;
+    p->cost[g.level] = cost;
+    for (uint32_t i = 0; i < VIEW_PACE_LEVELS; i++) {
+        const uint32_t finer = i < g.level ? g.level - i : 0;
+        p->cost[i] = fmin(p->cost[i], cost * pow(FINER_MOST, finer));
+        p->cost[i] -= NEARER * fmax(p->cost[i] - cost * pow(FINER, finer), 0.0);
+    }
+}
+
+/* ---- Choosing ---- */
+
+static view_grade choose_from(view_pace *p, const view_task *t, double seconds, int first) {
+    const int last = p->grade;
+    int place = first;
+    while (place < GRADES - 1) {
+        const double room = place < last ? CLEARLY * seconds : seconds;
+        if (view_pace_seconds(p, t, grade_at(t, place)) <= room)
+            break;
+        place++;
+    }
+    p->grade = place;
+    return grade_at(t, place);
+}
+
+view_grade view_pace_choose(view_pace *p, const view_task *t, double seconds) {
+    return choose_from(p, t, seconds, 0);
+}
+
+/* Of the next place with another grade; GRADES: there is none. */
+static int next_place(const view_pace *p, const view_task *t) {
+    const view_grade now = grade_at(t, p->grade);
+    int next = p->grade + 1;
+    while (next < GRADES && is_same(grade_at(t, next), now))
+        next++;
+    return next;
+}
+
+bool view_pace_coarsest(const view_pace *p, const view_task *t) {
+    return next_place(p, t) == GRADES;
+}
+
+view_grade view_pace_coarser(view_pace *p, const view_task *t, double seconds) {
+    const int next = next_place(p, t);
+    return choose_from(p, t, seconds, next < GRADES ? next : GRADES - 1);
+}

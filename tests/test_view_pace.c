@@ -1,0 +1,204 @@
+/* test_view_pace.c - grades for pictures that take the times of a model, and how soon they fit. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <string.h>
+
+#include "render/view/view_pace.h"
+
+#define BUDGET 0.034
+
+/* A renderer: seconds a pixel at level 0, and the share of that at each coarser level. */
+typedef struct model {
+    double cost, per_level, more; /* more: seconds a picture, whatever its size */
+} model;
+
+static double takes(const model *m, const view_task *t, view_grade g) {
+    return m->more + m->cost * pow(m->per_level, g.level) * view_pace_pixels(t, g);
+}
+
+static const view_task GRID = {
+    .width = 1280, .height = 720, .levels = 4, .cells = 0.6, .guess = 8e-7};
+
+/* One picture as the viewer draws it: given up where it takes longer than it may. Its time, with
+ * those that were given up before it. */
+static double draw(view_pace *p, const view_task *t, const model *m, view_grade *drawn, int *lost) {
+    double all = 0.0;
+    *drawn = view_pace_choose(p, t, BUDGET);
+    for (;;) {
+        const double seconds = takes(m, t, *drawn), limit = 1.5 * BUDGET;
+        if (seconds <= 2.0 * limit || view_pace_coarsest(p, t)) {
+            view_pace_learn(p, t, *drawn, seconds, 1.0);
+            return all + seconds;
+        }
+        view_pace_learn(p, t, *drawn, limit, limit / seconds);
+        all += limit;
+        ++*lost;
+        *drawn = view_pace_coarser(p, t, BUDGET);
+    }
+}
+
+/* After at most `settle` pictures each fits, and none is lost; the grade it settles at. */
+static view_grade settles(view_pace *p, const view_task *t, const model *m, int settle) {
+    view_grade g = {1, 0};
+    int lost = 0, late = 0;
+    for (int i = 0; i < settle; i++)
+        (void)draw(p, t, m, &g, &lost);
+    lost = 0;
+    for (int i = 0; i < 200; i++)
+        late += draw(p, t, m, &g, &lost) > 1.01 * BUDGET;
+    assert_int_equal(lost, 0);
+    assert_int_equal(late, 0);
+    return g;
+}
+
+static void test_quick(void **state) {
+    (void)state;
+    view_pace p = {0};
+    const view_grade g = settles(&p, &GRID, &(model){2e-8, 0.5, 0.0}, 20);
+    assert_int_equal(g.scale, 1);
+    assert_int_equal(g.level, 0);
+}
+
+/* Whatever it costs, from what cannot be drawn in time by far to what always is: the grade is the
+ * best that fits, as hysteresis has it. */
+static void test_fits(void **state) {
+    (void)state;
+    for (double cost = 1e-8; cost < 1e-5; cost *= 1.3) {
+        view_pace p = {0};
+        const model m = {cost, 0.5, 0.0};
+        const view_grade g = settles(&p, &GRID, &m, 20);
+        assert_true(takes(&m, &GRID, g) <= BUDGET);
+        if (g.scale > 1) {
+            const view_grade better = {g.scale - 1, 0};
+            assert_true(takes(&m, &GRID, better) > 0.5 * BUDGET || g.scale > 4);
+        }
+    }
+}
+
+/* The coarsest is drawn, however long it takes. */
+static void test_hopeless(void **state) {
+    (void)state;
+    view_pace p = {0};
+    const model m = {1e-3, 0.9, 0.0};
+    view_grade g;
+    int lost = 0;
+    for (int i = 0; i < 5; i++)
+        (void)draw(&p, &GRID, &m, &g, &lost);
+    assert_true(view_pace_coarsest(&p, &GRID));
+    assert_int_equal(g.scale, VIEW_SCALE_MAX);
+    assert_int_equal(g.level, GRID.levels - 1);
+    lost = 0;
+    (void)draw(&p, &GRID, &m, &g, &lost);
+    assert_int_equal(lost, 0);
+}
+
+/* A view that takes a hundred times as long, and back. */
+static void test_changes(void **state) {
+    (void)state;
+    view_pace p = {0};
+    const model quick = {2e-8, 0.5, 0.0}, slow = {2e-6, 0.5, 0.0};
+    const view_grade fine = settles(&p, &GRID, &quick, 20);
+    view_grade g;
+    int lost = 0;
+    (void)draw(&p, &GRID, &slow, &g, &lost);
+    assert_in_range(lost, 1, 2);
+    const view_grade coarse = settles(&p, &GRID, &slow, 10);
+    assert_true(coarse.scale > fine.scale);
+    const view_grade again = settles(&p, &GRID, &quick, 30);
+    assert_int_equal(again.scale, fine.scale);
+    assert_int_equal(again.level, fine.level);
+}
+
+/* A picture that another program has held up once changes little, and is forgotten. */
+static void test_held_up(void **state) {
+    (void)state;
+    view_pace p = {0};
+    const model m = {1e-7, 0.5, 0.0};
+    const view_grade before = settles(&p, &GRID, &m, 20);
+    const double usual = takes(&m, &GRID, before);
+    view_pace_learn(&p, &GRID, before, 1.4 * usual, 1.0);
+    const view_grade next = view_pace_choose(&p, &GRID, BUDGET);
+    assert_true(next.scale <= before.scale + 1);
+    view_pace_learn(&p, &GRID, before, 1.5 * BUDGET, 1e-9); /* nothing of it was there */
+    const view_grade after = settles(&p, &GRID, &m, 30);
+    assert_int_equal(after.scale, before.scale);
+    assert_int_equal(after.level, before.level);
+}
+
+/* It does not change from grade to grade where two would do. */
+static void test_steady(void **state) {
+    (void)state;
+    for (double cost = 1e-8; cost < 1e-5; cost *= 1.07) {
+        view_pace p = {0};
+        view_grade g, before = {0, 0};
+        int lost = 0, changes = 0;
+        for (int i = 0; i < 100; i++) {
+            const model m = {cost * (i % 2 ? 1.05 : 0.95), 0.5, 0.0};
+            (void)draw(&p, &GRID, &m, &g, &lost);
+            changes += i >= 50 && (g.scale != before.scale || g.level != before.level);
+            before = g;
+        }
+        assert_int_equal(changes, 0);
+    }
+}
+
+/* Cells are about as large as pixels: many small ones are not looked at one by one. */
+static void test_levels(void **state) {
+    (void)state;
+    view_task t = GRID;
+    assert_int_equal(view_pace_level(&t, 1), 0);
+    assert_int_equal(view_pace_level(&t, 4), 1);
+    t.cells = 3.5;
+    t.levels = 7;
+    assert_int_equal(view_pace_level(&t, 1), 1);
+    assert_int_equal(view_pace_level(&t, 4), 3);
+    t.levels = 3;
+    assert_int_equal(view_pace_level(&t, 4), 2);
+    t.cells = 1e300;
+    assert_int_equal(view_pace_level(&t, 16), 2);
+    t.cells = INFINITY;
+    assert_int_equal(view_pace_level(&t, 16), 2);
+    t.levels = 1000;
+    assert_int_equal(view_pace_level(&t, 16), VIEW_PACE_LEVELS - 1);
+    t.cells = 0.0; /* the eye is inside */
+    assert_int_equal(view_pace_level(&t, 16), 0);
+}
+
+/* A mesh has pixels alone to save; grades that differ by their level alone are one. */
+static void test_no_levels(void **state) {
+    (void)state;
+    view_pace p = {0};
+    view_task t = GRID;
+    t.levels = 1;
+    view_grade g = view_pace_choose(&p, &t, 1.0), before;
+    assert_int_equal(g.scale, 1);
+    while (!view_pace_coarsest(&p, &t)) {
+        before = g;
+        g = view_pace_coarser(&p, &t, 1.0);
+        assert_true(g.scale > before.scale);
+        assert_int_equal(g.level, 0);
+    }
+    assert_int_equal(g.scale, VIEW_SCALE_MAX);
+}
+
+static void test_small(void **state) {
+    (void)state;
+    view_pace p = {0};
+    const view_task t = {.width = 1, .height = 1, .levels = 1, .cells = 1.0, .guess = 1e-6};
+    assert_true(view_pace_pixels(&t, (view_grade){16, 0}) == 1.0);
+    assert_int_equal(view_pace_choose(&p, &t, BUDGET).scale, 1);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_quick),    cmocka_unit_test(test_fits),
+        cmocka_unit_test(test_hopeless), cmocka_unit_test(test_changes),
+        cmocka_unit_test(test_held_up),  cmocka_unit_test(test_steady),
+        cmocka_unit_test(test_levels),   cmocka_unit_test(test_no_levels),
+        cmocka_unit_test(test_small)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
