@@ -296,9 +296,10 @@ static void test_wide(void **state) {
 }
 
 /* What stands in for a treelet of level 0: the greatest of all bricks that its cells are in. */
-static void test_over(void **state) {
-    (void)state;
+static void check_over(uint32_t cells_log2) {
     leaf_case c = case_of(133, 70, 41, SAMPLE_U8);
+    const uint32_t side = 1u << cells_log2, bricks = side / DEVIATION_BRICK;
+    c.options.file.cells_log2 = cells_log2;
     void *samples = leaf_files_random(&c, 22, 0);
     leaf_file *f = NULL;
     c.samples = samples;
@@ -314,18 +315,25 @@ static void test_over(void **state) {
                 const uint32_t in[3] = {i % p.cells[0], i / p.cells[0] % p.cells[1],
                                         i / p.cells[0] / p.cells[1]};
                 for (int a = 0; a < 3; a++) {
-                    const uint32_t cell = (l->place[t][a] * 16 + in[a]) >> k;
-                    place[a] = cell / 16;
-                    at[a] = cell % 16;
+                    const uint32_t cell = (l->place[t][a] * side + in[a]) >> k;
+                    place[a] = cell / side;
+                    at[a] = cell % side / DEVIATION_BRICK;
                 }
-                const uint32_t brick = at[0] / 8 + at[1] / 8 * 2 + at[2] / 8 * 4;
+                const uint32_t brick = at[0] + bricks * (at[1] + bricks * at[2]);
                 assert_int_equal(leaf_layout_find(l, k, place), up);
-                most = fmax(most, deviation_value(f->deviations[up * 8 + brick]));
+                most = fmax(most,
+                            deviation_value(f->deviations[up * bricks * bricks * bricks + brick]));
             }
             assert_true(off == most);
         }
     leaf_file_close(f);
     free(samples);
+}
+
+static void test_over(void **state) {
+    (void)state;
+    check_over(4); /* a treelet is over one brick */
+    check_over(5); /* over some */
 }
 
 /* ---- Damage ---- */

@@ -58,8 +58,9 @@ bool deviation_sound(const leaf_layout *l, const uint16_t *codes, size_t *brick)
     return true;
 }
 
-double deviation_most(const leaf_layout *l, const uint16_t *codes, uint32_t set, uint32_t t,
-                      const uint32_t first[3], const uint32_t end[3]) {
+/* Over the cells [first, end) of coarse treelet t. */
+static double most_over(const leaf_layout *l, const uint16_t *codes, uint32_t set, uint32_t t,
+                        const uint32_t first[3], const uint32_t end[3]) {
     const uint16_t *of = codes + deviation_at(l, set, t);
     uint16_t most = 0;
     for (uint32_t z = first[2]; z < end[2]; z = (z / DEVIATION_BRICK + 1) * DEVIATION_BRICK)
@@ -84,7 +85,7 @@ double deviation_over(const leaf_layout *l, const uint16_t *codes, uint32_t set,
         end[a] = (uint32_t)((last - 1) >> k) + 1 - (place[a] << l->cells_log2);
     }
     *up = leaf_layout_find(l, k, place);
-    return deviation_most(l, codes, set, *up, first, end);
+    return most_over(l, codes, set, *up, first, end);
 }
 
 /* ---- Two levels ---- */

@@ -81,13 +81,8 @@ bool deviation_has_cells(const leaf_layout *l, uint32_t t, uint32_t brick);
  * that of element *brick. */
 bool deviation_sound(const leaf_layout *l, const uint16_t *codes, size_t *brick);
 
-/* deviation_most() - over the cells [first, end) of coarse treelet t; codes: of all. */
-double deviation_most(const leaf_layout *l, const uint16_t *codes, uint32_t set, uint32_t t,
-                      const uint32_t first[3], const uint32_t end[3]);
-
-/* deviation_over() - of the level k > 0 where treelet t of level 0 is: *up becomes the treelet
- * there.
- */
+/* deviation_over() - the greatest of level k > 0 where treelet t of level 0 is: *up becomes the
+ * treelet there. codes: of all. */
 double deviation_over(const leaf_layout *l, const uint16_t *codes, uint32_t set, uint32_t t,
                       uint32_t k, uint32_t *up);
 
