@@ -42,9 +42,8 @@ struct loader_private {
     _Atomic uint32_t claimed; /* filled, loading and queued; can be seen without the lock */
     size_t bytes, room;       /* of all treelets; that they may have */
     uint64_t published;       /* treelets that became READY */
-    bool sweeping;
-    uint32_t sweep_end; /* the treelets before this one */
-    bool stepped;       /* another set was selected, and loader_follow() not yet called */
+    uint32_t sweep_end;       /* treelets before this one are swept; 0: none are */
+    bool stepped;             /* another set was selected, and loader_follow() not yet called */
     status_note failure;
     loader_stats stats;
     seat *free_seats;
@@ -487,7 +486,7 @@ static void quiesce(struct loader_private *h) {
 
 /* The end of a picture's wishes, its sweep too. With the lock held. */
 static void rest(struct loader_private *h) {
-    h->sweeping = false;
+    h->sweep_end = 0;
     quiesce(h);
 }
 
@@ -676,7 +675,6 @@ void loader_sweep_level(loader *l, uint32_t level) {
     struct loader_private *h = l->hidden;
     const leaf_layout *layout = &l->file->layout;
     pthread_mutex_lock(&h->lock);
-    h->sweeping = true;
     h->sweep_end = level > 0 ? layout->level[level - 1].first : layout->treelets;
     sweep_locked(l);
     tell_readers(h);
@@ -726,7 +724,7 @@ status loader_admit(loader *l, loader_request *requests, size_t count) {
     for (size_t i = 0; i < count; i++)
         want_locked(l, requests[i].t, requests[i].priority);
     /* What the rays leave room for. */
-    if (h->sweeping && h->filled + h->queued < h->capacity)
+    if (h->sweep_end > 0 && h->filled + h->queued < h->capacity)
         sweep_locked(l);
     tell_readers(h);
     const uint64_t before = h->published;
