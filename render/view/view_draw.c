@@ -1,6 +1,7 @@
 #include "render/view/view_draw.h"
 
 #include <pthread.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "formats/base/clock.h"
@@ -21,7 +22,11 @@ typedef struct sent {
 } sent;
 
 struct view_seat {
+    /* From opening to closing; what is in the two is the drawing thread's own: */
     view_draw *draw;
+    view_picture *picture;
+    view_slices *slices;
+    /* A client's; zeros: nobody's. */
     bool taken, gone; /* gone: its client is, and the drawing thread has to clear it up */
     view_wish wish;   /* the newest */
     bool wanted;      /* it is not begun */
@@ -32,9 +37,6 @@ struct view_seat {
     view_queue queue;
     sent unseen[VIEW_UNSEEN_MAX];
     int unseen_count;
-    /* The drawing thread's own: */
-    view_picture *picture;
-    view_slices *slices;
 };
 
 struct view_draw {
@@ -194,11 +196,9 @@ static view_seat *next_seat(view_draw *d, turn *t) {
 }
 
 static void clear(view_seat *seat) {
+    const size_t kept = offsetof(view_seat, taken); /* which others read without the lock */
     view_queue_clear(&seat->queue);
-    view_draw *const draw = seat->draw;
-    view_picture *const whole = seat->picture;
-    view_slices *const slices = seat->slices;
-    *seat = (view_seat){.draw = draw, .picture = whole, .slices = slices};
+    memset((char *)seat + kept, 0, sizeof *seat - kept);
 }
 
 static void *draw_all(void *arg) {
