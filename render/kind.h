@@ -34,6 +34,9 @@ typedef struct kind {
      * corners in world space. */
     void (*active_box)(const leafcast *v, uint32_t set, const double *isovalues, int count,
                        double corners[8][3]);
+    /* Where a treelet's cells are, along the volume's own axes: span[0] its begin, span[1] its end,
+     * the volume's being 0 and 1. */
+    void (*span)(const leafcast *v, uint32_t t, double span[2][3]);
 
     /* ---- A frame ---- */
 

@@ -176,6 +176,22 @@ LEAFCAST_API double leafcast_step_time(const leafcast *volume, uint32_t step);
  * again. */
 LEAFCAST_API void leafcast_stop_reading(leafcast *volume);
 
+enum { LEAFCAST_BLOCKS_MAX = 64 }; /* of a map along an axis */
+
+/* A block of a map: how many treelets of one level reach into it; of these, how many hold values
+ * that the last picture asks for, are resident among those, and were walked by one of its rays. */
+typedef struct leafcast_block {
+    uint32_t treelets, wanted, resident, seen;
+} leafcast_block;
+
+/* leafcast_map_treelets() - which treelets of a level of detail are where: the volume is cut into
+ * blocks[0] x blocks[1] x blocks[2] (1 .. LEAFCAST_BLOCKS_MAX each) along its own axes, map gets
+ * one for each, x fastest. LEAFCAST_USAGE where there is no such level, or for too many blocks.
+ * Any thread, between pictures and between the calls of leafcast_frame_advance(), for which it
+ * waits; costs a pass over the level's part of the directory. */
+LEAFCAST_API leafcast_status leafcast_map_treelets(leafcast *volume, uint32_t level,
+                                                   const uint32_t blocks[3], leafcast_block *map);
+
 /* leafcast_range() - range[0], range[1]: the smallest and the largest finite value of a field at a
  * step, at full resolution; range[0] > range[1] where none is finite. An isovalue v has a surface
  * only if range[0] < v && v <= range[1]. LEAFCAST_USAGE if there is no such field or step. Costs a

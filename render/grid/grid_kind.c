@@ -141,6 +141,16 @@ static void grid_active_box(const leafcast *v, uint32_t set, const double *isova
     }
 }
 
+static void grid_span(const leafcast *v, uint32_t t, double span[2][3]) {
+    const leaf_layout *l = &v->file->layout;
+    const uint32_t log2 = l->cells_log2 + l->level_of[t];
+    for (int a = 0; a < 3; a++) {
+        const double cells = v->file->header.dims[a] - 1.0;
+        span[0][a] = ldexp(l->place[t][a], (int)log2) / cells;
+        span[1][a] = fmin(1.0, ldexp(l->place[t][a] + 1.0, (int)log2) / cells);
+    }
+}
+
 /* ---- A frame ---- */
 
 static status grid_check(const leafcast *v, const leafcast_scene *scene) {
@@ -449,6 +459,7 @@ const kind grid_kind = {.name = "grid",
                         .close = grid_close,
                         .describe = grid_describe,
                         .active_box = grid_active_box,
+                        .span = grid_span,
                         .check = grid_check,
                         .aim = grid_aim,
                         .project = grid_project,

@@ -102,6 +102,16 @@ static void mesh_active_box(const leafcast *v, uint32_t set, const double *isova
         box3_corner(box, i, corners[i]);
 }
 
+static void mesh_span(const leafcast *v, uint32_t t, double span[2][3]) {
+    const float *whole = v->file->header.bounds;
+    double box[2][3];
+    const uint32_t step = v->step;
+    box3_of_floats(v->file->mesh->bounds[leaf_layout_bounds(&v->file->layout, step, t)], box);
+    for (int i = 0; i < 2; i++)
+        for (int a = 0; a < 3; a++)
+            span[i][a] = (box[i][a] - (double)whole[a]) / ((double)whole[3 + a] - (double)whole[a]);
+}
+
 /* ---- A frame ---- */
 
 static status mesh_check(const leafcast *v, const leafcast_scene *scene) {
@@ -320,6 +330,7 @@ const kind mesh_kind = {.name = "mesh",
                         .loading = mesh_loading,
                         .describe = mesh_describe,
                         .active_box = mesh_active_box,
+                        .span = mesh_span,
                         .check = mesh_check,
                         .aim = mesh_aim,
                         .project = mesh_project,

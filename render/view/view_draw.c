@@ -6,10 +6,13 @@
 
 #include "formats/base/clock.h"
 #include "formats/base/thread.h"
+#include "render/view/view_map.h"
 #include "render/view/view_pick.h"
 
 /* Of a turn. Then another client has its own. */
 #define SLICE_S 0.030
+/* Between two maps of treelets, but for the one of the last part. */
+#define MAP_S 0.2
 
 typedef struct pick {
     int64_t id;
@@ -26,6 +29,7 @@ struct view_seat {
     view_draw *draw;
     view_picture *picture;
     view_slices *slices;
+    double mapped; /* when treelets were told last */
     /* A client's; zeros: nobody's. */
     bool taken, gone; /* gone: its client is, and the drawing thread has to clear it up */
     view_wish wish;   /* the newest */
@@ -111,13 +115,15 @@ static void answer_pick(view_draw *d, view_seat *seat, const view_wish *wish, co
 }
 
 static void tell_residency(view_draw *d, view_seat *seat) {
-    const leafcast_stats *s = view_picture_stats(seat->picture);
+    const view_picture *p = seat->picture;
+    const double now = clock_seconds();
+    const bool last = !view_picture_busy(p) && !view_picture_wish(p)->moving;
+    if (!last && now - seat->mapped < MAP_S)
+        return;
+    seat->mapped = now;
     say(d, seat,
-        view_message_json(d->m, json_pack("{s:s,s:I,s:I,s:I,s:I}", "type", "treelets", "total",
-                                          (json_int_t)s->treelets_total, "active",
-                                          (json_int_t)s->treelets_active, "loaded",
-                                          (json_int_t)s->treelets_loaded, "bytes_resident",
-                                          (json_int_t)s->bytes_resident)));
+        view_message_json(d->m, view_map_describe(d->m, view_picture_wish(p)->volume,
+                                                  view_picture_level(p), view_picture_stats(p))));
 }
 
 static void draw_slice(view_draw *d, view_seat *seat, const turn *t) {

@@ -7,6 +7,7 @@
 #include "formats/base/cli_json.h"
 #include "formats/base/clock.h"
 #include "render/app/picture_png.h"
+#include "render/view/view_where.h"
 
 /* A preview takes less of what takes time: one ray a pixel, and media so exact. */
 #define PREVIEW_ERROR (1.0 / 64.0)
@@ -449,7 +450,7 @@ static json_t *describe_part(const view_picture *p, bool png, bool final) {
                   "certified", (int)(certified && p->stats.uncertified_pixels == 0));
     if (!out)
         return NULL;
-    json_object_set_new(out, "lod_level", json_integer(coarse ? p->grade.level : asked_level(p)));
+    json_object_set_new(out, "lod_level", json_integer(view_picture_level(p)));
     json_object_set_new(out, "scale", json_integer(p->grade.scale));
     json_object_set_new(out, "provisional", json_integer((json_int_t)provisional));
     json_object_set_new(out, "uncertified", json_integer((json_int_t)p->stats.uncertified_pixels));
@@ -457,6 +458,10 @@ static json_t *describe_part(const view_picture *p, bool png, bool final) {
     json_object_set_new(out, "render_ms", json_real(1e3 * p->stats.render_s));
     json_object_set_new(out, "age_ms", json_real(1e3 * (clock_seconds() - p->wish.asked)));
     json_object_set_new(out, "stats", describe_stats(&p->stats));
+    if (p->wish.where)
+        json_object_set_new(out, "where",
+                            view_where_describe(coarse ? NULL : p->now.image.provisional,
+                                                p->now.width, p->now.height));
     return out;
 }
 
@@ -646,4 +651,9 @@ const view_wish *view_picture_wish(const view_picture *p) {
 
 const leafcast_stats *view_picture_stats(const view_picture *p) {
     return &p->stats;
+}
+
+uint32_t view_picture_level(const view_picture *p) {
+    const uint32_t asked = asked_level(p);
+    return p->grade.level > asked ? p->grade.level : asked;
 }

@@ -27,6 +27,7 @@ typedef struct view_wish {
     leafcast *volume;
     view_options view; /* its size is the canvas's */
     bool moving;       /* that something is there soon counts more than that it is complete */
+    bool where;        /* and be told where it is provisional (view_where.h) */
     bool file;         /* the last part alone, as a file without JSON before it, of this kind: */
     view_file_kind kind;
     double asked; /* clock_seconds() */
@@ -64,7 +65,7 @@ void view_picture_cancel_rest(view_picture *p);
  * goes on only when something may be sent. view_picture_writes() - only when its file is written.
  * view_picture_may_change() - whether it may give way to a newer view: no for a moving one that
  * will soon be there. view_picture_bytes() - of planes. view_picture_wish() - what it was begun
- * with. view_picture_stats() - of what was drawn last. */
+ * with. view_picture_stats(), view_picture_level() - of what was drawn last: level of detail. */
 bool view_picture_busy(const view_picture *p);
 bool view_picture_waits(const view_picture *p);
 bool view_picture_writes(const view_picture *p);
@@ -72,6 +73,7 @@ bool view_picture_may_change(const view_picture *p);
 uint64_t view_picture_bytes(const view_picture *p);
 const view_wish *view_picture_wish(const view_picture *p);
 const leafcast_stats *view_picture_stats(const view_picture *p);
+uint32_t view_picture_level(const view_picture *p);
 
 /* view_picture_advance() - draw for about so many seconds. may_send: a part may be made, *out, the
  * caller's; NULL: none was. ST_STOPPED after view_picture_cancel(). */

@@ -104,6 +104,7 @@ static status hear_view(view_talk *t, const json_t *message, double *number) {
     w->number = (uint64_t)*number;
     w->volume = t->files[t->file].volume;
     w->moving = json_is_true(json_object_get(message, "moving"));
+    w->where = json_is_true(json_object_get(message, "where"));
     w->asked = clock_seconds();
     view_seat_want(t->seat, w);
     return ST_OK;

@@ -163,10 +163,10 @@ class Page:
         length = struct.unpack("<I", whole[:4])[0]
         return "picture", (json.loads(whole[4:4 + length]), whole[4 + length:])
 
-    def view(self, number, state, width, height, moving=False):
+    def view(self, number, state, width, height, moving=False, where=False):
         self.number = number
         self.send({"type": "view", "number": number, "state": state, "width": width, "height": height,
-                   "moving": moving})
+                   "moving": moving, "where": where})
 
     def seen(self, head):
         self.send({"type": "seen", "number": head["number"], "part": head["part"]})

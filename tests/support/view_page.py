@@ -280,6 +280,36 @@ def annotations(b):
     ok("annotations: off", not {"annotate", "title", "unit"} & set(b.flags()))
 
 
+def honest(b):
+    """What is provisional is marked, and the map of treelets is shown; the picture stays as it is."""
+    shown = "return !document.getElementById('provisional').hidden"
+    squares = """const c = document.getElementById('provisional'), copy = new OffscreenCanvas(c.width, c.height).getContext('2d');
+        copy.drawImage(c, 0, 0);
+        return c.hidden ? -1 : copy.getImageData(0, 0, c.width, c.height).data.filter((x, i) => i % 4 == 3 && x > 0).length"""
+    b.reveal("sec-honesty")
+    marks, treelets = b.driver.find_elements("css selector", "#honesty input")
+    b.rest()
+    before = b.pixels()
+    ok("exactness: no mark unasked for", not b.js(shown))
+    marks.click()
+    b.rest()
+    ok("exactness: nothing is provisional at rest", b.js(shown) and b.js(squares) == 0)
+    b.js("leafcast.model.surfaces[0].iso += 1; leafcast.changed(true, true)")
+    ok("exactness: marks as there are provisional pixels", b.until("""const h = leafcast.screen.head;
+        return h.number === leafcast.link.number && h.where && !leafcast.link.pending""") and
+       (b.js("return leafcast.screen.head.provisional") > 0) == (b.js(squares) > 0))
+    b.js("leafcast.model.surfaces[0].iso -= 1; leafcast.changed(false)")
+    treelets.click()
+    ok("exactness: a map", b.until("return leafcast.honesty.treelets.map?.level === 0") and b.rest())
+    ok("exactness: it says what it shows", "% of what this view can need" in
+       b.js("return document.getElementById('treelets').getAttribute('aria-label')"))
+    ok("exactness: the picture is the same", b.pixels() == before)
+    marks.click()
+    treelets.click()
+    b.rest()
+    ok("exactness: switched off", not b.js(shown) and "where" not in b.js("return leafcast.screen.head"))
+
+
 def picks(b):
     b.hands().move_to_element(b.canvas).click().perform()
     ok("pick: answered", b.until("return leafcast.pick.points.length === 1"))
@@ -490,7 +520,7 @@ def main():
         ok("load: a final picture", b.open(grid.url))
         ok("load: said to be exact", b.js("return document.getElementById('exact').textContent") == "exact")
         same(b, "load")
-        for part in (orbit, surfaces, volume, sliced, annotations, clips, picks, saves, movies, stale, keyboard):
+        for part in (orbit, surfaces, volume, sliced, annotations, honest, clips, picks, saves, movies, stale, keyboard):
             part(b)
         sizes(b, grid.url)
         errors(b, "grid")

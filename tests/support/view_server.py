@@ -141,6 +141,55 @@ def drawn(s):
     page.final()
     got = page.text("treelets")
     ok("treelets are counted", 0 < got["active"] <= got["total"] == v["treelets"] and got["bytes_resident"] > 0)
+    mapped(page, got["map"])
+    page.close()
+    provisional(s)
+
+
+def mapped(page, at_rest):
+    """The map of treelets: of the level drawn, and a few a second."""
+    nx, ny, nz = at_rest["blocks"]
+    blocks = list(zip(at_rest["wanted"], at_rest["resident"], at_rest["seen"]))
+    ok("a block each of the map", len(blocks) == nx * ny * nz and max(nx, ny, nz) == 16 and at_rest["level"] == 0)
+    ok("what was seen is there, what is there is wanted", all(w >= r >= s for w, r, s in blocks) and
+       any(s > 0 for _, _, s in blocks))
+    number, told = 1000, 0
+    page.number = number
+    for k in range(20):
+        page.view(number + k, dict(SURFACE, iso=100 + k), W, H, moving=True)
+        head, _ = page.picture()
+        while page.waits(0.02):
+            what, got = page.message()
+            told += what == "text" and got["type"] == "treelets"
+    ok(f"no map with each of 20 moving pictures: {told}", 1 <= told <= 10)
+    page.view(number + 20, dict(SURFACE, lod=1), W, H)
+    page.final()
+    ok("the map is of the level drawn", page.text("treelets")["map"]["level"] == 1)
+    page.send({"type": "residency", "on": False})
+
+
+def squares_of(head):
+    """Whether each square of a picture has a provisional pixel."""
+    where, squares = head["where"], []
+    for k, run in enumerate(where["runs"]):
+        squares += [k % 2 == 1] * run
+    rows = -(-head["height"] // where["side"])
+    ok("as many squares as there are", len(squares) == where["columns"] * rows and
+       where["columns"] == -(-head["width"] // where["side"]))
+    return squares, where["side"]
+
+
+def provisional(s):
+    """Where pictures are provisional."""
+    page = Page(s)
+    page.view(1, dict(SURFACE, iso=97), W, H)
+    ok("not told who has not asked", all("where" not in head for head, _ in page.final()))
+    page.view(2, dict(SURFACE, iso=96), W, H, where=True)
+    for head, _ in page.final():
+        squares, side = squares_of(head)
+        least = head["provisional"] / side ** 2
+        ok(f"squares of {head['provisional']} pixels", least <= sum(squares) <= head["provisional"])
+    ok("none in the end", sum(squares) == 0)
     page.close()
 
 

@@ -1,8 +1,55 @@
-// honesty.js - the line that says what the picture is: exact or not, how far off, and what it took.
-import {byId, bytes, element, short} from "./dom.js";
+// honesty.js - what the picture is: exact or not, how far off, and what it took; where it is provisional.
+import {byId, bytes, check, element, short} from "./dom.js";
+import {Treelets} from "./treelets.js";
+
+const PROVISIONAL = "rgba(255, 60, 200, .45)";
 
 export class Honesty {
-  constructor(app) { this.app = app; }
+  constructor(app) {
+    this.app = app;
+    this.where = false; // mark what is provisional
+    this.mapped = false;
+    this.treelets = new Treelets();
+    this.boxes = {
+      where: check("Mark what is provisional", {value: false, change: on => {
+        this.where = on;
+        this.overlay({});
+        app.changed(false);
+      }}),
+      mapped: check("Map of treelets", {value: false, change: on => {
+        this.mapped = on;
+        this.treelets.box.hidden = !on;
+        this.ask();
+        app.changed(false);
+      }})};
+    byId("honesty").append(...Object.values(this.boxes), this.treelets.box);
+    app.link.addEventListener("open", () => this.mapped && this.ask());
+    app.link.addEventListener("treelets", event => this.treelets.show(event.detail));
+  }
+
+  ask() { this.app.link.send({type: "residency", on: this.mapped}); }
+
+  // Over the picture, as many squares as the server speaks of.
+  overlay({where, width, height}) {
+    const canvas = byId("provisional");
+    canvas.hidden = !where;
+    if (!where) return;
+    const {side, columns, runs} = where, rows = Math.ceil(height / side);
+    canvas.width = columns;
+    canvas.height = rows;
+    canvas.style.width = `${100 * columns * side / width}%`;
+    canvas.style.height = `${100 * rows * side / height}%`;
+    const context = canvas.getContext("2d");
+    context.fillStyle = PROVISIONAL;
+    runs.reduce((at, run, k) => {
+      for (let i = k % 2 ? at : at + run; i < at + run;) {
+        const x = i % columns, n = Math.min(columns - x, at + run - i);
+        context.fillRect(x, Math.floor(i / columns), n, 1);
+        i += n;
+      }
+      return at + run;
+    }, 0);
+  }
 
   mark(text, kind) {
     const mark = byId("exact");
@@ -32,6 +79,7 @@ export class Honesty {
       add("memory", `${bytes(s.bytes_resident)}${memory ? ` of ${bytes(memory)}` : ""}`, true);
     }
     byId("numbers").replaceChildren(...parts);
+    this.overlay(head);
     byId("status").title = "treelets: loaded / active (what the picture can need) / in the file; " +
       "read: since the file was opened, a treelet twice counts twice; memory: resident treelets, of the budget";
   }

@@ -49,9 +49,9 @@ export class Link extends EventTarget {
   }
 
   // One view an animation frame: the newest.
-  view(state, width, height, moving) {
+  view(state, width, height, moving, where) {
     if (!this.pending) requestAnimationFrame(() => this.flush());
-    this.pending = {state, width, height, moving};
+    this.pending = {state, width, height, moving, where};
     return this.number + 1;
   }
 

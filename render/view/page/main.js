@@ -151,7 +151,7 @@ class App {
     this.screen.canvas.classList.toggle("clear", this.model.light.clear);
     byId("ortho").setAttribute("aria-pressed", this.model.camera.ortho);
     this.fov?.set(this.model.camera.fov);
-    return this.link.view(flags, this.screen.width, this.screen.height, moving);
+    return this.link.view(flags, this.screen.width, this.screen.height, moving, this.honesty.where);
   }
 
   // sliced() - likewise of the slices alone.

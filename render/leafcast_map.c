@@ -1,0 +1,60 @@
+/* leafcast_map.c - which treelets are wanted, resident and seen, in blocks of the volume. */
+#include <math.h>
+#include <string.h>
+
+#include "render/kind.h"
+#include "render/leafcast_device.h"
+
+/* Blocks first .. last along an axis that a treelet from lo to hi reaches into. Where it only
+ * touches one, by rounding or not, it does not. */
+static void reach(double lo, double hi, uint32_t blocks, uint32_t *first, uint32_t *last) {
+    const double most = blocks - 1.0, rounding = 1e-9;
+    *first = (uint32_t)fmin(fmax(floor(lo * blocks + rounding), 0.0), most);
+    *last = (uint32_t)fmin(fmax(ceil(hi * blocks - rounding) - 1.0, *first), most);
+}
+
+static void count(const leafcast *v, uint32_t t, const uint32_t blocks[3], leafcast_block *map) {
+    const leafcast_block one = {
+        .treelets = 1,
+        .wanted = v->treelets->own[t],
+        .resident = loader_is_ready(v->treelets, t),
+        .seen = atomic_load_explicit(&v->touched[t], memory_order_relaxed) != 0};
+    double span[2][3];
+    uint32_t lo[3], hi[3];
+    v->kind->span(v, t, span);
+    for (int a = 0; a < 3; a++)
+        reach(span[0][a], span[1][a], blocks[a], &lo[a], &hi[a]);
+    for (uint32_t z = lo[2]; z <= hi[2]; z++)
+        for (uint32_t y = lo[1]; y <= hi[1]; y++)
+            for (uint32_t x = lo[0]; x <= hi[0]; x++) {
+                leafcast_block *b = &map[((size_t)z * blocks[1] + y) * blocks[0] + x];
+                b->treelets += one.treelets;
+                b->wanted += one.wanted;
+                b->resident += one.resident;
+                b->seen += one.seen;
+            }
+}
+
+static status check(const leafcast *v, uint32_t level, const uint32_t blocks[3]) {
+    const uint32_t levels = v->file->layout.levels;
+    for (int a = 0; a < 3; a++)
+        if (blocks[a] < 1 || blocks[a] > LEAFCAST_BLOCKS_MAX)
+            return status_describe(ST_USAGE, "a map of %u blocks along an axis: 1 to %d", blocks[a],
+                                   LEAFCAST_BLOCKS_MAX);
+    return level < levels ? ST_OK
+                          : status_describe(ST_USAGE, "level %u: there are %u", level, levels);
+}
+
+leafcast_status leafcast_map_treelets(leafcast *v, uint32_t level, const uint32_t blocks[3],
+                                      leafcast_block *map) {
+    const status st = check(v, level, blocks);
+    if (st != ST_OK)
+        return public_status(st);
+    const leaf_level *of = &v->file->layout.level[level];
+    memset(map, 0, (size_t)blocks[0] * blocks[1] * blocks[2] * sizeof *map);
+    device_lock(v->device);
+    for (uint32_t t = of->first; t < of->first + of->count; t++)
+        count(v, t, blocks, map);
+    device_unlock(v->device);
+    return LEAFCAST_OK;
+}

@@ -1,0 +1,51 @@
+#include "render/view/view_map.h"
+
+#include <math.h>
+
+/* Blocks along each axis: cubes of the box, about. */
+static void choose_blocks(const leafcast_info *info, uint32_t blocks[3]) {
+    double edges[3], longest = 0.0;
+    for (int a = 0; a < 3; a++) {
+        edges[a] =
+            info->dims[a] > 0 ? info->dims[a] - 1.0 : info->bounds[1][a] - info->bounds[0][a];
+        longest = fmax(longest, edges[a]);
+    }
+    for (int a = 0; a < 3; a++)
+        blocks[a] = (uint32_t)fmax(1.0, rint(VIEW_MAP_SIDE * (edges[a] / longest)));
+}
+
+/* The counts of all blocks; at: which of them. */
+static json_t *list(const leafcast_block *map, size_t count, size_t at) {
+    json_t *out = json_array();
+    for (size_t i = 0; i < count && out; i++) {
+        const uint32_t *n = (const uint32_t *)(const void *)((const char *)&map[i] + at);
+        json_array_append_new(out, json_integer(*n));
+    }
+    return out;
+}
+
+static json_t *describe_blocks(const leafcast_block *map, const uint32_t blocks[3],
+                               uint32_t level) {
+    const size_t count = (size_t)blocks[0] * blocks[1] * blocks[2];
+    return json_pack("{s:I,s:[I,I,I],s:o,s:o,s:o}", "level", (json_int_t)level, "blocks",
+                     (json_int_t)blocks[0], (json_int_t)blocks[1], (json_int_t)blocks[2], "wanted",
+                     list(map, count, offsetof(leafcast_block, wanted)), "resident",
+                     list(map, count, offsetof(leafcast_block, resident)), "seen",
+                     list(map, count, offsetof(leafcast_block, seen)));
+}
+
+json_t *view_map_describe(mem *m, leafcast *volume, uint32_t level, const leafcast_stats *stats) {
+    const leafcast_info info = leafcast_describe(volume);
+    uint32_t blocks[3];
+    json_t *out = NULL;
+    choose_blocks(&info, blocks);
+    leafcast_block *map = mem_array(m, (size_t)blocks[0] * blocks[1] * blocks[2], sizeof *map);
+    if (map && leafcast_map_treelets(volume, level, blocks, map) == LEAFCAST_OK)
+        out = json_pack(
+            "{s:s,s:I,s:I,s:I,s:I,s:o}", "type", "treelets", "total",
+            (json_int_t)stats->treelets_total, "active", (json_int_t)stats->treelets_active,
+            "loaded", (json_int_t)stats->treelets_loaded, "bytes_resident",
+            (json_int_t)stats->bytes_resident, "map", describe_blocks(map, blocks, level));
+    mem_free(m, map);
+    return out;
+}

@@ -1,0 +1,17 @@
+/* view_map.h - the map of treelets, for a page that shows it. */
+#ifndef RENDER_VIEW_VIEW_MAP_H
+#define RENDER_VIEW_VIEW_MAP_H
+
+#include <jansson.h>
+
+#include "formats/base/mem.h"
+#include "render/leafcast.h"
+
+enum { VIEW_MAP_SIDE = 16 }; /* blocks along the longest axis */
+
+/* view_map_describe() - leafcast_map_treelets() of a level as the message `treelets`; as many
+ * blocks along an axis as make them about cubes, at most VIEW_MAP_SIDE. stats: of the last picture.
+ * NULL: no memory, or no such level. */
+json_t *view_map_describe(mem *m, leafcast *volume, uint32_t level, const leafcast_stats *stats);
+
+#endif
