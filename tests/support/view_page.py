@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """view_page.py LEAFCAST FOLDER - the page of leafcast view in headless Chromium.
 
-A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last.
+A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last. INPUTS=N in the environment: of the many
+inputs.
 """
 import base64, json, os, random, signal, subprocess, sys, time
 
@@ -14,7 +15,7 @@ from view_client import Server, png_pixels
 
 leafcast, folder = sys.argv[1:3]
 SEED = int(os.environ.get("SEED", "7"))
-INPUTS, WAIT = 500, 60
+INPUTS, WAIT = int(os.environ.get("INPUTS", "500")), 60
 DESK, PHONE = (1280, 720), (390, 844)
 FINAL = """const l = window.leafcast, h = l.screen.head;
 return Boolean(h && h.final && h.number === l.link.number && !l.link.pending)"""
@@ -407,7 +408,7 @@ def stale(b):
     random.seed(SEED)
     b.js("leafcast.link.shownNumbers.length = 0")
     moves = [(random.choice(("orbit", "wheel", "iso")), random.uniform(-1, 1), random.randint(0, 8)) for _ in range(INPUTS)]
-    b.driver.set_script_timeout(2 * WAIT)
+    b.driver.set_script_timeout(2 * WAIT + INPUTS // 50)
     b.driver.execute_async_script("""
         const moves = arguments[0], done = arguments[1], app = leafcast, canvas = document.getElementById("picture");
         const input = (what, x) => {
