@@ -42,15 +42,28 @@ static void projection_begin(const frame *f, uint32_t pixel, ray_record *r) {
 
 /* ---- Pieces ---- */
 
-static double mean_of(const segment *piece) {
-    const double *b = piece->b;
-    return piece->degree == 3 ? 0.25 * (b[0] + b[1] + b[2] + b[3]) : 0.5 * (b[0] + b[1]);
+/* Integrals and lengths of all pieces, column by column. */
+static void integrate(const segment_columns *c, double *restrict integral,
+                      double *restrict length) {
+    const double(*b)[SEGMENT_COLUMNS] = c->b;
+    for (unsigned i = 0; i < c->count; i++)
+        length[i] = c->t1[i] - c->t0[i];
+    if (c->degree == 3)
+        for (unsigned i = 0; i < c->count; i++)
+            integral[i] = 0.25 * (b[0][i] + b[1][i] + b[2][i] + b[3][i]) * length[i];
+    else
+        for (unsigned i = 0; i < c->count; i++)
+            integral[i] = 0.5 * (b[0][i] + b[1][i]) * length[i];
 }
 
-static void add_mean(projected_ray *p, const segment *piece) {
-    const double length = piece->t1 - piece->t0;
-    p->integral += mean_of(piece) * length;
-    p->length += length;
+static void take_mean(ray_record *const r[], const segment_columns *c) {
+    _Alignas(64) double integral[SEGMENT_COLUMNS], length[SEGMENT_COLUMNS];
+    integrate(c, integral, length);
+    for (unsigned i = 0; i < c->count; i++) {
+        projected_ray *p = projected_ray_of(r[c->ray[i]]);
+        p->integral += integral[i];
+        p->length += length[i];
+    }
 }
 
 /* Where the value reaches v, between a place where it does not and one where it does. */
@@ -103,18 +116,23 @@ static segment piece_of(const segment_columns *c, unsigned i) {
     return piece;
 }
 
+static void take_first(const projection_look *look, ray_record *const r[],
+                       const segment_columns *c, bool stop[]) {
+    for (unsigned i = 0; i < c->count; i++) {
+        const segment piece = piece_of(c, i);
+        if (!stop[c->ray[i]])
+            stop[c->ray[i]] = !pass_first(projected_ray_of(r[c->ray[i]]), &piece, look->value);
+    }
+}
+
 static void projection_take(const frame *f, ray_record *const r[], const segment_columns *c,
                             bool stop[], void *scratch) {
     const projection_look *look = look_of(f);
     (void)scratch;
-    for (unsigned i = 0; i < c->count; i++) {
-        projected_ray *p = projected_ray_of(r[c->ray[i]]);
-        const segment piece = piece_of(c, i);
-        if (look->project == LEAFCAST_PROJECT_MEAN)
-            add_mean(p, &piece);
-        else if (!stop[c->ray[i]])
-            stop[c->ray[i]] = !pass_first(p, &piece, look->value);
-    }
+    if (look->project == LEAFCAST_PROJECT_MEAN)
+        take_mean(r, c);
+    else
+        take_first(look, r, c, stop);
 }
 
 /* ---- Pixels ---- */
