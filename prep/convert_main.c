@@ -412,6 +412,18 @@ static uint64_t peak_rss(void) {
 }
 
 /* o: NULL for a dry run. */
+/* What is hardly a value like the others. */
+static void note_marker(const arguments *a, const histogram_marker *m) {
+    char value[NUM_TEXT_MAX];
+    if (m->share == 0.0)
+        return;
+    cli_note(&a->common, 0,
+             "%s: %.3g %% of the samples are %s, others %g .. %g; if that stands for no data, "
+             "--missing=%s says so",
+             a->common.input, 100.0 * m->share, num_print(m->value, value), m->others[0],
+             m->others[1], value);
+}
+
 static status report(const arguments *a, const convert_plan *plan, const grid *g,
                      const outcome *o) {
     if (!a->common.json) {
@@ -463,6 +475,7 @@ static status convert_grid(arguments *a, mem *m, volume *v, const grid_series *s
     if (out.result.trailing_bytes)
         cli_note(&a->common, 1, "%s: %llu bytes behind the samples are ignored", a->common.input,
                  (unsigned long long)out.result.trailing_bytes);
+    note_marker(a, &out.result.marker);
     return report(a, &plan, volume_grid(v), &out);
 }
 

@@ -185,6 +185,40 @@ static void test_none(void **state) {
     assert_int_equal(histogram_suggest(&h, isovalues, HISTOGRAM_ISOVALUES), 0);
 }
 
+static bool find_marker(histogram_marker *m) {
+    double range[2];
+    range_of(SAMPLE_F32, f32, range);
+    take(dims, SAMPLE_F32, f32, 100, identity, cells);
+    return histogram_find_marker(cells, NODES, range, m);
+}
+
+/* Every so many samples are `value`, the others 5 to 9, some of them no numbers. */
+static void fill_marked(int every, float value) {
+    for (int i = 0; i < NODES; i++)
+        f32[i] = i % every == every / 2 ? value : i % 11 == 0 ? NAN : 5 + (float)(i % 9) / 2;
+}
+
+static void test_marker(void **state) {
+    (void)state;
+    histogram_marker m;
+    static const float values[] = {-9999, 1e30F, -91, 91};
+    for (int k = 0; k < 4; k++) {
+        fill_marked(100, values[k]);
+        assert_true(find_marker(&m));
+        assert_true(m.value == (double)values[k] && m.others[0] == 5 && m.others[1] == 9);
+        assert_true(fabs(m.share - 0.011) < 0.001); /* of what is a number */
+    }
+    fill_marked(100, 89); /* too near */
+    assert_false(find_marker(&m));
+    fill_marked(100, 0); /* nearer to 0 than the others */
+    assert_false(find_marker(&m));
+    fill_marked(3000, -9999); /* too few */
+    assert_false(find_marker(&m));
+    for (int i = 0; i < NODES; i++)
+        f32[i] = i % 2 ? 255 : 0; /* a mask */
+    assert_false(find_marker(&m));
+}
+
 /* f = distance from a point, on nodes that are stretched and turned: every surface is a sphere, the
  * gradient is 1 everywhere. */
 static void test_measures(void **state) {
@@ -377,7 +411,7 @@ int main(void) {
         cmocka_unit_test(test_drawn),      cmocka_unit_test(test_draw_places),
         cmocka_unit_test(test_tet),        cmocka_unit_test(test_faults),
         cmocka_unit_test(test_suggestion), cmocka_unit_test(test_unused_edges),
-        cmocka_unit_test(test_rows),
+        cmocka_unit_test(test_rows),       cmocka_unit_test(test_marker),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -296,3 +296,37 @@ int histogram_suggest(const histogram *h, double *isovalues, int most) {
     }
     return count;
 }
+
+/* ---- what may be missing ---- */
+
+static const double MARKER_SHARE = 1e-3, MARKER_TIMES = 10.0;
+
+static bool is_marker(const histogram_cell *cells, uint32_t count, double value,
+                      histogram_marker *found) {
+    uint32_t at = 0, seen = 0;
+    double lo = (double)INFINITY, hi = -lo;
+    for (uint32_t i = 0; i < count; i++) {
+        const double v = (double)cells[i].value;
+        if (isnan(v))
+            continue;
+        seen++;
+        at += v == value;
+        lo = v == value ? lo : fmin(lo, v);
+        hi = v == value ? hi : fmax(hi, v);
+    }
+    *found = (histogram_marker){value, (double)at / seen, {lo, hi}};
+    return lo < hi && found->share >= MARKER_SHARE &&
+           fabs(value) > MARKER_TIMES * fmax(fabs(lo), fabs(hi));
+}
+
+bool histogram_find_marker(const histogram_cell *cells, uint32_t count, const double range[2],
+                           histogram_marker *out) {
+    for (int side = 0; side < 2; side++) {
+        histogram_marker found;
+        if (!is_marker(cells, count, range[side], &found))
+            continue;
+        *out = found;
+        return true;
+    }
+    return false;
+}

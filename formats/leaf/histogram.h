@@ -10,6 +10,7 @@
 #define FORMATS_LEAF_HISTOGRAM_H
 
 #include <float.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "formats/base/sample.h"
@@ -72,5 +73,18 @@ const char *histogram_fault(const histogram *h);
 /* histogram_suggest() - up to `most` isovalues that are worth a look, best first; returns how many.
  * None where all values are equal or not finite. The rule, "sharp and large": see histogram.c. */
 int histogram_suggest(const histogram *h, double *isovalues, int most);
+
+/* A value that may stand for missing data, as people have -9999 or 1e30 do. */
+typedef struct histogram_marker {
+    double value;
+    double share;     /* of the samples */
+    double others[2]; /* the least and the greatest of all other values */
+} histogram_marker;
+
+/* histogram_find_marker() - whether there is one among the cells that were drawn: the least or the
+ * greatest value of all (range) that at least one sample of a thousand has, more than ten times as
+ * far from 0 as any other, where the others differ. False, and *out untouched: no. */
+bool histogram_find_marker(const histogram_cell *cells, uint32_t count, const double range[2],
+                           histogram_marker *out);
 
 #endif

@@ -52,6 +52,7 @@ typedef struct conversion {
     histogram_draw draw;
     histogram_space space;
     histogram_cell *cells;
+    histogram_marker marker;
 } conversion;
 
 /* ---- from slabs to payloads ---- */
@@ -294,6 +295,8 @@ static void end_histogram(conversion *c, const grid *g) {
     leaf_writer_range(c->writer, c->set, range);
     histogram_build(leaf_writer_histograms(c->writer) + c->set, c->cells, c->draw.count,
                     c->layout->type, range, grid_samples(g));
+    if (c->marker.share == 0.0)
+        (void)histogram_find_marker(c->cells, c->draw.count, range, &c->marker);
 }
 
 /* What one set has for itself. */
@@ -416,5 +419,6 @@ status convert_run(mem *m, volume *v, const char *output, const convert_options 
                         .rounding_error = seen.rounding_error,
                         .provenance = provenance};
     result->trailing_bytes = seen.trailing_bytes;
+    result->marker = c.marker;
     return leaf_writer_finish(c.writer, &facts, &result->header);
 }

@@ -14,12 +14,14 @@
 #include "formats/base/progress.h"
 #include "formats/base/status.h"
 #include "formats/grid/volume.h"
+#include "formats/leaf/histogram.h"
 #include "formats/leaf/leaf.h"
 #include "prep/grid/convert_plan.h"
 
 typedef struct convert_result {
     leaf_header header;      /* the file's */
     uint64_t trailing_bytes; /* of the input, behind its samples; ignored */
+    histogram_marker marker; /* of the first field or step that has one; share 0: none has */
 } convert_result;
 
 /* convert_run() - v: just opened, at rest then; plan: from convert_plan_make() for it and for the

@@ -73,6 +73,14 @@ ok "a sound file" "$leafcast" verify "$tmp/b.leaf" -q
 exits "info" 0 "$leafcast" info "$tmp/b.leaf" --json
 ok "tells the input's type" grep -q '"source_type": "u8"' "$tmp/out"
 ok "and the file's" grep -q '"sample_type": "f32"' "$tmp/out"
+python3 -c '
+import struct, sys
+v = [-9999.0 if i % 5 == 0 else i % 7 for i in range(4096)]
+open(sys.argv[1], "wb").write(struct.pack("<4096f", *v))' "$tmp/marked_16x16x16_f32.raw"
+exits "a value that stands apart" 0 "$leafcast" convert "$tmp/marked_16x16x16_f32.raw" -o "$tmp/m.leaf"
+ok "is told" grep -q 'marked_16x16x16_f32.raw: 20 % of the samples are -9999, others 0 .. 6; .*--missing=-9999 says so' "$tmp/err"
+exits "and taken as no data" 0 "$leafcast" convert "$tmp/marked_16x16x16_f32.raw" --missing=-9999 -o "$tmp/m.leaf" --force
+ok "is told no more" sh -c '! grep -q "of the samples" "$1"' - "$tmp/err"
 like "raw" "$leafcast" convert "$tmp/u8.raw" --dims 40,36,34 --type u8 --missing 255
 like "a pipe" piped "$tmp/u8.nrrd" --missing 255
 like "raw in a pipe" piped "$tmp/u8.raw" --dims 40,36,34 --type u8 --missing 255
