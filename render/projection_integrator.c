@@ -116,8 +116,8 @@ static segment piece_of(const segment_columns *c, unsigned i) {
     return piece;
 }
 
-static void take_first(const projection_look *look, ray_record *const r[],
-                       const segment_columns *c, bool stop[]) {
+static void take_first(const projection_look *look, ray_record *const r[], const segment_columns *c,
+                       bool stop[]) {
     for (unsigned i = 0; i < c->count; i++) {
         const segment piece = piece_of(c, i);
         if (!stop[c->ray[i]])

@@ -206,7 +206,7 @@ static void test_marker(void **state) {
         fill_marked(100, values[k]);
         assert_true(find_marker(&m));
         assert_true(m.value == (double)values[k] && m.others[0] == 5 && m.others[1] == 9);
-        assert_true(fabs(m.share - 0.011) < 0.001); /* of what is a number */
+        assert_true(fabs(m.share - 0.011) < 0.0005); /* of what is a number */
     }
     fill_marked(100, 89); /* too near */
     assert_false(find_marker(&m));
