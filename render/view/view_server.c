@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <libwebsockets.h>
+#include <netdb.h>
 #include <poll.h>
 #include <stdio.h>
 #include <string.h>
@@ -67,11 +68,28 @@ static bool header(struct lws *wsi, enum lws_token_indexes which, char *out, int
     return lws_hdr_total_length(wsi, which) == 0 || lws_hdr_copy(wsi, out, room, which) > 0;
 }
 
+/* The address of this machine at which a connection came in, as a Host has it; "": none. Whoever
+ * names it knows where he is: no other site's name leads to it. */
+static void local_address(struct lws *wsi, char out[HOST_MAX]) {
+    static const char mapped[] = "::ffff:"; /* IPv4 by a socket of IPv6 */
+    struct sockaddr_storage at;
+    socklen_t size = sizeof at;
+    char text[NI_MAXHOST];
+    out[0] = 0;
+    if (getsockname(lws_get_socket_fd(wsi), (struct sockaddr *)&at, &size) != 0 ||
+        getnameinfo((struct sockaddr *)&at, size, text, sizeof text, NULL, 0, NI_NUMERICHOST) != 0)
+        return;
+    const bool v4 = strncmp(text, mapped, sizeof mapped - 1) == 0;
+    snprintf(out, HOST_MAX, v4 || !strchr(text, ':') ? "%.*s" : "[%.*s]", HOST_MAX - 3,
+             v4 ? text + sizeof mapped - 1 : text);
+}
+
 static bool is_own_page(struct lws *wsi, char host[HOST_MAX]) {
-    char origin[HOST_MAX];
+    char origin[HOST_MAX], local[HOST_MAX];
     const view_server *s = server_of(wsi);
+    local_address(wsi, local);
     return header(wsi, WSI_TOKEN_HOST, host, HOST_MAX) &&
-           view_access_host(host, s->own[0] ? s->own : NULL) &&
+           (view_access_host(host, s->own) || view_access_host(host, local)) &&
            header(wsi, WSI_TOKEN_ORIGIN, origin, sizeof origin) &&
            (!origin[0] || view_access_origin(origin, host));
 }

@@ -682,8 +682,14 @@ def ending():
         time.sleep(0.1)
     ok("--open", open(folder + "/opened").read().strip() == s.url)
     ends(s, "opened")
+    s = serve(GRID, "--address", "0.0.0.0")
+    s.address = "127.0.0.4"
+    asked = {host: s.get("/", host=host)[0] for host in (s.host, f"127.0.0.4:{s.port}", "127.0.0.5", "evil.example")}
+    ok(f"--address: any, by its names and where it is {asked}", list(asked.values()) == [200, 200, 403, 403])
+    ends(s, "any")
     s = serve(GRID, "--address", "127.0.0.2")
     ok("--address", (s.address, s.get("/")[0]) == ("127.0.0.2", 200))
+    ok("--address: another one", s.get("/", host=f"127.0.0.3:{s.port}")[0] == 403)
     ends(s, "elsewhere")
     if os.path.exists("/proc/net/if_inet6") and "00000000000000000000000000000001" in open("/proc/net/if_inet6").read():
         s = serve(GRID, "--address", "::1")
