@@ -85,7 +85,7 @@ static void say(view_draw *d, view_seat *seat, view_message *message) {
 static void refuse(view_draw *d, view_seat *seat, uint64_t number) {
     view_message *message =
         view_message_json(d->m, json_pack("{s:s,s:I,s:s}", "type", "refused", "number",
-                                          (json_int_t)number, "why", status_text()));
+                                          (json_int_t)number, "why", view_message_why()));
     if (message)
         message->failed = true;
     say(d, seat, message);
@@ -106,7 +106,7 @@ static uint64_t others_bytes(const view_draw *d, const view_seat *seat) {
 static void answer_pick(view_draw *d, view_seat *seat, const view_wish *wish, const pick *what) {
     json_t *answer = NULL;
     if (view_pick(d->m, wish, what->x, what->y, &answer) != ST_OK)
-        answer = json_pack("{s:s,s:b,s:s}", "type", "picked", "hit", 0, "why", status_text());
+        answer = json_pack("{s:s,s:b,s:s}", "type", "picked", "hit", 0, "why", view_message_why());
     if (answer) {
         json_object_set_new(answer, "number", json_integer((json_int_t)wish->number));
         json_object_set_new(answer, "id", json_integer(what->id));
@@ -148,7 +148,7 @@ static void draw_panes(view_draw *d, view_seat *seat) {
     if (st != ST_OK)
         message = view_message_json(d->m, json_pack("{s:s,s:I,s:i,s:s}", "type", "refused", "slice",
                                                     (json_int_t)number, "pane", pane, "why",
-                                                    status_text()));
+                                                    view_message_why()));
     say(d, seat, message);
 }
 

@@ -49,6 +49,14 @@ view_message *view_message_json(mem *m, json_t *object) {
     return made;
 }
 
+const char *view_message_why(void) {
+    const char *text = status_text(), *name = text;
+    for (const char *c = text; *c && *c != ':'; c++)
+        if (*c == '/')
+            name = c + 1;
+    return *text == '-' ? text : name;
+}
+
 status view_message_head(view_message **to, json_t *header) {
     view_message *text = view_message_json((*to)->m, header);
     if (!text)

@@ -35,6 +35,10 @@ CHECKED status view_message_put(void *ctx, const void *data, size_t size);
 /* view_message_json() - a JSON object as text, whose reference it takes. NULL: no memory. */
 view_message *view_message_json(mem *m, json_t *object);
 
+/* view_message_why() - status_text() for a page, which need not know folders: of a file that the
+ * text begins with, its name alone. */
+const char *view_message_why(void);
+
 /* view_message_head() - the JSON before a picture, whose reference it takes, and its length before
  * that. The message may move. ST_NOMEM. */
 CHECKED status view_message_head(view_message **to, json_t *header);

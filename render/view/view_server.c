@@ -244,7 +244,7 @@ static int answer_picture(struct lws *wsi, session *now) {
     if (!has_token(wsi))
         return answer_status(wsi, HTTP_STATUS_FORBIDDEN, "a token is needed\n");
     if (describe_picture(wsi, &wish) != ST_OK)
-        return answer_status(wsi, HTTP_STATUS_BAD_REQUEST, status_text());
+        return answer_status(wsi, HTTP_STATUS_BAD_REQUEST, view_message_why());
     now->seat = view_draw_sit(s->draw);
     if (!now->seat)
         return answer_status(wsi, HTTP_STATUS_SERVICE_UNAVAILABLE, "too many clients\n");

@@ -229,7 +229,7 @@ view_talk_result view_talk_hear(view_talk *t, const void *bytes, size_t size, bo
     json_decref(message);
     if (st != ST_OK)
         tell(t, json_pack("{s:s,s:I,s:s}", "type", "refused", "number", (json_int_t)number, "why",
-                          status_text()));
+                          view_message_why()));
     return VIEW_TALK_FINE;
 }
 

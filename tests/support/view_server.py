@@ -334,6 +334,24 @@ def files(s):
     page.close()
 
 
+def changed():
+    """A file that changes: said, without the folder that it is in."""
+    leaf = folder + "/changes.leaf"
+    shutil.copyfile(GRID, leaf)
+    s = serve(leaf)
+    page = Page(s)
+    page.view(1, SURFACE, W, H)
+    page.final()
+    os.utime(leaf, (1, 1))
+    page.view(2, dict(SURFACE, iso=101), W, H)
+    why = page.text("refused")["why"]
+    ok(f"a file that changes: {why}", why.startswith("changes.leaf") and "/" not in why)
+    code, _, body = picture_of(s, SURFACE)
+    ok("as an answer", code == 400 and body.startswith(b"changes.leaf"))
+    page.close()
+    s.stop()
+
+
 def large(s):
     """So long that there are parts."""
     state = dict(MEDIUM, error=1e-6)
@@ -704,6 +722,7 @@ def main():
     s = serve(GRID, MESH)
     for test in (pages, sockets, drawn, slices, files, large, superseded, unseen, waiting, picks, states, limits, several):
         test(s)
+    changed()
     fuzz(s, 2000)
     rubbish(s, 300)
     ends(s, "after all")
