@@ -14,11 +14,14 @@ static void reach(double lo, double hi, uint32_t blocks, uint32_t *first, uint32
 }
 
 static void count(const leafcast *v, uint32_t t, const uint32_t blocks[3], leafcast_block *map) {
-    const leafcast_block one = {
-        .treelets = 1,
-        .wanted = v->treelets->own[t],
-        .resident = loader_is_ready(v->treelets, t),
-        .seen = atomic_load_explicit(&v->touched[t], memory_order_relaxed) != 0};
+    /* Others may be resident, too: those that points and slices were taken from. */
+    const bool wanted = v->treelets->own[t];
+    const bool resident = wanted && loader_is_ready(v->treelets, t);
+    const leafcast_block one = {.treelets = 1,
+                                .wanted = wanted,
+                                .resident = resident,
+                                .seen = resident &&
+                                        atomic_load_explicit(&v->touched[t], memory_order_relaxed)};
     double span[2][3];
     uint32_t lo[3], hi[3];
     v->kind->span(v, t, span);

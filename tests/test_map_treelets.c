@@ -63,7 +63,7 @@ static leafcast_block sums(leafcast *v) {
     return map;
 }
 
-static void draw(leafcast *v, double isovalue) {
+static void draw(leafcast *v, double isovalue, double fov) {
     static float rgb[3][SIDE * SIDE];
     const leafcast_surface surface = leafcast_surface_default(isovalue);
     leafcast_scene scene = {.size = sizeof scene};
@@ -72,6 +72,7 @@ static void draw(leafcast *v, double isovalue) {
     assert_int_equal(leafcast_init_scene(&scene), LEAFCAST_OK);
     assert_int_equal(leafcast_select(v, &surface, 1), LEAFCAST_OK);
     assert_int_equal(leafcast_get_standard_view(v, 1.0, SIDE, SIDE, &c), LEAFCAST_OK);
+    c.fov = fov;
     assert_int_equal(leafcast_trace(v, &scene, &c, &image, NULL, NULL, NULL), LEAFCAST_OK);
 }
 
@@ -86,7 +87,7 @@ static void test_grid(void **state) {
     const uint32_t own[3] = {5, 4, 3}, some[3] = {7, 1, 16}, most[3] = {64, 3, 2};
     assert_int_equal(sums(v).treelets, 5 * 4 * 3);
     assert_int_equal(sums(v).wanted, 0); /* nothing is asked for */
-    draw(v, 120.0);
+    draw(v, 120.0, 35.0);
     for (uint32_t level = 0; level < info.levels; level++) {
         check_places(v, level, own);
         check_places(v, level, some);
@@ -96,9 +97,16 @@ static void test_grid(void **state) {
     assert_int_equal(seen.wanted, 5 * 4 * 3); /* it is noise */
     assert_true(seen.seen > 0 && seen.seen == seen.resident);
     assert_true(seen.resident < seen.wanted); /* those behind others are not read */
-    draw(v, 300.0);
+    draw(v, 120.0, 1.0); /* the middle alone */
+    assert_true(sums(v).seen > 0 && sums(v).seen < seen.seen);
+    assert_int_equal(sums(v).resident, seen.resident);
+    draw(v, 300.0, 35.0);
     assert_int_equal(sums(v).wanted, 0);
     assert_int_equal(sums(v).resident, 0);
+    leafcast_sample sample;
+    assert_int_equal(leafcast_probe_point(v, info.bounds[0], &sample), LEAFCAST_OK);
+    assert_true(sample.inside);
+    assert_int_equal(sums(v).resident, 0); /* it is there, but not for the picture */
     leafcast_close(v);
     field_release(&f);
 }
@@ -138,7 +146,7 @@ static void test_mesh(void **state) {
     for (int a = 0; a < 3; a++)
         check_halves(v, f, a);
     assert_int_equal(sums(v).wanted, 0);
-    draw(v, 0.4);
+    draw(v, 0.4, 35.0);
     const leafcast_block seen = sums(v);
     assert_int_equal(seen.treelets, f->layout.treelets);
     assert_true(0 < seen.seen && seen.seen <= seen.resident && seen.resident <= seen.wanted);
