@@ -74,15 +74,36 @@ static void test_smooth(void **state) {
     json_decref(path);
 }
 
+/* Between keys of an even turn, it is even: 50 degrees a quarter of the way from 40 to 80. */
+static void test_even(void **state) {
+    (void)state;
+    static const double degree = 3.14159265358979323846 / 180.0;
+    char keys[512] = "[";
+    for (int i = 0; i < 4; i++)
+        snprintf(keys + strlen(keys), sizeof keys - strlen(keys),
+                 "%s{\"eye\": [%.17g,%.17g,0], \"look-at\": [0,0,0]}", i ? "," : "",
+                 cos(40.0 * i * degree), sin(40.0 * i * degree));
+    strcat(keys, "]");
+    json_t *path = spread(keys, 13);
+    for (size_t i = 4; i <= 8; i++) {
+        const double angle = 10.0 * (double)i * degree;
+        assert_true(fabs(number(path, i, "eye", 0) - cos(angle)) < 1e-12);
+        assert_true(fabs(number(path, i, "eye", 1) - sin(angle)) < 1e-12);
+    }
+    json_decref(path);
+}
+
 static void test_values(void **state) {
     (void)state;
     json_t *path = spread(
         "[{\"iso\": [10, 20], \"color\": [\"#000000\", \"red\"], \"opacity\": [\"0:0,40:0.5\"], "
         "\"step\": 0,"
-        "  \"shadows\": true, \"tf\": \"a1\", \"clip_box\": [0,0,0,1,1,1], \"window\": [1, 2]},"
+        "  \"shadows\": true, \"samples\": 1, \"tf\": \"a1\", \"clip_box\": [0,0,0,1,1,1], "
+        "\"window\": [1, 2]},"
         " {\"iso\": [20, 40], \"color\": [\"#204060\", \"blue\"], \"opacity\": [\"10:1,60:0\"], "
         "\"step\": 3,"
-        "  \"shadows\": false, \"tf\": \"a2\", \"clip-box\": [1,0,0,3,1,1], \"window\": [1, 2, "
+        "  \"shadows\": false, \"samples\": 4, \"tf\": \"a2\", \"clip-box\": [1,0,0,3,1,1], "
+        "\"window\": [1, 2, "
         "3]}]",
         5);
     assert_true(number(path, 1, "iso", 0) == 12.5 && number(path, 2, "iso", 1) == 30.0);
@@ -94,6 +115,7 @@ static void test_values(void **state) {
     assert_true(number(path, 1, "step", 0) == 0 && number(path, 2, "step", 0) == 1 &&
                 number(path, 4, "step", 0) == 3);
     assert_true(json_is_true(json_object_get(json_array_get(path, 3), "shadows")));
+    assert_true(number(path, 3, "samples", 0) == 1.0);
     assert_string_equal(text(path, 3, "tf"), "a1");
     assert_string_equal(text(path, 4, "tf"), "a2");
     assert_true(number(path, 2, "clip-box", 3) == 2.0);
@@ -124,7 +146,7 @@ static void test_edges(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_quarter),
-                                       cmocka_unit_test(test_smooth), cmocka_unit_test(test_values),
-                                       cmocka_unit_test(test_edges)};
+                                       cmocka_unit_test(test_smooth), cmocka_unit_test(test_even),
+                                       cmocka_unit_test(test_values), cmocka_unit_test(test_edges)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -185,6 +185,34 @@ static void test_no_levels(void **state) {
     assert_int_equal(g.scale, VIEW_SCALE_MAX);
 }
 
+/* A picture that takes long beside other programs' work changes little. */
+static void test_outlier(void **state) {
+    (void)state;
+    view_pace p = {0};
+    const view_grade g = {2, 0};
+    for (int i = 0; i < 20; i++)
+        view_pace_learn(&p, &GRID, g, 0.02, 1.0);
+    const double before = view_pace_seconds(&p, &GRID, g);
+    view_pace_learn(&p, &GRID, g, 0.5, 1.0);
+    assert_true(view_pace_seconds(&p, &GRID, g) > before);
+    assert_true(view_pace_seconds(&p, &GRID, g) < 1.3 * before);
+}
+
+/* What was given up is tried again, while coarser levels are drawn. */
+static void test_again(void **state) {
+    (void)state;
+    view_pace p = {0};
+    const view_grade fine = {2, 0}, coarse = {2, 1};
+    view_pace_learn(&p, &GRID, coarse, 0.01, 1.0);
+    view_pace_learn(&p, &GRID, fine, 0.1, 0.05);
+    view_pace_learn(&p, &GRID, coarse, 0.01, 1.0);
+    const double before = view_pace_seconds(&p, &GRID, fine);
+    assert_true(before > 0.028);
+    for (int i = 0; i < 200; i++)
+        view_pace_learn(&p, &GRID, coarse, 0.01, 1.0);
+    assert_true(view_pace_seconds(&p, &GRID, fine) < 0.025);
+}
+
 static void test_small(void **state) {
     (void)state;
     view_pace p = {0};
@@ -199,6 +227,7 @@ int main(void) {
         cmocka_unit_test(test_hopeless), cmocka_unit_test(test_changes),
         cmocka_unit_test(test_held_up),  cmocka_unit_test(test_steady),
         cmocka_unit_test(test_levels),   cmocka_unit_test(test_no_levels),
+        cmocka_unit_test(test_outlier),  cmocka_unit_test(test_again),
         cmocka_unit_test(test_small)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

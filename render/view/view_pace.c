@@ -20,8 +20,9 @@
 
 /* Scales, and how many levels coarser than its pixels. Pixels that are twice as wide are four times
  * as few, cells twice as large are half as many: so both go together, and pixels first. */
-static const view_grade LADDER[] = {{1, 0}, {2, 0}, {3, 0}, {4, 0}, {4, 1},  {6, 0},  {6, 1},
-                                    {8, 0}, {8, 1}, {8, 2}, {8, 3}, {12, 2}, {12, 3}, {16, 3}};
+static const view_grade LADDER[] = {{1, 0},  {2, 0},  {3, 0},  {4, 0}, {4, 1}, {6, 0},
+                                    {6, 1},  {8, 0},  {8, 1},  {8, 2}, {8, 3}, {12, 2},
+                                    {12, 3}, {16, 3}, {24, 3}, {32, 3}};
 enum { GRADES = (int)(sizeof LADDER / sizeof *LADDER) };
 
 double view_pace_pixels(const view_task *t, view_grade g) {

@@ -13,7 +13,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { VIEW_PACE_LEVELS = 16, VIEW_SCALE_MAX = 16 };
+enum { VIEW_PACE_LEVELS = 16, VIEW_SCALE_MAX = 32 };
 
 /* What is to be drawn. */
 typedef struct view_task {

@@ -134,7 +134,7 @@ def drawn(s):
     page.view(number, SURFACE, W, H, moving=True)
     head, data = page.picture()
     ok("moving: a preview", head["number"] == number and not head["final"] and head["format"] == "jpeg" and
-       data[:2] == b"\xff\xd8" and 1 <= head["scale"] <= 16)
+       data[:2] == b"\xff\xd8" and 1 <= head["scale"] <= 32)
     ok("moving: that is all", not page.waits(0.3))
     page.send({"type": "residency", "on": True})
     page.view(number + 1, SURFACE, W, H)
