@@ -421,6 +421,11 @@ static void test_reads_what_is_active(void **state) {
     assert_true(stats.treelets_loaded <= active && stats.bytes_read <= bytes);
     assert_int_equal(stats.bytes_read, stats.bytes_visible);
     assert_int_equal(stats.bytes_file, l->file.size);
+    leafcast_block map;
+    const uint32_t one[3] = {1, 1, 1};
+    assert_int_equal(leafcast_map_treelets(v, 0, one, &map), LEAFCAST_OK);
+    assert_true(map.treelets == TREELETS && map.wanted == active &&
+                map.resident == stats.treelets_loaded);
     assert_true(stats.nodes > 0 && stats.cells > 0 && stats.roots >= stats.covered_pixels);
     /* An isovalue that nothing holds reads nothing. */
     const leafcast_surface none = leafcast_surface_default(3.0);

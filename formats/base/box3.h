@@ -30,6 +30,15 @@ static inline void box3_corner(double box[2][3], int i, double corner[3]) {
         corner[a] = box[i >> a & 1][a];
 }
 
+/* box3_share_of() - a box as shares of a whole one: 0 at its lower corner, 1 at its upper one. Both
+ * as lo x y z, hi x y z. */
+static inline void box3_share_of(const float bounds[6], const float whole[6], double share[2][3]) {
+    for (int i = 0; i < 6; i++) {
+        const double begin = (double)whole[i % 3], end = (double)whole[i % 3 + 3];
+        share[i / 3][i % 3] = ((double)bounds[i] - begin) / (end - begin);
+    }
+}
+
 /* box3_of_floats() - of lo x y z, hi x y z. */
 static inline void box3_of_floats(const float bounds[6], double box[2][3]) {
     for (int i = 0; i < 6; i++)

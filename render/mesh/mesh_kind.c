@@ -103,13 +103,8 @@ static void mesh_active_box(const leafcast *v, uint32_t set, const double *isova
 }
 
 static void mesh_span(const leafcast *v, uint32_t t, double span[2][3]) {
-    const float *whole = v->file->header.bounds;
-    double box[2][3];
-    const uint32_t step = v->step;
-    box3_of_floats(v->file->mesh->bounds[leaf_layout_bounds(&v->file->layout, step, t)], box);
-    for (int i = 0; i < 2; i++)
-        for (int a = 0; a < 3; a++)
-            span[i][a] = (box[i][a] - (double)whole[a]) / ((double)whole[3 + a] - (double)whole[a]);
+    const size_t at = leaf_layout_bounds(&v->file->layout, v->step, t);
+    box3_share_of(v->file->mesh->bounds[at], v->file->header.bounds, span);
 }
 
 /* ---- A frame ---- */

@@ -3,6 +3,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "formats/base/box3.h"
 #include "formats/base/vec3.h"
 #include "render/leafcast_scene.h"
 #include "tests/spheres/spheres_resident.h"
@@ -37,6 +38,10 @@ static void spheres_active_box(const leafcast *v, uint32_t set, const double *is
     for (int i = 0; i < 8; i++)
         for (int a = 0; a < 3; a++)
             corners[i][a] = (double)bounds[(i >> a & 1) * 3 + a];
+}
+
+static void spheres_span(const leafcast *v, uint32_t t, double span[2][3]) {
+    box3_share_of(spheres_directory_of(v->file)->bounds[t], v->file->header.bounds, span);
 }
 
 /* ---- A frame ---- */
@@ -323,6 +328,7 @@ const kind spheres_kind = {.name = "spheres",
                            .close = spheres_close,
                            .describe = spheres_describe,
                            .active_box = spheres_active_box,
+                           .span = spheres_span,
                            .check = spheres_check,
                            .aim = spheres_aim,
                            .tile_side = TILE_MAX,
