@@ -97,7 +97,7 @@ static void test_grid(void **state) {
     assert_int_equal(seen.wanted, 5 * 4 * 3); /* it is noise */
     assert_true(seen.seen > 0 && seen.seen == seen.resident);
     assert_true(seen.resident < seen.wanted); /* those behind others are not read */
-    draw(v, 120.0, 1.0); /* the middle alone */
+    draw(v, 120.0, 1.0);                      /* the middle alone */
     assert_true(sums(v).seen > 0 && sums(v).seen < seen.seen);
     assert_int_equal(sums(v).resident, seen.resident);
     draw(v, 300.0, 35.0);
