@@ -411,8 +411,8 @@ static uint64_t peak_rss(void) {
     return (uint64_t)usage.ru_maxrss * 1024;
 }
 
-/* o: NULL for a dry run. */
-/* What is hardly a value like the others. */
+/* What is hardly a value like the others. Told as --missing takes it: compared in the samples' own
+ * precision, which is that of floats, or a double's that was written in few digits. */
 static void note_marker(const arguments *a, const histogram_marker *m) {
     char value[NUM_TEXT_MAX];
     if (m->share == 0.0)
@@ -420,10 +420,11 @@ static void note_marker(const arguments *a, const histogram_marker *m) {
     cli_note(&a->common, 0,
              "%s: %.3g %% of the samples are %s, others %g .. %g; if that stands for no data, "
              "--missing=%s says so",
-             a->common.input, 100.0 * m->share, num_print(m->value, value), m->others[0],
-             m->others[1], value);
+             a->common.input, 100.0 * m->share, num_print_float((float)m->value, value),
+             m->others[0], m->others[1], value);
 }
 
+/* o: NULL for a dry run. */
 static status report(const arguments *a, const convert_plan *plan, const grid *g,
                      const outcome *o) {
     if (!a->common.json) {

@@ -119,6 +119,17 @@ static void test_print(void **state) {
     assert_string_equal(num_print(2.5e15, text), "2.5e+15");
     assert_string_equal(num_print(-2.5e-7, text), "-2.5e-07");
     assert_string_equal(num_print(5e-324, text), "5e-324");
+    assert_string_equal(num_print_float(-1e34F, text), "-1e+34");
+    assert_string_equal(num_print_float(0.1F, text), "0.1");
+    assert_string_equal(num_print((double)0.1F, text), "0.10000000149011612");
+    assert_string_equal(num_print_float(16777216.0F, text), "16777216");
+    for (uint32_t i = 1; i < 0x7f800000u; i += 0x10001u) {
+        float some;
+        memcpy(&some, &i, sizeof some);
+        double read = 0;
+        assert_int_equal(num_double(num_print_float(some, text), "x", &read), ST_OK);
+        assert_true((float)read == some);
+    }
     const double edges[] = {
         0, -0.0, INFINITY, -INFINITY, 1.7976931348623157e308, 2.2250738585072014e-308};
     for (size_t i = 0; i < sizeof edges / sizeof *edges; i++)

@@ -132,11 +132,12 @@ status num_doubles(const char *text, const char *what, const char *separators, i
     return ST_OK;
 }
 
-const char *num_print(double value, char buffer[NUM_TEXT_MAX]) {
+static const char *print(double value, bool is_float, char buffer[NUM_TEXT_MAX]) {
     locale_t before = uselocale(plain_locale());
     for (int digits = 1; digits <= 17; digits++) {
         snprintf(buffer, NUM_TEXT_MAX, "%.*g", digits, value);
-        if (strtod(buffer, NULL) == value || isnan(value))
+        const double read = strtod(buffer, NULL);
+        if ((is_float ? (double)(float)read : read) == value || isnan(value))
             break;
     }
     /* 80, not 8e+01: an exponent only where the digits would be many. */
@@ -144,4 +145,12 @@ const char *num_print(double value, char buffer[NUM_TEXT_MAX]) {
         snprintf(buffer, NUM_TEXT_MAX, "%.0f", value);
     uselocale(before);
     return buffer;
+}
+
+const char *num_print(double value, char buffer[NUM_TEXT_MAX]) {
+    return print(value, false, buffer);
+}
+
+const char *num_print_float(float value, char buffer[NUM_TEXT_MAX]) {
+    return print((double)value, true, buffer);
 }

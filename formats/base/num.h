@@ -20,8 +20,10 @@ CHECKED status num_size(const char *text, const char *what,
 CHECKED status num_doubles(const char *text, const char *what, const char *separators, int count,
                            double *out);
 
-/* num_print() - the shortest decimal that reads back as the same double; returns buffer. */
+/* num_print() - the shortest decimal that reads back as the same double; returns buffer.
+ * num_print_float() - as the same float: -1e+34 of what a double has as -9.999999790214768e+33. */
 enum { NUM_TEXT_MAX = 32 };
 const char *num_print(double value, char buffer[NUM_TEXT_MAX]);
+const char *num_print_float(float value, char buffer[NUM_TEXT_MAX]);
 
 #endif

@@ -77,8 +77,8 @@ int histogram_suggest(const histogram *h, double *isovalues, int most);
 /* A value that may stand for missing data, as people have -9999 or 1e30 do. */
 typedef struct histogram_marker {
     double value;
-    double share;     /* of the samples */
-    double others[2]; /* the least and the greatest of all other values */
+    double share;     /* of the samples drawn that are numbers */
+    double others[2]; /* the least and the greatest of the other values that were drawn */
 } histogram_marker;
 
 /* histogram_find_marker() - whether there is one among the cells that were drawn: the least or the

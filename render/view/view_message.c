@@ -50,11 +50,12 @@ view_message *view_message_json(mem *m, json_t *object) {
 }
 
 const char *view_message_why(void) {
-    const char *text = status_text(), *name = text;
-    for (const char *c = text; *c && *c != ':'; c++)
+    const char *name = status_text();
+    /* In quotes is what the page has said itself. */
+    for (const char *c = name; *c && *c != ':' && *c != '"'; c++)
         if (*c == '/')
             name = c + 1;
-    return *text == '-' ? text : name;
+    return name;
 }
 
 status view_message_head(view_message **to, json_t *header) {

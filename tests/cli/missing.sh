@@ -80,6 +80,18 @@ open(sys.argv[1], "wb").write(struct.pack("<4096f", *v))' "$tmp/marked_16x16x16_
 exits "a value that stands apart" 0 "$leafcast" convert "$tmp/marked_16x16x16_f32.raw" -o "$tmp/m.leaf"
 ok "is told" grep -q 'marked_16x16x16_f32.raw: 20 % of the samples are -9999, others 0 .. 6; .*--missing=-9999 says so' "$tmp/err"
 exits "and taken as no data" 0 "$leafcast" convert "$tmp/marked_16x16x16_f32.raw" --missing=-9999 -o "$tmp/m.leaf" --force
+python3 -c '
+import struct, sys
+v = [-1e34 if i % 5 == 0 else i % 7 for i in range(4096)]
+open(sys.argv[1], "wb").write(struct.pack("<4096f", *v))
+open(sys.argv[2], "wb").write(struct.pack("<4096d", *v))' "$tmp/far_16x16x16_f32.raw" "$tmp/far_16x16x16_f64.raw"
+for type in f32 f64; do
+    "$leafcast" convert "$tmp/far_16x16x16_$type.raw" -o "$tmp/m.leaf" --force >"$tmp/out" 2>"$tmp/err"
+    said=$(sed -n 's/.*\(--missing=[^ ]*\) says so/\1/p' "$tmp/err")
+    ok "$type: $said" [ "$said" = "--missing=-1e+34" ]
+    exits "$type: as it was told" 0 "$leafcast" convert "$tmp/far_16x16x16_$type.raw" "$said" -o "$tmp/m.leaf" --force
+    ok "$type: they are no data" grep -q '^no data  *820 samples' "$tmp/out"
+done
 ok "is told no more" sh -c '! grep -q "of the samples" "$1"' - "$tmp/err"
 like "raw" "$leafcast" convert "$tmp/u8.raw" --dims 40,36,34 --type u8 --missing 255
 like "a pipe" piped "$tmp/u8.nrrd" --missing 255

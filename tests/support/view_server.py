@@ -346,6 +346,8 @@ def changed():
     page.view(2, dict(SURFACE, iso=101), W, H)
     why = page.text("refused")["why"]
     ok(f"a file that changes: {why}", why.startswith("changes.leaf") and "/" not in why)
+    page.view(3, dict(SURFACE, field="a/b"), W, H)
+    ok("what the page has said stays", '"a/b"' in page.text("refused")["why"])
     code, _, body = picture_of(s, SURFACE)
     ok("as an answer", code == 400 and body.startswith(b"changes.leaf"))
     page.close()
