@@ -9,6 +9,7 @@
 #include "formats/leaf/leaf_histogram.h"
 #include "formats/public_status.h"
 #include "render/arguments.h"
+#include "render/coarse_preview.h"
 #include "render/experiment.h"
 #include "render/kind.h"
 #include "render/leafcast_device.h"
@@ -52,6 +53,7 @@ status volume_open_file(leafcast *v) {
     if (!v->touched || !v->stop)
         return ST_NOMEM;
     affine_init(&v->space, v->file->header.to_world);
+    v->preview_levels = v->file->header.levels + coarse_preview_levels(v);
     return ST_OK;
 }
 
@@ -187,6 +189,7 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
                             .name = v->file->name,
                             .value_min = h->value_min,
                             .value_max = h->value_max,
+                            .preview_levels = v->preview_levels,
                             .cell_size = 1.0,
                             .file_bytes = h->file_bytes,
                             .payload_bytes = h->payload_bytes};

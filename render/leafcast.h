@@ -130,6 +130,8 @@ typedef struct leafcast_info {
                             moving mesh over all steps */
     double cell_size;    /* geometric mean edge of a cell, world units; of a mesh: about */
     uint64_t file_bytes, payload_bytes;
+    uint32_t preview_levels; /* of detail that a preview may draw: levels; of a mesh with a coarse
+                                grid the tets, and then those of the grid */
 } leafcast_info;
 
 /* leafcast_get_info(), leafcast_describe() - pointers live as long as the volume. */
@@ -290,7 +292,9 @@ typedef struct leafcast_scene {
     uint32_t lod_level;
     bool preview; /* do not wait: draw the finest level that is resident, of a mesh its coarse grid
                      where tets are absent, and say where that is provisional; of a medium also how
-                     far that may be off (image.error) */
+                     far that may be off (image.error). A mesh with a coarse grid has coarse levels
+                     for lod here: level n is that grid's level n - 1, in place of the tets, and
+                     all of the picture is provisional */
     bool sweep;   /* load everything the isovalues need, coarse first, instead of what the rays ask
                      for */
     int samples;  /* rays a pixel for r, g, b, a: 0 or 1 (through its centre), 4 or 16 on a fixed

@@ -43,8 +43,8 @@ static size_t frame_fixed_bytes(const turn *t) {
     if (t->scene.samples > 1)
         bytes += budget_image(&colours, frame_pixels(f));
     for (int i = 0; i < t->volumes; i++) {
-        const leafcast *v = t->shown[i].volume;
-        bytes += coarse_preview_bytes(v) +
+        const leafcast *v = t->drawn[i];
+        bytes += coarse_preview_bytes(t->shown[i].volume) +
                  (v->kind->projection_bytes ? v->kind->projection_bytes(&v->file->layout) : 0);
     }
     return bytes;

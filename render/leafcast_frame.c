@@ -73,6 +73,21 @@ static double brightest_surface(const leafcast_frame *fr) {
     return rgb * (1.0 + lights) + fabs((double)scene->specular) * lights;
 }
 
+/* Of a volume's values: as they look is by these, whatever is drawn of it. */
+static void shown_range(const leafcast_frame *fr, int i, double range[2]) {
+    const leafcast_shown *s = &fr->t.shown[i];
+    const leaf_file *of = s->volume->file;
+    leaf_histogram_range(of, leaf_layout_set(&of->layout, s->field, s->step), range);
+}
+
+/* Of those that are drawn. */
+static void drawn_range(const leafcast_frame *fr, int i, double range[2]) {
+    if (turn_is_instead(&fr->t, i))
+        leaf_histogram_range(fr->t.drawn[i]->file, 0, range);
+    else
+        shown_range(fr, i, range);
+}
+
 static status fill_volume(leafcast_frame *fr, int i) {
     const leafcast_shown *s = &fr->t.shown[i];
     interest_interval of[SCENE_BESIDE_MAX];
@@ -80,22 +95,22 @@ static status fill_volume(leafcast_frame *fr, int i) {
     const status st = transfer_init(medium, fr->t.f.m, &fr->t.scene.media[i]);
     if (st != ST_OK || medium->spans == 0)
         return st;
-    if (!s->volume->kind->segments)
+    if (!fr->t.tracers[i].kind->segments)
         return status_describe(ST_USAGE, "%s cannot be filled with a medium",
                                s->volume->kind->name);
     fr->t.beside[i] = interest_of_intervals(of, transfer_interest(medium, of, SCENE_BESIDE_MAX));
-    leaf_histogram_range(s->volume->file,
-                         leaf_layout_set(&s->volume->file->layout, s->field, s->step),
-                         fr->ranges[i]);
+    drawn_range(fr, i, fr->ranges[i]);
     fr->look.brightest = fmax(fr->look.brightest, medium->most_rgb);
     return ST_OK;
 }
 
+/* All that describing it takes. */
 static void empty(leafcast_frame *fr) {
     for (int i = 0; i < LEAFCAST_VOLUMES_MAX; i++)
         transfer_release(&fr->media[i], &fr->t.device->budget);
     transfer_release(&fr->cap_colours, &fr->t.device->budget);
     preintegrated_table_release(&fr->stepped.table, &fr->t.device->budget);
+    turn_end(&fr->t);
 }
 
 /* Media without a bound. */
@@ -123,7 +138,7 @@ static status fill_for_steps(leafcast_frame *fr) {
 
 /* Of the one volume that is filled, what need not be looked at closely. */
 static homogeneous homogeneous_of(const leafcast_frame *fr, int i) {
-    const leafcast *v = fr->t.shown[i].volume;
+    const leafcast *v = fr->t.drawn[i];
     const leafcast_scene_experiments *e = fr->t.scene.experiments;
     leafcast_info info = {0};
     double square = 0.0;
@@ -141,14 +156,16 @@ static status shade_media(leafcast_frame *fr) {
     for (int i = 0; i < fr->t.volumes; i++) {
         const leafcast *v = fr->t.shown[i].volume;
         leafcast_info info = {.cell_size = 1.0};
+        double range[2];
         if (fr->media[i].spans == 0)
             continue;
-        if (!v->kind->gradient)
-            return status_describe(ST_USAGE, "media in %s cannot be shaded", v->kind->name);
+        const kind *k = fr->t.tracers[i].kind;
+        if (!k->gradient)
+            return status_describe(ST_USAGE, "media in %s cannot be shaded", k->name);
         v->kind->describe(v, &info);
-        fr->shade.steepness[i] =
-            medium_shade_steepness(scene->shade_fade, info.cell_size, fr->ranges[i]);
-        fr->look.overlaid |= v->kind->overlaps;
+        shown_range(fr, i, range);
+        fr->shade.steepness[i] = medium_shade_steepness(scene->shade_fade, info.cell_size, range);
+        fr->look.overlaid |= k->overlaps;
     }
     fr->look.brightest *= fr->shade.most;
     fr->look.shade = &fr->shade;
@@ -177,6 +194,7 @@ static status fill(leafcast_frame *fr) {
     fr->look.overlaid = fr->look.filled > 1;
     if (st == ST_OK && scene->shade_media)
         st = shade_media(fr);
+    fr->look.unbounded = turn_any_instead(&fr->t);
     fr->t.f.record_more = medium_record_more(&fr->look, scene->preview);
     for (int i = 0; i < fr->t.volumes && st == ST_OK && fr->look.filled == 1 && !fr->look.shade;
          i++)
@@ -190,14 +208,14 @@ static status project_volume(leafcast_frame *fr, int i) {
     leafcast_shown *s = &fr->t.shown[i];
     const leafcast_scene *scene = &fr->t.scene;
     const interest_interval above = {.lo = scene->project_value, .hi = (double)INFINITY};
-    const uint32_t set = leaf_layout_set(&s->volume->file->layout, s->field, s->step);
+    const kind *k = fr->t.tracers[i].kind;
     double range[2];
-    if (!s->volume->kind->segments || !s->volume->kind->extreme)
-        return status_describe(ST_USAGE, "%s cannot be projected", s->volume->kind->name);
+    if (!k->segments || !k->extreme)
+        return status_describe(ST_USAGE, "%s cannot be projected", k->name);
     s->count = 0;
     fr->t.beside[i] = scene->project == LEAFCAST_PROJECT_FIRST ? interest_of_intervals(&above, 1)
                                                                : interest_of_all();
-    leaf_histogram_range(s->volume->file, set, range);
+    shown_range(fr, i, range);
     fr->projected.range[0] = fmin(fr->projected.range[0], range[0]);
     fr->projected.range[1] = fmax(fr->projected.range[1], range[1]);
     return ST_OK;
@@ -329,7 +347,7 @@ static bool watch_part(void *ctx, double done) {
 /* Tiles of rays, where there are kernels for them. An experiment's intersector wants single rays.
  */
 static status project(leafcast_frame *fr, frame *f) {
-    leafcast *v = fr->t.shown[0].volume;
+    leafcast *v = fr->t.drawn[0];
     const bool tiles = f->integrator->tile && v->kind->tile && v->kind->tile(f->kernels);
     if (!tiles || f->volumes > 1 || v->intersect || f->camera.ortho)
         return ST_OK;
@@ -403,6 +421,13 @@ static status draw_parts(leafcast_frame *fr, double until) {
     return st;
 }
 
+/* Nothing of it is drawn as it is. */
+static void mark_instead(const leafcast_frame *fr) {
+    const leafcast_image *i = &fr->t.f.image;
+    for (size_t row = 0; row < fr->t.f.height && i->provisional; row++)
+        memset(i->provisional + row * i->stride, 1, fr->t.f.width);
+}
+
 /* ---- Bytes ---- */
 
 /* Surfaces have colours of floats, and no error. */
@@ -450,6 +475,8 @@ static void fill_stats(const leafcast_frame *fr, leafcast_stats *stats) {
     RAY_COUNTERS(COUNTER)
     PACKET_COUNTERS(COUNTER)
 #undef COUNTER
+    if (turn_any_instead(&fr->t))
+        stats->provisional_pixels = frame_pixels(&fr->t.f);
     if (c->most_doubt > 0.0) {
         stats->provisional_error_most = c->most_doubt;
         stats->provisional_error_mean = (double)c->doubt * 0x1p-32 / (double)c->provisional_pixels;
@@ -471,6 +498,8 @@ static status advance(leafcast_frame *fr, double seconds, bool *done) {
     if (st == ST_OK)
         st = draw_parts(fr, start + seconds);
     *done = st == ST_OK && fr->part == fr->parts;
+    if (turn_any_instead(&fr->t))
+        mark_instead(fr);
     if (st == ST_OK)
         st = encode(fr);
     st = turn_check(&fr->t, *done, st);
@@ -490,14 +519,28 @@ static void release(leafcast_frame *fr) {
     free_colours(m, &fr->sample);
     free_colours(m, &fr->own);
     empty(fr);
-    turn_end(&fr->t);
 }
 
 /* ---- The public functions ---- */
 
-/* A frame of what is passed, checked; outside of the budget. */
+/* Rather the tets than nothing: a coarse grid for which there is no room is not drawn. */
+static status describe_within(leafcast_frame *fr, leafcast *v, const leafcast_scene *scene,
+                              const leafcast_camera *from, const leafcast_image *image) {
+    const status st = describe(fr, v, scene, from, image);
+    if (st != ST_OK || !turn_any_instead(&fr->t) || budget_check(&fr->t) == ST_OK)
+        return st;
+    leafcast_scene finest = *scene;
+    finest.lod = LEAFCAST_LOD_EXACT;
+    empty(fr);
+    *fr = (leafcast_frame){0};
+    return describe(fr, v, &finest, from, image);
+}
+
+/* A frame of what is passed, checked; outside of the budget. beside: NULL, or what is beside it
+ * from now on, and that it fits is checked, too. */
 static status make_frame(leafcast *v, const leafcast_scene *scene, const leafcast_camera *from,
-                         const leafcast_image *image, leafcast_frame **out) {
+                         const leafcast_image *image, const uint64_t *beside,
+                         leafcast_frame **out) {
     mem outside;
     status st = arguments_check_picture(scene, from, image, NULL);
     if (st != ST_OK)
@@ -507,7 +550,11 @@ static status make_frame(leafcast *v, const leafcast_scene *scene, const leafcas
     if (!fr)
         return ST_NOMEM;
     device_lock(v->device);
-    st = describe(fr, v, scene, from, image);
+    if (beside)
+        v->device->beside = (size_t)*beside;
+    st = describe_within(fr, v, scene, from, image);
+    if (st == ST_OK && beside)
+        st = budget_check(&fr->t);
     if (st != ST_OK)
         empty(fr);
     device_unlock(v->device);
@@ -522,13 +569,7 @@ leafcast_status leafcast_check_room(leafcast *v, const leafcast_scene *scene,
                                     const leafcast_camera *from, const leafcast_image *planes,
                                     uint64_t beside) {
     leafcast_frame *fr = NULL;
-    status st = make_frame(v, scene, from, planes, &fr);
-    if (st != ST_OK)
-        return public_status(st);
-    device_lock(v->device);
-    v->device->beside = (size_t)beside;
-    st = budget_check(&fr->t);
-    device_unlock(v->device);
+    const status st = make_frame(v, scene, from, planes, &beside, &fr);
     leafcast_frame_end(fr);
     return public_status(st);
 }
@@ -536,7 +577,7 @@ leafcast_status leafcast_check_room(leafcast *v, const leafcast_scene *scene,
 leafcast_status leafcast_frame_begin(leafcast *v, const leafcast_scene *scene,
                                      const leafcast_camera *from, const leafcast_image *image,
                                      leafcast_frame **out) {
-    return public_status(make_frame(v, scene, from, image, out));
+    return public_status(make_frame(v, scene, from, image, NULL, out));
 }
 
 leafcast_status leafcast_frame_advance(leafcast_frame *fr, double seconds, bool *done,

@@ -43,9 +43,7 @@ static status trace_rays(turn *t, ray_look *look) {
     status st = turn_prepare(t);
     if (st == ST_OK)
         st = frame_render(f, &counters);
-    st = turn_check(t, true, st);
-    turn_end(t);
-    return st;
+    return turn_check(t, true, st);
 }
 
 static leafcast_status trace(leafcast *v, const leafcast_scene *scene, ray_look *look) {
@@ -59,11 +57,13 @@ static leafcast_status trace(leafcast *v, const leafcast_scene *scene, ray_look 
     turn *t = mem_zalloc(&outside, sizeof *t);
     if (!t)
         return LEAFCAST_NOMEM;
+    leafcast_scene waits = *scene;
+    waits.preview = false;
     device_lock(v->device);
-    st = turn_describe(t, v, scene);
-    t->scene.preview = false;
+    st = turn_describe(t, v, &waits);
     if (st == ST_OK)
         st = trace_rays(t, look);
+    turn_end(t);
     device_unlock(v->device);
     mem_free(&outside, t);
     return public_status(st);

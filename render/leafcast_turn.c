@@ -11,6 +11,19 @@ static int filled_media(const leafcast_scene *scene) {
     return 0;
 }
 
+/* A coarse grid stays open until turn_end(). */
+static status choose_drawn(turn *t, int i) {
+    const leafcast_shown *s = &t->shown[i];
+    leafcast *coarse = NULL;
+    const status st = coarse_preview_instead(s->volume, &t->scene, s, &coarse);
+    t->drawn[i] = coarse ? coarse : s->volume;
+    t->drawn[i]->frames += turn_is_instead(t, i);
+    t->tracers[i] = (tracer){.kind = t->drawn[i]->kind, .layout = &t->drawn[i]->file->layout};
+    if (i == 0)
+        t->f.kernels = &t->drawn[i]->kernels;
+    return st;
+}
+
 status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
     *t = (turn){.device = v->device, .scene = *scene};
     status st = scene_volumes(v, scene, t->shown, &t->volumes);
@@ -27,21 +40,29 @@ status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene) {
         s->surfaces = t->surfaces[i];
         t->first_id[i] = id;
         id += s->count;
-        t->tracers[i] = (tracer){.kind = s->volume->kind, .layout = &s->volume->file->layout};
+        st = choose_drawn(t, i);
     }
     t->f.m = &v->device->budget;
     t->f.threads = v->device->threads;
     t->f.tracer = t->tracers;
     t->f.volumes = t->volumes;
-    if (st == ST_OK)
-        t->f.kernels = &t->shown[0].volume->kernels;
     return st;
+}
+
+bool turn_any_instead(const turn *t) {
+    bool any = false;
+    for (int i = 0; i < t->volumes; i++)
+        any |= turn_is_instead(t, i);
+    return any;
 }
 
 /* What rays see of a volume from now on. */
 static status prepare_volume(turn *t, int i) {
     const leafcast_shown *s = &t->shown[i];
     leafcast *v = s->volume;
+    if (turn_is_instead(t, i))
+        return coarse_preview_show(t->drawn[i], &t->scene, s, &t->beside[i], &t->f.camera,
+                                   &t->tracers[i]);
     loader_forget_failures(v->treelets);
     volume_show_beside(s, &t->beside[i]);
     status st = volume_tracer(v, &t->scene, &t->f.camera, &t->tracers[i]);
@@ -67,7 +88,9 @@ static void begin_loading(turn *t, int i) {
         loader_follow(v->treelets, v->touched);
     for (uint32_t k = 0; k < v->file->layout.treelets && !t->begun; k++)
         atomic_store_explicit(&v->touched[k], 0, memory_order_relaxed);
-    if (t->scene.sweep)
+    if (turn_is_instead(t, i))
+        loader_rest(v->treelets);
+    else if (t->scene.sweep)
         loader_sweep(v->treelets);
     else if (t->scene.preview)
         loader_sweep_level(v->treelets, t->tracers[i].target_level);
@@ -97,7 +120,7 @@ status turn_prepare(turn *t) {
 status turn_check(const turn *t, bool done, status st) {
     for (int i = 0; i < t->volumes; i++) {
         const leafcast *v = t->shown[i].volume;
-        if (st == ST_OK && t->coarse[i])
+        if (st == ST_OK && (t->coarse[i] || turn_is_instead(t, i)))
             st = loader_failure(v->coarse->treelets);
         if (st == ST_OK && done && t->scene.sweep && !t->scene.preview)
             st = loader_settle(v->treelets);
@@ -140,11 +163,13 @@ void turn_stats(const turn *t, leafcast_stats *stats) {
     stats->isa = first->kernels.name;
     for (int i = 0; i < t->volumes; i++) {
         add_volume_stats(t->shown[i].volume, stats);
-        if (t->coarse[i])
+        if (t->coarse[i] || turn_is_instead(t, i))
             coarse_preview_stats(t->shown[i].volume, stats);
     }
 }
 
 void turn_end(turn *t) {
     t->device->frames_bytes -= t->reserved;
+    for (int i = 0; i < t->volumes && t->drawn[i]; i++)
+        t->drawn[i]->frames -= turn_is_instead(t, i);
 }

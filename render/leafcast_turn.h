@@ -21,7 +21,8 @@ typedef struct turn {
     leafcast_surface surfaces[LEAFCAST_VOLUMES_MAX][LEAFCAST_SURFACES_MAX];
     int32_t first_id[LEAFCAST_VOLUMES_MAX]; /* of a volume's surfaces, numbered through */
     interest beside[LEAFCAST_VOLUMES_MAX];  /* values that matter beside those of surfaces */
-    tracer tracers[LEAFCAST_VOLUMES_MAX];
+    leafcast *drawn[LEAFCAST_VOLUMES_MAX];  /* the volume, or in a preview its coarse grid */
+    tracer tracers[LEAFCAST_VOLUMES_MAX];   /* of that */
     const tracer
         *coarse[LEAFCAST_VOLUMES_MAX]; /* what a preview draws where treelets are absent, */
     tracer coarse_tracers[LEAFCAST_VOLUMES_MAX]; /* one of these; or NULL */
@@ -31,8 +32,15 @@ typedef struct turn {
 } turn;
 
 /* turn_describe() - *t anew, and of t->f all but what is drawn: look, integrator, camera, image and
- * size are the caller's to set. Nothing of volumes changes. */
+ * size are the caller's to set. Nothing of volumes changes, but that coarse grids are opened. */
 CHECKED status turn_describe(turn *t, leafcast *v, const leafcast_scene *scene);
+
+/* turn_is_instead() - whether a volume's coarse grid is drawn in its place. turn_any_instead() - of
+ * any volume. */
+static inline bool turn_is_instead(const turn *t, int i) {
+    return t->drawn[i] != t->shown[i].volume;
+}
+bool turn_any_instead(const turn *t);
 
 /* turn_prepare() - the volumes show what this frame does, and have their share of the budget. */
 CHECKED status turn_prepare(turn *t);
@@ -44,7 +52,8 @@ CHECKED status turn_check(const turn *t, bool done, status st);
 /* turn_stats() - of the volumes and the device. */
 void turn_stats(const turn *t, leafcast_stats *stats);
 
-/* turn_end() - after the last one: the budget is the others'. */
+/* turn_end() - after the last one, also of a turn_describe() that failed: the budget is the
+ * others'. */
 void turn_end(turn *t);
 
 /* ---- leafcast_budget.c ---- */

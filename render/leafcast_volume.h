@@ -29,6 +29,8 @@ struct leafcast {
     leafcast_surface surfaces[LEAFCAST_SURFACES_MAX];
     int surface_count;
     uint32_t field, step;
+    uint32_t preview_levels;
+    int frames;          /* of a coarse grid: under way, in which it is drawn in a mesh's place */
     leafcast *coarse;    /* a mesh's coarse grid, once a preview wants it; else NULL */
     uint32_t coarse_set; /* of which set */
     atomic_uchar *touched;

@@ -103,7 +103,8 @@ static void medium_begin(const frame *f, uint32_t pixel, ray_record *r) {
     double way[2] = {INFINITY, 0.0};
     surface_ray_begin(pixel, &p->way);
     p->stage = FINDING;
-    p->begun = p->doubted = p->unbounded = false;
+    p->begun = p->doubted = false;
+    p->unbounded = look_of(f)->unbounded;
     p->from = 0.0;
     p->rule = rule_of(f, pixel, filled_from(f, 0), way);
     for (int i = 0, v = filled_from(f, 0); i < look_of(f)->filled && overlaid(f); i++) {

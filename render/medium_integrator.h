@@ -34,6 +34,7 @@ typedef struct medium_look {
     /* Pieces of all volumes are laid over each other ray by ray: several are filled; or one is
      * shaded whose pieces may come when their treelet is gone. */
     bool overlaid;
+    bool unbounded; /* preview: what is drawn stands for what may be anything */
 } medium_look;
 
 /* medium_record_more() - frame.record_more for it, in a preview or not. */

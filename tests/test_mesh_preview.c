@@ -21,7 +21,8 @@
 #include "tests/support/scratch.h"
 
 enum { CELLS = 20, FRAMES_MAX = 20000 };
-static const double ISO = 0.4;
+#define ISO_VALUE 0.4
+static const double ISO = ISO_VALUE;
 static mem m;
 
 /* The coarse grid of a set, as a file of its own. */
@@ -205,6 +206,127 @@ static void test_scenes(void **state) {
     }
 }
 
+/* ---- levels ---- */
+
+/* All planes that a picture of anything has. */
+typedef struct all_planes {
+    float rgba[4][PICTURE_PIXELS];
+    double value[PICTURE_PIXELS], error[PICTURE_PIXELS];
+    uint8_t provisional[PICTURE_PIXELS];
+} all_planes;
+
+static leafcast_stats draw_all(leafcast *v, const leafcast_scene *scene,
+                               const leafcast_camera *view, all_planes *p) {
+    leafcast_stats stats = {.size = sizeof stats};
+    const leafcast_image image = {.size = sizeof image,
+                                  .r = p->rgba[0],
+                                  .g = p->rgba[1],
+                                  .b = p->rgba[2],
+                                  .a = p->rgba[3],
+                                  .value = p->value,
+                                  .error = p->error,
+                                  .provisional = p->provisional};
+    if (leafcast_trace(v, scene, view, &image, &stats, NULL, NULL) != LEAFCAST_OK)
+        fail_msg("%s", leafcast_error_text());
+    return stats;
+}
+
+/* How values look is the mesh's: shading and shades of grey are others in the grid alone. */
+static bool same_planes(const leafcast_scene *scene, const all_planes *a, const all_planes *b) {
+    const bool coloured = !scene->shade_media && scene->project == LEAFCAST_PROJECT_NONE;
+    bool same = memcmp(a->value, b->value, sizeof a->value) == 0;
+    for (int c = coloured ? 0 : 3; c < 4; c++)
+        same &= memcmp(a->rgba[c], b->rgba[c], sizeof a->rgba[c]) == 0;
+    return same;
+}
+
+enum { SCENES = 5 };
+
+static leafcast_scene scene_of(int which) {
+    static const leafcast_transfer_point points[] = {
+        {0.1, {0.2F, 0.4F, 1.0F}, 0.0}, {0.5, {1.0F, 0.8F, 0.2F}, 0.05}, {0.9, {1, 1, 1}, 0.3}};
+    static const leafcast_medium medium = {points, 3};
+    leafcast_scene scene = leafcast_scene_default();
+    if (which == 1 || which == 2) {
+        scene.media = &medium;
+        scene.media_count = 1;
+        scene.shade_media = which == 2;
+    }
+    scene.project = which == 3   ? LEAFCAST_PROJECT_MAX
+                    : which == 4 ? LEAFCAST_PROJECT_MEAN
+                                 : LEAFCAST_PROJECT_NONE;
+    return scene;
+}
+
+/* Level n of the mesh is level n - 1 of its grid, whatever is shown, to the bit; none of it is said
+ * to be exact, and a medium's colours are within the bound that is given. */
+static void test_levels(void **state) {
+    (void)state;
+    static all_planes got, gridded, exact;
+    make("mesh.leaf", "part.leaf", true);
+    leafcast *alone = open_with("part.leaf", "scalar", 0);
+    leafcast *tets = open_with("mesh.leaf", NULL, 0);
+    const uint32_t levels = leafcast_describe(alone).levels;
+    select_one(alone, ISO);
+    select_one(tets, ISO);
+    for (int k = 0; k < SCENES * (int)levels * 2; k++) {
+        const uint32_t level = (uint32_t)(k / SCENES) % levels;
+        leafcast *v = open_with("mesh.leaf", ISAS[k % 2], 0);
+        assert_int_equal(leafcast_describe(v).preview_levels, 1 + levels);
+        assert_int_equal(leafcast_describe(v).levels, 1);
+        const leafcast_camera view = leafcast_standard_view(v, 1.3, PICTURE_WIDTH, PICTURE_HEIGHT);
+        leafcast_scene scene = scene_of(k % SCENES);
+        select_one(v, ISO);
+        (void)draw_all(tets, &scene, &view, &exact);
+        scene.lod = LEAFCAST_LOD_LEVEL;
+        scene.lod_level = level;
+        (void)draw_all(alone, &scene, &view, &gridded);
+        scene.preview = true;
+        scene.lod_level = level + 1;
+        leafcast_stats stats = {.size = sizeof(leafcast_stats)};
+        for (int n = 0; n < FRAMES_MAX && (n == 0 || !same_planes(&scene, &got, &gridded)); n++) {
+            const struct timespec moment = {.tv_nsec = n ? 2000000 : 0};
+            nanosleep(&moment, NULL);
+            stats = draw_all(v, &scene, &view, &got);
+        }
+        if (!same_planes(&scene, &got, &gridded))
+            fail_msg("scene %d, level %u: not the grid's", k % SCENES, level + 1);
+        assert_int_equal(stats.provisional_pixels, PICTURE_PIXELS);
+        for (int i = 0; i < PICTURE_PIXELS; i++) {
+            assert_int_equal(got.provisional[i], 1);
+            for (int c = 0; c < 4 && scene.media_count > 0; c++)
+                if (!(fabs((double)got.rgba[c][i] - (double)exact.rgba[c][i]) <= got.error[i]))
+                    fail_msg("pixel %d: %g, truly %g, said to be within %g", i,
+                             (double)got.rgba[c][i], (double)exact.rgba[c][i], got.error[i]);
+        }
+        leafcast_close(v);
+    }
+    leafcast_close(tets);
+    leafcast_close(alone);
+}
+
+/* What has no coarse grid has no levels; nor has a picture that is no preview. */
+static void test_no_levels(void **state) {
+    (void)state;
+    static all_planes p;
+    make("mesh.leaf", NULL, true);
+    make("plain.leaf", NULL, false);
+    for (int i = 0; i < 2; i++) {
+        leafcast *v = open_with(i ? "plain.leaf" : "mesh.leaf", NULL, 0);
+        const leafcast_camera view = leafcast_standard_view(v, 1.3, PICTURE_WIDTH, PICTURE_HEIGHT);
+        leafcast_scene scene = scene_of(3);
+        const leafcast_image image = {.size = sizeof image, .value = p.value};
+        scene.lod = LEAFCAST_LOD_LEVEL;
+        scene.lod_level = 1;
+        scene.preview = i;
+        assert_int_equal(leafcast_trace(v, &scene, &view, &image, NULL, NULL, NULL),
+                         LEAFCAST_USAGE);
+        assert_non_null(strstr(leafcast_error_text(), "no coarse levels"));
+        assert_int_equal(leafcast_describe(v).preview_levels, i ? 1 : 3);
+        leafcast_close(v);
+    }
+}
+
 /* ---- steps ---- */
 
 enum { STEPS = 3 };
@@ -298,16 +420,74 @@ static void test_steps(void **state) {
     }
 }
 
+static leafcast_frame *begin_level(leafcast *v, uint32_t step, all_planes *p) {
+    static const leafcast_surface surface = {ISO_VALUE, {1, 1, 1}, 1};
+    const leafcast_shown shown = {v, 0, step, &surface, 1};
+    const leafcast_camera view = leafcast_standard_view(v, 1.3, PICTURE_WIDTH, PICTURE_HEIGHT);
+    const leafcast_image image = {.size = sizeof image,
+                                  .r = p->rgba[0],
+                                  .g = p->rgba[1],
+                                  .b = p->rgba[2],
+                                  .a = p->rgba[3],
+                                  .provisional = p->provisional};
+    leafcast_scene scene = leafcast_scene_default();
+    leafcast_frame *frame = NULL;
+    scene.volumes = &shown;
+    scene.volume_count = 1;
+    scene.preview = true;
+    scene.lod = LEAFCAST_LOD_LEVEL;
+    scene.lod_level = 2;
+    assert_int_equal(leafcast_frame_begin(v, &scene, &view, &image, &frame), LEAFCAST_OK);
+    return frame;
+}
+
+static uint64_t finish(leafcast_frame *frame) {
+    leafcast_stats stats = {.size = sizeof stats};
+    bool done = false;
+    while (!done)
+        assert_int_equal(leafcast_frame_advance(frame, 0.0, &done, &stats), LEAFCAST_OK);
+    leafcast_frame_end(frame);
+    return stats.provisional_pixels;
+}
+
+/* Two frames of two steps in turns: the grid of the first one stays, and the other draws tets, as
+ * far as they are there, until it has ended. */
+static void test_steps_in_turns(void **state) {
+    (void)state;
+    static all_planes alone, first, second;
+    make_series("series.leaf");
+    leafcast *v = open_with("series.leaf", NULL, 0);
+    bool done;
+    for (int n = 0; n < 20; n++) /* all that is read has been read */
+        assert_int_equal(finish(begin_level(v, 0, &alone)), PICTURE_PIXELS);
+    leafcast_frame *one = begin_level(v, 0, &first);
+    assert_int_equal(leafcast_frame_advance(one, 0.0, &done, NULL), LEAFCAST_OK);
+    leafcast_frame *two = begin_level(v, 1, &second);
+    assert_int_equal(leafcast_frame_advance(two, 0.0, &done, NULL), LEAFCAST_OK);
+    assert_int_equal(finish(one), PICTURE_PIXELS);
+    assert_true(finish(two) < PICTURE_PIXELS);
+    for (int c = 0; c < 4; c++)
+        assert_memory_equal(first.rgba[c], alone.rgba[c], sizeof first.rgba[c]);
+    assert_int_equal(finish(begin_level(v, 1, &second)), PICTURE_PIXELS);
+    leafcast_close(v);
+}
+
 /* ---- what may go wrong ---- */
 
-static leafcast_status try_draw(leafcast *v, bool preview) {
+static leafcast_status try_draw_at(leafcast *v, bool preview, uint32_t level) {
     static picture p;
     leafcast_scene scene = leafcast_scene_default();
     scene.preview = preview;
+    scene.lod = level > 0 ? LEAFCAST_LOD_LEVEL : LEAFCAST_LOD_EXACT;
+    scene.lod_level = level;
     const leafcast_camera view = leafcast_standard_view(v, 1.3, PICTURE_WIDTH, PICTURE_HEIGHT);
     const leafcast_image image = {
         .size = sizeof(leafcast_image), .z = p.z, .provisional = p.provisional};
     return leafcast_trace(v, &scene, &view, &image, NULL, NULL, NULL);
+}
+
+static leafcast_status try_draw(leafcast *v, bool preview) {
+    return try_draw_at(v, preview, 0);
 }
 
 /* Damage in the grid is told by previews alone. */
@@ -343,7 +523,7 @@ static void test_memory(void **state) {
     (void)state;
     make("mesh.leaf", NULL, true);
     int enough = 0;
-    for (uint64_t memory = 256 << 10; memory < 64 << 20; memory += memory / 3) {
+    for (uint64_t memory = 256 << 10; memory < 64 << 20; memory += memory / 24) {
         const leafcast_options o = {
             .size = sizeof(leafcast_options), .threads = 2, .memory = memory};
         leafcast *v = NULL;
@@ -352,8 +532,8 @@ static void test_memory(void **state) {
         select_one(v, ISO);
         const leafcast_status exact = try_draw(v, false);
         assert_true(exact == LEAFCAST_OK || exact == LEAFCAST_NOMEM);
-        for (int n = 0; n < 3; n++)
-            assert_int_equal(try_draw(v, true), exact);
+        for (int n = 0; n < 6; n++)
+            assert_int_equal(try_draw_at(v, true, n % 2), exact);
         assert_int_equal(try_draw(v, false), exact);
         enough += exact == LEAFCAST_OK;
         leafcast_close(v);
@@ -364,9 +544,11 @@ static void test_memory(void **state) {
 int main(void) {
     mem_init(&m, 0);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_becomes_exact), cmocka_unit_test(test_is_the_grid),
-        cmocka_unit_test(test_scenes),        cmocka_unit_test(test_damage),
-        cmocka_unit_test(test_memory),        cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_becomes_exact),  cmocka_unit_test(test_is_the_grid),
+        cmocka_unit_test(test_scenes),         cmocka_unit_test(test_damage),
+        cmocka_unit_test(test_memory),         cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_levels),         cmocka_unit_test(test_no_levels),
+        cmocka_unit_test(test_steps_in_turns),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

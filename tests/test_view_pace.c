@@ -14,14 +14,16 @@
 /* A renderer: seconds a pixel at level 0, and the share of that at each coarser level. */
 typedef struct model {
     double cost, per_level, more; /* more: seconds a picture, whatever its size */
+    double tets;                  /* how many times that level 0 takes */
 } model;
 
 static double takes(const model *m, const view_task *t, view_grade g) {
-    return m->more + m->cost * pow(m->per_level, g.level) * view_pace_pixels(t, g);
+    const double cells = g.level == 0 ? m->tets : 1.0;
+    return m->more + cells * m->cost * pow(m->per_level, g.level) * view_pace_pixels(t, g);
 }
 
 static const view_task GRID = {
-    .width = 1280, .height = 720, .levels = 4, .cells = 0.6, .guess = 8e-7};
+    .width = 1280, .height = 720, .levels = 4, .cells = 0.6, .guess = 8e-7, .apart = 1.0};
 
 /* One picture as the viewer draws it: given up where it takes longer than it may. Its time, with
  * those that were given up before it. */
@@ -58,7 +60,7 @@ static view_grade settles(view_pace *p, const view_task *t, const model *m, int 
 static void test_quick(void **state) {
     (void)state;
     view_pace p = {0};
-    const view_grade g = settles(&p, &GRID, &(model){2e-8, 0.5, 0.0}, 20);
+    const view_grade g = settles(&p, &GRID, &(model){2e-8, 0.5, 0.0, 1.0}, 20);
     assert_int_equal(g.scale, 1);
     assert_int_equal(g.level, 0);
 }
@@ -69,7 +71,7 @@ static void test_fits(void **state) {
     (void)state;
     for (double cost = 1e-8; cost < 1e-5; cost *= 1.3) {
         view_pace p = {0};
-        const model m = {cost, 0.5, 0.0};
+        const model m = {cost, 0.5, 0.0, 1.0};
         const view_grade g = settles(&p, &GRID, &m, 20);
         assert_true(takes(&m, &GRID, g) <= BUDGET);
         if (g.scale > 1) {
@@ -83,7 +85,7 @@ static void test_fits(void **state) {
 static void test_hopeless(void **state) {
     (void)state;
     view_pace p = {0};
-    const model m = {1e-3, 0.9, 0.0};
+    const model m = {1e-3, 0.9, 0.0, 1.0};
     view_grade g;
     int lost = 0;
     for (int i = 0; i < 5; i++)
@@ -100,7 +102,7 @@ static void test_hopeless(void **state) {
 static void test_changes(void **state) {
     (void)state;
     view_pace p = {0};
-    const model quick = {2e-8, 0.5, 0.0}, slow = {2e-6, 0.5, 0.0};
+    const model quick = {2e-8, 0.5, 0.0, 1.0}, slow = {2e-6, 0.5, 0.0, 1.0};
     const view_grade fine = settles(&p, &GRID, &quick, 20);
     view_grade g;
     int lost = 0;
@@ -117,7 +119,7 @@ static void test_changes(void **state) {
 static void test_held_up(void **state) {
     (void)state;
     view_pace p = {0};
-    const model m = {1e-7, 0.5, 0.0};
+    const model m = {1e-7, 0.5, 0.0, 1.0};
     const view_grade before = settles(&p, &GRID, &m, 20);
     const double usual = takes(&m, &GRID, before);
     view_pace_learn(&p, &GRID, before, 1.4 * usual, 1.0);
@@ -137,7 +139,7 @@ static void test_steady(void **state) {
         view_grade g, before = {0, 0};
         int lost = 0, changes = 0;
         for (int i = 0; i < 100; i++) {
-            const model m = {cost * (i % 2 ? 1.05 : 0.95), 0.5, 0.0};
+            const model m = {cost * (i % 2 ? 1.05 : 0.95), 0.5, 0.0, 1.0};
             (void)draw(&p, &GRID, &m, &g, &lost);
             changes += i >= 50 && (g.scale != before.scale || g.level != before.level);
             before = g;
@@ -185,6 +187,39 @@ static void test_no_levels(void **state) {
     assert_int_equal(g.scale, VIEW_SCALE_MAX);
 }
 
+/* Tets that take much longer than the coarse grid's cells are left alone from the first picture on,
+ * and not tried again and again; those that do not are drawn. */
+static void test_tets(void **state) {
+    (void)state;
+    view_task t = GRID;
+    t.apart = 8.0;
+    t.cells = 0.2;
+    for (double tets = 4.0; tets < 200.0; tets *= 1.3)
+        for (double cost = 3e-7; cost < 3e-6; cost *= 1.3) {
+            view_pace p = {0};
+            const model m = {cost, 0.6, 0.0, tets};
+            view_grade g;
+            int lost = 0;
+            (void)draw(&p, &t, &m, &g, &lost);
+            assert_true(lost <= 1);
+            assert_true(g.level > 0);
+            (void)settles(&p, &t, &m, 20);
+        }
+    view_pace p = {0};
+    view_grade g = settles(&p, &t, &(model){1e-9, 0.6, 0.0, 8.0}, 60);
+    assert_int_equal(g.scale, 1);
+    assert_int_equal(g.level, 0);
+    int lost = 0;
+    for (int i = 0; i < 200; i++)
+        (void)draw(&p, &t, &(model){5e-8, 0.6, 0.0, 200.0}, &g, &lost);
+    assert_in_range(lost, 1, 3);
+    assert_int_equal(view_pace_quick_level(&GRID, 1), 0);
+    assert_int_equal(view_pace_quick_level(&t, 1), 1);
+    assert_int_equal(view_pace_quick_level(&t, 32), 2);
+    t.levels = 1;
+    assert_int_equal(view_pace_quick_level(&t, 1), 0);
+}
+
 /* A picture that takes long beside other programs' work changes little. */
 static void test_outlier(void **state) {
     (void)state;
@@ -216,7 +251,8 @@ static void test_again(void **state) {
 static void test_small(void **state) {
     (void)state;
     view_pace p = {0};
-    const view_task t = {.width = 1, .height = 1, .levels = 1, .cells = 1.0, .guess = 1e-6};
+    const view_task t = {
+        .width = 1, .height = 1, .levels = 1, .cells = 1.0, .guess = 1e-6, .apart = 1.0};
     assert_true(view_pace_pixels(&t, (view_grade){16, 0}) == 1.0);
     assert_int_equal(view_pace_choose(&p, &t, BUDGET).scale, 1);
 }
@@ -228,6 +264,6 @@ int main(void) {
         cmocka_unit_test(test_held_up),  cmocka_unit_test(test_steady),
         cmocka_unit_test(test_levels),   cmocka_unit_test(test_no_levels),
         cmocka_unit_test(test_outlier),  cmocka_unit_test(test_again),
-        cmocka_unit_test(test_small)};
+        cmocka_unit_test(test_tets),     cmocka_unit_test(test_small)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -640,8 +640,8 @@ status view_options_only(const view_options *v, const char *names, const char *w
     return ST_OK;
 }
 
-static bool lod_is_exact(const view_options *v) {
-    return v->scene.lod == LEAFCAST_LOD_EXACT;
+static bool lod_of_meshes(const view_options *v) {
+    return v->scene.lod == LEAFCAST_LOD_EXACT || v->scene.preview;
 }
 
 static bool intersector_is_exact(const view_options *v) {
@@ -659,7 +659,7 @@ static bool normals_of_meshes(const view_options *v) {
 static const flag_need GRID_NEEDS[] = {
     {NORMALS, normals_of_grids, "--normals: a grid's are central or analytic"}};
 static const flag_need MESH_NEEDS[] = {
-    {LOD, lod_is_exact, "--lod: a mesh has no coarse levels"},
+    {LOD, lod_of_meshes, "--lod: a mesh has no coarse levels but in a preview"},
     {INTERSECTOR, intersector_is_exact, "--intersector: intersectors are for grids"},
     {NORMALS, normals_of_meshes, "--normals: a mesh's are faceted or smooth"}};
 

@@ -36,11 +36,13 @@ static json_t *describe_blocks(const leafcast_block *map, const uint32_t blocks[
 
 json_t *view_map_describe(mem *m, leafcast *volume, uint32_t level, const leafcast_stats *stats) {
     const leafcast_info info = leafcast_describe(volume);
+    /* A mesh's coarse levels have none that are its own. */
+    const uint32_t of = level < info.levels ? level : info.levels - 1;
     uint32_t blocks[3];
     json_t *out = NULL;
     choose_blocks(&info, blocks);
     leafcast_block *map = mem_array(m, (size_t)blocks[0] * blocks[1] * blocks[2], sizeof *map);
-    if (map && leafcast_map_treelets(volume, level, blocks, map) == LEAFCAST_OK)
+    if (map && leafcast_map_treelets(volume, of, blocks, map) == LEAFCAST_OK)
         out = json_pack(
             "{s:s,s:I,s:I,s:I,s:I,s:o}", "type", "treelets", "total",
             (json_int_t)stats->treelets_total, "active", (json_int_t)stats->treelets_active,

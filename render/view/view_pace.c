@@ -40,6 +40,11 @@ uint32_t view_pace_level(const view_task *t, uint32_t scale) {
     return cells >= 2.0 ? level_at_most(t, (uint32_t)fmin(log2(cells), VIEW_PACE_LEVELS)) : 0;
 }
 
+uint32_t view_pace_quick_level(const view_task *t, uint32_t scale) {
+    const uint32_t level = view_pace_level(t, scale);
+    return t->apart > 1.0 && level == 0 ? level_at_most(t, 1) : level;
+}
+
 static view_grade grade_at(const view_task *t, int place) {
     const view_grade g = LADDER[place];
     return (view_grade){g.scale, level_at_most(t, view_pace_level(t, g.scale) + g.level)};
@@ -51,15 +56,26 @@ static bool is_same(view_grade a, view_grade b) {
 
 /* ---- What it costs ---- */
 
+/* What a level's cells cost beside those of a coarse one. */
+static double apart(const view_task *t, uint32_t level) {
+    return level == 0 ? t->apart : 1.0;
+}
+
+/* Of the same cells: how long one takes says how long the other does. */
+static bool alike(const view_task *t, uint32_t a, uint32_t b) {
+    return apart(t, a) == apart(t, b);
+}
+
 /* By the level nearest to it that is known; a finer one where two are. */
 static double cost_of(const view_pace *p, const view_task *t, uint32_t level) {
+    const double cells = apart(t, level);
     for (uint32_t away = 0; away < VIEW_PACE_LEVELS; away++) {
         if (away <= level && p->cost[level - away] > 0.0)
-            return p->cost[level - away] * pow(COARSER, away);
+            return p->cost[level - away] * pow(COARSER, away) * cells / apart(t, level - away);
         if (level + away < VIEW_PACE_LEVELS && p->cost[level + away] > 0.0)
-            return p->cost[level + away] * pow(FINER, away);
+            return p->cost[level + away] * pow(FINER, away) * cells / apart(t, level + away);
     }
-    return t->guess;
+    return t->guess * cells;
 }
 
 double view_pace_seconds(const view_pace *p, const view_task *t, view_grade g) {
@@ -80,13 +96,15 @@ void view_pace_learn(view_pace *p, const view_task *t, view_grade g, double seco
     const bool given_up = share < 1.0 && now > before;
     const double known = fmin(0.5 * (now + before), RISE * before);
     const double cost = before == 0.0 || given_up ? now : known;
-    for (int i = 0; i < VIEW_PACE_LEVELS && before > 0.0; i++)
-        p->cost[i] *= cost / before;
+    for (uint32_t i = 0; i < VIEW_PACE_LEVELS && before > 0.0; i++)
+        p->cost[i] *= alike(t, i, g.level) ? cost / before : 1.0;
     p->cost[g.level] = cost;
     for (uint32_t i = 0; i < VIEW_PACE_LEVELS; i++) {
         const uint32_t finer = i < g.level ? g.level - i : 0;
-        p->cost[i] = fmin(p->cost[i], cost * pow(FINER_MOST, finer));
-        p->cost[i] -= NEARER * fmax(p->cost[i] - cost * pow(FINER, finer), 0.0);
+        const double usual = apart(t, i) / apart(t, g.level) * cost * pow(FINER, finer);
+        if (alike(t, i, g.level))
+            p->cost[i] = fmin(p->cost[i], cost * pow(FINER_MOST, finer));
+        p->cost[i] -= NEARER * fmax(p->cost[i] - usual, 0.0);
     }
 }
 

@@ -21,6 +21,8 @@ typedef struct view_task {
     uint32_t levels;        /* of detail that there are, 1 at least */
     double cells;           /* of level 0 in the width of a pixel of the canvas, about */
     double guess;           /* seconds a pixel, before anything is known; above 0 */
+    double apart; /* 1; or more: level 0 is of other cells, tets, and takes so many times what the
+                     other levels' times make of it */
 } view_task;
 
 typedef struct view_grade {
@@ -39,8 +41,10 @@ typedef struct view_pace {
 double view_pace_pixels(const view_task *t, view_grade g);
 double view_pace_seconds(const view_pace *p, const view_task *t, view_grade g);
 
-/* view_pace_level() - the one whose cells are about as large as pixels, at this scale. */
+/* view_pace_level() - the one whose cells are about as large as pixels, at this scale.
+ * view_pace_quick_level() - that, or the next one where it is of tets that take their time. */
 uint32_t view_pace_level(const view_task *t, uint32_t scale);
+uint32_t view_pace_quick_level(const view_task *t, uint32_t scale);
 
 /* view_pace_choose() - the best grade that takes so many seconds at most, or the coarsest. One that
  * is better than the last chosen must take clearly less, or pictures would change from grade to

@@ -294,6 +294,13 @@ static double guess_of(way of) {
     return guesses[of];
 }
 
+/* What tets take beside cells of a grid of their size: where pieces of rays are asked for, many are
+ * met that no ray passes. */
+static double apart_of(const leafcast_info *info, way of) {
+    const bool pieces = of != SURFACES && of != BEHIND;
+    return info->preview_levels > info->levels && pieces ? 8.0 : 1.0;
+}
+
 static void set_pace(view_picture *p) {
     const leafcast_info info = leafcast_describe(p->wish.volume);
     const way of = way_of(&p->scene, &p->wish.view);
@@ -303,9 +310,10 @@ static void set_pace(view_picture *p) {
     p->pace = &p->paces[of];
     p->task = (view_task){.width = p->camera.width,
                           .height = p->camera.height,
-                          .levels = p->scene.lod == LEAFCAST_LOD_PIXEL ? 1 : info.levels,
+                          .levels = p->scene.lod == LEAFCAST_LOD_PIXEL ? 1 : info.preview_levels,
                           .cells = cells_of(&p->camera, &info),
-                          .guess = guess_of(of)};
+                          .guess = guess_of(of),
+                          .apart = apart_of(&info, of)};
 }
 
 /* The whole picture's time, as far as previews tell. */
@@ -321,7 +329,7 @@ static void choose_grade(view_picture *p) {
 
 /* What follows a preview at rest. */
 static phase after_preview(view_picture *p) {
-    const view_grade half = {2, view_pace_level(&p->task, 2)};
+    const view_grade half = {2, view_pace_quick_level(&p->task, 2)};
     const double whole = whole_s(p), better = view_pace_seconds(p->pace, &p->task, half);
     if (p->grade.scale <= half.scale || whole < LONG_S || better > BETTER_SHARE * whole)
         return EXACT;

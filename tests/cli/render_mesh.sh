@@ -44,6 +44,11 @@ exits "no intersector to choose" 2 "$leafcast" render "$tmp/b.leaf" --iso 0.3 --
 ok "is said" says "intersectors are for grids" err
 exits "no coarse level" 2 "$leafcast" render "$tmp/b.leaf" --iso 0.3 --lod 1 -o "$tmp/p.pfm" --force
 ok "is said, too" says "no coarse levels" err
+exits "nor in a preview, without a coarse grid" 2 "$leafcast" render "$tmp/b.leaf" --iso 0.3 --lod 1 --preview -o "$tmp/p.pfm" --force
+ok "which is said" says "coarse grid" err
+exits "with one" 0 "$leafcast" convert "$tmp/b.mesh" --coarse -o "$tmp/c.leaf" -q
+exits "there is one" 0 "$leafcast" render "$tmp/c.leaf" --iso 0.3 --lod 1 --preview -o "$tmp/p.pfm" --size 32x32 --force
+ok "all of it provisional" says "1024 pixels are provisional" err
 
 exits "gradients, too" 0 "$leafcast" convert "$tmp/b.mesh" --gradients -o "$tmp/g.leaf" -q
 exits "which are sound" 0 "$leafcast" verify "$tmp/g.leaf"
