@@ -27,9 +27,10 @@ uint32_t coarse_preview_levels(const leafcast *v);
 CHECKED status coarse_preview_begin(leafcast *v, const leafcast_scene *scene,
                                     const leafcast_shown *shown, tracer *tr, const tracer **out);
 
-/* coarse_preview_instead() - the coarse grid that a scene asks for in place of v, open; NULL where it
- * asks for the tets, the file has no such grid, the budget no room for it, or another set's is being
- * drawn. It stays v's, and open while its `frames` is above 0 or until another set is shown. */
+/* coarse_preview_instead() - the coarse grid that a scene asks for in place of v, open; NULL where
+ * it asks for the tets, the file has no such grid, the budget no room for it, or another set's is
+ * being drawn. It stays v's, and open while its `frames` is above 0 or until another set is shown.
+ */
 CHECKED status coarse_preview_instead(leafcast *v, const leafcast_scene *scene,
                                       const leafcast_shown *shown, leafcast **out);
 
