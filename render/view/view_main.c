@@ -63,6 +63,18 @@ static status open_files(const view_verb *o, view_file *files) {
     return st;
 }
 
+/* Of a mesh with so many tets, media and projections are not drawn in the time that a hand has. */
+enum { MANY_TETS = 1000000 };
+
+static void tell_slow(const view_verb *o, const view_file *f) {
+    const leafcast_info info = leafcast_describe(f->volume);
+    if (info.tets >= MANY_TETS && info.preview_levels <= info.levels)
+        cli_note(&o->common, 0,
+                 "%s has no coarse grid: media and projections will not keep up with the hand; "
+                 "leafcast convert --coarse makes one",
+                 f->path);
+}
+
 /* A browser may take its time, and may stay: nobody waits for it. */
 static void open_page(const view_verb *o, const char *url) {
     child browser;
@@ -91,6 +103,8 @@ static status serve(const view_verb *o, const view_file *files, mem *m) {
     cli_results(&o->common, false);
     printf("%s\n", view_server_url(server));
     st = cli_flush();
+    for (int i = 0; i < o->common.input_count; i++)
+        tell_slow(o, &files[i]);
     if (st == ST_OK && o->open)
         open_page(o, view_server_url(server));
     if (st == ST_OK) {
