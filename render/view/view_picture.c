@@ -430,9 +430,11 @@ static double largest_error(const view_picture *p) {
     return most;
 }
 
-/* Of media that are drawn coarser than the data, nobody knows one. */
-static double bound_of(const view_picture *p, bool coarse) {
-    return coarse && p->now.image.error ? INFINITY : largest_error(p);
+/* Of media that are drawn coarser than the data, nobody knows one, nor of pixels that are still the
+ * preview's. */
+static double bound_of(const view_picture *p, bool coarse, uint64_t provisional) {
+    const bool waits = !is_preview(p) && provisional > 0;
+    return (coarse || waits) && p->now.image.error ? INFINITY : largest_error(p);
 }
 
 static json_t *describe_stats(const leafcast_stats *s) {
@@ -462,7 +464,7 @@ static json_t *describe_part(const view_picture *p, bool png, bool final) {
     json_object_set_new(out, "scale", json_integer(p->grade.scale));
     json_object_set_new(out, "provisional", json_integer((json_int_t)provisional));
     json_object_set_new(out, "uncertified", json_integer((json_int_t)p->stats.uncertified_pixels));
-    json_object_set_new(out, "error", cli_json_real(bound_of(p, coarse)));
+    json_object_set_new(out, "error", cli_json_real(bound_of(p, coarse, provisional)));
     json_object_set_new(out, "render_ms", json_real(1e3 * p->stats.render_s));
     json_object_set_new(out, "age_ms", json_real(1e3 * (clock_seconds() - p->wish.asked)));
     json_object_set_new(out, "stats", describe_stats(&p->stats));

@@ -363,6 +363,9 @@ def large(s):
     ok(f"of a long one there are parts ({len(got)})", len(got) >= 2)
     ok("parts are numbered", [g[0]["part"] for g in got] == list(range(1, len(got) + 1)))
     left = [g[0]["provisional"] for g in got if g[0]["scale"] == 1]
+    errors = [(g[0]["provisional"], g[0]["error"]) for g in got if g[0]["scale"] == 1]
+    ok(f"no bound before all is there ({errors})", len(errors) >= 2 and
+       all((e is None or e == "inf") if n else 0 < e <= 1e-6 for n, e in errors))
     ok(f"each has less to come ({left})", left == sorted(left, reverse=True) and left[-1] == 0)
     page.close()
 
