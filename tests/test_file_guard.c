@@ -112,6 +112,27 @@ static void test_watching(void **state) {
     assert_int_equal(scratch_count(), 0);
 }
 
+/* What was written, read and written anew: the others stay inputs. */
+static void test_forget(void **state) {
+    (void)state;
+    char *in = copy(scratch_text("in", "data")), *other = copy(scratch_text("other", "data"));
+    assert_int_equal(file_guard_input(in), ST_OK);
+    assert_int_equal(file_guard_input(other), ST_OK);
+    file_guard_forget("nothing is called so");
+    assert_int_equal(file_guard_check(in), ST_USAGE);
+    file_guard_forget(in);
+    assert_int_equal(file_guard_check(in), ST_OK);
+    assert_int_equal(file_guard_check(other), ST_USAGE);
+    file_guard_reset();
+    assert_int_equal(file_guard_output(in), ST_OK);
+    file_guard_forget(in);
+    assert_int_equal(file_guard_output(in), ST_USAGE);
+    remove(in);
+    remove(other);
+    free(in);
+    free(other);
+}
+
 static void test_no_memory(void **state) {
     (void)state;
     char *in = copy(scratch_text("in", "data"));
@@ -135,6 +156,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_names, reset, reset),
         cmocka_unit_test_setup_teardown(test_outputs, reset, reset),
         cmocka_unit_test_setup_teardown(test_watching, reset, reset),
+        cmocka_unit_test_setup_teardown(test_forget, reset, reset),
         cmocka_unit_test_setup_teardown(test_no_memory, reset, reset),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -124,10 +124,24 @@ static status check_output(const char *path, bool announce) {
     return st;
 }
 
-static void forget(bool inputs_too) {
+static bool is_output(const entry *e, const file_id *id) {
+    (void)id;
+    return e->output;
+}
+
+static bool is_any(const entry *e, const file_id *id) {
+    (void)e, (void)id;
+    return true;
+}
+
+static bool is_input_of(const entry *e, const file_id *id) {
+    return !e->output && same_file(&e->file, id);
+}
+
+static void forget(bool (*which)(const entry *e, const file_id *id), const file_id *id) {
     size_t kept = 0;
     for (size_t i = 0; i < table.count; i++)
-        if (table.all[i].output || inputs_too)
+        if (which(&table.all[i], id))
             mem_free(&table.m, table.all[i].path);
         else
             table.all[kept++] = table.all[i];
@@ -181,14 +195,22 @@ status file_guard_check(const char *path) {
 
 void file_guard_next(void) {
     pthread_mutex_lock(&table.lock);
-    forget(false);
+    forget(is_output, NULL);
+    pthread_mutex_unlock(&table.lock);
+}
+
+void file_guard_forget(const char *path) {
+    file_id id;
+    pthread_mutex_lock(&table.lock);
+    if (find_id(path, &id))
+        forget(is_input_of, &id);
     pthread_mutex_unlock(&table.lock);
 }
 
 void file_guard_reset(void) {
     pthread_mutex_lock(&table.lock);
     table.watching = false;
-    forget(true);
+    forget(is_any, NULL);
     mem_free(&table.m, table.all);
     table.all = NULL;
     table.room = 0;

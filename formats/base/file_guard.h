@@ -29,6 +29,10 @@ CHECKED status file_guard_output(const char *path);
 /* file_guard_check() - ST_USAGE when what stands under this name is an input; announces nothing. */
 CHECKED status file_guard_check(const char *path);
 
+/* file_guard_forget() - a scratch file that was written, then read: it is no input, and about to
+ * go. Another file may get its inode. */
+void file_guard_forget(const char *path);
+
 /* file_guard_next() - forget the outputs announced so far: they are complete. Inputs stay. */
 void file_guard_next(void);
 

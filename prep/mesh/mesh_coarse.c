@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "formats/base/file_guard.h"
 #include "formats/grid/nrrd_writer.h"
 #include "prep/grid/convert.h"
 #include "prep/resample/resample.h"
@@ -68,6 +69,11 @@ static char *beside(mem *m, const char *output, const char *suffix) {
     return path;
 }
 
+static void remove_scratch(const char *path) {
+    file_guard_forget(path);
+    (void)unlink(path);
+}
+
 static status embed_sets(embedding *e, leaf_writer *w) {
     status st = leaf_file_open(e->m, leaf_writer_path(w), &e->f);
     for (uint32_t set = 0; st == ST_OK && set < e->f->layout.sets; set++) {
@@ -76,6 +82,8 @@ static status embed_sets(embedding *e, leaf_writer *w) {
             st = convert(e);
         if (st == ST_OK)
             st = leaf_writer_embed(w, set, e->grid);
+        remove_scratch(e->samples);
+        remove_scratch(e->grid);
     }
     leaf_file_close(e->f);
     return st;
@@ -91,10 +99,6 @@ status mesh_coarse_embed(mem *m, leaf_writer *w, const char *output, const mesh_
                    .samples = beside(m, output, "nrrd"),
                    .grid = beside(m, output, "leaf")};
     const status st = e.samples && e.grid ? embed_sets(&e, w) : ST_NOMEM;
-    if (e.samples)
-        (void)unlink(e.samples);
-    if (e.grid)
-        (void)unlink(e.grid);
     mem_free(m, e.samples);
     mem_free(m, e.grid);
     return st;

@@ -31,6 +31,11 @@ exits "info --json" 0 "$leafcast" info "$tmp/b.leaf" --json
 ok "has the times" json 'x["times"] == [-1, 0, 0.5, 7] and x["moving"] and not x["gradients"]'
 ok "has a range a step" json 'len(x["fields"][0]["step_ranges"]) == 4'
 ok "its positions count" json 'x["parts"]["stored_positions"] > 0 and x["parts"]["moved"] == 3 * x["parts"]["positions"]'
+exits "coarse grids, one a step" 0 "$leafcast" convert "$tmp"/b_000?.mesh --coarse=20 -o "$tmp/b.leaf" --force
+ok "leave nothing behind" left 2
+exits "info" 0 "$leafcast" info "$tmp/b.leaf" --json
+ok "tells of four" json 'x["coarse_sets"] == 4'
+exits "verify" 0 "$leafcast" verify "$tmp/b.leaf"
 exits "--dry-run" 0 "$leafcast" convert "$tmp"/b_000?.mesh --dry-run --json
 ok "reads it all" json 'x["steps"] == 4 and x["memory_least"] < x["memory_planned"]'
 

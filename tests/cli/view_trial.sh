@@ -14,7 +14,7 @@
 mkdir "$tmp/hostile" "$tmp/wander"
 "$leafcast" convert "$tmp/g.nrrd" -o "$tmp/hostile/g.leaf" -q
 "$leafcast" generate buckyball --tets --dims 11 --steps 2 --deform 0.4 -o "$tmp/m.mesh" -q
-"$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" -o "$tmp/hostile/m.leaf" -q
+"$leafcast" convert "$tmp/m_0000.mesh" "$tmp/m_0001.mesh" --coarse -o "$tmp/hostile/m.leaf" -q
 
 # trial NAME COMMAND... - what it has looked at.
 trial() {
