@@ -133,8 +133,9 @@ def measure(page, volume, mode, seconds, patience):
     rungs = [(h["scale"], h["lod_level"]) for h in hand.heads]
     usual = max(set(rungs), key=rungs.count) if rungs else (0, 0)
     rate = len(hand.heads) / seconds
+    came = f"over {patience:g}" if math.isnan(exact) else f"{exact:.2f}"
     print(f"| {mode} | {quantile(waited, .5):.0f} | {quantile(waited, .95):.0f} | {max(waited, default=math.nan):.0f} |"
-          f" {rate:.0f} | 1/{usual[0]}, {usual[1]} | {exact:.2f} |"
+          f" {rate:.0f} | 1/{usual[0]}, {usual[1]} | {came} |"
           f" {quantile(cut, .5):.0f}, {max(cut):.0f} | {hand.stale} |", flush=True)
 
 
