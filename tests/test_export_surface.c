@@ -19,6 +19,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 /* ---- a grid, naively ---- */
 
@@ -268,6 +269,7 @@ static lab_grid whole(const field *f) {
 
 static void test_fields(void **state) {
     (void)state;
+    watched_alone();
     for (int i = 0; i < field_count(); i++) {
         field f;
         assert_true(field_make(&f, field_name(i), 21, FIELD_SEED));
@@ -299,6 +301,7 @@ static void make_noise(field *f, uint64_t seed, long levels, long gaps) {
 
 static void test_noise(void **state) {
     (void)state;
+    watched_alone();
     static const struct {
         long levels, gaps;
         double iso;
@@ -413,6 +416,7 @@ static bool in_a_face(const marching_table *t, int e, int other) {
  * and these lie in no face; just the crossed edges are used. */
 static void test_table(void **state) {
     (void)state;
+    watched_alone();
     enum { CORNERS = MARCHING_EDGES + MARCHING_CENTRES };
     static marching_table t;
     marching_table_init(&t);
@@ -538,6 +542,7 @@ static void check_bytes(const char *want, size_t size) {
 
 static void test_faults(void **state) {
     (void)state;
+    watched_alone();
     field f;
     piece_info info;
     mem m;

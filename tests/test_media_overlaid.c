@@ -20,12 +20,9 @@
 #include "tests/support/fixture.h"
 #include "tests/support/medium_lab.h"
 #include "tests/support/pictures.h"
+#include "tests/support/watched.h"
 
-#if defined __SANITIZE_THREAD__ || defined __SANITIZE_ADDRESS__ /* where all take minutes */
-enum { EVERY = 9, EVERY_BITS = 34 };
-#else
-enum { EVERY = 3, EVERY_BITS = 11 };
-#endif
+enum { EVERY = WATCHED ? 27 : 3, EVERY_BITS = WATCHED ? 34 : 11 };
 
 static const char *program;
 

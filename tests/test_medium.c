@@ -18,12 +18,9 @@
 
 #include "formats/base/cpu.h"
 #include "tests/support/medium_lab.h"
+#include "tests/support/watched.h"
 
-#if defined __SANITIZE_THREAD__ || defined __SANITIZE_ADDRESS__ /* where all take minutes */
-enum { EVERY = 9, EVERY_BITS = 34 };
-#else
-enum { EVERY = 1, EVERY_BITS = 17 };
-#endif
+enum { EVERY = WATCHED ? 27 : 1, EVERY_BITS = WATCHED ? 34 : 17 };
 
 static const char *program;
 

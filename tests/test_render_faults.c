@@ -20,15 +20,10 @@
 #include "formats/leaf/leaf_file.h"
 #include "tests/support/fixture.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 /* Fewer steps where every access is watched. */
-#if defined __SANITIZE_THREAD__
-enum { SIDE = 9, DENSE = 6 };
-#elif defined __SANITIZE_ADDRESS__
-enum { SIDE = 12, DENSE = 24 };
-#else
-enum { SIDE = 12, DENSE = 40 };
-#endif
+enum { SIDE = WATCHED ? 6 : 12, DENSE = WATCHED_THREADS ? 6 : WATCHED_MEMORY ? 24 : 40 };
 enum { PIXELS = SIDE * SIDE, HITS = 16, SURFACES = 3, STUCK_S = 120 };
 
 /* ---- A picture and some probes ---- */
@@ -560,8 +555,9 @@ static void test_any_memory_budget(void **state) {
 }
 
 /* One treelet outweighs all the rays. */
-__attribute__((unused)) static void test_any_memory_budget_for_large_treelets(void **state) {
+static void test_any_memory_budget_for_large_treelets(void **state) {
     (void)state;
+    watched_alone();
     field f;
     assert_true(field_make(&f, "waves", 48, FIELD_SEED));
     for (int i = 0; i < KINDS; i++) {
@@ -648,9 +644,7 @@ int main(void) {
         cmocka_unit_test(test_stopping),
         cmocka_unit_test(test_closing_early),
         cmocka_unit_test(test_any_memory_budget),
-#ifndef __SANITIZE_THREAD__ /* where it takes a minute and has but one thread */
         cmocka_unit_test(test_any_memory_budget_for_large_treelets),
-#endif
         cmocka_unit_test(test_two_volumes_at_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
