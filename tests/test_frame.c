@@ -25,7 +25,7 @@
 #include "tests/support/mesh_leaves.h"
 #include "tests/support/watched.h"
 
-enum { SIDE = WATCHED ? 40 : 72, PIXELS = SIDE * SIDE, SLOW_US = 300 };
+enum { SIDE = WATCHED ? 56 : 72, PIXELS = SIDE * SIDE, SLOW_US = 300 };
 
 /* ---- Locks that are taken, counted where nobody else watches them ---- */
 

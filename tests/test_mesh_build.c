@@ -28,11 +28,7 @@
 #include "tests/support/watched.h"
 
 /* Less where every access is watched. */
-#ifdef __SANITIZE_THREAD__
-enum { FIRST_KIND = 2, FAULTY = 9 };
-#else
-enum { FIRST_KIND = 0, FAULTY = 22 };
-#endif
+enum { FIRST_KIND = WATCHED ? 2 : 0, FAULTY = WATCHED ? 9 : 22 };
 
 static mem m;
 

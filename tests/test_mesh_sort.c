@@ -158,6 +158,7 @@ static void check_windows(mesh_runs *r, const mesh_record *expected, size_t coun
 
 static void test_runs(void **state) {
     (void)state;
+    watched_alone();
     pool *p;
     assert_int_equal(pool_create(&m, 2, &p), ST_OK);
     const size_t pool_bytes = mem_used(&m);

@@ -442,7 +442,7 @@ static void test_stopping(void **state) {
         leafcast *volume = fixture_open(j.path, &j.options);
         int stopped = 0;
         leafcast_status st = LEAFCAST_STOPPED;
-        for (int at = 1; st == LEAFCAST_STOPPED; at += 1 + at / 4) {
+        for (int at = 1; st == LEAFCAST_STOPPED; at += 1 + at / (WATCHED_THREADS ? 1 : 4)) {
             stopper s = {.at = at};
             j.watch = stop_at;
             j.watch_ctx = &s;
@@ -514,7 +514,7 @@ static void check_budgets(const char *path, leafcast_options options, double iso
     const hash_id want = clean_answers(path, iso);
     int refused = 0, named = 0, drawn = 0;
     job j = {.path = path, .iso = iso, .out = &a, .options = options};
-    for (uint64_t memory = 1; drawn < 8; memory += 1 + memory / 3) {
+    for (uint64_t memory = 1; drawn < 8; memory += 1 + memory / (WATCHED_THREADS ? 1 : 3)) {
         unsigned long long enough = 0;
         alarm(STUCK_S);
         j.options.memory = memory;
