@@ -109,7 +109,7 @@ enum { SIZE_COUNT = sizeof SIZES / sizeof SIZES[0] };
 
 static void test_sizes(void **state) {
     (void)state;
-    watched_alone();
+    skip_under_thread();
     for (int i = 0; i < SIZE_COUNT; i++)
         for (int type = SAMPLE_U8; type <= SAMPLE_F32; type++) {
             leaf_case c = leaf_files_case(SIZES[i][0], SIZES[i][1], SIZES[i][2], (sample_type)type);

@@ -269,7 +269,7 @@ static lab_grid whole(const field *f) {
 
 static void test_fields(void **state) {
     (void)state;
-    watched_alone();
+    skip_under_thread();
     for (int i = 0; i < field_count(); i++) {
         field f;
         assert_true(field_make(&f, field_name(i), 21, FIELD_SEED));
@@ -301,7 +301,7 @@ static void make_noise(field *f, uint64_t seed, long levels, long gaps) {
 
 static void test_noise(void **state) {
     (void)state;
-    watched_alone();
+    skip_under_thread();
     static const struct {
         long levels, gaps;
         double iso;
@@ -416,7 +416,7 @@ static bool in_a_face(const marching_table *t, int e, int other) {
  * and these lie in no face; just the crossed edges are used. */
 static void test_table(void **state) {
     (void)state;
-    watched_alone();
+    skip_under_thread();
     enum { CORNERS = MARCHING_EDGES + MARCHING_CENTRES };
     static marching_table t;
     marching_table_init(&t);
@@ -542,7 +542,7 @@ static void check_bytes(const char *want, size_t size) {
 
 static void test_faults(void **state) {
     (void)state;
-    watched_alone();
+    skip_under_thread();
     field f;
     piece_info info;
     mem m;

@@ -23,9 +23,8 @@
 #include "render/surface_integrator.h"
 #include "tests/support/fixture.h"
 #include "tests/support/mesh_leaves.h"
-#include "tests/support/watched.h"
 
-enum { SIDE = WATCHED ? 56 : 72, PIXELS = SIDE * SIDE, SLOW_US = 300 };
+enum { SIDE = 72, PIXELS = SIDE * SIDE, SLOW_US = 300 };
 
 /* ---- Locks that are taken, counted where nobody else watches them ---- */
 

@@ -69,7 +69,7 @@ static void test_grids(void **state) {
 /* Of a part of the samples; and on axes of its own. */
 static void test_large_grids(void **state) {
     (void)state;
-    watched_alone();
+    skip_under_thread();
     leaf_case c = case_of(120, 90, 81, SAMPLE_U8);
     void *samples = leaf_files_random(&c, 3, 0);
     c.samples = samples;

@@ -22,7 +22,7 @@
 #include "tests/support/pictures.h"
 #include "tests/support/watched.h"
 
-enum { EVERY = WATCHED ? 27 : 3, EVERY_BITS = WATCHED ? 34 : 11 };
+enum { EVERY = WATCHED ? 27 : 3, EVERY_BITS = WATCHED ? 99 : 11 };
 
 static const char *program;
 

@@ -20,7 +20,7 @@
 #include "tests/support/medium_lab.h"
 #include "tests/support/watched.h"
 
-enum { EVERY = WATCHED ? 27 : 1, EVERY_BITS = WATCHED ? 34 : 17 };
+enum { EVERY = WATCHED ? 27 : 1, EVERY_BITS = WATCHED ? 99 : 17 };
 
 static const char *program;
 

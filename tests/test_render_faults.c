@@ -557,7 +557,7 @@ static void test_any_memory_budget(void **state) {
 /* One treelet outweighs all the rays. */
 static void test_any_memory_budget_for_large_treelets(void **state) {
     (void)state;
-    watched_alone();
+    skip_under_thread();
     field f;
     assert_true(field_make(&f, "waves", 48, FIELD_SEED));
     for (int i = 0; i < KINDS; i++) {

@@ -191,7 +191,7 @@ static void move(mesh_case *c, const double scale[3], const double offset[3]) {
 /* A mesh without gaps: every node of its box is held, and none beside it. */
 static void test_every_node(void **state) {
     (void)state;
-    watched_alone();
+    skip_under_thread();
     const double scales[][3] = {{1, 1, 1}, {1e-4, 3, 1e4}, {1e-30, 1e-30, 1e-30}, {1, 1, 1}};
     const double offsets[][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1e6, -1e6, 3e5}};
     for (size_t i = 0; i < sizeof scales / sizeof *scales; i++) {
@@ -210,7 +210,7 @@ static void test_every_node(void **state) {
 /* Flat, inverted, overlapping, long tets of few different coordinates; NaN and inf. */
 static void test_soup(void **state) {
     (void)state;
-    watched_alone();
+    skip_under_thread();
     for (uint64_t seed = 1; seed <= 6; seed++) {
         mesh_case c = mesh_cases_soup(60, 120, seed);
         c.options.treelet_tets = 30;
@@ -252,7 +252,7 @@ static void test_places_of_no_volume(void **state) {
 
 static void test_linear(void **state) {
     (void)state;
-    watched_alone();
+    skip_under_thread();
     const uint32_t n[3] = {9, 7, 8};
     mesh_case c = mesh_cases_kuhn(n[0], n[1], n[2]);
     mesh_cases_shuffle(&c, 11);
@@ -316,7 +316,7 @@ static void test_same_bits(void **state) {
 /* The smallest budget is named, and enough: rows of a plane, treelet by treelet. */
 static void test_least_memory(void **state) {
     (void)state;
-    watched_alone();
+    skip_under_thread();
     mesh_case c = mesh_cases_kuhn(6, 6, 6);
     const resample_grid g = grid_over(&c, WATCHED ? 120 : 300, 0.01);
     samples want = resample_case(&c, &g);

@@ -1,6 +1,6 @@
-/* watched.h - which accesses a sanitizer watches in this build. What takes long does less there: a
- * step that finds races need not count through what one thread does, nor one that finds wrong
- * accesses to memory go through the same code as often as one that compares numbers.
+/* watched.h - whether a sanitizer watches this build. Tests that take long do less there: to find a
+ * race, code need not run through what one thread does alone, and to find a wrong access, it need
+ * not run as often as where numbers are compared. The release build's tests do all.
  */
 #ifndef TESTS_SUPPORT_WATCHED_H
 #define TESTS_SUPPORT_WATCHED_H
@@ -17,9 +17,9 @@ enum { WATCHED_MEMORY = 0 };
 #endif
 enum { WATCHED = WATCHED_THREADS || WATCHED_MEMORY };
 
-/* At the head of a test that takes long and has one thread, or whose threads another test of its
- * file has, too. */
-#define watched_alone()      \
+/* The first line of a test that takes long and has one thread, or whose threads other tests of its
+ * file have, too: CONFIG=thread skips it. */
+#define skip_under_thread()  \
     do {                     \
         if (WATCHED_THREADS) \
             skip();          \
