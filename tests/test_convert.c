@@ -19,6 +19,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 static mem m;
 
@@ -108,6 +109,7 @@ enum { SIZE_COUNT = sizeof SIZES / sizeof SIZES[0] };
 
 static void test_sizes(void **state) {
     (void)state;
+    skip_under_thread();
     for (int i = 0; i < SIZE_COUNT; i++)
         for (int type = SAMPLE_U8; type <= SAMPLE_F32; type++) {
             leaf_case c = leaf_files_case(SIZES[i][0], SIZES[i][1], SIZES[i][2], (sample_type)type);
@@ -135,13 +137,13 @@ static void test_same_bytes(void **state) {
             c.options.threads = 1;
             char first[PATH_MAX];
             snprintf(first, sizeof first, "%s", leaf_files_make(&c, "first.leaf"));
-            for (int threads = 1; threads <= 5; threads++) {
+            for (int threads = 1; threads <= 5; threads += WATCHED ? 2 : 1) {
                 c.options.threads = threads;
                 check_same(first, leaf_files_make(&c, "threads.leaf"));
             }
             c.options.threads = 2;
             const uint64_t least = leaf_files_least(&c);
-            for (uint64_t more = 0; more <= 4; more++) {
+            for (uint64_t more = 0; more <= 4; more += WATCHED ? 2 : 1) {
                 c.options.memory = least + more * (64 << 10);
                 check_same(first, leaf_files_make(&c, "memory.leaf"));
             }
@@ -320,7 +322,7 @@ static void sweep(leaf_case *c, fault_kind kind) {
     long k = 0;
     for (bool fired = true; fired;) {
         mem_init(&m, 0);
-        fault_arm(kind, ++k);
+        fault_arm(kind, k += 1 + (WATCHED_THREADS ? k / 4 : 0));
         status st = leaf_files_try(&m, c, "fault.leaf", NULL, NULL);
         fired = fault_fired(kind);
         fault_arm(kind, 0);

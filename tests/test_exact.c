@@ -11,13 +11,10 @@
 
 #include "formats/base/hash.h"
 #include "tests/support/fixture.h"
+#include "tests/support/watched.h"
 
 /* Smaller pictures where every access is watched. */
-#ifdef __SANITIZE_THREAD__
-enum { SIDE = 20 };
-#else
-enum { SIDE = 56 };
-#endif
+enum { SIDE = WATCHED_THREADS ? 12 : WATCHED_MEMORY ? 28 : 56 };
 enum { PIXELS = SIDE * SIDE, N = 53 };
 
 typedef struct picture {

@@ -19,6 +19,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 /* ---- a grid, naively ---- */
 
@@ -268,6 +269,7 @@ static lab_grid whole(const field *f) {
 
 static void test_fields(void **state) {
     (void)state;
+    skip_under_thread();
     for (int i = 0; i < field_count(); i++) {
         field f;
         assert_true(field_make(&f, field_name(i), 21, FIELD_SEED));
@@ -299,12 +301,13 @@ static void make_noise(field *f, uint64_t seed, long levels, long gaps) {
 
 static void test_noise(void **state) {
     (void)state;
+    skip_under_thread();
     static const struct {
         long levels, gaps;
         double iso;
     } cases[] = {{0, 0, 0.5}, {0, 0, 0.3}, {0, 40, 0.5}, {3, 0, 1}, {2, 0, 0.5}, {2, 0, 1}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        for (uint64_t seed = 1; seed < 4; seed++) {
+        for (uint64_t seed = 1; seed < (WATCHED ? 2 : 4); seed++) {
             lab_grid g;
             make_noise(&g.f, seed, cases[i].levels, cases[i].gaps);
             g = whole(&g.f);
@@ -413,6 +416,7 @@ static bool in_a_face(const marching_table *t, int e, int other) {
  * and these lie in no face; just the crossed edges are used. */
 static void test_table(void **state) {
     (void)state;
+    skip_under_thread();
     enum { CORNERS = MARCHING_EDGES + MARCHING_CENTRES };
     static marching_table t;
     marching_table_init(&t);
@@ -538,6 +542,7 @@ static void check_bytes(const char *want, size_t size) {
 
 static void test_faults(void **state) {
     (void)state;
+    skip_under_thread();
     field f;
     piece_info info;
     mem m;
@@ -574,7 +579,7 @@ static void test_malice(void **state) {
     field f;
     make_noise(&f, 9, 0, 30);
     const export_how h = export_lab_plain(0.5);
-    export_lab_malice(leaf_of(&f, 4, 1), &h, 1, 300);
+    export_lab_malice(leaf_of(&f, 4, 1), &h, 1, WATCHED_THREADS ? 20 : 300);
     free(f.samples);
 }
 

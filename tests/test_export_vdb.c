@@ -16,6 +16,7 @@
 #include "prep/export/vdb_writer.h"
 #include "tests/support/leaf_files.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 /* ---- a naive reader ---- */
 
@@ -348,6 +349,7 @@ static void test_types(void **state) {
 /* Whole treelets and nodes of one value: the background costs nothing, others are tiles. */
 static void test_tiles(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = blocks(290, 150, 140, SAMPLE_U8);
     const uint32_t all[6] = {0, 0, 0, 289, 149, 139};
     const char *path = leaf_files_make(&c, "tiles.leaf");
@@ -371,6 +373,7 @@ static void test_tiles(void **state) {
 /* A whole node of 128^3 is a tile where the directory tells it; several nodes of 4096^3. */
 static void test_far(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = leaf_files_case(4600, 140, 129, SAMPLE_U8);
     const uint32_t all[6] = {0, 0, 0, 4599, 139, 128};
     const size_t count = (size_t)4600 * 140 * 129;
@@ -419,6 +422,7 @@ static void test_budgets(void **state) {
 /* A fault is an error that leaves no file, or it has no consequence (fsync of the folder). */
 static void test_faults(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = blocks(70, 53, 45, SAMPLE_U16);
     const char *path = leaf_files_make(&c, "faults.leaf");
     size_t size, size2, failed = 0;

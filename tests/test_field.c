@@ -19,6 +19,7 @@
 #include "prep/generate/field.h"
 #include "prep/generate/generate.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 static const long double PI = 3.14159265358979323846264338327950288L;
 
@@ -51,19 +52,15 @@ static void *make(const char *name, const uint32_t dims[3], sample_type type, ui
 
 static void test_any_threads(void **state) {
     (void)state;
-#ifdef __SANITIZE_THREAD__ /* where it takes minutes */
-    const uint32_t dims[3] = {37, 9, 11};
-#else
-    const uint32_t dims[3] = {133, 17, 19};
-#endif
+    const uint32_t dims[3] = {WATCHED ? 37 : 133, WATCHED ? 9 : 17, WATCHED ? 11 : 19};
     const size_t samples = dims[0] * dims[1] * dims[2];
     const field_info *info;
     for (size_t i = 0; (info = field_at(i)) != NULL; i++)
-        for (int t = 0; t < 3; t++) {
+        for (int t = 0; t < (WATCHED ? 1 : 3); t++) {
             const sample_type type = (sample_type[]){SAMPLE_U8, SAMPLE_U16, SAMPLE_F32}[t];
             size_t size = samples * sample_size(type);
             void *want = make(info->name, dims, type, 7, 1, dims[2], dims[1]);
-            for (int threads = 1; threads <= 5; threads++) {
+            for (int threads = 1; threads <= 5; threads += WATCHED ? 2 : 1) {
                 /* whole slices, several or one, or some rows of one */
                 void *got = make(info->name, dims, type, 7, threads,
                                  threads % 2 ? 1 : (uint32_t)threads, threads == 3 ? 5 : dims[1]);
@@ -78,6 +75,7 @@ static void test_any_threads(void **state) {
 
 static void test_pinned(void **state) {
     (void)state;
+    skip_under_thread();
     static const struct {
         const char *name;
         uint64_t hash[3]; /* u8, u16, f32 */
@@ -197,6 +195,7 @@ static void check_values(const char *name,
 
 static void test_values(void **state) {
     (void)state;
+    skip_under_thread();
     static const struct {
         const char *name;
         long double (*formula)(long double, long double, long double);
@@ -214,6 +213,7 @@ static void test_values(void **state) {
 
 static void test_noise(void **state) {
     (void)state;
+    skip_under_thread();
     enum { N = 64 };
     const uint32_t dims[3] = {N, N, N};
     for (uint64_t seed = 1; seed <= 3; seed++) {
@@ -239,6 +239,7 @@ static void test_noise(void **state) {
  * resolution. */
 static void test_attractor(void **state) {
     (void)state;
+    skip_under_thread();
     double mean[2];
     for (int r = 0; r < 2; r++) {
         const uint32_t n = r ? 64 : 48, dims[3] = {n, n, n};

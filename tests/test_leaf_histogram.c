@@ -18,6 +18,7 @@
 #include "tests/support/leaf_image.h"
 #include "tests/support/naive_histogram.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 static mem m;
 
@@ -68,6 +69,7 @@ static void test_grids(void **state) {
 /* Of a part of the samples; and on axes of its own. */
 static void test_large_grids(void **state) {
     (void)state;
+    skip_under_thread();
     leaf_case c = case_of(120, 90, 81, SAMPLE_U8);
     void *samples = leaf_files_random(&c, 3, 0);
     c.samples = samples;

@@ -19,6 +19,7 @@
 #include "tests/support/fixture.h"
 #include "tests/support/interests.h"
 #include "tests/support/leaf_files.h"
+#include "tests/support/watched.h"
 
 enum { WORKERS = 2, THREADS = 4 };
 
@@ -405,7 +406,7 @@ static void test_room(void **state) {
 
 /* ---- Pictures ---- */
 
-enum { SIDE = 48 };
+enum { SIDE = WATCHED ? 24 : 48 };
 
 static hash_id draw(leafcast *v, double iso) {
     static double depth[SIDE * SIDE];

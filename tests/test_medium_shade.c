@@ -18,6 +18,7 @@
 #include "tests/support/lab_leaf.h"
 #include "tests/support/pictures.h"
 #include "tests/support/ref_media.h"
+#include "tests/support/watched.h"
 
 typedef long double real;
 
@@ -278,6 +279,7 @@ static void test_grids_are_as_by_brute_force(void **state) {
     static const char *const names[] = {"sphere",   "sphere-u8",   "waves",      "noise-i16",
                                         "mirrored", "rectilinear", "flat-cells", "missing"};
     (void)state;
+    skip_under_thread();
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         judge_field(names[i]);
 }
@@ -291,6 +293,7 @@ static void test_sphere_is_as_by_formula(void **state) {
     static planes p;
     const double middle = (BALL - 1) / 2.0;
     (void)state;
+    skip_under_thread();
     field f = {.name = "ball",
                .type = "f32",
                .dims = {BALL, BALL, BALL},
@@ -374,6 +377,7 @@ static void test_linear_mesh_is_as_by_formula(void **state) {
     static const double origin[3] = {-2, 1, 3};
     static const double fades[] = {0.0, 0.25, 1.0};
     (void)state;
+    skip_under_thread();
     lab_mesh lab;
     lab_mesh_kuhn(&lab, cubes, origin, 1.0, linear);
     leafcast *v = fixture_open(lab_leaf_make(&lab, 40, true), NULL);
@@ -407,6 +411,7 @@ static void test_smooth_mesh_is_as_its_surface(void **state) {
     static planes p;
     static float normals[3][PIXELS];
     (void)state;
+    skip_under_thread();
     lab_mesh lab;
     lab_mesh_kuhn(&lab, cubes, origin, 1.0, square);
     leafcast *v = fixture_open(lab_leaf_make(&lab, 40, true), NULL);

@@ -25,13 +25,10 @@
 #include "tests/support/mesh_cases.h"
 #include "tests/support/mesh_truth.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 /* Less where every access is watched. */
-#ifdef __SANITIZE_THREAD__
-enum { FIRST_KIND = 2, FAULTY = 9 };
-#else
-enum { FIRST_KIND = 0, FAULTY = 22 };
-#endif
+enum { FIRST_KIND = WATCHED ? 2 : 0, FAULTY = WATCHED ? 9 : 22 };
 
 static mem m;
 
@@ -258,6 +255,7 @@ static void check_content(const mesh_case *c, const char *name) {
 
 static void test_content(void **state) {
     (void)state;
+    skip_under_thread();
     static const uint32_t sizes[][2] = {{4096, 12}, {64, 8}, {1, 1}, {300, 64}, {16384, 1}};
     for (int i = 0; i < 5; i++)
         for (int kind = 0; kind < 4; kind++) {
@@ -276,6 +274,7 @@ static void test_content(void **state) {
 /* Boxes of hardly any width, far away, of a single point, of nearly the whole range of floats. */
 static void test_places(void **state) {
     (void)state;
+    skip_under_thread();
     static const float scales[][2] = {{1e-3F, 0},  {1, 1e6F},         {1, 1.6e7F},           {0, 5},
                                       {1e-42F, 0}, {3e37F, -1.2e38F}, {1e37F, 3e38F - 9e37F}};
     for (int i = 0; i < 7; i++) {
@@ -327,6 +326,7 @@ static void check_gradients(const mesh_case *c, const char *name) {
 
 static void test_gradients(void **state) {
     (void)state;
+    skip_under_thread();
     for (int kind = 0; kind < 4; kind++) {
         mesh_case c = mesh_cases_kuhn(9, 8, 11);
         if (kind % 2)
@@ -490,6 +490,7 @@ static void test_same_bytes(void **state) {
 /* So many points that files are worth it: gradients, too, go through one, in bands. */
 static void test_gradients_apart(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_case c = mesh_cases_soup(600000, 200000, FIELD_SEED);
     mesh_result r;
     c.options.treelet_tets = 1000;
@@ -683,6 +684,7 @@ static int compare_keys(const void *a, const void *b) {
 
 static void test_trees(void **state) {
     (void)state;
+    skip_under_thread();
     static mesh_record records[16384];
     field_random r = {FIELD_SEED};
     uint32_t deepest = 0;

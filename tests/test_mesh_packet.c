@@ -16,6 +16,7 @@
 #include "tests/support/mesh_packet_wide.h"
 #include "tests/support/mesh_pictures.h"
 #include "tests/support/tet_batch_wide.h"
+#include "tests/support/watched.h"
 
 #ifdef __SANITIZE_ADDRESS__
 enum { CUBES = 4, SCENES = 6, BALL = 16 };
@@ -56,13 +57,14 @@ static picture_volumes open_all(const char *path, int threads) {
 
 static void test_every_mesh(void **state) {
     (void)state;
-    assert_true(mesh_pictures_of_all(open_all, CUBES, 4, 78) > 20000);
+    assert_true(mesh_pictures_of_all(open_all, CUBES, 4, 78) > 5 * PICTURE_PIXELS);
 }
 
 static void test_every_scene(void **state) {
     (void)state;
     field_random r = {6};
-    assert_true(mesh_pictures_of_scenes(open_all, "noise", CUBES + 4, SCENES, &r) > 500 * SCENES);
+    assert_true(mesh_pictures_of_scenes(open_all, "noise", CUBES + 4, SCENES, &r) >
+                PICTURE_PIXELS / 8 * SCENES);
 }
 
 /* However the mesh is cut, and however few treelets are there at a time. */
@@ -125,9 +127,9 @@ static void fewer(const char *what, uint64_t small, uint64_t large, double least
 static void test_counts(void **state) {
     (void)state;
     const size_t bytes = (size_t)BALL_SIDE * BALL_SIDE * sizeof(double);
-    double *z[2] = {malloc(bytes), malloc(bytes)};
-    if (!mesh_packet_for(cpu_best()))
+    if (WATCHED || !mesh_packet_for(cpu_best()))
         skip();
+    double *z[2] = {malloc(bytes), malloc(bytes)};
     const char *path = lab_leaf_field("buckyball", BALL);
     const leafcast_stats small = count_ball(path, 2, z[0]), large = count_ball(path, 16, z[1]);
     assert_memory_equal(z[0], z[1], bytes);

@@ -222,7 +222,7 @@ static double error_of(leafcast *v, const leafcast_scene *scene, double *worst) 
         sum += angle * angle;
         hits++;
     }
-    assert_true(hits > 200);
+    assert_true(hits > PICTURE_PIXELS / 20.0);
     return sqrt(sum / hits);
 }
 

@@ -17,6 +17,7 @@
 #include "prep/mesh/mesh_runs.h"
 #include "tests/support/fields.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 static mem m;
 
@@ -24,6 +25,7 @@ static mem m;
 
 static void test_morton(void **state) {
     (void)state;
+    skip_under_thread();
     field_random r = {FIELD_SEED};
     for (int n = 0; n < 1000; n++) {
         const uint64_t x = field_random_bits(&r) & 0x1fffff;
@@ -156,6 +158,7 @@ static void check_windows(mesh_runs *r, const mesh_record *expected, size_t coun
 
 static void test_runs(void **state) {
     (void)state;
+    skip_under_thread();
     pool *p;
     assert_int_equal(pool_create(&m, 2, &p), ST_OK);
     const size_t pool_bytes = mem_used(&m);
@@ -192,6 +195,7 @@ static void test_runs(void **state) {
 /* What a plan says of memory holds, and more room never makes it ask for more than there is. */
 static void test_runs_plan(void **state) {
     (void)state;
+    skip_under_thread();
     for (uint64_t n = 1; n < UINT64_C(1) << 34; n = 3 * n + 1) {
         const mesh_runs_plan least = mesh_runs_plan_make(n, 4097, 0, 0);
         const uint64_t sorting = mesh_runs_sorting(&least), merging = mesh_runs_merging(&least, n);
@@ -250,6 +254,7 @@ static void check_cuts(const mesh_record *records, size_t n, size_t most) {
 
 static void test_cut(void **state) {
     (void)state;
+    skip_under_thread();
     static const size_t most[] = {1, 2, 7, 100, 4096, 100000};
     for (int shape = 0; shape < SHAPES; shape++)
         for (size_t n = 1; n < 40000; n = 5 * n + 1) {

@@ -211,7 +211,7 @@ static void test_pictures(void **state) {
                                "series.leaf");
         fill_album(&s, &a);
         print_message("%d surfaces\n", a.hits);
-        assert_true(a.hits > 100 * SETS);
+        assert_true(a.hits > PICTURE_PIXELS / 40 * SETS);
         for (int schema = LEAFCAST_SCHEMA_TREES; schema <= LEAFCAST_SCHEMA_REFIT; schema++)
             for (int isa = ALL_ISAS ? CPU_SCALAR : (int)cpu_best(); isa <= (int)cpu_best(); isa++)
                 for (size_t i = 0; i < sizeof limits / sizeof *limits; i++)

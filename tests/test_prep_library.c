@@ -21,6 +21,7 @@
 #include "render/leafcast.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 enum { NX = 37, NY = 21, NZ = 19, SAMPLES = NX * NY * NZ };
 
@@ -107,6 +108,7 @@ static const char *nrrd_of(sample_type type, const void *samples, const char *wh
 
 static void test_array(void **state) {
     (void)state;
+    skip_under_thread();
     for (sample_type type = SAMPLE_U8; type <= SAMPLE_F64; type++) {
         void *samples = samples_of(type);
         const leafcast_grid g = grid_of(type);
@@ -133,6 +135,7 @@ static void check_options(const char *what, const leafcast_grid *g, leafcast_con
 
 static void test_options(void **state) {
     (void)state;
+    skip_under_thread();
     leafcast_grid g = grid_of(SAMPLE_U8);
     leafcast_convert_options o = DEFAULTS;
     o.zstd_level = 4;
@@ -157,6 +160,7 @@ static void test_options(void **state) {
 
 static void test_places(void **state) {
     (void)state;
+    skip_under_thread();
     leafcast_grid g = grid_of(SAMPLE_U16);
     g.spacing[0] = 0.1;
     g.spacing[1] = -0.3;
@@ -188,6 +192,7 @@ static void test_places(void **state) {
 /* The same samples, laid out z fastest, y backwards, with gaps. */
 static void test_strides(void **state) {
     (void)state;
+    skip_under_thread();
     enum { GAP = 3 };
     const uint16_t *samples = samples_of(SAMPLE_U16);
     uint16_t *other = calloc(SAMPLES * GAP, sizeof *other);
@@ -306,6 +311,7 @@ static void check_tets(const char *what, const mesh_case *c, leafcast_convert_op
 
 static void test_tets(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_case kuhn = mesh_cases_kuhn(17, 16, 15), soup = mesh_cases_soup(3000, 9000, 5);
     leafcast_convert_options o = DEFAULTS;
     check_tets("a lattice", &kuhn, o, "");
@@ -336,6 +342,7 @@ static void test_tets(void **state) {
 
 static void test_steps(void **state) {
     (void)state;
+    skip_under_thread();
     static const double times[2] = {0.5, 3};
     char both[2000];
     mesh_case c = mesh_cases_kuhn(9, 8, 7);
@@ -500,7 +507,7 @@ static void check_faults(conversion convert, fault_kind kind, leafcast_status ex
     long k = 1;
     o.threads = 2;
     o.treelet_cells = 16;
-    for (; st != LEAFCAST_OK; k += 1 + k / 40) {
+    for (; st != LEAFCAST_OK; k += 1 + k / (WATCHED ? 4 : 40)) {
         fault_arm(kind, k);
         st = convert(&o);
         fault_arm(kind, 0);

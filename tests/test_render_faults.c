@@ -20,15 +20,10 @@
 #include "formats/leaf/leaf_file.h"
 #include "tests/support/fixture.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 /* Fewer steps where every access is watched. */
-#if defined __SANITIZE_THREAD__
-enum { SIDE = 9, DENSE = 6 };
-#elif defined __SANITIZE_ADDRESS__
-enum { SIDE = 12, DENSE = 24 };
-#else
-enum { SIDE = 12, DENSE = 40 };
-#endif
+enum { SIDE = WATCHED ? 6 : 12, DENSE = WATCHED_THREADS ? 6 : WATCHED_MEMORY ? 24 : 40 };
 enum { PIXELS = SIDE * SIDE, HITS = 16, SURFACES = 3, STUCK_S = 120 };
 
 /* ---- A picture and some probes ---- */
@@ -447,7 +442,7 @@ static void test_stopping(void **state) {
         leafcast *volume = fixture_open(j.path, &j.options);
         int stopped = 0;
         leafcast_status st = LEAFCAST_STOPPED;
-        for (int at = 1; st == LEAFCAST_STOPPED; at += 1 + at / 4) {
+        for (int at = 1; st == LEAFCAST_STOPPED; at += 1 + at / (WATCHED_THREADS ? 1 : 4)) {
             stopper s = {.at = at};
             j.watch = stop_at;
             j.watch_ctx = &s;
@@ -519,7 +514,7 @@ static void check_budgets(const char *path, leafcast_options options, double iso
     const hash_id want = clean_answers(path, iso);
     int refused = 0, named = 0, drawn = 0;
     job j = {.path = path, .iso = iso, .out = &a, .options = options};
-    for (uint64_t memory = 1; drawn < 8; memory += 1 + memory / 3) {
+    for (uint64_t memory = 1; drawn < 8; memory += 1 + memory / (WATCHED_THREADS ? 1 : 3)) {
         unsigned long long enough = 0;
         alarm(STUCK_S);
         j.options.memory = memory;
@@ -560,8 +555,9 @@ static void test_any_memory_budget(void **state) {
 }
 
 /* One treelet outweighs all the rays. */
-__attribute__((unused)) static void test_any_memory_budget_for_large_treelets(void **state) {
+static void test_any_memory_budget_for_large_treelets(void **state) {
     (void)state;
+    skip_under_thread();
     field f;
     assert_true(field_make(&f, "waves", 48, FIELD_SEED));
     for (int i = 0; i < KINDS; i++) {
@@ -648,9 +644,7 @@ int main(void) {
         cmocka_unit_test(test_stopping),
         cmocka_unit_test(test_closing_early),
         cmocka_unit_test(test_any_memory_budget),
-#ifndef __SANITIZE_THREAD__ /* where it takes a minute and has but one thread */
         cmocka_unit_test(test_any_memory_budget_for_large_treelets),
-#endif
         cmocka_unit_test(test_two_volumes_at_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

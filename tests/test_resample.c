@@ -20,6 +20,7 @@
 #include "tests/support/fields.h"
 #include "tests/support/mesh_cases.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 static mem m;
 
@@ -190,6 +191,7 @@ static void move(mesh_case *c, const double scale[3], const double offset[3]) {
 /* A mesh without gaps: every node of its box is held, and none beside it. */
 static void test_every_node(void **state) {
     (void)state;
+    skip_under_thread();
     const double scales[][3] = {{1, 1, 1}, {1e-4, 3, 1e4}, {1e-30, 1e-30, 1e-30}, {1, 1, 1}};
     const double offsets[][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1e6, -1e6, 3e5}};
     for (size_t i = 0; i < sizeof scales / sizeof *scales; i++) {
@@ -208,6 +210,7 @@ static void test_every_node(void **state) {
 /* Flat, inverted, overlapping, long tets of few different coordinates; NaN and inf. */
 static void test_soup(void **state) {
     (void)state;
+    skip_under_thread();
     for (uint64_t seed = 1; seed <= 6; seed++) {
         mesh_case c = mesh_cases_soup(60, 120, seed);
         c.options.treelet_tets = 30;
@@ -249,6 +252,7 @@ static void test_places_of_no_volume(void **state) {
 
 static void test_linear(void **state) {
     (void)state;
+    skip_under_thread();
     const uint32_t n[3] = {9, 7, 8};
     mesh_case c = mesh_cases_kuhn(n[0], n[1], n[2]);
     mesh_cases_shuffle(&c, 11);
@@ -310,11 +314,11 @@ static void test_same_bits(void **state) {
 }
 
 /* The smallest budget is named, and enough: rows of a plane, treelet by treelet. */
-#ifndef __SANITIZE_THREAD__
 static void test_least_memory(void **state) {
     (void)state;
+    skip_under_thread();
     mesh_case c = mesh_cases_kuhn(6, 6, 6);
-    const resample_grid g = grid_over(&c, 300, 0.01);
+    const resample_grid g = grid_over(&c, WATCHED ? 120 : 300, 0.01);
     samples want = resample_case(&c, &g);
     leaf_file *f = open_case(&c);
     samples s = {0};
@@ -332,7 +336,6 @@ static void test_least_memory(void **state) {
     free(want.at);
     mesh_cases_free(&c);
 }
-#endif
 
 static void test_faults(void **state) {
     (void)state;
@@ -438,9 +441,7 @@ int main(void) {
         cmocka_unit_test(test_places_of_no_volume),
         cmocka_unit_test(test_linear),
         cmocka_unit_test(test_same_bits),
-#ifndef __SANITIZE_THREAD__ /* where it takes minutes, and has but one thread */
         cmocka_unit_test(test_least_memory),
-#endif
         cmocka_unit_test(test_faults),
         cmocka_unit_test(test_damage),
         cmocka_unit_test(test_choosing),

@@ -18,14 +18,11 @@
 #include "tests/support/pictures.h"
 #include "tests/support/ref_judge.h"
 #include "tests/support/tet_judge.h"
+#include "tests/support/watched.h"
 
 enum { NODES = 36, CUBES = 6, HITS = 64 };
 
-#ifdef __SANITIZE_ADDRESS__
-enum { STEP = 23 };
-#else
-enum { STEP = 5 };
-#endif
+enum { STEP = WATCHED ? 23 : 5 };
 
 /* A grid and a mesh in the same place, and what is true of them. */
 typedef struct stage {
@@ -510,7 +507,7 @@ static void no_ray_goes_alone(void **state) {
 
 /* ---- Rays of the caller's own ---- */
 
-enum { RAYS = 2500 };
+enum { RAYS = WATCHED ? 600 : 2500 };
 
 static void rays_meet_what_pixels_see(void **state) {
     const stage *s = *state;

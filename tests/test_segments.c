@@ -16,6 +16,7 @@
 #include "tests/support/interests.h"
 #include "tests/support/lab_leaf.h"
 #include "tests/support/segment_truth.h"
+#include "tests/support/watched.h"
 
 enum { RAYS = 60, PIECES_MAX = 4096, AHEAD = 64 };
 
@@ -144,12 +145,14 @@ static void check_field(const char *name, long n, uint32_t cells_log2) {
 
 static void test_every_field(void **state) {
     (void)state;
+    skip_under_thread();
     for (int i = 0; i < field_count(); i++)
         check_field(field_name(i), 23, 4);
 }
 
 static void test_other_sizes(void **state) {
     (void)state;
+    skip_under_thread();
     check_field("noise-u8", 2, 4);
     check_field("missing", 17, 4);
     check_field("waves", 40, 5);
@@ -159,6 +162,7 @@ static void test_other_sizes(void **state) {
 /* The types that no field has. */
 static void test_other_types(void **state) {
     (void)state;
+    skip_under_thread();
     for (int i = 0; i < FIELD_RETYPED; i++) {
         field f;
         field_make_retyped(&f, i, 23, FIELD_SEED);
@@ -170,6 +174,7 @@ static void test_other_types(void **state) {
 /* Coarse levels, which reach past the box: as long a way, without a gap. */
 static void test_levels(void **state) {
     (void)state;
+    skip_under_thread();
     static segment got[PIECES_MAX], fine[PIECES_MAX];
     field f;
     stage s;
@@ -272,13 +277,14 @@ static void check_mesh(const char *name, int cubes, uint32_t treelet_tets) {
 
 static void test_every_mesh(void **state) {
     (void)state;
+    skip_under_thread();
     for (int i = 0; i < lab_mesh_count(); i++)
         check_mesh(lab_mesh_name(i), 5, 40);
 }
 
 /* ---- leafcast.h ---- */
 
-enum { SIDE = 24 };
+enum { SIDE = WATCHED ? 12 : 24 };
 
 static void draw(leafcast *v, double *z) {
     const leafcast_scene scene = leafcast_scene_default();
@@ -354,6 +360,7 @@ static void test_public(void **state) {
 /* The extremes of a cubic against sampling, those of a line at its ends. */
 static void test_range(void **state) {
     (void)state;
+    skip_under_thread();
     field_random r = {FIELD_SEED};
     for (int i = 0; i < 2000; i++) {
         segment s = {.t0 = 2.0, .t1 = 5.0, .degree = i % 2 ? 3 : 1};

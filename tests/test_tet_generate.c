@@ -569,7 +569,7 @@ static void test_series(void **state) {
     o.shape.deform = 0;
     kept still = keep(&o, 0);
     for (int step = 0; step < 8; step++) {
-        char name[16];
+        char name[24];
         snprintf(name, sizeof name, "b_%04d.mesh", step);
         kept got = read_back(name);
         check_volumes(&got, &o.shape);

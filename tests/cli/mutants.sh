@@ -9,4 +9,4 @@ case ${LEAFCAST_BUILD:-} in
     exit 0
     ;;
 esac
-exec scripts/run-mutants --sample 4
+exec scripts/run-mutants --sample 2

