@@ -19,6 +19,7 @@
 #include "tests/support/mesh_cases.h"
 #include "tests/support/pictures.h"
 #include "tests/support/scratch.h"
+#include "tests/support/watched.h"
 
 enum { CELLS = 20, FRAMES_MAX = 20000 };
 #define ISO_VALUE 0.4
@@ -269,7 +270,7 @@ static void test_levels(void **state) {
     const uint32_t levels = leafcast_describe(alone).levels;
     select_one(alone, ISO);
     select_one(tets, ISO);
-    for (int k = 0; k < SCENES * (int)levels * 2; k++) {
+    for (int k = 0; k < SCENES * (int)levels * (WATCHED ? 1 : 2); k++) {
         const uint32_t level = (uint32_t)(k / SCENES) % levels;
         leafcast *v = open_with("mesh.leaf", ISAS[k % 2], 0);
         assert_int_equal(leafcast_describe(v).preview_levels, 1 + levels);
@@ -523,7 +524,7 @@ static void test_memory(void **state) {
     (void)state;
     make("mesh.leaf", NULL, true);
     int enough = 0;
-    for (uint64_t memory = 256 << 10; memory < 64 << 20; memory += memory / 24) {
+    for (uint64_t memory = 256 << 10; memory < 64 << 20; memory += memory / (WATCHED ? 3 : 24)) {
         const leafcast_options o = {
             .size = sizeof(leafcast_options), .threads = 2, .memory = memory};
         leafcast *v = NULL;
