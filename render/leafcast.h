@@ -384,11 +384,20 @@ typedef struct leafcast_histogram {
     uint32_t active[LEAFCAST_BINS_MAX]; /* cells that the isosurface of edges[i] crosses */
     float gradient[LEAFCAST_BINS_MAX];  /* mean length of the gradient in these, per world unit */
     float area[LEAFCAST_BINS_MAX];      /* of the isosurface of edges[i], about; world units */
+    uint32_t first,
+        end;      /* bins [first, end) hold data: all, unless one at an end holds a value that
+                     may stand for missing data, such as -9999, and one beside it none */
+    double aside; /* that value; NaN: there is none */
 } leafcast_histogram;
 
 /* leafcast_get_histogram() - LEAFCAST_USAGE if there is no such field or step. */
 LEAFCAST_API leafcast_status leafcast_get_histogram(const leafcast *volume, uint32_t field,
                                                     uint32_t step, leafcast_histogram *histogram);
+
+/* leafcast_data_range() - as leafcast_range(), but without a value that may stand for missing data:
+ * that is then the end of leafcast_range() that differs. Suggestions leave it aside, too. */
+LEAFCAST_API leafcast_status leafcast_data_range(const leafcast *volume, uint32_t field,
+                                                 uint32_t step, double range[2]);
 
 /* leafcast_suggested_isovalues() - up to `max` (at most LEAFCAST_SUGGESTIONS_MAX) isovalues whose
  * surfaces are worth a look, best first; *count may become 0. */

@@ -1,5 +1,6 @@
 /* leafcast_fit.c - what is worth a look, and from where: histograms, isovalues, the view that fits.
  */
+#include <math.h>
 #include <string.h>
 
 #include "formats/leaf/leaf_histogram.h"
@@ -33,7 +34,30 @@ leafcast_status leafcast_get_histogram(const leafcast *v, uint32_t field, uint32
     memcpy(to->active, h.active, sizeof to->active);
     memcpy(to->gradient, h.gradient, sizeof to->gradient);
     memcpy(to->area, h.area, sizeof to->area);
+    uint32_t data[2];
+    histogram_marker marker;
+    (void)histogram_data(&h, data, &marker);
+    to->first = data[0];
+    to->end = data[1];
     return LEAFCAST_OK;
+}
+
+leafcast_status leafcast_data_range(const leafcast *v, uint32_t field, uint32_t step,
+                                    double range[2]) {
+    histogram h;
+    uint32_t data[2];
+    histogram_marker marker;
+    const leafcast_status told = leafcast_range(v, field, step, range);
+    if (told != LEAFCAST_OK)
+        return told;
+    const status st = find_histogram(v, field, step, &h);
+    if (st == ST_OK && histogram_data(&h, data, &marker)) {
+        /* Edges of integers lie half way between two. */
+        const double half = v->file->layout.type == SAMPLE_F32 ? 0.0 : 0.5;
+        range[0] = fmax(range[0], h.edges[data[0]] + half);
+        range[1] = fmin(range[1], h.edges[data[1]] - half);
+    }
+    return public_status(st);
 }
 
 leafcast_status leafcast_suggested_isovalues(const leafcast *v, uint32_t field, uint32_t step,

@@ -219,6 +219,60 @@ static void test_marker(void **state) {
     assert_false(find_marker(&m));
 }
 
+/* Distances from a point, 0 to 18, but for the nodes near it, which have the marker. */
+static void fill_hole(float marker) {
+    for (int i = 0; i < NODES; i++) {
+        const double x = i % NX - NX / 2, y = i / NX % NY - NY / 2, z = i / (NX * NY) - NZ / 2;
+        const double r = sqrt(x * x + y * y + z * z);
+        f32[i] = r < 4 ? marker : (float)(r < 10 ? r : r + 10);
+    }
+}
+
+static void check_aside(const char *what, sample_type type, const void *samples, double value) {
+    histogram h;
+    histogram_marker m = {0};
+    uint32_t data[2];
+    double isovalues[HISTOGRAM_ISOVALUES];
+    check_counts(what, type, samples, &h);
+    assert_true(histogram_data(&h, data, &m));
+    assert_true(m.value == value && m.share > 0.01 && m.share < 0.1);
+    assert_true(data[1] - data[0] + 2 == h.bins && data[0] == (value < 0 ? 2 : 0));
+    assert_true(m.others[0] > 3 && m.others[0] <= 4 && m.others[1] < 40);
+    uint32_t used = 0;
+    for (uint32_t k = data[0]; k < data[1]; k++)
+        used += h.samples[k] > 0;
+    assert_true(used > 10);
+    const int count = histogram_suggest(&h, isovalues, HISTOGRAM_ISOVALUES);
+    assert_true(count == 3 && isovalues[0] >= 9.5 && isovalues[0] <= 20);
+    assert_true(isovalues[1] > isovalues[0] && isovalues[2] < isovalues[0] && isovalues[2] > 4);
+}
+
+/* What may be missing leaves the others their bins, and is not what is suggested. */
+static void test_aside(void **state) {
+    (void)state;
+    static const float values[] = {-9999, -1e34F, 1e30F};
+    static int16_t whole[NODES];
+    histogram h;
+    histogram_marker m;
+    uint32_t data[2];
+    for (int k = 0; k < 3; k++) {
+        fill_hole(values[k]);
+        check_aside("a marker", SAMPLE_F32, f32, (double)values[k]);
+    }
+    for (int side = -1; side < 2; side += 2) {
+        fill_hole((float)(side * 9999));
+        for (int i = 0; i < NODES; i++)
+            whole[i] = (int16_t)f32[i];
+        check_aside("a marker, i16", SAMPLE_I16, whole, side * 9999);
+    }
+    fill_hole(-20); /* not far enough to be one */
+    check_counts("none", SAMPLE_F32, f32, &h);
+    assert_false(histogram_data(&h, data, &m));
+    assert_true(data[0] == 0 && data[1] == h.bins);
+    check_counts("three values", SAMPLE_U8, (uint8_t[NODES]){0, 1, 2}, &h); /* integers' bins */
+    assert_false(histogram_data(&h, data, &m));
+}
+
 /* f = distance from a point, on nodes that are stretched and turned: every surface is a sphere, the
  * gradient is 1 everywhere. */
 static void test_measures(void **state) {
@@ -412,6 +466,7 @@ int main(void) {
         cmocka_unit_test(test_tet),        cmocka_unit_test(test_faults),
         cmocka_unit_test(test_suggestion), cmocka_unit_test(test_unused_edges),
         cmocka_unit_test(test_rows),       cmocka_unit_test(test_marker),
+        cmocka_unit_test(test_aside),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,16 +17,22 @@ static int compare_floats(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Where nearly all of the cells that change are: from the lowest 0.2 % of their lower ends to the
- * highest 0.2 % of their upper ends, a regular part of the cells being looked at. */
-static bool bulk_of(const histogram_cell *cells, uint32_t count, double bulk[2]) {
+static bool changes(const histogram_cell *c, const double within[2]) {
+    return c->lo < c->hi && (double)c->lo >= within[0] && (double)c->hi <= within[1];
+}
+
+/* Where nearly all of the cells that change are, of those within a range: from the lowest 0.2 % of
+ * their lower ends to the highest 0.2 % of their upper ends, a regular part of the cells being
+ * looked at. */
+static bool bulk_of(const histogram_cell *cells, uint32_t count, const double within[2],
+                    double bulk[2]) {
     float ends[2][QUANTILE_DRAWS];
     uint32_t changing = 0, seen = 0, n = 0;
     for (uint32_t i = 0; i < count; i++)
-        changing += cells[i].lo < cells[i].hi;
+        changing += changes(&cells[i], within);
     const uint32_t every = changing / QUANTILE_DRAWS + 1;
     for (uint32_t i = 0; i < count; i++)
-        if (cells[i].lo < cells[i].hi && seen++ % every == 0) {
+        if (changes(&cells[i], within) && seen++ % every == 0) {
             ends[0][n] = cells[i].lo;
             ends[1][n++] = cells[i].hi;
         }
@@ -56,15 +62,16 @@ static void add_bins(histogram *h, double a, double b, uint32_t bins, bool integ
     h->edges[h->bins] = b;
 }
 
+/* Of the values in a range; most: bins. */
 static void make_edges(histogram *h, const histogram_cell *cells, uint32_t count, sample_type type,
-                       const double range[2]) {
+                       const double range[2], uint32_t most) {
     const bool integers = whole(type);
     const double lo = integers ? range[0] - 0.5 : range[0];
     const double hi = integers ? range[1] + 0.5 : nextafter(range[1], (double)INFINITY);
     double bulk[2], width;
-    if ((integers && hi - lo <= HISTOGRAM_BINS) || !bulk_of(cells, count, bulk) ||
+    if ((integers && hi - lo <= most) || !bulk_of(cells, count, range, bulk) ||
         hi - lo <= 4 * (width = bulk[1] - bulk[0])) {
-        const uint32_t bins = range[0] < range[1] ? HISTOGRAM_BINS : 1;
+        const uint32_t bins = range[0] < range[1] ? most : 1;
         add_bins(h, lo, hi, integers && hi - lo < bins ? (uint32_t)(hi - lo) : bins, integers);
         return;
     }
@@ -77,14 +84,25 @@ static void make_edges(histogram *h, const histogram_cell *cells, uint32_t count
     b = b < hi ? b : hi;
     if (a > lo)
         h->edges[h->bins++] = lo;
-    add_bins(h, a, b, HISTOGRAM_BINS - 2, integers);
+    add_bins(h, a, b, most - 2, integers);
     if (b < hi)
         h->edges[++h->bins] = hi;
 }
 
+/* The marker's bin, which holds nothing else, and the gap beside it: on the left or the right. */
+static void add_marker(histogram *h, double value, sample_type type) {
+    const double own[2] = {whole(type) ? value - 0.5 : value,
+                           whole(type) ? value + 0.5 : nextafter(value, (double)INFINITY)};
+    const bool left = value < h->edges[0];
+    if (left)
+        memmove(h->edges + 2, h->edges, (h->bins + 1) * sizeof *h->edges);
+    memcpy(h->edges + (left ? 0 : h->bins + 1), own, sizeof own);
+    h->bins += 2;
+}
+
 /* ---- counting ---- */
 
-/* A guess at the bin of a value: bins are of one width, but for the first and last. */
+/* A guess at the bin of a value: bins are of one width, but for one or two at the ends. */
 typedef struct ruler {
     double origin, per;
     const double *edges;
@@ -93,7 +111,7 @@ typedef struct ruler {
 
 static ruler ruler_of(const histogram *h) {
     ruler r = {.edges = h->edges, .bins = (int32_t)h->bins};
-    const uint32_t i = h->bins > 2;
+    const uint32_t i = h->bins / 2;
     r.origin = h->edges[i] - i * (h->edges[i + 1] - h->edges[i]);
     r.per = 1 / (h->edges[i + 1] - h->edges[i]);
     return r;
@@ -155,9 +173,16 @@ void histogram_count(histogram *h, const histogram_cell *cells, uint32_t count, 
 
 void histogram_build(histogram *h, const histogram_cell *cells, uint32_t count, sample_type type,
                      const double range[2], uint64_t total) {
+    histogram_marker marker;
     memset(h, 0, sizeof *h);
-    if (range[0] <= range[1])
-        make_edges(h, cells, count, type, range);
+    if (histogram_find_marker(cells, count, range, &marker)) {
+        const bool low = marker.value == range[0];
+        const double others[2] = {low ? marker.others[0] : range[0],
+                                  low ? range[1] : marker.others[1]};
+        make_edges(h, cells, count, type, others, HISTOGRAM_BINS - 2);
+        add_marker(h, marker.value, type);
+    } else if (range[0] <= range[1])
+        make_edges(h, cells, count, type, range, HISTOGRAM_BINS);
     histogram_count(h, cells, count, total);
 }
 
@@ -272,8 +297,58 @@ static int middle(const double *score, int bins, int k) {
     return (k + end) / 2;
 }
 
+static double middle_of(const double *edges, uint32_t bin) {
+    return 0.5 * edges[bin] + 0.5 * edges[bin + 1];
+}
+
+uint32_t histogram_parting(const double *edges, const uint32_t *samples, uint32_t from,
+                           uint32_t to) {
+    double count = 0.0, sum = 0.0, below = 0.0, sum_below = 0.0, best = 0.0;
+    uint32_t found = from;
+    /* Relative to the first, so that far from 0 no digits are lost. */
+    const double origin = middle_of(edges, from);
+    for (uint32_t i = from; i < to; i++) {
+        count += samples[i];
+        sum += samples[i] * (middle_of(edges, i) - origin);
+    }
+    for (uint32_t i = from; i + 1 < to; i++) {
+        below += samples[i];
+        sum_below += samples[i] * (middle_of(edges, i) - origin);
+        if (!(below > 0.0 && below < count))
+            continue;
+        const double apart = sum_below / below - (sum - sum_below) / (count - below);
+        /* Divided first: values may be as large as floats are. */
+        const double parted = below / count * (1.0 - below / count) * apart * apart;
+        if (parted > best) {
+            best = parted;
+            found = i + 1;
+        }
+    }
+    return found;
+}
+
+/* Beside a marker gradients say nothing: those of the cells between it and the data are far larger
+ * than the data's own, at every isovalue. So it is where the data part into two, then the upper
+ * half, then the lower. */
+static int suggest_partings(const histogram *h, const uint32_t bins[2], double *isovalues,
+                            int most) {
+    const uint32_t first = histogram_parting(h->edges, h->samples, bins[0], bins[1]);
+    const uint32_t parts[3][2] = {{bins[0], bins[1]}, {first, bins[1]}, {bins[0], first}};
+    int count = 0;
+    for (int i = 0; i < 3 && count < most; i++) {
+        const uint32_t k = histogram_parting(h->edges, h->samples, parts[i][0], parts[i][1]);
+        if (k > parts[i][0])
+            isovalues[count++] = shortened(h, (int)k);
+    }
+    return count;
+}
+
 int histogram_suggest(const histogram *h, double *isovalues, int most) {
     const int bins = (int)h->bins;
+    uint32_t data[2];
+    histogram_marker marker;
+    if (histogram_data(h, data, &marker))
+        return suggest_partings(h, data, isovalues, most);
     double score[HISTOGRAM_BINS];
     bool peak[HISTOGRAM_BINS];
     int count = 0;
@@ -326,6 +401,34 @@ bool histogram_find_marker(const histogram_cell *cells, uint32_t count, const do
         if (!is_marker(cells, count, range[side], &found))
             continue;
         *out = found;
+        return true;
+    }
+    return false;
+}
+
+/* The value that a bin holds alone. */
+static bool alone(const histogram *h, uint32_t bin, double *value) {
+    const double lo = h->edges[bin], hi = h->edges[bin + 1];
+    const bool integer = hi - lo == 1 && lo - floor(lo) == 0.5;
+    *value = integer ? lo + 0.5 : lo;
+    return integer || hi == nextafter(lo, (double)INFINITY);
+}
+
+bool histogram_data(const histogram *h, uint32_t bins[2], histogram_marker *out) {
+    bins[0] = 0;
+    bins[1] = h->bins;
+    for (int side = 0; side < 2 && h->bins >= 3; side++) {
+        const uint32_t own = side ? h->bins - 1 : 0, gap = side ? own - 1 : 1;
+        const uint32_t first = side ? 0 : 2, end = side ? gap : h->bins;
+        const double share = (double)h->samples[own] / (double)h->drawn;
+        const double others[2] = {h->edges[first], h->edges[end]};
+        double value;
+        if (!alone(h, own, &value) || h->samples[gap] || !(share >= MARKER_SHARE) ||
+            !(h->edges[gap + 1] - h->edges[gap] > others[1] - others[0]))
+            continue;
+        *out = (histogram_marker){value, share, {others[0], others[1]}};
+        bins[0] = first;
+        bins[1] = end;
         return true;
     }
     return false;

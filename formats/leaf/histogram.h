@@ -33,7 +33,8 @@ typedef struct histogram_cell {
  *
  * Integers: every edge lies half way between two integers, and where 256 bins are enough, each
  * integer has its own. Wide ranges: the first and last bin may be tails, which reach far beyond
- * the others. This is also the layout in a treelet file (FORMAT.md). */
+ * the others. A marker (below) has a bin of its own at one end, and an empty one between it and the
+ * others. This is also the layout in a treelet file (FORMAT.md). */
 typedef struct histogram {            /* offset size */
     uint32_t bins;                    /*    0    4  0: not one finite value was drawn */
     uint32_t reserved0;               /*    4    4 */
@@ -71,8 +72,14 @@ void histogram_count(histogram *h, const histogram_cell *cells, uint32_t count, 
 const char *histogram_fault(const histogram *h);
 
 /* histogram_suggest() - up to `most` isovalues that are worth a look, best first; returns how many.
- * None where all values are equal or not finite. The rule, "sharp and large": see histogram.c. */
+ * None where all values are equal or not finite. The rule, "sharp and large": see histogram.c. A
+ * marker is left aside. */
 int histogram_suggest(const histogram *h, double *isovalues, int most);
+
+/* histogram_parting() - Otsu: the bin of [from, to) at which the samples part into two whose means
+ * are apart the most, by their weights; `from` where all share a bin. from < to. */
+uint32_t histogram_parting(const double *edges, const uint32_t *samples, uint32_t from,
+                           uint32_t to);
 
 /* A value that may stand for missing data, as people have -9999 or 1e30 do. */
 typedef struct histogram_marker {
@@ -86,5 +93,10 @@ typedef struct histogram_marker {
  * far from 0 as any other, where the others differ. False, and *out untouched: no. */
 bool histogram_find_marker(const histogram_cell *cells, uint32_t count, const double range[2],
                            histogram_marker *out);
+
+/* histogram_data() - the bins [bins[0], bins[1]) that hold data: all, or all but the marker's and
+ * the empty one beside it. Returns whether there is a marker, with what is known of it in *out,
+ * which is untouched otherwise; `others` are the ends of the other bins. */
+bool histogram_data(const histogram *h, uint32_t bins[2], histogram_marker *out);
 
 #endif

@@ -7,7 +7,7 @@
 
 enum { ROWS = 24, BAR = 40 };
 
-/* Rows of bins: the tails, which are the first and the last bin, by themselves, the rest in rows of
+/* Rows of bins: the tails and what is left aside, at the ends, by themselves, the rest in rows of
  * as many bins each. */
 typedef struct row {
     uint32_t first, end;
@@ -15,14 +15,18 @@ typedef struct row {
 } row;
 
 static bool is_tail(const histogram *h, uint32_t bin) {
-    if (bin != 0 && bin + 1 != h->bins)
+    uint32_t data[2];
+    histogram_marker marker;
+    if (histogram_data(h, data, &marker) && (bin < data[0] || bin >= data[1]))
+        return true;
+    if (bin != data[0] && bin + 1 != data[1])
         return false;
-    const uint32_t inner = h->bins > 2 ? 1 : 0;
+    const uint32_t inner = data[1] - data[0] > 2 ? data[0] + 1 : data[0];
     const double width = h->edges[inner + 1] - h->edges[inner];
     return h->edges[bin + 1] - h->edges[bin] > 4 * width;
 }
 
-static int make_rows(const histogram *h, row rows[ROWS + 2]) {
+static int make_rows(const histogram *h, row rows[ROWS + 4]) {
     const uint32_t each = (h->bins + ROWS - 1) / ROWS;
     int count = 0;
     for (uint32_t k = 0; k < h->bins;) {
@@ -46,7 +50,7 @@ static bool suggested(const histogram *h, const row *r, const double *isovalues,
 }
 
 void histogram_print(FILE *to, const histogram *h, const char *what) {
-    row rows[ROWS + 2];
+    row rows[ROWS + 4];
     double isovalues[HISTOGRAM_ISOVALUES], most = 0;
     if (h->bins == 0)
         return;
@@ -72,6 +76,12 @@ void histogram_print(FILE *to, const histogram *h, const char *what) {
 
 void histogram_print_isovalues(FILE *to, const histogram *h) {
     double isovalues[HISTOGRAM_ISOVALUES];
+    uint32_t data[2];
+    histogram_marker marker;
+    char value[NUM_TEXT_MAX];
+    if (histogram_data(h, data, &marker))
+        fprintf(to, "aside       %s, in %.3g %%: may stand for no data (convert --missing=%s)\n",
+                num_print_float((float)marker.value, value), 100 * marker.share, value);
     const int count = histogram_suggest(h, isovalues, HISTOGRAM_ISOVALUES);
     char text[NUM_TEXT_MAX];
     for (int i = 0; i < count; i++)
@@ -96,8 +106,11 @@ json_t *histogram_json(const histogram *h) {
         json_array_append_new(edges, json_real(h->edges[h->bins]));
     for (int i = 0; i < count; i++)
         json_array_append_new(suggestions, json_real(isovalues[i]));
-    return json_pack("{s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "total", (json_int_t)h->total,
-                     "drawn", (json_int_t)h->drawn, "cells", (json_int_t)h->cells, "edges", edges,
-                     "samples", samples, "active", active, "gradient", gradient, "area", area,
-                     "suggested", suggestions);
+    uint32_t data[2];
+    histogram_marker marker;
+    json_t *aside = histogram_data(h, data, &marker) ? json_real(marker.value) : json_null();
+    return json_pack("{s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "total",
+                     (json_int_t)h->total, "drawn", (json_int_t)h->drawn, "cells",
+                     (json_int_t)h->cells, "edges", edges, "samples", samples, "active", active,
+                     "gradient", gradient, "area", area, "suggested", suggestions, "aside", aside);
 }

@@ -296,7 +296,7 @@ static status window_of(const making *k, double window[2]) {
     memcpy(window, k->o->window, 2 * sizeof *window);
     if (k->o->windowed)
         return ST_OK;
-    status st = (status)leafcast_range(k->volume, k->field, k->step, window);
+    status st = (status)leafcast_data_range(k->volume, k->field, k->step, window);
     if (st == ST_OK && !(window[0] <= window[1]))
         window[0] = window[1] = 0.0; /* no value is finite */
     return st;

@@ -334,6 +334,21 @@ static void say_suggested(const render_options *o, const script_frame *frame) {
              num_print(frame->suggested[0], value), others);
 }
 
+/* A value that neither suggestions nor transfer functions count. */
+static void say_aside(const render_options *o, const render_job *job, const script_frame *frame) {
+    char value[NUM_TEXT_MAX];
+    double range[2], data[2];
+    if ((frame->suggestions == 0 && !view_options_any_filled(&frame->view)) ||
+        leafcast_range(job->volume, job->field, job->step, range) != LEAFCAST_OK ||
+        leafcast_data_range(job->volume, job->field, job->step, data) != LEAFCAST_OK)
+        return;
+    for (int side = 0; side < 2 && data[0] <= data[1]; side++)
+        if (data[side] != range[side])
+            cli_note(&o->common, 1,
+                     "%s may stand for no data and is left aside; convert --missing=%s says so",
+                     num_print_float((float)range[side], value), value);
+}
+
 static void say_done(const render_options *o, const script_frame *frame, const render_stats *s) {
     const leafcast_stats *t = &s->trace;
     const char *name = "drawn";
@@ -373,6 +388,7 @@ static void say_done(const render_options *o, const script_frame *frame, const r
 static status draw(render_options *o, render_job *job, const script_frame *frame, json_t **stats) {
     render_stats s;
     say_suggested(o, frame);
+    say_aside(o, job, frame);
     status st = render_job_draw(job, frame, &s);
     if (st)
         return st;

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "formats/leaf/histogram.h"
 #include "render/app/colour_map.h"
 
 enum { ROWS_MAX = 6 };
@@ -64,46 +65,19 @@ static double middle_of(const leafcast_histogram *h, uint32_t bin) {
     return 0.5 * h->edges[bin] + 0.5 * h->edges[bin + 1];
 }
 
-/* Otsu: the bin, behind `first`, at which the bins from first on part into two whose means are
- * apart the most, by their weights; `first` where all samples share a bin. */
-static uint32_t threshold(const leafcast_histogram *h, uint32_t first) {
-    double count = 0.0, sum = 0.0, below = 0.0, sum_below = 0.0, best = 0.0;
-    uint32_t found = first;
-    /* Relative to the first, so that far from 0 no digits are lost. */
-    const double origin = middle_of(h, first);
-    for (uint32_t i = first; i < h->bins; i++) {
-        count += h->samples[i];
-        sum += h->samples[i] * (middle_of(h, i) - origin);
-    }
-    for (uint32_t i = first; i + 1 < h->bins; i++) {
-        below += h->samples[i];
-        sum_below += h->samples[i] * (middle_of(h, i) - origin);
-        if (!(below > 0.0 && below < count))
-            continue;
-        const double apart = sum_below / below - (sum - sum_below) / (count - below);
-        /* Divided first: values may be as large as floats are. */
-        const double parted = below / count * (1.0 - below / count) * apart * apart;
-        if (parted > best) {
-            best = parted;
-            found = i + 1;
-        }
-    }
-    return found;
-}
-
 /* The value below which this share of the samples of bins from `first` on is. */
 static double percentile(const leafcast_histogram *h, uint32_t first, double share) {
     double count = 0.0;
-    for (uint32_t i = first; i < h->bins; i++)
+    for (uint32_t i = first; i < h->end; i++)
         count += h->samples[i];
     double left = share * count;
-    for (uint32_t i = first; i < h->bins; i++) {
+    for (uint32_t i = first; i < h->end; i++) {
         const double here = h->samples[i];
         if (left <= here && here > 0.0)
             return h->edges[i] + left / here * (h->edges[i + 1] - h->edges[i]);
         left -= here;
     }
-    return h->edges[h->bins];
+    return h->edges[h->end];
 }
 
 /* ---- The function ---- */
@@ -114,8 +88,8 @@ static status weigh(const struct preset *p, const leafcast_histogram *h, transfe
     uint32_t first[2];
     double before = -INFINITY;
     status st = ST_OK;
-    first[0] = threshold(h, 0);
-    first[1] = threshold(h, first[0]);
+    first[0] = histogram_parting(h->edges, h->samples, h->first, h->end);
+    first[1] = histogram_parting(h->edges, h->samples, first[0], h->end);
     for (int i = 0; i < p->count && st == ST_OK; i++) {
         const row *r = &p->rows[i];
         leafcast_transfer_point point = {.value = percentile(h, first[r->above], r->share),
@@ -134,7 +108,7 @@ static status weigh(const struct preset *p, const leafcast_histogram *h, transfe
 
 static double mean_weight(const leafcast_histogram *h, const transfer_list *t) {
     double sum = 0.0, count = 0.0;
-    for (uint32_t i = 0; i < h->bins; i++) {
+    for (uint32_t i = h->first; i < h->end; i++) {
         sum += h->samples[i] * transfer_list_at(t, middle_of(h, i), true).extinction;
         count += h->samples[i];
     }

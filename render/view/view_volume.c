@@ -55,7 +55,11 @@ static json_t *field_json(const leafcast *volume, uint32_t field) {
         count = 0;
     /* Names of files need not be UTF-8. */
     json_object_set_new(out, "name", text ? text : json_string(""));
+    double data[2] = {range[0], range[1]};
+    if (range[0] < range[1])
+        (void)leafcast_data_range(volume, field, 0, data);
     json_object_set_new(out, "range", reals(range, 2));
+    json_object_set_new(out, "data", reals(data, 2));
     json_object_set_new(out, "suggested", reals(suggested, count));
     json_object_set_new(out, "histogram", histogram_json(volume, field));
     return out;

@@ -17,9 +17,9 @@ export class Plot {
 
   show(field) {
     this.field = field;
-    [this.low, this.high] = field.range;
+    [this.low, this.high] = field.data;
     if (!(this.high > this.low)) this.high = this.low + 1;
-    this.ends.replaceChildren(...field.range.map(v => element("span", {}, short(v))));
+    this.ends.replaceChildren(...field.data.map(v => element("span", {}, short(v))));
     this.draw();
   }
 

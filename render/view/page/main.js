@@ -127,8 +127,8 @@ class App {
   chooseField(k) {
     this.model.data.field = k;
     const f = this.volume.fields[k];
-    this.model.surfaces = this.model.surfaces.slice(0, 1).map(s => ({...s, iso: f.suggested[0] ?? f.range[1]}));
-    Object.assign(this.model.volume, {points: [], window: null, first: f.suggested[0] ?? f.range[1],
+    this.model.surfaces = this.model.surfaces.slice(0, 1).map(s => ({...s, iso: f.suggested[0] ?? f.data[1]}));
+    Object.assign(this.model.volume, {points: [], window: null, first: f.suggested[0] ?? f.data[1],
       preset: this.model.volume.preset === "custom" ? "auto" : this.model.volume.preset});
     this.pick.clear();
     this.build();

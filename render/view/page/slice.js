@@ -247,7 +247,7 @@ export class Slices {
       choice("Colours", {options: [["", "the volume's"], ...maps.map(m => [m, m])], value: s.map,
         change: m => { s.map = m; this.build(); app.sliced(false); }}));
     if (s.map || app.model.volume.mode === "off")
-      parts.push(span("Window", {min: f.range[0], max: f.range[1], value: s.window ?? f.range,
+      parts.push(span("Window", {min: f.data[0], max: f.data[1], value: s.window ?? f.data,
         change: (w, rest) => { s.window = w[1] > w[0] ? w : null; change(!rest); }}));
     parts.push(check("Lines of the isovalues", {value: s.isolines, change: on => { s.isolines = on; change(false); }}),
       check("Nearest samples, not interpolated", {value: s.nearest, change: on => { s.nearest = on; change(false); }}),

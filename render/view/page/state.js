@@ -106,6 +106,12 @@ export function fromFlags(given, volume) {
 
 // ---- the model to flags ----
 
+// A value that may stand for missing data: the end of the range that the data leave aside. null: none.
+export function asideOf({range, data}) {
+  const side = range.findIndex((v, i) => v !== data[i]);
+  return side < 0 ? null : range[side];
+}
+
 // An isovalue that no sample has: without any, one would be suggested and drawn.
 export function nowhere(field) {
   return field.range[1] + Math.max(1, field.range[1] - field.range[0]);

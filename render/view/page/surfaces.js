@@ -1,7 +1,7 @@
 // surfaces.js - the isosurfaces: a handle each on the histogram, and a line each below it.
 import {brief, byId, colour, element, short} from "./dom.js";
 import {Plot, drag} from "./histogram.js";
-import {COLOURS, SURFACES_MAX} from "./state.js";
+import {COLOURS, SURFACES_MAX, asideOf} from "./state.js";
 
 export class Surfaces {
   constructor(app) {
@@ -17,6 +17,10 @@ export class Surfaces {
 
   build() {
     this.plot.show(this.field);
+    const aside = asideOf(this.field);
+    byId("iso-aside").hidden = aside == null;
+    byId("iso-aside").textContent = `${short(aside ?? 0, 6)} may stand for no data, and is left aside. `
+      + "If it does, convert with --missing.";
     for (const g of this.plot.host.querySelectorAll(".grip")) g.remove();
     this.grips = this.list.map((s, i) => this.grip(s, i));
     this.plot.host.append(...this.grips);

@@ -44,11 +44,11 @@ export class Volume {
       ? "Drag the points; click the plot to add one, Delete takes one away."
       : "Click the plot to set opacities by points of your own."));
     if (v.mode === "first")
-      parts.push(slider("Value", {min: this.field.range[0], max: this.field.range[1], value: v.first,
+      parts.push(slider("Value", {min: this.field.data[0], max: this.field.data[1], value: v.first,
         change: (x, rest) => { v.first = x; change(!rest); }}));
     if (projected || v.map || v.preset === "custom")
-      parts.push(span("Window", {min: this.field.range[0], max: this.field.range[1],
-        value: v.window ?? this.field.range, change: (w, rest) => {
+      parts.push(span("Window", {min: this.field.data[0], max: this.field.data[1],
+        value: v.window ?? this.field.data, change: (w, rest) => {
           v.window = w[1] > w[0] ? w : null;
           change(!rest);
         }}));
@@ -70,7 +70,7 @@ export class Volume {
     const name = v.map || (projected ? "grey" : v.preset === "custom" ? "viridis" : v.preset === "auto" ? "viridis" : "");
     const colours = this.app.volume.colour_maps[name];
     if (!colours) return null;
-    const [low, high] = v.window && (v.map || projected || v.preset === "custom") ? v.window : this.field.range;
+    const [low, high] = v.window && (v.map || projected || v.preset === "custom") ? v.window : this.field.data;
     return {colours, low, high};
   }
 
@@ -93,7 +93,7 @@ export class Volume {
 
   mode(mode) {
     const {v} = this;
-    if (mode === "first") v.first ??= this.field.suggested[0] ?? this.plot?.value(0.5) ?? this.field.range[1];
+    if (mode === "first") v.first ??= this.field.suggested[0] ?? this.plot?.value(0.5) ?? this.field.data[1];
     this.uncover(mode);
     v.mode = mode;
     this.build();
@@ -120,7 +120,7 @@ export class Volume {
 
   // Points to begin with: nothing up to the first suggested value, then more.
   own() {
-    const {v} = this, [low, high] = this.field.range;
+    const {v} = this, [low, high] = this.field.data;
     if (v.points.length) return;
     const s = this.field.suggested.find(x => x > low && x < high) ?? (low + high) / 2;
     v.points = [[low, 0], [s - 0.12 * (s - low), 0], [s + 0.25 * (high - s), 0.25], [high, 0.8]];
