@@ -36,7 +36,7 @@ leafcast_status leafcast_get_histogram(const leafcast *v, uint32_t field, uint32
     memcpy(to->area, h.area, sizeof to->area);
     uint32_t data[2];
     histogram_marker marker;
-    (void)histogram_data(&h, data, &marker);
+    to->aside = histogram_data(&h, data, &marker) ? marker.value : (double)NAN;
     to->first = data[0];
     to->end = data[1];
     return LEAFCAST_OK;

@@ -22,7 +22,7 @@ static const char *const PRESETS[] = {"auto", "ct", "mr"};
 
 /* Bins of width 1 from 0 on. */
 static leafcast_histogram histogram_of(const uint32_t *samples, uint32_t bins) {
-    leafcast_histogram h = {.bins = bins};
+    leafcast_histogram h = {.bins = bins, .end = bins, .aside = (double)NAN};
     for (uint32_t i = 0; i <= bins; i++)
         h.edges[i] = i;
     for (uint32_t i = 0; i < bins; i++) {
@@ -104,6 +104,40 @@ static void test_odd_histograms(void **state) {
             assert_true(e.points[i].extinction == 0.0);
         transfer_list_release(&c);
         transfer_list_release(&e);
+    }
+}
+
+/* Beside a value that may stand for missing data, however much of it there is: the same functions.
+ */
+static void test_aside(void **state) {
+    (void)state;
+    uint32_t samples[50];
+    for (int i = 0; i < 50; i++)
+        samples[i] = (uint32_t)(1000 / (1 + i % 17));
+    const leafcast_histogram plain = histogram_of(samples, 50);
+    leafcast_histogram beside = plain;
+    beside.bins = 52;
+    beside.first = 2;
+    beside.end = 52;
+    beside.aside = beside.edges[0] = -9999.0;
+    beside.edges[1] = nextafter(-9999.0, 0.0);
+    memcpy(beside.edges + 2, plain.edges, 51 * sizeof *plain.edges);
+    memcpy(beside.samples + 2, plain.samples, 50 * sizeof *plain.samples);
+    beside.samples[0] = 1000000;
+    beside.samples[1] = 0;
+    for (int k = 0; k < 3; k++) {
+        transfer_list c, e, d, f;
+        make(PRESETS[k], &plain, 3.0, &c, &e);
+        make(PRESETS[k], &beside, 3.0, &d, &f);
+        assert_int_equal(c.count, d.count);
+        assert_int_equal(e.count, f.count);
+        for (size_t i = 0; i < e.count; i++)
+            assert_true(e.points[i].value == f.points[i].value &&
+                        e.points[i].extinction == f.points[i].extinction);
+        transfer_list_release(&c);
+        transfer_list_release(&d);
+        transfer_list_release(&e);
+        transfer_list_release(&f);
     }
 }
 
@@ -263,9 +297,9 @@ static void test_script(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_three_kinds), cmocka_unit_test(test_odd_histograms),
-        cmocka_unit_test(test_moved),       cmocka_unit_test(test_names),
-        cmocka_unit_test(test_bar),         cmocka_unit_test(test_no_room),
-        cmocka_unit_test(test_script),
+        cmocka_unit_test(test_aside),       cmocka_unit_test(test_moved),
+        cmocka_unit_test(test_names),       cmocka_unit_test(test_bar),
+        cmocka_unit_test(test_no_room),     cmocka_unit_test(test_script),
     };
     mem_init(&budget, 0);
     return cmocka_run_group_tests(tests, NULL, NULL);

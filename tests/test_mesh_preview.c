@@ -171,7 +171,7 @@ static void test_is_the_grid(void **state) {
                 hits++;
                 near += fabs(got.z[i] - exact.z[i]) < 0.5;
             }
-        assert_true(hits > 500 && near > hits * 9 / 10);
+        assert_true(hits > PICTURE_PIXELS / 8 && near > hits * 9 / 10);
         leafcast_close(v);
     }
 }

@@ -279,7 +279,8 @@ static void test_shadows(void **state) {
         wrong += !grazing && (p.rgba[0][i] > 0.0f) != sees;
     }
     print_message("# %d lit, %d in shadow, %d grazing\n", lit, dark, grazes);
-    assert_true(lit > 200 && dark > 50 && grazes < 100);
+    assert_true(lit > PICTURE_PIXELS / 20 && dark > PICTURE_PIXELS / 80 &&
+                grazes < PICTURE_PIXELS / 40);
     assert_true(stats.shadow_rays >= (uint64_t)(lit + dark));
     assert_int_equal(wrong, 0);
     leafcast_close(v);

@@ -79,6 +79,14 @@ v = [-9999.0 if i % 5 == 0 else i % 7 for i in range(4096)]
 open(sys.argv[1], "wb").write(struct.pack("<4096f", *v))' "$tmp/marked_16x16x16_f32.raw"
 exits "a value that stands apart" 0 "$leafcast" convert "$tmp/marked_16x16x16_f32.raw" -o "$tmp/m.leaf"
 ok "is told" grep -q 'marked_16x16x16_f32.raw: 20 % of the samples are -9999, others 0 .. 6; .*--missing=-9999 says so' "$tmp/err"
+exits "what is suggested" 0 "$leafcast" info "$tmp/m.leaf" --json
+ok "leaves it aside" python3 -c 'import json, sys; h = json.load(open(sys.argv[1]))["histogram"]
+assert h["aside"] == -9999 and h["suggested"] and all(0 < v < 6 for v in h["suggested"]), h' "$tmp/out"
+exits "info" 0 "$leafcast" info "$tmp/m.leaf"
+ok "says so" grep -q '^aside  *-9999, in 20 %: may stand for no data' "$tmp/out"
+exits "a medium" 0 "$leafcast" render "$tmp/m.leaf" --tf auto --write-tf "$tmp/m.tf" --size 16x16 -o "$tmp/m.pfm" -v
+ok "says so, too" grep -q -- '-9999 may stand for no data and is left aside' "$tmp/err"
+ok "and is of the others" awk '!/^#/ && NF == 5 && $1 < 0 { bad = 1 } END { exit bad }' "$tmp/m.tf"
 exits "and taken as no data" 0 "$leafcast" convert "$tmp/marked_16x16x16_f32.raw" --missing=-9999 -o "$tmp/m.leaf" --force
 python3 -c '
 import struct, sys

@@ -110,6 +110,7 @@ def drawn(s):
     ok("the volume is told", v["type"] == "volume" and v["kind"] == "grid" and v["dims"] == [48, 40, 44] and
        v["file"] == "g.leaf" and v["files"] == ["g.leaf", "m.leaf"] and len(v["colour_maps"]["viridis"]) == 64)
     h = v["fields"][0]["histogram"]
+    ok("nothing is left aside", v["fields"][0]["data"] == v["fields"][0]["range"])
     ok("with a histogram", len(h["edges"]) == len(h["samples"]) + 1 == len(h["area"]) + 1 > 2)
     page.view(1, v["state"], W, H)
     got = page.final()
@@ -350,6 +351,21 @@ def changed():
     ok("what the page has said stays", '"a/b"' in page.text("refused")["why"])
     code, _, body = picture_of(s, SURFACE)
     ok("as an answer", code == 400 and body.startswith(b"changes.leaf"))
+    page.close()
+    s.stop()
+
+
+def marked():
+    """A value that may stand for missing data: left aside by what the page offers."""
+    raw, leaf = folder + "/marked_16x16x16_f32.raw", folder + "/marked.leaf"
+    with open(raw, "wb") as f:
+        f.write(struct.pack("<4096f", *[-9999.0 if i % 5 == 0 else i % 7 for i in range(4096)]))
+    subprocess.run([leafcast, "convert", raw, "-o", leaf, "-q"], check=True)
+    s = serve(leaf)
+    page = Page(s)
+    f = page.volume["fields"][0]
+    ok(f"a value aside: {f['data']} of {f['range']}", f["range"] == [-9999, 6] and f["data"] == [0, 6])
+    ok(f"is not suggested: {f['suggested']}", f["suggested"] and all(0 < v < 6 for v in f["suggested"]))
     page.close()
     s.stop()
 
@@ -728,6 +744,7 @@ def main():
     for test in (pages, sockets, drawn, slices, files, large, superseded, unseen, waiting, picks, states, limits, several):
         test(s)
     changed()
+    marked()
     fuzz(s, 2000)
     rubbish(s, 300)
     ends(s, "after all")
