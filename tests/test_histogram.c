@@ -228,6 +228,13 @@ static void fill_hole(float marker) {
     }
 }
 
+static uint32_t bins_used(const histogram *h, const uint32_t bins[2]) {
+    uint32_t used = 0;
+    for (uint32_t k = bins[0]; k < bins[1]; k++)
+        used += h->samples[k] > 0;
+    return used;
+}
+
 static void check_aside(const char *what, sample_type type, const void *samples, double value) {
     histogram h;
     histogram_marker m = {0};
@@ -238,10 +245,7 @@ static void check_aside(const char *what, sample_type type, const void *samples,
     assert_true(m.value == value && m.share > 0.01 && m.share < 0.1);
     assert_true(data[1] - data[0] + 2 == h.bins && data[0] == (value < 0 ? 2 : 0));
     assert_true(m.others[0] > 3 && m.others[0] <= 4 && m.others[1] < 40);
-    uint32_t used = 0;
-    for (uint32_t k = data[0]; k < data[1]; k++)
-        used += h.samples[k] > 0;
-    assert_true(used > 10);
+    assert_true(bins_used(&h, data) > 10);
     const int count = histogram_suggest(&h, isovalues, HISTOGRAM_ISOVALUES);
     assert_true(count == 3 && isovalues[0] >= 9.5 && isovalues[0] <= 20);
     assert_true(isovalues[1] > isovalues[0] && isovalues[2] < isovalues[0] && isovalues[2] > 4);
@@ -271,6 +275,39 @@ static void test_aside(void **state) {
     assert_true(data[0] == 0 && data[1] == h.bins);
     check_counts("three values", SAMPLE_U8, (uint8_t[NODES]){0, 1, 2}, &h); /* integers' bins */
     assert_false(histogram_data(&h, data, &m));
+}
+
+/* Beside a marker, too, one value far away does not take the others' bins. A gap that is no wider
+ * than the data makes none. */
+static void test_aside_of_what(void **state) {
+    (void)state;
+    static uint8_t bytes[NODES];
+    histogram h;
+    histogram_marker m;
+    uint32_t data[2];
+    fill_hole(-1e34F);
+    f32[NODES - 1] = 1e6F;
+    check_counts("a tail", SAMPLE_F32, f32, &h);
+    assert_true(histogram_data(&h, data, &m));
+    assert_true(bins_used(&h, data) > 10);
+    for (int i = 0; i < NODES; i++)
+        bytes[i] = (uint8_t)(i % 4 ? 2 + i % 5 : 0);
+    check_counts("a gap", SAMPLE_U8, bytes, &h);
+    assert_int_equal(h.samples[1], 0);
+    assert_false(histogram_data(&h, data, &m));
+}
+
+/* Where there is most on both sides, not where one lies far off. */
+static void test_parting(void **state) {
+    (void)state;
+    static const uint32_t few[10] = {100, 100, 100, 100, 100, 0, 0, 0, 0, 1}, none[10] = {7};
+    double edges[11];
+    for (int i = 0; i < 11; i++)
+        edges[i] = 1e6 + i;
+    const uint32_t at = histogram_parting(edges, few, 0, 10);
+    assert_in_range(at, 2, 3);
+    assert_int_equal(histogram_parting(edges, none, 0, 10), 0);
+    assert_int_equal(histogram_parting(edges, few, 4, 10), 5);
 }
 
 /* f = distance from a point, on nodes that are stretched and turned: every surface is a sphere, the
@@ -466,7 +503,8 @@ int main(void) {
         cmocka_unit_test(test_tet),        cmocka_unit_test(test_faults),
         cmocka_unit_test(test_suggestion), cmocka_unit_test(test_unused_edges),
         cmocka_unit_test(test_rows),       cmocka_unit_test(test_marker),
-        cmocka_unit_test(test_aside),
+        cmocka_unit_test(test_aside),      cmocka_unit_test(test_aside_of_what),
+        cmocka_unit_test(test_parting),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
