@@ -25,6 +25,7 @@
 #include "tests/support/medium_lab.h"
 #include "tests/support/pictures.h"
 #include "tests/support/ref_media.h"
+#include "tests/support/watched.h"
 
 typedef long double real;
 
@@ -238,7 +239,7 @@ static void test_against_brute_force(void **state) {
         verdict v = {0};
         medium_body_make(&b, i, &two_threads);
         for (int kind = 0; kind < KINDS; kind++)
-            for (uint64_t n = 0; n < 3 * stress_count(); n++)
+            for (uint64_t n = 0; n < (SLOW ? 1 : 3) * stress_count(); n++)
                 check_shot(&b, kind, SEED + 1000 * n + (uint64_t)kind, false, &v);
         if (v.faults > 0)
             fprintf(stderr, "# %s: %llu of %llu rays\n", b.name, (unsigned long long)v.faults,

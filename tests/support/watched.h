@@ -17,6 +17,15 @@ enum { WATCHED_MEMORY = 0 };
 #endif
 enum { WATCHED = WATCHED_THREADS || WATCHED_MEMORY };
 
+/* Another CPU, which CI emulates: references in long double take a hundred times as long there. What
+ * compares bits does all. */
+#ifdef __aarch64__
+enum { EMULATED = 1 };
+#else
+enum { EMULATED = 0 };
+#endif
+enum { SLOW = WATCHED || EMULATED };
+
 /* The first line of a test that takes long and has one thread, or whose threads other tests of its
  * file have, too: CONFIG=thread skips it. */
 #define skip_under_thread()  \
