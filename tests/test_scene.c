@@ -407,7 +407,7 @@ static void slice(const stage *s, uint64_t memory) {
         calls++;
         assert_true(calls < 100000);
     }
-    assert_true(calls > (WATCHED ? 1 : 3));
+    assert_true(WATCHED || calls > 3); /* of smaller pictures there may be fewer */
     for (int k = 0; k < 2; k++) {
         leafcast_frame_end(frame[k]);
         same_picture(&whole[k], &sliced[k]);
