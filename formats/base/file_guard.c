@@ -124,28 +124,25 @@ static status check_output(const char *path, bool announce) {
     return st;
 }
 
-static bool is_output(const entry *e, const file_id *id) {
-    (void)id;
-    return e->output;
-}
-
-static bool is_any(const entry *e, const file_id *id) {
-    (void)e, (void)id;
-    return true;
-}
-
-static bool is_input_of(const entry *e, const file_id *id) {
-    return !e->output && same_file(&e->file, id);
-}
-
-static void forget(bool (*which)(const entry *e, const file_id *id), const file_id *id) {
+static void forget(bool inputs_too) {
     size_t kept = 0;
     for (size_t i = 0; i < table.count; i++)
-        if (which(&table.all[i], id))
+        if (table.all[i].output || inputs_too)
             mem_free(&table.m, table.all[i].path);
         else
             table.all[kept++] = table.all[i];
     table.count = kept;
+}
+
+/* There is one of a file at most. */
+static void forget_input(const file_id *id) {
+    size_t i = 0;
+    while (i < table.count && (table.all[i].output || !same_file(&table.all[i].file, id)))
+        i++;
+    if (i == table.count)
+        return;
+    mem_free(&table.m, table.all[i].path);
+    table.all[i] = table.all[--table.count];
 }
 
 /* ---- the doors ---- */
@@ -195,7 +192,7 @@ status file_guard_check(const char *path) {
 
 void file_guard_next(void) {
     pthread_mutex_lock(&table.lock);
-    forget(is_output, NULL);
+    forget(false);
     pthread_mutex_unlock(&table.lock);
 }
 
@@ -203,14 +200,14 @@ void file_guard_forget(const char *path) {
     file_id id;
     pthread_mutex_lock(&table.lock);
     if (find_id(path, &id))
-        forget(is_input_of, &id);
+        forget_input(&id);
     pthread_mutex_unlock(&table.lock);
 }
 
 void file_guard_reset(void) {
     pthread_mutex_lock(&table.lock);
     table.watching = false;
-    forget(is_any, NULL);
+    forget(true);
     mem_free(&table.m, table.all);
     table.all = NULL;
     table.room = 0;

@@ -63,15 +63,15 @@ static status open_files(const view_verb *o, view_file *files) {
     return st;
 }
 
-/* Of a mesh with so many tets, media and projections are not drawn in the time that a hand has. */
+/* Of so many tets, media and projections are drawn in few pixels, or late, while a hand moves. */
 enum { MANY_TETS = 1000000 };
 
 static void tell_slow(const view_verb *o, const view_file *f) {
     const leafcast_info info = leafcast_describe(f->volume);
     if (info.tets >= MANY_TETS && info.preview_levels <= info.levels)
         cli_note(&o->common, 0,
-                 "%s has no coarse grid: media and projections will not keep up with the hand; "
-                 "leafcast convert --coarse makes one",
+                 "%s has no coarse grid: media and projections of its tets will be drawn in few "
+                 "pixels while the hand moves; leafcast convert --coarse makes one",
                  f->path);
 }
 

@@ -294,8 +294,8 @@ static double guess_of(way of) {
     return guesses[of];
 }
 
-/* What tets take beside cells of a grid of their size: where pieces of rays are asked for, many are
- * met that no ray passes. */
+/* What tets take beside cells of a grid of their size, where all pieces of rays are asked for: 6 to
+ * 22 times, of 0.2 and 11 million tets, half of which view_pace.h allows for a finer level. */
 static double apart_of(const leafcast_info *info, way of) {
     const bool pieces = of != SURFACES && of != BEHIND;
     return info->preview_levels > info->levels && pieces ? 8.0 : 1.0;

@@ -492,8 +492,14 @@ def sizes(b, url):
 
 def links(b):
     """What a page does whose connection ends."""
-    both = Server([leafcast, "view", folder + "/g.leaf", folder + "/m.leaf"])
+    both = Server([leafcast, "view", folder + "/g.leaf", folder + "/m.leaf", folder + "/n.leaf"])
+    aside = "const e = document.getElementById('iso-aside'); return e.hidden ? '' : e.textContent"
     b.open(both.url)
+    ok("no value is left aside", b.js(aside) == "")
+    b.choose("File", "2")
+    ok("one that may stand for no data is, and the page says so",
+       b.until("return leafcast.model && leafcast.volume.which === 2") and b.rest() and "9999" in b.js(aside))
+    ok("what is drawn is of the others", 0 < b.flags()["iso"][0] < 6)
     b.choose("File", "1")
     ok("another file", b.until("return leafcast.model && leafcast.volume.which === 1") and b.rest())
     before = b.flags()

@@ -17,7 +17,7 @@ enum { WATCHED_MEMORY = 0 };
 #endif
 enum { WATCHED = WATCHED_THREADS || WATCHED_MEMORY };
 
-/* Another CPU, which CI emulates: references in long double take a hundred times as long there.
+/* Another CPU, which CI emulates: references in long double take some thirty times as long there.
  * What compares bits does all. */
 #ifdef __aarch64__
 enum { EMULATED = 1 };
