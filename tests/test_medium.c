@@ -82,6 +82,7 @@ static void check_body(int index, medium_tally *all) {
 
 static void test_within_the_bound(void **state) {
     (void)state;
+    skip_under_thread();
     medium_tally all = {0};
     for (int i = 0; i < medium_body_count(); i += getenv("LEAFCAST_STRESS_STOP") ? 8 : EVERY)
         check_body(i, &all);

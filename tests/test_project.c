@@ -233,6 +233,7 @@ static const leafcast_options two_threads = {.size = sizeof two_threads, .thread
 
 static void test_against_brute_force(void **state) {
     (void)state;
+    skip_under_thread();
     verdict all = {0};
     for (int i = 0; i < medium_body_count(); i++) {
         medium_body b;

@@ -208,6 +208,7 @@ static tally check_subject(const subject *x, int rounds) {
 
 static void test_grids(void **state) {
     (void)state;
+    skip_under_thread();
     static const char *const types[] = {"u8", "i8", "u16", "i16", "f32"};
     for (int i = 0; i < 5; i++) {
         subject *x = field_subject("noise-u8", types[i], 41, i % 2);
@@ -218,6 +219,7 @@ static void test_grids(void **state) {
 
 static void test_all_fields(void **state) {
     (void)state;
+    skip_under_thread();
     int holes = 0, rectilinear = 0;
     for (int i = 0; i < field_count(); i++) {
         field f;
@@ -240,6 +242,7 @@ static void test_turned(void **state) {
 
 static void test_meshes(void **state) {
     (void)state;
+    skip_under_thread();
     static const char *const names[] = {"sphere", "noise"};
     for (int i = 0; i < 2; i++) {
         subject *x = mesh_subject(names[i], 6, 100);

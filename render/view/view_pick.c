@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "formats/base/cli_json.h"
+#include "render/app/view_camera.h"
 
 static json_t *vector(const double x[3]) {
     json_t *list = json_array();
@@ -49,7 +50,7 @@ static status first_hit(mem *m, view_wish *wish, double x, double y, leafcast_hi
     if (st == ST_OK)
         st = picture_scene_describe(&parts, &volume, 1, true, &scene);
     if (st == ST_OK && v->isos > 0) {
-        const leafcast_camera camera = view_options_camera(v, wish->volume);
+        const leafcast_camera camera = view_camera_of(v, wish->volume);
         scene.media_count = 0;
         leafcast_pixel_ray(&camera, x, y, origin, direction);
         st = (status)leafcast_probe_ray(wish->volume, &scene, origin, direction, hit, 1, count);
