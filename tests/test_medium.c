@@ -139,8 +139,8 @@ static void check_bits(int index) {
     for (int kind = index % 3; kind < hostile_transfer_kinds(); kind += WATCHED ? 9 : 3) {
         const leafcast_options one = {.size = sizeof one, .isa = "scalar", .threads = 1};
         draw_with(&b, &one, kind, &want);
-        for (int isa = 0; isa <= (int)cpu_best(); isa++)
-            for (int threads = 1; threads <= 2; threads++) {
+        for (int isa = WATCHED_THREADS ? (int)cpu_best() : 0; isa <= (int)cpu_best(); isa++)
+            for (int threads = WATCHED_THREADS ? 2 : 1; threads <= 2; threads++) {
                 const leafcast_options o = {
                     .size = sizeof o, .isa = cpu_isa_name((cpu_isa)isa), .threads = threads};
                 draw_with(&b, &o, kind, &got);
