@@ -244,7 +244,7 @@ static void test_meshes(void **state) {
     (void)state;
     skip_under_thread();
     static const char *const names[] = {"sphere", "noise"};
-    for (int i = 0; i < 2; i++) {
+    for (int i = EMULATED; i < 2; i++) {
         subject *x = mesh_subject(names[i], 6, 100);
         assert_true(x->tets.treelets > 8);
         (void)check_subject(x, SLOW ? 2 : 4);
@@ -439,7 +439,7 @@ static void test_treelets(void **state) {
     for (int which = 0; which < 3; which++) {
         subject *x = one_of(which);
         field_random r = {13};
-        for (int round = 0; round < (WATCHED_THREADS ? 2 : 6); round++) {
+        for (int round = 0; round < (SLOW ? 2 : 6); round++) {
             const leafcast_options o = {.size = sizeof o,
                                         .threads = 2,
                                         .experiments = EXPERIMENTS(.treelet_limit = round % 2)};
