@@ -236,21 +236,21 @@ static void walk_queue(mesh_tile *w) {
     q->count = q->pixels = 0;
 }
 
-/* The tet of a lane of w->lanes. */
-SIMD void put_tet(mesh_tile *w, const resident_mesh *at, unsigned lane, int32_t iso, tile_rect rect,
-                  uint32_t centres) {
+/* The tet of a lane. */
+SIMD void put_tet(mesh_tile *w, const resident_mesh *at, const tet_lanes *l, unsigned lane,
+                  int32_t iso, tile_rect rect, uint32_t centres) {
     const float *values = mesh_leaf_values(&at->mesh, at->values);
     tet_queue *q = &w->queue;
     const unsigned to = q->count++;
     for (int k = 0; k < 4; k++) {
-        const uint32_t v = w->lanes.vertex[k][lane];
+        const uint32_t v = l->vertex[k][lane];
         for (int a = 0; a < 3; a++)
             q->tets.p[k][a][to] = (double)at->positions[v][a];
         q->tets.f[k][to] = (double)values[v];
     }
     q->isovalue[to] = w->s.f->tracer->isos.isovalues[iso];
     q->at[to] = at;
-    q->local[to] = w->lanes.local[lane];
+    q->local[to] = l->local[lane];
     q->iso[to] = iso;
     q->rect[to] = rect;
     q->centres[to] = centres;

@@ -44,7 +44,8 @@ typedef struct mesh_tile {
     tile_state s;
     tile_view view;
     double eye[3];
-    tet_lanes lanes;
+    tet_lanes lanes[2]; /* that which fills, and a full one that waits for its vertices, or none */
+    unsigned filling;
     tet_queue queue;
     float far2[TILE_RAYS + VF_N]; /* squares of how far rays look; below 0: they do not */
 } mesh_tile;

@@ -214,8 +214,8 @@ static void walk_treelet_of_mesh(mesh_tile *w, const resident_mesh *at, tile_rec
     }
     while (leaves.next < leaves.count)
         walk_next_leaf(w, at, &leaves);
-    if (w->lanes.count > 0)
-        walk_lanes(w, at);
+    for (int of = 0; of < 2; of++)
+        walk_waiting(w, at);
     /* What it hides, no other treelet is brought in for. */
     if (w->queue.count > 0)
         walk_queue(w);
@@ -337,7 +337,7 @@ void SIMD_NAME(mesh_tile)(const frame *f, uint32_t x0, uint32_t y0, const tile_r
     mesh_tile *w = &work->tile;
     tile_state_begin(&w->s, f, &mesh_order, TILE_LAYERS, x0, y0, asked, out, counters);
     w->view = tile_view_of(f, x0, y0);
-    w->lanes = (tet_lanes){.count = 0};
+    w->lanes[0].count = w->lanes[1].count = w->filling = 0;
     memset(&w->queue.tets, 0, sizeof w->queue.tets);
     w->queue.count = w->queue.pixels = 0;
     for (int a = 0; a < 3; a++)

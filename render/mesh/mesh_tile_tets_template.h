@@ -21,8 +21,8 @@ typedef struct tets_in_view {
 
 /* Positions are taken from the treelet's lower corner, and so is the eye's, in double: what errs is
  * a few units of 2^-24 of the distance and of the treelet's size. */
-SIMD void view_tets(const mesh_tile *w, const resident_mesh *at, tets_in_view *v) {
-    const tet_lanes *l = &w->lanes;
+SIMD void view_tets(const mesh_tile *w, const resident_mesh *at, const tet_lanes *l,
+                    tets_in_view *v) {
     const projection *p = w->view.p;
     const float *positions = at->positions[0];
     const float *values = mesh_leaf_values(&at->mesh, at->values);
@@ -209,8 +209,8 @@ SIMD mf cover_no_centre(const tile_view *tile, const cut_points *c, const childr
 
 /* What the isopolygons can cover of their leaves' rectangles: lanes of those that cover anything.
  * Those nearer than a sixteenth of what positions are relative to cover all of it. */
-SIMD unsigned covers_of(const mesh_tile *w, const tets_in_view *v, double iso, tet_covers *out) {
-    const tet_lanes *l = &w->lanes;
+SIMD unsigned covers_of(const mesh_tile *w, const tet_lanes *l, const tets_in_view *v, double iso,
+                        tet_covers *out) {
     const unsigned lanes = (1u << l->count) - 1u;
     const rect_lanes within = rect_lanes_load(l->within);
     cut_points c;
@@ -228,35 +228,43 @@ SIMD unsigned covers_of(const mesh_tile *w, const tets_in_view *v, double iso, t
     return mf_bits(mf_and_not(alive, none));
 }
 
-static void walk_lanes(mesh_tile *w, const resident_mesh *at) {
+static void walk_lanes(mesh_tile *w, const resident_mesh *at, tet_lanes *l) {
     const isovalue_list *isos = &w->s.f->tracer->isos;
-    tet_lanes *l = &w->lanes;
     tets_in_view view;
     for (unsigned k = l->count; k < VF_N; k++)
         for (int v = 0; v < 4; v++)
             l->vertex[v][k] = l->vertex[v][0];
-    view_tets(w, at, &view);
+    view_tets(w, at, l, &view);
     LANE_COUNT(tets, (1u << l->count) - 1u);
     for (int32_t i = 0; i < isos->count; i++) {
         tet_covers covers;
-        for (unsigned left = covers_of(w, &view, isos->isovalues[i], &covers); left;
+        for (unsigned left = covers_of(w, l, &view, isos->isovalues[i], &covers); left;
              left &= left - 1) {
             const unsigned k = (unsigned)__builtin_ctz(left);
             const float near2 = covers.depth[k] * covers.depth[k];
             const tile_rect rect = covers.rect[k];
             const uint32_t centres = centres_in_sight(w, rect, covers.centres[k], near2);
             if (centres || (!covers.centres[k] && in_sight(w, rect, near2)))
-                put_tet(w, at, k, i, rect, centres);
+                put_tet(w, at, l, k, i, rect, centres);
         }
     }
     w->s.counters->cells += l->count;
     l->count = 0;
 }
 
+/* The vector that waits, if there is one; then that waits which was filling. */
+static void walk_waiting(mesh_tile *w, const resident_mesh *at) {
+    w->filling ^= 1u;
+    if (w->lanes[w->filling].count > 0)
+        walk_lanes(w, at, &w->lanes[w->filling]);
+}
+
+/* A vector is walked when the next one is full: its vertices are asked for when its tets are
+ * added, and by then they are there. */
 static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t local, const tile_rect *r) {
     const uint16_t *v = mesh_leaf_tets(&at->mesh, at->head.payload)[local];
     const float *values = mesh_leaf_values(&at->mesh, at->values);
-    tet_lanes *l = &w->lanes;
+    tet_lanes *l = &w->lanes[w->filling];
     for (int k = 0; k < 4; k++) {
         __builtin_prefetch(at->positions[v[k]]);
         __builtin_prefetch(values + v[k]);
@@ -265,7 +273,7 @@ static void add_lane(mesh_tile *w, const resident_mesh *at, uint32_t local, cons
     l->within[l->count] = *r;
     l->local[l->count++] = local;
     if (l->count == VF_N)
-        walk_lanes(w, at);
+        walk_waiting(w, at);
 }
 
 static void walk_leaf(mesh_tile *w, const resident_mesh *at, uint32_t first, uint32_t end,
