@@ -82,6 +82,7 @@ export class Data {
     const lines = [["file", v.file], ["size", bytes(v.file_bytes)],
       v.kind === "grid" ? ["samples", v.dims.join(" × ")] : ["tetrahedra", v.tets.toLocaleString("en")],
       v.kind === "grid" ? null : ["vertices", v.vertices.toLocaleString("en")],
+      f.name ? ["field", f.name] : null, v.steps.length > 1 ? ["time steps", v.steps.length] : null,
       ["type", v.sample_type], ["values", `${short(f.range[0])} … ${short(f.range[1])}`],
       ["from", v.bounds[0].map(x => short(x)).join(", ")], ["to", v.bounds[1].map(x => short(x)).join(", ")],
       ["treelets", v.treelets.toLocaleString("en")], ["drawn by", `leafcast ${v.version}, ${v.threads} threads, ${v.isa}`]];

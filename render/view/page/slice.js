@@ -4,7 +4,7 @@
 // pane move it; a click moves the others to the point.
 import {project} from "./camera.js";
 import {byId, check, choice, element, slider, span} from "./dom.js";
-import {centre, command, diagonal} from "./state.js";
+import {centre, command, diagonal, windowOf} from "./state.js";
 import {add, cross, dot, scale, sub, unit} from "./vector.js";
 
 const NAMES = ["x", "y", "z", "oblique"], TITLES = ["X", "Y", "Z", "Oblique"];
@@ -45,16 +45,17 @@ function normal(s) {
 }
 
 // As the transfer function colours values, or by a map of the slices' own.
-function colourFlags(model) {
-  const s = model.slices, v = model.volume, flags = {};
-  if (s.map || v.mode === "off") Object.assign(flags, {"colour-map": s.map || "grey"}, s.window ? {window: s.window} : {});
+function colourFlags(model, volume) {
+  const s = model.slices, v = model.volume, flags = {}, field = volume.fields[model.data.field];
+  const spread = (map, own) => {
+    const window = windowOf(own, field, volume);
+    Object.assign(flags, {"colour-map": map}, window ? {window} : {});
+  };
+  if (s.map || v.mode === "off") spread(s.map || "grey", s.window);
   else {
     const preset = v.mode === "media" && v.preset !== "custom";
     if (preset) flags.tf = v.preset;
-    if (v.map || !preset) {
-      flags["colour-map"] = v.map || (v.mode === "media" ? "viridis" : "grey");
-      if (v.window) flags.window = v.window;
-    }
+    if (v.map || !preset) spread(v.map || (v.mode === "media" ? "viridis" : "grey"), v.window);
   }
   return flags;
 }
@@ -69,7 +70,7 @@ export function sliceFlags(model, volume, k) {
   }
   if (volume.fields.length > 1 && model.data.field > 0) flags.field = String(model.data.field);
   if (model.data.step > 0) flags.step = model.data.step;
-  Object.assign(flags, colourFlags(model));
+  Object.assign(flags, colourFlags(model, volume));
   const isos = model.surfaces.filter(x => x.on).map(x => x.iso);
   if (s.isolines && isos.length) flags.iso = isos;
   if (s.nearest) flags.nearest = true;

@@ -148,12 +148,18 @@ function lightFlags(light, flags) {
   else if (light.background) flags.background = light.background;
 }
 
-function volumeFlags(v, volume, flags) {
+// What colours are spread over, if that is to be said: of steps the same for all, as the first is not the range of others.
+export function windowOf(window, field, volume) {
+  return window ?? (volume.steps.length > 1 && field.data[1] > field.data[0] ? field.data : null);
+}
+
+function volumeFlags(v, volume, field, flags) {
   if (v.mode === "off") return;
+  const window = windowOf(v.window, field, volume);
   if (DRAWN_BY_MAX.includes(v.mode)) {
     flags.project = v.mode === "first" ? `first=${v.first}` : v.mode;
     flags["colour-map"] = v.map || "grey";
-    if (v.window) flags.window = v.window;
+    if (window) flags.window = window;
     return;
   }
   if (v.preset !== "custom") flags.tf = v.preset;
@@ -163,7 +169,7 @@ function volumeFlags(v, volume, flags) {
   }
   if (v.map || v.preset === "custom") {
     flags["colour-map"] = v.map || "viridis";
-    if (v.window) flags.window = v.window;
+    if (window) flags.window = window;
   }
 }
 
@@ -177,7 +183,7 @@ export function toFlags(model, volume) {
     flags.color = on.map(s => s.color);
     if (on.some(s => s.opacity < 1)) flags.opacity = on.map(s => s.opacity);
   } else if (!projected && model.volume.mode === "off") flags.iso = [nowhere(field)];
-  volumeFlags(model.volume, volume, flags);
+  volumeFlags(model.volume, volume, field, flags);
   if (model.clip.box) flags["clip-box"] = model.clip.box;
   const planes = model.clip.planes.filter(p => p.on).map(p => p.plane);
   if (planes.length) flags["clip-plane"] = planes;

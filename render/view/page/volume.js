@@ -4,9 +4,10 @@ import {Plot, drag} from "./histogram.js";
 import {diagonal} from "./state.js";
 
 const MODES = [["off", "not shown"], ["media", "see-through"], ["max", "maximum (MIP)"], ["min", "minimum"],
-  ["mean", "mean"], ["first", "first that reaches"]];
+  ["mean", "mean"], ["first", "first to reach a value"]];
 const PRESETS = [["auto", "automatic"], ["ct", "CT"], ["mr", "MR"], ["custom", "own points"]];
 const OPACITY_MAX = 0.98; // of a curve's point: at 1 nothing would be let through
+const PRESET_MOST = 0.8; // of a preset's points, as they are shown
 
 export class Volume {
   constructor(app) {
@@ -38,11 +39,11 @@ export class Volume {
     if (media && v.preset !== "custom") options.unshift(["", "the preset's"]);
     const parts = [];
     if (media) parts.push(choice("Opacity", {options: PRESETS, value: v.preset, change: p => this.preset(p)}));
-    parts.push(choice("Colours", {options, value: v.map || options[0][0],
+    parts.push(choice("Colours", {options, value: v.map || (media && v.preset === "custom" ? "viridis" : options[0][0]),
       change: m => { v.map = m; this.build(); app.changed(false); }}), this.gradient, host);
     if (media) parts.push(element("p", {class: "hint"}, v.preset === "custom"
       ? "Drag the points; click the plot to add one, Delete takes one away."
-      : "Click the plot to set opacities by points of your own."));
+      : "Click the plot to make its points your own, and drag them."));
     if (v.mode === "first")
       parts.push(slider("Value", {min: this.field.data[0], max: this.field.data[1], value: v.first,
         change: (x, rest) => { v.first = x; change(!rest); }}));
@@ -64,19 +65,26 @@ export class Volume {
 
   get usual() { return diagonal(this.app.volume) / 10; }
 
+  // Of this step: its points as opacities over a length at which they are well seen. null: not known.
+  get told() {
+    const preset = this.field.presets[this.app.model.data.step]?.[this.v.preset];
+    const most = Math.max(0, ...preset?.points.map(p => p[1]) ?? []);
+    if (this.v.mode !== "media" || !(most > 0)) return null;
+    const length = -Math.log(1 - PRESET_MOST) / most;
+    return {...preset, length, points: preset.points.map(([x, e]) => [x, 1 - Math.exp(-e * length)])};
+  }
+
   // The colours over the values that they are spread over, where the page knows them.
   colours() {
-    const {v} = this, projected = !["off", "media"].includes(v.mode);
-    const name = v.map || (projected ? "grey" : v.preset === "custom" ? "viridis" : v.preset === "auto" ? "viridis" : "");
-    const colours = this.app.volume.colour_maps[name];
-    if (!colours) return null;
-    const [low, high] = v.window && (v.map || projected || v.preset === "custom") ? v.window : this.field.data;
-    return {colours, low, high};
+    const {v, told} = this, projected = !["off", "media"].includes(v.mode), own = projected || v.preset === "custom";
+    if (!own && !v.map) return told && {colours: told.colours, low: told.points[0][0], high: told.points.at(-1)[0]};
+    const [low, high] = v.window ?? this.field.data;
+    return {colours: this.app.volume.colour_maps[v.map || (projected ? "grey" : "viridis")], low, high};
   }
 
   refresh() {
     if (!this.plot) return;
-    this.points = this.v.mode === "media" && this.v.preset === "custom" ? this.v.points : [];
+    this.points = this.v.mode !== "media" ? [] : this.v.preset === "custom" ? this.v.points : this.told?.points ?? [];
     this.plot.curve = this.points.map(([x, a]) => [this.plot.share(x), a]);
     this.plot.draw();
     const found = this.colours(), c = this.gradient.getContext("2d");
@@ -95,6 +103,7 @@ export class Volume {
     const {v} = this;
     if (mode === "first") v.first ??= this.field.suggested[0] ?? this.plot?.value(0.5) ?? this.field.data[1];
     this.uncover(mode);
+    if (mode !== "media") this.giveBack();
     v.mode = mode;
     this.build();
     byId("volume").querySelector("select").focus();
@@ -112,19 +121,33 @@ export class Volume {
 
   preset(preset) {
     if (preset === "custom") this.own();
+    else this.giveBack();
     this.v.preset = preset;
     this.build();
     byId("volume").querySelectorAll("select")[1].focus();
     this.app.changed(false);
   }
 
-  // Points to begin with: nothing up to the first suggested value, then more.
+  // Points to begin with: the preset's; else nothing up to the first suggested value, then more.
   own() {
-    const {v} = this, [low, high] = this.field.data;
+    const {v, told} = this, [low, high] = this.field.data;
     if (v.points.length) return;
+    if (told) return this.borrow(told);
     const s = this.field.suggested.find(x => x > low && x < high) ?? (low + high) / 2;
     v.points = [[low, 0], [s - 0.12 * (s - low), 0], [s + 0.25 * (high - s), 0.25], [high, 0.8]];
-    v.map ||= "viridis";
+  }
+
+  // The colours of the one that has a map's stay as they are.
+  borrow({points, length}) {
+    const {v} = this;
+    v.points = points.map(([x, a]) => [+x.toPrecision(7), +a.toFixed(3)]);
+    v.length = +length.toPrecision(4);
+    if (v.preset === "auto" && !v.map) v.window = this.lent = [points[0][0], points.at(-1)[0]];
+  }
+
+  // What a preset lent to own points goes with them.
+  giveBack() {
+    if (this.lent && this.v.window === this.lent) this.v.window = null;
   }
 
   // ---- the points ----
