@@ -9,22 +9,33 @@ export class Pick {
   constructor(app) {
     this.app = app;
     this.points = []; // at most two
+    this.past = [];   // these, before each of the last two clicks
+    this.turn = 0;    // answers to what was asked before are not awaited any more
     byId("card-close").addEventListener("click", () => { this.clear(); byId("picture").focus(); });
     byId("card-copy").addEventListener("click", () => app.copy(this.text, "The point is copied."));
   }
 
   async at(x, y) {
+    const {turn} = this;
+    this.past = [...this.past.slice(-1), this.points];
     const answer = await this.app.link.pick(x, y);
-    if (!answer) return;
-    if (answer.hit) this.points = [...this.points.slice(-1), answer];
-    this.show(answer);
-    this.mark();
+    if (!answer || turn !== this.turn) return;
+    if (!answer.hit) return this.app.say(answer.why ?? "There is no surface here; nothing else can be picked.", true);
+    this.points = [...this.points.slice(-1), answer];
+    this.show();
+  }
+
+  // A double click picks nothing: as it was before its two clicks.
+  undo() {
+    this.turn++;
+    this.points = this.past[0] ?? [];
+    this.show();
   }
 
   clear() {
+    this.turn++;
     this.points = [];
-    byId("card").hidden = true;
-    this.mark();
+    this.show();
   }
 
   lines(p) {
@@ -37,14 +48,11 @@ export class Pick {
       .filter(Boolean);
   }
 
-  show(p) {
-    byId("card").hidden = false;
-    byId("card-copy").hidden = !p.hit;
-    if (!p.hit) {
-      this.text = "";
-      byId("card-text").replaceChildren(element("p", {class: "hint"}, "There is no surface."));
-      return;
-    }
+  show() {
+    const p = this.points.at(-1);
+    byId("card").hidden = !p;
+    this.mark();
+    if (!p) return;
     const lines = this.lines(p);
     // As text: numbers in full.
     const full = {position: p.point.join(", "), value: p.value, gradient: p.gradient.join(", "), "error bound": p.error_bound,

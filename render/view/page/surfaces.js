@@ -25,8 +25,9 @@ export class Surfaces {
     this.grips = this.list.map((s, i) => this.grip(s, i));
     this.plot.host.append(...this.grips);
     this.rows = this.list.map((s, i) => this.row(s, i));
-    byId("surfaces").replaceChildren(...this.rows);
-    if (!this.list.length) byId("surfaces").append(element("p", {class: "hint"}, "No surfaces."));
+    this.nowhere = element("p", {class: "hint", hidden: true});
+    byId("surfaces").replaceChildren(this.list.length ? this.head() : element("p", {class: "hint"}, "No surfaces."),
+      ...this.rows, this.nowhere);
     byId("surface-add").disabled = this.list.length >= SURFACES_MAX;
     this.list.forEach((s, i) => this.place(i));
   }
@@ -53,6 +54,20 @@ export class Surfaces {
     const number = this.rows[i].querySelector(".iso");
     if (document.activeElement !== number) number.value = brief(s.iso);
     number.title = s.iso;
+    this.tell();
+  }
+
+  // A surface has values on both of its sides.
+  tell() {
+    const [low, high] = this.field.range, none = this.list.filter(t => t.on && !(t.iso > low && t.iso <= high));
+    this.nowhere.hidden = !none.length;
+    this.nowhere.textContent = `Nothing has a surface at ${none.map(t => short(t.iso, 6)).join(", ")}: `
+      + `values are ${short(low, 6)} to ${short(high, 6)}.`;
+  }
+
+  head() {
+    return element("div", {class: "surface head", "aria-hidden": "true"},
+      ...["", "opacity", "isovalue", ""].map(text => element("span", {}, text)));
   }
 
   grip(s, i) {
