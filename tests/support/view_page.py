@@ -255,6 +255,11 @@ def sliced(b):
     b.hands().move_to_element_with_offset(canvas, 9, 7).click().perform()
     panes(b, "slices where one was clicked")
     at = b.flags()["page"]["slices"]["at"]
+    ok("slices: a click tells the value", b.until("return leafcast.pick.points.length === 1") and
+       b.js("return leafcast.pick.points[0].point") == at and "value: " in b.js("return leafcast.pick.text"))
+    ok("slices: which way is right, and up", b.js("return leafcast.slices.panes.slice(0, 3).map(p => p.ways.textContent)") ==
+       ["y → z ↑", "x → z ↑", "x → y ↑"])
+    b.js("leafcast.pick.clear()")
     ok("slices: a click moves the others", at[2] == before[2] and at[0] != before[0] and at[1] != before[1])
     ok("slices: their outlines are in the picture", b.js("return document.querySelectorAll('#outlines polygon').length") == 4)
     b.js("leafcast.slices.panes[0].shownNumbers = []; const p = leafcast.slices.panes[0], show = p.show.bind(p); "
@@ -365,7 +370,7 @@ def picks(b):
     at = b.js("return leafcast.pick.points[1].point")
     ok("double click: turns about the surface", all(abs(x - y) < 1e-6 for x, y in zip(at, b.flags()["look-at"])))
     ok("double click: what is picked stays", b.js("return leafcast.pick.points") == two)
-    b.js("leafcast.pick.at(1e5, 1e5)")
+    b.js("leafcast.pick.at({x: 1e5, y: 1e5})")
     ok("pick: nothing, and it says so", b.until("return !document.getElementById('message').hidden") and
        b.js("return leafcast.pick.points") == two)
     b.click("message-close")

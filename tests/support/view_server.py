@@ -445,6 +445,27 @@ def waiting(s):
     page.close()
 
 
+def points(page):
+    """Values at points are those of probe --point."""
+    good = inside = 0
+    for i, point in enumerate([[20, 20, 20], [3.25, 7.5, 11.125], [0, 0, 0], [-4, 2, 2], [1e300, 0, 0]]):
+        page.send({"type": "pick", "number": 1, "id": 50 + i, "point": point})
+        got = page.text("picked")
+        want = json.loads(subprocess.run([leafcast, "probe", GRID, "--point", ",".join(map(str, point)), "--json"],
+                                         check=True, stdout=subprocess.PIPE).stdout)
+        same = got["id"] == 50 + i and got["hit"] == want["inside"] and got["point"] == want["point"]
+        if same and got["hit"]:
+            inside += 1
+            same = all(got[k] == want[k] for k in ("value", "gradient", "cell"))
+        good += same
+    ok(f"values at points are what probe tells ({good} of 5, {inside} inside)", good == 5 and inside == 3)
+    for wrong in ([1, 2], [1, 2, "x"], 7, [1, 2, 3, 4]):
+        page.send({"type": "pick", "number": 1, "id": 60, "point": wrong})
+        said = page.text("refused")
+        good += "point" in said["why"] and said["id"] == 60
+    ok("what is no point is refused, by its id", good == 9)
+
+
 def picks(s):
     page = Page(s)
     page.view(1, SURFACE, W, H)
@@ -464,6 +485,7 @@ def picks(s):
             same = all(got[k] == w[k] for k in ("t", "point", "gradient", "normal", "error_bound", "cell", "isovalue"))
         good += same
     ok(f"picks are what probe tells ({good} of 8, {hits} hits)", good == 8 and hits > 0)
+    points(page)
     page.send({"type": "view", "number": 2, "state": MEDIUM, "width": W, "height": H, "moving": False})
     page.send({"type": "pick", "number": 2, "id": 99, "x": 80, "y": 60})
     ok("a medium has no surface", page.text("picked")["hit"] is False)

@@ -212,8 +212,8 @@ class App {
       volume: () => this.volume,
       changed: moving => this.changed(moving),
       flying: () => this.flying,
-      clicked: event => this.pick.at(...this.screen.pixel(event)),
-      pivot: event => this.pivot(...this.screen.pixel(event)),
+      clicked: event => this.pick.at(this.pixel(event)),
+      pivot: event => this.pivot(this.pixel(event)),
     });
     canvas.addEventListener("keydown", event => {
       if (event.ctrlKey || event.metaKey || event.altKey || !this.model) return;
@@ -222,7 +222,7 @@ class App {
       else if (key === "f") this.fit();
       else if (key === "r") this.reset();
       else if (key === "u") this.turnOver();
-      else if (key === "x") this.pick.at(this.screen.width / 2, this.screen.height / 2);
+      else if (key === "x") this.pick.at({x: this.screen.width / 2, y: this.screen.height / 2});
       else if (key === "escape") { this.pick.clear(); this.quiet(); }
       else return;
       event.preventDefault();
@@ -236,10 +236,15 @@ class App {
     });
   }
 
-  async pivot(x, y) {
+  async pivot(pixel) {
     this.pick.undo();
-    const hit = await this.link.pick(x, y);
+    const hit = await this.link.pick(pixel);
     if (hit?.hit) this.glide(hit.point);
+  }
+
+  pixel(event) {
+    const [x, y] = this.screen.pixel(event);
+    return {x, y};
   }
 
   // What is looked at becomes this point, in a moment and not at once.

@@ -1,4 +1,4 @@
-// pick.js - what is at a pixel, marks of it on the picture, and the distance of two.
+// pick.js - what is at a pixel or a point, marks of it on the picture, and the distance of two.
 import {byId, element, short} from "./dom.js";
 import {project} from "./camera.js";
 import {length, sub} from "./vector.js";
@@ -15,12 +15,14 @@ export class Pick {
     byId("card-copy").addEventListener("click", () => app.copy(this.text, "The point is copied."));
   }
 
-  async at(x, y) {
+  // place: a pixel {x, y}, where a surface is met, or a {point} and the value there.
+  async at(place) {
     const {turn} = this;
     this.past = [...this.past.slice(-1), this.points];
-    const answer = await this.app.link.pick(x, y);
+    const answer = await this.app.link.pick(place);
     if (!answer || turn !== this.turn) return;
-    if (!answer.hit) return this.app.say(answer.why ?? "There is no surface here; nothing else can be picked.", true);
+    if (!answer.hit) return this.app.say(answer.why ?? (place.point ? "This is outside."
+      : "There is no surface here. Slices tell values anywhere."), true);
     this.points = [...this.points.slice(-1), answer];
     this.show();
   }
@@ -40,9 +42,9 @@ export class Pick {
 
   lines(p) {
     const vector = v => v.map(x => short(x, 6)).join(", ");
-    return [["position", vector(p.point)], ["value", short(p.value, 8)],
+    return [["position", vector(p.point)], ["value", p.value == null ? "no data" : short(p.value, 8)],
       ["gradient", `${vector(p.gradient)}  (${short(length(p.gradient), 4)})`],
-      ["error bound", short(p.error_bound, 2)],
+      p.error_bound == null ? null : ["error bound", short(p.error_bound, 2)],
       p.cell ? ["cell", p.cell.join(", ")] : ["tetrahedron", String(p.tet)],
       this.points.length === 2 ? ["distance", short(length(sub(this.points[1].point, this.points[0].point)), 7)] : null]
       .filter(Boolean);

@@ -90,11 +90,12 @@ class Pane {
     const name = k < 3 ? `Slice across ${TITLES[k]}` : "Oblique slice";
     this.canvas = element("canvas", {tabindex: 0, role: "img", "aria-label": `${name}. Arrow keys move it.`});
     this.mark = element("span", {class: "mark", role: "status"});
+    this.ways = element("span");
     this.copy = element("button", {class: "icon", "aria-label": `${name}: copy command`,
       title: "Copy the leafcast slice line that draws this picture", onclick: () => this.command()}, "Copy");
     this.bar = element("div");
     this.host = element("figure", {class: "pane", "aria-label": name, hidden: true},
-      element("figcaption", {}, element("b", {}, TITLES[k]), this.mark, this.copy), this.canvas, this.bar);
+      element("figcaption", {}, element("b", {}, TITLES[k]), this.ways, this.mark, this.copy), this.canvas, this.bar);
     this.host.style.setProperty("--pane", COLOURS[k]);
     new ResizeObserver(() => slices.update(false)).observe(this.canvas);
     this.hands();
@@ -141,7 +142,9 @@ class Pane {
     });
     c.addEventListener("click", event => {
       const point = this.point(event);
-      if (point) this.slices.centre(point, this.k);
+      if (!point) return;
+      this.slices.centre(point, this.k);
+      this.slices.app.pick.at({point});
     });
   }
 
@@ -183,6 +186,7 @@ class Pane {
     to.globalCompositeOperation = "copy";
     to.drawImage(bitmap, 0, 0);
     bitmap.close();
+    this.ways.textContent = `${way(head.u)} → ${way(scale(head.v, -1))} ↑`;
     this.mark.className = head.exact ? "mark exact" : "mark";
     this.mark.textContent = head.exact ? "exact" : "preview";
   }
@@ -191,6 +195,12 @@ class Pane {
     const {app} = this.slices, size = this.head?.size;
     if (size) app.copy(command(this.flags, app.volume.file, size[0], size[1], "slice"), "The command is copied.");
   }
+}
+
+// The axis that a direction is along most: x, or −x.
+function way(v) {
+  const a = v.map(Math.abs), k = a.indexOf(Math.max(...a));
+  return `${v[k] < 0 ? "−" : ""}${NAMES[k]}`;
 }
 
 // ---- all of them ----
@@ -252,7 +262,7 @@ export class Slices {
         change: (w, rest) => { s.window = w[1] > w[0] ? w : null; change(!rest); }}));
     parts.push(check("Lines of the isovalues", {value: s.isolines, change: on => { s.isolines = on; change(false); }}),
       check("Nearest samples, not interpolated", {value: s.nearest, change: on => { s.nearest = on; change(false); }}),
-      element("p", {class: "hint"}, "The wheel moves a slice; a click in one moves the others there."));
+      element("p", {class: "hint"}, "The wheel moves a slice; a click in one moves the others there, and tells the value."));
     byId("slices-panel").replaceChildren(...parts);
   }
 
