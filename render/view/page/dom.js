@@ -26,7 +26,7 @@ export function short(x, digits = 4) {
 // Of a number, as much as a small box shows.
 export function brief(x) {
   const text = String(+x.toPrecision(6));
-  return text.length <= 8 ? text : x.toExponential(2).replace("e+", "e");
+  return text.length <= 8 ? text : x.toExponential(3).replace("e+", "e");
 }
 
 export function bytes(n) {
