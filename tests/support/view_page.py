@@ -185,6 +185,23 @@ def volume(b):
     b.choose("Show", "media")
     ok("volume: drawn", b.rest())
     ok("volume: no opaque surface hides it", "iso" not in b.flags())
+    flags = b.flags()
+    b.js("leafcast.adopt(arguments[0])", flags)
+    b.rest()
+    ok("volume: a state brings back what is not shown, too", b.flags() == flags and
+       b.js("return leafcast.model.surfaces.map(s => s.on)") == [False])
+    b.js("document.getElementById('picture').dispatchEvent(new KeyboardEvent('keydown', {key: 'r'}))")
+    b.rest()
+    before = b.flags()["eye"]
+    b.choose("Show", "off")
+    b.choose("Show", "media")
+    b.rest()
+    ok("volume: all of it is seen at first", b.flags()["eye"] != before)
+    before = b.flags()["eye"]
+    b.choose("Show", "mean")
+    b.choose("Show", "media")
+    b.rest()
+    ok("volume: and not again", b.flags()["eye"] == before and "iso" not in b.flags())
     same(b, "volume")
     curve, shown = b.js("return leafcast.media.plot.curve"), rgb(b.pixels())[2]
     ok("volume: the preset's points are seen", len(curve) == 3 and max(y for _, y in curve) > 0.7)

@@ -122,6 +122,7 @@ class App {
       this.model = fromFlags(this.volume.state, this.volume);
     }
     if (first) this.widen();
+    this.home = first ? this.placed : null;
     this.take(this.model);
   }
 
@@ -270,8 +271,14 @@ class App {
     this.model.camera = fromFlags(this.volume.state, this.volume).camera;
     this.up = upward(this.model.camera);
     this.widen();
+    this.home = this.placed;
     this.changed(false);
   }
+
+  get placed() { return JSON.stringify(this.model.camera); }
+
+  // The first camera is for a surface: who has not moved it yet wants to see all of the volume.
+  seeVolume() { if (this.placed === this.home) this.fit(); }
 
   // What points up in the picture, and stays so in views along axes.
   raise(up) {

@@ -27,16 +27,16 @@ export function slicesOf(page, volume) {
   };
 }
 
-// Nothing, where no slice is shown.
+// null, where no slice is shown.
 export function slicesPage(s) {
-  if (!s.on.some(Boolean)) return {};
+  if (!s.on.some(Boolean)) return null;
   const slices = {shown: NAMES.filter((_, k) => s.on[k]), at: s.at};
   if (s.on[3]) Object.assign(slices, {azimuth: s.azimuth, elevation: s.elevation, offset: s.offset});
   if (!s.isolines) slices.isolines = false;
   if (s.nearest) slices.nearest = true;
   if (s.map) slices["colour-map"] = s.map;
   if (s.window) slices.window = s.window;
-  return {page: {slices}};
+  return slices;
 }
 
 function normal(s) {

@@ -1,7 +1,7 @@
 // state.js - what is to be drawn.
 //
-// The page works on a model with what flags cannot say (surfaces that are off, lights as angles). The
-// protocol, files and the address hold flags: the keys of `leafcast render` without their dashes.
+// The page works on a model with what flags cannot say: surfaces that are off (some so that the volume is seen: covered),
+// lights as angles. The protocol, files and the address hold flags: the keys of `leafcast render` without their dashes.
 import {annotationFlags, annotationOf} from "./annotate.js";
 import {slicesOf, slicesPage} from "./slice.js";
 import {add, dot, length, scale, sub, unit} from "./vector.js";
@@ -70,6 +70,13 @@ function volumeOf(flags, curve) {
     first: project.startsWith("first=") ? +project.slice(6) : null};
 }
 
+function unseenOf(page) {
+  const given = Array.isArray(page?.surfaces) ? page.surfaces : [];
+  return given.filter(s => Number.isFinite(s?.iso)).map(({iso, color, opacity, on, covered}) =>
+    ({iso, color: hexOf(color, "#ffffff"), opacity: opacity > 0 && opacity <= 1 ? opacity : 1,
+      on: on === true, covered: covered === true}));
+}
+
 export function fromFlags(given, volume) {
   const flags = {};
   for (const [key, value] of Object.entries(given)) flags[key.replaceAll("_", "-")] = value;
@@ -84,8 +91,9 @@ export function fromFlags(given, volume) {
   const f = volume.fields[Math.max(0, field)];
   return {
     camera: cameraOf(flags, volume),
-    surfaces: isos.filter(v => v !== nowhere(f)).map((iso, i) =>
+    surfaces: [...isos.filter(v => v !== nowhere(f)).map((iso, i) =>
       ({iso, color: hexOf(colours[i] ?? COLOURS[i % COLOURS.length], "#ffffff"), opacity: opacities[i] ?? 1, on: true})),
+      ...unseenOf(flags.page)].slice(0, SURFACES_MAX),
     volume: volumeOf(flags, curve),
     clip: {box: flags["clip-box"] ? numbers(flags["clip-box"]) : null,
       planes: vectors(flags["clip-plane"]).map(p => ({plane: p, on: true})),
@@ -173,6 +181,15 @@ function volumeFlags(v, volume, field, flags) {
   }
 }
 
+// What changes no picture, and is to come back with the rest. unseen: surfaces that are not drawn.
+function pageFlags(model, unseen) {
+  const slices = slicesPage(model.slices);
+  const surfaces = unseen.map(({iso, color, opacity, on, covered}) =>
+    ({iso, color, opacity, on, ...covered && {covered}}));
+  if (!slices && !surfaces.length) return {};
+  return {page: {...slices && {slices}, ...surfaces.length && {surfaces}}};
+}
+
 export function toFlags(model, volume) {
   const flags = {}, field = volume.fields[model.data.field], on = model.surfaces.filter(s => s.on);
   const projected = DRAWN_BY_MAX.includes(model.volume.mode);
@@ -192,7 +209,8 @@ export function toFlags(model, volume) {
   Object.assign(flags, cameraFlags(model.camera, volume));
   lightFlags(model.light, flags);
   if (model.legend && model.volume.mode !== "off") flags.legend = true;
-  Object.assign(flags, annotationFlags(model.annotation), slicesPage(model.slices));
+  const unseen = model.surfaces.filter(s => projected || !s.on);
+  Object.assign(flags, annotationFlags(model.annotation), pageFlags(model, unseen));
   return Object.assign(flags, model.more);
 }
 

@@ -91,7 +91,11 @@ export class Surfaces {
     const name = `Surface ${i + 1}`, {app} = this;
     const on = element("input", {type: "checkbox", "aria-label": `${name} on`, title: "On"});
     on.checked = s.on;
-    on.addEventListener("change", () => { s.on = on.checked; this.place(i); app.changed(false); });
+    on.addEventListener("change", () => {
+      Object.assign(s, {on: on.checked, covered: false});
+      this.place(i);
+      app.changed(false);
+    });
     const iso = element("input", {type: "number", step: "any", class: "iso", "aria-label": `${name} isovalue`});
     iso.addEventListener("change", () => {
       if (iso.value !== "" && Number.isFinite(+iso.value)) s.iso = +iso.value;

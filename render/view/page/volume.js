@@ -12,7 +12,6 @@ const PRESET_MOST = 0.8; // of a preset's points, as they are shown
 export class Volume {
   constructor(app) {
     this.app = app;
-    this.covers = []; // surfaces that are off for the volume's sake
   }
 
   get v() { return this.app.model.volume; }
@@ -104,6 +103,7 @@ export class Volume {
     if (mode === "first") v.first ??= this.field.suggested[0] ?? this.plot?.value(0.5) ?? this.field.data[1];
     this.uncover(mode);
     if (mode !== "media") this.giveBack();
+    if (mode !== "off") this.app.seeVolume();
     v.mode = mode;
     this.build();
     byId("volume").querySelector("select").focus();
@@ -112,10 +112,10 @@ export class Volume {
 
   // Opaque surfaces would hide the volume; without it they are back.
   uncover(mode) {
-    const {surfaces} = this.app.model, first = mode === "media" && this.v.mode !== "media";
-    if (first) this.covers = [...this.covers, ...surfaces.filter(s => s.on && s.opacity === 1)];
-    if (first || mode === "off") for (const s of this.covers) s.on = !first;
-    if (mode === "off") this.covers = [];
+    const first = mode === "media" && this.v.mode !== "media";
+    for (const s of this.app.model.surfaces)
+      if (first && s.on && s.opacity === 1) Object.assign(s, {on: false, covered: true});
+      else if (mode === "off" && s.covered) Object.assign(s, {on: true, covered: false});
     this.app.surfaces.build();
   }
 
