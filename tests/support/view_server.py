@@ -761,12 +761,37 @@ def ending():
         ends(s, "there")
 
 
+def series():
+    """A field of two steps: the range of both, and of each its presets as `render` makes them."""
+    names, leaf, good = [], folder + "/s.leaf", 0
+    for step, (low, high) in enumerate(((0, 5), (2, 9))):
+        names.append(f"{folder}/s{step}_16x16x16_f32.raw")
+        with open(names[-1], "wb") as f:
+            f.write(struct.pack("<4096f", *(low + (high - low) * (i * i % 97) / 96 for i in range(4096))))
+    subprocess.run([leafcast, "convert", *names, "-o", leaf, "-q"], check=True)
+    s = serve(leaf)
+    field = Page(s).volume["fields"][0]
+    ok("a field's range is that of all steps", field["range"] == field["data"] == [0, 9])
+    for step, name in ((step, name) for step in range(2) for name in ("auto", "ct", "mr")):
+        made = f"{folder}/{name}{step}.tf"
+        subprocess.run([leafcast, "render", leaf, "--tf", name, "--step", str(step), "--write-tf", made, "-q", "--force",
+                        "--size", "4x4", "-o", folder + "/tf.png"], check=True)
+        with open(made) as f:
+            rows = [[float(x) for x in line.split()] for line in f if line[0] != "#"]
+        got = field["presets"][step][name]
+        good += len(got["points"]) >= 3 and len(got["colours"]) == 32 and all(
+            any(abs(r[0] - v) <= 1e-9 and abs(r[4] - e) <= 1e-9 * (1 + e) for r in rows) for v, e in got["points"])
+    ok(f"presets are what render makes of them ({good} of 6)", good == 6 and len(field["presets"]) == 2)
+    ends(s, "a series")
+
+
 def main():
     s = serve(GRID, MESH)
     for test in (pages, sockets, drawn, slices, files, large, superseded, unseen, waiting, picks, states, limits, several):
         test(s)
     changed()
     marked()
+    series()
     fuzz(s, 2000)
     rubbish(s, 300)
     ends(s, "after all")
