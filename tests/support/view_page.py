@@ -207,13 +207,23 @@ def volume(b):
     ok("volume: the preset's points are seen", len(curve) == 3 and max(y for _, y in curve) > 0.7)
     b.choose("Opacity", "custom")
     b.rest()
-    ok("volume: own points begin as the preset's", len(b.js("return leafcast.model.volume.points")) == 3 and
+    points = [value for value, _ in b.js("return leafcast.model.volume.points")]
+    ok("volume: own points begin as the preset's, and at both ends", len(points) == 5 and
+       points[::4] == b.js("return leafcast.volume.fields[0].data") and
        max(abs(x - y) for x, y in zip(shown, rgb(b.pixels())[2])) <= 3)
     before = b.flags()["opacity"]
     dot = b.driver.find_elements("css selector", ".dot")[-1]
     b.hands().move_to_element(dot).click_and_hold().move_by_offset(-20, 25).release().perform()
     b.rest()
     ok("transfer function: a point dragged", b.flags()["opacity"] != before)
+    plot = b.driver.find_element("css selector", "#volume .plot")
+    b.hands().move_to_element_with_offset(plot, 90, 30).click_and_hold().perform()
+    made = b.js("return leafcast.model.volume.points.length")
+    b.hands().move_by_offset(0, -60).release().perform()
+    b.rest()
+    points = b.js("return leafcast.model.volume.points")
+    ok("transfer function: a point made and dragged in one go", made == len(points) == 6 and
+       sorted(points) == points and any(0.5 < a < 0.8 for _, a in points[1:-1]))
     same(b, "transfer function")
     b.choose("Show", "max")
     b.rest()

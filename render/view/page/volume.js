@@ -137,10 +137,12 @@ export class Volume {
     v.points = [[low, 0], [s - 0.12 * (s - low), 0], [s + 0.25 * (high - s), 0.25], [high, 0.8]];
   }
 
-  // The colours of the one that has a map's stay as they are.
+  // With points at both ends: beyond the outermost, all is as there. The colours of the one that has a map's stay.
   borrow({points, length}) {
-    const {v} = this;
+    const {v} = this, [low, high] = this.field.data;
     v.points = points.map(([x, a]) => [+x.toPrecision(7), +a.toFixed(3)]);
+    if (low < v.points[0][0]) v.points.unshift([low, v.points[0][1]]);
+    if (high > v.points.at(-1)[0]) v.points.push([high, v.points.at(-1)[1]]);
     v.length = +length.toPrecision(4);
     if (v.preset === "auto" && !v.map) v.window = this.lent = [points[0][0], points.at(-1)[0]];
   }
@@ -158,20 +160,18 @@ export class Volume {
     host.append(...this.dots);
     host.addEventListener("pointerdown", event => {
       if (event.target.closest(".dot") || event.button !== 0) return;
+      event.preventDefault(); // else what it was pressed on, which goes, would lose the focus again
       const first = this.v.preset !== "custom";
       if (first) { this.own(); this.v.preset = "custom"; }
       const [x, y] = this.plot.at(event), value = this.plot.value(x);
-      if (!first) this.v.points.push(this.bounded(value, y));
+      const added = this.bounded(value, y);
+      if (!first) this.v.points.push(added);
       this.v.points.sort((a, b) => a[0] - b[0]);
       this.build();
       this.app.changed(false);
-      if (!first) this.focus(value);
+      // The hand that has made a point drags it.
+      this.dots[this.v.points.indexOf(added)]?.dispatchEvent(new PointerEvent("pointerdown", event));
     });
-  }
-
-  focus(value) {
-    const i = this.v.points.findIndex(p => Math.abs(p[0] - value) <= 1e-6 * Math.abs(value) + 1e-12);
-    this.dots[i]?.focus();
   }
 
   bounded(value, a) {
