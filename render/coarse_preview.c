@@ -111,13 +111,13 @@ status coarse_preview_begin(leafcast *v, const leafcast_scene *scene, const leaf
         return st;
     volume_show(coarse, 0, 0, shown->surfaces, shown->count);
     st = load_root(coarse->treelets);
-    if (st == ST_OK) {
-        loader_sweep(coarse->treelets);
-        st = volume_tracer(coarse, &whole, NULL, tr);
-    }
     if (st == ST_OK)
-        *out = tr;
-    return st;
+        st = volume_tracer(coarse, &whole, NULL, tr); /* forgets what is wanted */
+    if (st != ST_OK)
+        return st;
+    loader_sweep(coarse->treelets);
+    *out = tr;
+    return ST_OK;
 }
 
 status coarse_preview_instead(leafcast *v, const leafcast_scene *scene, const leafcast_shown *shown,

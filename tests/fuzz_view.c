@@ -12,6 +12,7 @@
 #include "render/app/colour_map.h"
 #include "render/app/picture_scene.h"
 #include "render/app/transfer_preset.h"
+#include "render/app/view_camera.h"
 #include "render/view/view_state.h"
 #include "tests/support/scratch.h"
 
@@ -59,7 +60,7 @@ static void draw(const view_options *v, const leafcast_scene *scene) {
                                   .a = plane[3],
                                   .error = errors ? error : NULL,
                                   .provisional = provisional};
-    const leafcast_camera camera = view_options_camera(v, volume);
+    const leafcast_camera camera = view_camera_of(v, volume);
     leafcast_frame *frame = NULL;
     bool done = false;
     leafcast_status st = leafcast_frame_begin(volume, scene, &camera, &image, &frame);

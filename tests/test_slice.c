@@ -208,6 +208,7 @@ static tally check_subject(const subject *x, int rounds) {
 
 static void test_grids(void **state) {
     (void)state;
+    skip_under_thread();
     static const char *const types[] = {"u8", "i8", "u16", "i16", "f32"};
     for (int i = 0; i < 5; i++) {
         subject *x = field_subject("noise-u8", types[i], 41, i % 2);
@@ -218,6 +219,7 @@ static void test_grids(void **state) {
 
 static void test_all_fields(void **state) {
     (void)state;
+    skip_under_thread();
     int holes = 0, rectilinear = 0;
     for (int i = 0; i < field_count(); i++) {
         field f;
@@ -240,8 +242,9 @@ static void test_turned(void **state) {
 
 static void test_meshes(void **state) {
     (void)state;
+    skip_under_thread();
     static const char *const names[] = {"sphere", "noise"};
-    for (int i = 0; i < 2; i++) {
+    for (int i = EMULATED; i < 2; i++) {
         subject *x = mesh_subject(names[i], 6, 100);
         assert_true(x->tets.treelets > 8);
         (void)check_subject(x, SLOW ? 2 : 4);
@@ -436,7 +439,7 @@ static void test_treelets(void **state) {
     for (int which = 0; which < 3; which++) {
         subject *x = one_of(which);
         field_random r = {13};
-        for (int round = 0; round < 6; round++) {
+        for (int round = 0; round < (SLOW ? 2 : 6); round++) {
             const leafcast_options o = {.size = sizeof o,
                                         .threads = 2,
                                         .experiments = EXPERIMENTS(.treelet_limit = round % 2)};

@@ -1,7 +1,6 @@
 /* test_trace.c - rays through whole volumes against the reference: every surface along the ray, in
  * order, in its cell, on its side; from outside, from inside, through vertices, edges and planes.
  */
-/* marks: threads */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

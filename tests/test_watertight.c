@@ -6,7 +6,6 @@
  *   test_watertight leak FORM PLACING SEED picture SIDE      the pictures of one solid
  *   test_watertight shadow FORM PLACING SEED VIEWS SIDE ISA  its shadows
  */
-/* marks: threads */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -17,6 +17,7 @@
 #include "formats/base/text.h"
 #include "render/app/ray_profile.h"
 #include "render/app/render_job.h"
+#include "render/app/view_camera.h"
 
 enum { HITS_MAX = 1000 };
 
@@ -236,7 +237,7 @@ static ray_profile profile = {.hits = hits};
 
 static void ray_of(const probe_options *o, const leafcast *volume, json_t *answer, double origin[3],
                    double direction[3]) {
-    const leafcast_camera camera = view_options_camera(&o->view, volume);
+    const leafcast_camera camera = view_camera_of(&o->view, volume);
     if (o->at) {
         leafcast_pixel_ray(&camera, o->pixel[0] + 0.5, o->pixel[1] + 0.5, origin, direction);
         json_object_set_new(answer, "pixel", reals(o->pixel, 2));

@@ -8,6 +8,7 @@
 #include "formats/base/num.h"
 #include "formats/base/printed_file.h"
 #include "render/app/transfer_file.h"
+#include "render/app/view_camera.h"
 
 enum { META_TEXT_MAX = 1024, NOTES_MAX = 16 };
 
@@ -445,9 +446,9 @@ static status write_targets(render_job *job, const script_frame *frame,
 static view_options hold_fitted(render_job *job, const view_options *view) {
     view_options held = *view;
     const leafcast_camera *size = &view->camera;
-    if (view_options_fits(view)) {
+    if (view_camera_fits(view)) {
         if (job->fitted.width != size->width || job->fitted.height != size->height)
-            job->fitted = view_options_fit(view, job->volume);
+            job->fitted = view_camera_fit(view, job->volume);
         held.hold = &job->fitted;
     }
     return held;
@@ -455,12 +456,12 @@ static view_options hold_fitted(render_job *job, const view_options *view) {
 
 static leafcast_camera camera_of(render_job *job, const view_options *view) {
     const view_options held = hold_fitted(job, view);
-    return view_options_camera(&held, job->volume);
+    return view_camera_of(&held, job->volume);
 }
 
 void render_job_turn(render_job *job, view_options *view, double share) {
     *view = hold_fitted(job, view);
-    view_options_turn(view, job->volume, share);
+    view_camera_turn(view, job->volume, share);
 }
 
 static status draw_picture(render_job *job, const script_frame *frame, targets *to,

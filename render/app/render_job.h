@@ -59,7 +59,7 @@ void render_job_close(render_job *job);
 CHECKED status render_job_check(const render_job *job, script_frame *frame);
 
 /* render_job_turn() - fix the view that a checked picture would have, turned by this share of a
- * full turn, see view_options_turn(). */
+ * full turn, see view_camera_turn(). */
 void render_job_turn(render_job *job, view_options *view, double share);
 
 /* render_job_draw() - open a checked picture's files, draw it job->repeat times, write them once.

@@ -619,10 +619,10 @@ static const flag_need NEEDS[] = {
     {SHININESS, is_phong, "--shininess: highlights are --shading phong's"},
     {LAYERS, is_transparent, "--layers: nothing is seen behind a surface without --opacity"}};
 
-static status check_needs(const view_options *v) {
-    for (size_t i = 0; i < sizeof NEEDS / sizeof *NEEDS; i++)
-        if ((v->given & bit_of(NEEDS[i].key)) && !NEEDS[i].met(v))
-            return status_describe(ST_USAGE, "%s", NEEDS[i].why);
+static status check_flags(const view_options *v, const flag_need *needs, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if ((v->given & bit_of(needs[i].key)) && !needs[i].met(v))
+            return status_describe(ST_USAGE, "%s", needs[i].why);
     return ST_OK;
 }
 
@@ -663,13 +663,6 @@ static const flag_need MESH_NEEDS[] = {
     {INTERSECTOR, intersector_is_exact, "--intersector: intersectors are for grids"},
     {NORMALS, normals_of_meshes, "--normals: a mesh's are faceted or smooth"}};
 
-static status check_flags(const view_options *v, const flag_need *needs, size_t count) {
-    for (size_t i = 0; i < count; i++)
-        if ((v->given & bit_of(needs[i].key)) && !needs[i].met(v))
-            return status_describe(ST_USAGE, "%s", needs[i].why);
-    return ST_OK;
-}
-
 /* Of kinds that are not known here the library says itself what they cannot do. */
 status view_options_check_volume(const view_options *v, const leafcast *volume) {
     const leafcast_info info = leafcast_describe(volume);
@@ -695,46 +688,7 @@ status view_options_check(view_options *v) {
     status st = medium_options_check(&v->medium, v->scene.project != LEAFCAST_PROJECT_NONE);
     if (st == ST_OK)
         st = view_options_check_camera(v);
-    return st == ST_OK ? check_needs(v) : st;
-}
-
-bool view_options_fits(const view_options *v) {
-    return v->fit && !v->eye;
-}
-
-leafcast_camera view_options_fit(const view_options *v, const leafcast *volume) {
-    const leafcast_camera *given = &v->camera;
-    double isovalues[LEAFCAST_SURFACES_MAX];
-    uint32_t field;
-    leafcast_camera c = {.size = sizeof c};
-    for (int i = 0; i < v->isos; i++)
-        isovalues[i] = v->surfaces[i].isovalue;
-    if (view_options_field(v, volume, &field) == ST_OK &&
-        leafcast_fit_view(volume, field, v->step, isovalues, v->isos, v->fov ? given->fov : 0.0,
-                          given->width, given->height, &c) == LEAFCAST_OK)
-        return c;
-    /* No such field or step: whoever draws will say so. */
-    return leafcast_standard_view(volume, v->distance, given->width, given->height);
-}
-
-static leafcast_camera first_view(const view_options *v, const leafcast *volume) {
-    const leafcast_camera *given = &v->camera;
-    if (view_options_fits(v))
-        return v->hold ? *v->hold : view_options_fit(v, volume);
-    return leafcast_standard_view(volume, v->distance, given->width, given->height);
-}
-
-/* Parallel rays begin in the plane through the eye: in front of all of the volume. */
-static void step_back(leafcast_camera *c, const leafcast *volume) {
-    const leafcast_info info = leafcast_describe(volume);
-    double diagonal = 0.0, away = 0.0;
-    for (int a = 0; a < 3; a++) {
-        const double edge = info.bounds[1][a] - info.bounds[0][a], from = c->eye[a] - c->look_at[a];
-        diagonal += edge * edge;
-        away += from * from;
-    }
-    for (int a = 0; a < 3; a++)
-        c->eye[a] = c->look_at[a] + (c->eye[a] - c->look_at[a]) * sqrt(diagonal / away);
+    return st == ST_OK ? check_flags(v, NEEDS, sizeof NEEDS / sizeof *NEEDS) : st;
 }
 
 leafcast_scene view_options_scene(const view_options *v, leafcast_scene_experiments *e) {
@@ -743,52 +697,6 @@ leafcast_scene view_options_scene(const view_options *v, leafcast_scene_experime
     e->size = sizeof *e;
     scene.experiments = e;
     return scene;
-}
-
-leafcast_camera view_options_camera(const view_options *v, const leafcast *volume) {
-    const leafcast_camera *given = &v->camera;
-    leafcast_camera c = first_view(v, volume);
-    if (v->eye)
-        memcpy(c.eye, given->eye, sizeof c.eye);
-    if (v->look_at)
-        memcpy(c.look_at, given->look_at, sizeof c.look_at);
-    if (v->up)
-        memcpy(c.up, given->up, sizeof c.up);
-    if (v->fov)
-        c.fov = given->fov;
-    c.ortho_height = given->ortho_height;
-    if (c.ortho_height > 0.0 && !v->eye)
-        step_back(&c, volume);
-    /* Straight down or up: +z cannot be up. */
-    if (!v->up && c.eye[0] == c.look_at[0] && c.eye[1] == c.look_at[1]) {
-        c.up[1] = 1.0;
-        c.up[2] = 0.0;
-    }
-    return c;
-}
-
-void view_options_turn(view_options *v, const leafcast *volume, double share) {
-    const leafcast_camera c = view_options_camera(v, volume);
-    const double turn = 2.0 * 3.14159265358979323846 * share, cosine = cos(turn), sine = sin(turn);
-    double axis[3], from[3], along = 0.0, length = 0.0;
-    for (int a = 0; a < 3; a++)
-        length += c.up[a] * c.up[a];
-    for (int a = 0; a < 3; a++) {
-        axis[a] = c.up[a] / sqrt(length);
-        from[a] = c.eye[a] - c.look_at[a];
-        along += axis[a] * from[a];
-    }
-    /* Rodrigues: what is along the axis stays, the rest turns. */
-    for (int a = 0; a < 3; a++) {
-        const int b = (a + 1) % 3, d = (a + 2) % 3;
-        const double across = axis[b] * from[d] - axis[d] * from[b];
-        v->camera.eye[a] =
-            c.look_at[a] + axis[a] * along + (from[a] - axis[a] * along) * cosine + across * sine;
-    }
-    memcpy(v->camera.look_at, c.look_at, sizeof c.look_at);
-    memcpy(v->camera.up, c.up, sizeof c.up);
-    v->camera.fov = c.fov;
-    v->eye = v->look_at = v->up = v->fov = true;
 }
 
 status view_options_field(const view_options *v, const leafcast *volume, uint32_t *field) {

@@ -109,21 +109,6 @@ CHECKED status view_options_check_volume(const view_options *v, const leafcast *
 /* view_options_scene() - the scene, with experiments that are *e. */
 leafcast_scene view_options_scene(const view_options *v, leafcast_scene_experiments *e);
 
-/* view_options_camera() - the camera for this volume: the view that fits the isovalues, field and
- * step (without an eye), or the standard or close view, with whatever was given put in its place.
- */
-leafcast_camera view_options_camera(const view_options *v, const leafcast *volume);
-
-/* view_options_turn() - fix the camera of view_options_camera(), turned about the axis through
- * look_at along up by this share of a full turn, to the right as seen from above. */
-void view_options_turn(view_options *v, const leafcast *volume, double share);
-
-/* view_options_fit() - the view that fits, before anything else is put in its place; what `hold` is
- * to be for further pictures. view_options_fits() - whether view_options_camera() starts from it.
- */
-leafcast_camera view_options_fit(const view_options *v, const leafcast *volume);
-bool view_options_fits(const view_options *v);
-
 /* view_options_field() - the number of the field that is meant. */
 CHECKED status view_options_field(const view_options *v, const leafcast *volume, uint32_t *field);
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "render/app/view_camera.h"
 #include "render/bench/bench_layers.h"
 
 static const char headings[] =
@@ -89,7 +90,7 @@ static status enter(bench_job *job, const bench_subject *s, heat *h) {
     if (st == ST_OK)
         st = open_volume(job, s, "scalar", &h->singly);
     if (st == ST_OK) {
-        h->camera = view_options_camera(&s->view, h->volume);
+        h->camera = view_camera_of(&s->view, h->volume);
         st = make_planes(&job->m, &h->camera, &h->ours);
     }
     if (st == ST_OK)

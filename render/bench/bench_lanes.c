@@ -1,5 +1,6 @@
 #include "render/bench/bench_lanes.h"
 
+#include "render/app/view_camera.h"
 #include "render/kernels.h"
 #include "render/lane_counts.h"
 
@@ -54,7 +55,7 @@ static int doubles_of(cpu_isa isa) {
 
 static status draw(bench_job *job, const bench_subject *s, cpu_isa isa, leafcast *volume,
                    uint64_t *pixels) {
-    const leafcast_camera view = view_options_camera(&s->view, volume);
+    const leafcast_camera view = view_camera_of(&s->view, volume);
     float *colours = NULL;
     status st = (status)leafcast_select(volume, s->view.surfaces, s->view.isos);
     *pixels = (uint64_t)view.width * view.height;

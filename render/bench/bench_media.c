@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "render/app/view_camera.h"
 
 /* ---- Ways ---- */
 
@@ -314,7 +315,7 @@ static status enter(bench_job *job, trial *t) {
     t->range = fmax(range[1] - range[0], 0.0);
     t->medium = (leafcast_medium){t->points.points, (int)t->points.count};
     t->shown = (leafcast_shown){.volume = t->volume};
-    t->camera = view_options_camera(&t->subject->view, t->volume);
+    t->camera = view_camera_of(&t->subject->view, t->volume);
     t->pixels = (size_t)t->camera.width * t->camera.height;
     t->truth = mem_array(t->m, 4 * t->pixels, sizeof(double));
     t->rgba = mem_array(t->m, 4 * t->pixels, sizeof(double));

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "render/app/view_camera.h"
 
 static const char HEADINGS[] = "mesh|draws|way|ms|+-|x tree|Mray/s|Mtets/s|tets/ray|tests/tet|"
                                "nodes/ray|peak MB|differ";
@@ -66,7 +67,7 @@ static status enter(bench_job *job, trial *t, int i) {
         st = status_describe(ST_USAGE, "%s: no mesh of tets", t->subject->path);
     if (st != ST_OK)
         return st;
-    t->camera = view_options_camera(&t->subject->view, e->volume);
+    t->camera = view_camera_of(&t->subject->view, e->volume);
     t->pixels = (size_t)t->camera.width * t->camera.height;
     e->scene = leafcast_scene_default();
     e->scene.media_count = 1;

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "render/app/view_camera.h"
 
 static const char HEADINGS[] = "volume|draws|size|kernels|ms|+-|Mray/s|x surface|read|active|"
                                "read %|read MB|cells/ray|px|one by one ms|differ";
@@ -128,7 +129,7 @@ static status look_at(trial *t) {
     status st = open_volume(t->subject, NULL, &volume);
     if (st != ST_OK)
         return st;
-    t->camera = view_options_camera(&t->subject->view, volume);
+    t->camera = view_camera_of(&t->subject->view, volume);
     t->pixels = (size_t)t->camera.width * t->camera.height;
     t->value = mem_array(t->m, t->pixels, sizeof(double));
     t->place = mem_array(t->m, t->pixels, sizeof(double));

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "render/app/view_camera.h"
 #include "render/bench/bench_behind.h"
 #include "render/bench/bench_figure.h"
 #include "render/bench/bench_frames.h"
@@ -62,7 +63,7 @@ static status record(bench_job *job, const bench_subject *s, bench_ray_cells *ce
     if (st == ST_OK)
         st = (status)leafcast_select(volume, s->view.surfaces, s->view.isos);
     if (st == ST_OK) {
-        const leafcast_camera camera = view_options_camera(&s->view, volume);
+        const leafcast_camera camera = view_camera_of(&s->view, volume);
         st = bench_ray_cells_record(&job->m, volume, &s->view.scene, &camera, (uint32_t)job->count,
                                     cells);
     }

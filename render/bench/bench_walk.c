@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "render/app/view_camera.h"
 #include "render/experiment.h"
 
 const char bench_walk_headings[] = "file|kernel|ns/ray|+-|x masks|nodes/ray|cells/ray|roots/ray|"
@@ -36,7 +37,7 @@ static status open_volume(const char *path, const view_options *view, const char
 
 /* One picture; its time into *seconds. */
 static status draw(contestant *c, const view_options *view, double *seconds) {
-    const leafcast_camera camera = view_options_camera(view, c->volume);
+    const leafcast_camera camera = view_camera_of(view, c->volume);
     const leafcast_image image = {.size = sizeof(leafcast_image), .z = c->depth};
     c->stats.size = sizeof c->stats;
     leafcast_scene_experiments e;
@@ -114,7 +115,7 @@ status bench_filter(const char *path, const view_options *view, bench_table *t) 
     experiment_filter_result r = {0};
     status st = open_volume(path, view, NULL, &volume);
     if (st == ST_OK) {
-        const leafcast_camera camera = view_options_camera(view, volume);
+        const leafcast_camera camera = view_camera_of(view, volume);
         st = (status)experiment_filter(volume, &view->scene, &camera, RECORD_MAX, &r);
     }
     leafcast_close(volume);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "render/app/view_camera.h"
 #include "render/bench/bench_media.h"
 #include "render/bench/peer_vtk.h"
 
@@ -254,7 +255,7 @@ static status set_up(media_race *r, peer_race_missing *missing) {
         return st;
     r->medium = (leafcast_medium){r->points.points, (int)r->points.count};
     r->shown = (leafcast_shown){.volume = r->volume};
-    r->camera = view_options_camera(r->o->view, r->volume);
+    r->camera = view_camera_of(r->o->view, r->volume);
     r->cell = leafcast_describe(r->volume).cell_size;
     r->pixels = (size_t)r->camera.width * r->camera.height;
     r->truth = mem_array(r->m, 4 * r->pixels, sizeof(double));

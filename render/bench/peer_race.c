@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "formats/base/clock.h"
+#include "render/app/view_camera.h"
 #include "render/bench/bench_layers.h"
 #include "render/bench/peer_embree.h"
 #include "render/bench/peer_tets.h"
@@ -279,7 +280,7 @@ static status set_up(race *r, peer_race_missing *missing) {
     if (st == ST_OK)
         st = open_ours(r, &r->changing);
     if (st == ST_OK) {
-        r->camera = view_options_camera(r->o->view, r->steady);
+        r->camera = view_camera_of(r->o->view, r->steady);
         r->cell = leafcast_describe(r->steady).cell_size;
         st = make_planes(r);
     }

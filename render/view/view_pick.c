@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "formats/base/cli_json.h"
+#include "render/app/view_camera.h"
 
 static json_t *vector(const double x[3]) {
     json_t *list = json_array();
@@ -57,7 +58,7 @@ static status first_hit(mem *m, view_wish *wish, const double at[2], leafcast_hi
     if (st == ST_OK)
         st = picture_scene_describe(&parts, &volume, 1, true, &scene);
     if (st == ST_OK && v->isos > 0) {
-        const leafcast_camera camera = view_options_camera(v, wish->volume);
+        const leafcast_camera camera = view_camera_of(v, wish->volume);
         scene.media_count = 0;
         leafcast_pixel_ray(&camera, at[0], at[1], origin, direction);
         st = (status)leafcast_probe_ray(wish->volume, &scene, origin, direction, hit, 1, count);

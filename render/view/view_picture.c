@@ -7,6 +7,7 @@
 #include "formats/base/cli_json.h"
 #include "formats/base/clock.h"
 #include "render/app/picture_png.h"
+#include "render/app/view_camera.h"
 #include "render/view/view_where.h"
 
 /* A preview takes less of what takes time: one ray a pixel, and media so exact. */
@@ -352,7 +353,7 @@ status view_picture_begin(view_picture *p, const view_wish *wish, uint64_t besid
     st = picture_scene_describe(&p->parts, &p->volume, 1, true, &p->scene);
     if (st != ST_OK)
         return st;
-    p->camera = view_options_camera(&p->wish.view, p->wish.volume);
+    p->camera = view_camera_of(&p->wish.view, p->wish.volume);
     set_pace(p);
     const bool soon =
         p->pace->cost[0] > 0.0 && whole_s(p) < SOON_S && p->stats.provisional_pixels == 0;
