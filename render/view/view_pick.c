@@ -1,7 +1,5 @@
 #include "render/view/view_pick.h"
 
-#include <string.h>
-
 #include "formats/base/cli_json.h"
 #include "render/app/view_camera.h"
 
@@ -12,13 +10,9 @@ static json_t *vector(const double x[3]) {
     return list;
 }
 
-static bool is_mesh(const leafcast *volume) {
-    return strcmp(leafcast_describe(volume).kind, "mesh") == 0;
-}
-
-/* Of a grid or a mesh. */
-static void set_cell(json_t *out, bool mesh, const uint32_t cell[3], uint64_t tet) {
-    if (mesh)
+/* Where it is, in what the volume is made of. */
+static void set_cell(json_t *out, const leafcast *volume, const uint32_t cell[3], uint64_t tet) {
+    if (leafcast_describe(volume).tets > 0)
         json_object_set_new(out, "tet", json_integer((json_int_t)tet));
     else
         json_object_set_new(
@@ -37,7 +31,7 @@ static void describe_hit(json_t *out, const view_wish *wish, const leafcast_hit 
     json_object_set_new(out, "normal", vector(h->normal));
     json_object_set_new(out, "error_bound", cli_json_real(h->error_bound));
     json_object_set_new(out, "surface", json_integer(h->surface));
-    set_cell(out, is_mesh(wish->volume), h->cell, h->tet);
+    set_cell(out, wish->volume, h->cell, h->tet);
     if (view_options_field(&wish->view, wish->volume, &field) == ST_OK)
         json_object_set_new(out, "field", json_integer(field));
 }
@@ -100,7 +94,7 @@ static status pick_point(const view_wish *wish, const double point[3], json_t **
         return ST_OK;
     json_object_set_new(*answer, "value", cli_json_real(sample.value));
     json_object_set_new(*answer, "gradient", vector(sample.gradient));
-    set_cell(*answer, is_mesh(wish->volume), sample.cell, sample.tet);
+    set_cell(*answer, wish->volume, sample.cell, sample.tet);
     json_object_set_new(*answer, "field", json_integer(field));
     return ST_OK;
 }
