@@ -162,8 +162,8 @@ def surfaces(b):
     b.rest()
     ok("isovalue: dragged on the histogram", b.flags()["iso"] > before)
     value(b, "Surface 1 isovalue", 1e9)
-    ok("isovalue: told where there is no surface",
-       "1e9" in (b.js("return leafcast.surfaces.nowhere.textContent") if b.js("return !leafcast.surfaces.nowhere.hidden") else ""))
+    ok("isovalue: told where there is no surface", b.js("return !leafcast.surfaces.nowhere.hidden") and
+       "1e9" in b.js("return leafcast.surfaces.nowhere.textContent"))
     value(b, "Surface 1 isovalue", before[0])
     ok("isovalue: and not where there is one", b.js("return leafcast.surfaces.nowhere.hidden"))
     b.click("surface-add")
@@ -542,6 +542,14 @@ def steps(b):
     same(b, "time step's mean")
     b.choose("Show", "off")
     b.rest()
+    b.js("const [low, high] = leafcast.volume.bounds; leafcast.pick.at({point: low.map((x, a) => 0.4 * x + 0.6 * high[a])})")
+    b.until("return leafcast.pick.points.length === 1")
+    value_before = b.js("return leafcast.pick.points[0].value")
+    b.js("document.querySelector('[aria-label=\"Step before\"]').click()")
+    ok("time step: the value at a point is asked for again",
+       b.until("return leafcast.pick.points[0]?.value !== arguments[0]", value_before) and
+       b.js("return leafcast.pick.points[0]?.value") is not None and b.rest())
+    b.js("leafcast.pick.clear()")
     b.js("""window.steps = []; const show = leafcast.data.shown.bind(leafcast.data);
             leafcast.data.shown = head => { if (leafcast.data.waiting && head.number >= leafcast.data.waiting)
               steps.push(leafcast.model.data.step); show(head); }; document.getElementById("play").click()""")

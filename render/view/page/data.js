@@ -45,7 +45,9 @@ export class Data {
     this.app.model.data.step = step;
     this.slider.set(step);
     this.say();
-    return this.app.changed(moving, this.playing);
+    const number = this.app.changed(moving, this.playing);
+    this.app.pick.stepped();
+    return number;
   }
 
   play() {

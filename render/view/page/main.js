@@ -89,7 +89,7 @@ class App {
     if (again) return this.changed(false);
     const before = this.models.get(volume.which);
     if (before) return this.take(before);
-    const mine = saved && this.numberOf(saved.file) === volume.which ? saved : null;
+    const mine = saved && [undefined, volume.file, volume.which].includes(saved.file) ? saved : null;
     this.adopt(mine ?? volume.state, !mine);
   }
 

@@ -23,7 +23,18 @@ export class Pick {
     if (!answer || turn !== this.turn) return;
     if (!answer.hit) return this.app.say(answer.why ?? (place.point ? "This is outside."
       : "There is no surface here. Slices tell values anywhere."), true);
-    this.points = [...this.points.slice(-1), answer];
+    this.points = [...this.points.slice(-1), {...answer, place}];
+    this.show();
+  }
+
+  // The data are another step's: values at points are asked for again, surfaces are elsewhere.
+  async stepped() {
+    const {points} = this;
+    if (!points.length) return;
+    if (!points.every(p => p.place.point)) return this.clear();
+    const turn = ++this.turn, answers = await Promise.all(points.map(p => this.app.link.pick(p.place)));
+    if (turn !== this.turn || !answers.every(a => a)) return;
+    this.points = answers.map((a, i) => ({...a, place: points[i].place})).filter(a => a.hit);
     this.show();
   }
 
