@@ -282,6 +282,10 @@ def sliced(b):
     b.hands().move_to_element_with_offset(canvas, 9, 7).click().perform()
     panes(b, "slices where one was clicked")
     at = b.flags()["page"]["slices"]["at"]
+    lines = b.js("""return leafcast.slices.panes.map(p => [...p.cross.children].map(l => ["x1", "x2", "y1", "y2"].map(
+        k => +l.getAttribute(k) - (k[0] === "x" ? p.canvas.clientWidth : p.canvas.clientHeight) / 2)))""")
+    ok(f"slices: lines where the others are {lines[2]}", [len(l) for l in lines] == [2, 2, 2, 0] and
+       all(abs(x - y) < 1 for x, y in zip((lines[2][0][0], lines[2][0][1], lines[2][1][2], lines[2][1][3]), (9, 9, 7, 7))))
     ok("slices: a click tells the value", b.until("return leafcast.pick.points.length === 1") and
        b.js("return leafcast.pick.points[0].point") == at and "value: " in b.js("return leafcast.pick.text"))
     ok("slices: which way is right, and up", b.js("return leafcast.slices.panes.slice(0, 3).map(p => p.ways.textContent)") ==

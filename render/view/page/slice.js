@@ -91,11 +91,14 @@ class Pane {
     this.canvas = element("canvas", {tabindex: 0, role: "img", "aria-label": `${name}. Arrow keys move it.`});
     this.mark = element("span", {class: "mark", role: "status"});
     this.ways = element("span");
+    this.cross = document.createElementNS(NS, "svg");
+    this.cross.setAttribute("aria-hidden", "true");
     this.copy = element("button", {class: "icon", "aria-label": `${name}: copy command`,
       title: "Copy the leafcast slice line that draws this picture", onclick: () => this.command()}, "Copy");
     this.bar = element("div");
     this.host = element("figure", {class: "pane", "aria-label": name, hidden: true},
-      element("figcaption", {}, element("b", {}, TITLES[k]), this.ways, this.mark, this.copy), this.canvas, this.bar);
+      element("figcaption", {}, element("b", {}, TITLES[k]), this.ways, this.mark, this.copy),
+      element("div", {class: "cut"}, this.canvas, this.cross), this.bar);
     this.host.style.setProperty("--pane", COLOURS[k]);
     new ResizeObserver(() => slices.update(false)).observe(this.canvas);
     this.hands();
@@ -152,10 +155,31 @@ class Pane {
   point(event) {
     const h = this.head, box = this.canvas.getBoundingClientRect();
     if (!h) return null;
-    const fit = Math.min(box.width / h.size[0], box.height / h.size[1]);
-    const x = (event.clientX - box.left - (box.width - fit * h.size[0]) / 2) / (fit * h.size[0]);
-    const y = (event.clientY - box.top - (box.height - fit * h.size[1]) / 2) / (fit * h.size[1]);
+    const {corner, extent} = this.area;
+    const x = (event.clientX - box.left - corner[0]) / extent[0], y = (event.clientY - box.top - corner[1]) / extent[1];
     return x < 0 || x > 1 || y < 0 || y > 1 ? null : add(h.origin, add(scale(h.u, x), scale(h.v, y)));
+  }
+
+  // Where the canvas has the picture: its corner and its size.
+  get area() {
+    const {width: w, height: h} = this.canvas.getBoundingClientRect(), {size} = this.head;
+    const fit = Math.min(w / size[0], h / size[1]), extent = size.map(x => x * fit);
+    return {corner: [(w - extent[0]) / 2, (h - extent[1]) / 2], extent};
+  }
+
+  // Where the other slices across axes cut this one.
+  lines() {
+    const {s} = this.slices, h = this.head, lines = [];
+    for (let a = 0; a < 3 && h && this.k < 3; a++) {
+      if (a === this.k || !s.on[a]) continue;
+      const {corner, extent} = this.area, along = Math.abs(h.u[a]) > Math.abs(h.v[a]) ? 0 : 1;
+      const share = (s.at[a] - h.origin[a]) / (along ? h.v : h.u)[a], at = corner[along] + share * extent[along];
+      const from = corner[1 - along], to = from + extent[1 - along], line = document.createElementNS(NS, "line");
+      const ends = along ? {x1: from, x2: to, y1: at, y2: at} : {x1: at, x2: at, y1: from, y2: to};
+      for (const [key, x] of Object.entries({...ends, stroke: COLOURS[a]})) line.setAttribute(key, x);
+      lines.push(line);
+    }
+    this.cross.replaceChildren(...lines);
   }
 
   // Pixels that the picture may have.
@@ -189,6 +213,7 @@ class Pane {
     this.ways.textContent = `${way(head.u)} → ${way(scale(head.v, -1))} ↑`;
     this.mark.className = head.exact ? "mark exact" : "mark";
     this.mark.textContent = head.exact ? "exact" : "preview";
+    this.lines();
   }
 
   command() {
@@ -289,7 +314,10 @@ export class Slices {
 
   update(moving) {
     if (!this.app.model) return;
-    for (const p of this.panes) p.want(moving);
+    for (const p of this.panes) {
+      p.want(moving);
+      p.lines();
+    }
     this.outline();
   }
 
