@@ -33,7 +33,7 @@ static void find_model(char model[BENCH_MACHINE_MAX / 2]) {
         fclose(f);
 }
 
-void bench_machine(const char *commit, char text[BENCH_MACHINE_MAX]) {
+void bench_machine(cpu_isa isa, const char *commit, char text[BENCH_MACHINE_MAX]) {
     char model[BENCH_MACHINE_MAX / 2], date[16] = "";
     const time_t now = time(NULL);
     struct tm utc;
@@ -41,6 +41,6 @@ void bench_machine(const char *commit, char text[BENCH_MACHINE_MAX]) {
     if (gmtime_r(&now, &utc))
         strftime(date, sizeof date, "%Y-%m-%d", &utc);
     snprintf(text, BENCH_MACHINE_MAX, "%s%s%d CPUs, %s; %s; leafcast %s%s%s", model,
-             model[0] ? ", " : "", pool_default_threads(), cpu_isa_name(cpu_best()), date,
+             model[0] ? ", " : "", pool_default_threads(), cpu_isa_name(isa), date,
              leafcast_version(), commit[0] ? ", " : "", commit);
 }

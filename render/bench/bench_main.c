@@ -224,7 +224,7 @@ static status run_suite(bench_options *o, const bench_suite *suite) {
     o->job.output = o->folder && !o->common.output ? names.png : o->common.output;
     st = suite->run(&o->job);
     cli_results(&o->common, false);
-    bench_machine(BENCH_COMMIT, o->job.table.machine);
+    bench_machine(cpu_best(), BENCH_COMMIT, o->job.table.machine);
     if (o->job.table.rows > 0 && !o->common.json)
         bench_table_print(&o->job.table, stdout);
     if (st == ST_OK)

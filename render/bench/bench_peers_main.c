@@ -8,6 +8,7 @@
 
 #include "formats/base/cli.h"
 #include "formats/base/cli_value.h"
+#include "formats/base/cpu.h"
 #include "formats/base/file.h"
 #include "formats/base/file_guard.h"
 #include "formats/base/num.h"
@@ -23,6 +24,7 @@ typedef struct peers_options {
     cli_common common;
     view_options view;
     const char *picture, *plot;
+    cpu_isa isa; /* CPU_SCALAR: the best */
     int runs;
     bool media;
     const char *transfers[TRANSFERS_MAX]; /* so many; none: opaque, thin, positive */
@@ -32,11 +34,13 @@ typedef struct peers_options {
     bench_table table;
 } peers_options;
 
-enum { RUNS = 0x3000, PICTURE, PLOT, STEP, MEDIA, TRANSFER };
+enum { RUNS = 0x3000, PICTURE, PLOT, STEP, MEDIA, TRANSFER, ISA };
 
 static const struct argp_option OPTIONS[] = {
     {NULL, 0, NULL, 0, "Measuring:", 1},
     {"media", MEDIA, NULL, CLI_BASIC, "the volume itself is seen: beside VTK's ray caster", 0},
+    {"isa", ISA, "sse42|avx2|avx512", 0,
+     "instructions that leafcast and Embree use (each its best)", 0},
     {"picture", PICTURE, "FILE.png", CLI_BASIC, "ours, Embree's, and how far apart, side by side",
      0},
     {"plot", PLOT, "FILE.svg", CLI_BASIC, "draw the table's main columns", 0},
@@ -62,6 +66,13 @@ static status set_step(peers_options *o, const char *text) {
     return st;
 }
 
+static status set_isa(peers_options *o, const char *text) {
+    if (cpu_isa_find(text, &o->isa) && o->isa != CPU_SCALAR)
+        return ST_OK;
+    return status_describe(ST_USAGE, "--isa: %s: expected sse42, avx2 or avx512, of this CPU",
+                           text);
+}
+
 static status set_option(void *own, int key, const char *text) {
     peers_options *o = own;
     status st = ST_OK;
@@ -70,6 +81,7 @@ static status set_option(void *own, int key, const char *text) {
     case STEP: return set_step(o, text);
     case PICTURE: o->picture = text; return ST_OK;
     case PLOT: o->plot = text; return ST_OK;
+    case ISA: return set_isa(o, text);
     case MEDIA: o->media = true; return ST_OK;
     case TRANSFER: return add_transfer(o, text);
     default:
@@ -111,9 +123,11 @@ static status write_table(peers_options *o, const char *path,
 static status check_flags(const peers_options *o) {
     if (!o->media && o->transfer_count > 0)
         return status_describe(ST_USAGE, "--tf: is for --media");
-    if (o->media && (o->picture || o->step != 0.0))
+    if (o->media && (o->picture || o->step != 0.0 || o->isa))
         return status_describe(ST_USAGE, "%s: is not for --media",
-                               o->picture ? "--picture" : "--step");
+                               o->picture       ? "--picture"
+                               : o->step != 0.0 ? "--step"
+                                                : "--isa");
     return view_options_only(&o->view,
                              o->media     ? "size view eye look-at up fov ortho"
                              : o->picture ? PEER_FLAGS " background"
@@ -191,6 +205,7 @@ static status run(peers_options *o) {
                                     .step = o->step,
                                     .threads = o->common.threads,
                                     .runs = o->runs,
+                                    .isa = o->isa,
                                     .memory = o->common.memory,
                                     .picture = o->picture,
                                     .force = o->common.force,
@@ -199,7 +214,7 @@ static status run(peers_options *o) {
     if (st)
         return st;
     cli_results(&o->common, false);
-    bench_machine(BENCH_COMMIT, o->table.machine);
+    bench_machine(o->isa ? o->isa : cpu_best(), BENCH_COMMIT, o->table.machine);
     if (!o->common.json)
         bench_table_print(&o->table, stdout);
     if (missing.embree[0])

@@ -19,9 +19,8 @@ bool peer_embree_present(void) {
     return false;
 }
 
-status peer_embree_create(mem *m, const peer_mesh *mesh, int threads, bool high, bool one_pass,
-                          peer_embree **out) {
-    (void)m, (void)mesh, (void)threads, (void)high, (void)one_pass;
+status peer_embree_create(mem *m, const peer_mesh *mesh, const peer_build *how, peer_embree **out) {
+    (void)m, (void)mesh, (void)how;
     *out = NULL;
     return status_describe(ST_UNSUPPORTED,
                            "built without Embree 3: install libembree-dev, and make again");
@@ -62,7 +61,7 @@ status peer_embree_frame(const peer_embree *e, pool *threads, const peer_way *wa
 #include "render/bench/peer_rays.h"
 #include "render/camera.h"
 
-enum { TILE = 16, SIDE = 4, LANES = SIDE * SIDE };
+enum { TILE = 16, SIDE = 4, LANES = SIDE * SIDE, CONFIG_MAX = 80 };
 
 struct peer_embree {
     RTCDevice device;
@@ -114,23 +113,32 @@ static void name_version(peer_embree *e) {
     snprintf(e->version, sizeof e->version, "%d.%d.%d", v / 10000, v / 100 % 100, v % 100);
 }
 
-status peer_embree_create(mem *m, const peer_mesh *mesh, int threads, bool high, bool one_pass,
-                          peer_embree **out) {
-    char config[64];
+/* As Embree names instructions. */
+static void configure(const peer_build *how, char config[CONFIG_MAX]) {
+    static const char *const names[CPU_ISAS] = {
+        [CPU_SSE42] = "sse4.2", [CPU_AVX2] = "avx2", [CPU_AVX512] = "avx512"};
+    const int length =
+        snprintf(config, CONFIG_MAX, "threads=%d,user_threads=0,set_affinity=0", how->threads);
+    if (names[how->isa])
+        snprintf(config + length, CONFIG_MAX - (size_t)length, ",isa=%s", names[how->isa]);
+}
+
+status peer_embree_create(mem *m, const peer_mesh *mesh, const peer_build *how, peer_embree **out) {
+    char config[CONFIG_MAX];
     peer_embree *e = *out = mem_zalloc(m, sizeof *e);
     if (!e)
         return ST_NOMEM;
     e->mesh = mesh;
     e->m = m;
-    snprintf(config, sizeof config, "threads=%d,user_threads=0,set_affinity=0", threads);
+    configure(how, config);
     e->device = rtcNewDevice(config);
     status st = device_status(e->device, "opening a device");
     if (st == ST_OK) {
         name_version(e);
         rtcSetDeviceMemoryMonitorFunction(e->device, count_bytes, e);
         e->scene = rtcNewScene(e->device);
-        attach_mesh(e, high);
-        if (one_pass)
+        attach_mesh(e, how->high);
+        if (how->one_pass)
             rtcSetSceneFlags(e->scene, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
         rtcCommitScene(e->scene);
         st = device_status(e->device, "building the BVH");

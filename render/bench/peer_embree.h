@@ -9,6 +9,7 @@
 
 #include <stdbool.h>
 
+#include "formats/base/cpu.h"
 #include "formats/base/pool.h"
 #include "render/bench/peer_mesh.h"
 #include "render/leafcast.h"
@@ -18,16 +19,17 @@ typedef struct peer_embree peer_embree;
 /* peer_embree_present() - whether this program was built with Embree. */
 bool peer_embree_present(void);
 
-/* peer_embree_create() - build the BVH over a mesh, which must outlive it.
- *
- * threads   of the build
- * high      RTC_BUILD_QUALITY_HIGH (spatial splits) instead of MEDIUM (binned SAH)
- * one_pass  for frames that go that way
- *
- * ST_UNSUPPORTED without Embree.
- */
-CHECKED status peer_embree_create(mem *m, const peer_mesh *mesh, int threads, bool high,
-                                  bool one_pass, peer_embree **out);
+typedef struct peer_build {
+    int threads;
+    bool high;     /* RTC_BUILD_QUALITY_HIGH (spatial splits) instead of MEDIUM (binned SAH) */
+    bool one_pass; /* for frames that go that way */
+    cpu_isa isa;   /* instructions that Embree uses; CPU_SCALAR: those it likes best */
+} peer_build;
+
+/* peer_embree_create() - build the BVH over a mesh, which must outlive it. ST_UNSUPPORTED without
+ * Embree. */
+CHECKED status peer_embree_create(mem *m, const peer_mesh *mesh, const peer_build *how,
+                                  peer_embree **out);
 void peer_embree_destroy(peer_embree *e); /* NULL is fine */
 
 /* peer_embree_version() - "3.13.5"; valid as long as e. */

@@ -116,6 +116,15 @@ static status extract(race *r, double isovalue, peer_mesh *mesh) {
                         : peer_mesh_extract(r->m, &r->field, isovalue, r->threads, mesh);
 }
 
+/* One of the BVHs. */
+static status build(const race *r, const peer_mesh *mesh, int which, peer_embree **out) {
+    const peer_build how = {.threads = r->o->threads,
+                            .high = which == HIGH,
+                            .one_pass = which == ONE_PASS,
+                            .isa = r->o->isa};
+    return peer_embree_create(r->m, mesh, &how, out);
+}
+
 /* A mesh and a BVH for a picture. */
 static status turn_embree_fresh(race *r, contestant *c) {
     peer_mesh mesh = {.m = r->m};
@@ -124,7 +133,7 @@ static status turn_embree_fresh(race *r, contestant *c) {
     status st = extract(r, next_isovalue(r, c), &mesh);
     const double extracted = clock_seconds();
     if (st == ST_OK)
-        st = peer_embree_create(r->m, &mesh, r->o->threads, false, false, &bvh);
+        st = build(r, &mesh, MEDIUM, &bvh);
     c->extract_now = extracted - start;
     c->build_now = clock_seconds() - extracted;
     if (st == ST_OK)
@@ -206,8 +215,10 @@ static status enter_all(race *r) {
 }
 
 static status open_ours(race *r, leafcast **volume) {
-    const leafcast_options options = {
-        .size = sizeof(leafcast_options), .threads = r->o->threads, .memory = r->o->memory};
+    const leafcast_options options = {.size = sizeof(leafcast_options),
+                                      .threads = r->o->threads,
+                                      .memory = r->o->memory,
+                                      .isa = r->o->isa ? cpu_isa_name(r->o->isa) : NULL};
     status st = (status)leafcast_open(r->o->path, &options, volume);
     return st == ST_OK ? (status)leafcast_select(*volume, r->o->view->surfaces, 1) : st;
 }
@@ -242,7 +253,7 @@ static bool passes_once(const race *r) {
 static status set_up_embree(race *r, peer_race_missing *missing) {
     double start = clock_seconds();
     if (!peer_embree_present()) {
-        const status st = peer_embree_create(r->m, &r->mesh, 1, false, false, &r->bvh[MEDIUM]);
+        const status st = build(r, &r->mesh, MEDIUM, &r->bvh[MEDIUM]);
         snprintf(missing->embree, sizeof missing->embree, "%s", status_text());
         return st == ST_UNSUPPORTED ? ST_OK : st;
     }
@@ -254,8 +265,7 @@ static status set_up_embree(race *r, peer_race_missing *missing) {
         if (i == ONE_PASS && !passes_once(r))
             continue;
         start = clock_seconds();
-        st =
-            peer_embree_create(r->m, &r->mesh, r->o->threads, i == HIGH, i == ONE_PASS, &r->bvh[i]);
+        st = build(r, &r->mesh, i, &r->bvh[i]);
         r->build_s[i] = clock_seconds() - start;
     }
     return st;

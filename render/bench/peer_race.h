@@ -3,6 +3,7 @@
 #ifndef RENDER_BENCH_PEER_RACE_H
 #define RENDER_BENCH_PEER_RACE_H
 
+#include "formats/base/cpu.h"
 #include "formats/base/progress.h"
 #include "render/app/view_options.h"
 #include "render/bench/bench_table.h"
@@ -13,6 +14,7 @@ typedef struct peer_race_options {
     const view_options *view; /* checked by peer_race_check() */
     double step;              /* between the isovalues of successive frames */
     int threads, runs;
+    cpu_isa isa;         /* of ours, and of Embree; CPU_SCALAR: the best of each */
     size_t memory;       /* of ours, as leafcast_options */
     const char *picture; /* NULL: none */
     bool force;

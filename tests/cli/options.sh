@@ -255,6 +255,7 @@ bench|--usage|says|walk @grid --size 16x16 --runs 1|--usage
 bench|--version|says|walk @grid --size 16x16 --runs 1|--version
 bench peers|--media|shown peers|
 bench peers|--tf|shown peers|
+bench peers|--isa|refused expected sse42|@grid --size 8x8 --runs 1|--isa scalar
 bench peers|--picture|shown peers|
 bench peers|--plot|shown peers|
 bench peers|--runs|shown peers|
