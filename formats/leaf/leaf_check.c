@@ -43,7 +43,9 @@ hash_id leaf_header_id(const leaf_header *h, const leaf_section *table) {
 
 static status check_frame(const char *path, const leaf_header *h, uint64_t file_bytes) {
     if (memcmp(h->magic, LEAF_MAGIC, sizeof h->magic) != 0)
-        return leaf_check_corrupt(path, 0, "expected the mark of a treelet file; this is none");
+        return leaf_check_corrupt(
+            path, 0,
+            "expected the mark of a treelet file; leafcast convert makes one of other formats");
     if (h->version < 1 || h->version > LEAF_VERSION)
         return status_describe(
             ST_UNSUPPORTED,

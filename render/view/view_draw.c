@@ -7,7 +7,6 @@
 #include "formats/base/clock.h"
 #include "formats/base/thread.h"
 #include "render/view/view_map.h"
-#include "render/view/view_pick.h"
 
 /* Of a turn. Then another client has its own. */
 #define SLICE_S 0.030
@@ -16,7 +15,7 @@
 
 typedef struct pick {
     int64_t id;
-    double x, y;
+    view_place place;
 } pick;
 
 typedef struct sent {
@@ -105,7 +104,7 @@ static uint64_t others_bytes(const view_draw *d, const view_seat *seat) {
 
 static void answer_pick(view_draw *d, view_seat *seat, const view_wish *wish, const pick *what) {
     json_t *answer = NULL;
-    if (view_pick(d->m, wish, what->x, what->y, &answer) != ST_OK)
+    if (view_pick(d->m, wish, &what->place, &answer) != ST_OK)
         answer = json_pack("{s:s,s:b,s:s}", "type", "picked", "hit", 0, "why", view_message_why());
     if (answer) {
         json_object_set_new(answer, "number", json_integer((json_int_t)wish->number));
@@ -348,11 +347,11 @@ void view_seat_seen(view_seat *seat, uint64_t number, int part) {
     pthread_mutex_unlock(&seat->draw->lock);
 }
 
-bool view_seat_pick(view_seat *seat, int64_t id, double x, double y) {
+bool view_seat_pick(view_seat *seat, int64_t id, const view_place *place) {
     pthread_mutex_lock(&seat->draw->lock);
     const bool room = seat->any && seat->pick_count < VIEW_PICKS_MAX;
     if (room)
-        seat->picks[seat->pick_count++] = (pick){id, x, y};
+        seat->picks[seat->pick_count++] = (pick){id, *place};
     pthread_cond_signal(&seat->draw->work);
     pthread_mutex_unlock(&seat->draw->lock);
     return room;

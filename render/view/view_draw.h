@@ -8,6 +8,7 @@
 #ifndef RENDER_VIEW_VIEW_DRAW_H
 #define RENDER_VIEW_VIEW_DRAW_H
 
+#include "render/view/view_pick.h"
 #include "render/view/view_picture.h"
 #include "render/view/view_slice.h"
 
@@ -29,11 +30,11 @@ view_seat *view_draw_sit(view_draw *d);
 void view_draw_leave(view_seat *seat);
 
 /* view_seat_want() - draw this now. view_seat_seen() - the client has seen this picture, and all
- * before. view_seat_pick() - answer what is at a pixel of what was wanted last; false: too many are
+ * before. view_seat_pick() - answer what is there in what was wanted last; false: too many are
  * open. */
 void view_seat_want(view_seat *seat, const view_wish *wish);
 void view_seat_seen(view_seat *seat, uint64_t number, int part);
-bool view_seat_pick(view_seat *seat, int64_t id, double x, double y);
+bool view_seat_pick(view_seat *seat, int64_t id, const view_place *place);
 
 /* view_seat_slice() - draw this slice in its pane now. view_seat_slice_seen() - the client has seen
  * the pane's picture of this number, and all before. */

@@ -1,7 +1,5 @@
 #include "render/view/view_pick.h"
 
-#include <string.h>
-
 #include "formats/base/cli_json.h"
 #include "render/app/view_camera.h"
 
@@ -12,8 +10,17 @@ static json_t *vector(const double x[3]) {
     return list;
 }
 
+/* Where it is, in what the volume is made of. */
+static void set_cell(json_t *out, const leafcast *volume, const uint32_t cell[3], uint64_t tet) {
+    if (leafcast_describe(volume).tets > 0)
+        json_object_set_new(out, "tet", json_integer((json_int_t)tet));
+    else
+        json_object_set_new(
+            out, "cell",
+            json_pack("[I,I,I]", (json_int_t)cell[0], (json_int_t)cell[1], (json_int_t)cell[2]));
+}
+
 static void describe_hit(json_t *out, const view_wish *wish, const leafcast_hit *h) {
-    const bool mesh = strcmp(leafcast_describe(wish->volume).kind, "mesh") == 0;
     const double isovalue = wish->view.surfaces[h->surface].isovalue;
     uint32_t field;
     json_object_set_new(out, "point", vector(h->point));
@@ -24,18 +31,13 @@ static void describe_hit(json_t *out, const view_wish *wish, const leafcast_hit 
     json_object_set_new(out, "normal", vector(h->normal));
     json_object_set_new(out, "error_bound", cli_json_real(h->error_bound));
     json_object_set_new(out, "surface", json_integer(h->surface));
-    if (mesh)
-        json_object_set_new(out, "tet", json_integer((json_int_t)h->tet));
-    else
-        json_object_set_new(out, "cell",
-                            json_pack("[I,I,I]", (json_int_t)h->cell[0], (json_int_t)h->cell[1],
-                                      (json_int_t)h->cell[2]));
+    set_cell(out, wish->volume, h->cell, h->tet);
     if (view_options_field(&wish->view, wish->volume, &field) == ST_OK)
         json_object_set_new(out, "field", json_integer(field));
 }
 
 /* The scene without media: a ray that is probed meets surfaces alone. */
-static status first_hit(mem *m, view_wish *wish, double x, double y, leafcast_hit *hit,
+static status first_hit(mem *m, view_wish *wish, const double at[2], leafcast_hit *hit,
                         int *count) {
     view_options *v = &wish->view;
     picture_scene parts;
@@ -52,21 +54,21 @@ static status first_hit(mem *m, view_wish *wish, double x, double y, leafcast_hi
     if (st == ST_OK && v->isos > 0) {
         const leafcast_camera camera = view_camera_of(v, wish->volume);
         scene.media_count = 0;
-        leafcast_pixel_ray(&camera, x, y, origin, direction);
+        leafcast_pixel_ray(&camera, at[0], at[1], origin, direction);
         st = (status)leafcast_probe_ray(wish->volume, &scene, origin, direction, hit, 1, count);
     }
     picture_scene_release(&parts);
     return st;
 }
 
-status view_pick(mem *m, const view_wish *wish, double x, double y, json_t **answer) {
+static status pick_pixel(mem *m, const view_wish *wish, const double at[2], json_t **answer) {
     leafcast_hit hit;
     int count = 0;
     view_wish *copy = mem_alloc(m, sizeof *copy);
     if (!copy)
         return ST_NOMEM;
     *copy = *wish;
-    const status st = first_hit(m, copy, x, y, &hit, &count);
+    const status st = first_hit(m, copy, at, &hit, &count);
     if (st == ST_OK) {
         *answer = json_pack("{s:s,s:b}", "type", "picked", "hit", count > 0);
         if (count > 0)
@@ -74,4 +76,30 @@ status view_pick(mem *m, const view_wish *wish, double x, double y, json_t **ans
     }
     mem_free(m, copy);
     return st;
+}
+
+static status pick_point(const view_wish *wish, const double point[3], json_t **answer) {
+    leafcast_sample sample;
+    uint32_t field;
+    status st = view_options_field(&wish->view, wish->volume, &field);
+    if (st == ST_OK)
+        st = (status)leafcast_select_set(wish->volume, field, wish->view.step);
+    if (st == ST_OK)
+        st = (status)leafcast_probe_point(wish->volume, point, &sample);
+    if (st != ST_OK)
+        return st;
+    *answer = json_pack("{s:s,s:b}", "type", "picked", "hit", (int)sample.inside);
+    json_object_set_new(*answer, "point", vector(point));
+    if (!sample.inside)
+        return ST_OK;
+    json_object_set_new(*answer, "value", cli_json_real(sample.value));
+    json_object_set_new(*answer, "gradient", vector(sample.gradient));
+    set_cell(*answer, wish->volume, sample.cell, sample.tet);
+    json_object_set_new(*answer, "field", json_integer(field));
+    return ST_OK;
+}
+
+status view_pick(mem *m, const view_wish *wish, const view_place *place, json_t **answer) {
+    return place->in_world ? pick_point(wish, place->point, answer)
+                           : pick_pixel(m, wish, place->pixel, answer);
 }

@@ -251,12 +251,13 @@ static status check(view_picture *p) {
     int count;
     if (size->width < 1 || size->height < 1 || size->width > VIEW_SIDE_MAX ||
         size->height > VIEW_SIDE_MAX || (uint64_t)size->width * size->height > VIEW_PIXELS_MAX)
-        return status_describe(ST_USAGE, "a picture of %u x %u: a side is 1 to %d, of %d pixels",
-                               size->width, size->height, VIEW_SIDE_MAX, VIEW_PIXELS_MAX);
+        return status_describe(
+            ST_USAGE, "a picture of %u x %u: a side may have 1 to %d pixels, and all of it %d",
+            size->width, size->height, VIEW_SIDE_MAX, VIEW_PIXELS_MAX);
     if (p->wish.file && p->wish.kind == VIEW_FILE_EXR &&
         (uint64_t)size->width * size->height > VIEW_EXR_PIXELS_MAX)
-        return status_describe(ST_USAGE, "an EXR of %u x %u: it may have %d pixels", size->width,
-                               size->height, VIEW_EXR_PIXELS_MAX);
+        return status_describe(ST_USAGE, "an EXR of %u x %u: it may have %d pixels in all",
+                               size->width, size->height, VIEW_EXR_PIXELS_MAX);
     status st = picture_scene_choose(p->wish.volume, v, suggested, &count);
     if (st == ST_OK)
         st = view_options_check(v);

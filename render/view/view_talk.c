@@ -120,14 +120,28 @@ static status hear_seen(view_talk *t, const json_t *message) {
     return st;
 }
 
+static status take_point(const json_t *point, double out[3]) {
+    for (size_t i = 0; i < 3; i++) {
+        const json_t *value = json_array_get(point, i);
+        if (!json_is_number(value) || json_array_size(point) != 3)
+            return wrong("point");
+        out[i] = json_number_value(value);
+    }
+    return ST_OK;
+}
+
 static status hear_pick(view_talk *t, const json_t *message) {
-    double id, x, y;
+    const json_t *point = json_object_get(message, "point");
+    view_place place = {.in_world = point};
+    double id;
     status st = take_whole(message, "id", 0.0, NUMBER_MAX, &id);
-    if (st == ST_OK)
-        st = take_number(message, "x", -VIEW_SIDE_MAX, 2.0 * VIEW_SIDE_MAX, &x);
-    if (st == ST_OK)
-        st = take_number(message, "y", -VIEW_SIDE_MAX, 2.0 * VIEW_SIDE_MAX, &y);
-    if (st == ST_OK && !view_seat_pick(t->seat, (int64_t)id, x, y))
+    if (st == ST_OK && point)
+        st = take_point(point, place.point);
+    if (st == ST_OK && !point)
+        st = take_number(message, "x", -VIEW_SIDE_MAX, 2.0 * VIEW_SIDE_MAX, &place.pixel[0]);
+    if (st == ST_OK && !point)
+        st = take_number(message, "y", -VIEW_SIDE_MAX, 2.0 * VIEW_SIDE_MAX, &place.pixel[1]);
+    if (st == ST_OK && !view_seat_pick(t->seat, (int64_t)id, &place))
         st = status_describe(ST_USAGE, "too many picks at a time, or none of a view");
     return st;
 }
@@ -210,6 +224,16 @@ static bool is_too_fast(view_talk *t) {
     return t->allowance < 0.0;
 }
 
+/* A pick's refusal has its id, as its answer would. */
+static void refuse(view_talk *t, const json_t *message, double number) {
+    json_t *id = json_object_get(message, "id");
+    json_t *said = json_pack("{s:s,s:I,s:s}", "type", "refused", "number", (json_int_t)number,
+                             "why", view_message_why());
+    if (said && json_is_integer(id))
+        json_object_set(said, "id", id);
+    tell(t, said);
+}
+
 view_talk_result view_talk_hear(view_talk *t, const void *bytes, size_t size, bool last) {
     json_t *message = NULL;
     double number = 0.0;
@@ -226,10 +250,9 @@ view_talk_result view_talk_hear(view_talk *t, const void *bytes, size_t size, bo
     t->heard = 0;
     if (st == ST_OK)
         st = hear_message(t, message, &number);
-    json_decref(message);
     if (st != ST_OK)
-        tell(t, json_pack("{s:s,s:I,s:s}", "type", "refused", "number", (json_int_t)number, "why",
-                          view_message_why()));
+        refuse(t, message, number);
+    json_decref(message);
     return VIEW_TALK_FINE;
 }
 

@@ -1,15 +1,19 @@
 #include "render/view/view_volume.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "formats/base/cli_json.h"
 #include "formats/base/text.h"
 #include "render/app/colour_map.h"
+#include "render/app/transfer_preset.h"
 #include "render/picture_bytes.h"
 #include "render/view/view_state.h"
 
-enum { MAP_COLOURS = 64, MAP_NAME_MAX = 64 };
+enum { MAP_COLOURS = 64, PRESET_COLOURS = 32, NAME_MAX_BYTES = 64 };
+/* Of how many fields and steps presets are told. */
+enum { PRESETS_MAX = 64 };
 
 static json_t *reals(const double *x, int count) {
     json_t *list = json_array();
@@ -43,33 +47,14 @@ static json_t *histogram_json(const leafcast *volume, uint32_t field) {
     return out;
 }
 
-static json_t *field_json(const leafcast *volume, uint32_t field) {
-    double range[2] = {0.0, 0.0}, suggested[LEAFCAST_SUGGESTIONS_MAX];
-    int count = 0;
-    const char *name = leafcast_field_name(volume, field);
-    json_t *out = json_object(), *text = json_string(name);
-    if (leafcast_range(volume, field, 0, range) != LEAFCAST_OK || range[0] > range[1])
-        range[0] = range[1] = 0.0;
-    if (leafcast_suggested_isovalues(volume, field, 0, suggested, LEAFCAST_SUGGESTIONS_MAX,
-                                     &count) != LEAFCAST_OK)
-        count = 0;
-    /* Names of files need not be UTF-8. */
-    json_object_set_new(out, "name", text ? text : json_string(""));
-    double data[2] = {range[0], range[1]};
-    if (range[0] < range[1])
-        (void)leafcast_data_range(volume, field, 0, data);
-    json_object_set_new(out, "range", reals(range, 2));
-    json_object_set_new(out, "data", reals(data, 2));
-    json_object_set_new(out, "suggested", reals(suggested, count));
-    json_object_set_new(out, "histogram", histogram_json(volume, field));
-    return out;
-}
-
-static json_t *map_json(const transfer_list *map, const byte_table *table) {
+/* Colours of a list, evenly from the first value to the last. */
+static json_t *colours_json(const transfer_list *list, const double ends[2], int count,
+                            const byte_table *table) {
     json_t *out = json_array();
-    for (int i = 0; i < MAP_COLOURS; i++) {
+    for (int i = 0; i < count; i++) {
+        const double s = (double)i / (count - 1);
         const leafcast_transfer_point p =
-            transfer_list_at(map, (double)i / (MAP_COLOURS - 1), false);
+            transfer_list_at(list, (1.0 - s) * ends[0] + s * ends[1], false);
         char text[16];
         snprintf(text, sizeof text, "#%02x%02x%02x", picture_byte(table, p.rgb[0]),
                  picture_byte(table, p.rgb[1]), picture_byte(table, p.rgb[2]));
@@ -78,25 +63,125 @@ static json_t *map_json(const transfer_list *map, const byte_table *table) {
     return out;
 }
 
-static json_t *maps_json(void) {
-    byte_table *table = NULL;
+/* ---- Presets ---- */
+
+static double diagonal(const leafcast_info *info) {
+    double square = 0.0;
+    for (int a = 0; a < 3; a++)
+        square +=
+            (info->bounds[1][a] - info->bounds[0][a]) * (info->bounds[1][a] - info->bounds[0][a]);
+    return sqrt(square);
+}
+
+/* Its points, value and extinction, and its colours from the first to the last. */
+static json_t *preset_json(mem *m, const char *name, const leafcast_histogram *h, double length,
+                           const byte_table *table) {
+    transfer_list colours = {.m = m}, extinctions = {.m = m};
+    json_t *out = NULL;
+    if (transfer_preset_make(name, h, length, &colours, &extinctions) == ST_OK) {
+        const double ends[2] = {extinctions.points[0].value,
+                                extinctions.points[extinctions.count - 1].value};
+        json_t *points = json_array();
+        for (size_t i = 0; i < extinctions.count; i++)
+            json_array_append_new(points, reals((const double[2]){extinctions.points[i].value,
+                                                                  extinctions.points[i].extinction},
+                                                2));
+        out = json_pack("{s:o,s:o}", "points", points, "colours",
+                        colours_json(&colours, ends, PRESET_COLOURS, table));
+    }
+    transfer_list_release(&colours);
+    transfer_list_release(&extinctions);
+    return out;
+}
+
+/* Of a field at a step. */
+static json_t *presets_json(mem *m, const leafcast *volume, uint32_t field, uint32_t step,
+                            const byte_table *table) {
+    const leafcast_info info = leafcast_describe(volume);
+    leafcast_histogram *h = mem_zalloc(m, sizeof *h);
+    json_t *out = json_object();
+    const bool known = h && leafcast_get_histogram(volume, field, step, h) == LEAFCAST_OK;
+    for (const char *at = transfer_preset_names(); known && *at;) {
+        char name[NAME_MAX_BYTES];
+        const size_t n = strcspn(at, "|");
+        snprintf(name, sizeof name, "%.*s", (int)n, at);
+        json_object_set_new(out, name, preset_json(m, name, h, diagonal(&info), table));
+        at += n + (at[n] == '|');
+    }
+    mem_free(m, h);
+    return out;
+}
+
+/* Of the first steps. */
+static json_t *all_presets_json(const leafcast *volume, uint32_t field, const byte_table *table) {
+    const leafcast_info info = leafcast_describe(volume);
+    const uint32_t room = info.fields < PRESETS_MAX ? PRESETS_MAX / info.fields : 1;
+    json_t *out = json_array();
+    mem m;
+    mem_init(&m, 0);
+    for (uint32_t i = 0; i < info.steps && i < room; i++)
+        json_array_append_new(out, presets_json(&m, volume, field, i, table));
+    return out;
+}
+
+/* ---- Fields ---- */
+
+/* Of a field, over all steps: of what is there, and of what may be data. 0, 0: nothing is finite.
+ */
+static void find_ranges(const leafcast *volume, uint32_t field, double range[2], double data[2]) {
+    const uint32_t steps = leafcast_describe(volume).steps;
+    range[0] = data[0] = INFINITY;
+    range[1] = data[1] = -INFINITY;
+    for (uint32_t i = 0; i < steps; i++) {
+        double all[2], some[2];
+        if (leafcast_range(volume, field, i, all) != LEAFCAST_OK || all[0] > all[1])
+            continue;
+        memcpy(some, all, sizeof some);
+        if (all[0] < all[1] && leafcast_data_range(volume, field, i, some) != LEAFCAST_OK)
+            memcpy(some, all, sizeof some);
+        range[0] = fmin(range[0], all[0]);
+        range[1] = fmax(range[1], all[1]);
+        data[0] = fmin(data[0], some[0]);
+        data[1] = fmax(data[1], some[1]);
+    }
+    if (range[0] > range[1])
+        range[0] = range[1] = data[0] = data[1] = 0.0;
+}
+
+static json_t *field_json(const leafcast *volume, uint32_t field, const byte_table *table) {
+    double range[2], data[2], suggested[LEAFCAST_SUGGESTIONS_MAX];
+    int count = 0;
+    const char *name = leafcast_field_name(volume, field);
+    json_t *out = json_object(), *text = json_string(name);
+    if (leafcast_suggested_isovalues(volume, field, 0, suggested, LEAFCAST_SUGGESTIONS_MAX,
+                                     &count) != LEAFCAST_OK)
+        count = 0;
+    find_ranges(volume, field, range, data);
+    /* Names of files need not be UTF-8. */
+    json_object_set_new(out, "name", text ? text : json_string(""));
+    json_object_set_new(out, "range", reals(range, 2));
+    json_object_set_new(out, "data", reals(data, 2));
+    json_object_set_new(out, "suggested", reals(suggested, count));
+    json_object_set_new(out, "histogram", histogram_json(volume, field));
+    json_object_set_new(out, "presets", all_presets_json(volume, field, table));
+    return out;
+}
+
+static json_t *maps_json(const byte_table *table) {
     json_t *out = json_object();
     mem m;
     mem_init(&m, 0);
-    table = mem_alloc(&m, sizeof *table);
-    if (table)
-        picture_bytes_init(table);
-    for (const char *at = colour_map_names(); table && *at;) {
-        char name[MAP_NAME_MAX];
+    for (const char *at = colour_map_names(); *at;) {
+        char name[NAME_MAX_BYTES];
         const size_t n = strcspn(at, "|");
         transfer_list map = {.m = &m};
         snprintf(name, sizeof name, "%.*s", (int)n, at);
         if (colour_map_named(name, &map) == ST_OK)
-            json_object_set_new(out, name, map_json(&map, table));
+            json_object_set_new(
+                out, name, colours_json(&map, (const double[2]){0.0, 1.0}, MAP_COLOURS, table));
         transfer_list_release(&map);
         at += n + (at[n] == '|');
     }
-    mem_free(&m, table);
     return out;
 }
 
@@ -122,8 +207,8 @@ static json_t *steps_json(const leafcast *volume, uint32_t steps) {
     return out;
 }
 
-json_t *view_volume_json(const view_file *files, int count, int which,
-                         const view_machine *machine) {
+static json_t *describe(const view_file *files, int count, int which, const view_machine *machine,
+                        const byte_table *table) {
     const leafcast *volume = files[which].volume;
     const leafcast_info info = leafcast_describe(volume);
     char name[300];
@@ -134,7 +219,7 @@ json_t *view_volume_json(const view_file *files, int count, int which,
     if (!out)
         return NULL;
     for (uint32_t i = 0; i < info.fields; i++)
-        json_array_append_new(fields, field_json(volume, i));
+        json_array_append_new(fields, field_json(volume, i, table));
     json_object_set_new(out, "name", text_json(info.name));
     json_object_set_new(out, "file", text_json(name));
     json_object_set_new(out, "files", files_json(files, count));
@@ -155,7 +240,21 @@ json_t *view_volume_json(const view_file *files, int count, int which,
     json_object_set_new(out, "isa", json_string(machine->isa ? machine->isa : "auto"));
     json_object_set_new(out, "fields", fields);
     json_object_set_new(out, "steps", steps_json(volume, info.steps));
-    json_object_set_new(out, "colour_maps", maps_json());
+    json_object_set_new(out, "colour_maps", maps_json(table));
     json_object_set_new(out, "state", view_state_first(volume));
+    return out;
+}
+
+json_t *view_volume_json(const view_file *files, int count, int which,
+                         const view_machine *machine) {
+    mem m;
+    mem_init(&m, 0);
+    byte_table *table = mem_alloc(&m, sizeof *table);
+    json_t *out = NULL;
+    if (table) {
+        picture_bytes_init(table);
+        out = describe(files, count, which, machine, table);
+    }
+    mem_free(&m, table);
     return out;
 }

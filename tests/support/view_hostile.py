@@ -333,7 +333,9 @@ class Enemy:
                     page.view(number, self.state(), self.dice.choice([1, 9, 33, 1e9, -1, 16384]),
                               self.dice.choice([1, 7, 1, 16, 0]), self.dice.random() < 0.5)
                 elif what == 4:
-                    page.send({"type": "pick", "number": self.value(), "id": number, "x": self.value(), "y": self.value()})
+                    place = self.dice.choice([{"x": self.value(), "y": self.value()}, {"point": self.value()},
+                                              {"point": [self.dice.uniform(-9, 50), self.value(), 20]}])
+                    page.send({"type": "pick", "number": self.value(), "id": number, **place})
                 elif what == 5:
                     page.send({"type": "seen", "number": self.value(), "part": self.value()})
                 elif what == 6:

@@ -111,6 +111,12 @@ def run_copied(b, name):
         return f.read()
 
 
+def value(b, label, number):
+    b.js("""const e = document.querySelector(`[aria-label="${arguments[0]}"]`); e.value = arguments[1];
+            e.dispatchEvent(new Event("change"))""", label, number)
+    b.rest()
+
+
 def orbit(b):
     before = b.flags()["eye"]
     b.hands().move_to_element(b.canvas).click_and_hold().move_by_offset(80, 30).move_by_offset(40, 10).release().perform()
@@ -123,6 +129,24 @@ def orbit(b):
     now = b.flags()
     ok("wheel: nearer", sum((x - y) ** 2 for x, y in zip(now["eye"], now["look-at"])) <
        sum((x - y) ** 2 for x, y in zip(before["eye"], before["look-at"])))
+    b.js("document.getElementById('picture').dispatchEvent(new KeyboardEvent('keydown', {key: 'u'}))")
+    b.rest()
+    ok("upside down: turned over", b.flags()["up"] == [0, 0, -1] and b.flags()["eye"] == now["eye"])
+    b.choose("Up", "2")
+    b.rest()
+    ok("up: as chosen", b.flags()["up"] == [0, 1, 0])
+    b.js("""const e = document.getElementById('axis');
+            for (const k of [2, 0]) { e.value = k; e.dispatchEvent(new Event('change')); }""")
+    b.rest()
+    ok("up: and so along an axis", b.flags()["up"] == [0, 1, 0])
+    b.choose("Up", "0")
+    b.rest()
+    c = b.flags()
+    ok("up: not along the line of sight", c["up"] == [1, 0, 0] and abs(c["eye"][1] - c["look-at"][1]) +
+       abs(c["eye"][2] - c["look-at"][2]) > 1)
+    same(b, "up")
+    b.js("document.getElementById('picture').dispatchEvent(new KeyboardEvent('keydown', {key: 'r'}))")
+    b.rest()
     b.click("ortho")
     b.rest()
     ok("ortho: in the state", "ortho" in b.flags() and "fov" not in b.flags())
@@ -137,6 +161,11 @@ def surfaces(b):
     b.hands().move_to_element(grip).click_and_hold().move_by_offset(25, 0).release().perform()
     b.rest()
     ok("isovalue: dragged on the histogram", b.flags()["iso"] > before)
+    value(b, "Surface 1 isovalue", 1e9)
+    ok("isovalue: told where there is no surface", b.js("return !leafcast.surfaces.nowhere.hidden") and
+       "1e9" in b.js("return leafcast.surfaces.nowhere.textContent"))
+    value(b, "Surface 1 isovalue", before[0])
+    ok("isovalue: and not where there is one", b.js("return leafcast.surfaces.nowhere.hidden"))
     b.click("surface-add")
     b.rest()
     ok("isovalue: two surfaces, the first to be seen through", len(b.flags()["iso"]) == 2 and b.flags()["opacity"][0] < 1)
@@ -156,18 +185,50 @@ def volume(b):
     b.choose("Show", "media")
     ok("volume: drawn", b.rest())
     ok("volume: no opaque surface hides it", "iso" not in b.flags())
+    flags = b.flags()
+    b.js("leafcast.adopt(arguments[0])", flags)
+    b.rest()
+    ok("volume: a state brings back what is not shown, too", b.flags() == flags and
+       b.js("return leafcast.model.surfaces.map(s => s.on)") == [False])
+    b.js("document.getElementById('picture').dispatchEvent(new KeyboardEvent('keydown', {key: 'r'}))")
+    b.rest()
+    before = b.flags()["eye"]
+    b.choose("Show", "off")
+    b.choose("Show", "media")
+    b.rest()
+    ok("volume: all of it is seen at first", b.flags()["eye"] != before)
+    before = b.flags()["eye"]
+    b.choose("Show", "mean")
+    b.choose("Show", "media")
+    b.rest()
+    ok("volume: and not again", b.flags()["eye"] == before and "iso" not in b.flags())
     same(b, "volume")
+    curve, shown = b.js("return leafcast.media.plot.curve"), rgb(b.pixels())[2]
+    ok("volume: the preset's points are seen", len(curve) == 3 and max(y for _, y in curve) > 0.7)
     b.choose("Opacity", "custom")
     b.rest()
+    points = [value for value, _ in b.js("return leafcast.model.volume.points")]
+    ok("volume: own points begin as the preset's, and at both ends", len(points) == 5 and
+       points[::4] == b.js("return leafcast.volume.fields[0].data") and
+       max(abs(x - y) for x, y in zip(shown, rgb(b.pixels())[2])) <= 3)
     before = b.flags()["opacity"]
     dot = b.driver.find_elements("css selector", ".dot")[-1]
     b.hands().move_to_element(dot).click_and_hold().move_by_offset(-20, 25).release().perform()
     b.rest()
     ok("transfer function: a point dragged", b.flags()["opacity"] != before)
+    plot = b.driver.find_element("css selector", "#volume .plot")
+    b.hands().move_to_element_with_offset(plot, 90, 30).click_and_hold().perform()
+    made = b.js("return leafcast.model.volume.points.length")
+    b.hands().move_by_offset(0, -60).release().perform()
+    b.rest()
+    points = b.js("return leafcast.model.volume.points")
+    ok("transfer function: a point made and dragged in one go", made == len(points) == 6 and
+       sorted(points) == points and any(0.5 < a < 0.8 for _, a in points[1:-1]))
     same(b, "transfer function")
     b.choose("Show", "max")
     b.rest()
-    ok("maximum: without surfaces", b.flags()["project"] == "max" and "iso" not in b.flags())
+    ok("maximum: without surfaces, and what the preset lent",
+       b.flags()["project"] == "max" and not {"iso", "window"} & set(b.flags()))
     same(b, "maximum")
     b.choose("Show", "off")
     b.rest()
@@ -178,8 +239,10 @@ def clips(b):
     b.reveal("sec-clip")
     b.js("""const e = document.querySelector('[aria-label="X to"]'); e.value = 20;
             e.dispatchEvent(new Event("input")); e.dispatchEvent(new Event("change"))""")
+    value(b, "Y from, number", 7.5)
     b.choose("Cuts", "viridis")
     b.rest()
+    ok("clip: a number that is typed", b.flags()["clip-box"][1] == 7.5)
     ok("clip: the box ends where the handle is", b.flags()["clip-box"][3] == 20 and b.flags()["caps"] == "viridis")
     same(b, "clip and caps")
     b.choose("Cuts", "")
@@ -219,6 +282,15 @@ def sliced(b):
     b.hands().move_to_element_with_offset(canvas, 9, 7).click().perform()
     panes(b, "slices where one was clicked")
     at = b.flags()["page"]["slices"]["at"]
+    lines = b.js("""return leafcast.slices.panes.map(p => [...p.cross.children].map(l => ["x1", "x2", "y1", "y2"].map(
+        k => +l.getAttribute(k) - (k[0] === "x" ? p.canvas.clientWidth : p.canvas.clientHeight) / 2)))""")
+    ok(f"slices: lines where the others are {lines[2]}", [len(l) for l in lines] == [2, 2, 2, 0] and
+       all(abs(x - y) < 1 for x, y in zip((lines[2][0][0], lines[2][0][1], lines[2][1][2], lines[2][1][3]), (9, 9, 7, 7))))
+    ok("slices: a click tells the value", b.until("return leafcast.pick.points.length === 1") and
+       b.js("return leafcast.pick.points[0].point") == at and "value: " in b.js("return leafcast.pick.text"))
+    ok("slices: which way is right, and up", b.js("return leafcast.slices.panes.slice(0, 3).map(p => p.ways.textContent)") ==
+       ["y → z ↑", "x → z ↑", "x → y ↑"])
+    b.js("leafcast.pick.clear()")
     ok("slices: a click moves the others", at[2] == before[2] and at[0] != before[0] and at[1] != before[1])
     ok("slices: their outlines are in the picture", b.js("return document.querySelectorAll('#outlines polygon').length") == 4)
     b.js("leafcast.slices.panes[0].shownNumbers = []; const p = leafcast.slices.panes[0], show = p.show.bind(p); "
@@ -322,11 +394,18 @@ def picks(b):
     b.hands().move_to_element_with_offset(b.canvas, 40, 30).click().perform()
     ok("two picks: their distance", b.until("return leafcast.pick.points.length === 2") and
        "distance: " in b.js("return leafcast.pick.text"))
+    two = b.js("return leafcast.pick.points")
     b.hands().move_to_element_with_offset(b.canvas, 40, 30).double_click().perform()
     time.sleep(0.5)
     b.rest()
     at = b.js("return leafcast.pick.points[1].point")
     ok("double click: turns about the surface", all(abs(x - y) < 1e-6 for x, y in zip(at, b.flags()["look-at"])))
+    ok("double click: what is picked stays", b.js("return leafcast.pick.points") == two)
+    b.js("leafcast.pick.at({x: 1e5, y: 1e5})")
+    ok("pick: nothing, and it says so", b.until("return !document.getElementById('message').hidden") and
+       b.js("return leafcast.pick.points") == two)
+    b.click("message-close")
+    ok("message: closed", b.js("return document.getElementById('message').hidden"))
     b.js("leafcast.pick.clear()")
 
 
@@ -460,6 +539,21 @@ def steps(b):
     ok("time step: the next one", b.flags().get("step") == 1)
     ok("time step: another picture", rgb(b.pixels()) != before)
     same(b, "time step")
+    b.choose("Show", "mean")
+    b.rest()
+    low, high = b.js("return leafcast.volume.fields[0].data")
+    ok("time step: colours that are the same for all", b.flags()["window"] == [low, high])
+    same(b, "time step's mean")
+    b.choose("Show", "off")
+    b.rest()
+    b.js("const [low, high] = leafcast.volume.bounds; leafcast.pick.at({point: low.map((x, a) => 0.4 * x + 0.6 * high[a])})")
+    b.until("return leafcast.pick.points.length === 1")
+    value_before = b.js("return leafcast.pick.points[0].value")
+    b.js("document.querySelector('[aria-label=\"Step before\"]').click()")
+    ok("time step: the value at a point is asked for again",
+       b.until("return leafcast.pick.points[0]?.value !== arguments[0]", value_before) and
+       b.js("return leafcast.pick.points[0]?.value") is not None and b.rest())
+    b.js("leafcast.pick.clear()")
     b.js("""window.steps = []; const show = leafcast.data.shown.bind(leafcast.data);
             leafcast.data.shown = head => { if (leafcast.data.waiting && head.number >= leafcast.data.waiting)
               steps.push(leafcast.model.data.step); show(head); }; document.getElementById("play").click()""")
@@ -500,8 +594,17 @@ def links(b):
     ok("one that may stand for no data is, and the page says so",
        b.until("return leafcast.model && leafcast.volume.which === 2") and b.rest() and "9999" in b.js(aside))
     ok("what is drawn is of the others", 0 < b.flags()["iso"][0] < 6)
+    b.js("leafcast.surfaces.set(0, 3, true)")
+    b.rest()
+    kept = b.flags()
     b.choose("File", "1")
     ok("another file", b.until("return leafcast.model && leafcast.volume.which === 1") and b.rest())
+    b.choose("File", "2")
+    ok("a file comes back as it was left", b.until("return leafcast.model && leafcast.volume.which === 2") and b.rest() and
+       b.flags() == kept)
+    b.js("location.hash = arguments[0]", "#" + json.dumps({"iso": [0.5], "file": "m.leaf"}))
+    ok("the address leads to another file", b.until("return leafcast.model && leafcast.volume.which === 1") and b.rest() and
+       b.flags()["iso"] == [0.5])
     before = b.flags()
     b.js("leafcast.link.socket.close()")
     ok("a lost connection comes back", b.until("return document.getElementById('exact').textContent === 'not connected'") and

@@ -445,6 +445,25 @@ def waiting(s):
     page.close()
 
 
+def points(page):
+    """Values at points are those of probe --point."""
+    good = inside = 0
+    for i, point in enumerate([[20, 20, 20], [3.25, 7.5, 11.125], [0, 0, 0], [-4, 2, 2], [1e300, 0, 0]]):
+        page.send({"type": "pick", "number": 1, "id": 50 + i, "point": point})
+        got = page.text("picked")
+        want = json.loads(subprocess.run([leafcast, "probe", GRID, "--point", ",".join(map(str, point)), "--json"],
+                                         check=True, stdout=subprocess.PIPE).stdout)
+        inside += got["hit"]
+        good += got["id"] == 50 + i and got["hit"] == want["inside"] and all(
+            got[k] == want[k] for k in ("point", "value", "gradient", "cell")[:4 if got["hit"] else 1])
+    ok(f"values at points are what probe tells ({good} of 5, {inside} inside)", good == 5 and inside == 3)
+    for wrong in ([1, 2], [1, 2, "x"], 7, [1, 2, 3, 4]):
+        page.send({"type": "pick", "number": 1, "id": 60, "point": wrong})
+        said = page.text("refused")
+        good += "point" in said["why"] and said["id"] == 60
+    ok("what is no point is refused, by its id", good == 9)
+
+
 def picks(s):
     page = Page(s)
     page.view(1, SURFACE, W, H)
@@ -464,6 +483,7 @@ def picks(s):
             same = all(got[k] == w[k] for k in ("t", "point", "gradient", "normal", "error_bound", "cell", "isovalue"))
         good += same
     ok(f"picks are what probe tells ({good} of 8, {hits} hits)", good == 8 and hits > 0)
+    points(page)
     page.send({"type": "view", "number": 2, "state": MEDIUM, "width": W, "height": H, "moving": False})
     page.send({"type": "pick", "number": 2, "id": 99, "x": 80, "y": 60})
     ok("a medium has no surface", page.text("picked")["hit"] is False)
@@ -739,12 +759,37 @@ def ending():
         ends(s, "there")
 
 
+def series():
+    """A field of two steps: the range of both, and of each its presets as `render` makes them."""
+    names, leaf, good = [], folder + "/s.leaf", 0
+    for step, (low, high) in enumerate(((0, 5), (2, 9))):
+        names.append(f"{folder}/s{step}_16x16x16_f32.raw")
+        with open(names[-1], "wb") as f:
+            f.write(struct.pack("<4096f", *(low + (high - low) * (i * i % 97) / 96 for i in range(4096))))
+    subprocess.run([leafcast, "convert", *names, "-o", leaf, "-q"], check=True)
+    s = serve(leaf)
+    field = Page(s).volume["fields"][0]
+    ok("a field's range is that of all steps", field["range"] == field["data"] == [0, 9])
+    for step, name in ((step, name) for step in range(2) for name in ("auto", "ct", "mr")):
+        made = f"{folder}/{name}{step}.tf"
+        subprocess.run([leafcast, "render", leaf, "--tf", name, "--step", str(step), "--write-tf", made, "-q", "--force",
+                        "--size", "4x4", "-o", folder + "/tf.png"], check=True)
+        with open(made) as f:
+            rows = [[float(x) for x in line.split()] for line in f if line[0] != "#"]
+        got = field["presets"][step][name]
+        good += len(got["points"]) >= 3 and len(got["colours"]) == 32 and all(
+            any(abs(r[0] - v) <= 1e-9 and abs(r[4] - e) <= 1e-9 * (1 + e) for r in rows) for v, e in got["points"])
+    ok(f"presets are what render makes of them ({good} of 6)", good == 6 and len(field["presets"]) == 2)
+    ends(s, "a series")
+
+
 def main():
     s = serve(GRID, MESH)
     for test in (pages, sockets, drawn, slices, files, large, superseded, unseen, waiting, picks, states, limits, several):
         test(s)
     changed()
     marked()
+    series()
     fuzz(s, 2000)
     rubbish(s, 300)
     ends(s, "after all")

@@ -262,8 +262,9 @@ class Visitor:
         if what < 86:
             self.view(dice.random() < 0.7, dice.choice(SIZES), dice.choice(SIZES))
         elif what < 92:
-            self.page.send({"type": "pick", "number": self.number, "id": self.number, "x": dice.uniform(0, 320),
-                            "y": dice.uniform(0, 320)})
+            at = [dice.uniform(0, 320) for _ in range(3)]
+            place = dice.choice([{"x": at[0], "y": at[1]}, {"point": [x / 8 for x in at]}])
+            self.page.send({"type": "pick", "number": self.number, "id": self.number, **place})
         elif what < 94:
             self.page.send({"type": "residency", "on": dice.random() < 0.5})
         elif what < 96:

@@ -3,6 +3,7 @@ import {add, cross, dot, length, scale, sub, turn, unit} from "./vector.js";
 import {diagonal} from "./state.js";
 
 const RIGHT_ANGLES = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];
+export const AXES = RIGHT_ANGLES.map(v => v.join());
 
 // ---- what moves do to a camera {eye, lookAt, up, fov, ortho} ----
 
@@ -81,10 +82,26 @@ export function widen(c, [low, high], aspect, most) {
   c.eye = add(c.lookAt, scale(f.back, Math.min(distance, most * f.distance)));
 }
 
-export function axisView(c, which) {
+const along = (a, b) => Math.abs(dot(unit(a), unit(b))) > 0.999;
+
+// up: what points up, unless it is looked along.
+export function axisView(c, which, up) {
   const back = RIGHT_ANGLES[which];
   c.eye = add(c.lookAt, scale(back, frame(c).distance));
-  c.up = Math.abs(back[2]) === 1 ? [0, 1, 0] : [0, 0, 1];
+  c.up = [up, [0, 1, 0], [0, 0, 1]].find(v => !along(v, back));
+}
+
+// What points up in all views but one along it: an axis, or z.
+export function upward(c) {
+  const {back} = frame(c), lies = along(back, [0, 0, 1]) && c.up[2] === 0;
+  return AXES.includes(c.up.join()) && !lies ? [...c.up] : [0, 0, 1];
+}
+
+// Where up is looked along, the eye moves beside it.
+export function setUp(c, up) {
+  const away = sub(c.eye, c.lookAt);
+  if (along(away, up)) c.eye = add(c.lookAt, turn(away, unit(cross(up, Math.abs(up[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0])), 0.6));
+  c.up = up;
 }
 
 // Where a point is in the picture, in shares of its width and height; null: behind the eye.
@@ -164,8 +181,10 @@ export function drive(canvas, app) {
 
   const MOVES = {w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], e: [0, 1, 0], q: [0, -1, 0]};
   const glide = now => {
+    const c = app.camera();
+    if (!c) held.clear();
     if (!held.size) return;
-    const c = app.camera(), seconds = Math.min(0.1, (now - last) / 1000);
+    const seconds = Math.min(0.1, (now - last) / 1000);
     last = now;
     const speed = 0.35 * diagonal(app.volume()) * seconds, sum = [0, 0, 0];
     for (const key of held) MOVES[key].forEach((x, i) => { sum[i] += x; });

@@ -18,8 +18,8 @@ export class Clip {
         app.changed(!resting);
       }});
     });
-    const caps = [["off", "open"], ["", "closed, as the surface"],
-      ...Object.keys(app.volume.colour_maps).map(m => [m, `closed, values in ${m}`])];
+    const caps = [["off", "open"], ["", "as the surface"],
+      ...Object.keys(app.volume.colour_maps).map(m => [m, `values in ${m}`])];
     byId("clip").replaceChildren(...axes, ...clip.planes.map((p, i) => this.plane(p, i)),
       element("div", {class: "row"},
         element("button", {onclick: () => this.add(), ...(clip.planes.length >= PLANES_MAX ? {disabled: true} : {})},

@@ -45,7 +45,9 @@ export class Data {
     this.app.model.data.step = step;
     this.slider.set(step);
     this.say();
-    return this.app.changed(moving, this.playing);
+    const number = this.app.changed(moving, this.playing);
+    this.app.pick.stepped();
+    return number;
   }
 
   play() {
@@ -82,6 +84,7 @@ export class Data {
     const lines = [["file", v.file], ["size", bytes(v.file_bytes)],
       v.kind === "grid" ? ["samples", v.dims.join(" × ")] : ["tetrahedra", v.tets.toLocaleString("en")],
       v.kind === "grid" ? null : ["vertices", v.vertices.toLocaleString("en")],
+      f.name ? ["field", f.name] : null, v.steps.length > 1 ? ["time steps", v.steps.length] : null,
       ["type", v.sample_type], ["values", `${short(f.range[0])} … ${short(f.range[1])}`],
       ["from", v.bounds[0].map(x => short(x)).join(", ")], ["to", v.bounds[1].map(x => short(x)).join(", ")],
       ["treelets", v.treelets.toLocaleString("en")], ["drawn by", `leafcast ${v.version}, ${v.threads} threads, ${v.isa}`]];

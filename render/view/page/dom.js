@@ -14,17 +14,19 @@ export function element(tag, attributes = {}, ...children) {
   return e;
 }
 
-// The shortest text with so many digits.
+// The shortest text with so many digits; with all that are before the point, unless these are many.
 export function short(x, digits = 4) {
   if (!Number.isFinite(x)) return "–";
-  const text = String(+x.toPrecision(digits));
-  return text.replace("-", "−");
+  const whole = Math.floor(Math.log10(Math.abs(x) || 1)) + 1;
+  const text = whole > 7 ? (+x.toPrecision(digits)).toExponential().replace("e+", "e")
+    : String(+x.toPrecision(Math.max(digits, whole)));
+  return text.replaceAll("-", "−");
 }
 
 // Of a number, as much as a small box shows.
 export function brief(x) {
   const text = String(+x.toPrecision(6));
-  return text.length <= 8 ? text : x.toExponential(2).replace("e+", "e");
+  return text.length <= 8 ? text : x.toExponential(3).replace("e+", "e");
 }
 
 export function bytes(n) {
@@ -79,18 +81,19 @@ export function colour(label, {value, change}) {
   return input;
 }
 
-// span() - two handles on one track; change([low, high], resting).
+// span() - two handles on one track, and their numbers; change([low, high], resting).
 export function span(label, {min, max, value, change}) {
   const step = (max - min) / 1000 || 1;
   const fill = element("i");
   const ends = ["from", "to"].map((word, k) =>
     element("input", {type: "range", min, max, step: "any", "aria-label": `${label} ${word}`}));
-  const text = element("span", {class: "hint"});
+  const numbers = ["from", "to"].map(word =>
+    element("input", {type: "number", min, max, step: "any", class: word, "aria-label": `${label} ${word}, number`}));
   const show = () => {
     const [a, b] = ends.map(e => (+e.value - min) / (max - min || 1));
     fill.style.left = `${100 * a}%`;
     fill.style.right = `${100 * (1 - b)}%`;
-    text.textContent = ends.map(e => short(+e.value, 3)).join(" … ");
+    ends.forEach((e, k) => { numbers[k].value = brief(+e.value); });
     // The handle that can still move lies on top.
     ends[0].style.zIndex = a > 0.5 ? 2 : 1;
     ends[1].style.zIndex = a > 0.5 ? 1 : 2;
@@ -112,8 +115,13 @@ export function span(label, {min, max, value, change}) {
       changed(k, true);
     });
   });
-  const row = element("div", {class: "field"}, element("span", {}, label),
-    element("div", {class: "span"}, fill, ...ends), text);
+  numbers.forEach((n, k) => n.addEventListener("change", () => {
+    if (n.value === "" || !Number.isFinite(+n.value)) return show();
+    ends[k].value = +n.value;
+    changed(k, true);
+  }));
+  const row = element("div", {class: "field pair"}, element("span", {}, label),
+    element("div", {class: "span"}, fill, ...ends), ...numbers);
   row.set = v => { ends.forEach((e, k) => { e.value = v[k]; }); show(); };
   row.set(value);
   return row;

@@ -80,7 +80,7 @@ export class Honesty {
     }
     byId("numbers").replaceChildren(...parts);
     this.overlay(head);
-    byId("status").title = "treelets: loaded / active (what the picture can need) / in the file; " +
+    byId("status").title = "treelets: loaded since these values were chosen / active (what the picture can need) / in the file; " +
       "read: since the file was opened, a treelet twice counts twice; memory: resident treelets, of the budget";
   }
 }

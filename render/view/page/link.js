@@ -79,13 +79,13 @@ export class Link extends EventTarget {
 
   open(file) { return this.send({type: "open", file}); }
 
-  // What is at a pixel of the newest view; null: nobody answered.
-  pick(x, y) {
+  // What is at a place of the newest view, a pixel {x, y} or a {point}; null: nobody answered.
+  pick(place) {
     this.flush();
     const id = this.pickId = (this.pickId ?? 0) + 1;
     return new Promise(done => {
       this.picks.set(id, done);
-      if (!this.send({type: "pick", number: this.number, id, x, y})) { this.picks.delete(id); done(null); }
+      if (!this.send({type: "pick", number: this.number, id, ...place})) { this.picks.delete(id); done(null); }
     });
   }
 

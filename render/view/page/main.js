@@ -1,9 +1,9 @@
 // main.js - puts the page together: the model, the panel, the picture.
 import {Annotate} from "./annotate.js";
-import {axisView, dolly, drive, fit, widen} from "./camera.js";
+import {AXES, axisView, drive, fit, setUp, upward, widen} from "./camera.js";
 import {Clip} from "./clip.js";
 import {Data} from "./data.js";
-import {byId, element, slider} from "./dom.js";
+import {byId, choice, element, slider} from "./dom.js";
 import {Honesty} from "./honesty.js";
 import {Light} from "./light.js";
 import {Link} from "./link.js";
@@ -24,6 +24,7 @@ class App {
     this.model = null;
     this.volume = null;
     this.flying = false;
+    this.models = new Map(); // of the files that were shown before, by their number
     this.link = new Link(new URLSearchParams(location.search).get("token") ?? "");
     this.screen = new Screen(byId("picture"), () => this.changed(false));
     this.surfaces = new Surfaces(this);
@@ -67,30 +68,48 @@ class App {
     on("open", () => { this.honesty.mark("connecting", ""); this.quiet(); });
     window.addEventListener("hashchange", () => {
       const flags = location.hash !== this.fragment && this.volume && fromFragment(location.hash);
-      if (flags) this.adopt(flags);
+      if (!flags) return;
+      clearTimeout(this.writing);
+      const other = this.numberOf(flags.file);
+      if (other === this.volume.which) return this.adopt(flags);
+      this.open(other);
+      this.models.delete(other);
     });
   }
 
   show(volume) {
-    const again = this.volume && this.model && volume.file === this.volume.file;
+    const again = this.model && volume.which === this.volume.which;
     // A new connection begins with the first file, the page does not.
-    const shown = this.model && !again ? volume.files.indexOf(this.volume.file) : -1;
-    if (shown >= 0) return void this.link.open(shown);
+    if (this.model && !again) return void this.link.open(this.volume.which);
     this.volume = volume;
-    const saved = fromFragment(location.hash);
-    const other = saved?.file && volume.files ? volume.files.indexOf(saved.file) : -1;
-    if (!again && !this.opened && other >= 0 && other !== volume.which) {
-      this.opened = true;
-      this.link.open(other);
-      return;
-    }
+    const saved = fromFragment(location.hash), first = !this.opened;
     this.opened = true;
-    byId("name").replaceChildren(volume.name || volume.file, element("small", {}, volume.kind === "grid"
-      ? volume.dims.join("×") : `${volume.tets.toLocaleString("en")} tets`));
-    document.title = `${volume.name || volume.file} – leafcast`;
+    if (first && saved && this.numberOf(saved.file) !== volume.which) return void this.link.open(this.numberOf(saved.file));
+    this.entitle();
     if (again) return this.changed(false);
-    const mine = saved && (!saved.file || saved.file === volume.file) ? saved : null;
+    const before = this.models.get(volume.which);
+    if (before) return this.take(before);
+    const mine = saved && [undefined, volume.file, volume.which].includes(saved.file) ? saved : null;
     this.adopt(mine ?? volume.state, !mine);
+  }
+
+  entitle() {
+    const v = this.volume, file = v.file.replace(/\.leaf$/, "");
+    const size = v.kind === "grid" ? v.dims.join("×") : `${v.tets.toLocaleString("en")} tets`;
+    byId("name").replaceChildren(file, element("small", {}, v.name && v.name !== file ? `${v.name}, ${size}` : size));
+    document.title = `${file} – leafcast`;
+  }
+
+  // In the address a file has its name, or its number where several have that name.
+  get fileKey() {
+    const {files, file, which} = this.volume;
+    return files.length < 2 ? null : files.indexOf(file) === files.lastIndexOf(file) ? file : which;
+  }
+
+  // The one that is shown, where there is none.
+  numberOf(key) {
+    const {files, which} = this.volume, found = Number.isInteger(key) ? key : files.indexOf(key);
+    return found >= 0 && found < files.length ? found : which;
   }
 
   // Draw what these flags say. first: they are the server's, made for a wide picture.
@@ -103,6 +122,13 @@ class App {
       this.model = fromFlags(this.volume.state, this.volume);
     }
     if (first) this.widen();
+    this.home = first ? this.placed : null;
+    this.take(this.model);
+  }
+
+  take(model) {
+    this.model = model;
+    this.up = upward(model.camera);
     this.pick.clear();
     this.build();
     this.changed(false);
@@ -119,7 +145,11 @@ class App {
     return this.changed(true, true);
   }
 
+  // What is shown of this file is kept for when it is opened again.
   open(file) {
+    this.movie.stop();
+    this.data.stop();
+    if (this.model) this.models.set(this.volume.which, this.model);
     this.model = null;
     this.link.open(file);
   }
@@ -130,6 +160,7 @@ class App {
     this.model.surfaces = this.model.surfaces.slice(0, 1).map(s => ({...s, iso: f.suggested[0] ?? f.data[1]}));
     Object.assign(this.model.volume, {points: [], window: null, first: f.suggested[0] ?? f.data[1],
       preset: this.model.volume.preset === "custom" ? "auto" : this.model.volume.preset});
+    this.model.slices.window = null;
     this.pick.clear();
     this.build();
     this.changed(false);
@@ -151,6 +182,7 @@ class App {
     this.screen.canvas.classList.toggle("clear", this.model.light.clear);
     byId("ortho").setAttribute("aria-pressed", this.model.camera.ortho);
     this.fov?.set(this.model.camera.fov);
+    this.upChoice?.set(AXES.indexOf(this.model.camera.up.join()));
     return this.link.view(flags, this.screen.width, this.screen.height, moving, this.honesty.where);
   }
 
@@ -163,7 +195,7 @@ class App {
   }
 
   remember(flags) {
-    this.fragment = toFragment(flags, this.volume.files?.length > 1 ? this.volume.file : null);
+    this.fragment = toFragment(flags, this.fileKey);
     clearTimeout(this.writing);
     // Browsers limit how often.
     this.writing = setTimeout(() => {
@@ -181,8 +213,8 @@ class App {
       volume: () => this.volume,
       changed: moving => this.changed(moving),
       flying: () => this.flying,
-      clicked: event => this.pick.at(...this.screen.pixel(event)),
-      pivot: event => this.pivot(...this.screen.pixel(event)),
+      clicked: event => this.pick.at(this.pixel(event)),
+      pivot: event => this.pivot(this.pixel(event)),
     });
     canvas.addEventListener("keydown", event => {
       if (event.ctrlKey || event.metaKey || event.altKey || !this.model) return;
@@ -190,8 +222,9 @@ class App {
       if (key >= "1" && key <= "6") this.axis(+key - 1);
       else if (key === "f") this.fit();
       else if (key === "r") this.reset();
-      else if (key === "x") this.pick.at(this.screen.width / 2, this.screen.height / 2);
-      else if (key === "escape") this.pick.clear();
+      else if (key === "u") this.turnOver();
+      else if (key === "x") this.pick.at({x: this.screen.width / 2, y: this.screen.height / 2});
+      else if (key === "escape") { this.pick.clear(); this.quiet(); }
       else return;
       event.preventDefault();
     });
@@ -204,9 +237,15 @@ class App {
     });
   }
 
-  async pivot(x, y) {
-    const hit = await this.link.pick(x, y);
+  async pivot(pixel) {
+    this.pick.undo();
+    const hit = await this.link.pick(pixel);
     if (hit?.hit) this.glide(hit.point);
+  }
+
+  pixel(event) {
+    const [x, y] = this.screen.pixel(event);
+    return {x, y};
   }
 
   // What is looked at becomes this point, in a moment and not at once.
@@ -217,7 +256,7 @@ class App {
       c.lookAt = t === 1 ? point : add(from, scale(away, s));
       c.eye = add(eye, scale(away, s));
       this.changed(t < 1);
-      if (t < 1 && this.model.camera === c) requestAnimationFrame(step);
+      if (t < 1 && this.model?.camera === c) requestAnimationFrame(step);
     };
     requestAnimationFrame(step);
   }
@@ -230,7 +269,28 @@ class App {
 
   reset() {
     this.model.camera = fromFlags(this.volume.state, this.volume).camera;
+    this.up = upward(this.model.camera);
     this.widen();
+    this.home = this.placed;
+    this.changed(false);
+  }
+
+  get placed() { return JSON.stringify(this.model.camera); }
+
+  // The first camera is for a surface: who has not moved it yet wants to see all of the volume.
+  seeVolume() { if (this.placed === this.home) this.fit(); }
+
+  // What points up in the picture, and stays so in views along axes.
+  raise(up) {
+    setUp(this.model.camera, up);
+    this.up = up;
+    this.changed(false);
+  }
+
+  turnOver() {
+    const over = v => v.map(x => -x || 0), c = this.model.camera;
+    c.up = over(c.up);
+    this.up = over(this.up);
     this.changed(false);
   }
 
@@ -241,7 +301,7 @@ class App {
   }
 
   axis(k) {
-    axisView(this.model.camera, k);
+    axisView(this.model.camera, k, this.up);
     this.changed(false);
   }
 
@@ -258,6 +318,7 @@ class App {
       if (this.model && event.target.value) this.axis(+event.target.value);
       event.target.value = "";
     });
+    byId("message-close").addEventListener("click", () => { this.quiet(); byId("picture").focus(); });
     byId("toggle").addEventListener("click", () => {
       const wide = document.body.classList.toggle("wide");
       byId("toggle").setAttribute("aria-expanded", !wide);
@@ -273,34 +334,50 @@ class App {
   cameraPanel() {
     this.fov = slider("Field of view", {min: 5, max: 120, step: 1, value: this.model.camera.fov,
       change: (v, resting) => { this.model.camera.fov = v; this.changed(!resting); }});
-    byId("camera").replaceChildren(this.fov, element("div", {class: "row"},
+    this.upChoice = choice("Up", {options: [[-1, "as rolled"], ...AXES.map((_, k) => [k, `${"+−"[k % 2]}${"XYZ"[k >> 1]}`])],
+      value: -1, change: k => k >= 0 && this.raise(AXES[k].split(",").map(Number))});
+    byId("camera").replaceChildren(this.fov, this.upChoice, element("div", {class: "row"},
       element("button", {onclick: () => this.fit()}, "Fit all"),
       element("button", {onclick: () => this.reset()}, "Reset camera")));
   }
 
   // ---- words ----
 
-  say(text, note = false) {
+  // note: it goes by itself, unless it is to stay.
+  say(text, note = false, stay = false) {
     const message = byId("message");
-    message.textContent = text;
+    byId("message-text").textContent = text;
     message.classList.toggle("note", note);
     message.hidden = false;
     clearTimeout(this.saying);
-    if (note) this.saying = setTimeout(() => this.quiet(), SAY_MS);
+    if (note && !stay) this.saying = setTimeout(() => this.quiet(), SAY_MS);
   }
 
   quiet() { byId("message").hidden = true; }
 
+  // A page from another machine may not use the clipboard, but copy what is selected; where that is not
+  // allowed either, the text is shown, to be copied by hand.
   async copy(text, done) {
     this.copied = text;
     try {
       await navigator.clipboard.writeText(text);
       this.say(done, true);
     } catch {
-      // Without the right to the clipboard the text is shown, to be copied by hand.
-      this.say(text, true);
+      if (copySelected(text)) this.say(done, true);
+      else this.say(text, true, true);
     }
   }
+}
+
+function copySelected(text) {
+  const before = document.activeElement, area = element("textarea", {class: "aside", readonly: true});
+  area.value = text;
+  document.body.append(area);
+  area.select();
+  const done = document.execCommand("copy");
+  area.remove();
+  before?.focus();
+  return done;
 }
 
 window.leafcast = new App();

@@ -1,4 +1,4 @@
-// pick.js - what is at a pixel, marks of it on the picture, and the distance of two.
+// pick.js - what is at a pixel or a point, marks of it on the picture, and the distance of two.
 import {byId, element, short} from "./dom.js";
 import {project} from "./camera.js";
 import {length, sub} from "./vector.js";
@@ -9,42 +9,63 @@ export class Pick {
   constructor(app) {
     this.app = app;
     this.points = []; // at most two
+    this.past = [];   // these, before each of the last two clicks
+    this.turn = 0;    // answers to what was asked before are not awaited any more
     byId("card-close").addEventListener("click", () => { this.clear(); byId("picture").focus(); });
     byId("card-copy").addEventListener("click", () => app.copy(this.text, "The point is copied."));
   }
 
-  async at(x, y) {
-    const answer = await this.app.link.pick(x, y);
-    if (!answer) return;
-    if (answer.hit) this.points = [...this.points.slice(-1), answer];
-    this.show(answer);
-    this.mark();
+  // place: a pixel {x, y}, where a surface is met, or a {point} and the value there.
+  async at(place) {
+    const {turn} = this;
+    this.past = [...this.past.slice(-1), this.points];
+    const answer = await this.app.link.pick(place);
+    if (!answer || turn !== this.turn) return;
+    if (!answer.hit) return this.app.say(answer.why ?? (place.point ? "This is outside."
+      : "There is no surface here. Slices tell values anywhere."), true);
+    this.points = [...this.points.slice(-1), {...answer, place}];
+    this.show();
+  }
+
+  // The data are another step's: values at points are asked for again, surfaces are elsewhere.
+  async stepped() {
+    const {points} = this;
+    if (!points.length) return;
+    if (!points.every(p => p.place.point)) return this.clear();
+    const turn = ++this.turn, answers = await Promise.all(points.map(p => this.app.link.pick(p.place)));
+    if (turn !== this.turn || !answers.every(a => a)) return;
+    this.points = answers.map((a, i) => ({...a, place: points[i].place})).filter(a => a.hit);
+    this.show();
+  }
+
+  // A double click picks nothing: as it was before its two clicks.
+  undo() {
+    this.turn++;
+    this.points = this.past[0] ?? [];
+    this.show();
   }
 
   clear() {
+    this.turn++;
     this.points = [];
-    byId("card").hidden = true;
-    this.mark();
+    this.show();
   }
 
   lines(p) {
     const vector = v => v.map(x => short(x, 6)).join(", ");
-    return [["position", vector(p.point)], ["value", short(p.value, 8)],
+    return [["position", vector(p.point)], ["value", p.value == null ? "no data" : short(p.value, 8)],
       ["gradient", `${vector(p.gradient)}  (${short(length(p.gradient), 4)})`],
-      ["error bound", short(p.error_bound, 2)],
+      p.error_bound == null ? null : ["error bound", short(p.error_bound, 2)],
       p.cell ? ["cell", p.cell.join(", ")] : ["tetrahedron", String(p.tet)],
       this.points.length === 2 ? ["distance", short(length(sub(this.points[1].point, this.points[0].point)), 7)] : null]
       .filter(Boolean);
   }
 
-  show(p) {
-    byId("card").hidden = false;
-    byId("card-copy").hidden = !p.hit;
-    if (!p.hit) {
-      this.text = "";
-      byId("card-text").replaceChildren(element("p", {class: "hint"}, "There is no surface."));
-      return;
-    }
+  show() {
+    const p = this.points.at(-1);
+    byId("card").hidden = !p;
+    this.mark();
+    if (!p) return;
     const lines = this.lines(p);
     // As text: numbers in full.
     const full = {position: p.point.join(", "), value: p.value, gradient: p.gradient.join(", "), "error bound": p.error_bound,

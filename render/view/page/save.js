@@ -16,7 +16,7 @@ export class Save {
     this.app = app;
     const dialog = byId("save");
     byId("save-open").addEventListener("click", () => {
-      if (!app.volume) return;
+      if (!app.model) return;
       byId("save-width").value = app.screen.width;
       byId("save-height").value = app.screen.height;
       dialog.showModal();
@@ -36,7 +36,7 @@ export class Save {
 
   command() {
     const {app} = this;
-    if (!app.volume) return;
+    if (!app.model) return;
     const line = command(toFlags(app.model, app.volume), app.volume.file, app.screen.width, app.screen.height);
     app.copy(line, "The command is copied.");
   }

@@ -4,7 +4,7 @@
 // pane move it; a click moves the others to the point.
 import {project} from "./camera.js";
 import {byId, check, choice, element, slider, span} from "./dom.js";
-import {centre, command, diagonal} from "./state.js";
+import {centre, command, diagonal, windowOf} from "./state.js";
 import {add, cross, dot, scale, sub, unit} from "./vector.js";
 
 const NAMES = ["x", "y", "z", "oblique"], TITLES = ["X", "Y", "Z", "Oblique"];
@@ -27,16 +27,16 @@ export function slicesOf(page, volume) {
   };
 }
 
-// Nothing, where no slice is shown.
+// null, where no slice is shown.
 export function slicesPage(s) {
-  if (!s.on.some(Boolean)) return {};
+  if (!s.on.some(Boolean)) return null;
   const slices = {shown: NAMES.filter((_, k) => s.on[k]), at: s.at};
   if (s.on[3]) Object.assign(slices, {azimuth: s.azimuth, elevation: s.elevation, offset: s.offset});
   if (!s.isolines) slices.isolines = false;
   if (s.nearest) slices.nearest = true;
   if (s.map) slices["colour-map"] = s.map;
   if (s.window) slices.window = s.window;
-  return {page: {slices}};
+  return slices;
 }
 
 function normal(s) {
@@ -45,16 +45,17 @@ function normal(s) {
 }
 
 // As the transfer function colours values, or by a map of the slices' own.
-function colourFlags(model) {
-  const s = model.slices, v = model.volume, flags = {};
-  if (s.map || v.mode === "off") Object.assign(flags, {"colour-map": s.map || "grey"}, s.window ? {window: s.window} : {});
+function colourFlags(model, volume) {
+  const s = model.slices, v = model.volume, flags = {}, field = volume.fields[model.data.field];
+  const spread = (map, own) => {
+    const window = windowOf(own, field, volume);
+    Object.assign(flags, {"colour-map": map}, window ? {window} : {});
+  };
+  if (s.map || v.mode === "off") spread(s.map || "grey", s.window);
   else {
     const preset = v.mode === "media" && v.preset !== "custom";
     if (preset) flags.tf = v.preset;
-    if (v.map || !preset) {
-      flags["colour-map"] = v.map || (v.mode === "media" ? "viridis" : "grey");
-      if (v.window) flags.window = v.window;
-    }
+    if (v.map || !preset) spread(v.map || (v.mode === "media" ? "viridis" : "grey"), v.window);
   }
   return flags;
 }
@@ -69,7 +70,7 @@ export function sliceFlags(model, volume, k) {
   }
   if (volume.fields.length > 1 && model.data.field > 0) flags.field = String(model.data.field);
   if (model.data.step > 0) flags.step = model.data.step;
-  Object.assign(flags, colourFlags(model));
+  Object.assign(flags, colourFlags(model, volume));
   const isos = model.surfaces.filter(x => x.on).map(x => x.iso);
   if (s.isolines && isos.length) flags.iso = isos;
   if (s.nearest) flags.nearest = true;
@@ -89,11 +90,15 @@ class Pane {
     const name = k < 3 ? `Slice across ${TITLES[k]}` : "Oblique slice";
     this.canvas = element("canvas", {tabindex: 0, role: "img", "aria-label": `${name}. Arrow keys move it.`});
     this.mark = element("span", {class: "mark", role: "status"});
+    this.ways = element("span");
+    this.cross = document.createElementNS(NS, "svg");
+    this.cross.setAttribute("aria-hidden", "true");
     this.copy = element("button", {class: "icon", "aria-label": `${name}: copy command`,
       title: "Copy the leafcast slice line that draws this picture", onclick: () => this.command()}, "Copy");
     this.bar = element("div");
     this.host = element("figure", {class: "pane", "aria-label": name, hidden: true},
-      element("figcaption", {}, element("b", {}, TITLES[k]), this.mark, this.copy), this.canvas, this.bar);
+      element("figcaption", {}, element("b", {}, TITLES[k]), this.ways, this.mark, this.copy),
+      element("div", {class: "cut"}, this.canvas, this.cross), this.bar);
     this.host.style.setProperty("--pane", COLOURS[k]);
     new ResizeObserver(() => slices.update(false)).observe(this.canvas);
     this.hands();
@@ -140,7 +145,9 @@ class Pane {
     });
     c.addEventListener("click", event => {
       const point = this.point(event);
-      if (point) this.slices.centre(point, this.k);
+      if (!point) return;
+      this.slices.centre(point, this.k);
+      this.slices.app.pick.at({point});
     });
   }
 
@@ -148,10 +155,31 @@ class Pane {
   point(event) {
     const h = this.head, box = this.canvas.getBoundingClientRect();
     if (!h) return null;
-    const fit = Math.min(box.width / h.size[0], box.height / h.size[1]);
-    const x = (event.clientX - box.left - (box.width - fit * h.size[0]) / 2) / (fit * h.size[0]);
-    const y = (event.clientY - box.top - (box.height - fit * h.size[1]) / 2) / (fit * h.size[1]);
+    const {corner, extent} = this.area;
+    const x = (event.clientX - box.left - corner[0]) / extent[0], y = (event.clientY - box.top - corner[1]) / extent[1];
     return x < 0 || x > 1 || y < 0 || y > 1 ? null : add(h.origin, add(scale(h.u, x), scale(h.v, y)));
+  }
+
+  // Where the canvas has the picture: its corner and its size.
+  get area() {
+    const {width: w, height: h} = this.canvas.getBoundingClientRect(), {size} = this.head;
+    const fit = Math.min(w / size[0], h / size[1]), extent = size.map(x => x * fit);
+    return {corner: [(w - extent[0]) / 2, (h - extent[1]) / 2], extent};
+  }
+
+  // Where the other slices across axes cut this one.
+  lines() {
+    const {s} = this.slices, h = this.head, lines = [];
+    for (let a = 0; a < 3 && h && this.k < 3; a++) {
+      if (a === this.k || !s.on[a]) continue;
+      const {corner, extent} = this.area, along = Math.abs(h.u[a]) > Math.abs(h.v[a]) ? 0 : 1;
+      const share = (s.at[a] - h.origin[a]) / (along ? h.v : h.u)[a], at = corner[along] + share * extent[along];
+      const from = corner[1 - along], to = from + extent[1 - along], line = document.createElementNS(NS, "line");
+      const ends = along ? {x1: from, x2: to, y1: at, y2: at} : {x1: at, x2: at, y1: from, y2: to};
+      for (const [key, x] of Object.entries({...ends, stroke: COLOURS[a]})) line.setAttribute(key, x);
+      lines.push(line);
+    }
+    this.cross.replaceChildren(...lines);
   }
 
   // Pixels that the picture may have.
@@ -182,14 +210,22 @@ class Pane {
     to.globalCompositeOperation = "copy";
     to.drawImage(bitmap, 0, 0);
     bitmap.close();
+    this.ways.textContent = `${way(head.u)} → ${way(scale(head.v, -1))} ↑`;
     this.mark.className = head.exact ? "mark exact" : "mark";
     this.mark.textContent = head.exact ? "exact" : "preview";
+    this.lines();
   }
 
   command() {
     const {app} = this.slices, size = this.head?.size;
     if (size) app.copy(command(this.flags, app.volume.file, size[0], size[1], "slice"), "The command is copied.");
   }
+}
+
+// The axis that a direction is along most: x, or −x.
+function way(v) {
+  const a = v.map(Math.abs), k = a.indexOf(Math.max(...a));
+  return `${v[k] < 0 ? "−" : ""}${NAMES[k]}`;
 }
 
 // ---- all of them ----
@@ -251,7 +287,7 @@ export class Slices {
         change: (w, rest) => { s.window = w[1] > w[0] ? w : null; change(!rest); }}));
     parts.push(check("Lines of the isovalues", {value: s.isolines, change: on => { s.isolines = on; change(false); }}),
       check("Nearest samples, not interpolated", {value: s.nearest, change: on => { s.nearest = on; change(false); }}),
-      element("p", {class: "hint"}, "The wheel moves a slice; a click in one moves the others there."));
+      element("p", {class: "hint"}, "The wheel moves a slice; a click in one moves the others there, and tells the value."));
     byId("slices-panel").replaceChildren(...parts);
   }
 
@@ -278,7 +314,10 @@ export class Slices {
 
   update(moving) {
     if (!this.app.model) return;
-    for (const p of this.panes) p.want(moving);
+    for (const p of this.panes) {
+      p.want(moving);
+      p.lines();
+    }
     this.outline();
   }
 

@@ -1,7 +1,7 @@
 // state.js - what is to be drawn.
 //
-// The page works on a model with what flags cannot say (surfaces that are off, lights as angles). The
-// protocol, files and the address hold flags: the keys of `leafcast render` without their dashes.
+// The page works on a model with what flags cannot say: surfaces that are off (some so that the volume is seen: covered),
+// lights as angles. The protocol, files and the address hold flags: the keys of `leafcast render` without their dashes.
 import {annotationFlags, annotationOf} from "./annotate.js";
 import {slicesOf, slicesPage} from "./slice.js";
 import {add, dot, length, scale, sub, unit} from "./vector.js";
@@ -70,6 +70,13 @@ function volumeOf(flags, curve) {
     first: project.startsWith("first=") ? +project.slice(6) : null};
 }
 
+function unseenOf(page) {
+  const given = Array.isArray(page?.surfaces) ? page.surfaces : [];
+  return given.filter(s => Number.isFinite(s?.iso)).map(({iso, color, opacity, on, covered}) =>
+    ({iso, color: hexOf(color, "#ffffff"), opacity: opacity > 0 && opacity <= 1 ? opacity : 1,
+      on: on === true, covered: covered === true}));
+}
+
 export function fromFlags(given, volume) {
   const flags = {};
   for (const [key, value] of Object.entries(given)) flags[key.replaceAll("_", "-")] = value;
@@ -84,8 +91,9 @@ export function fromFlags(given, volume) {
   const f = volume.fields[Math.max(0, field)];
   return {
     camera: cameraOf(flags, volume),
-    surfaces: isos.filter(v => v !== nowhere(f)).map((iso, i) =>
+    surfaces: [...isos.filter(v => v !== nowhere(f)).map((iso, i) =>
       ({iso, color: hexOf(colours[i] ?? COLOURS[i % COLOURS.length], "#ffffff"), opacity: opacities[i] ?? 1, on: true})),
+      ...unseenOf(flags.page)].slice(0, SURFACES_MAX),
     volume: volumeOf(flags, curve),
     clip: {box: flags["clip-box"] ? numbers(flags["clip-box"]) : null,
       planes: vectors(flags["clip-plane"]).map(p => ({plane: p, on: true})),
@@ -148,12 +156,18 @@ function lightFlags(light, flags) {
   else if (light.background) flags.background = light.background;
 }
 
-function volumeFlags(v, volume, flags) {
+// What colours are spread over, if that is to be said: of steps the same for all, as the first is not the range of others.
+export function windowOf(window, field, volume) {
+  return window ?? (volume.steps.length > 1 && field.data[1] > field.data[0] ? field.data : null);
+}
+
+function volumeFlags(v, volume, field, flags) {
   if (v.mode === "off") return;
+  const window = windowOf(v.window, field, volume);
   if (DRAWN_BY_MAX.includes(v.mode)) {
     flags.project = v.mode === "first" ? `first=${v.first}` : v.mode;
     flags["colour-map"] = v.map || "grey";
-    if (v.window) flags.window = v.window;
+    if (window) flags.window = window;
     return;
   }
   if (v.preset !== "custom") flags.tf = v.preset;
@@ -163,8 +177,17 @@ function volumeFlags(v, volume, flags) {
   }
   if (v.map || v.preset === "custom") {
     flags["colour-map"] = v.map || "viridis";
-    if (v.window) flags.window = v.window;
+    if (window) flags.window = window;
   }
+}
+
+// What changes no picture, and is to come back with the rest. unseen: surfaces that are not drawn.
+function pageFlags(model, unseen) {
+  const slices = slicesPage(model.slices);
+  const surfaces = unseen.map(({iso, color, opacity, on, covered}) =>
+    ({iso, color, opacity, on, ...covered && {covered}}));
+  if (!slices && !surfaces.length) return {};
+  return {page: {...slices && {slices}, ...surfaces.length && {surfaces}}};
 }
 
 export function toFlags(model, volume) {
@@ -177,7 +200,7 @@ export function toFlags(model, volume) {
     flags.color = on.map(s => s.color);
     if (on.some(s => s.opacity < 1)) flags.opacity = on.map(s => s.opacity);
   } else if (!projected && model.volume.mode === "off") flags.iso = [nowhere(field)];
-  volumeFlags(model.volume, volume, flags);
+  volumeFlags(model.volume, volume, field, flags);
   if (model.clip.box) flags["clip-box"] = model.clip.box;
   const planes = model.clip.planes.filter(p => p.on).map(p => p.plane);
   if (planes.length) flags["clip-plane"] = planes;
@@ -186,7 +209,8 @@ export function toFlags(model, volume) {
   Object.assign(flags, cameraFlags(model.camera, volume));
   lightFlags(model.light, flags);
   if (model.legend && model.volume.mode !== "off") flags.legend = true;
-  Object.assign(flags, annotationFlags(model.annotation), slicesPage(model.slices));
+  const unseen = model.surfaces.filter(s => projected || !s.on);
+  Object.assign(flags, annotationFlags(model.annotation), pageFlags(model, unseen));
   return Object.assign(flags, model.more);
 }
 

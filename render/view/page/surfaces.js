@@ -25,8 +25,9 @@ export class Surfaces {
     this.grips = this.list.map((s, i) => this.grip(s, i));
     this.plot.host.append(...this.grips);
     this.rows = this.list.map((s, i) => this.row(s, i));
-    byId("surfaces").replaceChildren(...this.rows);
-    if (!this.list.length) byId("surfaces").append(element("p", {class: "hint"}, "No surfaces."));
+    this.nowhere = element("p", {class: "hint", hidden: true});
+    byId("surfaces").replaceChildren(this.list.length ? this.head() : element("p", {class: "hint"}, "No surfaces."),
+      ...this.rows, this.nowhere);
     byId("surface-add").disabled = this.list.length >= SURFACES_MAX;
     this.list.forEach((s, i) => this.place(i));
   }
@@ -53,6 +54,20 @@ export class Surfaces {
     const number = this.rows[i].querySelector(".iso");
     if (document.activeElement !== number) number.value = brief(s.iso);
     number.title = s.iso;
+    this.tell();
+  }
+
+  // A surface has values on both of its sides.
+  tell() {
+    const [low, high] = this.field.range, none = this.list.filter(t => t.on && !(t.iso > low && t.iso <= high));
+    this.nowhere.hidden = !none.length;
+    this.nowhere.textContent = `Nothing has a surface at ${none.map(t => short(t.iso, 6)).join(", ")}: `
+      + `values are ${short(low, 6)} to ${short(high, 6)}.`;
+  }
+
+  head() {
+    return element("div", {class: "surface head", "aria-hidden": "true"},
+      ...["", "opacity", "isovalue", ""].map(text => element("span", {}, text)));
   }
 
   grip(s, i) {
@@ -76,7 +91,11 @@ export class Surfaces {
     const name = `Surface ${i + 1}`, {app} = this;
     const on = element("input", {type: "checkbox", "aria-label": `${name} on`, title: "On"});
     on.checked = s.on;
-    on.addEventListener("change", () => { s.on = on.checked; this.place(i); app.changed(false); });
+    on.addEventListener("change", () => {
+      Object.assign(s, {on: on.checked, covered: false});
+      this.place(i);
+      app.changed(false);
+    });
     const iso = element("input", {type: "number", step: "any", class: "iso", "aria-label": `${name} isovalue`});
     iso.addEventListener("change", () => {
       if (iso.value !== "" && Number.isFinite(+iso.value)) s.iso = +iso.value;

@@ -4,14 +4,14 @@ import {Plot, drag} from "./histogram.js";
 import {diagonal} from "./state.js";
 
 const MODES = [["off", "not shown"], ["media", "see-through"], ["max", "maximum (MIP)"], ["min", "minimum"],
-  ["mean", "mean"], ["first", "first that reaches"]];
+  ["mean", "mean"], ["first", "first to reach a value"]];
 const PRESETS = [["auto", "automatic"], ["ct", "CT"], ["mr", "MR"], ["custom", "own points"]];
 const OPACITY_MAX = 0.98; // of a curve's point: at 1 nothing would be let through
+const PRESET_MOST = 0.8; // of a preset's points, as they are shown
 
 export class Volume {
   constructor(app) {
     this.app = app;
-    this.covers = []; // surfaces that are off for the volume's sake
   }
 
   get v() { return this.app.model.volume; }
@@ -38,11 +38,11 @@ export class Volume {
     if (media && v.preset !== "custom") options.unshift(["", "the preset's"]);
     const parts = [];
     if (media) parts.push(choice("Opacity", {options: PRESETS, value: v.preset, change: p => this.preset(p)}));
-    parts.push(choice("Colours", {options, value: v.map || options[0][0],
+    parts.push(choice("Colours", {options, value: v.map || (media && v.preset === "custom" ? "viridis" : options[0][0]),
       change: m => { v.map = m; this.build(); app.changed(false); }}), this.gradient, host);
     if (media) parts.push(element("p", {class: "hint"}, v.preset === "custom"
       ? "Drag the points; click the plot to add one, Delete takes one away."
-      : "Click the plot to set opacities by points of your own."));
+      : "Click the plot to make its points your own, and drag them."));
     if (v.mode === "first")
       parts.push(slider("Value", {min: this.field.data[0], max: this.field.data[1], value: v.first,
         change: (x, rest) => { v.first = x; change(!rest); }}));
@@ -64,19 +64,26 @@ export class Volume {
 
   get usual() { return diagonal(this.app.volume) / 10; }
 
+  // Of this step: its points as opacities over a length at which they are well seen. null: not known.
+  get told() {
+    const preset = this.field.presets[this.app.model.data.step]?.[this.v.preset];
+    const most = Math.max(0, ...preset?.points.map(p => p[1]) ?? []);
+    if (this.v.mode !== "media" || !(most > 0)) return null;
+    const length = -Math.log(1 - PRESET_MOST) / most;
+    return {...preset, length, points: preset.points.map(([x, e]) => [x, 1 - Math.exp(-e * length)])};
+  }
+
   // The colours over the values that they are spread over, where the page knows them.
   colours() {
-    const {v} = this, projected = !["off", "media"].includes(v.mode);
-    const name = v.map || (projected ? "grey" : v.preset === "custom" ? "viridis" : v.preset === "auto" ? "viridis" : "");
-    const colours = this.app.volume.colour_maps[name];
-    if (!colours) return null;
-    const [low, high] = v.window && (v.map || projected || v.preset === "custom") ? v.window : this.field.data;
-    return {colours, low, high};
+    const {v, told} = this, projected = !["off", "media"].includes(v.mode), own = projected || v.preset === "custom";
+    if (!own && !v.map) return told && {colours: told.colours, low: told.points[0][0], high: told.points.at(-1)[0]};
+    const [low, high] = v.window ?? this.field.data;
+    return {colours: this.app.volume.colour_maps[v.map || (projected ? "grey" : "viridis")], low, high};
   }
 
   refresh() {
     if (!this.plot) return;
-    this.points = this.v.mode === "media" && this.v.preset === "custom" ? this.v.points : [];
+    this.points = this.v.mode !== "media" ? [] : this.v.preset === "custom" ? this.v.points : this.told?.points ?? [];
     this.plot.curve = this.points.map(([x, a]) => [this.plot.share(x), a]);
     this.plot.draw();
     const found = this.colours(), c = this.gradient.getContext("2d");
@@ -95,6 +102,8 @@ export class Volume {
     const {v} = this;
     if (mode === "first") v.first ??= this.field.suggested[0] ?? this.plot?.value(0.5) ?? this.field.data[1];
     this.uncover(mode);
+    if (mode !== "media") this.giveBack();
+    if (mode !== "off") this.app.seeVolume();
     v.mode = mode;
     this.build();
     byId("volume").querySelector("select").focus();
@@ -103,28 +112,44 @@ export class Volume {
 
   // Opaque surfaces would hide the volume; without it they are back.
   uncover(mode) {
-    const {surfaces} = this.app.model, first = mode === "media" && this.v.mode !== "media";
-    if (first) this.covers = [...this.covers, ...surfaces.filter(s => s.on && s.opacity === 1)];
-    if (first || mode === "off") for (const s of this.covers) s.on = !first;
-    if (mode === "off") this.covers = [];
+    const first = mode === "media" && this.v.mode !== "media";
+    for (const s of this.app.model.surfaces)
+      if (first && s.on && s.opacity === 1) Object.assign(s, {on: false, covered: true});
+      else if (mode === "off" && s.covered) Object.assign(s, {on: true, covered: false});
     this.app.surfaces.build();
   }
 
   preset(preset) {
     if (preset === "custom") this.own();
+    else this.giveBack();
     this.v.preset = preset;
     this.build();
     byId("volume").querySelectorAll("select")[1].focus();
     this.app.changed(false);
   }
 
-  // Points to begin with: nothing up to the first suggested value, then more.
+  // Points to begin with: the preset's; else nothing up to the first suggested value, then more.
   own() {
-    const {v} = this, [low, high] = this.field.data;
+    const {v, told} = this, [low, high] = this.field.data;
     if (v.points.length) return;
+    if (told) return this.borrow(told);
     const s = this.field.suggested.find(x => x > low && x < high) ?? (low + high) / 2;
     v.points = [[low, 0], [s - 0.12 * (s - low), 0], [s + 0.25 * (high - s), 0.25], [high, 0.8]];
-    v.map ||= "viridis";
+  }
+
+  // With points at both ends: beyond the outermost, all is as there. The colours of the one that has a map's stay.
+  borrow({points, length}) {
+    const {v} = this, [low, high] = this.field.data;
+    v.points = points.map(([x, a]) => [+x.toPrecision(7), +a.toFixed(3)]);
+    if (low < v.points[0][0]) v.points.unshift([low, v.points[0][1]]);
+    if (high > v.points.at(-1)[0]) v.points.push([high, v.points.at(-1)[1]]);
+    v.length = +length.toPrecision(4);
+    if (v.preset === "auto" && !v.map) v.window = this.lent = [points[0][0], points.at(-1)[0]];
+  }
+
+  // What a preset lent to own points goes with them.
+  giveBack() {
+    if (this.lent && this.v.window === this.lent) this.v.window = null;
   }
 
   // ---- the points ----
@@ -135,20 +160,18 @@ export class Volume {
     host.append(...this.dots);
     host.addEventListener("pointerdown", event => {
       if (event.target.closest(".dot") || event.button !== 0) return;
+      event.preventDefault(); // else what it was pressed on, which goes, would lose the focus again
       const first = this.v.preset !== "custom";
       if (first) { this.own(); this.v.preset = "custom"; }
       const [x, y] = this.plot.at(event), value = this.plot.value(x);
-      if (!first) this.v.points.push(this.bounded(value, y));
+      const added = this.bounded(value, y);
+      if (!first) this.v.points.push(added);
       this.v.points.sort((a, b) => a[0] - b[0]);
       this.build();
       this.app.changed(false);
-      if (!first) this.focus(value);
+      // The hand that has made a point drags it.
+      this.dots[this.v.points.indexOf(added)]?.dispatchEvent(new PointerEvent("pointerdown", event));
     });
-  }
-
-  focus(value) {
-    const i = this.v.points.findIndex(p => Math.abs(p[0] - value) <= 1e-6 * Math.abs(value) + 1e-12);
-    this.dots[i]?.focus();
   }
 
   bounded(value, a) {
