@@ -55,9 +55,9 @@ else
     ok "nobody goes behind an opaque surface" csv "$tmp/p.csv" \
         'by.keys().isdisjoint({("rtcIntersect16; incoherent", "medium"), ("rtcIntersect16; one pass", "medium")}) and all(r["hits"] in (r["surfaces"], "-") and r["rays"] in ("38570", "-") for r in t)'
     if [ "$(uname -m)" = x86_64 ]; then
-        exits "older instructions" 0 "$leafcast" bench peers "$leaf" --iso 127.5 --size 203x190 --runs 1 --isa sse42 -o "$tmp/i.csv"
+        exits "older instructions" 0 "$leafcast" bench peers "$leaf" --iso 127.5 --size 203x190 --runs 1 --isa sse42 -o "$tmp/isa.csv"
         ok "are told" grep -q ', sse42; ' "$tmp/out"
-        ok "and draw the same" csv "$tmp/i.csv" 'int(by["leafcast", "-"]["hits"]) > 5000 and int(by["rtcIntersect16", "medium"]["only ours"]) < 30 and int(by["rtcIntersect16", "medium"]["only peer"]) < 30'
+        ok "and draw the same" csv "$tmp/isa.csv" 'int(by["leafcast", "-"]["hits"]) > 5000 and int(by["rtcIntersect16", "medium"]["only ours"]) < 30 and int(by["rtcIntersect16", "medium"]["only peer"]) < 30'
     fi
     # Behind the first surface.
     exits "a light from aside" 0 "$leafcast" bench peers "$leaf" --iso 127.5 --size 203x190 --runs 1 --light 0,1,2 -o "$tmp/l.csv"
