@@ -104,8 +104,9 @@ judge_media() { # judge_media FILE PICTURES
         'all(0 <= float(r["99 %"]) <= float(r["worst"]) and 0 < float(r["rms"]) <= float(r["worst"]) and float(r["ms"]) > 0 and (float(r["> 1/510 %"]) > 0) == (float(r["worst"]) > 1 / 510) for r in t)'
     ok "media: small steps are nearer than large ones" csv "$1" \
         "len(t) == $2"' * len([r for r in t if r["transfer"] == t[0]["transfer"]]) and all(30 * float(b["rms"]) < float(a["rms"]) for a in t if (a["way"], a["setting"]) == ("steps", "1") for b in t if (b["transfer"], b["way"], b["setting"]) == (a["transfer"], "steps", "1/16"))'
+    # Times are rounded to a hundredth of a millisecond.
     ok "media: the ratio is that of times" csv "$1" \
-        'all(r["steps/this"] in ("-", "not reached") or min(float(o["ms"]) for o in t if o["transfer"] == r["transfer"] and o["way"] == "steps") * 0.98 < float(r["steps/this"]) * float(r["ms"]) < 1.02 * min(float(o["ms"]) for o in t if o["transfer"] == r["transfer"] and o["way"] == "steps" and float(o["worst"]) <= float(r["worst"]) * 1.001) for r in t)'
+        'all(r["steps/this"] in ("-", "not reached") or min(float(o["ms"]) for o in t if o["transfer"] == r["transfer"] and o["way"] == "steps") - 0.006 < 1.01 * float(r["steps/this"]) * (float(r["ms"]) + 0.006) and 0.99 * float(r["steps/this"]) * (float(r["ms"]) - 0.006) < 0.006 + min(float(o["ms"]) for o in t if o["transfer"] == r["transfer"] and o["way"] == "steps" and float(o["worst"]) <= float(r["worst"]) * 1.001) for r in t)'
 }
 judge_media "$tmp/all/media.csv" 3
 exits "media of a file" 0 "$leafcast" bench media "$leaf" --tf ct --tf thin --size 24x24 --runs 1 --clip-box 0,0,0,20,40,40 -o "$tmp/media.csv"
