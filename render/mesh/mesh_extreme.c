@@ -64,11 +64,25 @@ static void try_tet(void *ctx, const resident_mesh *at, uint32_t local, const te
     extreme_offer(c->s, fmin(score_of(c, piece.b[1]), most), piece.t1, at->head.id);
 }
 
-void mesh_extreme(const tracer *tr, const treelet *at, const ray *r, const extreme_way *way,
-                  extreme_state *s, ray_counters *counters) {
-    const float *own = range_of(tr, way->t);
+/* The tets of a treelet whose boxes the ray meets in part of its way. */
+static void climb_part(const tracer *tr, const treelet *at, const ray *r, const ray *part,
+                       extreme_state *s, ray_counters *counters) {
+    const float *own = range_of(tr, at->id);
     climb c = {r, s, quantizer_of(own[0], own[1], SAMPLE_F32)};
     const hit before = hit_before_all();
     const mesh_walk_visitor visitor = {try_tet, choose, &c, NULL};
-    mesh_walk_each(resident_mesh_of(at), r, &before, INFINITY, &visitor, counters);
+    mesh_walk_each(resident_mesh_of(at), part, &before, INFINITY, &visitor, counters);
+}
+
+void mesh_extreme(const tracer *tr, const treelet *at, const ray *r, const extreme_way *way,
+                  extreme_state *s, ray_counters *counters) {
+    (void)way;
+    climb_part(tr, at, r, r, s, counters);
+}
+
+void mesh_extreme_near(const tracer *tr, const treelet *at, const ray *r, double t,
+                       extreme_state *s, ray_counters *counters) {
+    ray part = *r;
+    part.t0 = part.t1 = fmin(fmax(t, r->t0), r->t1);
+    climb_part(tr, at, r, &part, s, counters);
 }

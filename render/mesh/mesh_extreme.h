@@ -6,10 +6,12 @@
 
 #include "render/extremes.h"
 
-/* mesh_extreme_ways(), mesh_extreme() - the rows `extreme_ways` and `extreme`. tr->own: a
- * mesh_rays. */
+/* mesh_extreme_ways(), mesh_extreme(), mesh_extreme_near() - the rows `extreme_ways`, `extreme` and
+ * `extreme_near`. tr->own: a mesh_rays. */
 void mesh_extreme_ways(const tracer *tr, const ray *r, extreme_ways *ways, ray_counters *counters);
 void mesh_extreme(const tracer *tr, const treelet *at, const ray *r, const extreme_way *way,
                   extreme_state *s, ray_counters *counters);
+void mesh_extreme_near(const tracer *tr, const treelet *at, const ray *r, double t,
+                       extreme_state *s, ray_counters *counters);
 
 #endif
