@@ -58,6 +58,7 @@ else
         exits "older instructions" 0 "$leafcast" bench peers "$leaf" --iso 127.5 --size 203x190 --runs 1 --isa sse42 -o "$tmp/isa.csv"
         ok "are told" grep -q ', sse42; ' "$tmp/out"
         ok "and draw the same" csv "$tmp/isa.csv" 'int(by["leafcast", "-"]["hits"]) > 5000 and int(by["rtcIntersect16", "medium"]["only ours"]) < 30 and int(by["rtcIntersect16", "medium"]["only peer"]) < 30'
+        exits "but not of media" 2 "$leafcast" bench peers "$leaf" --media --runs 1 --isa sse42
     fi
     # Behind the first surface.
     exits "a light from aside" 0 "$leafcast" bench peers "$leaf" --iso 127.5 --size 203x190 --runs 1 --light 0,1,2 -o "$tmp/l.csv"
