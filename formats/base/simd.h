@@ -6,21 +6,22 @@
  *
  *   vd, md   VD_N doubles (2, 4, 8) and a mask over them       d_set d_load d_store ...
  *   vf, mf   VF_N floats (4, 8, 16) and a mask over them       f_set f_load f_store ...
- *   vi       VF_N 32-bit integers, for operators alone
+ *   vi       VF_N 32-bit integers, for operators and a few words  i_set i_load i_store ...
  *   vl       VD_N 64-bit integers, likewise, and a few words  l_set l_load l_store ...
  *
  * f_load_rows() takes VF_N / 4 rows of four floats, `stride` apart; f_load_triples() the three
- * floats from + 3 at[k] of lane k, and nothing behind them; d_load_rows() VD_N / D_ROW rows of
+ * floats from + 3 at[k] of lane k, and nothing behind them; f_load_fours() four floats from +
+ * stride at[k]; f_look_up() from[at[k]] of four; d_load_rows() VD_N / D_ROW rows of
  * D_ROW doubles; d_load_at() from[at[k]] of lane k, d_gather() the same; d_load_four() four of
  * them, from + stride at[k] of lane k on; d_look_up() is d_gather() from a table, of which all
  * D_TABLE doubles may be read, d_look_up_half() from one of half as many: of use where D_LOOKS_UP;
  * l_of_shorts() are VD_N 16-bit numbers; l_gather() the 8 bytes at from + at[k], at any address;
  * f_of_bytes() VF_N bytes, but eight at most and zeros. d_reverse(): lane 0 last.
  * d_of_low_floats(): of each lane's lower half. l_mul(): of lower halves. l_eq(): lanes that are
- * equal; l_odd(): those, as bits, whose lowest bit is set. d_pack() and l_pack() store the lanes
- * that have a bit one behind the other; what is behind them, up to VD_N in all, may be overwritten
- * with any of the lanes or zeros. f_swap() exchanges lanes k and k ^ by:
- * by is 1, 2, 4 or 8, less than VF_N.
+ * equal; l_odd(): those, as bits, whose lowest bit is set. d_pack(), l_pack() and i_pack() store
+ * the lanes that have a bit one behind the other; what is behind them, up to a vector in all, may
+ * be overwritten with any of the lanes or zeros. f_swap() exchanges lanes k and k ^ by: by is 1, 2,
+ * 4 or 8, less than VF_N.
  *
  * Arithmetic is written with + - * /, which the compilers know for vectors. min(a, b) is a < b ? a
  * : b and max(a, b) is a > b ? a : b, also for NaN. Comparisons with NaN are false. Loads and
@@ -145,6 +146,14 @@ SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
     out[0] = _mm512_shuffle_ps(low, low2, 0x44);
     out[1] = _mm512_shuffle_ps(low, low2, 0xee);
     out[2] = _mm512_shuffle_ps(high, high2, 0x44);
+}
+SIMD vf f_row_of_four(const float *from, unsigned stride, const uint32_t at[], int k) {
+    return _mm512_insertf32x8(
+        _mm512_castps256_ps512(_mm256_set_m128(_mm_loadu_ps(from + stride * at[k + 4]),
+                                               _mm_loadu_ps(from + stride * at[k]))),
+        _mm256_set_m128(_mm_loadu_ps(from + stride * at[k + 12]),
+                        _mm_loadu_ps(from + stride * at[k + 8])),
+        1);
 }
 SIMD vf f_of_bytes(const uint8_t *from) {
     return _mm512_cvtepi32_ps(
@@ -272,6 +281,10 @@ SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
     out[1] = _mm256_shuffle_ps(low, low2, 0xee);
     out[2] = _mm256_shuffle_ps(high, high2, 0x44);
 }
+SIMD vf f_row_of_four(const float *from, unsigned stride, const uint32_t at[], int k) {
+    return _mm256_set_m128(_mm_loadu_ps(from + stride * at[k + 4]),
+                           _mm_loadu_ps(from + stride * at[k]));
+}
 SIMD vf f_of_bytes(const uint8_t *from) {
     return _mm256_cvtepi32_ps(
         _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)from)));
@@ -390,6 +403,9 @@ SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
     out[0] = _mm_shuffle_ps(low, low2, 0x44);
     out[1] = _mm_shuffle_ps(low, low2, 0xee);
     out[2] = _mm_shuffle_ps(high, high2, 0x44);
+}
+SIMD vf f_row_of_four(const float *from, unsigned stride, const uint32_t at[], int k) {
+    return _mm_loadu_ps(from + stride * at[k]);
 }
 SIMD vf f_of_bytes(const uint8_t *from) {
     return _mm_cvtepi32_ps(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(
@@ -525,7 +541,29 @@ SIMD mf f_gt(vf a, vf b) {
     return f_lt(b, a);
 }
 
+SIMD void f_load_fours(const float *from, unsigned stride, const uint32_t at[], vf out[4]) {
+    vf row[4];
+    for (int k = 0; k < 4; k++)
+        row[k] = f_row_of_four(from, stride, at, k);
+    const vf low = F_(unpacklo)(row[0], row[1]), low2 = F_(unpacklo)(row[2], row[3]);
+    const vf high = F_(unpackhi)(row[0], row[1]), high2 = F_(unpackhi)(row[2], row[3]);
+    out[0] = F_(shuffle)(low, low2, 0x44);
+    out[1] = F_(shuffle)(low, low2, 0xee);
+    out[2] = F_(shuffle)(high, high2, 0x44);
+    out[3] = F_(shuffle)(high, high2, 0xee);
+}
+
 typedef int32_t vi __attribute__((vector_size(sizeof(vf))));
+
+SIMD vi i_set(uint32_t a) {
+    return (vi){0} + (int32_t)a;
+}
+SIMD vi i_load(const uint32_t *from) {
+    return (vi)f_load((const float *)(const void *)from);
+}
+SIMD void i_store(uint32_t *to, vi a) {
+    f_store((float *)(void *)to, (vf)a);
+}
 
 /* Whether any bit of it is set. */
 SIMD int i_any(vi a) {
@@ -554,6 +592,12 @@ enum { D_TABLE = 32 };
 
 #if defined __AVX512F__
 enum { D_LOOKS_UP = 1 };
+SIMD vf f_look_up(const float from[4], vi at) {
+    return _mm512_permutexvar_ps((__m512i)at, _mm512_broadcast_f32x4(_mm_loadu_ps(from)));
+}
+SIMD void i_pack(uint32_t *to, vi a, unsigned bits) {
+    i_store(to, (vi)_mm512_maskz_compress_epi32((__mmask16)bits, (__m512i)a));
+}
 SIMD vd d_gather(const double *from, vl at) {
     return _mm512_i64gather_pd((__m512i)at, from, 8);
 }
@@ -590,6 +634,10 @@ SIMD unsigned l_odd(vl a) {
     return _mm512_test_epi64_mask((__m512i)a, _mm512_set1_epi64(1));
 }
 #elif defined __AVX2__
+SIMD vf f_look_up(const float from[4], vi at) {
+    return _mm256_permutevar8x32_ps(_mm256_broadcast_ps((const __m128 *)(const void *)from),
+                                    (__m256i)at);
+}
 SIMD vd d_gather(const double *from, vl at) {
     return _mm256_i64gather_pd(from, (__m256i)at, 8);
 }
@@ -614,6 +662,9 @@ SIMD unsigned l_odd(vl a) {
     return (unsigned)_mm256_movemask_pd((__m256d)(a << 63));
 }
 #else
+SIMD vf f_look_up(const float from[4], vi at) {
+    return _mm_set_ps(from[at[3]], from[at[2]], from[at[1]], from[at[0]]);
+}
 SIMD vd d_gather(const double *from, vl at) {
     return _mm_set_pd(from[at[1]], from[at[0]]);
 }
@@ -652,6 +703,10 @@ SIMD vd d_look_up_half(const double *from, vl at) {
 }
 SIMD vd d_look_up(const double *from, vl at) {
     return d_gather(from, at);
+}
+SIMD void i_pack(uint32_t *to, vi a, unsigned bits) {
+    for (; bits; bits &= bits - 1)
+        *to++ = (uint32_t)a[__builtin_ctz(bits)];
 }
 SIMD void d_pack(double *to, vd a, unsigned bits) {
     for (unsigned k = 0; k < VD_N; k++) {

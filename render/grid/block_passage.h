@@ -9,15 +9,14 @@
 #define RENDER_GRID_BLOCK_PASSAGE_H
 
 #include "render/grid/level_planes.h"
+#include "render/grid/walk.h"
 #include "render/ray.h"
 #include "stream/active.h"
-
-enum { BLOCK_CELLS = 1 << LEAF_BLOCK_LOG2 }; /* along an axis */
 
 /* Along one axis: where the ray crosses the planes between cells, in its order, and the cell that
  * it is in. */
 typedef struct block_axis {
-    double t[BLOCK_CELLS]; /* the last: INFINITY */
+    double t[BLOCK_SIDE]; /* the last: INFINITY */
     uint32_t crossed, cell;
     int step;
 } block_axis;
@@ -32,16 +31,16 @@ typedef struct block_passage {
 static inline block_axis block_axis_of(const ray *r, int a, const double *plane, double t_in) {
     block_axis x = {.t = {INFINITY, INFINITY, INFINITY, INFINITY}};
     if (r->d[a] == 0.0) {
-        for (int i = 1; i < BLOCK_CELLS; i++)
+        for (int i = 1; i < BLOCK_SIDE; i++)
             x.cell += r->held[a] >= plane[i];
         return x;
     }
     const bool back = r->d[a] < 0.0;
-    for (int i = 1; i < BLOCK_CELLS; i++) {
-        x.t[i - 1] = (plane[back ? BLOCK_CELLS - i : i] - r->o[a]) / r->d[a];
+    for (int i = 1; i < BLOCK_SIDE; i++) {
+        x.t[i - 1] = (plane[back ? BLOCK_SIDE - i : i] - r->o[a]) / r->d[a];
         x.crossed += x.t[i - 1] < t_in;
     }
-    x.cell = back ? BLOCK_CELLS - 1 - x.crossed : x.crossed;
+    x.cell = back ? BLOCK_SIDE - 1 - x.crossed : x.crossed;
     x.step = back ? -1 : 1;
     return x;
 }
@@ -66,7 +65,7 @@ static inline unsigned block_passage_axis(const block_axis x[3]) {
 
 /* Whether the cell that the ray is in is active. */
 static inline bool block_passage_active(const block_passage *p) {
-    static const uint8_t spread[BLOCK_CELLS] = {0, 1, 8, 9};
+    static const uint8_t spread[BLOCK_SIDE] = {0, 1, 8, 9};
     const block_axis *x = p->axis;
     const unsigned bit = spread[x[0].cell] | spread[x[1].cell] << 1 | spread[x[2].cell] << 2;
     return p->active >> bit & 1u;

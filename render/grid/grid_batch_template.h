@@ -8,9 +8,8 @@
 #ifdef SIMD_NAME
 
 #include "render/grid/grid_batch.h"
+#include "render/grid/grid_block_cells_template.h"
 #include "render/grid/grid_legs_template.h"
-#include "render/grid/grid_queue_template.h"
-#include "render/grid/grid_rays_template.h"
 #include "render/grid/grid_start_template.h"
 #include "render/grid/grid_tracer.h"
 #include "render/grid/intersect.h"
@@ -45,13 +44,12 @@ typedef struct batch_walk {
     grid_legs legs;
     grid_rays rays;
     ray_set open;    /* still look for a surface */
-    ray_set pending; /* of these: a cell waits in the batch, */
-    ray_set queued;  /* or in the queue before it */
+    ray_set pending; /* of these: a cell waits in the batch */
     ray_set single;  /* met an absent treelet */
     ray_set level;   /* have a component of 0 */
     hit best[RAY_BATCH];
     const resident_grid *at[RAY_BATCH]; /* in which; NULL: what it was given */
-    cell_queue queue;
+    block_cells block;
     /* Ray-cells on their way to the cell kernel. */
     cell_batch batch;
     unsigned waiting;
@@ -86,7 +84,7 @@ static void take_hit(batch_walk *w, unsigned i, const resident_grid *at, const h
     if (!at_exit)
         ray_set_drop(&w->open, i);
     else
-        w->rays.t1[i] = w->rays.span_of[i][1] =
+        w->rays.slabs.t1[i] = w->rays.span_of[i][1] =
             (float)(w->best[i].t - w->rays.t_in[i]) * (1.0f + 4.0f * UNIT);
 }
 
@@ -221,92 +219,63 @@ static bool goes_along(const batch_walk *w, const resident_grid *at, const uint3
                             w->rays.t_out[i]);
 }
 
-/* ---- The filter ---- */
+/* ---- Blocks ---- */
 
-/* Which lanes may cross any of the surfaces. */
-SIMD unsigned queue_may_cross(const grid_rays *g, const cell_queue *q, const walk_scene *scene) {
-    const queue_visits v = queue_visits_of(g, q);
-    unsigned crossing = 0;
-    for (int i = 0; i < scene->count; i++) {
-        const float iso = (float)scene->isovalues[i];
-        vf f[8];
-        for (int s = 0; s < 8; s++)
-            f[s] = f_load(q->samples[s]) - f_set(iso);
-        const near_forms forms = queue_forms(f, v.e, f_set(2.0f * UNIT * fabsf(iso)));
-        crossing |= may_cross(&v.way, &forms);
-    }
-    return crossing;
-}
-
-/* The samples of the cells that have been queued: to *q, and once more by cells. */
-SIMD void queue_samples(const walk_scene *scene, cell_queue *q, float samples[VF_N][8]) {
-    for (unsigned k = 0, last = VF_N; k < q->count; k++) {
-        const unsigned c = q->cell[k];
-        if (c == last)
-            continue;
-        last = c;
-        walk_cell_samples(scene, q->at[c], q->cells[c], samples[c]);
-        for (int s = 0; s < 8; s++)
-            f_store(q->samples[s] + k, f_set(samples[c][s]));
-    }
-}
-
-/* Filter what has been queued, and add the rest to the batch. */
-static void queue_flush(batch_walk *w) {
-    cell_queue *q = &w->queue;
-    float samples[VF_N][8];
-    unsigned left = (1u << q->count) - 1u;
-    if (q->count == 0)
+/* Filter the pairs of a block, and add the rest to the batch. */
+static __attribute__((noinline)) void block_flush(batch_walk *w) {
+    block_cells *b = &w->block;
+    if (b->count == 0)
         return;
-    queue_samples(w->scene, q, samples);
-    if (w->filter)
-        left &= queue_may_cross(&w->rays, q, w->scene);
-    q->count = q->cell_count = 0;
-    w->queued = (ray_set){{0}};
-    for (; left; left &= left - 1) {
-        const unsigned k = (unsigned)__builtin_ctz(left), i = q->ray[k], c = q->cell[k];
-        if (ray_set_has(&w->pending, i))
-            flush(w);
-        if (!ray_set_has(&w->open, i))
-            continue;
-        if (ray_set_has(&w->level, i) && !goes_along(w, q->at[c], q->cells[c], i))
-            take_scalar_hit(w, i, q->at[c], q->cells[c], samples[c]);
-        else
-            add_to_batch(w, q->at[c], q->cells[c], samples[c], i);
-    }
-}
-
-SIMD void queue_ray(batch_walk *w, unsigned i) {
-    cell_queue *q = &w->queue;
-    q->ray[q->count] = i;
-    q->cell[q->count++] = (uint8_t)(q->cell_count - 1);
-    ray_set_add(&w->queued, i);
-}
-
-/* The rays that may visit an active cell: at least one. */
-static void walk_cell(batch_walk *w, const resident_grid *at, const uint32_t cell[3],
-                      const ray_set *rays) {
-    const level_planes *planes = &w->scene->levels[at->level];
-    float near[3][3];
-    walk_cell_prefetch(w->scene, at, cell);
-    for (int a = 0; a < 3; a++) {
-        near[a][0] = (float)(planes->at[a][cell[a]] - w->extent.middle[a]);
-        near[a][1] = (float)(planes->at[a][cell[a] + 1] - w->extent.middle[a]);
-        near[a][2] = (float)planes->inverse[a][cell[a]];
-    }
-    queue_cell(&w->queue, at, cell, near);
-    w->counters->cells += ray_set_count(rays, w->rays.words);
-    for (unsigned word = 0; word < w->rays.words; word++) {
-        for (uint64_t left = rays->of[word]; left; left &= left - 1) {
-            if (w->queue.count == VF_N) {
-                queue_flush(w);
-                queue_cell(&w->queue, at, cell, near);
-            }
-            queue_ray(w, 64 * word + (unsigned)__builtin_ctzll(left));
+    block_cells_complete(b, w->scene);
+    for (unsigned from = 0; from < b->count; from += VF_N) {
+        const unsigned n = b->count - from < VF_N ? b->count - from : VF_N;
+        unsigned left = (1u << n) - 1u;
+        if (w->filter)
+            left &= block_may_cross(b, &w->rays, from, w->scene);
+        for (; left; left &= left - 1) {
+            const unsigned k = from + (unsigned)__builtin_ctz(left), i = b->ray[k];
+            const float *samples = b->samples[b->cell[k]];
+            uint32_t cell[3];
+            if (!ray_set_has(&w->open, i))
+                continue;
+            block_cell_at(b, b->cell[k], cell);
+            if (ray_set_has(&w->level, i) && !goes_along(w, b->at, cell, i))
+                take_scalar_hit(w, i, b->at, cell, samples);
+            else
+                add_to_batch(w, b->at, cell, samples, i);
         }
     }
-    if (w->queue.count == VF_N)
-        queue_flush(w);
+    w->counters->cells += b->count;
+    b->count = 0;
+    b->met = 0;
+}
+
+/* The cells of a block that VF_N rays meet, those from `at` on that are in the set `in`. */
+SIMD void walk_cells(batch_walk *w, uint64_t active, unsigned at, unsigned in) {
+    block_cells *b = &w->block;
+    const block_met m = block_met_of(&w->rays.slabs, at, &b->planes);
+    const unsigned flip = block_flip(w->rays.back);
+    for (; active; active &= active - 1) {
+        const uint32_t number = (uint32_t)__builtin_ctzll(active) ^ flip;
+        block_cells_put(b, number, at, block_cell_met(&m, number) & in);
+        if (b->count >= BLOCK_PAIRS)
+            block_flush(w);
+    }
+}
+
+/* A block with active cells, and rays that meet it. */
+static void walk_block(batch_walk *w, const resident_grid *at, const uint32_t first[3],
+                       uint64_t cells, const ray_set *rays) {
+    const uint64_t active = block_in_order(cells, w->rays.back), all = (UINT64_C(1) << VF_N) - 1;
+    block_cells_begin(&w->block, &w->rays, &w->scene->levels[at->level], at, first);
+    for (unsigned word = 0; word < w->rays.words; word++) {
+        for (uint64_t left = rays->of[word]; left;) {
+            const unsigned shift = (unsigned)__builtin_ctzll(left) & ~(VF_N - 1u);
+            walk_cells(w, active, 64 * word + shift, (unsigned)(left >> shift & all));
+            left &= ~(all << shift);
+        }
+    }
+    block_flush(w);
 }
 
 /* ---- Nodes ---- */
@@ -341,26 +310,26 @@ static void walk_tree(batch_walk *w, const resident_grid *at, const ray_set *ray
         tree_node node = stack[--top];
         if (!wanted(w, &node.rays))
             continue;
+        w->counters->nodes++;
+        if (node.size == LEAF_BLOCK_LOG2) {
+            walk_block(w, at, node.cell, at->masks->cells[node.morton], &node.rays);
+            continue;
+        }
         const uint32_t half = 1u << (node.size - 1);
         const node_planes n = node_planes_of(&w->rays, planes, node.cell, half);
         ray_set met[8];
-        w->counters->nodes++;
         children_met(&w->rays, &n, &node.rays, met);
-        unsigned order = octants_in_order(walk_children(at, node.size, node.morton), back);
-        for (; order;) {
-            const unsigned nth = half == 1 ? (unsigned)__builtin_ctz(order) : octants_last(order);
-            const unsigned o = nth ^ back;
-            order ^= 1u << nth;
+        for (unsigned order = octants_in_order(walk_children(at, node.size, node.morton), back);
+             order; order ^= 1u << octants_last(order)) {
+            const unsigned nth = octants_last(order), o = nth ^ back;
             if (ray_set_is_empty(&met[nth], w->rays.words))
                 continue;
-            const uint32_t cell[3] = {node.cell[0] + (o & 1u) * half,
-                                      node.cell[1] + (o >> 1 & 1u) * half,
-                                      node.cell[2] + (o >> 2) * half};
-            if (half == 1)
-                walk_cell(w, at, cell, &met[nth]);
-            else
-                stack[top++] = (tree_node){
-                    met[nth], {cell[0], cell[1], cell[2]}, node.morton << 3 | o, node.size - 1};
+            stack[top++] =
+                (tree_node){met[nth],
+                            {node.cell[0] + (o & 1u) * half, node.cell[1] + (o >> 1 & 1u) * half,
+                             node.cell[2] + (o >> 2) * half},
+                            node.morton << 3 | o,
+                            node.size - 1};
         }
     }
 }
@@ -398,7 +367,6 @@ static bool passes(const batch_walk *w, uint32_t t, unsigned i, double *from, do
 static ray_set passing(batch_walk *w, uint32_t t, const ray_set *rays) {
     ray_set some = {{0}};
     double from, to;
-    queue_flush(w);
     flush(w);
     for (unsigned k = 0; k < w->rays.words; k++)
         for (uint64_t left = rays->of[k] & w->open.of[k]; left; left &= left - 1)
@@ -429,11 +397,9 @@ static void miss_treelet(batch_walk *w, uint32_t t, const ray_set *rays) {
 static void answer(batch_walk *w, const ray_set *rays) {
     uint64_t waiting = 0;
     for (unsigned k = 0; k < w->rays.words; k++)
-        waiting |= rays->of[k] & (w->queued.of[k] | w->pending.of[k]);
-    if (waiting) {
-        queue_flush(w);
+        waiting |= rays->of[k] & w->pending.of[k];
+    if (waiting)
         flush(w);
-    }
 }
 
 /* Few rays fill no vectors, and by themselves they stop at their first hit. */
@@ -501,7 +467,6 @@ static void walk_directory(batch_walk *w) {
                 stack[top++] = (directory_node){met[nth], layout->first_child[node.t] + rank};
         }
     }
-    queue_flush(w);
     flush(w);
 }
 
@@ -526,9 +491,8 @@ static void deliver(batch_walk *w) {
 /* All rays of w->legs, which go to one octant. */
 static void walk_octant(batch_walk *w) {
     grid_rays_make(&w->rays, &w->legs, w->extent.middle, w->extent.size);
-    w->open = w->pending = w->queued = w->single = w->level = (ray_set){{0}};
+    w->open = w->pending = w->single = w->level = (ray_set){{0}};
     w->waiting = w->starts = 0;
-    w->queue = (cell_queue){.count = 0};
     for (unsigned i = 0; i < w->rays.count; i++) {
         const double *d = ray_at(w, i)->d;
         ray_set_add(&w->open, i);

@@ -13,7 +13,6 @@
 #include "render/grid/walk.h"
 
 enum {
-    BLOCK_SIDE = 1 << LEAF_BLOCK_LOG2, /* cells */
     BLOCK_ROWS = (BLOCK_SIDE + 1) * (BLOCK_SIDE + 1),
     BLOCK_SLICE = (BLOCK_SIDE + 1) * BLOCK_SIDE, /* numbers of a slice of rows */
     BLOCK_NUMBERS = (BLOCK_ROWS * BLOCK_SIDE + 15) / 16 * 16

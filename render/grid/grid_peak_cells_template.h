@@ -11,7 +11,8 @@
 #include "render/extreme_batch.h"
 #include "render/grid/cell_visit_template.h"
 #include "render/grid/grid_extreme.h"
-#include "render/grid/grid_queue_template.h"
+#include "render/grid/grid_ray_cells_template.h"
+#include "stream/grid_resident.h"
 
 /* What rays have found, by their places, as nodes and cells compare it: scores rounded down. Where
  * that is exact, those that reach the same matter as far as `t`, counted as that of grid_rays and
@@ -19,6 +20,18 @@
 typedef struct peaks {
     float score[RAY_BATCH + 1], t[RAY_BATCH + 1]; /* the last: nobody's */
 } peaks;
+
+/* Ray-cells, one a lane, on their way to the filter. Lanes of a cell are beside each other; what is
+ * the cell's is stored a vector at a time from the first of them on, and so reaches over. */
+typedef struct cell_queue {
+    float lo[3][2 * VF_N], hi[3][2 * VF_N], inv[3][2 * VF_N]; /* planes, from the middle on */
+    float samples[8][2 * VF_N];
+    uint32_t ray[VF_N]; /* its place */
+    uint8_t cell[VF_N]; /* of these: */
+    const resident_grid *at[VF_N];
+    uint32_t cells[VF_N][3];
+    unsigned count, cell_count;
+} cell_queue;
 
 /* Ray-cells to be computed. */
 typedef struct peak_batch {
@@ -204,14 +217,19 @@ static void peak_batch_add(peak_cells *p, const resident_grid *at, const uint32_
  * as exact as samples without an isovalue: the proof is that of may_cross(). */
 SIMD unsigned queue_may_matter(const peak_cells *p) {
     const cell_queue *q = &p->queue;
-    const queue_visits v = queue_visits_of(&p->rays, q);
     float found[VF_N] = {0};
-    vf f[8], b[4];
+    vf f[8], b[4], lo[3], hi[3], inv[3];
+    for (int a = 0; a < 3; a++) {
+        lo[a] = f_load(q->lo[a]);
+        hi[a] = f_load(q->hi[a]);
+        inv[a] = f_load(q->inv[a]);
+    }
+    const ray_visits v = ray_visits_of(&p->rays, q->ray, lo, hi, inv);
     for (unsigned k = 0; k < q->count; k++)
         found[k] = p->found.score[q->ray[k]];
     for (int s = 0; s < 8; s++)
         f[s] = f_load(q->samples[s]) - f_load(found);
-    const near_forms forms = queue_forms(f, v.e, f_set(0.0f));
+    const near_forms forms = ray_cell_forms(f, v.e, f_set(0.0f));
     near_controls(&v.way, forms.c, b);
     const vf most = f_max(f_max(b[0], b[3]), f_max(b[1], b[2]));
     /* NaN is no reason to drop a ray: nothing is found yet. */
@@ -237,10 +255,17 @@ static void peak_cells_flush(peak_cells *p) {
     peak_batch_flush(p);
 }
 
-/* A cell for the lanes that follow, with its scores. */
-SIMD void queue_scores(cell_queue *q, const resident_grid *at, const uint32_t cell[3],
-                       const float planes[3][3], const float scores[8]) {
-    queue_cell(q, at, cell, planes);
+/* A cell for the lanes that follow. */
+SIMD void queue_cell(cell_queue *q, const resident_grid *at, const uint32_t cell[3],
+                     const float planes[3][3], const float scores[8]) {
+    const unsigned c = q->cell_count++;
+    q->at[c] = at;
+    for (int a = 0; a < 3; a++) {
+        q->cells[c][a] = cell[a];
+        f_store(q->lo[a] + q->count, f_set(planes[a][0]));
+        f_store(q->hi[a] + q->count, f_set(planes[a][1]));
+        f_store(q->inv[a] + q->count, f_set(planes[a][2]));
+    }
     for (int s = 0; s < 8; s++)
         f_store(q->samples[s] + q->count, f_set(scores[s]));
 }
@@ -252,11 +277,11 @@ static void peak_cells_add(peak_cells *p, const resident_grid *at, const uint32_
     cell_queue *q = &p->queue;
     if (q->count == VF_N)
         peak_queue_flush(p);
-    queue_scores(q, at, cell, planes, scores);
+    queue_cell(q, at, cell, planes, scores);
     for (; rays; rays &= rays - 1) {
         if (q->count == VF_N) {
             peak_queue_flush(p);
-            queue_scores(q, at, cell, planes, scores);
+            queue_cell(q, at, cell, planes, scores);
         }
         q->ray[q->count] = places[__builtin_ctz(rays)];
         q->cell[q->count++] = (uint8_t)(q->cell_count - 1);

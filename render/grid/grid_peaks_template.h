@@ -7,6 +7,7 @@
 #ifdef SIMD_NAME
 
 #include "formats/base/heap.h"
+#include "render/grid/grid_block_rays_template.h"
 #include "render/grid/grid_block_template.h"
 #include "render/grid/grid_legs_template.h"
 #include "render/grid/grid_peak_cells_template.h"
@@ -53,7 +54,7 @@ typedef struct peak_codes {
 /* The rays that meet a block, side by side: what grid_rays has of them, by slots. What they have
  * found is in peak_cells. */
 typedef struct block_rays {
-    float near_o[3][RAY_BATCH], far_o[3][RAY_BATCH], reciprocal[3][RAY_BATCH], t1[RAY_BATCH];
+    ray_slabs slabs;
     uint8_t place[RAY_BATCH];
     unsigned count;
 } block_rays;
@@ -123,30 +124,22 @@ SIMD void children_matter(const peak_walk *w, const node_planes *n, const ray_se
 
 /* ---- Blocks ---- */
 
-/* The planes of a block, one after the other. */
-typedef float block_planes[3][BLOCK_SIDE + 1];
-
-static void block_planes_of(const peak_walk *w, const level_planes *planes, const uint32_t cell[3],
-                            block_planes of) {
-    for (int a = 0; a < 3; a++)
-        for (unsigned i = 0; i <= BLOCK_SIDE; i++)
-            of[a][i] = (float)(planes->at[a][cell[a] + i] - w->extent.middle[a]);
-}
-
 /* The rays of a set into slots; and out of them. */
 static void block_rays_gather(peak_walk *w, const ray_set *rays) {
     const grid_rays *g = &w->cells.rays;
     block_rays *b = &w->block;
+    const ray_slabs *from = &g->slabs;
+    ray_slabs *slabs = &b->slabs;
     b->count = 0;
     for (unsigned k = 0; k < g->words; k++) {
         for (uint64_t left = rays->of[k]; left; left &= left - 1) {
             const unsigned i = 64 * k + (unsigned)__builtin_ctzll(left), to = b->count++;
             for (int a = 0; a < 3; a++) {
-                b->near_o[a][to] = g->near_o[a][i];
-                b->far_o[a][to] = g->far_o[a][i];
-                b->reciprocal[a][to] = g->reciprocal[a][i];
+                slabs->near_o[a][to] = from->near_o[a][i];
+                slabs->far_o[a][to] = from->far_o[a][i];
+                slabs->reciprocal[a][to] = from->reciprocal[a][i];
             }
-            b->t1[to] = g->t1[i];
+            slabs->t1[to] = from->t1[i];
             b->place[to] = (uint8_t)i;
             peak_cells_enter(&w->cells, i, to);
         }
@@ -156,29 +149,6 @@ static void block_rays_gather(peak_walk *w, const ray_set *rays) {
 static void block_rays_leave(peak_walk *w) {
     for (unsigned k = 0; k < w->block.count; k++)
         peak_cells_leave(&w->cells, w->block.place[k]);
-}
-
-/* Where VF_N rays come into the cells along each axis, and leave them. */
-typedef struct block_met {
-    vf near[3][BLOCK_SIDE], far[3][BLOCK_SIDE];
-} block_met;
-
-SIMD void block_met_of(const block_rays *b, unsigned backs, const block_planes planes, unsigned at,
-                       block_met *m) {
-    for (int a = 0; a < 3; a++) {
-        const unsigned back = backs >> a & 1u;
-        const vf near_o = f_load(b->near_o[a] + at), far_o = f_load(b->far_o[a] + at);
-        const vf r = f_load(b->reciprocal[a] + at);
-        for (unsigned i = 0; i < BLOCK_SIDE; i++) {
-            m->near[a][i] = (f_set(planes[a][i + back]) - near_o) * r;
-            m->far[a][i] = (f_set(planes[a][i + 1 - back]) - far_o) * r;
-        }
-    }
-    const vf t1 = f_load(b->t1 + at);
-    for (unsigned i = 0; i < BLOCK_SIDE; i++) {
-        m->near[2][i] = f_max(m->near[2][i], f_set(0.0f));
-        m->far[2][i] = f_min(m->far[2][i], t1);
-    }
 }
 
 /* Cells by their numbers x + 4 y + 16 z, from those along a Z. */
@@ -196,10 +166,9 @@ static uint64_t cells_in_rows(uint64_t along_z) {
 /* What lies in a block. */
 typedef struct peak_block {
     const resident_grid *at;
-    const level_planes *planes;
     uint32_t first[3];
     uint64_t cells; /* those that are of interest: bit x + 4 y + 16 z */
-    block_planes near;
+    block_planes planes;
     block_scores scores;
     float group[8];   /* the greatest score of each group of 2^3 cells, */
     uint8_t order[8]; /* and the groups, the best first */
@@ -212,9 +181,9 @@ static void add_cell(peak_walk *w, const peak_block *b, const unsigned in_block[
     uint32_t cell[3];
     for (int a = 0; a < 3; a++) {
         cell[a] = b->first[a] + in_block[a];
-        planes[a][0] = b->near[a][in_block[a]];
-        planes[a][1] = b->near[a][in_block[a] + 1];
-        planes[a][2] = (float)b->planes->inverse[a][cell[a]];
+        planes[a][0] = b->planes.lo[a][in_block[a]];
+        planes[a][1] = b->planes.hi[a][in_block[a]];
+        planes[a][2] = b->planes.inverse[a][in_block[a]];
     }
     block_cell(&b->scores, block_place(in_block[0], in_block[1], in_block[2]), scores);
     w->counters->cells += (unsigned)__builtin_popcount(rays);
@@ -225,10 +194,9 @@ static void add_cell(peak_walk *w, const peak_block *b, const unsigned in_block[
  * to which scores up to `most` matter there. */
 SIMD unsigned rays_matter(const peak_walk *w, const block_met *m, unsigned at,
                           const unsigned first[3], const unsigned last[3], float most) {
-    const vf near = f_max(f_max(m->near[0][first[0]], m->near[1][first[1]]), m->near[2][first[2]]);
-    const vf far = f_min(f_min(m->far[0][last[0]], m->far[1][last[1]]), m->far[2][last[2]]);
-    return mf_bits(
-        mf_and(f_le(near, far), peaks_matter(&w->cells.in_block, at, f_set(most), near)));
+    const vf near = block_comes(m, first);
+    return mf_bits(mf_and(f_le(near, block_leaves(m, last)),
+                          peaks_matter(&w->cells.in_block, at, f_set(most), near)));
 }
 
 /* The cells of a group for VF_N rays. */
@@ -270,19 +238,18 @@ static void sort_groups(peak_block *b) {
 static void climb_block(peak_walk *w, const resident_grid *at, const peak_node *node) {
     const walk_scene *scene = w->tr->own;
     peak_block b = {.at = at,
-                    .planes = &scene->levels[at->level],
+                    .planes =
+                        block_planes_of(&w->cells.rays, &scene->levels[at->level], node->cell),
                     .first = {node->cell[0], node->cell[1], node->cell[2]},
                     .cells = cells_in_rows(at->masks->cells[node->morton])};
     block_load(scene, at, node->cell, w->cells.sign, &b.scores);
     block_maxima(&b.scores);
     sort_groups(&b);
-    block_planes_of(w, b.planes, node->cell, b.near);
     w->counters->nodes++;
     block_rays_gather(w, &node->rays);
     for (unsigned from = 0; from < w->block.count; from += VF_N) {
         const unsigned left = w->block.count - from;
-        block_met m;
-        block_met_of(&w->block, w->cells.rays.back, b.near, from, &m);
+        const block_met m = block_met_of(&w->block.slabs, from, &b.planes);
         for (unsigned k = 0; k < 8; k++)
             climb_group(w, &b, &m, b.order[k], from,
                         left < VF_N ? (1u << left) - 1u : (unsigned)((UINT64_C(1) << VF_N) - 1));

@@ -32,6 +32,12 @@ typedef struct grid_legs {
     double per_d[RAY_BATCH][3];
 } grid_legs;
 
+/* Rays between planes, a column each. They meet near and far planes at (plane - near_o) reciprocal
+ * and (plane - far_o) reciprocal: early and late enough, see widening(). */
+typedef struct ray_slabs {
+    float near_o[3][RAY_BATCH], far_o[3][RAY_BATCH], reciprocal[3][RAY_BATCH], t1[RAY_BATCH];
+} ray_slabs;
+
 /* Rays of one octant of directions, as nodes test them: in single precision, conservatively. Each
  * has a place such that neighbours are beside each other. Points are those where rays come in, from
  * `middle` on; t counts from there. */
@@ -42,9 +48,7 @@ typedef struct grid_rays {
     double t_in[RAY_BATCH], t_out[RAY_BATCH];
     double entry[3][RAY_BATCH]; /* o + t_in d */
     double middle[3];
-    /* A ray meets near and far planes at (plane - near_o) reciprocal and (plane - far_o)
-     * reciprocal: early and late enough, see widening(). */
-    float near_o[3][RAY_BATCH], far_o[3][RAY_BATCH], reciprocal[3][RAY_BATCH], t1[RAY_BATCH];
+    ray_slabs slabs;
     /* The same ray by ray, for f_load_triples(). [0] of the span: where the cell kernel lets the
      * ray begin, not above 0; [1]: t1. */
     float o_of[RAY_BATCH][3], d_of[RAY_BATCH][3], per_d_of[RAY_BATCH][3], span_of[RAY_BATCH][3];
@@ -181,6 +185,25 @@ SIMD node_planes node_planes_of(const grid_rays *g, const level_planes *planes,
     return n;
 }
 
+/* Where the VF_N rays from `at` on come to slabs, `slabs` along each axis, between near and far
+ * planes, and leave them; within what there is of the rays. */
+SIMD void slabs_meet(const ray_slabs *s, unsigned at, unsigned slabs, const float near[],
+                     const float far[], vf comes[], vf leaves[]) {
+    for (unsigned a = 0; a < 3; a++) {
+        const vf near_o = f_load(s->near_o[a] + at), far_o = f_load(s->far_o[a] + at);
+        const vf r = f_load(s->reciprocal[a] + at);
+        for (unsigned i = slabs * a; i < slabs * (a + 1); i++) {
+            comes[i] = (f_set(near[i]) - near_o) * r;
+            leaves[i] = (f_set(far[i]) - far_o) * r;
+        }
+    }
+    const vf t1 = f_load(s->t1 + at);
+    for (unsigned i = 2 * slabs; i < 3 * slabs; i++) {
+        comes[i] = f_max(comes[i], f_set(0.0f));
+        leaves[i] = f_min(leaves[i], t1);
+    }
+}
+
 /* Where the VF_N rays from `at` on come to both halves of a node on each axis, and leave them. */
 typedef struct halves_met {
     vf near[3][2], far[3][2];
@@ -188,19 +211,7 @@ typedef struct halves_met {
 
 SIMD halves_met halves_met_of(const grid_rays *g, const node_planes *n, unsigned at) {
     halves_met m;
-    for (int a = 0; a < 3; a++) {
-        const vf near_o = f_load(g->near_o[a] + at), far_o = f_load(g->far_o[a] + at);
-        const vf r = f_load(g->reciprocal[a] + at);
-        for (int h = 0; h < 2; h++) {
-            m.near[a][h] = (f_set(n->near[a][h]) - near_o) * r;
-            m.far[a][h] = (f_set(n->far[a][h]) - far_o) * r;
-        }
-    }
-    const vf t1 = f_load(g->t1 + at);
-    for (int h = 0; h < 2; h++) {
-        m.near[2][h] = f_max(m.near[2][h], f_set(0.0f));
-        m.far[2][h] = f_min(m.far[2][h], t1);
-    }
+    slabs_meet(&g->slabs, at, 2, n->near[0], n->far[0], m.near[0], m.far[0]);
     return m;
 }
 
@@ -252,16 +263,16 @@ static void rays_enter(grid_rays *g, const grid_legs *legs, const uint8_t order[
         g->t_in[i] = t_in;
         g->t_out[i] = legs->t_out[from];
         const double begins = r->t0 > legs->t_box[from] ? r->t0 : legs->t_box[from];
-        g->t1[i] = (float)(legs->t_out[from] - t_in) * (1.0f + 4.0f * UNIT);
+        g->slabs.t1[i] = (float)(legs->t_out[from] - t_in) * (1.0f + 4.0f * UNIT);
         g->span_of[i][0] = (float)(begins - t_in);
-        g->span_of[i][1] = g->t1[i];
+        g->span_of[i][1] = g->slabs.t1[i];
         for (int a = 0; a < 3; a++) {
             const double e = r->o[a] + t_in * r->d[a], seen = fabs(e - g->middle[a]);
             const double far = fabs(r->o[a]) + fabs(t_in * r->d[a]);
             g->entry[a][i] = e;
             g->o_of[i][a] = (float)(e - g->middle[a]);
             g->d_of[i][a] = (float)r->d[a];
-            g->reciprocal[a][i] = g->per_d_of[i][a] = (float)legs->per_d[from][a];
+            g->slabs.reciprocal[a][i] = g->per_d_of[i][a] = (float)legs->per_d[from][a];
             size[a] = seen > size[a] ? seen : size[a];
             come[a] = far > come[a] ? far : come[a];
         }
@@ -271,9 +282,9 @@ static void rays_enter(grid_rays *g, const grid_legs *legs, const uint8_t order[
 /* Lanes beside the last ray of a vector meet nothing. */
 static void fill_up(grid_rays *g) {
     for (unsigned i = g->count; i % VF_N != 0; i++) {
-        g->t1[i] = -1.0f;
+        g->slabs.t1[i] = -1.0f;
         for (int a = 0; a < 3; a++)
-            g->near_o[a][i] = g->far_o[a][i] = g->reciprocal[a][i] = 0.0f;
+            g->slabs.near_o[a][i] = g->slabs.far_o[a][i] = g->slabs.reciprocal[a][i] = 0.0f;
     }
 }
 
@@ -298,8 +309,8 @@ static void grid_rays_make(grid_rays *g, const grid_legs *legs, const double mid
         const double w = g->back >> a & 1u ? -wide : wide;
         g->astray[a] = (float)(furthest[a] + 0x1p-24 * (come[a] + fabs(middle[a])));
         for (unsigned i = 0; i < g->count; i++) {
-            g->near_o[a][i] = (float)(g->entry[a][i] - middle[a] + w);
-            g->far_o[a][i] = (float)(g->entry[a][i] - middle[a] - w);
+            g->slabs.near_o[a][i] = (float)(g->entry[a][i] - middle[a] + w);
+            g->slabs.far_o[a][i] = (float)(g->entry[a][i] - middle[a] - w);
         }
     }
     fill_up(g);

@@ -17,6 +17,9 @@
 #include "stream/grid_resident.h"
 #include "stream/loader.h"
 
+/* Cells along each axis of a block. */
+enum { BLOCK_SIDE = 1 << LEAF_BLOCK_LOG2 };
+
 typedef struct walk_scene walk_scene;
 
 /* walk_treelet() - lower *best to the first hit in this treelet that is strictly after `after`, if

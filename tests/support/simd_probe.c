@@ -75,12 +75,12 @@ static void meant_integers(const simd_probe_input *in, int lanes, int i, simd_pr
     out->d_mask[PROBE_ODD] |= (uint32_t)(bits_of(in->a[i]) & 1u) << i;
 }
 
-/* The lanes that q has bits for, then 1. */
-static double packed(const simd_probe_input *in, int lanes, int i) {
+/* The i-th of the lanes that q has bits for; `lanes`: there are none. */
+static int packed(const simd_probe_input *in, int lanes, int i) {
     for (int k = 0; k < lanes; k++)
         if ((in->q >> k & 1u) && i-- == 0)
-            return in->a[k];
-    return 1.0;
+            return k;
+    return lanes;
 }
 
 static void meant_tables(const simd_probe_input *in, int lanes, int i, simd_probe_output *out) {
@@ -89,10 +89,11 @@ static void meant_tables(const simd_probe_input *in, int lanes, int i, simd_prob
     out->d[PROBE_TABLE][i] = five < 16 ? in->a[five] : in->b[five - 16];
     out->d[PROBE_HALF][i] = in->a[in->p >> i & 15u];
     memcpy(&out->d[PROBE_SHORTS][i], &number, sizeof number);
-    out->d[PROBE_PACK][i] = packed(in, lanes, i);
+    const int from = packed(in, lanes, i);
+    out->d[PROBE_PACK][i] = from < lanes ? in->a[from] : 1.0;
 }
 
-static void meant_floats(const simd_probe_input *in, int i, simd_probe_output *out) {
+static void meant_floats(const simd_probe_input *in, int lanes, int i, simd_probe_output *out) {
     const float x = in->x[i], y = in->y[i];
     out->f[PROBE_ADD][i] = x + y;
     out->f[PROBE_SUB][i] = x - y;
@@ -113,6 +114,11 @@ static void meant_floats(const simd_probe_input *in, int i, simd_probe_output *o
     out->f[PROBE_STREAM][i] = x;
     for (int k = 0; k < 3; k++)
         out->f[PROBE_TRIPLE_X + k][i] = in->x[3 * (in->p >> i & 3u) + (unsigned)k];
+    for (int k = 0; k < 4; k++)
+        out->f[PROBE_FOUR_X + k][i] = in->x[4 * (in->p >> i & 3u) + (unsigned)k];
+    out->f[PROBE_FOUR_TABLE][i] = in->x[in->p >> i & 3u];
+    const int from = packed(in, lanes, i);
+    out->f[PROBE_PACK_INT][i] = from < lanes ? (float)(in->p << from) : 1.0f;
 }
 
 #define MEANT_MASKS(to, a, b, i)                \
@@ -144,7 +150,7 @@ void simd_probe_meant(const simd_probe_input *in, int doubles, int floats, simd_
         MEANT_MASKS(out->d_mask, in->a[i], in->b[i], i);
     }
     for (int i = 0; i < floats; i++) {
-        meant_floats(in, i, out);
+        meant_floats(in, floats, i, out);
         MEANT_MASKS(out->f_mask, in->x[i], in->y[i], i);
     }
     meant_logic(in, doubles, out->d_mask);

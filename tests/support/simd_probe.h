@@ -39,15 +39,21 @@ enum {
     PROBE_TRIPLE_X, /* f_load_triples() from x, at the bits of p */
     PROBE_TRIPLE_Y,
     PROBE_TRIPLE_Z,
-    PROBE_GATHER,  /* d_gather() from a, one behind the bits of p */
-    PROBE_BYTES,   /* l_gather() from a, so many bytes on */
-    PROBE_REVERSE, /* of a */
-    PROBE_LOW,     /* d_of_low_floats() of the bits of a */
-    PROBE_PRODUCT, /* l_mul() of the bits of a and b */
-    PROBE_TABLE,   /* d_look_up() in a, then b, at five bits of p */
-    PROBE_HALF,    /* d_look_up_half() in a, at four bits of p */
-    PROBE_SHORTS,  /* l_of_shorts() of p, lane i so far up */
-    PROBE_PACK,    /* a by d_pack() where q has bits, then 1 */
+    PROBE_FOUR_X, /* f_load_fours() from x, 4 apart, at the bits of p */
+    PROBE_FOUR_Y,
+    PROBE_FOUR_Z,
+    PROBE_FOUR_W,
+    PROBE_FOUR_TABLE, /* f_look_up() in x, at two bits of p */
+    PROBE_GATHER,     /* d_gather() from a, one behind the bits of p */
+    PROBE_BYTES,      /* l_gather() from a, so many bytes on */
+    PROBE_REVERSE,    /* of a */
+    PROBE_LOW,        /* d_of_low_floats() of the bits of a */
+    PROBE_PRODUCT,    /* l_mul() of the bits of a and b */
+    PROBE_TABLE,      /* d_look_up() in a, then b, at five bits of p */
+    PROBE_HALF,       /* d_look_up_half() in a, at four bits of p */
+    PROBE_SHORTS,     /* l_of_shorts() of p, lane i so far up */
+    PROBE_PACK,       /* a by d_pack() where q has bits, then 1 */
+    PROBE_PACK_INT,   /* p, lane i so far up, by i_pack() where q has bits, then 1 */
     PROBE_WORDS
 };
 enum {

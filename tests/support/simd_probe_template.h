@@ -79,6 +79,22 @@ static void probe_tables(const simd_probe_input *in, simd_probe_output *out) {
     d_store(out->d[PROBE_SHORTS], (vd)l_of_shorts(shorts));
 }
 
+static void probe_fours(const simd_probe_input *in, const uint32_t at[], simd_probe_output *out) {
+    const unsigned lanes = in->q & ((1u << VF_N) - 1u);
+    uint32_t numbers[VF_N], packed[2 * VF_N];
+    vf four[4];
+    f_load_fours(in->x, 4, at, four);
+    for (int k = 0; k < 4; k++)
+        f_store(out->f[PROBE_FOUR_X + k], four[k]);
+    f_store(out->f[PROBE_FOUR_TABLE], f_look_up(in->x, i_load(at)));
+    for (unsigned i = 0; i < VF_N; i++)
+        numbers[i] = in->p << i;
+    i_pack(packed, i_load(numbers), lanes);
+    i_store(packed + __builtin_popcount(lanes), i_set(1));
+    for (unsigned i = 0; i < VF_N; i++)
+        out->f[PROBE_PACK_INT][i] = (float)packed[i];
+}
+
 static void probe_floats(const simd_probe_input *in, simd_probe_output *out) {
     const vf x = f_load(in->x), y = f_load(in->y);
     const mf p = mf_of_bits(in->p & ((1u << VF_N) - 1));
@@ -107,6 +123,7 @@ static void probe_floats(const simd_probe_input *in, simd_probe_output *out) {
     f_load_triples(in->x, at, triple);
     for (int a = 0; a < 3; a++)
         f_store(out->f[PROBE_TRIPLE_X + a], triple[a]);
+    probe_fours(in, at, out);
     const vi whole = f_to_int(x);
     for (int i = 0; i < VF_N; i++)
         out->f[PROBE_INT][i] = in->x[i] > -0x1p30f && in->x[i] < 0x1p30f ? (float)whole[i] : 0.0f;

@@ -225,6 +225,35 @@ SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
     for (int a = 0; a < 3; a++)
         FLOATS(i) out[a][i] = from[3 * at[i] + (uint32_t)a];
 }
+SIMD void f_load_fours(const float *from, unsigned stride, const uint32_t at[], vf out[4]) {
+    for (unsigned k = 0; k < 4; k++)
+        FLOATS(i) out[k][i] = from[stride * at[i] + k];
+}
+SIMD vf f_look_up(const float from[4], vi at) {
+    vf v;
+    FLOATS(i) assert(at[i] >= 0 && at[i] < 4);
+    FLOATS(i) v[i] = from[at[i]];
+    return v;
+}
+SIMD vi i_set(uint32_t a) {
+    vi v;
+    FLOATS(i) v[i] = (int32_t)a;
+    return v;
+}
+SIMD vi i_load(const uint32_t *from) {
+    vi v;
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+SIMD void i_store(uint32_t *to, vi a) {
+    memcpy(to, &a, sizeof a);
+}
+SIMD void i_pack(uint32_t *to, vi a, unsigned bits) {
+    uint32_t packed[VF_N] = {0};
+    int n = 0;
+    FLOATS(i) if (bits >> i & 1) packed[n++] = (uint32_t)a[i];
+    memcpy(to, packed, sizeof packed);
+}
 SIMD vf f_swap(vf a, unsigned by) {
     vf v;
     FLOATS(i) v[i] = a[(unsigned)i ^ by];

@@ -1,8 +1,8 @@
-/* grid_queue_template.h - ray-cells on their way to a kernel of cells, first in single precision;
- * included by the units of an ISA (see formats/base/simd.h).
+/* grid_ray_cells_template.h - ray-cells on their way to a kernel of cells: in single precision,
+ * then as it takes them; included by the units of an ISA (see formats/base/simd.h).
  */
-#ifndef RENDER_GRID_GRID_QUEUE_TEMPLATE_H
-#define RENDER_GRID_GRID_QUEUE_TEMPLATE_H
+#ifndef RENDER_GRID_GRID_RAY_CELLS_TEMPLATE_H
+#define RENDER_GRID_GRID_RAY_CELLS_TEMPLATE_H
 
 #include "formats/base/simd.h"
 
@@ -10,69 +10,45 @@
 
 #include "render/grid/cell_batch.h"
 #include "render/grid/grid_rays_template.h"
-#include "stream/grid_resident.h"
+#include "render/grid/level_planes.h"
 
-/* Ray-cells, one a lane, on their way to the filter. Lanes of a cell are beside each other; what is
- * the cell's is stored a vector at a time from the first of them on, and so reaches over. */
-typedef struct cell_queue {
-    float lo[3][2 * VF_N], hi[3][2 * VF_N], inv[3][2 * VF_N]; /* planes, from the middle on */
-    float samples[8][2 * VF_N];
-    uint32_t ray[VF_N]; /* its place */
-    uint8_t cell[VF_N]; /* of these: */
-    const resident_grid *at[VF_N];
-    uint32_t cells[VF_N][3];
-    unsigned count, cell_count;
-} cell_queue;
-
-/* A cell for the lanes that follow. */
-SIMD void queue_cell(cell_queue *q, const resident_grid *at, const uint32_t cell[3],
-                     const float planes[3][3]) {
-    const unsigned c = q->cell_count++;
-    q->at[c] = at;
-    for (int a = 0; a < 3; a++) {
-        q->cells[c][a] = cell[a];
-        f_store(q->lo[a] + q->count, f_set(planes[a][0]));
-        f_store(q->hi[a] + q->count, f_set(planes[a][1]));
-        f_store(q->inv[a] + q->count, f_set(planes[a][2]));
-    }
-}
-
-/* Where the queue's rays come into their cells, and how far they go, in the cells' coordinates; e:
- * by how much these may err, less 3, in units of may_cross()'s e. */
-typedef struct queue_visits {
+/* Where rays come into their cells, and how far they go, in the cells' coordinates; e: by how much
+ * these may err, less 3, in units of may_cross()'s e. */
+typedef struct ray_visits {
     near_way way;
     vf e;
-} queue_visits;
+} ray_visits;
 
-SIMD queue_visits queue_visits_of(const grid_rays *g, const cell_queue *q) {
-    queue_visits v = {.e = f_set(0.0f)};
+/* Of the rays with these places between planes of cells, a lane each, counted from the middle. */
+SIMD ray_visits ray_visits_of(const grid_rays *g, const uint32_t places[], const vf from[3],
+                              const vf to[3], const vf inverse[3]) {
+    ray_visits v = {.e = f_set(0.0f)};
     vf o[3], d[3], r[3], span[3], lo[3];
-    f_load_triples(g->o_of[0], q->ray, o);
-    f_load_triples(g->d_of[0], q->ray, d);
-    f_load_triples(g->per_d_of[0], q->ray, r);
-    f_load_triples(g->span_of[0], q->ray, span);
+    f_load_triples(g->o_of[0], places, o);
+    f_load_triples(g->d_of[0], places, d);
+    f_load_triples(g->per_d_of[0], places, r);
+    f_load_triples(g->span_of[0], places, span);
     vf t_in = span[0], t_out = span[1];
     for (int a = 0; a < 3; a++) {
-        const vf hi = f_load(q->hi[a]) - o[a];
-        lo[a] = f_load(q->lo[a]) - o[a];
+        const vf hi = to[a] - o[a];
+        lo[a] = from[a] - o[a];
         const vf to_lo = lo[a] * r[a], to_hi = hi * r[a];
         /* A ray along the planes is between them all the way. */
         const mf across = f_gt(f_abs(d[a]), f_set(0.0f));
         t_in = f_select(across, f_max(t_in, f_min(to_lo, to_hi)), t_in);
         t_out = f_select(across, f_min(t_out, f_max(to_lo, to_hi)), t_out);
-        v.e = v.e + (f_max(f_abs(lo[a]), f_abs(hi)) + f_set(g->astray[a])) * f_load(q->inv[a]);
+        v.e = v.e + (f_max(f_abs(lo[a]), f_abs(hi)) + f_set(g->astray[a])) * inverse[a];
     }
     for (int a = 0; a < 3; a++) {
-        const vf inv = f_load(q->inv[a]);
-        v.way.in[a] = near_coordinate(t_in, d[a], lo[a], inv);
-        v.way.way[a] = near_coordinate(t_out, d[a], lo[a], inv) - v.way.in[a];
+        v.way.in[a] = near_coordinate(t_in, d[a], lo[a], inverse[a]);
+        v.way.way[a] = near_coordinate(t_out, d[a], lo[a], inverse[a]) - v.way.in[a];
     }
     return v;
 }
 
 /* The bound has more for planes as seen from where each ray comes in, which may be off by as much
  * as `astray` has added, and for corners f without the isovalue that are off by less than `off`. */
-SIMD near_forms queue_forms(const vf f[8], vf e, vf off) {
+SIMD near_forms ray_cell_forms(const vf f[8], vf e, vf off) {
     near_forms forms;
     vf largest = f_set(0.0f);
     for (int s = 0; s < 8; s++)
