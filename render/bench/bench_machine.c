@@ -1,6 +1,5 @@
 #include "render/bench/bench_machine.h"
 
-#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -9,32 +8,38 @@
 #include "formats/base/pool.h"
 #include "render/leafcast.h"
 
-enum { LINE_MAX_BYTES = 512 };
+enum { LINE_MAX_BYTES = 512, MODEL_MAX = BENCH_MACHINE_MAX / 2 };
 
-/* Of a line "model name : X"; false where it is another. */
-static bool model_in(const char *line, char model[BENCH_MACHINE_MAX / 2]) {
-    static const char key[] = "model name";
-    const char *colon = strchr(line, ':');
-    if (!colon || strncmp(line, key, sizeof key - 1) != 0)
-        return false;
-    colon += 1 + strspn(colon + 1, " ");
-    snprintf(model, BENCH_MACHINE_MAX / 2, "%.*s", (int)strcspn(colon, "\n"), colon);
-    return true;
+/* What a line "key : X" has, into text; left as it is where the line is another. */
+static void take_value(const char *line, const char *key, char *text, size_t size) {
+    const size_t length = strlen(key);
+    if (strncmp(line, key, length) != 0 || line[length + strspn(line + length, "\t ")] != ':')
+        return;
+    const char *value = strchr(line, ':') + 1;
+    value += strspn(value, " ");
+    snprintf(text, size, "%.*s", (int)strcspn(value, "\n"), value);
 }
 
-/* "": the kernel does not say. */
-static void find_model(char model[BENCH_MACHINE_MAX / 2]) {
-    char line[LINE_MAX_BYTES];
+/* The CPU by its name, which may leave its generation open, and by its numbers, which do not. "":
+ * the kernel does not say. */
+static void find_model(char model[MODEL_MAX]) {
+    char line[LINE_MAX_BYTES], name[MODEL_MAX / 2] = "", family[16] = "", number[16] = "";
     FILE *f = fopen("/proc/cpuinfo", "re");
-    model[0] = 0;
-    while (f && fgets(line, sizeof line, f) && !model_in(line, model))
-        continue;
+    while (f && fgets(line, sizeof line, f) && line[0] != '\n') {
+        take_value(line, "model name", name, sizeof name);
+        take_value(line, "cpu family", family, sizeof family);
+        take_value(line, "model", number, sizeof number);
+    }
     if (f)
         fclose(f);
+    if (family[0] && number[0])
+        snprintf(model, MODEL_MAX, "%s (family %s, model %s)", name, family, number);
+    else
+        snprintf(model, MODEL_MAX, "%s", name);
 }
 
 void bench_machine(cpu_isa isa, const char *commit, char text[BENCH_MACHINE_MAX]) {
-    char model[BENCH_MACHINE_MAX / 2], date[16] = "";
+    char model[MODEL_MAX], date[16] = "";
     const time_t now = time(NULL);
     struct tm utc;
     find_model(model);

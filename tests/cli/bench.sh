@@ -26,6 +26,8 @@ judge() { # judge FILE FIELDS
 exits "built-in fields" 0 "$leafcast" bench intersectors --form brief --ray-cells 20000 -o "$tmp/i.csv" --plot "$tmp/i.svg"
 ok "a table on standard output" says '^marschner-lobb *neubauer' out
 ok "and what it was measured on" says "CPUs, .*; $(date -u +%Y-%m)-[0-9]*; leafcast [0-9.]*" out
+numbers=$(awk -F': ' '/^cpu family/ {f = $2} /^model\t/ && f {print "(family " f ", model " $2 ")"; exit}' /proc/cpuinfo)
+ok "and the CPU's numbers, if it has any" says "${numbers:-CPUs}" out
 judge "$tmp/i.csv" 2
 ok "and as bars" python3 -c 'import sys, xml.dom.minidom as x; sys.exit(x.parse(sys.argv[1]).getElementsByTagName("rect").length != 25)' "$tmp/i.svg"
 exits "an existing table" 1 "$leafcast" bench intersectors --ray-cells 100 -o "$tmp/i.csv"
