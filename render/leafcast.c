@@ -190,6 +190,7 @@ leafcast_status leafcast_get_info(const leafcast *v, leafcast_info *info) {
                             .value_min = h->value_min,
                             .value_max = h->value_max,
                             .preview_levels = v->preview_levels,
+                            .gradients = h->gradients != 0,
                             .cell_size = 1.0,
                             .file_bytes = h->file_bytes,
                             .payload_bytes = h->payload_bytes};

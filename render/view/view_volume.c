@@ -12,8 +12,8 @@
 #include "render/view/view_state.h"
 
 enum { MAP_COLOURS = 64, PRESET_COLOURS = 32, NAME_MAX_BYTES = 64 };
-/* Of how many fields and steps presets are told. */
-enum { PRESETS_MAX = 64 };
+/* Of how many fields and steps more is told than their ranges. */
+enum { TOLD_MAX = 64 };
 
 static json_t *reals(const double *x, int count) {
     json_t *list = json_array();
@@ -28,22 +28,13 @@ static void file_name(char *name, size_t room, const char *path) {
     text_name(name, room, slash ? slash + 1 : path);
 }
 
-static json_t *histogram_json(const leafcast *volume, uint32_t field) {
-    leafcast_histogram *h = NULL;
-    mem m;
-    json_t *out = json_object(), *samples = json_array(), *area = json_array();
-    mem_init(&m, 0);
-    h = mem_zalloc(&m, sizeof *h);
-    const bool known = h && leafcast_get_histogram(volume, field, 0, h) == LEAFCAST_OK;
-    for (uint32_t i = 0; known && i < h->bins; i++) {
+static json_t *histogram_json(const leafcast_histogram *h) {
+    json_t *out = json_object(), *samples = json_array();
+    for (uint32_t i = 0; i < h->bins; i++)
         json_array_append_new(samples, json_integer(h->samples[i]));
-        json_array_append_new(area, cli_json_real((double)h->area[i]));
-    }
     json_object_set_new(out, "edges",
-                        known && h->bins > 0 ? reals(h->edges, (int)h->bins + 1) : json_array());
+                        h->bins > 0 ? reals(h->edges, (int)h->bins + 1) : json_array());
     json_object_set_new(out, "samples", samples);
-    json_object_set_new(out, "area", area);
-    mem_free(&m, h);
     return out;
 }
 
@@ -94,33 +85,16 @@ static json_t *preset_json(mem *m, const char *name, const leafcast_histogram *h
     return out;
 }
 
-/* Of a field at a step. */
-static json_t *presets_json(mem *m, const leafcast *volume, uint32_t field, uint32_t step,
+static json_t *presets_json(mem *m, const leafcast_histogram *h, double length,
                             const byte_table *table) {
-    const leafcast_info info = leafcast_describe(volume);
-    leafcast_histogram *h = mem_zalloc(m, sizeof *h);
     json_t *out = json_object();
-    const bool known = h && leafcast_get_histogram(volume, field, step, h) == LEAFCAST_OK;
-    for (const char *at = transfer_preset_names(); known && *at;) {
+    for (const char *at = transfer_preset_names(); *at;) {
         char name[NAME_MAX_BYTES];
         const size_t n = strcspn(at, "|");
         snprintf(name, sizeof name, "%.*s", (int)n, at);
-        json_object_set_new(out, name, preset_json(m, name, h, diagonal(&info), table));
+        json_object_set_new(out, name, preset_json(m, name, h, length, table));
         at += n + (at[n] == '|');
     }
-    mem_free(m, h);
-    return out;
-}
-
-/* Of the first steps. */
-static json_t *all_presets_json(const leafcast *volume, uint32_t field, const byte_table *table) {
-    const leafcast_info info = leafcast_describe(volume);
-    const uint32_t room = info.fields < PRESETS_MAX ? PRESETS_MAX / info.fields : 1;
-    json_t *out = json_array();
-    mem m;
-    mem_init(&m, 0);
-    for (uint32_t i = 0; i < info.steps && i < room; i++)
-        json_array_append_new(out, presets_json(&m, volume, field, i, table));
     return out;
 }
 
@@ -148,22 +122,47 @@ static void find_ranges(const leafcast *volume, uint32_t field, double range[2],
         range[0] = range[1] = data[0] = data[1] = 0.0;
 }
 
-static json_t *field_json(const leafcast *volume, uint32_t field, const byte_table *table) {
-    double range[2], data[2], suggested[LEAFCAST_SUGGESTIONS_MAX];
+/* What a field has at a step: its histogram, suggested isovalues, presets. */
+static json_t *field_step_json(mem *m, const leafcast *volume, uint32_t field, uint32_t step,
+                               leafcast_histogram *h, const byte_table *table) {
+    const leafcast_info info = leafcast_describe(volume);
+    double suggested[LEAFCAST_SUGGESTIONS_MAX];
     int count = 0;
-    const char *name = leafcast_field_name(volume, field);
-    json_t *out = json_object(), *text = json_string(name);
-    if (leafcast_suggested_isovalues(volume, field, 0, suggested, LEAFCAST_SUGGESTIONS_MAX,
+    if (leafcast_suggested_isovalues(volume, field, step, suggested, LEAFCAST_SUGGESTIONS_MAX,
                                      &count) != LEAFCAST_OK)
         count = 0;
+    const bool known = leafcast_get_histogram(volume, field, step, h) == LEAFCAST_OK;
+    if (!known)
+        h->bins = 0;
+    return json_pack("{s:o,s:o,s:o}", "suggested", reals(suggested, count), "histogram",
+                     histogram_json(h), "presets",
+                     known ? presets_json(m, h, diagonal(&info), table) : json_object());
+}
+
+/* Of the first steps. */
+static json_t *field_steps_json(const leafcast *volume, uint32_t field, const byte_table *table) {
+    const leafcast_info info = leafcast_describe(volume);
+    const uint32_t room = info.fields < TOLD_MAX ? TOLD_MAX / info.fields : 1;
+    json_t *out = json_array();
+    mem m;
+    mem_init(&m, 0);
+    leafcast_histogram *h = mem_zalloc(&m, sizeof *h);
+    for (uint32_t i = 0; h && i < info.steps && i < room; i++)
+        json_array_append_new(out, field_step_json(&m, volume, field, i, h, table));
+    mem_free(&m, h);
+    return out;
+}
+
+static json_t *field_json(const leafcast *volume, uint32_t field, const byte_table *table) {
+    double range[2], data[2];
+    const char *name = leafcast_field_name(volume, field);
+    json_t *out = json_object(), *text = json_string(name);
     find_ranges(volume, field, range, data);
     /* Names of files need not be UTF-8. */
     json_object_set_new(out, "name", text ? text : json_string(""));
     json_object_set_new(out, "range", reals(range, 2));
     json_object_set_new(out, "data", reals(data, 2));
-    json_object_set_new(out, "suggested", reals(suggested, count));
-    json_object_set_new(out, "histogram", histogram_json(volume, field));
-    json_object_set_new(out, "presets", all_presets_json(volume, field, table));
+    json_object_set_new(out, "steps", field_steps_json(volume, field, table));
     return out;
 }
 
@@ -232,6 +231,7 @@ static json_t *describe(const view_file *files, int count, int which, const view
     json_object_set_new(out, "bounds",
                         json_pack("[o,o]", reals(info.bounds[0], 3), reals(info.bounds[1], 3)));
     json_object_set_new(out, "cell_size", cli_json_real(info.cell_size));
+    json_object_set_new(out, "gradients", json_boolean(info.gradients));
     json_object_set_new(out, "levels", json_integer(info.levels));
     json_object_set_new(out, "treelets", json_integer(info.treelets));
     json_object_set_new(out, "file_bytes", json_integer((json_int_t)info.file_bytes));

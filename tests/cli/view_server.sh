@@ -33,10 +33,12 @@ case ${LEAFCAST_BUILD-} in
     ;;
 esac
 
-run python3 tests/support/view_server.py "$leafcast" "$tmp"
-ok "the client ends well" [ "$rc" = 0 ]
-while read -r result name; do ok "$name" [ "$result" = ok ]; done <<LINES
+for client in view_told view_server; do
+    run python3 "tests/support/$client.py" "$leafcast" "$tmp"
+    ok "$client: the client ends well" [ "$rc" = 0 ]
+    while read -r result name; do ok "$name" [ "$result" = ok ]; done <<LINES
 $(sed -n 's/^\(ok\|not\) /\1 /p' "$tmp/out")
 LINES
-ok "and has told of all" grep -qx "end" "$tmp/out"
+    ok "$client: and has told of all" grep -qx "end" "$tmp/out"
+done
 finish

@@ -235,3 +235,18 @@ def png_pixels(data):
         rows.append(bytes(row))
         above = row
     return width, height, channels, b"".join(rows)
+
+
+# ---- What is told of it ----
+
+def ok(name, good):
+    print("ok" if good else "not", name, flush=True)
+
+
+def ends(server, name, number=signal.SIGINT):
+    """Whether it does, by the signal, and without a report."""
+    code, said = server.stop(number)
+    ok(f"{name}: ends by the signal ({code})", code == 128 + number)
+    ok(f"{name}: no report of a sanitizer", "Sanitizer" not in said and "runtime error" not in said)
+    if "Sanitizer" in said:
+        print(said)

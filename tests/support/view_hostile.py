@@ -9,7 +9,7 @@ PEER: the leafcast whose pictures are compared (LEAFCAST).
 import base64, collections, json, os, random, select, signal, socket, struct, subprocess, sys, threading, time
 import urllib.parse, zlib
 
-from view_client import Closed, Page, Server, png_pixels
+from view_client import Closed, Page, Server, png_pixels, ok
 from view_usage import opened, settled, tree, usage
 
 leafcast, folder = sys.argv[1:3]
@@ -22,10 +22,6 @@ ENEMIES = 4
 SLACK = 96 << 20 # what allocators keep, threads' stacks
 SURFACE = {"iso": [120], "eye": [110, 90, 80], "look-at": [24, 20, 22], "fov": 30}
 ZERO = struct.pack("ii", 1, 0)
-
-
-def ok(name, good):
-    print("ok" if good else "not", name, flush=True)
 
 
 def rendered(leaf, state):

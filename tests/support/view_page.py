@@ -11,7 +11,7 @@ from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 
-from view_client import Server, png_pixels
+from view_client import Server, png_pixels, ok
 
 leafcast, folder = sys.argv[1:3]
 SEED = int(os.environ.get("SEED", "7"))
@@ -19,10 +19,6 @@ INPUTS, WAIT = int(os.environ.get("INPUTS", "500")), 60
 DESK, PHONE = (1280, 720), (390, 844)
 FINAL = """const l = window.leafcast, h = l.screen.head;
 return Boolean(h && h.final && h.number === l.link.number && !l.link.pending)"""
-
-
-def ok(name, good):
-    print("ok" if good else "not", name, flush=True)
 
 
 class Browser:

@@ -5,7 +5,7 @@ A line "ok NAME" or "not NAME" for each thing that is looked at, "end" at last.
 """
 import json, os, random, select, shutil, signal, socket, struct, subprocess, sys, time, urllib.parse
 
-from view_client import Closed, Page, Server, png_pixels
+from view_client import Closed, Page, Server, ends, ok, png_pixels
 
 leafcast, folder = sys.argv[1:3]
 GRID, MESH = folder + "/g.leaf", folder + "/m.leaf"
@@ -19,18 +19,6 @@ CLEAR = dict(SURFACE, background="0,0,0,0", annotate=True, title="gyroid", unit=
 SAMPLES = dict(SURFACE, samples=4)
 PROJECTED = {"project": "max", "colour-map": "viridis", "eye": [110, 90, 80], "look-at": [24, 20, 22]}
 W, H = 160, 120
-
-
-def ok(name, good):
-    print("ok" if good else "not", name, flush=True)
-
-
-def ends(server, name, number=signal.SIGINT):
-    code, said = server.stop(number)
-    ok(f"{name}: ends by the signal ({code})", code == 128 + number)
-    ok(f"{name}: no report of a sanitizer", "Sanitizer" not in said and "runtime error" not in said)
-    if "Sanitizer" in said:
-        print(said)
 
 
 def serve(*arguments):
@@ -109,9 +97,9 @@ def drawn(s):
     v = page.volume
     ok("the volume is told", v["type"] == "volume" and v["kind"] == "grid" and v["dims"] == [48, 40, 44] and
        v["file"] == "g.leaf" and v["files"] == ["g.leaf", "m.leaf"] and len(v["colour_maps"]["viridis"]) == 64)
-    h = v["fields"][0]["histogram"]
+    h = v["fields"][0]["steps"][0]["histogram"]
     ok("nothing is left aside", v["fields"][0]["data"] == v["fields"][0]["range"])
-    ok("with a histogram", len(h["edges"]) == len(h["samples"]) + 1 == len(h["area"]) + 1 > 2)
+    ok("with a histogram", len(h["edges"]) == len(h["samples"]) + 1 > 2)
     page.view(1, v["state"], W, H)
     got = page.final()
     ok("the first state is drawn", png_pixels(got[-1][1]) == rendered(v["state"]))
@@ -351,21 +339,6 @@ def changed():
     ok("what the page has said stays", '"a/b"' in page.text("refused")["why"])
     code, _, body = picture_of(s, SURFACE)
     ok("as an answer", code == 400 and body.startswith(b"changes.leaf"))
-    page.close()
-    s.stop()
-
-
-def marked():
-    """A value that may stand for missing data: left aside by what the page offers."""
-    raw, leaf = folder + "/marked_16x16x16_f32.raw", folder + "/marked.leaf"
-    with open(raw, "wb") as f:
-        f.write(struct.pack("<4096f", *[-9999.0 if i % 5 == 0 else i % 7 for i in range(4096)]))
-    subprocess.run([leafcast, "convert", raw, "-o", leaf, "-q"], check=True)
-    s = serve(leaf)
-    page = Page(s)
-    f = page.volume["fields"][0]
-    ok(f"a value aside: {f['data']} of {f['range']}", f["range"] == [-9999, 6] and f["data"] == [0, 6])
-    ok(f"is not suggested: {f['suggested']}", f["suggested"] and all(0 < v < 6 for v in f["suggested"]))
     page.close()
     s.stop()
 
@@ -759,37 +732,11 @@ def ending():
         ends(s, "there")
 
 
-def series():
-    """A field of two steps: the range of both, and of each its presets as `render` makes them."""
-    names, leaf, good = [], folder + "/s.leaf", 0
-    for step, (low, high) in enumerate(((0, 5), (2, 9))):
-        names.append(f"{folder}/s{step}_16x16x16_f32.raw")
-        with open(names[-1], "wb") as f:
-            f.write(struct.pack("<4096f", *(low + (high - low) * (i * i % 97) / 96 for i in range(4096))))
-    subprocess.run([leafcast, "convert", *names, "-o", leaf, "-q"], check=True)
-    s = serve(leaf)
-    field = Page(s).volume["fields"][0]
-    ok("a field's range is that of all steps", field["range"] == field["data"] == [0, 9])
-    for step, name in ((step, name) for step in range(2) for name in ("auto", "ct", "mr")):
-        made = f"{folder}/{name}{step}.tf"
-        subprocess.run([leafcast, "render", leaf, "--tf", name, "--step", str(step), "--write-tf", made, "-q", "--force",
-                        "--size", "4x4", "-o", folder + "/tf.png"], check=True)
-        with open(made) as f:
-            rows = [[float(x) for x in line.split()] for line in f if line[0] != "#"]
-        got = field["presets"][step][name]
-        good += len(got["points"]) >= 3 and len(got["colours"]) == 32 and all(
-            any(abs(r[0] - v) <= 1e-9 and abs(r[4] - e) <= 1e-9 * (1 + e) for r in rows) for v, e in got["points"])
-    ok(f"presets are what render makes of them ({good} of 6)", good == 6 and len(field["presets"]) == 2)
-    ends(s, "a series")
-
-
 def main():
     s = serve(GRID, MESH)
     for test in (pages, sockets, drawn, slices, files, large, superseded, unseen, waiting, picks, states, limits, several):
         test(s)
     changed()
-    marked()
-    series()
     fuzz(s, 2000)
     rubbish(s, 300)
     ends(s, "after all")

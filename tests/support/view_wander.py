@@ -8,7 +8,7 @@ at, "end" at last. SEED=N reruns. PEER: the leafcast whose pictures are compared
 """
 import json, os, random, signal, subprocess, sys, time
 
-from view_client import Closed, Page, Server, png_pixels
+from view_client import Closed, Page, Server, png_pixels, ok
 from view_usage import settled, usage
 
 leafcast, folder, amount = sys.argv[1:4]
@@ -21,10 +21,6 @@ PAGES, SIZES = 3, (1, 17, 64, 160, 320)
 SLACK = 96 << 20
 LIGHTS = ("light", "point-light", "shadows", "ambient", "shading", "specular")
 MAPS = ("grey", "viridis", "plasma", "inferno", "magma", "cool-warm", "rainbow")
-
-
-def ok(name, good):
-    print("ok" if good else "not", name, flush=True)
 
 
 # ---- States ----
@@ -49,7 +45,7 @@ class Hand:
     def value(self):
         field = self.volume["fields"][int(self.state.get("field", 0))]
         low, high = field["range"]
-        return dice.choice(field["suggested"] or [low]) if dice.random() < 0.3 else dice.uniform(low, high)
+        return dice.choice(field["steps"][0]["suggested"] or [low]) if dice.random() < 0.3 else dice.uniform(low, high)
 
     def orbit(self):
         self.state["eye"] = near(self.middle, 2 * self.size)

@@ -46,7 +46,7 @@ export class Data {
     this.slider.set(step);
     this.say();
     const number = this.app.changed(moving, this.playing);
-    this.app.pick.stepped();
+    this.app.stepped();
     return number;
   }
 

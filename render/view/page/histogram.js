@@ -15,8 +15,10 @@ export class Plot {
     new ResizeObserver(() => this.draw()).observe(host);
   }
 
-  show(field) {
+  // Of a field at a step (stepOf()); the plot reaches over all steps.
+  show(field, step) {
     this.field = field;
+    this.step = step;
     [this.low, this.high] = field.data;
     if (!(this.high > this.low)) this.high = this.low + 1;
     this.ends.replaceChildren(...field.data.map(v => element("span", {}, short(v))));
@@ -42,13 +44,13 @@ export class Plot {
     const c = this.canvas.getContext("2d"), base = height - FOOT * ratio;
     this.bars(c, width, base);
     c.fillStyle = "#e3a94f";
-    for (const v of this.field.suggested)
+    for (const v of this.step.suggested)
       c.fillRect(Math.round(this.share(v) * width - ratio), base + ratio, 2 * ratio, TICK * ratio);
     if (this.curve?.length) this.line(c, width, base, ratio);
   }
 
   bars(c, width, base) {
-    const {edges, samples} = this.field.histogram;
+    const {edges, samples} = this.step.histogram;
     if (!samples.length) return;
     // A column of the plot shows the fullest bin that it touches; logarithms, since air is most of it.
     const columns = new Float64Array(width);

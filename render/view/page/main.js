@@ -11,7 +11,7 @@ import {Movie} from "./movie.js";
 import {Pick} from "./pick.js";
 import {Save} from "./save.js";
 import {Screen} from "./screen.js";
-import {fromFlags, fromFragment, toFlags, toFragment} from "./state.js";
+import {fromFlags, fromFragment, stepOf, toFlags, toFragment} from "./state.js";
 import {Slices} from "./slice.js";
 import {Surfaces} from "./surfaces.js";
 import {add, scale, sub} from "./vector.js";
@@ -156,14 +156,19 @@ class App {
 
   chooseField(k) {
     this.model.data.field = k;
-    const f = this.volume.fields[k];
-    this.model.surfaces = this.model.surfaces.slice(0, 1).map(s => ({...s, iso: f.suggested[0] ?? f.data[1]}));
-    Object.assign(this.model.volume, {points: [], window: null, first: f.suggested[0] ?? f.data[1],
+    const f = this.volume.fields[k], [suggested = f.data[1]] = stepOf(f, this.model.data.step).suggested;
+    this.model.surfaces = this.model.surfaces.slice(0, 1).map(s => ({...s, iso: suggested}));
+    Object.assign(this.model.volume, {points: [], window: null, first: suggested,
       preset: this.model.volume.preset === "custom" ? "auto" : this.model.volume.preset});
     this.model.slices.window = null;
     this.pick.clear();
     this.build();
     this.changed(false);
+  }
+
+  // Another step is shown.
+  stepped() {
+    for (const part of [this.surfaces, this.media, this.pick]) part.stepped();
   }
 
   // ---- what goes out ----

@@ -120,6 +120,11 @@ export function asideOf({range, data}) {
   return side < 0 ? null : range[side];
 }
 
+// What is told of a field at a step. Of late steps nothing is: that of the first one then, but for its presets.
+export function stepOf(field, step) {
+  return field.steps[step] ?? {...field.steps[0], presets: {}};
+}
+
 // An isovalue that no sample has: without any, one would be suggested and drawn.
 export function nowhere(field) {
   return field.range[1] + Math.max(1, field.range[1] - field.range[0]);

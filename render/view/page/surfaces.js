@@ -1,7 +1,7 @@
 // surfaces.js - the isosurfaces: a handle each on the histogram, and a line each below it.
 import {brief, byId, colour, element, short} from "./dom.js";
 import {Plot, drag} from "./histogram.js";
-import {COLOURS, SURFACES_MAX, asideOf} from "./state.js";
+import {COLOURS, SURFACES_MAX, asideOf, stepOf} from "./state.js";
 
 export class Surfaces {
   constructor(app) {
@@ -13,10 +13,11 @@ export class Surfaces {
   }
 
   get field() { return this.app.volume.fields[this.app.model.data.field]; }
+  get step() { return stepOf(this.field, this.app.model.data.step); }
   get list() { return this.app.model.surfaces; }
 
   build() {
-    this.plot.show(this.field);
+    this.stepped();
     const aside = asideOf(this.field);
     byId("iso-aside").hidden = aside == null;
     byId("iso-aside").textContent = `${short(aside ?? 0, 6)} may stand for no data, and is left aside. `
@@ -31,6 +32,8 @@ export class Surfaces {
     byId("surface-add").disabled = this.list.length >= SURFACES_MAX;
     this.list.forEach((s, i) => this.place(i));
   }
+
+  stepped() { this.plot.show(this.field, this.step); }
 
   // A value that a person would write: to a 2000th of the range, and a half for integers' sake.
   rounded(v) {
@@ -118,7 +121,7 @@ export class Surfaces {
   // The first suggested value that is not drawn yet, else the middle of the widest gap.
   add() {
     const taken = this.list.map(s => s.iso), range = this.plot.high - this.plot.low;
-    let iso = this.field.suggested.find(v => taken.every(t => Math.abs(t - v) > range / 200));
+    let iso = this.step.suggested.find(v => taken.every(t => Math.abs(t - v) > range / 200));
     if (iso == null) {
       const all = [this.plot.low, ...taken, this.plot.high].sort((a, b) => a - b);
       let k = 1;

@@ -1,7 +1,7 @@
 // volume.js - the volume itself: colours and opacities of its values, and projections.
 import {byId, check, choice, element, short, slider, span} from "./dom.js";
 import {Plot, drag} from "./histogram.js";
-import {diagonal} from "./state.js";
+import {diagonal, stepOf} from "./state.js";
 
 const MODES = [["off", "not shown"], ["media", "see-through"], ["max", "maximum (MIP)"], ["min", "minimum"],
   ["mean", "mean"], ["first", "first to reach a value"]];
@@ -16,6 +16,7 @@ export class Volume {
 
   get v() { return this.app.model.volume; }
   get field() { return this.app.volume.fields[this.app.model.data.field]; }
+  get step() { return stepOf(this.field, this.app.model.data.step); }
 
   build() {
     const {v, app} = this, maps = Object.keys(app.volume.colour_maps);
@@ -57,7 +58,7 @@ export class Volume {
         change: (x, rest) => { v.length = +(this.usual * 10 ** -x).toPrecision(4); change(!rest); }}));
     parts.push(check("Colour bar in the picture", {value: app.model.legend,
       change: on => { app.model.legend = on; app.changed(false); }}));
-    this.plot.show(this.field);
+    this.plot.show(this.field, this.step);
     if (media) this.edit(host);
     return parts;
   }
@@ -66,7 +67,7 @@ export class Volume {
 
   // Of this step: its points as opacities over a length at which they are well seen. null: not known.
   get told() {
-    const preset = this.field.presets[this.app.model.data.step]?.[this.v.preset];
+    const preset = this.step.presets[this.v.preset];
     const most = Math.max(0, ...preset?.points.map(p => p[1]) ?? []);
     if (this.v.mode !== "media" || !(most > 0)) return null;
     const length = -Math.log(1 - PRESET_MOST) / most;
@@ -79,6 +80,11 @@ export class Volume {
     if (!own && !v.map) return told && {colours: told.colours, low: told.points[0][0], high: told.points.at(-1)[0]};
     const [low, high] = v.window ?? this.field.data;
     return {colours: this.app.volume.colour_maps[v.map || (projected ? "grey" : "viridis")], low, high};
+  }
+
+  stepped() {
+    this.plot?.show(this.field, this.step);
+    this.refresh();
   }
 
   refresh() {
@@ -100,7 +106,7 @@ export class Volume {
 
   mode(mode) {
     const {v} = this;
-    if (mode === "first") v.first ??= this.field.suggested[0] ?? this.plot?.value(0.5) ?? this.field.data[1];
+    if (mode === "first") v.first ??= this.step.suggested[0] ?? this.plot?.value(0.5) ?? this.field.data[1];
     this.uncover(mode);
     if (mode !== "media") this.giveBack();
     if (mode !== "off") this.app.seeVolume();
@@ -133,7 +139,7 @@ export class Volume {
     const {v, told} = this, [low, high] = this.field.data;
     if (v.points.length) return;
     if (told) return this.borrow(told);
-    const s = this.field.suggested.find(x => x > low && x < high) ?? (low + high) / 2;
+    const s = this.step.suggested.find(x => x > low && x < high) ?? (low + high) / 2;
     v.points = [[low, 0], [s - 0.12 * (s - low), 0], [s + 0.25 * (high - s), 0.25], [high, 0.8]];
   }
 
