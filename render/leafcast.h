@@ -132,7 +132,7 @@ typedef struct leafcast_info {
     uint64_t file_bytes, payload_bytes;
     uint32_t preview_levels; /* of detail that a preview may draw: levels; of a mesh with a coarse
                                 grid the tets, and then those of the grid */
-    bool gradients;          /* at the vertices of a mesh: leafcast_scene.smooth_normals may be set */
+    bool gradients; /* at the vertices of a mesh: leafcast_scene.smooth_normals may be set */
 } leafcast_info;
 
 /* leafcast_get_info(), leafcast_describe() - pointers live as long as the volume. */

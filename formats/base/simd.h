@@ -11,7 +11,7 @@
  *
  * f_load_rows() takes VF_N / 4 rows of four floats, `stride` apart; f_load_triples() the three
  * floats from + 3 at[k] of lane k, and nothing behind them; f_load_fours() four floats from +
- * stride at[k]; f_look_up() from[at[k]] of four; d_load_rows() VD_N / D_ROW rows of
+ * stride at[k] of lane k on; f_look_up() from[at[k]] of four; d_load_rows() VD_N / D_ROW rows of
  * D_ROW doubles; d_load_at() from[at[k]] of lane k, d_gather() the same; d_load_four() four of
  * them, from + stride at[k] of lane k on; d_look_up() is d_gather() from a table, of which all
  * D_TABLE doubles may be read, d_look_up_half() from one of half as many: of use where D_LOOKS_UP;
@@ -147,7 +147,7 @@ SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
     out[1] = _mm512_shuffle_ps(low, low2, 0xee);
     out[2] = _mm512_shuffle_ps(high, high2, 0x44);
 }
-SIMD vf f_row_of_four(const float *from, unsigned stride, const uint32_t at[], int k) {
+SIMD vf f_row_of_four_(const float *from, unsigned stride, const uint32_t at[], int k) {
     return _mm512_insertf32x8(
         _mm512_castps256_ps512(_mm256_set_m128(_mm_loadu_ps(from + stride * at[k + 4]),
                                                _mm_loadu_ps(from + stride * at[k]))),
@@ -281,7 +281,7 @@ SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
     out[1] = _mm256_shuffle_ps(low, low2, 0xee);
     out[2] = _mm256_shuffle_ps(high, high2, 0x44);
 }
-SIMD vf f_row_of_four(const float *from, unsigned stride, const uint32_t at[], int k) {
+SIMD vf f_row_of_four_(const float *from, unsigned stride, const uint32_t at[], int k) {
     return _mm256_set_m128(_mm_loadu_ps(from + stride * at[k + 4]),
                            _mm_loadu_ps(from + stride * at[k]));
 }
@@ -404,7 +404,7 @@ SIMD void f_load_triples(const float *from, const uint32_t at[], vf out[3]) {
     out[1] = _mm_shuffle_ps(low, low2, 0xee);
     out[2] = _mm_shuffle_ps(high, high2, 0x44);
 }
-SIMD vf f_row_of_four(const float *from, unsigned stride, const uint32_t at[], int k) {
+SIMD vf f_row_of_four_(const float *from, unsigned stride, const uint32_t at[], int k) {
     return _mm_loadu_ps(from + stride * at[k]);
 }
 SIMD vf f_of_bytes(const uint8_t *from) {
@@ -544,7 +544,7 @@ SIMD mf f_gt(vf a, vf b) {
 SIMD void f_load_fours(const float *from, unsigned stride, const uint32_t at[], vf out[4]) {
     vf row[4];
     for (int k = 0; k < 4; k++)
-        row[k] = f_row_of_four(from, stride, at, k);
+        row[k] = f_row_of_four_(from, stride, at, k);
     const vf low = F_(unpacklo)(row[0], row[1]), low2 = F_(unpacklo)(row[2], row[3]);
     const vf high = F_(unpackhi)(row[0], row[1]), high2 = F_(unpackhi)(row[2], row[3]);
     out[0] = F_(shuffle)(low, low2, 0x44);

@@ -4,12 +4,15 @@
  * Rays of one octant of directions pass the children of a node in one order. So they walk the
  * directory and the treelets' trees together, with a set of rays at each node: those whose own
  * intervals, in single precision and widened, meet it. Neighbours lie beside each other in vectors.
- * Ray-cells are collected over several cells: those that may meet the surface go to the cell kernel
- * together (cell_batch.h), whose answer is the same as for single rays.
+ * A block of 4^3 cells is taken at once: each vector of rays is tested against its active cells, in
+ * the rays' order. The ray-cells wait, are filtered in single precision, and those that may meet
+ * the surface go to the cell kernel together (cell_batch.h), whose answer is the same as for single
+ * rays.
  *
  * Rays with a component of 0, as towards a light along an axis, walk along, and ask the scalar
- * kernel of their cells. Left to single rays: those that meet an absent treelet, or go on from one;
- * directions with a component that is all but zero; previews.
+ * kernel of cells where that is too near to a plane (CELL_ALONG). Left to single rays: those that
+ * meet an absent treelet, or go on from one; directions with a component that is all but zero;
+ * previews.
  */
 #ifndef RENDER_GRID_GRID_BATCH_H
 #define RENDER_GRID_GRID_BATCH_H

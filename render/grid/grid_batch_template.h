@@ -74,7 +74,8 @@ SIMD trace_state *state_at(const batch_walk *w, unsigned i) {
 }
 
 /* A hit of ray i, where t_out ends its visit: all cells to come lie behind. But the next cell may
- * claim the same t. */
+ * claim the same t. Cells of one ray may be answered together, in any order: the least hit stays.
+ */
 static void take_hit(batch_walk *w, unsigned i, const resident_grid *at, const hit *h,
                      bool at_exit) {
     if (hit_less(h, &w->best[i])) {
@@ -221,7 +222,8 @@ static bool goes_along(const batch_walk *w, const resident_grid *at, const uint3
 
 /* ---- Blocks ---- */
 
-/* Filter the pairs of a block, and add the rest to the batch. */
+/* Filter the ray-cells of a block, and add the rest to the batch. Not inlined: seldom called from
+ * the loop over cells. */
 static __attribute__((noinline)) void block_flush(batch_walk *w) {
     block_cells *b = &w->block;
     if (b->count == 0)
@@ -258,7 +260,7 @@ SIMD void walk_cells(batch_walk *w, uint64_t active, unsigned at, unsigned in) {
     for (; active; active &= active - 1) {
         const uint32_t number = (uint32_t)__builtin_ctzll(active) ^ flip;
         block_cells_put(b, number, at, block_cell_met(&m, number) & in);
-        if (b->count >= BLOCK_PAIRS)
+        if (b->count >= RAY_CELLS)
             block_flush(w);
     }
 }

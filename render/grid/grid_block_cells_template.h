@@ -8,22 +8,23 @@
 
 #ifdef SIMD_NAME
 
-#include "render/grid/grid_block_rays_template.h"
+#include "render/grid/grid_block_planes_template.h"
 #include "render/grid/grid_ray_cells_template.h"
 
-/* So many wait for each other. */
-enum { BLOCK_PAIRS = 256, BLOCK_CELLS = BLOCK_SIDE * BLOCK_SIDE * BLOCK_SIDE };
+/* A block's ray-cells are filtered when there are so many: a vector more may have been put by then,
+ * and one behind the last is written. */
+enum { RAY_CELLS = 256, RAY_CELLS_ROOM = RAY_CELLS + 2 * VF_N };
 
-/* Cells that rays meet, pair by pair: rays by their places, cells by their number in Morton order.
- */
+/* Ray-cells: rays by their places, cells by their number in Morton order. */
 typedef struct block_cells {
     const resident_grid *at;
     uint32_t first[3];
     block_planes planes;
     unsigned count;
-    uint32_t ray[BLOCK_PAIRS + 2 * VF_N], cell[BLOCK_PAIRS + 2 * VF_N];
-    uint64_t met, known; /* cells that are in pairs; of these the samples are there: */
-    float samples[BLOCK_CELLS][8];
+    uint32_t ray[RAY_CELLS_ROOM], cell[RAY_CELLS_ROOM];
+    uint64_t met;   /* cells of the ray-cells that wait; */
+    uint64_t known; /* of the block, those whose samples are there */
+    _Alignas(32) float samples[64][8];
 } block_cells;
 
 /* block_cells_begin() - of the block whose first cell in its level is `first`. */
@@ -38,32 +39,17 @@ SIMD void block_cells_begin(block_cells *b, const grid_rays *g, const level_plan
 }
 
 /* A cell's place along an axis, of one or of a vector. */
-#define BLOCK_PLACE(cell, axis) (((cell) >> (axis)&1) | ((cell) >> ((axis) + 2) & 2))
+#define MORTON_PLACE(cell, axis) (((cell) >> (axis)&1) | ((cell) >> ((axis) + 2) & 2))
 
 static inline void block_cell_at(const block_cells *b, uint32_t number, uint32_t cell[3]) {
     for (int a = 0; a < 3; a++)
-        cell[a] = b->first[a] + BLOCK_PLACE(number, a);
+        cell[a] = b->first[a] + MORTON_PLACE(number, a);
 }
 
-/* Cells, a bit each, in the order of rays that go back along some axes: the n-th of it is cell
- * n ^ block_flip() of the Morton order. */
-static inline unsigned block_flip(unsigned back) {
-    return back | back << 3;
-}
-static inline uint64_t block_in_order(uint64_t cells, unsigned back) {
-    static const uint64_t low[6] = {0x5555555555555555, 0x3333333333333333, 0x0f0f0f0f0f0f0f0f,
-                                    0x00ff00ff00ff00ff, 0x0000ffff0000ffff, 0x00000000ffffffff};
-    for (unsigned bit = 0; bit < 6; bit++)
-        if (block_flip(back) >> bit & 1u)
-            cells = (cells & low[bit]) << (1u << bit) | (cells >> (1u << bit) & low[bit]);
-    return cells;
-}
-
-/* Of the VF_N rays from `at` on those that meet a cell, a bit each: more than there are meet none.
- */
+/* Those of the rays that meet a cell, a bit each. */
 SIMD unsigned block_cell_met(const block_met *m, uint32_t number) {
-    const unsigned cell[3] = {BLOCK_PLACE(number, 0), BLOCK_PLACE(number, 1),
-                              BLOCK_PLACE(number, 2)};
+    const unsigned cell[3] = {MORTON_PLACE(number, 0), MORTON_PLACE(number, 1),
+                              MORTON_PLACE(number, 2)};
     return mf_bits(f_le(block_comes(m, cell), block_leaves(m, cell)));
 }
 
@@ -76,7 +62,7 @@ SIMD void block_cells_put(block_cells *b, uint32_t number, unsigned at, unsigned
     b->count += (unsigned)__builtin_popcount(rays);
 }
 
-/* Have the samples of all cells that are in pairs, and lanes behind the last one like the first. */
+/* Have the samples of all that wait, and lanes behind the last ray-cell like the first. */
 SIMD void block_cells_complete(block_cells *b, const walk_scene *scene) {
     for (uint64_t left = b->met & ~b->known; left; left &= left - 1) {
         const uint32_t number = (uint32_t)__builtin_ctzll(left);
@@ -89,13 +75,13 @@ SIMD void block_cells_complete(block_cells *b, const walk_scene *scene) {
     i_store(b->cell + b->count, i_set(b->cell[0]));
 }
 
-/* Which of the VF_N pairs from `from` on may cross any of the surfaces. */
+/* Which of the VF_N ray-cells from `from` on may cross any of the surfaces. */
 SIMD unsigned block_may_cross(const block_cells *b, const grid_rays *g, unsigned from,
                               const walk_scene *scene) {
     const vi cell = i_load(b->cell + from);
     vf lo[3], hi[3], inverse[3], s[8];
     for (int a = 0; a < 3; a++) {
-        const vi place = BLOCK_PLACE(cell, a);
+        const vi place = MORTON_PLACE(cell, a);
         lo[a] = f_look_up(b->planes.lo[a], place);
         hi[a] = f_look_up(b->planes.hi[a], place);
         inverse[a] = f_look_up(b->planes.inverse[a], place);

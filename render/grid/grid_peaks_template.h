@@ -7,7 +7,7 @@
 #ifdef SIMD_NAME
 
 #include "formats/base/heap.h"
-#include "render/grid/grid_block_rays_template.h"
+#include "render/grid/grid_block_planes_template.h"
 #include "render/grid/grid_block_template.h"
 #include "render/grid/grid_legs_template.h"
 #include "render/grid/grid_peak_cells_template.h"

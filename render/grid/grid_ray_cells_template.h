@@ -19,7 +19,7 @@ typedef struct ray_visits {
     vf e;
 } ray_visits;
 
-/* Of the rays with these places between planes of cells, a lane each, counted from the middle. */
+/* Of the rays at these places, a lane each, in cells between planes that count from the middle. */
 SIMD ray_visits ray_visits_of(const grid_rays *g, const uint32_t places[], const vf from[3],
                               const vf to[3], const vf inverse[3]) {
     ray_visits v = {.e = f_set(0.0f)};

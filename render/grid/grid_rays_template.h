@@ -32,8 +32,8 @@ typedef struct grid_legs {
     double per_d[RAY_BATCH][3];
 } grid_legs;
 
-/* Rays between planes, a column each. They meet near and far planes at (plane - near_o) reciprocal
- * and (plane - far_o) reciprocal: early and late enough, see widening(). */
+/* Rays between planes, until t1, by their places. They meet near and far planes at (plane - near_o)
+ * reciprocal and (plane - far_o) reciprocal: early and late enough, see widening(). */
 typedef struct ray_slabs {
     float near_o[3][RAY_BATCH], far_o[3][RAY_BATCH], reciprocal[3][RAY_BATCH], t1[RAY_BATCH];
 } ray_slabs;
@@ -186,7 +186,7 @@ SIMD node_planes node_planes_of(const grid_rays *g, const level_planes *planes,
 }
 
 /* Where the VF_N rays from `at` on come to slabs, `slabs` along each axis, between near and far
- * planes, and leave them; within what there is of the rays. */
+ * planes (3 times `slabs`, x first), and leave them; along z within what there is of the rays. */
 SIMD void slabs_meet(const ray_slabs *s, unsigned at, unsigned slabs, const float near[],
                      const float far[], vf comes[], vf leaves[]) {
     for (unsigned a = 0; a < 3; a++) {

@@ -1,8 +1,11 @@
-/* octant_order.h - the children of an octree's node front to back: those of a ray's directions, or
- * of the eye's place, come in the order first ^ 0, first ^ 1, ... first ^ 7.
+/* octant_order.h - the children of an octree's node, and the cells of a block, front to back: those
+ * of a ray's directions, or of the eye's place, come in the order first ^ 0, first ^ 1, ... first
+ * ^ 7.
  */
 #ifndef RENDER_GRID_OCTANT_ORDER_H
 #define RENDER_GRID_OCTANT_ORDER_H
+
+#include <stdint.h>
 
 /* octants_in_order() - a mask of octants o in order: o is bit o ^ first. */
 static inline unsigned octants_in_order(unsigned octants, unsigned first) {
@@ -15,6 +18,20 @@ static inline unsigned octants_in_order(unsigned octants, unsigned first) {
 /* octants_last() - the last one of such a mask, which is not 0. */
 static inline unsigned octants_last(unsigned order) {
     return 31u - (unsigned)__builtin_clz(order);
+}
+
+/* block_in_order() - likewise the 64 cells of a block, by their numbers in Morton order: cell n is
+ * bit n ^ block_flip(first). */
+static inline unsigned block_flip(unsigned first) {
+    return first | first << 3;
+}
+static inline uint64_t block_in_order(uint64_t cells, unsigned first) {
+    static const uint64_t low[6] = {0x5555555555555555, 0x3333333333333333, 0x0f0f0f0f0f0f0f0f,
+                                    0x00ff00ff00ff00ff, 0x0000ffff0000ffff, 0x00000000ffffffff};
+    for (unsigned bit = 0; bit < 6; bit++)
+        if (block_flip(first) >> bit & 1u)
+            cells = (cells & low[bit]) << (1u << bit) | (cells >> (1u << bit) & low[bit]);
+    return cells;
 }
 
 #endif

@@ -1,8 +1,9 @@
-/* grid_block_rays_template.h - rays of a batch and the cells of a block of 4^3: where rays come to
- * them, and leave them; included by the units of an ISA (see formats/base/simd.h).
+/* grid_block_planes_template.h - the planes between a block's cells, 4^3 of them: where rays of a
+ * batch come into the cells, and leave them; included by the units of an ISA (see
+ * formats/base/simd.h).
  */
-#ifndef RENDER_GRID_GRID_BLOCK_RAYS_TEMPLATE_H
-#define RENDER_GRID_GRID_BLOCK_RAYS_TEMPLATE_H
+#ifndef RENDER_GRID_GRID_BLOCK_PLANES_TEMPLATE_H
+#define RENDER_GRID_GRID_BLOCK_PLANES_TEMPLATE_H
 
 #include "formats/base/simd.h"
 
